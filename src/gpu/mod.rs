@@ -19,10 +19,10 @@ pub use common::timer::{StageTimer, StageTimes, TimerError};
 pub use deform::deformer::{DeformError, Deformer, DeformerOptions};
 pub use depth_map::{
     CubeMismatch, DanglingEdges, DepthEdges, DepthMap, DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle,
-    DepthMapCasters, DepthMapCastersError, DepthMapCastersFrame, DepthMapCastersOptions, DepthMapCube,
-    DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapFrame, DepthMapMerge, DepthMapOptions,
-    DepthMapPipelines, DepthMapPipelinesError, DepthMapReconstruction, DepthMapVolumes, DepthMapVolumesError,
-    MeshDepth, MeshDepthError,
+    DepthMapCasterVolumes, DepthMapCasters, DepthMapCastersError, DepthMapCastersFrame, DepthMapCastersOptions,
+    DepthMapCube, DepthMapCubeCaster, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapFrame,
+    DepthMapMerge, DepthMapOptions, DepthMapPipelines, DepthMapPipelinesError, DepthMapReconstruction, DepthMapVolumes,
+    DepthMapVolumesError, MeshDepth, MeshDepthError,
 };
 pub use extract::errors::{
     ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, StaleExtraction,

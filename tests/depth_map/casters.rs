@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3};
 use rimline::gpu::{
     DepthMap, DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle, DepthMapCasters, DepthMapCastersFrame,
-    DepthMapCastersOptions, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, LightHandle, Scene, SceneOptions,
-    ShadowFormat,
+    DepthMapCastersOptions, DepthMapCube, DepthMapCubeCaster, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
+    LightHandle, Scene, SceneOptions, ShadowFormat,
 };
 use rimline::{Cone, DepthDirection, Light, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -25,6 +25,7 @@ pub(crate) const TESTS: &[Test] =
 
 pub(crate) const SIDE: u32 = 32;
 pub(crate) const SIZE: [u32; 2] = [9, 7];
+const CUBE_SIDE: u32 = 5;
 const NOTHING: DepthMapCastersOptions =
     DepthMapCastersOptions { keep_cells: false, skip_unreached: false, skip_unseen: false, skip_hidden: false };
 
@@ -36,11 +37,26 @@ pub(crate) struct Cast {
     pub(crate) handles: [DepthMapCasterHandle; 2],
 }
 
+/// Six maps around a light, some of which may not be there, with what is in their textures.
+struct CubeCast {
+    textures: [Option<wgpu::Texture>; 6],
+    caster: DepthMapCubeCaster,
+    handles: [DepthMapCasterHandle; 2],
+}
+
 /// A light of the scene, and the camera of its maps.
 pub(crate) struct Lamp {
     pub(crate) handle: LightHandle,
     light: Light,
     camera: ShadowCamera,
+}
+
+impl Lamp {
+    /// The cameras of six maps around it, or about where the light would be if it were not at infinity.
+    fn cube(&self) -> [ShadowCamera; 6] {
+        let place = DVec3::from_array(self.light.xyz.map(f64::from)) / f64::from(self.light.w.max(0.2));
+        DepthMapCube::cameras(place.as_vec3().to_array(), 0.5, Some(40.0), DepthDirection::Reversed, CUBE_SIDE)
+    }
 }
 
 /// What an eye sees at each pixel, and the depths there.
@@ -58,14 +74,15 @@ pub(crate) struct World<'a> {
     pub(crate) casters: [DepthMapCasters; 2],
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) casts: Vec<Cast>,
+    cubes: Vec<CubeCast>,
     version: u64,
 }
 
-fn contents(random: &mut Random, camera: &ShadowCamera) -> Vec<f32> {
+fn contents(random: &mut Random, camera: &ShadowCamera, size: [u32; 2]) -> Vec<f32> {
     let map = map(random, camera);
     let texel =
-        |at: u32| map.depths[((at / SIZE[0] % map.size[1]) * map.size[0] + at % SIZE[0] % map.size[0]) as usize];
-    Map::new(SIZE, map.is_reversed, texel).depths
+        |at: u32| map.depths[((at / size[0] % map.size[1]) * map.size[0] + at % size[0] % map.size[0]) as usize];
+    Map::new(size, map.is_reversed, texel).depths
 }
 
 fn lamp_light(random: &mut Random) -> (Light, ShadowCamera) {
@@ -113,6 +130,12 @@ fn look(random: &mut Random) -> Seen {
     Seen { eye, places, depths, bounds }
 }
 
+fn write(gpu: &Gpu, texture: &wgpu::Texture, depths: &[f32]) {
+    let bytes_per_row = Some(4 * texture.width());
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
+    gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(depths), layout, texture.size());
+}
+
 impl<'a> World<'a> {
     fn new(gpu: &'a Gpu) -> Result<Self, String> {
         let format = ShadowFormat { count_bits: 7, ..Default::default() };
@@ -121,7 +144,7 @@ impl<'a> World<'a> {
         let scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
         let casters = [DepthMapCastersOptions::default(), NOTHING].map(|options| DepthMapCasters::new(&scene, options));
         let pipelines = [parity, counting];
-        Ok(Self { gpu, pipelines, scene, casters, lamps: Vec::new(), casts: Vec::new(), version: 0 })
+        Ok(Self { gpu, pipelines, scene, casters, lamps: Vec::new(), casts: Vec::new(), cubes: Vec::new(), version: 0 })
     }
 
     pub(crate) fn volumes(&self) -> Result<DepthMapVolumes, String> {
@@ -138,7 +161,7 @@ impl<'a> World<'a> {
 
     fn add_cast(&mut self, random: &mut Random, lamp: usize) -> Result<(), String> {
         let Lamp { handle, camera, .. } = self.lamps[lamp];
-        let texture = texture(self.gpu, SIZE, TextureFormat::R32Float, &contents(random, &camera))?;
+        let texture = texture(self.gpu, SIZE, TextureFormat::R32Float, &contents(random, &camera, SIZE))?;
         let version = (random.below(4) > 0).then_some(self.version);
         let caster = DepthMapCaster { light: handle, texture: depth_view(&texture), objects: None, camera, version };
         let volumes = [self.volumes()?, self.volumes()?];
@@ -153,17 +176,89 @@ impl<'a> World<'a> {
     /// Other depths in the texture of a map.
     fn rewrite(&mut self, random: &mut Random, cast: usize, is_told: bool) -> Result<(), String> {
         let Cast { texture, caster, handles } = &mut self.casts[cast];
-        let depths = contents(random, &caster.camera);
-        let bytes = Some(4 * SIZE[0]);
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: bytes, rows_per_image: None };
-        let copy = texture.as_image_copy();
-        self.gpu.queue.write_texture(copy, bytemuck::cast_slice(&depths), layout, texture.size());
+        write(self.gpu, texture, &contents(random, &caster.camera, SIZE));
         self.version += 1;
         if is_told && caster.version.is_some() {
             caster.version = Some(self.version);
             for (casters, handle) in self.casters.iter_mut().zip(handles) {
                 casters.set_version(*handle, caster.version).map_err(text)?;
             }
+        }
+        Ok(())
+    }
+
+    fn cube(&self) -> Result<DepthMapCube, String> {
+        let options = DepthMapOptions { slope_bias: 0.0, ..Default::default() };
+        // Any that meet: a caster has its own.
+        let cameras = DepthMapCube::cameras([0.0; 3], 1.0, None, DepthDirection::Reversed, CUBE_SIDE);
+        DepthMapCube::new(&self.pipelines[0], CUBE_SIDE, &cameras, options).map_err(text)
+    }
+
+    fn add_cube(&mut self, random: &mut Random, lamp: usize) -> Result<(), String> {
+        let (light, cameras) = (self.lamps[lamp].handle, self.lamps[lamp].cube());
+        let mut textures = [const { None }; 6];
+        for (own, camera) in textures.iter_mut().zip(&cameras) {
+            if random.below(4) > 0 {
+                let depths = contents(random, camera, [CUBE_SIDE; 2]);
+                *own = Some(texture(self.gpu, [CUBE_SIDE; 2], TextureFormat::R32Float, &depths)?);
+            }
+        }
+        let version = (random.below(4) > 0).then_some(self.version);
+        let views = textures.each_ref().map(|texture| texture.as_ref().map(depth_view));
+        let caster = DepthMapCubeCaster { light, textures: views, objects: [const { None }; 6], cameras, version };
+        let cubes = [self.cube()?, self.cube()?];
+        let mut handles = Vec::new();
+        for (casters, cube) in self.casters.iter_mut().zip(cubes) {
+            handles.push(casters.insert_cube(cube, caster.clone()).map_err(text)?);
+        }
+        self.cubes.push(CubeCast { textures, caster, handles: [handles[0], handles[1]] });
+        Ok(())
+    }
+
+    /// Other depths in the textures of six maps.
+    fn rewrite_cube(&mut self, random: &mut Random, cube: usize) -> Result<(), String> {
+        let CubeCast { textures, caster, handles } = &mut self.cubes[cube];
+        for (texture, camera) in textures.iter().zip(&caster.cameras) {
+            if let Some(texture) = texture {
+                write(self.gpu, texture, &contents(random, camera, [CUBE_SIDE; 2]));
+            }
+        }
+        self.version += 1;
+        caster.version = caster.version.map(|_| self.version);
+        for (casters, handle) in self.casters.iter_mut().zip(handles) {
+            casters.set_version(*handle, caster.version).map_err(text)?;
+        }
+        Ok(())
+    }
+
+    /// One change at random of six maps.
+    fn change_cubes(&mut self, random: &mut Random) -> Result<(), String> {
+        let [cube, lamp] = [random.below(self.cubes.len().max(1)), random.below(self.lamps.len())];
+        match random.below(6) {
+            0 | 1 if !self.cubes.is_empty() => self.rewrite_cube(random, cube)?,
+            2 if !self.cubes.is_empty() => {
+                let CubeCast { handles, .. } = self.cubes.swap_remove(cube);
+                for (casters, handle) in self.casters.iter_mut().zip(handles) {
+                    casters.remove(handle).map_err(text)?;
+                }
+            }
+            3 if self.cubes.len() < 3 => self.add_cube(random, lamp)?,
+            4 if !self.cubes.is_empty() => {
+                // A map comes or goes, and the version stays.
+                let own = &mut self.cubes[cube];
+                let face = random.below(6);
+                let (camera, size) = (own.caster.cameras[face], [CUBE_SIDE; 2]);
+                own.textures[face] = if own.textures[face].is_some() {
+                    None
+                } else {
+                    Some(texture(self.gpu, size, TextureFormat::R32Float, &contents(random, &camera, size))?)
+                };
+                own.caster.textures[face] = own.textures[face].as_ref().map(depth_view);
+                for (casters, handle) in self.casters.iter_mut().zip(own.handles) {
+                    casters.set_cube(handle, own.caster.clone()).map_err(text)?;
+                }
+            }
+            _ => {}
         }
         Ok(())
     }
@@ -188,6 +283,13 @@ impl<'a> World<'a> {
                             casters.set(*handle, caster.clone()).map_err(text)?;
                         }
                         self.rewrite(random, cast, true)?;
+                    }
+                }
+                let cameras = self.lamps[lamp].cube();
+                for cube in self.cubes.iter_mut().filter(|cube| cube.caster.light == handle) {
+                    cube.caster.cameras = cameras;
+                    for (casters, handle) in self.casters.iter_mut().zip(cube.handles) {
+                        casters.set_cube(handle, cube.caster.clone()).map_err(text)?;
                     }
                 }
             }
@@ -221,6 +323,12 @@ impl<'a> World<'a> {
         })
     }
 
+    /// How many cubes, and single maps, a light has.
+    fn casters_of(&self, lamp: &Lamp) -> [usize; 2] {
+        let cubes = self.cubes.iter().filter(|cube| cube.caster.light == lamp.handle).count();
+        [cubes, self.casts.iter().filter(|cast| cast.caster.light == lamp.handle).count()]
+    }
+
     /// The pictures of a light: kept and skipped, neither, and each map by hand.
     fn pictures(
         &self,
@@ -229,7 +337,8 @@ impl<'a> World<'a> {
         lamp: &Lamp,
     ) -> Result<[Vec<u8>; 3], String> {
         let own: Vec<_> = self.casts.iter().filter(|cast| cast.caster.light == lamp.handle).collect();
-        let pipelines = &self.pipelines[usize::from(own.len() > 1)];
+        let cubes: Vec<_> = self.cubes.iter().filter(|cube| cube.caster.light == lamp.handle).collect();
+        let pipelines = &self.pipelines[usize::from(own.len() + cubes.len() > 1)];
         let target = (SIDE, &seen.depths[..]);
         let drawn = |frame: &DepthMapCastersFrame| {
             stencil_after(self.gpu, target, |_| {
@@ -241,6 +350,12 @@ impl<'a> World<'a> {
             for Cast { caster, .. } in &own {
                 let map = DepthMap { texture: &caster.texture, light: caster.camera };
                 frames.push(self.volumes()?.encode(encoder, &map, &seen.eye, None).map_err(text)?);
+            }
+            for CubeCast { caster, .. } in &cubes {
+                let mut cube = self.cube()?;
+                cube.set_cameras(&caster.cameras).map_err(text)?;
+                let maps = caster.textures.each_ref().map(Option::as_ref);
+                frames.push(cube.encode(encoder, maps, &seen.eye, None).map_err(text)?);
             }
             Ok(move |pass: &mut wgpu::RenderPass<'_>| {
                 frames.iter().try_for_each(|frame| frame.draw(pass, pipelines).map_err(text))
@@ -270,8 +385,9 @@ fn compare(what: &str, found: &[u8], expected: &[u8], seen: &Seen, light: &Light
 /// Maps change, versions rise, lights move, casters and lights come and go, encoders are dropped.
 fn histories() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let (mut dark, mut noticed, mut counts) = (0, 0, DepthMapCasterCounts::default());
-    for seed in 0..if is_long() { 40 } else { 4 } {
+    let (mut dark, mut of_cubes, mut noticed) = (0, 0, 0);
+    let mut counts = DepthMapCasterCounts::default();
+    for seed in 0..if is_long() { 40 } else { 8 } {
         println!("seed {}", 1680 + seed);
         let mut random = Random::new(1680 + seed);
         let mut world = World::new(gpu)?;
@@ -279,9 +395,11 @@ fn histories() -> Result<(), String> {
             world.add_lamp(&mut random)?;
             world.add_cast(&mut random, lamp)?;
         }
+        world.add_cube(&mut random, 1)?;
         let mut eyes = [look(&mut random), look(&mut random)];
         for step in 0..12 {
             world.change(&mut random)?;
+            world.change_cubes(&mut random)?;
             if random.below(2) == 0 {
                 eyes = [look(&mut random), look(&mut random)];
             }
@@ -314,7 +432,10 @@ fn histories() -> Result<(), String> {
                 for lamp in &world.lamps {
                     let [kept, anew, by_hand] = world.pictures(&frames, (view, seen), lamp)?;
                     let what = format!("seed {}, step {step}, view {view}", 1680 + seed);
-                    dark += compare(&format!("{what}, switched off"), &anew, &by_hand, seen, &lamp.light)?;
+                    let found = compare(&format!("{what}, switched off"), &anew, &by_hand, seen, &lamp.light)?;
+                    let [cubes, maps] = world.casters_of(lamp);
+                    dark += found;
+                    of_cubes += if cubes > 0 && maps == 0 { found } else { 0 };
                     let outcome = compare(&what, &kept, &by_hand, seen, &lamp.light);
                     if is_secret {
                         noticed += usize::from(outcome.is_err());
@@ -328,10 +449,12 @@ fn histories() -> Result<(), String> {
             }
         }
     }
-    println!("{dark} dark pixels, {noticed} pictures with cells of other maps, {counts:?}");
+    println!(
+        "{dark} dark pixels, {of_cubes} of them of cubes alone, {noticed} pictures with cells of other maps, {counts:?}"
+    );
     let unseen = counts.skipped - counts.unlit - counts.unreached;
     let least = [counts.encoded, counts.kept, unseen, counts.unlit, counts.unreached].into_iter().min();
-    if dark < 2000 || least < Some(5) {
+    if dark < 2000 || of_cubes < 500 || least < Some(5) {
         return Err("too few of a kind".to_owned());
     }
     // Negative control: a map that changed, and a version that did not.
@@ -420,12 +543,15 @@ fn kept() -> Result<(), String> {
     same("set", &steps, &[found, found, found, again])?;
     world.casters[0].set(handle, world.casts[0].caster.clone()).map_err(text)?;
     world.casters[0].set_version(handle, None).map_err(text)?;
-    // A box beside the shadow, and one in it.
-    let [mut beside, mut within] = [[[7.0, 0.0, 7.0], [9.0, 1.0, 9.0]], [[0.0; 3], [1.0; 3]]].map(|bounds| {
+    // A box beside the shadow, one in it, and one in it that the light does not reach.
+    let deep = [[-1.0, -40.0, -1.0], [1.0, -30.0, 1.0]];
+    let boxes = [[[7.0, 0.0, 7.0], [9.0, 1.0, 9.0]], [[0.0; 3], [1.0; 3]], deep];
+    let [mut beside, mut within, deep] = boxes.map(|bounds| {
         let Seen { eye, places, depths, .. } = &seen[0];
         [Seen { eye: *eye, places: places.clone(), depths: depths.clone(), bounds: Some(bounds) }]
     });
-    same("boxes", &[encode(&mut world, &beside)?, encode(&mut world, &within)?], &[skipped, found])?;
+    let steps = [encode(&mut world, &beside)?, encode(&mut world, &within)?, encode(&mut world, &deep)?];
+    same("boxes", &steps, &[skipped, found, skipped])?;
     // Negative control: shadows outside of the box are missed.
     let (light, lamp) = (world.lamps[0].light, 0);
     for (of, is_skipped) in [(&mut beside, true), (&mut within, false)] {

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 use rimline::gpu::{
-    DepthMapCaster, DepthMapCasterHandle, DepthMapCastersError, DepthMapDrawError, DepthMapEncodeError,
-    DepthMapOptions, DepthMapPipelines, DepthMapVolumes, DeviceError, SceneFrame, ShadowFormat,
+    DepthMapCaster, DepthMapCasterHandle, DepthMapCasterVolumes, DepthMapCastersError, DepthMapCube,
+    DepthMapCubeCaster, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapOptions, DepthMapPipelines,
+    DepthMapVolumes, DeviceError, SceneFrame, ShadowFormat,
 };
 use rimline::{CameraError, DepthDirection, Light, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -65,7 +66,80 @@ fn refused() -> Result<(), String> {
         Some(Error::Stale),
     ];
     same("changes", &found, &expected)?;
+    cubes_refused(&mut world, own)?;
     encodes_and_draws_refused((&mut world, &mut other), (seen.eye, singular), own)
+}
+
+fn cubes_refused(world: &mut World<'_>, own: DepthMapCasterHandle) -> Result<(), String> {
+    use DepthMapCastersError as Error;
+    let gpu = world.gpu;
+    let side = 4;
+    let texture = |size: [u32; 2], format| {
+        texture(gpu, size, format, &vec![0.0; (size[0] * size[1]) as usize]).map(|texture| depth_view(&texture))
+    };
+    let (map, small) = (texture([side; 2], TextureFormat::R32Float)?, texture([3; 2], TextureFormat::R32Float)?);
+    let cameras = |side| DepthMapCube::cameras([0.0, 8.0, 0.0], 0.1, None, DepthDirection::Reversed, side);
+    let cube = |objects| {
+        let options = DepthMapOptions { objects, ..Default::default() };
+        DepthMapCube::new(&world.pipelines[0], side, &cameras(side), options).map_err(text)
+    };
+    let caster = DepthMapCubeCaster {
+        light: world.lamps[0].handle,
+        textures: [0; 6].map(|_| Some(map.clone())),
+        objects: [const { None }; 6],
+        cameras: cameras(side),
+        version: Some(1),
+    };
+    let wrong = |view: &wgpu::TextureView| {
+        let mut textures = caster.textures.clone();
+        textures[4] = Some(view.clone());
+        DepthMapCubeCaster { textures, ..caster.clone() }
+    };
+    let objects = [0; 6].map(|_| Some(map.clone()));
+    let apart = DepthMapCubeCaster { cameras: cameras(9), ..caster.clone() };
+    let [plain, of_objects, another] = [cube(false)?, cube(true)?, cube(false)?];
+    let first = world.casts[0].caster.clone();
+    let casters = &mut world.casters[0];
+    let no_objects = casters.insert_cube(of_objects, caster.clone()).err();
+    let refused = casters.insert_cube(another, apart.clone()).err();
+    let there = casters.insert_cube(plain, caster.clone()).map_err(text)?;
+    let meeting = cube_error(&world.pipelines[0], &apart.cameras, side)?;
+    let found = [
+        no_objects,
+        refused,
+        casters.set(there, first).err(),
+        casters.set_cube(own, caster.clone()).err(),
+        casters.set_cube(there, wrong(&small)).err(),
+        casters.set_cube(there, DepthMapCubeCaster { objects, ..caster.clone() }).err(),
+        casters.set_cube(there, apart).err(),
+        casters.set_cube(there, caster).err(),
+    ];
+    let map = |error| Some(Error::Refused(error));
+    let expected = [
+        map(DepthMapEncodeError::NoObjects),
+        Some(Error::Cube(meeting.clone())),
+        Some(Error::Kind { own: "six maps", with: "set_cube" }),
+        Some(Error::Kind { own: "one map", with: "set" }),
+        map(DepthMapEncodeError::Size { given: [3; 2], made: [side; 2] }),
+        map(DepthMapEncodeError::UnusedObjects),
+        Some(Error::Cube(meeting)),
+        None,
+    ];
+    same("cubes", &found, &expected)?;
+    match casters.remove(there).map_err(text)? {
+        DepthMapCasterVolumes::Cube(_) => Ok(()),
+        DepthMapCasterVolumes::Map(_) => Err("the volumes of one map".to_owned()),
+    }
+}
+
+/// Why six cameras make no cube.
+fn cube_error(
+    pipelines: &DepthMapPipelines,
+    cameras: &[ShadowCamera; 6],
+    side: u32,
+) -> Result<DepthMapCubeError, String> {
+    let made = DepthMapCube::new(pipelines, side, cameras, DepthMapOptions::default());
+    made.err().ok_or_else(|| "maps that do not meet were taken".to_owned())
 }
 
 fn encodes_and_draws_refused(

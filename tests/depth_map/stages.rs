@@ -331,7 +331,7 @@ fn detectors() -> Result<(), String> {
             DepthEdges::Outlines,
         ][round % 6];
         let is_second = matches!(edges, DepthEdges::Automatic | DepthEdges::SecondDifferences { .. });
-        for map in further(&mut random).into_iter().chain(maps(&mut random)) {
+        for (number, map) in further(&mut random).into_iter().chain(maps(&mut random)).enumerate() {
             let format = if round < 6 { TextureFormat::R32Float } else { FORMATS[random.below(FORMATS.len())] };
             let clamped = |depth: &f32| if depth.is_nan() { 0.5 } else { depth.clamp(0.0, 1.0) };
             let is_plain = format == TextureFormat::R32Float;
@@ -347,7 +347,8 @@ fn detectors() -> Result<(), String> {
                 dangling: (!is_second || random.below(2) == 0).then_some(dangling),
                 capacity: (random.below(4) == 0).then(|| random.below(30) as u32),
                 bits: 1 + random.below(2) as u32,
-                reconstruction: [DepthMapReconstruction::Triangles, DepthMapReconstruction::FixedMesh][random.below(2)],
+                reconstruction: [DepthMapReconstruction::Triangles, DepthMapReconstruction::FixedMesh]
+                    [(round + number) % 2],
                 ..Default::default()
             };
             let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;

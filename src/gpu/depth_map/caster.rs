@@ -2,10 +2,12 @@
 
 use slotmap::DefaultKey;
 
+use super::cube::DepthMapCube;
+use super::volumes::DepthMapVolumes;
 use crate::ShadowCamera;
 use crate::gpu::scene::handles::{LightHandle, SceneId};
 
-/// A depth map that casts in a scene. What it casts are volumes, [`DepthMapVolumes`](crate::gpu::DepthMapVolumes).
+/// A depth map that casts in a scene. What it casts are volumes, [`DepthMapVolumes`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthMapCaster {
     /// The light of the scene that sees the map.
@@ -22,13 +24,40 @@ pub struct DepthMapCaster {
     pub version: Option<u64>,
 }
 
+/// Six depth maps that cast in a scene. What they cast are volumes, [`DepthMapCube`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct DepthMapCubeCaster {
+    /// The light of the scene that sees the maps.
+    pub light: LightHandle,
+    /// The maps that are there, as for [`DepthMapCube::encode`], in the order of the cameras.
+    pub textures: [Option<wgpu::TextureView>; 6],
+    /// The objects, with [`DepthMapOptions::objects`](crate::gpu::DepthMapOptions::objects): as for [`DepthMapCube::encode_objects`].
+    /// Else `None` for each.
+    pub objects: [Option<wgpu::TextureView>; 6],
+    /// The cameras that the maps were made with, at the light, as for [`DepthMapCube::set_cameras`]. They move with the light: nothing
+    /// moves them by itself.
+    pub cameras: [ShadowCamera; 6],
+    /// As [`DepthMapCaster::version`], for all maps.
+    pub version: Option<u64>,
+}
+
+/// The volumes of a caster that was removed.
+#[derive(Debug)]
+pub enum DepthMapCasterVolumes {
+    /// Those of one map.
+    Map(Box<DepthMapVolumes>),
+    /// Those of six.
+    Cube(Box<DepthMapCube>),
+}
+
 /// What [`DepthMapCasters`](crate::gpu::DepthMapCasters) leave out. No switch changes a shadow that is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub struct DepthMapCastersOptions {
     /// Keep the cells of a map while its version says that it is the same.
     pub keep_cells: bool,
-    /// Skip a map all of whose shadow is beyond the range of its light or outside its cone.
+    /// Skip a map all of whose shadow is beyond the range of its light or outside its cone. Skip it for a camera all of whose view,
+    /// or box of what receives, is.
     pub skip_unreached: bool,
     /// Skip a map for a camera that cannot see its shadow.
     pub skip_unseen: bool,

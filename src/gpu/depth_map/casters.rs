@@ -5,24 +5,26 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use slotmap::{DefaultKey, SlotMap};
 
-use super::caster::{DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle, DepthMapCastersOptions};
+use super::cast::Cast;
+use super::caster::{
+    DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle, DepthMapCasterVolumes, DepthMapCastersOptions,
+    DepthMapCubeCaster,
+};
 use super::casters_errors::DepthMapCastersError;
 use super::casters_frame::{DepthMapCastersFrame, DrawnCaster};
 use super::convex::Convex;
-use super::jitter::jitters;
-use super::recording::{Eye, Planned};
-use super::texture::{check_objects, check_texture};
+use super::cube::DepthMapCube;
+use super::recording::Planned;
 use super::volumes::DepthMapVolumes;
 use crate::gpu::common::requirements::{check_alive, check_same, check_timer};
 use crate::gpu::common::timer::StageTimer;
-use crate::gpu::scene::handles::SceneId;
+use crate::gpu::scene::handles::{LightHandle, SceneId};
 use crate::gpu::{Scene, SceneFrame};
 use crate::{Light, ShadowCamera};
 
 #[derive(Debug)]
 struct Entry {
-    volumes: DepthMapVolumes,
-    caster: DepthMapCaster,
+    cast: Cast,
     kept: Option<Kept>,
 }
 
@@ -54,7 +56,7 @@ impl Drop for Submission {
     }
 }
 
-/// Casters of a [`Scene`] that have no mesh: depth maps of its lights. They are encoded after the scene and drawn beside its
+/// Casters of a [`Scene`] that have no mesh: depth maps of its lights, one or six around it. They are encoded after the scene and drawn beside its
 /// frame, into the same stencil.
 ///
 /// The cells of a map that did not change are kept, and maps are skipped that cannot darken what is seen. All of this is decided
@@ -116,26 +118,60 @@ impl DepthMapCasters {
         volumes: DepthMapVolumes,
         caster: DepthMapCaster,
     ) -> Result<DepthMapCasterHandle, DepthMapCastersError> {
-        check_same(["the volumes", "the scene"], [volumes.shared.device(), &self.device])?;
-        self.check(&volumes, &caster)?;
-        let key = self.casters.insert(Entry { volumes, caster, kept: None });
+        self.insert_cast(Cast::Map(Box::new(volumes), caster))
+    }
+
+    /// Adds six maps around a light. Their volumes take the cameras of `caster`.
+    ///
+    /// # Errors
+    /// [`DepthMapCastersError`], as for [`Self::insert`], or if the maps of the cameras do not meet.
+    pub fn insert_cube(
+        &mut self,
+        cube: DepthMapCube,
+        caster: DepthMapCubeCaster,
+    ) -> Result<DepthMapCasterHandle, DepthMapCastersError> {
+        self.insert_cast(Cast::Cube(Box::new(cube), Box::new(caster)))
+    }
+
+    fn insert_cast(&mut self, mut cast: Cast) -> Result<DepthMapCasterHandle, DepthMapCastersError> {
+        check_same(["the volumes", "the scene"], [cast.device(), &self.device])?;
+        self.check_light(cast.light())?;
+        cast.begin()?;
+        let key = self.casters.insert(Entry { cast, kept: None });
         Ok(DepthMapCasterHandle { casters: self.id, key })
     }
 
-    /// Changes what is cast. The handle stays. Cells are kept if nothing but the light differs.
+    /// Changes what one map casts. The handle stays. Cells are kept if nothing but the light differs.
     ///
     /// # Errors
     /// [`DepthMapCastersError`], as for [`Self::insert`], or of the handle. The caster stays as it was then.
     pub fn set(&mut self, handle: DepthMapCasterHandle, caster: DepthMapCaster) -> Result<(), DepthMapCastersError> {
+        self.change(handle, caster.light, |cast| cast.set_map(caster))
+    }
+
+    /// Changes what six maps cast, as [`Self::set`] does.
+    ///
+    /// # Errors
+    /// [`DepthMapCastersError`], as for [`Self::insert_cube`], or of the handle. The caster stays as it was then.
+    pub fn set_cube(
+        &mut self,
+        handle: DepthMapCasterHandle,
+        caster: DepthMapCubeCaster,
+    ) -> Result<(), DepthMapCastersError> {
+        self.change(handle, caster.light, |cast| cast.set_cube(caster))
+    }
+
+    fn change(
+        &mut self,
+        handle: DepthMapCasterHandle,
+        light: LightHandle,
+        change: impl FnOnce(&mut Cast) -> Result<bool, DepthMapCastersError>,
+    ) -> Result<(), DepthMapCastersError> {
         let key = self.key(handle)?;
-        let entry = self.casters.get(key).ok_or(DepthMapCastersError::Stale)?;
-        self.check(&entry.volumes, &caster)?;
-        if let Some(entry) = self.casters.get_mut(key) {
-            let of = |caster: &DepthMapCaster| (caster.texture.clone(), caster.objects.clone(), caster.camera);
-            if of(&entry.caster) != of(&caster) {
-                entry.kept = None;
-            }
-            entry.caster = caster;
+        self.check_light(light)?;
+        let entry = self.casters.get_mut(key).ok_or(DepthMapCastersError::Stale)?;
+        if !change(&mut entry.cast)? {
+            entry.kept = None;
         }
         Ok(())
     }
@@ -150,17 +186,17 @@ impl DepthMapCasters {
         version: Option<u64>,
     ) -> Result<(), DepthMapCastersError> {
         let key = self.key(handle)?;
-        self.casters.get_mut(key).ok_or(DepthMapCastersError::Stale)?.caster.version = version;
+        self.casters.get_mut(key).ok_or(DepthMapCastersError::Stale)?.cast.set_version(version);
         Ok(())
     }
 
-    /// Removes a map. Its volumes may be given to another.
+    /// Removes a caster. Its volumes may be given to another.
     ///
     /// # Errors
     /// [`DepthMapCastersError`] of the handle.
-    pub fn remove(&mut self, handle: DepthMapCasterHandle) -> Result<DepthMapVolumes, DepthMapCastersError> {
+    pub fn remove(&mut self, handle: DepthMapCasterHandle) -> Result<DepthMapCasterVolumes, DepthMapCastersError> {
         let key = self.key(handle)?;
-        self.casters.remove(key).map(|entry| entry.volumes).ok_or(DepthMapCastersError::Stale)
+        self.casters.remove(key).map(|entry| entry.cast.into_volumes()).ok_or(DepthMapCastersError::Stale)
     }
 
     /// Records what finds the cells of maps that are not kept or skipped. `frame` is the scene's, with the lights of this encode.
@@ -205,11 +241,11 @@ impl DepthMapCasters {
         let mut counts = DepthMapCasterCounts::default();
         let mut plans = Vec::new();
         for (key, entry) in &self.casters {
-            let light = frame.lights.iter().find(|(handle, _)| *handle == entry.caster.light);
+            let light = frame.lights.iter().find(|(handle, _)| *handle == entry.cast.light());
             let handle = DepthMapCasterHandle { casters: self.id, key };
             let planned = self.plan(entry, light.map(|(_, light)| light), (cameras, &seen), &mut counts);
             let refused = |(view, error)| {
-                let light = entry.caster.light;
+                let light = entry.cast.light();
                 DepthMapCastersError::Map { caster: handle, light, view, error }
             };
             let (plan, views) = planned.map_err(refused)?;
@@ -218,7 +254,7 @@ impl DepthMapCasters {
         let mut drawn = Vec::with_capacity(plans.len());
         let mut found = Vec::new();
         for (handle, plan, views) in plans {
-            let light = self.casters.get(handle.key).map(|entry| entry.caster.light);
+            let light = self.casters.get(handle.key).map(|entry| entry.cast.light());
             if plan.as_ref().is_some_and(Planned::is_listed_anew) {
                 found.push(handle.key);
             }
@@ -228,7 +264,7 @@ impl DepthMapCasters {
         }
         for key in found {
             if let Some(entry) = self.casters.get_mut(key) {
-                entry.kept = entry.caster.version.map(|version| Kept::of(encoder, version));
+                entry.kept = entry.cast.version().map(|version| Kept::of(encoder, version));
             }
         }
         Ok(DepthMapCastersFrame {
@@ -275,28 +311,21 @@ impl DepthMapCasters {
     /// Binds what a caster needs, and the numbers of the cameras that draw it. All is checked, even if it is skipped.
     fn plan<'a>(
         &self,
-        Entry { volumes, caster, kept }: &'a Entry,
+        Entry { cast, kept }: &'a Entry,
         light: Option<&Light>,
         (cameras, seen): (&'a [ShadowCamera], &[Vec<Convex>]),
         counts: &mut DepthMapCasterCounts,
     ) -> Result<(Option<Planned<'a>>, Vec<usize>), (usize, super::errors::DepthMapEncodeError)> {
-        let format = caster.texture.texture().format();
-        let size = volumes.shape.size;
-        let mut eyes: Vec<Eye<'_>> = Vec::new();
-        for (view, camera) in cameras.iter().enumerate() {
-            let of_bit = |jitter| volumes.view(&caster.camera, &[format], camera, 1.0, jitter).map(|view| vec![view]);
-            let views = jitters(volumes.bits).into_iter().map(of_bit).collect::<Result<Vec<_>, _>>();
-            eyes.push((camera, views.map_err(|error| (view, error))?));
-        }
-        // The border is half a texel outside, and may be moved by as much.
-        let shadow = Convex::frustum(&caster.camera, size.map(|texels| 2.0 / f64::from(texels)));
+        let eyes = cast.eyes(cameras)?;
+        let shadow = cast.shadow();
         let is_unlit = light.is_none();
-        let is_unreached = self.options.skip_unreached && light.is_some_and(|light| shadow.is_unlit(light));
-        let is_drawn = |view: usize| {
-            !is_unlit
-                && !is_unreached
-                && seen.get(view).is_some_and(|seen| !seen.iter().any(|seen| shadow.is_apart(seen)))
+        let lit = light.filter(|_| self.options.skip_unreached);
+        let is_unreached = lit.is_some_and(|light| shadow.iter().all(|part| part.is_unlit(light)));
+        let is_apart = |seen: &Convex| {
+            lit.is_some_and(|light| seen.is_unlit(light)) || shadow.iter().all(|part| part.is_apart(seen))
         };
+        let is_drawn =
+            |view: usize| !is_unlit && !is_unreached && seen.get(view).is_some_and(|seen| !seen.iter().any(is_apart));
         let views: Vec<_> = (0..eyes.len()).filter(|&view| is_drawn(view)).collect();
         let Some(&first) = views.first() else {
             counts.skipped += 1;
@@ -304,33 +333,18 @@ impl DepthMapCasters {
             counts.unreached += u32::from(is_unreached);
             return Ok((None, views));
         };
-        let is_kept = self.options.keep_cells && kept.as_ref().is_some_and(|kept| kept.is_of(caster.version));
+        let is_kept = self.options.keep_cells && kept.as_ref().is_some_and(|kept| kept.is_of(cast.version()));
         let eyes: Vec<_> = eyes.into_iter().enumerate().filter(|(view, _)| views.contains(view)).collect();
         let eyes: Vec<_> = eyes.into_iter().map(|(_, eye)| eye).collect();
-        let textures = [Some(&caster.texture), caster.objects.as_ref()];
-        let plan = volumes.plan(textures, (&caster.camera, &[format]), &eyes, !is_kept);
-        let plan = plan.map_err(|error| (first, error))?;
+        let plan = cast.plan(&eyes, !is_kept).map_err(|error| (first, error))?;
         counts.encoded += u32::from(!is_kept);
         counts.kept += u32::from(is_kept);
         counts.draws += views.len() as u32;
         Ok((Some(plan), views))
     }
 
-    fn check(&self, volumes: &DepthMapVolumes, caster: &DepthMapCaster) -> Result<(), DepthMapCastersError> {
-        use super::errors::DepthMapEncodeError::{Light, NoObjects, UnusedObjects};
-        if caster.light.scene != self.scene {
-            return Err(DepthMapCastersError::OtherScene { what: "light" });
-        }
-        check_texture(caster.texture.texture(), volumes.shape.size).map_err(DepthMapCastersError::Refused)?;
-        match (&caster.objects, volumes.shape.objects == 1) {
-            (None, true) => return Err(DepthMapCastersError::Refused(NoObjects)),
-            (Some(_), false) => return Err(DepthMapCastersError::Refused(UnusedObjects)),
-            (Some(objects), true) => {
-                check_objects(objects.texture(), volumes.shape.size).map_err(DepthMapCastersError::Refused)?;
-            }
-            (None, false) => {}
-        }
-        caster.camera.check().map_err(|error| DepthMapCastersError::Refused(Light(error)))
+    fn check_light(&self, light: LightHandle) -> Result<(), DepthMapCastersError> {
+        if light.scene == self.scene { Ok(()) } else { Err(DepthMapCastersError::OtherScene { what: "light" }) }
     }
 
     fn key(&self, handle: DepthMapCasterHandle) -> Result<DefaultKey, DepthMapCastersError> {

@@ -1,7 +1,7 @@
 //! Why depth maps cannot cast in a scene.
 
 use super::caster::DepthMapCasterHandle;
-use super::errors::{DepthMapDrawError, DepthMapEncodeError};
+use super::errors::{DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError};
 use crate::gpu::LightHandle;
 use crate::gpu::common::requirements::DeviceError;
 use crate::shadow::CameraError;
@@ -16,6 +16,17 @@ pub enum DepthMapCastersError {
     /// A texture, its objects or the camera of a map do not fit its volumes.
     #[error(transparent)]
     Refused(DepthMapEncodeError),
+    /// The cameras of six maps do not meet.
+    #[error(transparent)]
+    Cube(#[from] DepthMapCubeError),
+    /// The handle is of a caster with one map, or with six.
+    #[error("the handle is of a caster with {own}; use `{with}`")]
+    Kind {
+        /// What the caster has.
+        own: &'static str,
+        /// The function that changes it.
+        with: &'static str,
+    },
     /// A map cannot be encoded for a camera.
     #[error("a map of the light with bit {}, view {view}: {error}", light.bit())]
     Map {

@@ -54,6 +54,11 @@ impl Convex {
         Self { points: points.to_vec(), directions: directions.to_vec(), edges, normals }
     }
 
+    /// All that a map of `size` texels can darken. The far border is half a texel outside of the picture, and may be moved by as much.
+    pub(super) fn shadow(camera: &ShadowCamera, size: [u32; 2]) -> Self {
+        Self::frustum(camera, size.map(|texels| 2.0 / f64::from(texels)))
+    }
+
     /// A box by its lowest and its highest corner.
     pub(super) fn cuboid([low, high]: [[f32; 3]; 2]) -> Self {
         let [low, high] = [low, high].map(|corner| Vec3::from_array(corner).as_dvec3());
@@ -210,6 +215,46 @@ mod tests {
         }
         println!("{apart} apart, {met} with a common place, {unknown} without a proof");
         assert!(apart > 1000 && met > 500 && unknown < apart / 3);
+    }
+
+    #[test]
+    fn shadows_at_the_border_of_a_map_are_in_what_it_may_darken() {
+        println!("seed 1683");
+        let mut numbers = Numbers(1683);
+        let mut outside = 0;
+        for _ in 0..2000 {
+            let camera = numbers.camera();
+            let inverse = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse();
+            let size = [0; 2].map(|_: u32| (5.5 + 4.5 * numbers.next()) as u32 + 1);
+            // Texels across and down, from the middle of the picture's edge on: a sample within, and the far one half a texel outside.
+            let axis = usize::from(numbers.next() > 0.0);
+            let sign = if numbers.next() > 0.0 { 1.0 } else { -1.0 };
+            let texel = size.map(|texels| 2.0 / f64::from(texels));
+            let along = numbers.next();
+            // Several bits move both by less than half a texel.
+            let moved = [0; 2].map(|_: u32| 0.49 * numbers.next());
+            let ray = |outward: f64| {
+                let mut at = [along; 2];
+                at[axis] = sign * (1.0 + outward * texel[axis]);
+                let [x, y] = [0, 1].map(|axis| at[axis] + moved[axis] * texel[axis]);
+                let place = |depth: f64| {
+                    let at = inverse * DVec4::new(x, y, depth, 1.0);
+                    at.truncate() / at.w
+                };
+                let (near, next) = (place(1.0), place(0.9));
+                (near, (next - near).normalize())
+            };
+            let ((sample, direction), (_, far)) = (ray(-0.5), ray(0.5));
+            let vertex = sample + (1.0 + numbers.next()) * direction;
+            // On the triangle between them, and behind it.
+            let place = vertex + 40.0 * (1.0 + numbers.next()) * far + (1.0 + numbers.next()) * direction;
+            let corners = [-1e-3, 1e-3].map(|by| (place + by).as_vec3().to_array());
+            let there = Convex::cuboid(corners);
+            assert!(!Convex::shadow(&camera, size).is_apart(&there), "{camera:?} {size:?} {place}");
+            outside += u32::from(Convex::frustum(&camera, [0.0; 2]).is_apart(&there));
+        }
+        println!("{outside} outside of the picture");
+        assert!(outside > 200);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use super::frame::DepthMapFrame;
 use super::meeting::{cameras, check_meeting};
 use super::options::{DepthMapOptions, DepthMapReconstruction};
 use super::pipelines::DepthMapPipelines;
+use super::recording::{BoundStage, Eye, Planned};
 use super::texture::{check_objects, check_texture, written_texture};
 use super::volumes::DepthMapVolumes;
 use crate::ShadowCamera;
@@ -16,7 +17,7 @@ use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
-use crate::layout::DepthMapShape;
+use crate::layout::{DepthMapShape, DepthMapView};
 use crate::shadow::DepthDirection;
 use crate::stages::DEPTH_CUBE;
 
@@ -31,7 +32,7 @@ use crate::stages::DEPTH_CUBE;
 pub struct DepthMapCube {
     shared: Pipelines,
     stage: Pipeline,
-    volumes: DepthMapVolumes,
+    pub(super) volumes: DepthMapVolumes,
     cameras: [ShadowCamera; 6],
     shape: DepthMapShape,
     view: wgpu::TextureView,
@@ -166,12 +167,7 @@ impl DepthMapCube {
         if !self.has_objects {
             return Err(DepthMapEncodeError::UnusedObjects);
         }
-        if maps.iter().zip(objects).any(|(map, objects)| map.is_some() && objects.is_none()) {
-            return Err(DepthMapEncodeError::NoObjects);
-        }
-        for objects in objects.into_iter().flatten() {
-            check_objects(objects.texture(), self.shape.size)?;
-        }
+        self.check_objects(maps, objects)?;
         self.encode_maps(encoder, maps, objects, camera, timer)
     }
 
@@ -181,55 +177,99 @@ impl DepthMapCube {
         maps: [Option<&wgpu::TextureView>; 6],
         objects: [Option<&wgpu::TextureView>; 6],
         camera: &ShadowCamera,
-        mut timer: Option<&mut StageTimer>,
+        timer: Option<&mut StageTimer>,
     ) -> Result<DepthMapFrame, DepthMapEncodeError> {
-        let device = self.shared.device();
-        check_timer(timer.as_deref(), device)?;
+        check_timer(timer.as_deref(), self.shared.device())?;
+        let formats = self.formats(maps)?;
+        let views = self.views(&formats, camera)?;
+        check_alive(self.shared.device())?;
+        let planned = self.plan(maps, objects, &formats, &[(camera, views)], true)?;
+        let mut frames = planned.record(encoder, timer).into_iter();
+        frames.next().ok_or_else(|| DepthMapEncodeError::Refused { message: "no camera".to_owned() })
+    }
+
+    /// The formats of the maps. One that is not there has any.
+    pub(super) fn formats(
+        &self,
+        maps: [Option<&wgpu::TextureView>; 6],
+    ) -> Result<[wgpu::TextureFormat; 6], DepthMapEncodeError> {
         let mut formats = [wgpu::TextureFormat::R32Float; 6];
         for (map, format) in maps.iter().zip(&mut formats) {
             if let Some(map) = map {
                 *format = check_texture(map.texture(), self.shape.size)?;
             }
         }
-        // All maps move by the errors of the coarsest, because samples on their borders are shared.
-        let views = self.cameras.each_ref().map(|light| self.volumes.view(light, &formats, camera, 0.0, [0.0; 2]));
-        let views = views.into_iter().collect::<Result<Vec<_>, _>>()?;
-        check_alive(device)?;
-        let depth = self.cameras[0].depth;
-        let shape = DepthMapShape { is_reversed: u32::from(depth == DepthDirection::Reversed), ..self.shape };
+        Ok(formats)
+    }
+
+    /// Refuses objects that do not fit the maps.
+    pub(super) fn check_objects(
+        &self,
+        maps: [Option<&wgpu::TextureView>; 6],
+        objects: [Option<&wgpu::TextureView>; 6],
+    ) -> Result<(), DepthMapEncodeError> {
+        if !self.has_objects {
+            return if objects == [None; 6] { Ok(()) } else { Err(DepthMapEncodeError::UnusedObjects) };
+        }
+        if maps.iter().zip(objects).any(|(map, objects)| map.is_some() && objects.is_none()) {
+            return Err(DepthMapEncodeError::NoObjects);
+        }
+        objects.into_iter().flatten().try_for_each(|objects| check_objects(objects.texture(), self.shape.size))
+    }
+
+    /// The views of the maps for a camera, in the only bit. All move by the errors of the coarsest, because samples on their
+    /// borders are shared.
+    pub(super) fn views(
+        &self,
+        formats: &[wgpu::TextureFormat; 6],
+        camera: &ShadowCamera,
+    ) -> Result<Vec<Vec<DepthMapView>>, DepthMapEncodeError> {
+        let view = |light| self.volumes.view(light, formats, camera, 0.0, [0.0; 2]);
+        Ok(vec![self.cameras.iter().map(view).collect::<Result<_, _>>()?])
+    }
+
+    /// Binds the stages, unless the list of an encode before is drawn, and the draws for each camera.
+    pub(super) fn plan(
+        &self,
+        maps: [Option<&wgpu::TextureView>; 6],
+        objects: [Option<&wgpu::TextureView>; 6],
+        formats: &[wgpu::TextureFormat; 6],
+        eyes: &[Eye<'_>],
+        is_listed_anew: bool,
+    ) -> Result<Planned<'_>, DepthMapEncodeError> {
+        let textures = [Some(&self.view), self.has_objects.then_some(&self.objects)];
+        let planned = self.volumes.plan(textures, (&self.cameras[0], formats), eyes, is_listed_anew)?;
+        let one = is_listed_anew.then(|| self.bind_one(maps, objects)).transpose()?;
+        Ok(planned.after(one))
+    }
+
+    /// The stage that makes the maps one.
+    fn bind_one(
+        &self,
+        maps: [Option<&wgpu::TextureView>; 6],
+        objects: [Option<&wgpu::TextureView>; 6],
+    ) -> Result<BoundStage<'_>, DepthMapEncodeError> {
+        let device = self.shared.device();
+        let is_reversed = u32::from(self.cameras[0].depth == DepthDirection::Reversed);
+        let shape = DepthMapShape { is_reversed, ..self.shape };
         let bind = || {
             let uniform = filled(device, "depth map", bytemuck::bytes_of(&shape), wgpu::BufferUsages::UNIFORM);
-            let names = ["depth_texture", "texture_1", "texture_2", "texture_3", "texture_4", "texture_5"];
-            let texture = |map: Option<&'_ wgpu::TextureView>| map.cloned().unwrap_or_else(|| self.nothing.clone());
-            let textures = maps.map(texture);
+            let view = wgpu::BindingResource::TextureView;
             let mut resources = vec![("depth_map", entry::<DepthMapShape>(&uniform))];
-            let views = textures.iter().map(wgpu::BindingResource::TextureView);
-            resources.extend(names.into_iter().zip(views));
-            resources.push(("cube_texture", wgpu::BindingResource::TextureView(&self.view)));
+            let names = ["depth_texture", "texture_1", "texture_2", "texture_3", "texture_4", "texture_5"];
+            let maps = maps.map(|map| view(map.unwrap_or(&self.nothing)));
+            resources.extend(names.into_iter().zip(maps));
+            resources.push(("cube_texture", view(&self.view)));
             let names = ["objects_0", "objects_1", "objects_2", "objects_3", "objects_4", "objects_5"];
-            let views = objects.map(|objects| wgpu::BindingResource::TextureView(objects.unwrap_or(&self.no_objects)));
-            resources.extend(names.into_iter().zip(views));
-            resources.push(("cube_objects", wgpu::BindingResource::TextureView(&self.objects)));
+            let objects = objects.map(|objects| view(objects.unwrap_or(&self.no_objects)));
+            resources.extend(names.into_iter().zip(objects));
+            resources.push(("cube_objects", view(&self.objects)));
             self.stage.bind(device, &resources)
         };
         let group = any_error(device, bind).map_err(|message| DepthMapEncodeError::Refused { message })?;
-        {
-            let most = device.limits().max_compute_workgroups_per_dimension;
-            let rows = shape.blocks.div_ceil(most).min(most);
-            let timestamp_writes = timer.as_deref_mut().and_then(|timer| timer.compute_pass(self.stage.label));
-            let label = Some(self.stage.label);
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
-            pass.set_pipeline(&self.stage.compute);
-            pass.set_bind_group(0, &group, &[0]);
-            pass.dispatch_workgroups(shape.blocks.div_ceil(rows).min(most), rows, 1);
-        }
-        self.volumes.record(
-            encoder,
-            [Some(&self.view), self.has_objects.then_some(&self.objects)],
-            ([&self.cameras[0], camera], &formats),
-            vec![views],
-            timer,
-        )
+        let most = device.limits().max_compute_workgroups_per_dimension;
+        let rows = shape.blocks.div_ceil(most).min(most);
+        Ok((&self.stage, group, [shape.blocks.div_ceil(rows).min(most), rows]))
     }
 
     /// The listed cells, as [`DepthMapVolumes::cells`] has them. A map has (side − 1)² cells, and its cells follow those of the

@@ -1,5 +1,6 @@
 //! Volumes from depth maps: the boundary between light and shadow is rebuilt from what a light sees.
 
+mod cast;
 mod caster;
 mod casters;
 mod casters_errors;
@@ -22,7 +23,10 @@ mod texture;
 mod view;
 mod volumes;
 
-pub use caster::{DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle, DepthMapCastersOptions};
+pub use caster::{
+    DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle, DepthMapCasterVolumes, DepthMapCastersOptions,
+    DepthMapCubeCaster,
+};
 pub use casters::DepthMapCasters;
 pub use casters_errors::DepthMapCastersError;
 pub use casters_frame::DepthMapCastersFrame;

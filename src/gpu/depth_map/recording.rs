@@ -21,9 +21,14 @@ use crate::shadow::DepthDirection;
 /// A camera and, for each bit, the views of the maps as it sees them.
 pub(super) type Eye<'a> = (&'a ShadowCamera, Vec<Vec<DepthMapView>>);
 
+/// A stage that is bound, and its workgroups.
+pub(super) type BoundStage<'a> = (&'a Pipeline, wgpu::BindGroup, [u32; 2]);
+
 /// An encode that is bound, and not recorded yet.
 pub(super) struct Planned<'a> {
     volumes: &'a DepthMapVolumes,
+    /// What makes the texture that the stages read.
+    before: Option<BoundStage<'a>>,
     /// `None`: the list of an encode before is drawn.
     stages: Option<BoundStages<'a>>,
     /// A frame for each camera.
@@ -33,7 +38,7 @@ pub(super) struct Planned<'a> {
 /// The stages, and their workgroups.
 struct BoundStages<'a> {
     edges: Option<BoundEdges>,
-    stages: Vec<(&'a Pipeline, wgpu::BindGroup, [u32; 2])>,
+    stages: Vec<BoundStage<'a>>,
 }
 
 /// What stages and draws read of the map.
@@ -98,7 +103,7 @@ impl DepthMapVolumes {
             encodes: Arc::clone(&self.encodes),
         };
         let frames = draws.into_iter().zip(eyes).map(frame).collect();
-        Ok(Planned { volumes: self, stages, frames })
+        Ok(Planned { volumes: self, before: None, stages, frames })
     }
 
     /// What a contour's surfaces move by is the same for each camera.
@@ -172,7 +177,12 @@ impl DepthMapVolumes {
     }
 }
 
-impl Planned<'_> {
+impl<'a> Planned<'a> {
+    /// With a stage before those that are recorded.
+    pub(super) fn after(self, before: Option<BoundStage<'a>>) -> Self {
+        Self { before, ..self }
+    }
+
     /// Whether stages are recorded.
     pub(super) fn is_listed_anew(&self) -> bool {
         self.stages.is_some()
@@ -184,23 +194,32 @@ impl Planned<'_> {
         encoder: &mut wgpu::CommandEncoder,
         mut timer: Option<&mut StageTimer>,
     ) -> Vec<DepthMapFrame> {
-        let Self { volumes, stages, frames } = self;
+        let Self { volumes, before, stages, frames } = self;
         let Some(bound) = stages else { return frames };
+        // Each uniform begins at its buffer's start.
+        let dispatch = |encoder: &mut wgpu::CommandEncoder,
+                        (stage, group, [x, y]): &BoundStage<'_>,
+                        offsets: &[u32],
+                        timer: Option<&mut StageTimer>| {
+            let timestamp_writes = timer.and_then(|timer| timer.compute_pass(stage.label));
+            let label = Some(stage.label);
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
+            pass.set_pipeline(&stage.compute);
+            pass.set_bind_group(0, group, offsets);
+            pass.dispatch_workgroups(*x, *y, 1);
+        };
+        if let Some(before) = &before {
+            dispatch(encoder, before, &[0], timer.as_deref_mut());
+        }
         let mut own = 0;
         if let (Some(edges), Some(bound)) = (&volumes.edges, &bound.edges) {
             let most = volumes.shared.device().limits().max_compute_workgroups_per_dimension;
             edges.record(encoder, bound, most, timer.as_deref_mut());
             own = 1;
         }
-        for (stage, group, [x, y]) in bound.stages.iter().skip(own) {
-            let timestamp_writes = timer.as_deref_mut().and_then(|timer| timer.compute_pass(stage.label));
-            let label = Some(stage.label);
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
-            pass.set_pipeline(&stage.compute);
-            // Each uniform begins at its buffer's start.
-            let offsets = if volumes.contours.is_some() { &[0, 0][..] } else { &[0] };
-            pass.set_bind_group(0, group, offsets);
-            pass.dispatch_workgroups(*x, *y, 1);
+        let offsets = if volumes.contours.is_some() { &[0, 0][..] } else { &[0] };
+        for stage in bound.stages.iter().skip(own) {
+            dispatch(encoder, stage, offsets, timer.as_deref_mut());
         }
         volumes.encodes.fetch_add(1, Ordering::Relaxed);
         frames
