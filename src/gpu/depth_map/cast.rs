@@ -15,7 +15,7 @@ use crate::gpu::scene::handles::LightHandle;
 /// The volumes, and what casts.
 #[derive(Debug)]
 pub(super) enum Cast {
-    Map(Box<DepthMapVolumes>, DepthMapCaster),
+    Map(Box<DepthMapVolumes>, Box<DepthMapCaster>),
     Cube(Box<DepthMapCube>, Box<DepthMapCubeCaster>),
 }
 
@@ -79,7 +79,7 @@ impl Cast {
         check_map(volumes, &to)?;
         let of = |caster: &DepthMapCaster| (caster.texture.clone(), caster.objects.clone(), caster.camera);
         let is_same = of(caster) == of(&to);
-        *caster = to;
+        **caster = to;
         Ok(is_same)
     }
 

@@ -118,7 +118,7 @@ impl DepthMapCasters {
         volumes: DepthMapVolumes,
         caster: DepthMapCaster,
     ) -> Result<DepthMapCasterHandle, DepthMapCastersError> {
-        self.insert_cast(Cast::Map(Box::new(volumes), caster))
+        self.insert_cast(Cast::Map(Box::new(volumes), Box::new(caster)))
     }
 
     /// Adds six maps around a light. Their volumes take the cameras of `caster`.
