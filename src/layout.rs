@@ -600,6 +600,20 @@ shared_structs! {
         noise_exponents: u32,
     }
 
+    /// The samples of a depth map that the near rectangle of a camera is among.
+    struct DepthNearBox {
+        /// The first sample, on the lattice.
+        first: [u32; 2],
+        /// Samples across and down, 65,536 at most.
+        size: [u32; 2],
+        /// The key of what is behind all of the near rectangle.
+        key: u32,
+        /// The same as a distance from the near plane, in units of 2⁻²⁹ of the range of device depths.
+        distance: i32,
+        /// 0.
+        unused: [u32; 2],
+    }
+
     /// A depth map as a camera sees it. A place on the lattice is twice the distance from its middle.
     struct DepthMapView {
         /// Clip space for each step across.

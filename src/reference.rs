@@ -34,6 +34,26 @@ pub mod shadow {
     }
 }
 
+/// What is told of near caps of volumes from depth maps before the map is looked at.
+pub mod depth_map {
+    use crate::ShadowCamera;
+    use crate::gpu::depth_map::near::{NearReach, near_reach};
+    use crate::layout::DepthNearBox;
+
+    /// The samples that matter to the near rectangle of an eye with a depth format, if they decide about it. `lights` are the
+    /// cameras of one map of `size` texels, or of six.
+    pub fn near_box(
+        lights: &[ShadowCamera],
+        size: [u32; 2],
+        eye: (&ShadowCamera, wgpu::TextureFormat),
+    ) -> Option<DepthNearBox> {
+        match near_reach(lights, size, eye) {
+            NearReach::Samples(near) => Some(near),
+            NearReach::Lit | NearReach::Unknown => None,
+        }
+    }
+}
+
 /// Checks of lists of lights, and the number of their batches.
 pub mod light {
     pub use crate::light::{batches, check_lights, check_shadow_lights};
@@ -100,6 +120,7 @@ pub mod cpu {
     pub use crate::cpu::depth_map::depth_cube::{CubeSample, depth_cube, depth_cube_of_objects};
     pub use crate::cpu::depth_map::depth_edges::{EdgeDetector, depth_edges};
     pub use crate::cpu::depth_map::depth_merge::depth_merge;
+    pub use crate::cpu::depth_map::depth_near::{depth_near, depth_near_walls};
     pub use crate::cpu::depth_map::depth_surface::{depth_near_cap, depth_surface, is_behind};
     pub use crate::cpu::depth_map::depth_walls::depth_walls;
     pub use crate::cpu::depth_map::edge_code::{CELL_MASK, Cell, FIRST_TRIANGLE, SECOND_TRIANGLE, SPLIT, exceeds};

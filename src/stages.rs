@@ -522,6 +522,20 @@ pub const CONTOUR_WALLS: Stage = Stage {
     entry_points: &["contour_walls_take", "contour_walls_places"],
 };
 
+/// Tells whether the near rectangle of a camera may be in the shadow of a depth map.
+pub const DEPTH_NEAR: Stage = Stage {
+    name: "depth_near",
+    files: files!["depth_map/samples", "depth_map/near_box", "depth_map/depth_near"],
+    entry_points: &["depth_near"],
+};
+
+/// The same for surfaces that go on up to contours.
+pub const DEPTH_NEAR_WALLS: Stage = Stage {
+    name: "depth_near_walls",
+    files: files!["depth_map/samples", "depth_map/contour", "depth_map/near_box", "depth_map/depth_near_walls"],
+    entry_points: &["depth_near_walls"],
+};
+
 /// Merges two depth maps of one light.
 pub const DEPTH_MERGE: Stage = Stage {
     name: "depth_merge",
@@ -537,7 +551,7 @@ pub const DEPTH_CUBE: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 47] = [
+pub const STAGES: [Stage; 49] = [
     NEEDS,
     DEFORM,
     FACING,
@@ -577,6 +591,8 @@ pub const STAGES: [Stage; 47] = [
     SHADOW_DEPTH,
     DEPTH_ARGUMENTS,
     EXACT_SHADOW_DEPTH,
+    DEPTH_NEAR,
+    DEPTH_NEAR_WALLS,
     DEPTH_MERGE,
     DEPTH_CUBE,
     DEPTH_EDGES,

@@ -3,7 +3,7 @@
 
 mod common;
 mod deform;
-mod depth_map;
+pub(crate) mod depth_map;
 mod extract;
 mod query;
 mod scene;
@@ -21,8 +21,8 @@ pub use depth_map::{
     CubeMismatch, DanglingEdges, DepthEdges, DepthMap, DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle,
     DepthMapCasterVolumes, DepthMapCasters, DepthMapCastersError, DepthMapCastersFrame, DepthMapCastersOptions,
     DepthMapCube, DepthMapCubeCaster, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapFrame,
-    DepthMapMerge, DepthMapOptions, DepthMapPipelines, DepthMapPipelinesError, DepthMapReconstruction, DepthMapVolumes,
-    DepthMapVolumesError, MeshDepth, MeshDepthError,
+    DepthMapMerge, DepthMapNearCap, DepthMapOptions, DepthMapPipelines, DepthMapPipelinesError, DepthMapReconstruction,
+    DepthMapVolumes, DepthMapVolumesError, MeshDepth, MeshDepthError,
 };
 pub use extract::errors::{
     ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, StaleExtraction,

@@ -36,10 +36,10 @@ pub(crate) const TESTS: &[Test] = &[
 ];
 
 /// Six maps with their cameras.
-struct Cube {
-    light: DVec3,
-    cameras: [ShadowCamera; 6],
-    maps: [Option<Map>; 6],
+pub(crate) struct Cube {
+    pub(crate) light: DVec3,
+    pub(crate) cameras: [ShadowCamera; 6],
+    pub(crate) maps: [Option<Map>; 6],
     /// Each map has depths that its neighbours do not share.
     side: u32,
 }
@@ -47,6 +47,11 @@ struct Cube {
 /// Discs across borders and corners and elsewhere, on a background or not, with noise or not, and maps that are not there.
 fn cube(random: &mut Random) -> Cube {
     let side = 3 + random.below(8) as u32;
+    cube_of(random, side)
+}
+
+/// The same, with maps of `side` texels.
+pub(crate) fn cube_of(random: &mut Random, side: u32) -> Cube {
     let light = 2.0 * vector(random);
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
     let far = [None, Some(40.0)][random.below(2)];

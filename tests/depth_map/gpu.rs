@@ -14,6 +14,7 @@ mod lookup;
 mod maps;
 mod merge;
 mod mesh_depth;
+mod near;
 mod parity;
 mod picture;
 mod refusals;
@@ -43,6 +44,7 @@ fn main() {
         casters::TESTS,
         casters_refused::TESTS,
         mesh_depth::TESTS,
+        near::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

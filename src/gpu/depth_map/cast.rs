@@ -126,7 +126,7 @@ impl Cast {
             Self::Map(volumes, caster) => {
                 let format = caster.texture.texture().format();
                 let textures = [Some(&caster.texture), caster.objects.as_ref()];
-                volumes.plan(textures, (&caster.camera, &[format]), eyes, is_listed_anew)
+                volumes.plan(textures, (std::slice::from_ref(&caster.camera), &[format]), eyes, is_listed_anew)
             }
             Self::Cube(cube, caster) => {
                 let [maps, objects] = [&caster.textures, &caster.objects].map(views);

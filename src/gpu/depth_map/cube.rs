@@ -238,7 +238,7 @@ impl DepthMapCube {
         is_listed_anew: bool,
     ) -> Result<Planned<'_>, DepthMapEncodeError> {
         let textures = [Some(&self.view), self.has_objects.then_some(&self.objects)];
-        let planned = self.volumes.plan(textures, (&self.cameras[0], formats), eyes, is_listed_anew)?;
+        let planned = self.volumes.plan(textures, (&self.cameras, formats), eyes, is_listed_anew)?;
         let one = is_listed_anew.then(|| self.bind_one(maps, objects)).transpose()?;
         Ok(planned.after(one))
     }

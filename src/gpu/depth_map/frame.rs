@@ -8,12 +8,42 @@ use super::pipelines::DepthMapPipelines;
 use crate::gpu::common::requirements::check_same;
 use crate::shadow::DepthDirection;
 
+/// Whether a near cap is drawn: where the eye's near rectangle is in shadow. It is a pass over the whole picture, so it is left
+/// out where no place of the near rectangle can be.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DepthMapNearCap {
+    /// The near rectangle is in light as a whole, whatever is in the map. Nothing is drawn.
+    Lit,
+    /// The arguments of its draw, for the GPU to tell: 3 vertices if the samples of the map around the near rectangle say that it
+    /// may be in shadow, else 0. Then 1, 0 and 0.
+    Told(wgpu::Buffer),
+    /// It is drawn.
+    Drawn,
+}
+
+impl DepthMapNearCap {
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline) {
+        match self {
+            Self::Lit => {}
+            Self::Told(draw) => {
+                pass.set_pipeline(pipeline);
+                pass.draw_indirect(draw, 0);
+            }
+            Self::Drawn => {
+                pass.set_pipeline(pipeline);
+                pass.draw(0..3, 0..1);
+            }
+        }
+    }
+}
+
 /// The volumes of one encode. They are drawn after it, in the same encoder or a later one.
 #[derive(Clone, Debug)]
 pub struct DepthMapFrame {
     pub(super) device: wgpu::Device,
     /// For each bit.
     pub(super) groups: Vec<wgpu::BindGroup>,
+    pub(super) near_cap: DepthMapNearCap,
     /// Whether walls are drawn. Then there is one bit.
     pub(super) has_walls: bool,
     pub(super) draws: wgpu::Buffer,
@@ -45,8 +75,7 @@ impl DepthMapFrame {
             pass.draw_indirect(&self.draws, 0);
             pass.set_pipeline(&own.surface);
             pass.draw_indirect(&self.draws, 16);
-            pass.set_pipeline(&own.near_cap);
-            pass.draw(0..3, 0..1);
+            self.near_cap.draw(pass, &own.near_cap);
             return Ok(());
         }
         for (group, own) in self.groups.iter().zip(&pipelines.draws) {
@@ -54,10 +83,14 @@ impl DepthMapFrame {
             let [front, turned] = &own.surface;
             pass.set_pipeline(if self.is_turned { turned } else { front });
             pass.draw_indirect(&self.draws, 0);
-            pass.set_pipeline(&own.near_cap);
-            pass.draw(0..3, 0..1);
+            self.near_cap.draw(pass, &own.near_cap);
         }
         Ok(())
+    }
+
+    /// Whether its near cap is drawn.
+    pub fn near_cap(&self) -> &DepthMapNearCap {
+        &self.near_cap
     }
 
     /// Refuses pipelines that do not fit, and a frame whose list a later encode overwrites.

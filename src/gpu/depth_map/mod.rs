@@ -16,6 +16,7 @@ mod jitter;
 mod meeting;
 mod merge;
 mod mesh_depth;
+pub(crate) mod near;
 mod options;
 mod pipelines;
 mod recording;
@@ -35,7 +36,7 @@ pub use errors::{
     CubeMismatch, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapPipelinesError,
     DepthMapVolumesError, MeshDepthError,
 };
-pub use frame::DepthMapFrame;
+pub use frame::{DepthMapFrame, DepthMapNearCap};
 pub use merge::DepthMapMerge;
 pub use mesh_depth::MeshDepth;
 pub use options::{DanglingEdges, DepthEdges, DepthMap, DepthMapOptions, DepthMapReconstruction};

@@ -163,12 +163,16 @@ pub struct DepthMapOptions {
     /// The surface moves away from the light by up to as much again, and volumes are drawn as often. After section 8.3 of the
     /// paper.
     pub bits: u32,
+    /// Whether near caps are left out where the near rectangle is in light as a whole: see
+    /// [`DepthMapFrame::near_cap`](crate::gpu::DepthMapFrame::near_cap). No picture is another.
+    pub skip_near_caps: bool,
     /// Bytes that all buffers together may take.
     pub memory_limit: Option<u64>,
 }
 
 impl Default for DepthMapOptions {
-    /// Every cell, no objects, triangles, no edges continued, room for all, a slope bias of 1, one bit, no limit of memory.
+    /// Every cell, no objects, triangles, no edges continued, room for all, a slope bias of 1, one bit, near caps where they matter, no limit of
+    /// memory.
     fn default() -> Self {
         Self {
             edges: DepthEdges::EveryCell,
@@ -179,6 +183,7 @@ impl Default for DepthMapOptions {
             slope_bias: 1.0,
             rounded_to: None,
             bits: 1,
+            skip_near_caps: true,
             memory_limit: None,
         }
     }

@@ -5,17 +5,18 @@ use std::sync::atomic::Ordering;
 
 use super::edges::BoundEdges;
 use super::errors::DepthMapEncodeError;
-use super::frame::DepthMapFrame;
+use super::frame::{DepthMapFrame, DepthMapNearCap};
+use super::near::{NearReach, near_reach};
 use super::pipelines::{layout, wall_group};
 use super::view::{is_turned, world_step};
 use super::volumes::DepthMapVolumes;
 use crate::ShadowCamera;
-use crate::gpu::common::memory::{any_error, filled};
+use crate::gpu::common::memory::{any_error, buffer, filled};
 use crate::gpu::common::pipelines::{Pipeline, group};
 use crate::gpu::common::requirements::check_alive;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
-use crate::layout::{DepthEdgeRule, DepthMapShape, DepthMapView};
+use crate::layout::{ContourShape, DepthEdgeRule, DepthMapShape, DepthMapView, DepthNearBox};
 use crate::shadow::DepthDirection;
 
 /// A camera and, for each bit, the views of the maps as it sees them.
@@ -31,6 +32,8 @@ pub(super) struct Planned<'a> {
     before: Option<BoundStage<'a>>,
     /// `None`: the list of an encode before is drawn.
     stages: Option<BoundStages<'a>>,
+    /// What tells whether the near caps of cameras are drawn.
+    near: Vec<BoundStage<'a>>,
     /// A frame for each camera.
     frames: Vec<DepthMapFrame>,
 }
@@ -58,7 +61,7 @@ impl DepthMapVolumes {
         timer: Option<&mut StageTimer>,
     ) -> Result<DepthMapFrame, DepthMapEncodeError> {
         check_alive(self.shared.device())?;
-        let planned = self.plan(textures, (light, formats), &[(eye, views)], true)?;
+        let planned = self.plan(textures, (std::slice::from_ref(light), formats), &[(eye, views)], true)?;
         let mut frames = planned.record(encoder, timer).into_iter();
         frames.next().ok_or_else(|| DepthMapEncodeError::Refused { message: "no camera".to_owned() })
     }
@@ -68,10 +71,13 @@ impl DepthMapVolumes {
     pub(super) fn plan(
         &self,
         textures: [Option<&wgpu::TextureView>; 2],
-        (light, formats): (&ShadowCamera, &[wgpu::TextureFormat]),
+        (lights, formats): (&[ShadowCamera], &[wgpu::TextureFormat]),
         eyes: &[Eye<'_>],
         is_listed_anew: bool,
     ) -> Result<Planned<'_>, DepthMapEncodeError> {
+        let Some(light) = lights.first() else {
+            return Err(DepthMapEncodeError::Refused { message: "no light".to_owned() });
+        };
         let is_reversed = u32::from(light.depth == DepthDirection::Reversed);
         let mut shape = DepthMapShape { is_reversed, ..self.shape };
         let mut formats = formats.iter().copied().chain(self.rounded_to);
@@ -87,23 +93,57 @@ impl DepthMapVolumes {
             let uniforms = self.uniforms(&shape, eyes);
             let stages = is_listed_anew.then(|| self.bind_stages(&textures, &shape, &uniforms, rule.as_ref()));
             let draws: Vec<_> = eyes.iter().map(|(_, views)| self.bind_draws(&textures, &uniforms, views)).collect();
-            (stages, draws)
+            let near: Vec<_> = eyes.iter().map(|(eye, _)| self.near_cap(lights, eye, &textures, &uniforms)).collect();
+            (stages, draws, near)
         };
-        let (stages, draws) =
+        let (stages, draws, near) =
             any_error(self.shared.device(), bind).map_err(|message| DepthMapEncodeError::Refused { message })?;
         let encode = self.encodes.load(Ordering::Relaxed) + u64::from(is_listed_anew);
-        let frame = |(groups, (eye, _)): (Vec<wgpu::BindGroup>, &Eye<'_>)| DepthMapFrame {
-            device: self.shared.device().clone(),
-            groups,
-            has_walls: self.contours.is_some(),
-            draws: self.contours.as_ref().map_or(&self.draws, |own| &own.draws).clone(),
-            depth: self.eye.1,
-            is_turned: is_turned(light, eye),
-            encode,
-            encodes: Arc::clone(&self.encodes),
+        let (near_caps, near): (Vec<_>, Vec<_>) = near.into_iter().unzip();
+        let frame =
+            |((groups, near_cap), (eye, _)): ((Vec<wgpu::BindGroup>, DepthMapNearCap), &Eye<'_>)| DepthMapFrame {
+                device: self.shared.device().clone(),
+                groups,
+                near_cap,
+                has_walls: self.contours.is_some(),
+                draws: self.contours.as_ref().map_or(&self.draws, |own| &own.draws).clone(),
+                depth: self.eye.1,
+                is_turned: is_turned(light, eye),
+                encode,
+                encodes: Arc::clone(&self.encodes),
+            };
+        let frames = draws.into_iter().zip(near_caps).zip(eyes).map(frame).collect();
+        let near = near.into_iter().flatten().collect();
+        Ok(Planned { volumes: self, before: None, stages, near, frames })
+    }
+
+    /// The near cap of a camera, and the stage that tells about it, if one has to.
+    fn near_cap(
+        &self,
+        lights: &[ShadowCamera],
+        eye: &ShadowCamera,
+        textures: &[wgpu::BindingResource<'_>; 2],
+        uniforms: &Uniforms,
+    ) -> (DepthMapNearCap, Option<BoundStage<'_>>) {
+        let Some(stage) = &self.near else { return (DepthMapNearCap::Drawn, None) };
+        let near = match near_reach(lights, self.shape.size, (eye, self.eye.0)) {
+            NearReach::Lit => return (DepthMapNearCap::Lit, None),
+            NearReach::Unknown => return (DepthMapNearCap::Drawn, None),
+            NearReach::Samples(near) => near,
         };
-        let frames = draws.into_iter().zip(eyes).map(frame).collect();
-        Ok(Planned { volumes: self, before: None, stages, frames })
+        let device = self.shared.device();
+        let uniform = filled(device, "near rectangle", bytemuck::bytes_of(&near), wgpu::BufferUsages::UNIFORM);
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_SRC;
+        let draw = buffer(device, "draw of a near cap", 16, usage);
+        let mut resources = vec![
+            ("depth_map", entry::<DepthMapShape>(&uniforms.map)),
+            ("depth_texture", textures[0].clone()),
+            ("near", entry::<DepthNearBox>(&uniform)),
+            ("draws", draw.as_entire_binding()),
+        ];
+        resources.extend(uniforms.contour.as_ref().map(|contour| ("contour", entry::<ContourShape>(contour))));
+        let group = stage.bind(device, &resources);
+        (DepthMapNearCap::Told(draw), Some((stage, group, [1, 1])))
     }
 
     /// What a contour's surfaces move by is the same for each camera.
@@ -194,8 +234,7 @@ impl<'a> Planned<'a> {
         encoder: &mut wgpu::CommandEncoder,
         mut timer: Option<&mut StageTimer>,
     ) -> Vec<DepthMapFrame> {
-        let Self { volumes, before, stages, frames } = self;
-        let Some(bound) = stages else { return frames };
+        let Self { volumes, before, stages, near, frames } = self;
         // Each uniform begins at its buffer's start.
         let dispatch = |encoder: &mut wgpu::CommandEncoder,
                         (stage, group, [x, y]): &BoundStage<'_>,
@@ -208,20 +247,26 @@ impl<'a> Planned<'a> {
             pass.set_bind_group(0, group, offsets);
             pass.dispatch_workgroups(*x, *y, 1);
         };
-        if let Some(before) = &before {
-            dispatch(encoder, before, &[0], timer.as_deref_mut());
+        if let Some(bound) = &stages {
+            if let Some(before) = &before {
+                dispatch(encoder, before, &[0], timer.as_deref_mut());
+            }
+            let mut own = 0;
+            if let (Some(edges), Some(bound)) = (&volumes.edges, &bound.edges) {
+                let most = volumes.shared.device().limits().max_compute_workgroups_per_dimension;
+                edges.record(encoder, bound, most, timer.as_deref_mut());
+                own = 1;
+            }
+            let offsets = if volumes.contours.is_some() { &[0, 0][..] } else { &[0] };
+            for stage in bound.stages.iter().skip(own) {
+                dispatch(encoder, stage, offsets, timer.as_deref_mut());
+            }
+            volumes.encodes.fetch_add(1, Ordering::Relaxed);
         }
-        let mut own = 0;
-        if let (Some(edges), Some(bound)) = (&volumes.edges, &bound.edges) {
-            let most = volumes.shared.device().limits().max_compute_workgroups_per_dimension;
-            edges.record(encoder, bound, most, timer.as_deref_mut());
-            own = 1;
-        }
-        let offsets = if volumes.contours.is_some() { &[0, 0][..] } else { &[0] };
-        for stage in bound.stages.iter().skip(own) {
+        for stage in &near {
+            let offsets = if volumes.contours.is_some() { &[0; 3][..] } else { &[0; 2] };
             dispatch(encoder, stage, offsets, timer.as_deref_mut());
         }
-        volumes.encodes.fetch_add(1, Ordering::Relaxed);
         frames
     }
 }

@@ -113,6 +113,33 @@ pub(super) struct Placing {
     pub(super) slope_bias: f64,
 }
 
+/// The light's matrix, of the boundary moved by parts of a texel.
+fn moved_matrix(light: &ShadowCamera, size: [u32; 2], placing: &Placing) -> DMat4 {
+    let ([width, height], [across, down]) = (size.map(f64::from), placing.jitter);
+    let jitter = DVec3::new(2.0 * across / width, -2.0 * down / height, 0.0);
+    DMat4::from_translation(-jitter) * matrix(light)
+}
+
+/// Columns from x and y on the near rectangle of an eye, from -1 to 1, to the lattice of a map and the depth in it: homogeneous.
+pub(super) fn near_columns(
+    (light, size): (&ShadowCamera, [u32; 2]),
+    (eye, format): (&ShadowCamera, wgpu::TextureFormat),
+    placing: &Placing,
+) -> [DVec4; 3] {
+    let [width, height] = size.map(f64::from);
+    // From the light's clip space to the lattice, where texel (0, 0) is behind the border.
+    let lattice = DMat4::from_cols(
+        DVec4::new(width / 2.0, 0.0, 0.0, 0.0),
+        DVec4::new(0.0, -height / 2.0, 0.0, 0.0),
+        DVec4::Z,
+        DVec4::new((width - 1.0) / 2.0 + placing.border, (height - 1.0) / 2.0 + placing.border, 0.0, 1.0),
+    );
+    let between = DMat4::from_translation(origin(eye) - origin(light));
+    let near = lattice * moved_matrix(light, size, placing) * between * eye_matrix(eye, format).inverse();
+    let near_z = if eye.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
+    [near.x_axis, near.y_axis, near_z * near.z_axis + near.w_axis]
+}
+
 /// The view of a map of `size` texels, whose depths were rounded to `formats`, for an eye whose depth buffer has the format
 /// `format`.
 pub(super) fn depth_map_view(
@@ -123,9 +150,7 @@ pub(super) fn depth_map_view(
     light.check().map_err(DepthMapEncodeError::Light)?;
     eye.check().map_err(DepthMapEncodeError::Camera)?;
     let [width, height] = size.map(f64::from);
-    let [across, down] = placing.jitter;
-    let jitter = DVec3::new(2.0 * across / width, -2.0 * down / height, 0.0);
-    let (to_light, to_eye) = (DMat4::from_translation(-jitter) * matrix(light), eye_matrix(eye, format));
+    let (to_light, to_eye) = (moved_matrix(light, size, placing), eye_matrix(eye, format));
     let inverse = to_light.inverse();
     let infinity = infinity(light, &inverse)?;
     let between = DMat4::from_translation(origin(light) - origin(eye));
@@ -138,15 +163,7 @@ pub(super) fn depth_map_view(
         let away = if light.depth == DepthDirection::Reversed { -1.0 } else { 1.0 };
         [DVec4::ZERO, DVec4::ZERO, ray(away, DVec4::ZERO)]
     };
-    // From the light's clip space to the lattice, where texel (0, 0) is behind the border.
-    let lattice = DMat4::from_cols(
-        DVec4::new(width / 2.0, 0.0, 0.0, 0.0),
-        DVec4::new(0.0, -height / 2.0, 0.0, 0.0),
-        DVec4::Z,
-        DVec4::new((width - 1.0) / 2.0 + placing.border, (height - 1.0) / 2.0 + placing.border, 0.0, 1.0),
-    );
-    let near = lattice * to_light * DMat4::from_translation(origin(eye) - origin(light)) * to_eye.inverse();
-    let near_z = if eye.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
+    let [near_across, near_up, near_middle] = near_columns((light, size), (eye, format), placing);
     let f32s = |column: DVec4| column.as_vec4().to_array();
     let rounded = formats.map(|format| steps(format, light.depth));
     let [share, constant] = rounded
@@ -161,9 +178,9 @@ pub(super) fn depth_map_view(
         far_across: f32s(far_across),
         far_down: f32s(far_down),
         far_middle: f32s(far_middle),
-        near_across: f32s(near.x_axis),
-        near_up: f32s(near.y_axis),
-        near_middle: f32s(near_z * near.z_axis + near.w_axis),
+        near_across: f32s(near_across),
+        near_up: f32s(near_up),
+        near_middle: f32s(near_middle),
         infinity: f32s(DVec4::new(
             depth.x / width,
             -depth.y / height,

@@ -20,7 +20,7 @@ use crate::gpu::common::requirements::{Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::layout::{DepthMapShape, DepthMapView};
 use crate::shadow::DepthDirection;
-use crate::stages::DEPTH_CELLS;
+use crate::stages::{DEPTH_CELLS, DEPTH_NEAR, DEPTH_NEAR_WALLS};
 
 /// The largest number of cells: entries have as many bits for it.
 const MOST_CELLS: u64 = 1 << 29;
@@ -74,6 +74,8 @@ pub struct DepthMapVolumes {
     pub(super) stages: Vec<Pipeline>,
     pub(super) edges: Option<EdgeStages>,
     pub(super) contours: Option<Contours>,
+    /// Tells whether near caps are drawn. `None`: they always are.
+    pub(super) near: Option<Pipeline>,
     pub(super) shape: DepthMapShape,
     pub(super) slope_bias: f32,
     pub(super) bits: u32,
@@ -188,6 +190,9 @@ impl DepthMapVolumes {
         let nothing = object_texture(shared.device()).create_view(&wgpu::TextureViewDescriptor::default());
         let constants = [("DECIDES", world.is_some()), ("OBJECTS", objects), ("SPREADS", bits > 1)]
             .map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
+        let near =
+            if contours.is_some() { (&DEPTH_NEAR_WALLS, "depth_near_walls") } else { (&DEPTH_NEAR, "depth_near") };
+        let near = options.skip_near_caps.then(|| shared.compute(near.0, near.1, &[]));
         let edges = detector.map(|detector| EdgeStages::new(shared, detector, objects)).transpose()?;
         let entry_points = ["depth_cells_count", "depth_cells_places", "depth_cells_list"];
         let of_cells = entry_points.iter().filter(|_| contours.is_none());
@@ -195,6 +200,7 @@ impl DepthMapVolumes {
             stages: of_cells.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &constants)).collect(),
             edges,
             contours,
+            near,
             shape,
             slope_bias,
             bits,

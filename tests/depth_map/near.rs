@@ -1,0 +1,201 @@
+//! Near caps that are left out: pictures do not change, and what the GPU tells is what its twin tells.
+
+use bytemuck::Zeroable;
+use glam::DVec2;
+use rimline::gpu::{
+    DepthEdges, DepthMap, DepthMapCube, DepthMapNearCap, DepthMapOptions, DepthMapPipelines, DepthMapReconstruction,
+    DepthMapVolumes, ShadowFormat,
+};
+use rimline::reference::cpu::{ContourMap, Samples, depth_near, depth_near_walls};
+use rimline::reference::depth_map::near_box;
+use rimline::reference::layout::{ContourShape, DepthMapShape, DepthNearBox};
+use rimline::{DepthDirection, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, same};
+use wgpu::TextureFormat;
+
+use crate::cube::{Cube, cube_of};
+use crate::maps::Map;
+use crate::parity::{device_depth, light, map, seen, vector};
+use crate::picture::stencil_of;
+use crate::scene::{Eye, Rays};
+use crate::textures::{depth_view, read, texture};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("near_caps_that_are_left_out_change_no_picture", of_maps),
+    ("near_caps_of_cubes_that_are_left_out_change_no_picture", of_cubes),
+];
+
+const SIDE: u32 = 40;
+const CUBE_SIDE: u32 = 24;
+
+/// Pictures by what is known of their near caps: lit, told so, told not so, drawn. And dark pixels.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tally {
+    known: [usize; 4],
+    dark: usize,
+    /// Those that another limit would tell something else about.
+    others: usize,
+}
+
+impl Tally {
+    fn count(&mut self, gpu: &Gpu, cap: &DepthMapNearCap, told: impl FnOnce() -> bool) -> Result<(), String> {
+        let at = match cap {
+            DepthMapNearCap::Lit => 0,
+            DepthMapNearCap::Told(draw) => {
+                let (draw, told): (Vec<u32>, _) = (gpu.read(draw, 4)?, told());
+                same("the draw", &draw, &[if told { 3 } else { 0 }, 1, 0, 0])?;
+                1 + usize::from(told)
+            }
+            DepthMapNearCap::Drawn => 3,
+        };
+        self.known[at] += 1;
+        Ok(())
+    }
+}
+
+/// Pipelines for both directions of depth and some bits.
+#[derive(Default)]
+struct Made(Vec<DepthMapPipelines>);
+
+impl Made {
+    fn get(&mut self, gpu: &Gpu, depth: DepthDirection, bits: u32) -> Result<&DepthMapPipelines, String> {
+        let is_it = |own: &DepthMapPipelines| own.format().depth == depth && own.bits() == (0..bits);
+        if !self.0.iter().any(is_it) {
+            let format = ShadowFormat { depth, ..Default::default() };
+            self.0.push(DepthMapPipelines::antialiased(&gpu.pipelines, &format, 0..bits).map_err(text)?);
+        }
+        self.0.iter().find(|own| is_it(own)).ok_or_else(|| "no pipelines".to_owned())
+    }
+}
+
+/// A map with five texels each way for each of another.
+fn enlarged(map: &Map) -> Map {
+    let [across, down] = map.size.map(|texels| 5 * texels);
+    let texel = |at: u32| map.depths[(at / across / 5 * map.size[0] + at % across / 5) as usize];
+    Map::new([across, down], map.is_reversed, texel)
+}
+
+/// An eye near the scene, and the depths that it sees. Its near plane is near or far away from it.
+fn look(random: &mut Random, place: f64) -> (ShadowCamera, Vec<f32>) {
+    let place = place * f64::from(random.between(0.1, 1.0)) * vector(random);
+    let forward = vector(random) * 3.0 - place;
+    let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
+    let (low, high) = [(0.01, 0.3), (0.3, 3.0)][random.below(2)];
+    let near = f64::from(random.between(low, high));
+    let (far, half_width) = [(None, None), (Some(60.0), None), (Some(60.0), Some(2.0))][random.below(3)];
+    let eye = Eye { place, forward, near, is_relative: random.below(2) == 0, depth, far, half_width }.camera();
+    let rays = Rays::new(&eye, SIDE);
+    let seen = seen(random, &rays);
+    let pixel = |at: u32| DVec2::new(f64::from(at % SIDE) + 0.5, f64::from(at / SIDE) + 0.5);
+    let depths = (0..SIDE * SIDE).map(|at| device_depth(&eye, seen(pixel(at)).1)).collect();
+    (eye, depths)
+}
+
+fn of_maps() -> Result<(), String> {
+    const SEED: u64 = 1695;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(SEED);
+    let (mut tallies, mut pipelines) = ([Tally::default(); 3], Made::default());
+    for round in 0..if is_long() { 3000 } else { 300 } {
+        let (camera, _) = light(&mut random);
+        let map = enlarged(&map(&mut random, &camera));
+        let (eye, depths) = look(&mut random, [8.0, 24.0][round % 2]);
+        let way = round % 3;
+        let plain = DepthMapOptions::default();
+        let options = match way {
+            0 => plain,
+            1 => DepthMapOptions { bits: 2, ..plain },
+            _ => {
+                let depth = 0.02;
+                let reconstruction = DepthMapReconstruction::Contours { sideways: 0.25, depth };
+                DepthMapOptions { edges: DepthEdges::Differences { threshold: 0.005 }, reconstruction, ..plain }
+            }
+        };
+        let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
+        let pipelines = pipelines.get(&gpu, eye.depth, options.bits)?;
+        let tally = &mut tallies[way];
+        let mut pictures = Vec::new();
+        for skip_near_caps in [true, false] {
+            let options = DepthMapOptions { skip_near_caps, ..options };
+            let mut volumes = DepthMapVolumes::new(pipelines, map.size, options).map_err(text)?;
+            let mut cap = DepthMapNearCap::Drawn;
+            pictures.push(stencil_of(&gpu, pipelines, (SIDE, &depths), |encoder| {
+                let map = DepthMap { texture: &depth_view(&texture), light: camera };
+                let frame = volumes.encode(encoder, &map, &eye, None).map_err(text)?;
+                cap = frame.near_cap().clone();
+                Ok(frame)
+            })?);
+            if !skip_near_caps {
+                same("without the switch", &[cap], &[DepthMapNearCap::Drawn])?;
+                continue;
+            }
+            let near = near_box(&[camera], map.size, (&eye, pipelines.format().depth_stencil));
+            let shape = map.shape(-1.0, u32::MAX);
+            let samples = Samples { shape: &shape, depths: &map.depths, objects: &[] };
+            let walls = ContourMap { samples: &samples, shape: &ContourShape::zeroed() };
+            let told = |near| if way == 2 { depth_near_walls(&walls, near) } else { depth_near(&samples, near) };
+            tally.count(&gpu, &cap, || near.as_ref().is_some_and(told))?;
+            // Negative control: surfaces that are never nearer.
+            let other = near.map(|near| DepthNearBox { key: 0, distance: i32::MIN, ..near });
+            tally.others += usize::from(near.as_ref().is_some_and(told) != other.as_ref().is_some_and(told));
+        }
+        same(&format!("round {round}, {options:?}"), &pictures[0], &pictures[1])?;
+        tally.dark += pictures[0].iter().filter(|&&value| value != 0).count();
+    }
+    if tallies.iter().any(|tally| tally.others < 10) {
+        return Err(format!("another limit goes unnoticed: {tallies:?}"));
+    }
+    report("maps, bits, walls", &tallies, [10, 4, 10, 0])
+}
+
+fn of_cubes() -> Result<(), String> {
+    const SEED: u64 = 1696;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(SEED);
+    let (mut tally, mut pipelines) = (Tally::default(), Made::default());
+    for round in 0..if is_long() { 1000 } else { 80 } {
+        let Cube { light, cameras, maps, .. } = cube_of(&mut random, CUBE_SIDE);
+        let (eye, depths) = look(&mut random, 5.0 + light.length());
+        let pipelines = pipelines.get(&gpu, eye.depth, 1)?;
+        let mut views = Vec::new();
+        for map in &maps {
+            let texture = |map: &Map| texture(&gpu, map.size, TextureFormat::R32Float, &map.depths);
+            views.push(map.as_ref().map(texture).transpose()?.map(|texture| depth_view(&texture)));
+        }
+        let mut pictures = Vec::new();
+        for skip_near_caps in [true, false] {
+            let options = DepthMapOptions { skip_near_caps, ..Default::default() };
+            let mut volumes = DepthMapCube::new(pipelines, CUBE_SIDE, &cameras, options).map_err(text)?;
+            let mut cap = DepthMapNearCap::Drawn;
+            pictures.push(stencil_of(&gpu, pipelines, (SIDE, &depths), |encoder| {
+                let given = [0, 1, 2, 3, 4, 5].map(|face: usize| views[face].as_ref());
+                let frame = volumes.encode(encoder, given, &eye, None).map_err(text)?;
+                cap = frame.near_cap().clone();
+                Ok(frame)
+            })?);
+            if skip_near_caps {
+                let near = near_box(&cameras, [CUBE_SIDE; 2], (&eye, pipelines.format().depth_stencil));
+                let is_reversed = u32::from(cameras[0].depth == DepthDirection::Reversed);
+                let shape = DepthMapShape { size: [CUBE_SIDE; 2], faces: 6, is_reversed, ..DepthMapShape::zeroed() };
+                let depths = read(&gpu, volumes.texture().texture())?;
+                let samples = Samples { shape: &shape, depths: &depths, objects: &[] };
+                tally.count(&gpu, &cap, || near.is_some_and(|near| depth_near(&samples, &near)))?;
+            }
+        }
+        same(&format!("round {round}"), &pictures[0], &pictures[1])?;
+        tally.dark += pictures[0].iter().filter(|&&value| value != 0).count();
+    }
+    report("cubes", &[tally], [0, 5, 5, 5])
+}
+
+fn report(what: &str, tallies: &[Tally], least: [usize; 4]) -> Result<(), String> {
+    println!("{what}: {tallies:?}");
+    let few = |tally: &Tally| tally.dark < 1000 || tally.known.iter().zip(least).any(|(&known, least)| known < least);
+    if tallies.iter().any(few) { Err(format!("too few of a kind: {tallies:?}")) } else { Ok(()) }
+}
