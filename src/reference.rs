@@ -120,7 +120,8 @@ pub mod cpu {
     pub use crate::cpu::depth_map::depth_cube::{CubeSample, depth_cube, depth_cube_of_objects};
     pub use crate::cpu::depth_map::depth_edges::{EdgeDetector, depth_edges};
     pub use crate::cpu::depth_map::depth_merge::depth_merge;
-    pub use crate::cpu::depth_map::depth_near::{depth_near, depth_near_walls};
+    pub use crate::cpu::depth_map::depth_near::depth_near;
+    pub use crate::cpu::depth_map::depth_near_walls::depth_near_walls;
     pub use crate::cpu::depth_map::depth_surface::{depth_near_cap, depth_surface, is_behind};
     pub use crate::cpu::depth_map::depth_walls::depth_walls;
     pub use crate::cpu::depth_map::edge_code::{CELL_MASK, Cell, FIRST_TRIANGLE, SECOND_TRIANGLE, SPLIT, exceeds};

@@ -44,7 +44,7 @@ pub(crate) fn near_reach(
     let placing = |border| Placing { border, jitter: [0.0; 2], slope_bias: 0.0 };
     let of = |light: &ShadowCamera, border| {
         let columns = near_columns((light, size), (eye, format), &placing(border));
-        Rectangle::new(columns, light.depth)
+        Rectangle::project(columns, light.depth)
     };
     if let [light] = lights {
         return match of(light, 1.0) {
@@ -82,7 +82,7 @@ enum Found {
 }
 
 impl Rectangle {
-    fn new([across, up, middle]: [DVec4; 3], depth: DepthDirection) -> Found {
+    fn project([across, up, middle]: [DVec4; 3], depth: DepthDirection) -> Found {
         let error = ROUNDING * (across.abs() + up.abs() + middle.abs());
         let corner = |x: f64, y: f64| (1.0 + WIDER) * (x * across + y * up) + middle;
         let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];

@@ -132,8 +132,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "contours: no near cap",
         changes: &[(
             "src/gpu/depth_map/frame.rs",
-            "pass.draw(0..3, 0..1);\n            return",
-            "pass.draw(0..0, 0..1);\n            return",
+            "self.near_cap.draw(pass, &own.near_cap);\n            return",
+            "DepthMapNearCap::Lit.draw(pass, &own.near_cap);\n            return",
         )],
         tests: PICTURES,
     },

@@ -230,10 +230,36 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "depth maps: no near cap",
         changes: &[(
             "src/gpu/depth_map/frame.rs",
-            "pass.draw(0..3, 0..1);\n        }\n        Ok",
-            "pass.draw(0..0, 0..1);\n        }\n        Ok",
+            "self.near_cap.draw(pass, &own.near_cap);\n        }\n        Ok",
+            "DepthMapNearCap::Lit.draw(pass, &own.near_cap);\n        }\n        Ok",
         )],
         tests: PICTURES,
+    },
+    Mutation {
+        name: "depth maps: near caps are left out where a sample is as near as a near rectangle",
+        changes: &[
+            ("wgsl/depth_map/depth_near.wgsl", "if (nearest <= near.key) {", "if (nearest < near.key / 2u) {"),
+            ("src/cpu/depth_map/depth_near.rs", "steps <= near.key", "steps < near.key / 2"),
+        ],
+        tests: &["--test depth_map_gpu near_caps", "--test depth_map_gpu parity_with"],
+    },
+    Mutation {
+        name: "depth maps: near caps are left out whatever samples away from their middle say",
+        changes: &[(
+            "src/gpu/depth_map/near.rs",
+            "let size = range.map(|[_, count]| count);",
+            "let size = range.map(|[_, count]| count.min(1));",
+        )],
+        tests: &["--test depth_map_gpu near_caps", "--test depth_map_gpu parity_with"],
+    },
+    Mutation {
+        name: "depth maps: near caps are left out where the near rectangle begins before the light's near plane",
+        changes: &[(
+            "src/gpu/depth_map/near.rs",
+            "let farthest = if depth == DepthDirection::Reversed { low[2] } else { high[2] };",
+            "let farthest = if depth == DepthDirection::Reversed { high[2] } else { low[2] };",
+        )],
+        tests: &["--test depth_map_gpu near_caps", "--test depth_map_gpu parity_with"],
     },
     Mutation {
         name: "depth maps: near caps take the other triangle of a cell",
@@ -382,11 +408,34 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: &["--test depth_map_gpu are_kept"],
     },
     Mutation {
+        name: "skipped maps: one map of a cube stands for all",
+        changes: &[(
+            "src/gpu/depth_map/cast.rs",
+            "caster.cameras.iter().map(|camera|",
+            "caster.cameras.iter().take(1).map(|camera|",
+        )],
+        tests: &["--test depth_map_gpu maps_in_a_scene"],
+    },
+    Mutation {
+        name: "skipped maps: what a light does not reach is taken by half of what is seen",
+        changes: &[(
+            "src/gpu/depth_map/casters.rs",
+            "lit.is_some_and(|light| seen.is_unlit(light))",
+            "lit.is_some_and(|light| seen.is_unlit(&Light { range: light.range / 4.0, ..*light }))",
+        )],
+        tests: &["--test depth_map_gpu maps_in_a_scene", "--test depth_map_gpu cells_of_maps"],
+    },
+    Mutation {
+        name: "skipped maps: the texel at a map's border is left out",
+        changes: &[("src/gpu/depth_map/convex.rs", "size.map(|texels| 2.0 / f64::from(texels))", "size.map(|_| 0.0)")],
+        tests: &["--lib convex"],
+    },
+    Mutation {
         name: "kept cells: another camera has the same",
         changes: &[(
             "src/gpu/depth_map/casters.rs",
-            "if of(&entry.caster) != of(&caster) {",
-            "if of(&entry.caster).0 != of(&caster).0 {",
+            "if !change(&mut entry.cast)? {",
+            "if !change(&mut entry.cast)? && false {",
         )],
         tests: &["--test depth_map_gpu are_kept"],
     },
