@@ -427,7 +427,11 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "skipped maps: the texel at a map's border is left out",
-        changes: &[("src/gpu/depth_map/convex.rs", "size.map(|texels| 2.0 / f64::from(texels))", "size.map(|_| 0.0)")],
+        changes: &[(
+            "src/gpu/depth_map/convex.rs",
+            "Self::frustum(camera, size.map(|texels| 2.0 / f64::from(texels)))",
+            "Self::frustum(camera, size.map(|_| 0.0))",
+        )],
         tests: &["--lib convex"],
     },
     Mutation {
