@@ -85,6 +85,25 @@ pub(crate) fn maps(random: &mut Random) -> Vec<Map> {
     maps
 }
 
+/// Rows of four samples whose middle difference is `slopes` times those beside it and what the format may be off by, to within one
+/// step of a float.
+fn nearly(random: &mut Random, is_reversed: bool, slopes: u32) -> Map {
+    // The step of floats from a quarter to a half.
+    let step = 0.5_f32.powi(25);
+    let mut depths = Vec::new();
+    for _ in 0..8 * 12 {
+        let first = (1 << 23) + random.below(1_000_000) as u32;
+        let beside = 1_500_000 + random.below(100_000) as u32;
+        let second = first + beside;
+        let third = second + slopes * beside;
+        // Four steps of 24 bits, or of a float there.
+        let noise = if is_reversed { third >> 21 } else { 8 };
+        let third = third + noise + random.below(4) as u32 - 1;
+        depths.extend([first, second, third, third + beside].map(|steps| steps as f32 * step));
+    }
+    Map { size: [32, 12], is_reversed, depths }
+}
+
 /// Steep planes, a ridge that fades, and depths with steps of a precision, so that rules are met exactly.
 pub(crate) fn further(random: &mut Random) -> Vec<Map> {
     let unit = 0.5_f32.powi(22);
@@ -96,6 +115,7 @@ pub(crate) fn further(random: &mut Random) -> Vec<Map> {
             let (x, y) = ((texel % 23) as f32, (texel / 23) as f32);
             0.4 + 0.001 * x + if x > 11.0 { 0.001 * y } else { 0.0 }
         }));
+        maps.extend([1, 2].map(|slopes| nearly(random, is_reversed, slopes)));
         maps.push(Map::new([17, 21], is_reversed, |texel| {
             0.5 + (texel / 17) as f32 / 64.0 + if texel % 17 > 8 { random.between(0.0, 0.05) } else { 0.0 }
         }));
