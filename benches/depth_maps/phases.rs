@@ -2,15 +2,21 @@
 
 use glam::DVec3;
 use rimline::ShadowCamera;
-use rimline::gpu::{DepthEdges, DepthMapVolumes};
+use rimline::gpu::{DepthEdges, DepthMapOptions, DepthMapVolumes};
 use rimline_measure::on_gpu::text;
 
 use crate::scenes::{PAPER, RADIUS, scene};
 use crate::shade::Shade;
 use crate::stage::{Bench, Drawn, EYE, MAP, Target, axes, camera, map_of, medians, pass};
 
-const PHASES: [&str; 6] =
-    ["light view", "detection and compaction", "eye view", "volume and cap", "cap (with outlines)", "shade"];
+const PHASES: [&str; 6] = [
+    "light view",
+    "detection and compaction",
+    "eye view",
+    "volume, cap left out",
+    "cap, if drawn (with outlines)",
+    "shade",
+];
 const DETECTORS: [(&str, DepthEdges); 2] =
     [("every cell", DepthEdges::EveryCell), ("differences 0.02", DepthEdges::Differences { threshold: 0.02 })];
 
@@ -71,7 +77,8 @@ pub(crate) fn measure(bench: &Bench, rounds: usize, seed: u64) -> Result<(), Str
             let drawn = &bench.drawn(&scene(number, seed))?;
             let (map, target) = (bench.target(side, MAP), bench.target(side, EYE));
             let frame = Frame { bench, drawn, map, target, shade: Shade::new(bench, side), light, eye };
-            let mut outlines = bench.volumes(side, DepthEdges::Outlines)?;
+            let outlines = DepthMapOptions { edges: DepthEdges::Outlines, skip_near_caps: false, ..Default::default() };
+            let mut outlines = DepthMapVolumes::new(&bench.pipelines, [side; 2], outlines).map_err(text)?;
             let mut volumes = DETECTORS.map(|(_, edges)| (bench.volumes(side, edges), Vec::new()));
             // One more, in which shaders are compiled.
             for round in 0..=rounds {

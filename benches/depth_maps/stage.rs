@@ -53,8 +53,11 @@ impl From<DepthEdges> for Way {
     }
 }
 
+/// A near plane as in games, where units are metres.
+const NEAR: f64 = 0.1;
+
 /// A camera that looks from `distance` along `axes[2]` to the origin, and sees a ball of `radius` there. Lights have standard
-/// depth from before the ball to behind it, eyes reversed depth without a far plane.
+/// depth from before the ball to behind it, eyes reversed depth from [`NEAR`] on.
 pub(crate) fn camera([right, up, forward]: [DVec3; 3], distance: f64, radius: f64, is_light: bool) -> ShadowCamera {
     let place = -distance * forward;
     let scale = (distance * distance - radius * radius).sqrt() / radius;
@@ -63,7 +66,7 @@ pub(crate) fn camera([right, up, forward]: [DVec3; 3], distance: f64, radius: f6
     let (z, depth) = if is_light {
         ((w - DVec4::W * near) * (far / (far - near)), DepthDirection::Standard)
     } else {
-        (DVec4::W * near, DepthDirection::Reversed)
+        (DVec4::W * NEAR, DepthDirection::Reversed)
     };
     let rows = DMat4::from_cols(row(right) * scale, row(up) * scale, z, w);
     ShadowCamera { view_projection: rows.transpose().as_mat4().to_cols_array_2d(), origin: [0.0; 3], depth }
