@@ -1,68 +1,205 @@
-// Contour places: where on a marked edge the contour crosses it, from the run of edges that it crosses in a row.
+// Contour places: where on a marked edge the contour crosses it. Near a smooth rim the depths beside the edge tell. Elsewhere the
+// run of the contour does: a line or a parabola through the edges that it crosses before and after.
 
 // For each sample of the lattice the places on the edges to its right and below it, 16 bits each, in parts of 65,536 of a texel.
-// 0: not marked.
+// Only those of marked edges are written.
 @group(0) @binding(3) var<storage, read_write> places: array<u32>;
+// The list of tiles that contours cross, and its length, behind the counts of `contour_walls`.
+@group(0) @binding(5) var<storage, read> counts: array<u32>;
 
 const BLOCK: u32 = 256u;
-// Cells that a run is followed along, to each side.
-const REACH: i32 = 32;
-// Edges within which a run that turns to the same side at both ends leaves this side.
-const RAMP: i32 = 4;
+// Invocations of a tile in `contour_walls`.
+const WALKERS: u32 = 64u;
 
-// Follows a run through its cells. Edges that it crosses further, and the place that it turns to: the first sample's, the
-// second's, or the middle.
-fn followed(start: vec2<i32>, out: u32) -> vec2<i32> {
-  var cell = start;
-  let first = select(3u, 0u, (out & 1u) == 1u);
-  for (var crossed = 0; crossed < REACH; crossed++) {
-    let others = code_of_cell(cell) & ~(1u << ((out + 2u) & 3u));
-    if (others != (1u << out)) {
-      let second = (first + 2u) & 3u;
-      return vec2<i32>(crossed, select(select(TEXEL / 2, TEXEL, others == (1u << second)), 0, others == (1u << first)));
+// Edges that the contour is followed over to each side.
+const REACH: i32 = 8;
+// Edges to each side from which on a line is tried first.
+const LINE: i32 = 5;
+// No place: the depths or the run do not tell.
+const UNTOLD: i32 = -1;
+// Parts of a texel up to which a rim may lie beyond the other sample: rounding brings it there.
+const BEYOND: i32 = 24;
+// Units that the last difference before a rim has at least, and how many times what depths may be off by it is.
+const LEAST_RISE: i32 = 1024;
+const PRECISE: i32 = 16;
+
+// The step to an edge that the contour crosses, from that of the place, in half texels, and its axis.
+var<private> crossed: array<vec3<i32>, 17>;
+
+// The place of the rim of a smooth surface beyond its last sample, in the direction of a step, in parts of a texel.
+//
+// The surface along a row is taken for a conic whose tangent at the rim is a ray of the light: the square of the distance from
+// the rim's depth is a quadratic polynomial. Four samples tell it, and a fifth has to lie on it.
+fn rim_place(last: vec2<i32>, step: vec2<i32>) -> i32 {
+  let z = distance_at(last);
+  var gone: array<i32, 5>;
+  for (var number = 1; number < 5; number++) {
+    let at = last - number * step;
+    let own = distance_at(at);
+    if (own == FAR || is_marked_before(at + step, step) || z - own <= gone[number - 1]) {
+      return UNTOLD;
     }
-    cell += out_of(out);
+    gone[number] = z - own;
   }
-  return vec2<i32>(REACH, TEXEL / 2);
+  if (gone[1] < max(LEAST_RISE, PRECISE * min(precision_at(z), RANGE / PRECISE))) {
+    return UNTOLD;
+  }
+  // Eleven bits of the largest difference are enough.
+  let shift = u32(max(21 - i32(countLeadingZeros(u32(gone[1]))), 0));
+  let u = gone[1] >> shift;
+  let v = (gone[2] >> shift) - u;
+  let w = (gone[3] >> shift) - u - v;
+  let x = (gone[4] >> shift) - u - v - w;
+  let bend = u - 2 * v + w;
+  if (max(v, max(w, x)) > u || bend <= 0) {
+    return UNTOLD;
+  }
+  // The rim's depth less that of the last sample.
+  let rise = 4 * u * v + 2 * v * v - u * u - w * (2 * (u + v) + w);
+  if (rise < 0 || rise / bend > 6 * u) {
+    return UNTOLD;
+  }
+  let y = rise / (2 * bend);
+  // Differences of the squares.
+  let first = u * (2 * y + u);
+  let second = v * (2 * (y + u) + v);
+  let third = w * (2 * (y + u + v) + w);
+  let fourth = x * (2 * (y + u + v + w) + x);
+  if (abs(fourth - 2 * third + second) > u * u / 5) {
+    return UNTOLD;
+  }
+  // y² = slope · place + curve · place²
+  let square = (y * y) >> 12u;
+  let curve = (first - second) >> 13u;
+  let slope = (first + (first - second) / 2) >> 12u;
+  if (curve * 4 < -slope) {
+    return UNTOLD;
+  }
+  var place = 0;
+  for (var part = 256; part > 0; part /= 2) {
+    let next = place + part;
+    if ((slope * next + (curve * next * next) / TEXEL) <= square * TEXEL) {
+      place = next;
+    }
+  }
+  return select(min(place, TEXEL), UNTOLD, place > TEXEL + BEYOND);
+}
+
+// Follows the contour from an edge out of a cell, and notes the edges that it crosses. Their number.
+fn follow(edge: vec3<i32>, start: vec2<i32>, out: u32, side: i32) -> i32 {
+  let origin = 2 * edge.xy + step_along(u32(edge.z));
+  var cell = start;
+  var back = (out + 2u) & 3u;
+  for (var count = 0; count < REACH; count++) {
+    let others = code_of_cell(cell) & ~(1u << back);
+    if (countOneBits(others) != 1u) {
+      return count;
+    }
+    let bit = countTrailingZeros(others);
+    let axis = bit & 1u;
+    crossed[REACH + side * (count + 1)] = vec3<i32>(2 * edge_of_cell(cell, bit) + step_along(axis) - origin, i32(axis));
+    cell += out_of(bit);
+    back = (bit + 2u) & 3u;
+  }
+  return REACH;
+}
+
+// The place where a curve crosses the edge, in parts of a texel: a line or a parabola by least squares through the middles of
+// the edges up to a number of them on each side. It has to cross each of these edges.
+fn fitted_place(count: i32, is_line: bool, axis: u32) -> i32 {
+  // Sums over the places, and those times the edges' numbers and their squares.
+  var sums = vec2<i32>();
+  var firsts = vec2<i32>();
+  var seconds = vec2<i32>();
+  for (var number = -count; number <= count; number++) {
+    let own = crossed[REACH + number].xy;
+    sums += own;
+    firsts += number * own;
+    seconds += number * number * own;
+  }
+  let edges = 2 * count + 1;
+  let squares = count * (count + 1) * edges / 3;
+  let fourths = squares * (3 * count * (count + 1) - 1) / 5;
+  let whole = edges * fourths - squares * squares;
+  var middle = sums * (TEXEL / 2) / edges;
+  // 64 times as fine.
+  var bend = vec2<i32>();
+  if (!is_line) {
+    middle = (fourths * sums - squares * seconds) * (TEXEL / 2) / whole;
+    bend = (edges * seconds - squares * sums) * (TEXEL * 32) / whole;
+  }
+  let way = firsts * (TEXEL / 2) / squares;
+  for (var number = -count; number <= count; number++) {
+    let edge = crossed[REACH + number];
+    let off = edge.xy * (TEXEL / 2) - middle - number * way - number * number * bend / 64;
+    let along = way + number * bend / 32;
+    let over = abs(along[1 - edge.z]);
+    if (over == 0 || abs(off.x * along.y - off.y * along.x) > over * (TEXEL / 2)) {
+      return UNTOLD;
+    }
+  }
+  return TEXEL / 2 + middle[axis] - middle[1u - axis] * way[axis] / way[1u - axis];
+}
+
+// The place that the run of the contour tells.
+fn run_place(at: vec2<i32>, axis: u32) -> i32 {
+  // The cells to both sides: above and below, or to the left and right.
+  var counts: array<i32, 2>;
+  for (var side = 0u; side < 2u; side++) {
+    let out = select(2u * side, 3u - 2u * side, axis == 1u);
+    let cell = select(at + out_of(out), at, side == 1u);
+    counts[side] = follow(vec3<i32>(at, i32(axis)), cell, out, 2 * i32(side) - 1);
+  }
+  crossed[REACH] = vec3<i32>(0, 0, i32(axis));
+  let most = min(counts[0], counts[1]);
+  var place = UNTOLD;
+  // First a line over all of them, then parabolas over fewer and fewer. Three edges have a line.
+  for (var count = select(most, most + 1, most >= LINE); count > 0 && place == UNTOLD; count--) {
+    place = fitted_place(min(count, most), count > most || count == 1, axis);
+  }
+  return select(place, TEXEL / 2, place == UNTOLD);
 }
 
 fn place_on(at: vec2<i32>, axis: u32) -> i32 {
-  // The cells to both sides: above and below, or to the left and right.
-  var runs: array<vec2<i32>, 2>;
-  for (var side = 0u; side < 2u; side++) {
-    let out = select(2u * side, 3u - 2u * side, axis == 1u);
-    runs[side] = followed(select(at + out_of(out), at, side == 1u), out);
+  let step = step_along(axis);
+  // The surface that is nearer ends there.
+  let is_first = distance_at(at) < distance_at(at + step);
+  let rim = rim_place(select(at + step, at, is_first), select(-step, step, is_first));
+  var place = select(TEXEL - rim, rim, is_first);
+  if (rim == UNTOLD) {
+    place = run_place(at, axis);
   }
-  let count = runs[0].x + runs[1].x + 1;
-  let start = runs[0].y;
-  let end = runs[1].y;
-  let ramp = min(count, 2 * RAMP);
-  let leaving = start + (TEXEL / 2 - start) * min(2 * min(runs[0].x, runs[1].x) + 1, ramp) / ramp;
-  let crossing = start + (end - start) * (2 * runs[0].x + 1) / (2 * count);
-  return clamp(select(crossing, leaving, start == end), LEAST, TEXEL - LEAST);
+  return clamp(place, LEAST, TEXEL - LEAST);
 }
 
+// An invocation takes the samples of a tile in a row, whose marks are one word.
 @compute @workgroup_size(BLOCK)
 fn contour_places(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
-  let lattice = depth_map.size + 2u;
-  let count = lattice.x * lattice.y;
-  let blocks = (count + BLOCK - 1u) / BLOCK;
+  let tiles = contour.tiles.y;
+  let list = tiles * (1u + WALKERS);
+  let rows = counts[list + tiles] * u32(TILE);
+  let blocks = (rows + BLOCK - 1u) / BLOCK;
   for (var block = group.x + groups.x * group.y; block < blocks; block += groups.x * groups.y) {
-    let sample = block * BLOCK + local;
-    if (sample < count) {
-      let at = vec2<i32>(vec2<u32>(sample % lattice.x, sample / lattice.x));
-      let marked = marks_at(at);
-      var word = 0u;
-      for (var axis = 0u; axis < 2u; axis++) {
-        if (((marked >> axis) & 1u) == 1u) {
-          word |= u32(place_on(at, axis)) << (16u * axis + 8u);
-        }
+    let row = block * BLOCK + local;
+    if (row < rows) {
+      let tile = counts[list + row / u32(TILE)];
+      let first = vec2<u32>(tile % contour.tiles.x, tile / contour.tiles.x) * u32(TILE) + vec2<u32>(0u, row % u32(TILE));
+      var left = 0u;
+      if (first.y < depth_map.size.y + 2u) {
+        left = marks[first.y * contour.words + first.x / u32(TILE)];
       }
-      places[sample] = word;
+      for (; left != 0u; left &= left - 1u) {
+        let bit = countTrailingZeros(left);
+        let at = first + vec2<u32>(bit / 2u, 0u);
+        let axis = bit & 1u;
+        let word = at.y * (depth_map.size.x + 2u) + at.x;
+        let place = u32(place_on(vec2<i32>(at), axis)) << 8u;
+        places[word] = (places[word] & ~(0xffffu << (16u * axis))) | (place << (16u * axis));
+      }
     }
   }
 }

@@ -8,7 +8,8 @@ fn point_of(cell: vec2<i32>, bit: u32) -> vec2<f32> {
   let first = edge_of_cell(cell, bit);
   let word = places[u32(first.y) * (depth_map.size.x + 2u) + u32(first.x)];
   let found = (word >> (16u * (bit & 1u))) & 0xffffu;
-  let along = select(f32(found) / 65536.0, 0.5, found == 0u);
+  let is_marked = ((marks_at(first) >> (bit & 1u)) & 1u) == 1u;
+  let along = select(0.5, f32(found) / 65536.0, is_marked);
   return vec2<f32>(first - cell) + vec2<f32>(step_along(bit & 1u)) * along;
 }
 

@@ -97,20 +97,25 @@ impl Map<'_> {
         if before == FAR || own == FAR || after == FAR { 0 } else { smaller(own - before, after - own).abs() }
     }
 
+    /// What the depths of the map and of the eye may be off by, at a distance.
+    pub(crate) fn precision(&self, own: i32) -> i32 {
+        let depth = if self.samples.shape.is_reversed == 1 { RANGE - own } else { own };
+        (((depth >> 10) * self.shape.share) >> 19) + self.shape.constant
+    }
+
     /// The distance of a sample, moved away from the light.
     pub fn moved(&self, at: [i32; 2]) -> i32 {
         let own = self.distance(at);
         if own == FAR {
             return FAR;
         }
-        let ContourShape { slope_bias, share, constant, .. } = *self.shape;
+        let slope_bias = self.shape.slope_bias;
         let slopes = self.slope_between(at, [1, 0]) + self.slope_between(at, [0, 1]);
         let most = (RANGE - own) / 2;
         // It is cut off before it overflows.
         let of_slopes =
             if slopes >> 8 > (RANGE >> 1) / slope_bias.max(1) { RANGE >> 1 } else { parts(slopes, slope_bias) };
-        let depth = if self.samples.shape.is_reversed == 1 { RANGE - own } else { own };
-        own + (of_slopes + (((depth >> 10) * share) >> 19) + constant).min(most)
+        own + (of_slopes + self.precision(own)).min(most)
     }
 
     /// Whether there is a jump between the samples of an edge, and not only a slope. One that is not sure must be twice as large

@@ -32,6 +32,13 @@ pub(crate) fn is_marked(map: &Map<'_>, marks: &[u32], edge: Edge) -> bool {
     word >> (2 * (x % SAMPLES) + edge.axis) & 1 == 1
 }
 
+/// Whether a contour crosses between a sample and the one before it, in the direction of a step.
+pub(crate) fn is_marked_before(map: &Map<'_>, marks: &[u32], at: [i32; 2], step: [i32; 2]) -> bool {
+    let before = sum(at, step.map(|step| -step));
+    let first = [at[0].min(before[0]), at[1].min(before[1])];
+    is_marked(map, marks, Edge { at: first, axis: usize::from(step[0] == 0) })
+}
+
 /// The edges of a cell that are marked: bits for top, right, bottom and left.
 pub(crate) fn code_of_cell(map: &Map<'_>, marks: &[u32], cell: [i32; 2]) -> u32 {
     (0..4).map(|bit| u32::from(is_marked(map, marks, super::contour::edge_of_cell(cell, bit))) << bit).sum()
@@ -48,14 +55,10 @@ pub(crate) fn surface(map: &Map<'_>, marks: &[u32], at: [i32; 2], step: [i32; 2]
     let back = step.map(|step| -step);
     let first = sum(at, back);
     let second = sum(first, back);
-    // The edge between a sample and the next in the direction, which may be to the left or above.
-    let is_joined = |from: [i32; 2], to: [i32; 2]| {
-        let edge = Edge { at: [from[0].min(to[0]), from[1].min(to[1])], axis: usize::from(step[0] == 0) };
-        !is_marked(map, marks, edge)
-    };
-    let way = if is_joined(first, at) {
+    let is_joined = |to: [i32; 2]| !is_marked_before(map, marks, to, step);
+    let way = if is_joined(at) {
         let last = own - map.distance(first);
-        let before = if is_joined(second, first) { Some(map.distance(first) - map.distance(second)) } else { None };
+        let before = if is_joined(first) { Some(map.distance(first) - map.distance(second)) } else { None };
         match before {
             // Jumps are not marked without a threshold.
             Some(before) if map.shape.threshold >= RANGE => parts(smaller(last, before), place),

@@ -1,49 +1,175 @@
-//! Contour places: where on a marked edge the contour crosses it, from the run of edges that it crosses in a row.
+//! Contour places: where on a marked edge the contour crosses it. Near a smooth rim the depths beside the edge tell. Elsewhere the
+//! run of the contour does: a line or a parabola through the edges that it crosses before and after.
 
-use super::contour::{Edge, Map, OUT, TEXEL, edge_of_cell, sum};
-use super::contour_marks::{code_of_cell, is_marked};
+use super::contour::{Edge, FAR, Map, OUT, RANGE, TEXEL, edge_of_cell, sum};
+use super::contour_marks::{code_of_cell, is_marked, is_marked_before};
 
-/// Cells that a run is followed along, to each side.
-const REACH: i32 = 32;
-/// Edges within which a run that turns to the same side at both ends leaves this side.
-const RAMP: i32 = 4;
 /// The nearest that a place may be to a sample.
 pub(crate) const LEAST: i32 = TEXEL / 16;
+/// Edges that the contour is followed over to each side.
+const REACH: usize = 8;
+/// Edges to each side from which on a line is tried first.
+const LINE: usize = 5;
+/// Parts of a texel up to which a rim may lie beyond the other sample: rounding brings it there.
+const BEYOND: i32 = 24;
+/// Units that the last difference before a rim has at least, and how many times what depths may be off by it is.
+const LEAST_RISE: i32 = 1024;
+const PRECISE: i32 = 16;
 
-/// Follows a run through its cells. Edges that it crosses further, and the place that it turns to: the first sample's, the
-/// second's, or the middle.
-fn followed(map: &Map<'_>, marks: &[u32], mut cell: [i32; 2], out: usize) -> (i32, i32) {
-    for crossed in 0..REACH {
-        // The other edge of the cell.
-        let others = code_of_cell(map, marks, cell) & !(1 << ((out + 2) % 4));
-        if others != 1 << out {
-            let [first, second] = if out % 2 == 1 { [0, 2] } else { [3, 1] };
-            return match others {
-                turn if turn == 1 << first => (crossed, 0),
-                turn if turn == 1 << second => (crossed, TEXEL),
-                _ => (crossed, TEXEL / 2),
-            };
+/// The place of the rim of a smooth surface beyond its last sample, in the direction of a step, in parts of a texel.
+///
+/// The surface along a row is taken for a conic whose tangent at the rim is a ray of the light: the square of the distance from
+/// the rim's depth is a quadratic polynomial. Four samples tell it, and a fifth has to lie on it.
+fn rim_place(map: &Map<'_>, marks: &[u32], last: [i32; 2], step: [i32; 2]) -> Option<i32> {
+    let z = map.distance(last);
+    let mut gone = [0; 5];
+    let mut at = last;
+    for number in 1..5 {
+        let next = sum(at, step.map(|step| -step));
+        let own = map.distance(next);
+        if own == FAR || is_marked_before(map, marks, at, step) || z - own <= gone[number - 1] {
+            return None;
         }
-        cell = sum(cell, OUT[out]);
+        gone[number] = z - own;
+        at = next;
     }
-    (REACH, TEXEL / 2)
+    if gone[1] < LEAST_RISE.max(PRECISE * map.precision(z).min(RANGE / PRECISE)) {
+        return None;
+    }
+    // Eleven bits of the largest difference are enough.
+    let shift = 21_u32.saturating_sub(gone[1].leading_zeros());
+    let [_, u, of_two, of_three, of_four] = gone.map(|gone| gone >> shift);
+    let [v, w, x] = [of_two - u, of_three - of_two, of_four - of_three];
+    let bend = u - 2 * v + w;
+    if v.max(w).max(x) > u || bend <= 0 {
+        return None;
+    }
+    // The rim's depth less that of the last sample.
+    let rise = 4 * u * v + 2 * v * v - u * u - w * (2 * (u + v) + w);
+    if rise < 0 || rise / bend > 6 * u {
+        return None;
+    }
+    let y = rise / (2 * bend);
+    // Differences of the squares.
+    let first = u * (2 * y + u);
+    let second = v * (2 * (y + u) + v);
+    let third = w * (2 * (y + u + v) + w);
+    let fourth = x * (2 * (y + u + v + w) + x);
+    if (fourth - 2 * third + second).abs() > u * u / 5 {
+        return None;
+    }
+    // y² = slope · place + curve · place²
+    let square = (y * y) >> 12;
+    let curve = (first - second) >> 13;
+    let slope = (first + (first - second) / 2) >> 12;
+    if curve * 4 < -slope {
+        return None;
+    }
+    let mut place = 0;
+    for part in (0..=8).rev().map(|bit| 1 << bit) {
+        let next = place + part;
+        if slope * next + curve * next * next / TEXEL <= square * TEXEL {
+            place = next;
+        }
+    }
+    (place <= TEXEL + BEYOND).then_some(place.min(TEXEL))
+}
+
+/// An edge that the contour crosses: its middle from that of another edge, in half texels, and its axis.
+type Crossed = ([i32; 2], usize);
+
+/// Twice the middle of an edge.
+fn doubled([edge_x, edge_y]: [i32; 2], axis: usize) -> [i32; 2] {
+    [2 * edge_x + i32::from(axis == 0), 2 * edge_y + i32::from(axis == 1)]
+}
+
+/// Follows the contour from an edge out of a cell: the edges that it crosses.
+fn followed(map: &Map<'_>, marks: &[u32], edge: Edge, mut cell: [i32; 2], out: usize) -> Vec<Crossed> {
+    let origin = doubled(edge.at, edge.axis);
+    let mut back = (out + 2) % 4;
+    let mut crossed = Vec::new();
+    while crossed.len() < REACH {
+        let others = code_of_cell(map, marks, cell) & !(1 << back);
+        if others.count_ones() != 1 {
+            break;
+        }
+        let bit = others.trailing_zeros() as usize;
+        let next = edge_of_cell(cell, bit);
+        crossed.push((sum(doubled(next.at, next.axis), origin.map(|at| -at)), next.axis));
+        cell = sum(cell, OUT[bit]);
+        back = (bit + 2) % 4;
+    }
+    crossed
+}
+
+/// The place where a curve crosses the edge in the middle of some, in parts of a texel: a line or a parabola by least squares
+/// through their middles. It has to cross each of them.
+fn fitted(edges: &[Crossed], is_line: bool) -> Option<i32> {
+    let count = (edges.len() / 2) as i32;
+    let &(_, axis) = edges.get(edges.len() / 2)?;
+    let numbered = || (-count..).zip(edges);
+    let total = |power: u32| {
+        let term = |(number, (place, _)): (i32, &Crossed)| place.map(|at| number.pow(power) * at);
+        numbered().map(term).fold([0; 2], sum)
+    };
+    let [sums, firsts, seconds] = [0, 1, 2].map(total);
+    let number = 2 * count + 1;
+    let squares = count * (count + 1) * number / 3;
+    let fourths = squares * (3 * count * (count + 1) - 1) / 5;
+    let whole = number * fourths - squares * squares;
+    let both = [0, 1];
+    let middle = both.map(|c| {
+        if is_line {
+            sums[c] * (TEXEL / 2) / number
+        } else {
+            (fourths * sums[c] - squares * seconds[c]) * (TEXEL / 2) / whole
+        }
+    });
+    // 64 times as fine.
+    let bend = both.map(|c| {
+        if is_line { 0 } else { (number * seconds[c] - squares * sums[c]) * (TEXEL * 32) / whole }
+    });
+    let way = firsts.map(|first| first * (TEXEL / 2) / squares);
+    for (number, &(place, axis)) in numbered() {
+        let off = both.map(|c| place[c] * (TEXEL / 2) - middle[c] - number * way[c] - number * number * bend[c] / 64);
+        let along = both.map(|c| way[c] + number * bend[c] / 32);
+        let over = along[1 - axis].abs();
+        if over == 0 || (off[0] * along[1] - off[1] * along[0]).abs() > over * (TEXEL / 2) {
+            return None;
+        }
+    }
+    Some(TEXEL / 2 + middle[axis] - middle[1 - axis] * way[axis] / way[1 - axis])
+}
+
+/// The place that the run of the contour tells.
+fn run_place(map: &Map<'_>, marks: &[u32], edge: Edge) -> i32 {
+    // The cells to both sides: above and below, or to the left and right.
+    let [before, after] = if edge.axis == 0 { [0, 2] } else { [3, 1] };
+    let mut edges = followed(map, marks, edge, sum(edge.at, OUT[before]), before);
+    let last = followed(map, marks, edge, edge.at, after);
+    let most = edges.len().min(last.len());
+    edges.truncate(most);
+    edges.reverse();
+    edges.push(([0; 2], edge.axis));
+    edges.extend(last.iter().take(most));
+    // First a line over all of them, then parabolas over fewer and fewer. Three edges have a line.
+    let line = (most >= LINE).then_some((most, true));
+    let tries = line.into_iter().chain((1..=most).rev().map(|count| (count, count == 1)));
+    let fit = |(count, is_line): (usize, bool)| fitted(edges.get(most - count..=most + count)?, is_line);
+    tries.into_iter().find_map(fit).unwrap_or(TEXEL / 2)
 }
 
 fn place(map: &Map<'_>, marks: &[u32], edge: Edge) -> i32 {
-    // The cells to both sides: above and below, or to the left and right.
-    let [before, after] = if edge.axis == 0 { [0, 2] } else { [3, 1] };
-    let (index, start) = followed(map, marks, sum(edge.at, OUT[before]), before);
-    let (rest, end) = followed(map, marks, edge.at, after);
-    let count = index + rest + 1;
-    let place = if start == end {
-        let ramp = count.min(2 * RAMP);
-        start + (TEXEL / 2 - start) * (2 * index.min(rest) + 1).min(ramp) / ramp
+    let step = if edge.axis == 0 { [1, 0] } else { [0, 1] };
+    let other = sum(edge.at, step);
+    // The surface that is nearer ends there.
+    let rim = if map.distance(edge.at) < map.distance(other) {
+        rim_place(map, marks, edge.at, step)
     } else {
-        start + (end - start) * (2 * index + 1) / (2 * count)
+        rim_place(map, marks, other, step.map(|step| -step)).map(|rim| TEXEL - rim)
     };
-    place.clamp(LEAST, TEXEL - LEAST)
+    rim.unwrap_or_else(|| run_place(map, marks, edge)).clamp(LEAST, TEXEL - LEAST)
 }
-
 /// For each sample of the lattice the places on the edges to its right and below it, 16 bits each, in parts of 65,536 of a texel
 /// from the sample. 0: not marked.
 pub fn contour_places(map: &Map<'_>, marks: &[u32]) -> Vec<u32> {

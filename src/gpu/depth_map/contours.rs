@@ -33,7 +33,7 @@ const MOST_SHARE: f64 = 4095.0;
 /// Stages and buffers for the contours of a map.
 #[derive(Debug)]
 pub(super) struct Contours {
-    /// Marks, places, find tiles, list them, count, scan, list.
+    /// Marks, find tiles, list them, places, count, scan, list.
     stages: [Pipeline; 7],
     pub(super) shape: ContourShape,
     marks: wgpu::Buffer,
@@ -116,9 +116,9 @@ impl Contours {
         let lists = |lists: bool| [("LISTS", f64::from(u8::from(lists)))];
         let stages = [
             shared.compute(&CONTOUR_MARKS, "contour_marks", &[objects]),
-            shared.compute(&CONTOUR_PLACES, "contour_places", &[]),
             shared.compute(&CONTOUR_TILES, "contour_tiles_find", &[]),
             shared.compute(&CONTOUR_TILES, "contour_tiles_list", &[]),
+            shared.compute(&CONTOUR_PLACES, "contour_places", &[]),
             shared.compute(&CONTOUR_WALLS, "contour_walls_take", &lists(false)),
             shared.compute(&CONTOUR_WALLS, "contour_walls_places", &[]),
             shared.compute(&CONTOUR_WALLS, "contour_walls_take", &lists(true)),
@@ -135,7 +135,6 @@ impl Contours {
         [texture, objects]: [wgpu::BindingResource<'_>; 2],
     ) -> Vec<(&Pipeline, wgpu::BindGroup, [u32; 2])> {
         let most = device.limits().max_compute_workgroups_per_dimension;
-        let samples = self.places.size() / 4;
         let words = self.marks.size() / 4;
         let workgroups = |items: u64| {
             let blocks = items.div_ceil(u64::from(WORKGROUP)) as u32;
@@ -159,9 +158,9 @@ impl Contours {
         let counts = ("counts", self.counts.as_entire_binding());
         let own: [(&[_], [u32; 2]); 7] = [
             (&[marks.clone(), ("object_texture", objects)], workgroups(words)),
-            (&[marks.clone(), places], workgroups(samples)),
             (&[marks.clone(), counts.clone()], workgroups(tiles)),
-            (&[marks, counts], [1, 1]),
+            (&[marks.clone(), counts.clone()], [1, 1]),
+            (&[marks, counts, places], workgroups(tiles * u64::from(TILE))),
             (&walls, taking),
             (&walls, [1, 1]),
             (&walls, taking),
