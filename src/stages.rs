@@ -504,7 +504,13 @@ pub const CONTOUR_MARKS: Stage = Stage {
 /// Places contours on the edges that they cross.
 pub const CONTOUR_PLACES: Stage = Stage {
     name: "contour_places",
-    files: files!["depth_map/samples", "depth_map/contour", "depth_map/contour_marked", "depth_map/contour_places"],
+    files: files![
+        "depth_map/samples",
+        "depth_map/contour",
+        "depth_map/contour_marked",
+        "depth_map/contour_rim",
+        "depth_map/contour_places"
+    ],
     entry_points: &["contour_places"],
 };
 
@@ -518,7 +524,13 @@ pub const CONTOUR_TILES: Stage = Stage {
 /// Lists walls over segments that are fitted to the contours of a depth map.
 pub const CONTOUR_WALLS: Stage = Stage {
     name: "contour_walls",
-    files: files!["depth_map/samples", "depth_map/contour", "depth_map/contour_marked", "depth_map/contour_walls"],
+    files: files![
+        "depth_map/samples",
+        "depth_map/contour",
+        "depth_map/contour_marked",
+        "depth_map/contour_rim",
+        "depth_map/contour_walls"
+    ],
     entry_points: &["contour_walls_take", "contour_walls_places"],
 };
 
@@ -683,6 +695,7 @@ pub const DEPTH_WALLS: Stage = Stage {
         "depth_map/surface",
         "depth_map/contour",
         "depth_map/contour_marked",
+        "depth_map/contour_rim",
         "depth_map/contour_side",
         "depth_map/depth_walls"
     ],

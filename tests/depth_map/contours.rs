@@ -268,6 +268,11 @@ fn is_jump(map: &Map, numbers: Option<&[u32]>, threshold: i64, at: [i32; 2], ste
         _ => 0,
     };
     let before = beside(nearer[0]).unwrap_or(0);
+    // The next edge rises more, or leads to nothing: this one is a jump only if it rises more than 2.5 times as much as the one
+    // before.
+    if beside(farther[0]).is_none_or(|after| after > jump) && jump / 5 < before / 2 {
+        return false;
+    }
     let is_alone = beside(farther[0]).is_some_and(|after| before.max(after) / 2 < jump / 4);
     (jump > 16 * threshold || is_alone) && jump - slope(nearer).max(slope(farther)) > threshold
 }

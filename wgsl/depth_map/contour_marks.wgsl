@@ -32,6 +32,10 @@ fn is_jump(at: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> bool {
   if (min(abs(jump - before), abs(jump - after)) <= contour.threshold) {
     return false;
   }
+  // A round surface bends away on its way to a rim: its last difference is up to 1 + √2 times the one before.
+  if (after > jump && jump / 5 < before / 2) {
+    return false;
+  }
   let is_alone = max(before, after) / 2 < jump / 4;
   let slopes = max(slope_to_step(near, away), -slope_to_step(near + away, -away));
   return (jump > contour.sure || is_alone) && jump - slopes > contour.threshold;

@@ -15,75 +15,9 @@ const WALKERS: u32 = 64u;
 const REACH: i32 = 8;
 // Edges to each side from which on a line is tried first.
 const LINE: i32 = 5;
-// No place: the depths or the run do not tell.
-const UNTOLD: i32 = -1;
-// Parts of a texel up to which a rim may lie beyond the other sample: rounding brings it there.
-const BEYOND: i32 = 24;
-// Units that the last difference before a rim has at least, and how many times what depths may be off by it is.
-const LEAST_RISE: i32 = 1024;
-const PRECISE: i32 = 16;
 
 // The step to an edge that the contour crosses, from that of the place, in half texels, and its axis.
 var<private> crossed: array<vec3<i32>, 17>;
-
-// The place of the rim of a smooth surface beyond its last sample, in the direction of a step, in parts of a texel.
-//
-// The surface along a row is taken for a conic whose tangent at the rim is a ray of the light: the square of the distance from
-// the rim's depth is a quadratic polynomial. Four samples tell it, and a fifth has to lie on it.
-fn rim_place(last: vec2<i32>, step: vec2<i32>) -> i32 {
-  let z = distance_at(last);
-  var gone: array<i32, 5>;
-  for (var number = 1; number < 5; number++) {
-    let at = last - number * step;
-    let own = distance_at(at);
-    if (own == FAR || is_marked_before(at + step, step) || z - own <= gone[number - 1]) {
-      return UNTOLD;
-    }
-    gone[number] = z - own;
-  }
-  if (gone[1] < max(LEAST_RISE, PRECISE * min(precision_at(z), RANGE / PRECISE))) {
-    return UNTOLD;
-  }
-  // Eleven bits of the largest difference are enough.
-  let shift = u32(max(21 - i32(countLeadingZeros(u32(gone[1]))), 0));
-  let u = gone[1] >> shift;
-  let v = (gone[2] >> shift) - u;
-  let w = (gone[3] >> shift) - u - v;
-  let x = (gone[4] >> shift) - u - v - w;
-  let bend = u - 2 * v + w;
-  if (max(v, max(w, x)) > u || bend <= 0) {
-    return UNTOLD;
-  }
-  // The rim's depth less that of the last sample.
-  let rise = 4 * u * v + 2 * v * v - u * u - w * (2 * (u + v) + w);
-  if (rise < 0 || rise / bend > 6 * u) {
-    return UNTOLD;
-  }
-  let y = rise / (2 * bend);
-  // Differences of the squares.
-  let first = u * (2 * y + u);
-  let second = v * (2 * (y + u) + v);
-  let third = w * (2 * (y + u + v) + w);
-  let fourth = x * (2 * (y + u + v + w) + x);
-  if (abs(fourth - 2 * third + second) > u * u / 5) {
-    return UNTOLD;
-  }
-  // y² = slope · place + curve · place²
-  let square = (y * y) >> 12u;
-  let curve = (first - second) >> 13u;
-  let slope = (first + (first - second) / 2) >> 12u;
-  if (curve * 4 < -slope) {
-    return UNTOLD;
-  }
-  var place = 0;
-  for (var part = 256; part > 0; part /= 2) {
-    let next = place + part;
-    if ((slope * next + (curve * next * next) / TEXEL) <= square * TEXEL) {
-      place = next;
-    }
-  }
-  return select(min(place, TEXEL), UNTOLD, place > TEXEL + BEYOND);
-}
 
 // Follows the contour from an edge out of a cell, and notes the edges that it crosses. Their number.
 fn follow(edge: vec3<i32>, start: vec2<i32>, out: u32, side: i32) -> i32 {
@@ -164,7 +98,7 @@ fn place_on(at: vec2<i32>, axis: u32) -> i32 {
   let step = step_along(axis);
   // The surface that is nearer ends there.
   let is_first = distance_at(at) < distance_at(at + step);
-  let rim = rim_place(select(at + step, at, is_first), select(-step, step, is_first));
+  let rim = rim_beyond(select(at + step, at, is_first), select(-step, step, is_first)).x;
   var place = select(TEXEL - rim, rim, is_first);
   if (rim == UNTOLD) {
     place = run_place(at, axis);

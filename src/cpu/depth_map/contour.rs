@@ -7,6 +7,8 @@ use crate::layout::ContourShape;
 pub(crate) const TILE: i32 = 16;
 /// Parts of a texel that places count.
 pub(crate) const TEXEL: i32 = 256;
+/// The nearest that a place may be to a sample.
+pub(crate) const LEAST: i32 = TEXEL / 16;
 /// The distance of the far end of the device depths from the near end.
 pub(crate) const RANGE: i32 = 1 << 29;
 /// The distance of a sample that casts nothing.
@@ -150,6 +152,10 @@ impl Map<'_> {
         };
         // Three samples of a plane.
         if [before, after].iter().any(|beside| (jump - beside).abs() <= threshold) {
+            return false;
+        }
+        // A round surface bends away on its way to a rim: its last difference is up to 1 + √2 times the one before.
+        if after > jump && jump / 5 < before / 2 {
             return false;
         }
         let is_alone = before.max(after) / 2 < jump / 4;

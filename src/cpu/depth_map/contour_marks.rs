@@ -1,6 +1,6 @@
 //! Contour marks: which edges of the lattice a contour crosses.
 
-use super::contour::{Edge, FAR, Map, RANGE, TEXEL, parts, smaller, sum};
+use super::contour::{Edge, Map, sum};
 
 /// Samples that a word has marks for.
 const SAMPLES: usize = 16;
@@ -42,34 +42,4 @@ pub(crate) fn is_marked_before(map: &Map<'_>, marks: &[u32], at: [i32; 2], step:
 /// The edges of a cell that are marked: bits for top, right, bottom and left.
 pub(crate) fn code_of_cell(map: &Map<'_>, marks: &[u32], cell: [i32; 2]) -> u32 {
     (0..4).map(|bit| u32::from(is_marked(map, marks, super::contour::edge_of_cell(cell, bit))) << bit).sum()
-}
-
-/// The distance of the surface of a sample at a place beside it, in parts of a texel in the direction of a step. It goes on as
-/// between the last samples. Where it bends away from the light, as towards a rim, it goes on bending: the slope grows twice as
-/// it did last, to four times at most.
-pub(crate) fn surface(map: &Map<'_>, marks: &[u32], at: [i32; 2], step: [i32; 2], place: i32) -> i32 {
-    let own = map.distance(at);
-    if own == FAR {
-        return FAR;
-    }
-    let back = step.map(|step| -step);
-    let first = sum(at, back);
-    let second = sum(first, back);
-    let is_joined = |to: [i32; 2]| !is_marked_before(map, marks, to, step);
-    let way = if is_joined(at) {
-        let last = own - map.distance(first);
-        let before = if is_joined(first) { Some(map.distance(first) - map.distance(second)) } else { None };
-        match before {
-            // Jumps are not marked without a threshold.
-            Some(before) if map.shape.threshold >= RANGE => parts(smaller(last, before), place),
-            Some(before) if last > before.max(0) => {
-                let growth = (last / (before.max(last / 2) >> 8).max(1)).clamp(TEXEL, 2 * TEXEL);
-                parts(parts(parts(last.min(RANGE / 8), place), growth), growth)
-            }
-            _ => parts(last, place),
-        }
-    } else {
-        0
-    };
-    (map.moved(at) + way).clamp(0, own + (RANGE - own) / 2)
 }

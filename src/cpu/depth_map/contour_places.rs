@@ -1,79 +1,14 @@
 //! Contour places: where on a marked edge the contour crosses it. Near a smooth rim the depths beside the edge tell. Elsewhere the
 //! run of the contour does: a line or a parabola through the edges that it crosses before and after.
 
-use super::contour::{Edge, FAR, Map, OUT, RANGE, TEXEL, edge_of_cell, sum};
-use super::contour_marks::{code_of_cell, is_marked, is_marked_before};
+use super::contour::{Edge, LEAST, Map, OUT, TEXEL, edge_of_cell, sum};
+use super::contour_marks::{code_of_cell, is_marked};
+use super::contour_rim::rim_beyond;
 
-/// The nearest that a place may be to a sample.
-pub(crate) const LEAST: i32 = TEXEL / 16;
 /// Edges that the contour is followed over to each side.
 const REACH: usize = 8;
 /// Edges to each side from which on a line is tried first.
 const LINE: usize = 5;
-/// Parts of a texel up to which a rim may lie beyond the other sample: rounding brings it there.
-const BEYOND: i32 = 24;
-/// Units that the last difference before a rim has at least, and how many times what depths may be off by it is.
-const LEAST_RISE: i32 = 1024;
-const PRECISE: i32 = 16;
-
-/// The place of the rim of a smooth surface beyond its last sample, in the direction of a step, in parts of a texel.
-///
-/// The surface along a row is taken for a conic whose tangent at the rim is a ray of the light: the square of the distance from
-/// the rim's depth is a quadratic polynomial. Four samples tell it, and a fifth has to lie on it.
-fn rim_place(map: &Map<'_>, marks: &[u32], last: [i32; 2], step: [i32; 2]) -> Option<i32> {
-    let z = map.distance(last);
-    let mut gone = [0; 5];
-    let mut at = last;
-    for number in 1..5 {
-        let next = sum(at, step.map(|step| -step));
-        let own = map.distance(next);
-        if own == FAR || is_marked_before(map, marks, at, step) || z - own <= gone[number - 1] {
-            return None;
-        }
-        gone[number] = z - own;
-        at = next;
-    }
-    if gone[1] < LEAST_RISE.max(PRECISE * map.precision(z).min(RANGE / PRECISE)) {
-        return None;
-    }
-    // Eleven bits of the largest difference are enough.
-    let shift = 21_u32.saturating_sub(gone[1].leading_zeros());
-    let [_, u, of_two, of_three, of_four] = gone.map(|gone| gone >> shift);
-    let [v, w, x] = [of_two - u, of_three - of_two, of_four - of_three];
-    let bend = u - 2 * v + w;
-    if v.max(w).max(x) > u || bend <= 0 {
-        return None;
-    }
-    // The rim's depth less that of the last sample.
-    let rise = 4 * u * v + 2 * v * v - u * u - w * (2 * (u + v) + w);
-    if rise < 0 || rise / bend > 6 * u {
-        return None;
-    }
-    let y = rise / (2 * bend);
-    // Differences of the squares.
-    let first = u * (2 * y + u);
-    let second = v * (2 * (y + u) + v);
-    let third = w * (2 * (y + u + v) + w);
-    let fourth = x * (2 * (y + u + v + w) + x);
-    if (fourth - 2 * third + second).abs() > u * u / 5 {
-        return None;
-    }
-    // y² = slope · place + curve · place²
-    let square = (y * y) >> 12;
-    let curve = (first - second) >> 13;
-    let slope = (first + (first - second) / 2) >> 12;
-    if curve * 4 < -slope {
-        return None;
-    }
-    let mut place = 0;
-    for part in (0..=8).rev().map(|bit| 1 << bit) {
-        let next = place + part;
-        if slope * next + curve * next * next / TEXEL <= square * TEXEL {
-            place = next;
-        }
-    }
-    (place <= TEXEL + BEYOND).then_some(place.min(TEXEL))
-}
 
 /// An edge that the contour crosses: its middle from that of another edge, in half texels, and its axis.
 type Crossed = ([i32; 2], usize);
@@ -126,9 +61,7 @@ fn fitted(edges: &[Crossed], is_line: bool) -> Option<i32> {
         }
     });
     // 64 times as fine.
-    let bend = both.map(|c| {
-        if is_line { 0 } else { (number * seconds[c] - squares * sums[c]) * (TEXEL * 32) / whole }
-    });
+    let bend = both.map(|c| if is_line { 0 } else { (number * seconds[c] - squares * sums[c]) * (TEXEL * 32) / whole });
     let way = firsts.map(|first| first * (TEXEL / 2) / squares);
     for (number, &(place, axis)) in numbered() {
         let off = both.map(|c| place[c] * (TEXEL / 2) - middle[c] - number * way[c] - number * number * bend[c] / 64);
@@ -164,9 +97,9 @@ fn place(map: &Map<'_>, marks: &[u32], edge: Edge) -> i32 {
     let other = sum(edge.at, step);
     // The surface that is nearer ends there.
     let rim = if map.distance(edge.at) < map.distance(other) {
-        rim_place(map, marks, edge.at, step)
+        rim_beyond(map, marks, edge.at, step).map(|rim| rim.place)
     } else {
-        rim_place(map, marks, other, step.map(|step| -step)).map(|rim| TEXEL - rim)
+        rim_beyond(map, marks, other, step.map(|step| -step)).map(|rim| TEXEL - rim.place)
     };
     rim.unwrap_or_else(|| run_place(map, marks, edge)).clamp(LEAST, TEXEL - LEAST)
 }

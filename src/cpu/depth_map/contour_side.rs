@@ -3,8 +3,9 @@
 use glam::{IVec2, Vec2};
 
 use super::contour::{FAR, Map, RANGE, TEXEL, TURN, edge_of_cell, sum};
-use super::contour_marks::{code_of_cell, surface};
+use super::contour_marks::code_of_cell;
 use super::contour_places::place_of;
+use super::contour_rim::surface;
 
 /// The place on the edge of a cell, from the cell's first sample on.
 fn point(map: &Map<'_>, places: &[u32], cell: [i32; 2], bit: usize) -> Vec2 {

@@ -1,8 +1,9 @@
 //! Contour walls: walks along the contours of each tile, fits segments to them, and lists walls over the segments.
 
-use super::contour::{Edge, FAR, Map, OUT, TEXEL, TILE, TURN, edge_of_cell, sum};
-use super::contour_marks::{code_of_cell, is_marked, surface};
-use super::contour_places::{LEAST, place_of, point_of};
+use super::contour::{Edge, FAR, LEAST, Map, OUT, TEXEL, TILE, TURN, edge_of_cell, sum};
+use super::contour_marks::{code_of_cell, is_marked};
+use super::contour_places::{place_of, point_of};
+use super::contour_rim::surface;
 use super::contour_tiles::contour_tiles;
 
 /// Nodes that a segment may have.

@@ -3,6 +3,7 @@
 pub(crate) mod contour;
 pub(crate) mod contour_marks;
 pub(crate) mod contour_places;
+pub(crate) mod contour_rim;
 pub(crate) mod contour_side;
 pub(crate) mod contour_tiles;
 pub(crate) mod contour_walls;
