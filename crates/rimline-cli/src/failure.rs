@@ -203,6 +203,11 @@ pub(crate) enum UsageError {
     )]
     VectorDetector,
     #[error(
+        "--dangling continues edges that a detector finds; add --detector automatic, second=LOW,HIGH or another, and no \
+         --reconstruct vector"
+    )]
+    Dangling,
+    #[error(
         "--depth is the map of one light, and --light gives {count}; give one, or none: the light is then where the map was seen from"
     )]
     DepthLights { count: usize },

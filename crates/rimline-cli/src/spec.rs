@@ -1,6 +1,6 @@
 //! The small languages of the command line: lights, points and picture sizes.
 
-use rimline::gpu::DepthEdges;
+use rimline::gpu::{DanglingEdges, DepthEdges};
 use rimline::{AreaShape, Light};
 
 /// Which light `--light` asks for.
@@ -84,6 +84,8 @@ pub(crate) enum SpecError {
     DepthThreshold(f32),
     #[error("a distance must not be negative")]
     WorldThreshold,
+    #[error("edges that dangle go on by SHARE,CELLS: 0 to 1 of the thresholds, and 1 to 64 whole cells, such as 0.5,8")]
+    Dangling,
     #[error("a light's size must be more than 0")]
     AreaSize,
     #[error("the near plane must lie at a distance of more than 0")]
@@ -271,6 +273,16 @@ pub(crate) fn detector(text: &str) -> Result<DepthEdges, SpecError> {
             _ => Err(SpecError::WorldThreshold),
         },
         _ => Err(unknown()),
+    }
+}
+
+/// How edges of depth maps go on that dangle, `SHARE,CELLS`.
+pub(crate) fn dangling(text: &str) -> Result<DanglingEdges, SpecError> {
+    let [share, cells] = numbers(text)?;
+    if (0.0..=1.0).contains(&share) && (1.0..=64.0).contains(&cells) && cells.fract() == 0.0 {
+        Ok(DanglingEdges { share, cells: cells as u32 })
+    } else {
+        Err(SpecError::Dangling)
     }
 }
 

@@ -19,8 +19,8 @@ pub struct DepthMapCaster {
     pub objects: Option<wgpu::TextureView>,
     /// The camera that the map was made with, at the light. It moves with the light: nothing moves it by itself.
     pub camera: ShadowCamera,
-    /// Which version of the map is in the textures. While the version, the textures and the camera stay the same, their contents
-    /// are the same, and the cells that were found are kept. `None`: they may be others in each encode.
+    /// Which version of the map is in the textures. While the version, the textures and the camera stay the same, their
+    /// contents are the same, and the cells that were found are kept. `None`: they may be others in each encode.
     pub version: Option<u64>,
 }
 
@@ -73,7 +73,8 @@ impl Default for DepthMapCastersOptions {
     }
 }
 
-/// What was done with the maps in an encode. Each is one of the first three.
+/// What was done with the maps in an encode. Each is one of the first three. What only the GPU knows, such as lists that
+/// overflowed, [`DepthMapCastersFrame::statistics`](crate::gpu::DepthMapCastersFrame::statistics) has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DepthMapCasterCounts {
     /// Maps whose cells were found.
@@ -88,6 +89,10 @@ pub struct DepthMapCasterCounts {
     pub unreached: u32,
     /// Draws of a map for a camera.
     pub draws: u32,
+    /// Of these, without a near cap: the camera's near rectangle is in light as a whole.
+    pub near_caps_lit: u32,
+    /// Of these, whose near cap the GPU draws or leaves out.
+    pub near_caps_told: u32,
 }
 
 /// A caster of [`DepthMapCasters`](crate::gpu::DepthMapCasters).

@@ -35,9 +35,11 @@ pub struct ShadowFormat {
     /// Whether the far plane is at a finite distance, see [`crate::ShadowCamera::has_far_plane`]. Only z-fail and ZP+
     /// as published use this. They then need `Features::DEPTH_CLIP_CONTROL`.
     pub has_far_plane: bool,
-    /// The low bits of the stencil that counts own, 1 to 8; 2 or more for [`ScenePipelines::in_batches`](crate::gpu::ScenePipelines::in_batches),
-    /// which take the highest of them for darkness. Volumes of meshes leave the other bits as they are. So the bits above hold parities of
-    /// depth maps ([`DepthMapPipelines`](crate::gpu::DepthMapPipelines)) or what the caller likes, and a surface is dark where any bit is set.
+    /// The low bits of the stencil that counts own, 1 to 8; 2 or more for
+    /// [`ScenePipelines::in_batches`](crate::gpu::ScenePipelines::in_batches), which take the highest of them for darkness.
+    /// Volumes of meshes leave the other bits as they are. So the bits above hold parities of depth maps
+    /// ([`DepthMapPipelines::beside_meshes`](crate::gpu::DepthMapPipelines::beside_meshes)) or what the caller likes, and a surface
+    /// is dark where any bit is set. **With the default, 8, counts own every bit:** a parity beside them would change counts.
     /// Counts wrap at 2 to the power of this: with 7 bits, a point behind 128 casting faces looks lit, see `bound_counts` of
     /// [`ShadowOptions`](crate::gpu::ShadowOptions::bound_counts) and [`SceneOptions`](crate::gpu::SceneOptions::bound_counts).
     pub count_bits: u32,

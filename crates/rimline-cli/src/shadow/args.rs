@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 use rimline::Counting;
-use rimline::gpu::DepthEdges;
+use rimline::gpu::{DanglingEdges, DepthEdges};
 
 use crate::failure::{Failure, UsageError};
 use crate::help::verbatim;
@@ -224,6 +224,18 @@ pub(crate) struct ShadowArgs {
     )]
     pub(crate) detector: DepthEdges,
 
+    /// With any --detector but `every`: go on where an edge dangles, that is, ends in a cell that has no other. There SHARE of
+    /// the detector's thresholds, 0 to 1, is left, for up to CELLS cells, 1 to 64. Without values: 0.5,8
+    #[arg(
+        long,
+        value_name = "SHARE,CELLS",
+        requires = "depth_maps",
+        num_args = 0..=1,
+        default_missing_value = "0.5,8",
+        value_parser = spec::dangling,
+    )]
+    pub(crate) dangling: Option<DanglingEdges>,
+
     /// With --from-depth or --depth: how the boundary of shadows is rebuilt between the samples of a map
     #[arg(long, value_enum, requires = "depth_maps", default_value_t = ReconstructArg::Template)]
     pub(crate) reconstruct: ReconstructArg,
@@ -251,7 +263,7 @@ impl ShadowArgs {
             ReconstructArg::Template => Reconstruction::Template,
             ReconstructArg::Vector => Reconstruction::Vector,
         };
-        Ok(Some(FromDepth::new(source, edges, reconstruction)?))
+        Ok(Some(FromDepth::new(source, (edges, self.dangling), reconstruction)?))
     }
 }
 
@@ -279,8 +291,9 @@ the stencil holds: places in their shadow may look lit), lights (a list of light
 file, casting, counting, silhouette_edges, each with one value a sample with --area; casting and counting are the \
 most that any instance in the file needs; with --hide-covered also covered: tried, hidden, undecided, without_room and left_out \
 count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth or --depth also \
-depth_map: size, side (null unless square), maps, reconstruction, cells (those that the boundary of the shadow has triangles in, null with vector) \
-and walls (null but with vector); casting is then depth map, and counting and method are parity), statistics (a list, one for each file, of file, skipped, every_face, \
+depth_map: size, side (null unless square), maps, reconstruction, cells (those that the boundary of the shadow has \
+triangles in, null with vector), walls (null but with vector) and overflowed (whether these are more than their list has \
+room for: every cell is drawn then); casting is then depth map, and counting and method are parity), statistics (a list, one for each file, of file, skipped, every_face, \
 capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
 overflowed_caps are null where there are several files), totals (of all files: skipped, every_face and capped count \
 pairs of instance and light, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those left out), milliseconds \
