@@ -33,10 +33,10 @@ pub enum SceneError {
     /// A mesh, or the scene as a whole, does not fit the device or the memory limit.
     #[error(transparent)]
     Memory(#[from] MemoryError),
-    /// The mesh has polygons, which only the CPU extracts so far.
+    /// The mesh has polygons, which scenes do not take so far.
     #[error(
-        "the mesh has faces of more than three corners, which only `cpu::extract` takes; make a mesh of its triangles, \
-         `Mesh::faces`"
+        "the mesh has faces of more than three corners, which a scene does not take; make a mesh of its triangles, \
+         `Mesh::faces`, or take `Extractor` and `ShadowVolumes`"
     )]
     Polygons,
     /// There are fewer positions than the mesh has vertices.
