@@ -386,10 +386,10 @@ mod tests {
         let full = shaded("point:0,1,0,color=1,.5,0,range=7,begin=2,exponent=3,intensity=.5");
         assert_eq!((full.color, full.intensity, full.range), (Some([1.0, 0.5, 0.0]), Some(0.5), Some(7.0)));
         assert_eq!((full.begin, full.exponent), (Some(2.0), Some(3.0)));
-        let named = shaded("file:ShadedLight, big,range=2");
-        assert_eq!((named.light, named.range), (LightSpec::Named("ShadedLight, big".into()), Some(2.0)));
+        let named = shaded("file:Lamp, big,range=2");
+        assert_eq!((named.light, named.range), (LightSpec::Named("Lamp, big".into()), Some(2.0)));
         // It may have a range of its own.
-        assert_eq!(shaded("file:ShadedLight,begin=2").begin, Some(2.0));
+        assert_eq!(shaded("file:Lamp,begin=2").begin, Some(2.0));
         assert_eq!(shaded("point:1,2,3,range=4,begin=4").begin, Some(4.0));
         let error = |text: &str| super::shaded(text).expect_err(text);
         assert_eq!(error("point:1,2,3,colour=1,1,1"), SpecError::LampOption("colour".into()));

@@ -31,11 +31,11 @@ pub struct DepthMapCubeCaster {
     pub light: LightHandle,
     /// The maps that are there, as for [`DepthMapCube::encode`], in the order of the cameras.
     pub textures: [Option<wgpu::TextureView>; 6],
-    /// The objects, with [`DepthMapOptions::objects`](crate::gpu::DepthMapOptions::objects): as for [`DepthMapCube::encode_objects`].
-    /// Else `None` for each.
+    /// The objects, with [`DepthMapOptions::objects`](crate::gpu::DepthMapOptions::objects): as for
+    /// [`DepthMapCube::encode_objects`]. Else `None` for each.
     pub objects: [Option<wgpu::TextureView>; 6],
-    /// The cameras that the maps were made with, at the light, as for [`DepthMapCube::set_cameras`]. They move with the light: nothing
-    /// moves them by itself.
+    /// The cameras that the maps were made with, at the light, as for [`DepthMapCube::set_cameras`]. They move with the light:
+    /// nothing moves them by itself.
     pub cameras: [ShadowCamera; 6],
     /// As [`DepthMapCaster::version`], for all maps.
     pub version: Option<u64>,
@@ -56,8 +56,8 @@ pub enum DepthMapCasterVolumes {
 pub struct DepthMapCastersOptions {
     /// Keep the cells of a map while its version says that it is the same.
     pub keep_cells: bool,
-    /// Skip a map all of whose shadow is beyond the range of its light or outside its cone. Skip it for a camera all of whose view,
-    /// or box of what receives, is.
+    /// Skip a map all of whose shadow is beyond the range of its light or outside its cone. Skip it for a camera all of whose
+    /// view, or box of what receives, is.
     pub skip_unreached: bool,
     /// Skip a map for a camera that cannot see its shadow.
     pub skip_unseen: bool,

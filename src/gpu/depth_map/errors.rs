@@ -303,7 +303,8 @@ pub enum DepthMapEncodeError {
     Light(CameraError),
     /// Some depths of the map lie behind infinity.
     #[error(
-        "rounding put the far plane of the map's camera behind infinity; use a projection without a far plane, or a larger near distance"
+        "rounding put the far plane of the map's camera behind infinity; use a projection without a far plane, or a larger near \
+         distance"
     )]
     FarPlane,
     /// A texture is of another size than the volumes, or the merge, were made for.

@@ -113,7 +113,8 @@ pub enum DepthMapReconstruction {
     ///
     /// In the trials it was wrong at 0.54 times as many pixels at borders of shadows as triangles, and at 52 in a million
     /// elsewhere (of the 84 views of `tests/depth_map/analytic.rs`; of the 168 others of docs/measured.md at 112), where
-    /// triangles were at none: at rims whose last facets are narrower than a texel. Keep a `slope_bias` of 1. Finding contours takes about ten times as long as finding cells on a software device.
+    /// triangles were at none: at rims whose last facets are narrower than a texel. Keep a `slope_bias` of 1. Finding contours
+    /// takes about ten times as long as finding cells on a software device.
     ///
     /// Maps of a cube, more than one bit, and edges that are continued take triangles.
     Contours {
@@ -133,10 +134,11 @@ pub struct DepthMapOptions {
     /// Which edges are taken.
     pub edges: DepthEdges,
     /// Whether edges between different objects are taken, besides those of `edges`. The objects are given to
-    /// [`DepthMapVolumes::encode_objects`](crate::gpu::DepthMapVolumes::encode_objects). [`DepthEdges::EveryCell`] takes all edges
-    /// already, and is refused with it. This needs no threshold, and finds contacts such as a foot on the ground. With [`DepthEdges::Outlines`], shadows that an object casts onto itself are missed,
-    /// and light and shadow are turned round along rays through the gaps. Steep sides of objects are left out, so take a
-    /// `slope_bias` of 0: moved by their slope, they would leave the object behind, and rays would pass through the gap.
+    /// [`DepthMapVolumes::encode_objects`](crate::gpu::DepthMapVolumes::encode_objects). [`DepthEdges::EveryCell`] takes all
+    /// edges already, and is refused with it. This needs no threshold, and finds contacts such as a foot on the ground. With
+    /// [`DepthEdges::Outlines`], shadows that an object casts onto itself are missed, and light and shadow are turned round along
+    /// rays through the gaps. Steep sides of objects are left out, so take a `slope_bias` of 0: moved by their slope, they would
+    /// leave the object behind, and rays would pass through the gap.
     pub objects: bool,
     /// How the boundary is rebuilt.
     pub reconstruction: DepthMapReconstruction,

@@ -52,10 +52,10 @@ impl DepthMapPipelines {
     /// Makes the pipelines. They count by parity in bit `bit` of the stencil, and leave the other bits as they are. A draw
     /// turns the bit round at each pixel that is in shadow.
     ///
-    /// This is for maps alone, or beside a scene ([`DepthMapCasters`](crate::gpu::DepthMapCasters)), whose frame refuses a bit that
-    /// the scene's counts own. **Where other volumes of meshes count in the same stencil, take [`Self::beside_meshes`].** A format
-    /// with all 8 [`ShadowFormat::count_bits`], the default, is taken here to have no counts beside, so that any bit will do. With
-    /// fewer, a bit that they own is refused.
+    /// This is for maps alone, or beside a scene ([`DepthMapCasters`](crate::gpu::DepthMapCasters)), whose frame refuses a bit
+    /// that the scene's counts own. **Where other volumes of meshes count in the same stencil, take [`Self::beside_meshes`].** A
+    /// format with all 8 [`ShadowFormat::count_bits`], the default, is taken here to have no counts beside, so that any bit will
+    /// do. With fewer, a bit that they own is refused.
     ///
     /// `format.front_face` and `format.has_far_plane` do not matter.
     ///
@@ -73,8 +73,8 @@ impl DepthMapPipelines {
         Self::of_bits(pipelines.into(), format, bit..bit + 1, false)
     }
 
-    /// Makes pipelines that count by parity in each of `bits`, as [`Self::antialiased`] does, beside volumes of meshes that count in
-    /// the same stencil. `format` is theirs, whose counts own the bits below: `count_bits` of 7 and bits from 7 to 8, for
+    /// Makes pipelines that count by parity in each of `bits`, as [`Self::antialiased`] does, beside volumes of meshes that count
+    /// in the same stencil. `format` is theirs, whose counts own the bits below: `count_bits` of 7 and bits from 7 to 8, for
     /// example. Neither then changes the bits of the other, and a place is dark where any bit is set.
     ///
     /// # Errors

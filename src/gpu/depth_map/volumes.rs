@@ -240,8 +240,8 @@ impl DepthMapVolumes {
     }
 
     /// As [`Self::encode`], with [`DepthMapOptions::objects`]: `objects` has the number of an object for each texel of the map.
-    /// It is a view of one layer of a texture of `R32Uint` with one mip level and usage `TEXTURE_BINDING`, which has the map's size.
-    /// Numbers where the map is far do not matter.
+    /// It is a view of one layer of a texture of `R32Uint` with one mip level and usage `TEXTURE_BINDING`, which has the map's
+    /// size. Numbers where the map is far do not matter.
     ///
     /// # Errors
     /// [`DepthMapEncodeError`] if a texture or a camera is refused. Nothing is recorded then.

@@ -146,7 +146,8 @@ fn modes() -> Outcome {
     ensure!(cells[2] == continued("--dangling 0.5,8")?, "--dangling is not 0.5,8");
     // Samples of an area have maps of their own.
     let line = format!(
-        "shadow @ball.npz {VIEW} --light point:6,12,3 --area disc:0.5 --samples 3 --from-depth 64 --one-pattern --out @s.png --json"
+        "shadow @ball.npz {VIEW} --light point:6,12,3 --area disc:0.5 --samples 3 --from-depth 64 --one-pattern --out @s.png \
+         --json"
     );
     let found = run(folder.path(), &line).json()?;
     let cells = &found["lights"][0]["depth_map"]["cells"];
