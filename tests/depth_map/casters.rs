@@ -430,6 +430,8 @@ fn histories() -> Result<(), String> {
             counts.unlit += all.unlit;
             counts.unreached += all.unreached;
             counts.draws += all.draws;
+            counts.near_caps_lit += all.near_caps_lit;
+            counts.near_caps_told += all.near_caps_told;
             for (view, seen) in eyes.iter().enumerate() {
                 for lamp in &world.lamps {
                     let [kept, anew, by_hand] = world.pictures(&frames, (view, seen), lamp)?;
@@ -456,7 +458,8 @@ fn histories() -> Result<(), String> {
     );
     let unseen = counts.skipped - counts.unlit - counts.unreached;
     let least = [counts.encoded, counts.kept, unseen, counts.unlit, counts.unreached].into_iter().min();
-    if dark < 2000 || of_cubes < 500 || least < Some(5) {
+    let caps = [counts.near_caps_lit, counts.near_caps_told];
+    if dark < 2000 || of_cubes < 500 || least < Some(5) || caps.iter().any(|&count| count < 5 || count > counts.draws) {
         return Err("too few of a kind".to_owned());
     }
     // Negative control: a map that changed, and a version that did not.
