@@ -91,6 +91,19 @@ pub struct DepthMapVolumes {
     pub(super) encodes: Arc<AtomicU64>,
 }
 
+/// Whether every cell is marked, and the threshold, where cells are decided without marks of edges.
+fn rule(edges: DepthEdges) -> (u32, f32) {
+    match edges {
+        DepthEdges::Differences { threshold } => (0, threshold),
+        // No difference is larger.
+        DepthEdges::Outlines => (0, 1.0),
+        // Each encode has its own.
+        DepthEdges::WorldDifferences { .. } => (0, 0.0),
+        // With marks, a list that overflows is that of every cell.
+        DepthEdges::EveryCell | DepthEdges::SecondDifferences { .. } | DepthEdges::Automatic => (1, 0.0),
+    }
+}
+
 impl DepthMapVolumes {
     /// Makes buffers for maps of `size` texels, on the device of `pipelines`.
     ///
@@ -129,15 +142,7 @@ impl DepthMapVolumes {
         if size.contains(&0) || count > MOST_CELLS {
             return Err(DepthMapVolumesError::Size(size[0], size[1]));
         }
-        let (every_cell, threshold) = match edges {
-            DepthEdges::Differences { threshold } => (0, threshold),
-            // No difference is larger.
-            DepthEdges::Outlines => (0, 1.0),
-            // Each encode has its own.
-            DepthEdges::WorldDifferences { .. } => (0, 0.0),
-            // With marks, a list that overflows is that of every cell.
-            DepthEdges::EveryCell | DepthEdges::SecondDifferences { .. } | DepthEdges::Automatic => (1, 0.0),
-        };
+        let (every_cell, threshold) = rule(edges);
         options.check()?;
         let world = if let DepthEdges::WorldDifferences { threshold } = edges { Some(threshold) } else { None };
         let contours = ContourPlan::new(pipelines, size, &options)?;
