@@ -427,7 +427,8 @@ shared_structs! {
         spared_faces: u32,
         /// Edge records that were not tested, since clusters tell that none is a silhouette edge.
         spared_edges: u32,
-        /// Casters that the frame does not need, and which were not deformed: [`Scene::encode_needs`](crate::gpu::Scene::encode_needs).
+        /// Casters that the frame does not need, and which were not deformed:
+        /// [`Scene::encode_needs`](crate::gpu::Scene::encode_needs).
         unneeded: u32,
     }
 
@@ -554,7 +555,8 @@ shared_structs! {
         whole_cells: u32,
     }
 
-    /// How the contours of a depth map are traced and fitted. Distances count from the near plane on, in units of 2⁻²⁹ of the range of device depths.
+    /// How the contours of a depth map are traced and fitted. Distances count from the near plane on, in units of 2⁻²⁹ of the
+    /// range of device depths.
     struct ContourShape {
         /// Tiles of 16 × 16 cells across, and all of them.
         tiles: [u32; 2],
@@ -568,7 +570,8 @@ shared_structs! {
         sure: i32,
         /// How far a segment may be from a place of the contour, in parts of 256 of a texel.
         sideways: i32,
-        /// How far the ends of a wall may be from those of the surfaces there: a number, and the bits that it and depths are moved down by.
+        /// How far the ends of a wall may be from those of the surfaces there: a number, and the bits that it and depths are
+        /// moved down by.
         tolerance: i32,
         /// See `tolerance`.
         shift: u32,
@@ -712,7 +715,8 @@ shared_structs! {
         used_lights: u32,
         /// 1: views may have receivers. Then volumes may end behind all of them.
         has_receivers: u32,
-        /// The largest count that the bits which count hold. One bit of counts is that of darkness where there are several batches.
+        /// The largest count that the bits which count hold. One bit of counts is that of darkness where there are several
+        /// batches.
         most_count: u32,
     }
 
@@ -799,7 +803,8 @@ shared_structs! {
         /// An upper bound of the stencil counts of all casters together, for any light and view. 0 unless it was asked for.
         count_bound: u32,
         /// Lights, in each view, whose bound is larger than the largest count: 255, or less with fewer
-        /// [`count_bits`](crate::gpu::ShadowFormat::count_bits), and half as much where casters are counted in several batches. 0 unless it was asked for.
+        /// [`count_bits`](crate::gpu::ShadowFormat::count_bits), and half as much where casters are counted in several batches. 0
+        /// unless it was asked for.
         may_wrap: u32,
         /// Pairs of light and view whose lists of sides and caps were kept from an earlier encode, for each group of casters of
         /// a scene. A group has one page of topology and one source of positions.

@@ -15,6 +15,9 @@
 //! * [`gpu::ShadowVolumes`]: stencil shadows in your render pass. The GPU chooses the counting method for each caster
 //!   and light.
 //! * [`gpu::Scene`]: the same for many casters and lights together.
+//! * [`gpu::DepthMapVolumes`]: stencil shadows of what has no mesh, rebuilt from the depth map of a light. [`gpu::DepthMapCube`]
+//!   takes six maps around a light, [`gpu::DepthMapMerge`] makes two maps one, and [`gpu::MeshDepth`] draws a mesh into a map.
+//! * [`gpu::DepthMapCasters`]: such maps as casters of a scene, beside its meshes.
 //! * [`gpu::ShadowQuery`]: counts the faces between points and lights.
 //! * [`AreaLight`]: samples lights that have an area. The samples share one extraction.
 //! * [`cpu`]: extraction, deformation and the shadow depth query without a device. Extraction and query give the same
@@ -45,6 +48,35 @@
 //!     let lights = [Light::point([0.0, 5.0, 2.0]), Light::directional([1.0, 1.0, 0.0])];
 //!     // `Extraction::draw` then draws a light's silhouette edges with your pipeline.
 //!     Ok(extractor.encode(encoder, vertices, &lights, None)?)
+//! }
+//! ```
+//!
+//! Whatever writes depth casts: distance fields, alpha-tested leaves, points. A depth map of a light is all that it takes:
+//!
+//! ```no_run
+//! use rimline::gpu::{DepthMap, DepthMapFrame, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+//! use rimline::{ShadowCamera, wgpu};
+//!
+//! /// Call this once for each size of map. A draw turns bit 0 of the stencil round where there is shadow. Where volumes of
+//! /// meshes count in the same stencil, take `DepthMapPipelines::beside_meshes`.
+//! fn prepare(
+//!     device: &wgpu::Device,
+//!     format: &ShadowFormat,
+//! ) -> Result<(DepthMapPipelines, DepthMapVolumes), Box<dyn std::error::Error>> {
+//!     let pipelines = DepthMapPipelines::new(device, format, 0)?;
+//!     let volumes = DepthMapVolumes::new(&pipelines, [1024, 1024], DepthMapOptions::default())?;
+//!     Ok((pipelines, volumes))
+//! }
+//!
+//! /// Call this every frame, after whatever draws the map.
+//! fn shadows(
+//!     volumes: &mut DepthMapVolumes,
+//!     encoder: &mut wgpu::CommandEncoder,
+//!     map: &DepthMap<'_>,
+//!     eye: &ShadowCamera,
+//! ) -> Result<DepthMapFrame, Box<dyn std::error::Error>> {
+//!     // `DepthMapFrame::draw` then draws into a pass that has your depth and a stencil of 0.
+//!     Ok(volumes.encode(encoder, map, eye, None)?)
 //! }
 //! ```
 

@@ -27,8 +27,8 @@ pub struct Light {
     /// caster farther away throws no shadow volume; see also [`crate::gpu::ShadowOptions::end_at_range`]. It has no
     /// meaning where `w` is 0.
     pub range: f32,
-    /// The cone of a spot light, whose apex is the light, in world space. Nothing outside of it is lit, so a caster outside throws no
-    /// shadow volume in a scene. It changes no facing or silhouette bit. It has no meaning where `w` is 0.
+    /// The cone of a spot light, whose apex is the light, in world space. Nothing outside of it is lit, so a caster outside
+    /// throws no shadow volume in a scene. It changes no facing or silhouette bit. It has no meaning where `w` is 0.
     pub cone: Option<Cone>,
 }
 
@@ -160,7 +160,8 @@ pub enum LightError {
     },
     /// The axis of a cone has no direction, or its cosine is none.
     #[error(
-        "light {index} has a cone about ({}, {}, {}) of cosine {cosine}; the axis must be finite and not zero, and the cosine -1 to 1",
+        "light {index} has a cone about ({}, {}, {}) of cosine {cosine}; the axis must be finite and not zero, and the cosine \
+         -1 to 1",
         .axis[0], .axis[1], .axis[2]
     )]
     Cone {
@@ -173,7 +174,8 @@ pub enum LightError {
     },
     /// The weight is negative, and shadows refuse it.
     #[error(
-        "light {index} has w = {w}, and a negative w reverses its sides, which shadows have no use for; negate all four components"
+        "light {index} has w = {w}, and a negative w reverses its sides, which shadows have no use for; negate all four \
+         components"
     )]
     NegativeWeight {
         /// Position in the list.

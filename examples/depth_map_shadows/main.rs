@@ -73,7 +73,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     scene.insert(Caster::rigid(mesh, [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]))?;
 
     // What has none: the lamp's own view of it.
-    let parity = DepthMapPipelines::new(&shared, &format, COUNT_BITS)?;
+    let parity = DepthMapPipelines::beside_meshes(&shared, &format, COUNT_BITS..COUNT_BITS + 1)?;
     let lamp_view = Camera::new(place, [0.1, 1.0, 0.1], 50.0);
     let map = canvas.target([MAP; 2], 1, DEPTH_STENCIL);
     let depths = map.create_view(&wgpu::TextureViewDescriptor {

@@ -7,7 +7,8 @@ use super::json::{Json, shorten};
 pub(super) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// The advice for a file with meshopt data.
-pub(super) const MESHOPT_ADVICE: &str = "decompress the file first (gltfpack without -c, or gltf-transform copy), or export it with an uncompressed \
+pub(super) const MESHOPT_ADVICE: &str = "decompress the file first (gltfpack without -c, or gltf-transform copy), or export it \
+    with an uncompressed \
      fallback buffer";
 /// The advice for a file with Draco data.
 pub(super) const DRACO_ADVICE: &str =

@@ -22,7 +22,7 @@ pub use depth_map::{
     DepthMapCasterVolumes, DepthMapCasters, DepthMapCastersError, DepthMapCastersFrame, DepthMapCastersOptions,
     DepthMapCube, DepthMapCubeCaster, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapFrame,
     DepthMapMerge, DepthMapNearCap, DepthMapOptions, DepthMapPipelines, DepthMapPipelinesError, DepthMapReconstruction,
-    DepthMapVolumes, DepthMapVolumesError, MeshDepth, MeshDepthError,
+    DepthMapStatistics, DepthMapTexture, DepthMapVolumes, DepthMapVolumesError, MeshDepth, MeshDepthError,
 };
 pub use extract::errors::{
     ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, StaleExtraction,

@@ -145,7 +145,8 @@ impl Mesh {
         self.weld
     }
 
-    /// Whether every record is of kind [`EdgeKind::Consistent`](crate::mesh::EdgeKind::Consistent): the mesh is closed and consistently oriented.
+    /// Whether every record is of kind [`EdgeKind::Consistent`](crate::mesh::EdgeKind::Consistent): the mesh is closed and
+    /// consistently oriented.
     pub fn is_closed(&self) -> bool {
         let EdgeCounts { inconsistent, boundary, .. } = self.edges.counts();
         inconsistent == 0 && boundary == 0

@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 use rimline::gpu::{
-    DepthMapCaster, DepthMapCasterHandle, DepthMapCasterVolumes, DepthMapCastersError, DepthMapCube,
-    DepthMapCubeCaster, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapOptions, DepthMapPipelines,
-    DepthMapVolumes, DeviceError, SceneFrame, ShadowFormat,
+    DepthEdges, DepthMapCaster, DepthMapCasterHandle, DepthMapCasterVolumes, DepthMapCasters, DepthMapCastersError,
+    DepthMapCastersOptions, DepthMapCube, DepthMapCubeCaster, DepthMapCubeError, DepthMapDrawError,
+    DepthMapEncodeError, DepthMapOptions, DepthMapPipelines, DepthMapTexture, DepthMapVolumes, DeviceError, Scene,
+    SceneFrame, SceneOptions, ShadowFormat,
 };
 use rimline::{CameraError, DepthDirection, Light, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -18,7 +19,54 @@ use crate::picture::stencil_after;
 use crate::scene::Eye;
 use crate::textures::{depth_view, texture};
 
-pub(crate) const TESTS: &[Test] = &[("casters_that_are_refused", refused)];
+pub(crate) const TESTS: &[Test] =
+    &[("casters_that_are_refused", refused), ("casters_in_bits_that_counts_of_a_scene_own", bits)];
+
+/// A scene owns the bits that its options say, if it draws.
+fn bits() -> Result<(), String> {
+    use DepthMapCastersError as Error;
+    let gpu = &*Gpu::shared()?;
+    let place = Eye {
+        place: DVec3::ZERO,
+        forward: DVec3::X,
+        near: 0.1,
+        is_relative: false,
+        depth: DepthDirection::Reversed,
+        far: None,
+        half_width: None,
+    };
+    let camera = place.camera();
+    let format = |count_bits| ShadowFormat { count_bits, ..Default::default() };
+    let parity = |count_bits, bit| DepthMapPipelines::new(&gpu.pipelines, &format(count_bits), bit).map_err(text);
+    let counting = |count_bits| DepthMapPipelines::counting(&gpu.pipelines, &format(count_bits)).map_err(text);
+    let [highest, seventh, alone] = [parity(7, 7)?, parity(6, 6)?, parity(8, 7)?];
+    let counts = [counting(7)?, counting(8)?];
+    let mut found = Vec::new();
+    for (count_bits, is_drawn) in [(8, true), (7, true), (8, false)] {
+        let options = SceneOptions { count_bits, ..Default::default() };
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
+        let light = scene.add_light(Light::point([0.0, 5.0, 0.0])).map_err(text)?;
+        let mut casters = DepthMapCasters::new(&scene, DepthMapCastersOptions::default());
+        let views = if is_drawn { &[camera][..] } else { &[] };
+        let frame = gpu.submit(|encoder| {
+            let frame = scene.encode(encoder, views, None).map_err(text)?;
+            casters.encode(encoder, &frame, &[camera], None).map_err(text)
+        })?;
+        stencil_after(gpu, (SIDE, &vec![0.5; (SIDE * SIDE) as usize]), |_| {
+            Ok(|pass: &mut wgpu::RenderPass<'_>| {
+                let all = [&highest, &seventh, &alone, &counts[0], &counts[1]];
+                found.extend(all.map(|pipelines| frame.draw(pass, pipelines, 0, light)));
+                Ok(())
+            })
+        })?;
+    }
+    let counted = |bit, count_bits| Err(Error::Counted { bit, count_bits });
+    let differ = |scene, pipelines| Err(Error::CountBits { scene, pipelines });
+    let of_eight = [counted(7, 8), counted(6, 8), counted(7, 8), differ(8, 7), Ok(())];
+    let of_seven = [Ok(()), counted(6, 7), Ok(()), Ok(()), differ(7, 8)];
+    let undrawn = [Ok(()), Ok(()), Ok(()), Ok(()), Ok(())];
+    same("draws", &found, &[of_eight, of_seven, undrawn].concat())
+}
 
 fn refused() -> Result<(), String> {
     use DepthMapCastersError as Error;
@@ -56,7 +104,7 @@ fn refused() -> Result<(), String> {
     let expected = [
         Some(device.into()),
         of_other("light"),
-        map(DepthMapEncodeError::Size { given: [4, 4], made: SIZE }),
+        map(DepthMapEncodeError::Size { texture: DepthMapTexture::Map, given: [4, 4], made: SIZE }),
         map(DepthMapEncodeError::UnusedObjects),
         map(DepthMapEncodeError::Light(CameraError::Singular)),
         of_other("caster"),
@@ -78,16 +126,18 @@ fn cubes_refused(world: &mut World<'_>, own: DepthMapCasterHandle) -> Result<(),
         texture(gpu, size, format, &vec![0.0; (size[0] * size[1]) as usize]).map(|texture| depth_view(&texture))
     };
     let (map, small) = (texture([side; 2], TextureFormat::R32Float)?, texture([3; 2], TextureFormat::R32Float)?);
-    let cameras = |side| DepthMapCube::cameras([0.0, 8.0, 0.0], 0.1, None, DepthDirection::Reversed, side);
+    let cameras =
+        |side| DepthMapCube::cameras([0.0, 8.0, 0.0], 0.1, None, DepthDirection::Reversed, side).map_err(text);
+    let (meeting, others) = (cameras(side)?, cameras(9)?);
     let cube = |objects| {
-        let options = DepthMapOptions { objects, ..Default::default() };
-        DepthMapCube::new(&world.pipelines[0], side, &cameras(side), options).map_err(text)
+        let options = DepthMapOptions { objects, edges: DepthEdges::Outlines, ..Default::default() };
+        DepthMapCube::new(&world.pipelines[0], side, &meeting, options).map_err(text)
     };
     let caster = DepthMapCubeCaster {
         light: world.lamps[0].handle,
         textures: [0; 6].map(|_| Some(map.clone())),
         objects: [const { None }; 6],
-        cameras: cameras(side),
+        cameras: meeting,
         version: Some(1),
     };
     let wrong = |view: &wgpu::TextureView| {
@@ -96,7 +146,7 @@ fn cubes_refused(world: &mut World<'_>, own: DepthMapCasterHandle) -> Result<(),
         DepthMapCubeCaster { textures, ..caster.clone() }
     };
     let objects = [0; 6].map(|_| Some(map.clone()));
-    let apart = DepthMapCubeCaster { cameras: cameras(9), ..caster.clone() };
+    let apart = DepthMapCubeCaster { cameras: others, ..caster.clone() };
     let [plain, of_objects, another] = [cube(false)?, cube(true)?, cube(false)?];
     let first = world.casts[0].caster.clone();
     let casters = &mut world.casters[0];
@@ -116,11 +166,11 @@ fn cubes_refused(world: &mut World<'_>, own: DepthMapCasterHandle) -> Result<(),
     ];
     let map = |error| Some(Error::Refused(error));
     let expected = [
-        map(DepthMapEncodeError::NoObjects),
+        map(DepthMapEncodeError::NoObjects { face: Some(0) }),
         Some(Error::Cube(meeting.clone())),
         Some(Error::Kind { own: "six maps", with: "set_cube" }),
         Some(Error::Kind { own: "one map", with: "set" }),
-        map(DepthMapEncodeError::Size { given: [3; 2], made: [side; 2] }),
+        map(DepthMapEncodeError::Size { texture: DepthMapTexture::CubeMap(4), given: [3; 2], made: [side; 2] }),
         map(DepthMapEncodeError::UnusedObjects),
         Some(Error::Cube(meeting)),
         None,

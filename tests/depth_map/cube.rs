@@ -4,7 +4,7 @@
 use glam::{DQuat, DVec2, DVec3, Mat4};
 use rimline::gpu::{
     CubeMismatch, DanglingEdges, DepthEdges, DepthMapCube, DepthMapCubeError, DepthMapOptions, DepthMapPipelines,
-    DepthMapVolumesError, ShadowFormat,
+    DepthMapVolumesError, MemoryError, ShadowFormat,
 };
 use rimline::reference::cpu::{
     EdgeDetector, Samples, Second, depth_cells_of_objects, depth_cube_of_objects, depth_edges,
@@ -55,7 +55,7 @@ pub(crate) fn cube_of(random: &mut Random, side: u32) -> Cube {
     let light = 2.0 * vector(random);
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
     let far = [None, Some(40.0)][random.below(2)];
-    let cameras = DepthMapCube::cameras(light.as_vec3().to_array(), 0.3, far, depth, side);
+    let cameras = DepthMapCube::cameras(light.as_vec3().to_array(), 0.3, far, depth, side).expect("a cube");
     let light = light.as_vec3().as_dvec3();
     let turn = DQuat::from_axis_angle(vector(random), f64::from(random.between(0.0, 6.0)));
     let is_turned = random.below(2) == 0;
@@ -243,7 +243,7 @@ fn plane() -> Result<(), String> {
         let side = 9 + random.below(20) as u32;
         let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
         let light = vector(&mut random).as_vec3();
-        let cameras = DepthMapCube::cameras(light.to_array(), 0.2, None, depth, side);
+        let cameras = DepthMapCube::cameras(light.to_array(), 0.2, None, depth, side).map_err(text)?;
         let (light, normal) = (light.as_dvec3(), vector(&mut random));
         let height = f64::from(random.between(1.0, 3.0));
         let is_reversed = depth == DepthDirection::Reversed;
@@ -395,9 +395,11 @@ fn refused() -> Result<(), String> {
     let options = DepthMapOptions::default();
     let made = |side, cameras: [ShadowCamera; 6]| DepthMapCube::new(&pipelines, side, &cameras, options).err();
     let reversed = DepthDirection::Reversed;
-    let right = |place, near, side| DepthMapCube::cameras(place, near, None, reversed, side);
+    let right = |place, near, side| DepthMapCube::cameras(place, near, None, reversed, side).map_err(text);
     let place = [1.0, 2.0, 3.0];
-    let cameras = right(place, 0.1, 16);
+    let cameras = right(place, 0.1, 16)?;
+    let ended = DepthMapCube::cameras(place, 0.1, Some(50.0), reversed, 16).map_err(text)?;
+    let standard = DepthMapCube::cameras(place, 0.1, None, DepthDirection::Standard, 16).map_err(text)?;
     let with = |face: usize, camera: ShadowCamera| {
         let mut cameras = cameras;
         cameras[face] = camera;
@@ -418,18 +420,19 @@ fn refused() -> Result<(), String> {
     let too_large = DepthMapVolumesError::Texture { size: [3 * most, 2 * most], most };
     let found = [
         made(16, cameras),
-        made(2, right(place, 0.1, 2)),
+        made(2, cameras),
         // Cameras for 90°: the width of a map with very many texels.
-        made(16, right(place, 0.1, 1 << 20)),
-        made(16, right(place, 0.1, 15)),
-        with(1, right([1.0, 2.0, 3.001], 0.1, 16)[1]),
-        with(5, right(place, 0.2, 16)[5]),
+        made(16, right(place, 0.1, 1 << 20)?),
+        made(16, right(place, 0.1, 15)?),
+        with(1, right([1.0, 2.0, 3.001], 0.1, 16)?[1]),
+        with(5, right(place, 0.2, 16)?[5]),
         with(3, cameras[2]),
-        with(4, DepthMapCube::cameras(place, 0.1, Some(50.0), reversed, 16)[4]),
-        with(3, DepthMapCube::cameras(place, 0.1, None, DepthDirection::Standard, 16)[3]),
+        with(4, ended[4]),
+        with(3, standard[3]),
         with(0, parallel.camera()),
         with(1, lost),
-        made(most, right(place, 0.1, most)),
+        made(most, right(place, 0.1, most)?),
+        made(20_000, cameras),
     ];
     let expected = [
         None,
@@ -444,6 +447,56 @@ fn refused() -> Result<(), String> {
         Some(DepthMapCubeError::Parallel { face: 0 }),
         Some(DepthMapCubeError::Light { face: 1, error: rimline::CameraError::Singular }),
         Some(DepthMapCubeError::Volumes(too_large)),
+        Some(DepthMapCubeError::Cells(20_000)),
     ];
-    same("cubes", &found, &expected)
+    same("cubes", &found, &expected)?;
+    cameras_refused()?;
+    memory(&pipelines, &cameras)
+}
+
+/// Cameras that are none, and what the errors say.
+fn cameras_refused() -> Result<(), String> {
+    let (inf, nan) = (f32::INFINITY, f32::NAN);
+    let refused = |place, near, far, side| {
+        let of = |depth| DepthMapCube::cameras(place, near, far, depth, side).err().map(text);
+        let [reversed, standard] = [DepthDirection::Reversed, DepthDirection::Standard].map(of);
+        if reversed == standard { reversed } else { Some(format!("{reversed:?} and {standard:?}")) }
+    };
+    let place = [1.0, 2.0, 3.0];
+    let far_away = [1e30, 0.0, 0.0];
+    let sides = [0, 1, 2, 3].map(|side| refused(place, 0.1, Some(50.0), side));
+    let nears = [0.0, -0.1, inf, nan, f32::MIN_POSITIVE].map(|near| refused(place, near, None, 16));
+    let fars = [0.1, 0.05, -1.0, inf, nan, 0.2].map(|far| refused(place, 0.1, Some(far), 16));
+    let places = [[nan, 0.0, 0.0], [0.0, inf, 0.0], far_away].map(|place| refused(place, 0.1, None, 16));
+    let is_told = |errors: &[Option<String>], part: &str| {
+        let (last, wrong) = errors.split_last().ok_or("none")?;
+        let told = wrong.iter().all(|error| error.as_ref().is_some_and(|error| error.contains(part)));
+        if told && last.is_none() { Ok(()) } else { Err(format!("{part}: {errors:?}")) }
+    };
+    is_told(&sides, "at least 3 texels a side")?;
+    is_told(&nears, "`near` is ")?;
+    is_told(&fars, "`near` 0.1; take a finite distance above `near`")?;
+    is_told(&places, "take finite coordinates")
+}
+
+/// The limit of memory holds for textures and buffers together.
+fn memory(pipelines: &DepthMapPipelines, cameras: &[ShadowCamera; 6]) -> Result<(), String> {
+    let needed = |objects, memory_limit| {
+        let options = DepthMapOptions { edges: DepthEdges::Outlines, objects, memory_limit, ..Default::default() };
+        match DepthMapCube::new(pipelines, 16, cameras, options) {
+            Err(DepthMapCubeError::Volumes(DepthMapVolumesError::Memory(MemoryError::Total { bytes, .. }))) => {
+                Ok(bytes)
+            }
+            Err(error) => Err(error.to_string()),
+            Ok(_) => Ok(0),
+        }
+    };
+    let texels = 6 * 16 * 16;
+    let [plain, with] = [needed(false, Some(1))?, needed(true, Some(1))?];
+    let volumes = DepthMapCube::new(pipelines, 16, cameras, DepthMapOptions::default()).map_err(text)?;
+    if with - plain != 4 * texels || plain < 4 * texels + volumes.cells().size() {
+        return Err(format!("{plain} bytes, {with} with objects"));
+    }
+    same("enough", &[needed(true, Some(with))?, needed(true, Some(with - 1))?], &[0, with])?;
+    Ok(())
 }

@@ -22,6 +22,7 @@ mod refusals;
 #[allow(dead_code, reason = "only its cameras and rays are used here")]
 mod scene;
 mod stages;
+mod statistics;
 mod textures;
 mod views;
 mod worlds;
@@ -45,6 +46,7 @@ fn main() {
         casters_refused::TESTS,
         mesh_depth::TESTS,
         near::TESTS,
+        statistics::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

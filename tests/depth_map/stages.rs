@@ -190,7 +190,7 @@ fn of_objects() -> Result<(), String> {
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
     let mut random = Random::new(SEED);
     let mut added = 0;
-    for edges in [DepthEdges::Outlines, DepthEdges::Differences { threshold: 0.1 }, DepthEdges::EveryCell] {
+    for edges in [DepthEdges::Outlines, DepthEdges::Differences { threshold: 0.1 }] {
         for map in maps(&mut random) {
             let capacity = (random.below(3) == 0).then(|| random.below(20) as u32);
             let numbers: Vec<_> =
@@ -206,7 +206,6 @@ fn of_objects() -> Result<(), String> {
                 volumes.encode_objects(encoder, &map, &objects, &eye, None).map(drop).map_err(text)
             })?;
             let threshold = match edges {
-                DepthEdges::EveryCell => -1.0,
                 DepthEdges::Differences { threshold } => threshold,
                 _ => 1.0,
             };

@@ -131,7 +131,8 @@ const EXTRACT_KEYS: &str = "\
 Keys of --json: adapter, method, predicate, vertices, faces, degenerate_faces, non_finite_faces, edges (consistent, \
 inconsistent, boundary), lights, silhouette_edges and unclosed_vertices (a number a light), \
 undecided_pairs and exact_zeros (pairs of face and light that integers decided), twisted_polygons (a number a light, \
-for polygons), milliseconds (by stage), set_up_milliseconds (opening the device, buffers, compiling shaders), work_milliseconds (all other stages).";
+for polygons), milliseconds (by stage), set_up_milliseconds (opening the device, buffers, compiling shaders), work_milliseconds \
+(all other stages).";
 
 #[derive(Args, Debug)]
 #[command(help_template = verbatim(DRAW_EXAMPLES), after_help = DRAW_REMARKS, mut_arg("device", drawing_device))]
@@ -165,8 +166,8 @@ pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
 
-    /// A light, as of `extract`: of polygons it says how many face it, and how many are twisted as seen from it. The option can be
-    /// repeated
+    /// A light, as of `extract`: of polygons it says how many face it, and how many are twisted as seen from it. The option can
+    /// be repeated
     #[arg(long = "light", value_name = "SPEC", allow_hyphen_values = true, value_parser = spec::light)]
     pub(crate) lights: Vec<LightSpec>,
 
@@ -188,7 +189,8 @@ in world space); each of these three with name, vertices (before, after, apart),
 duplicate_faces, edges (consistent, inconsistent, boundary), non_manifold_edges, components, closed, \
 why_open, offending_edges (kind, vertices, positions), joints_per_vertex, morph_targets, bounds (min, \
 max); polygons (null where all faces are triangles; triangles, quadrilaterals, larger, most_corners, with_holes, \
-nonplanar, non_finite, seen: for each light facing, averted, in_plane, twisted); and of a glTF file skins (name, joints), animations (name, duration_seconds, channels), lights \
+nonplanar, non_finite, seen: for each light facing, averted, in_plane, twisted); and of a glTF file skins (name, joints), \
+animations (name, duration_seconds, channels), lights \
 (name, kind, xyzw), skipped_primitives (points, lines, without_position).";
 
 #[derive(Args, Debug)]

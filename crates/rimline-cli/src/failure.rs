@@ -136,7 +136,10 @@ pub(crate) enum UsageError {
     Lights(LightError),
     #[error("{0}; change --eye, --target, --fov or --near")]
     Camera(CameraError),
-    #[error("{lights} lights with {samples} samples each are {}, and at most {limit} fit; give fewer --samples", lights * samples)]
+    #[error(
+        "{lights} lights with {samples} samples each are {}, and at most {limit} fit; give fewer --samples",
+        lights * samples
+    )]
     Samples { lights: usize, samples: usize, limit: usize },
     #[error("--mode {0} cannot draw soft shadows; leave out --area or --mode {0}")]
     AreaMode(String),
@@ -176,7 +179,8 @@ pub(crate) enum UsageError {
     #[error("there is no scene `{wanted}`; there are {there}, `all` and `none`")]
     Scene { wanted: String, there: String },
     #[error(
-        "--casters is for the scenes `casters`, `still`, `city`, `crowd` and `moving`, which --scenes leaves out; add one of them \
+        "--casters is for the scenes `casters`, `still`, `city`, `crowd` and `moving`, which --scenes leaves out; add one of \
+         them \
          to --scenes"
     )]
     CastersWithoutScene,
@@ -186,15 +190,20 @@ pub(crate) enum UsageError {
         "--method {0} draws each file by itself, so no file covers another; leave out --hide-covered or --method {0}"
     )]
     CoveredMethod(String),
-    #[error("--hide-covered takes triangles, and {} has polygons; cut its faces into triangles, or leave out --hide-covered", .file.display())]
+    #[error(
+        "--hide-covered takes triangles, and {} has polygons; cut its faces into triangles, or leave out --hide-covered",
+        .file.display()
+    )]
     CoveredPolygons { file: PathBuf },
     #[error(
-        "light {light} is among the models or close to them, so it has six depth maps, whose device depths are nearly all alike; take \
+        "light {light} is among the models or close to them, so it has six depth maps, whose device depths are nearly all \
+         alike; take \
          --detector every, automatic or world=T"
     )]
     DetectorInCube { light: usize },
     #[error(
-        "light {light} is among the models or close to them, so it has six depth maps, and --reconstruct vector takes one; leave it out, and \
+        "light {light} is among the models or close to them, so it has six depth maps, and --reconstruct vector takes one; \
+         leave it out, and \
          take --detector every, automatic or world=T"
     )]
     VectorInCube { light: usize },
@@ -203,7 +212,13 @@ pub(crate) enum UsageError {
     )]
     VectorDetector,
     #[error(
-        "--depth is the map of one light, and --light gives {count}; give one, or none: the light is then where the map was seen from"
+        "--dangling continues edges that a detector finds; add --detector automatic, second=LOW,HIGH or another, and no \
+         --reconstruct vector"
+    )]
+    Dangling,
+    #[error(
+        "--depth is the map of one light, and --light gives {count}; give one, or none: the light is then where the map was \
+         seen from"
     )]
     DepthLights { count: usize },
     #[error("--light is {given}, but the map of --depth was seen from {map}; give this light, or leave --light out")]

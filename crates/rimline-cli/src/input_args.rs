@@ -12,8 +12,8 @@ use crate::spec;
 #[derive(Args, Debug)]
 pub(crate) struct ModelArgs {
     /// A .gltf, .glb, .obj or .npz file, or - for standard input. Faces of an .obj may have any number of corners. An .npz
-    /// contains `positions` (V,3) float32 and `faces` (F,3) of any integer type. Faces at infinite or NaN positions face no light, cast no shadow and are not drawn; a warning
-    /// counts the positions
+    /// contains `positions` (V,3) float32 and `faces` (F,3) of any integer type. Faces at infinite or NaN positions face no
+    /// light, cast no shadow and are not drawn; a warning counts the positions
     pub(crate) file: PathBuf,
 
     #[command(flatten)]

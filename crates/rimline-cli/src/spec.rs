@@ -1,6 +1,6 @@
 //! The small languages of the command line: lights, points and picture sizes.
 
-use rimline::gpu::DepthEdges;
+use rimline::gpu::{DanglingEdges, DepthEdges};
 use rimline::{AreaShape, Light};
 
 /// Which light `--light` asks for.
@@ -84,6 +84,8 @@ pub(crate) enum SpecError {
     DepthThreshold(f32),
     #[error("a distance must not be negative")]
     WorldThreshold,
+    #[error("edges that dangle go on by SHARE,CELLS: 0 to 1 of the thresholds, and 1 to 64 whole cells, such as 0.5,8")]
+    Dangling,
     #[error("a light's size must be more than 0")]
     AreaSize,
     #[error("the near plane must lie at a distance of more than 0")]
@@ -274,6 +276,16 @@ pub(crate) fn detector(text: &str) -> Result<DepthEdges, SpecError> {
     }
 }
 
+/// How edges of depth maps go on that dangle, `SHARE,CELLS`.
+pub(crate) fn dangling(text: &str) -> Result<DanglingEdges, SpecError> {
+    let [share, cells] = numbers(text)?;
+    if (0.0..=1.0).contains(&share) && (1.0..=64.0).contains(&cells) && cells.fract() == 0.0 {
+        Ok(DanglingEdges { share, cells: cells as u32 })
+    } else {
+        Err(SpecError::Dangling)
+    }
+}
+
 fn depth_difference(value: f32) -> Result<f32, SpecError> {
     if (0.0..=1.0).contains(&value) { Ok(value) } else { Err(SpecError::DepthThreshold(value)) }
 }
@@ -374,10 +386,10 @@ mod tests {
         let full = shaded("point:0,1,0,color=1,.5,0,range=7,begin=2,exponent=3,intensity=.5");
         assert_eq!((full.color, full.intensity, full.range), (Some([1.0, 0.5, 0.0]), Some(0.5), Some(7.0)));
         assert_eq!((full.begin, full.exponent), (Some(2.0), Some(3.0)));
-        let named = shaded("file:ShadedLight, big,range=2");
-        assert_eq!((named.light, named.range), (LightSpec::Named("ShadedLight, big".into()), Some(2.0)));
+        let named = shaded("file:Lamp, big,range=2");
+        assert_eq!((named.light, named.range), (LightSpec::Named("Lamp, big".into()), Some(2.0)));
         // It may have a range of its own.
-        assert_eq!(shaded("file:ShadedLight,begin=2").begin, Some(2.0));
+        assert_eq!(shaded("file:Lamp,begin=2").begin, Some(2.0));
         assert_eq!(shaded("point:1,2,3,range=4,begin=4").begin, Some(4.0));
         let error = |text: &str| super::shaded(text).expect_err(text);
         assert_eq!(error("point:1,2,3,colour=1,1,1"), SpecError::LampOption("colour".into()));

@@ -71,7 +71,8 @@ pub fn depth(format: wgpu::TextureFormat, compare: wgpu::CompareFunction, is_wri
     }
 }
 
-/// A compute pipeline over the texels of a texture of floats, which may be depths: binding 0 of group 0. Binding 1 is a storage buffer that is written.
+/// A compute pipeline over the texels of a texture of floats, which may be depths: binding 0 of group 0. Binding 1 is a storage
+/// buffer that is written.
 #[derive(Debug)]
 pub struct TexelKernel {
     pub pipeline: wgpu::ComputePipeline,

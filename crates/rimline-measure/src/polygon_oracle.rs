@@ -73,7 +73,8 @@ fn moved_light<'a>(points: impl Iterator<Item = &'a Vector>, l: Vector, w: BigIn
     (moved, w << (3 * epsilon))
 }
 
-/// How often the outline winds around the ray from the light through a point. `None` if the outline fits no half-space, or the point is not in it.
+/// How often the outline winds around the ray from the light through a point. `None` if the outline fits no half-space, or the
+/// point is not in it.
 pub fn winding_at(edges: &[[[f32; 3]; 2]], light: Light, point: [f32; 3]) -> Option<i32> {
     let coordinates = edges.iter().flatten().chain([&point]).flatten().copied();
     let scale = -least(coordinates);

@@ -76,10 +76,10 @@ pub struct HiddenStatistics {
 /// The faces of static casters whose shadow lies wholly in the shadow of other faces, for one light. They need not cast: see
 /// [`Scene::set_hidden_faces`](crate::gpu::Scene::set_hidden_faces). All decisions are exact.
 ///
-/// The faces that hide others are averted ones of closed meshes, and all of others. They are never hidden themselves. Polygons take
-/// part if they are exactly planar and strictly convex, as a whole. The
-/// method is Batagelo and Costa Júnior's (1999): an SVBSP grows front to back, and a face that straddles a plane goes to both
-/// sides. Of the hidden faces those are left out without which silhouettes have the fewest edges, so they never have more.
+/// The faces that hide others are averted ones of closed meshes, and all of others. They are never hidden themselves. Polygons
+/// take part if they are exactly planar and strictly convex, as a whole. The method is Batagelo and Costa Júnior's (1999): an
+/// SVBSP grows front to back, and a face that straddles a plane goes to both sides. Of the hidden faces those are left out
+/// without which silhouettes have the fewest edges, so they never have more.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HiddenFaces {
     light: Light,

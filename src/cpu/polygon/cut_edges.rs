@@ -33,9 +33,9 @@ pub struct Piece {
     pub is_turned: bool,
 }
 
-/// The pieces of an outline's edges. What they wind around has an odd number of `triangles` between it and the light, and all else has
-/// an even number. `triangles` are those of the polygon: their boundary is the outline. Where edges overlap in space, their pieces
-/// cancel but for one, or all.
+/// The pieces of an outline's edges. What they wind around has an odd number of `triangles` between it and the light, and all
+/// else has an even number. `triangles` are those of the polygon: their boundary is the outline. Where edges overlap in space,
+/// their pieces cancel but for one, or all.
 pub fn cut_edges(outline: &Outline, triangles: &[[[f32; 3]; 3]], light: [f32; 4]) -> Vec<Piece> {
     let edges = outline.edges();
     let mut pieces = Vec::new();
@@ -82,8 +82,8 @@ impl Cut {
     }
 }
 
-/// How edge `other` cuts edge `e` between its ends as seen from the light. Points on the line of `e` in space are taken as beside it:
-/// on the right of the direction in which coordinates grow. So edges that begin or end there cut in pairs or not at all,
+/// How edge `other` cuts edge `e` between its ends as seen from the light. Points on the line of `e` in space are taken as beside
+/// it: on the right of the direction in which coordinates grow. So edges that begin or end there cut in pairs or not at all,
 /// except where they pass from one side to the other. An edge that overlaps `e` is beside it, too, on the side that [`precedes`]
 /// tells. If that is the other one, it cuts `e` where it ends.
 fn cut(edges: &[Edge], e: usize, other: usize, light: [f32; 4]) -> Option<Cut> {
@@ -157,8 +157,8 @@ fn in_order(edges: &[Edge], e: usize, cuts: &[Cut], light: [f32; 4]) -> Vec<Cut>
 }
 
 /// Whether cut `j` of edge `e` comes before cut `i`. Turns decide where the one cut is on one side of the other edge.
-/// Otherwise all three edges cross each other. If they seem to do so in one point, [`is_before_in_one_point`] decides. Else how far
-/// along the earliest of the three the others cut it decides for all three.
+/// Otherwise all three edges cross each other. If they seem to do so in one point, [`is_before_in_one_point`] decides. Else how
+/// far along the earliest of the three the others cut it decides for all three.
 fn is_before(edges: &[Edge], e: usize, j: &Cut, i: &Cut, light: [f32; 4]) -> bool {
     let side = |of: usize, point: [f32; 3]| turn(edges[of][0], edges[of][1], point, light);
     let [start, end] = edges[e];
@@ -212,8 +212,8 @@ fn is_before(edges: &[Edge], e: usize, j: &Cut, i: &Cut, light: [f32; 4]) -> boo
 const ONE_POINT: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Likewise, where all three edges cross each other in one point. Then each is moved to its left a little, and the foremost one
-/// farther than the others, out of their crossing. Edges that are seen in line cross nobody knows where, so the foremost is one of
-/// these. Where both are cut, they are beside each other then, and their own crossing is elsewhere.
+/// farther than the others, out of their crossing. Edges that are seen in line cross nobody knows where, so the foremost is one
+/// of these. Where both are cut, they are beside each other then, and their own crossing is elsewhere.
 fn is_before_in_one_point(edges: &[Edge], e: usize, j: usize, i: usize, light: [f32; 4]) -> bool {
     let side = |of: usize, point: [f32; 3]| turn(edges[of][0], edges[of][1], point, light);
     let are_in_line = |one: usize, other: usize| {
@@ -246,8 +246,8 @@ fn right_of([a, b]: Edge) -> i32 {
     if is_below(a, b) { -1 } else { 1 }
 }
 
-/// The side of edge `other` on which edge `touching` cuts edge `e`, on which its end `point` is. If that is on both in space, it is on the
-/// right of both, and farther from the one that [`precedes`]. So `touching` cuts the other first.
+/// The side of edge `other` on which edge `touching` cuts edge `e`, on which its end `point` is. If that is on both in space, it
+/// is on the right of both, and farther from the one that [`precedes`]. So `touching` cuts the other first.
 fn side_of_touch(edges: &[Edge], e: usize, touching: usize, point: [f32; 3], other: usize, light: [f32; 4]) -> i32 {
     let side = |of: usize, point: [f32; 3]| turn(edges[of][0], edges[of][1], point, light);
     let is_in_line = side(touching, edges[e][1]) == 0;
@@ -259,7 +259,8 @@ fn side_of_touch(edges: &[Edge], e: usize, touching: usize, point: [f32; 3], oth
     }
 }
 
-/// How far along `(a, b)` the plane through the light and `(c, d)` is. If the light looks along `(c, d)`, it is where it sees `c`.
+/// How far along `(a, b)` the plane through the light and `(c, d)` is. If the light looks along `(c, d)`, it is where it sees
+/// `c`.
 fn cut_at([c, d]: Edge, [a, b]: Edge, [x, y, z, w]: [f32; 4]) -> f64 {
     let [a, b, c, d] = [a, b, c, d].map(|point| point.map(f64::from));
     let towards = |point| to_light(point, [x, y, z].map(f64::from), f64::from(w));

@@ -8,8 +8,8 @@ use crate::shadow::{COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 
 /// Two lists of sides for each light, in the order of the edges: plain ones, and those that are clipped at the near plane. An
 /// entry is the edge's index, with the winding of its side as bit 31. A side of weight 2 is there twice. `capped` tells
-/// for each light whether any near cap was found; without one its sides are not clipped. `faces` are the packed faces of the edge records. `facing` and
-/// `excluded` have ⌈N/32⌉ planes of masks, one `u32` a face of the mesh.
+/// for each light whether any near cap was found; without one its sides are not clipped. `faces` are the packed faces of the edge
+/// records. `facing` and `excluded` have ⌈N/32⌉ planes of masks, one `u32` a face of the mesh.
 ///
 /// # Panics
 /// If a plane is shorter than the faces that records name.

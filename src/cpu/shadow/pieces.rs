@@ -1,5 +1,5 @@
-//! Pieces: the vertices of the sides and caps of pieces of L-twisted polygons. A piece is an edge of the face that it makes with the
-//! middle of its polygon, and that face faces the light.
+//! Pieces: the vertices of the sides and caps of pieces of L-twisted polygons. A piece is an edge of the face that it makes with
+//! the middle of its polygon, and that face faces the light.
 
 use glam::Vec4;
 

@@ -48,7 +48,10 @@ pub enum MemoryError {
         limit: u64,
     },
     /// All buffers together exceed the caller's limit.
-    #[error("{bytes} bytes needed in all, {limit} allowed (`memory_limit`); the largest is {} with {} bytes", .largest.label, .largest.bytes)]
+    #[error(
+        "{bytes} bytes needed in all, {limit} allowed (`memory_limit`); the largest is {} with {} bytes",
+        .largest.label, .largest.bytes
+    )]
     Total {
         /// Bytes needed.
         bytes: u64,

@@ -90,8 +90,8 @@ const MOST_TERMS: u32 = 60_000;
 /// Deforms a model every frame into its own position buffer. The buffer holds all instances in the vertex order of
 /// [`Model::mesh`]: three tightly packed `f32` for each vertex, in world space.
 ///
-/// [`ModelBounds`](crate::ModelBounds) tells where instances will be, and [`Self::encode_needed`] leaves out those that a frame does
-/// not need.
+/// [`ModelBounds`](crate::ModelBounds) tells where instances will be, and [`Self::encode_needed`] leaves out those that a frame
+/// does not need.
 #[derive(Debug)]
 pub struct Deformer {
     device: wgpu::Device,
@@ -100,7 +100,8 @@ pub struct Deformer {
     dispatches: wgpu::Buffer,
     /// For each instance 1 if its positions are a point, since it was not needed.
     held: wgpu::Buffer,
-    /// The word of the pose where that is copied to. For each instance 1 if it is not needed now follows, which an upload makes 0.
+    /// The word of the pose where that is copied to. For each instance 1 if it is not needed now follows, which an upload makes
+    /// 0.
     before: u64,
     layouts: Vec<PoseLayout>,
     /// Where the positions of each instance begin, in bytes.
@@ -240,9 +241,9 @@ impl Deformer {
     }
 
     /// As [`Self::encode`], but for the instances alone that a frame needs: entry i of `needs` says it of instance i
-    /// ([`Scene::encode_needs`](crate::gpu::Scene::encode_needs)). All positions of any other instance are the point (0, 0, 0), so
-    /// that nothing is drawn of it. Record this in every frame, also where the pose is the same: what was not needed before may be
-    /// needed now.
+    /// ([`Scene::encode_needs`](crate::gpu::Scene::encode_needs)). All positions of any other instance are the point (0, 0, 0),
+    /// so that nothing is drawn of it. Record this in every frame, also where the pose is the same: what was not needed before
+    /// may be needed now.
     ///
     /// # Errors
     /// As [`Self::encode`], and [`DeformError::Needs`].

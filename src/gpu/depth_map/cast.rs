@@ -4,7 +4,7 @@ use super::caster::{DepthMapCaster, DepthMapCasterVolumes, DepthMapCubeCaster};
 use super::casters_errors::DepthMapCastersError;
 use super::convex::Convex;
 use super::cube::DepthMapCube;
-use super::errors::DepthMapEncodeError;
+use super::errors::{DepthMapEncodeError, DepthMapTexture};
 use super::jitter::jitters;
 use super::recording::{Eye, Planned};
 use super::texture::{check_objects, check_texture};
@@ -139,12 +139,14 @@ impl Cast {
 /// Refuses textures and a camera that do not fit volumes.
 fn check_map(volumes: &DepthMapVolumes, caster: &DepthMapCaster) -> Result<(), DepthMapCastersError> {
     use DepthMapEncodeError::{Light, NoObjects, UnusedObjects};
-    check_texture(caster.texture.texture(), volumes.shape.size).map_err(DepthMapCastersError::Refused)?;
+    check_texture(caster.texture.texture(), volumes.shape.size, DepthMapTexture::Map)
+        .map_err(DepthMapCastersError::Refused)?;
     match (&caster.objects, volumes.shape.objects == 1) {
-        (None, true) => return Err(DepthMapCastersError::Refused(NoObjects)),
+        (None, true) => return Err(DepthMapCastersError::Refused(NoObjects { face: None })),
         (Some(_), false) => return Err(DepthMapCastersError::Refused(UnusedObjects)),
         (Some(objects), true) => {
-            check_objects(objects.texture(), volumes.shape.size).map_err(DepthMapCastersError::Refused)?;
+            check_objects(objects.texture(), volumes.shape.size, DepthMapTexture::Objects)
+                .map_err(DepthMapCastersError::Refused)?;
         }
         (None, false) => {}
     }

@@ -19,8 +19,8 @@ pub struct DepthMapCaster {
     pub objects: Option<wgpu::TextureView>,
     /// The camera that the map was made with, at the light. It moves with the light: nothing moves it by itself.
     pub camera: ShadowCamera,
-    /// Which version of the map is in the textures. While the version, the textures and the camera stay the same, their contents
-    /// are the same, and the cells that were found are kept. `None`: they may be others in each encode.
+    /// Which version of the map is in the textures. While the version, the textures and the camera stay the same, their
+    /// contents are the same, and the cells that were found are kept. `None`: they may be others in each encode.
     pub version: Option<u64>,
 }
 
@@ -31,11 +31,11 @@ pub struct DepthMapCubeCaster {
     pub light: LightHandle,
     /// The maps that are there, as for [`DepthMapCube::encode`], in the order of the cameras.
     pub textures: [Option<wgpu::TextureView>; 6],
-    /// The objects, with [`DepthMapOptions::objects`](crate::gpu::DepthMapOptions::objects): as for [`DepthMapCube::encode_objects`].
-    /// Else `None` for each.
+    /// The objects, with [`DepthMapOptions::objects`](crate::gpu::DepthMapOptions::objects): as for
+    /// [`DepthMapCube::encode_objects`]. Else `None` for each.
     pub objects: [Option<wgpu::TextureView>; 6],
-    /// The cameras that the maps were made with, at the light, as for [`DepthMapCube::set_cameras`]. They move with the light: nothing
-    /// moves them by itself.
+    /// The cameras that the maps were made with, at the light, as for [`DepthMapCube::set_cameras`]. They move with the light:
+    /// nothing moves them by itself.
     pub cameras: [ShadowCamera; 6],
     /// As [`DepthMapCaster::version`], for all maps.
     pub version: Option<u64>,
@@ -56,8 +56,8 @@ pub enum DepthMapCasterVolumes {
 pub struct DepthMapCastersOptions {
     /// Keep the cells of a map while its version says that it is the same.
     pub keep_cells: bool,
-    /// Skip a map all of whose shadow is beyond the range of its light or outside its cone. Skip it for a camera all of whose view,
-    /// or box of what receives, is.
+    /// Skip a map all of whose shadow is beyond the range of its light or outside its cone. Skip it for a camera all of whose
+    /// view, or box of what receives, is.
     pub skip_unreached: bool,
     /// Skip a map for a camera that cannot see its shadow.
     pub skip_unseen: bool,
@@ -73,7 +73,8 @@ impl Default for DepthMapCastersOptions {
     }
 }
 
-/// What was done with the maps in an encode. Each is one of the first three.
+/// What was done with the maps in an encode. Each is one of the first three. What only the GPU knows, such as lists that
+/// overflowed, [`DepthMapCastersFrame::statistics`](crate::gpu::DepthMapCastersFrame::statistics) has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DepthMapCasterCounts {
     /// Maps whose cells were found.
@@ -88,6 +89,10 @@ pub struct DepthMapCasterCounts {
     pub unreached: u32,
     /// Draws of a map for a camera.
     pub draws: u32,
+    /// Of these, without a near cap: the camera's near rectangle is in light as a whole.
+    pub near_caps_lit: u32,
+    /// Of these, whose near cap the GPU draws or leaves out.
+    pub near_caps_told: u32,
 }
 
 /// A caster of [`DepthMapCasters`](crate::gpu::DepthMapCasters).

@@ -14,6 +14,7 @@ use super::casters_errors::DepthMapCastersError;
 use super::casters_frame::{DepthMapCastersFrame, DrawnCaster};
 use super::convex::Convex;
 use super::cube::DepthMapCube;
+use super::frame::DepthMapNearCap;
 use super::recording::Planned;
 use super::volumes::DepthMapVolumes;
 use crate::gpu::common::requirements::{check_alive, check_same, check_timer};
@@ -56,8 +57,9 @@ impl Drop for Submission {
     }
 }
 
-/// Casters of a [`Scene`] that have no mesh: depth maps of its lights, one or six around it. They are encoded after the scene and drawn beside its
-/// frame, into the same stencil.
+/// Casters of a [`Scene`] that have no mesh: depth maps of its lights, one or six around it. They are encoded after the scene and
+/// drawn beside its frame, into the same stencil. So parities of maps have bits above those that counts of meshes own
+/// ([`SceneOptions::count_bits`](crate::gpu::SceneOptions::count_bits)).
 ///
 /// The cells of a map that did not change are kept, and maps are skipped that cannot darken what is seen. All of this is decided
 /// on the CPU, from cameras and lights.
@@ -273,6 +275,7 @@ impl DepthMapCasters {
             scene: self.scene,
             lights: Arc::clone(&frame.lights),
             views: cameras.len(),
+            count_bits: frame.views.first().map(|convention| convention.count_bits),
             drawn,
             counts,
         })
@@ -340,6 +343,10 @@ impl DepthMapCasters {
         counts.encoded += u32::from(!is_kept);
         counts.kept += u32::from(is_kept);
         counts.draws += views.len() as u32;
+        for near_cap in plan.near_caps() {
+            counts.near_caps_lit += u32::from(*near_cap == DepthMapNearCap::Lit);
+            counts.near_caps_told += u32::from(matches!(near_cap, DepthMapNearCap::Told(_)));
+        }
         Ok((Some(plan), views))
     }
 

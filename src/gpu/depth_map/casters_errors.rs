@@ -90,12 +90,34 @@ pub enum DepthMapCastersError {
     },
     /// Parities of several maps would undo each other.
     #[error(
-        "the light has {casters} maps, whose parities would undo each other in one bit; take `DepthMapPipelines::counting`, or give each \
-         map bits of its own and draw it by `draw_caster`, or merge the maps"
+        "the light has {casters} maps, whose parities would undo each other in one bit; take `DepthMapPipelines::counting`, or \
+         give each map bits of its own and draw it by `draw_caster`, or merge the maps"
     )]
     OneParity {
         /// Maps of the light.
         casters: usize,
+    },
+    /// Counts of the scene's meshes own the bit of a parity.
+    #[error(
+        "bit {bit} of the stencil is one of the {count_bits} that counts of the scene own (`SceneOptions::count_bits`); take a \
+         higher one for parity, or make the scene with fewer"
+    )]
+    Counted {
+        /// The lowest bit of the pipelines.
+        bit: u32,
+        /// Low bits that counts of the scene own.
+        count_bits: u32,
+    },
+    /// Maps would be counted in other bits than the scene's meshes.
+    #[error(
+        "the scene counts in {scene} bits, and the pipelines in {pipelines}; use the same `ShadowFormat::count_bits` and \
+         `SceneOptions::count_bits`"
+    )]
+    CountBits {
+        /// Low bits that counts of the scene own.
+        scene: u32,
+        /// Low bits that the pipelines count in.
+        pipelines: u32,
     },
     /// The pipelines do not fit, or a later encode overwrites what is drawn.
     #[error(transparent)]

@@ -6,6 +6,7 @@ use super::caster::{DepthMapCasterCounts, DepthMapCasterHandle};
 use super::casters_errors::DepthMapCastersError;
 use super::frame::DepthMapFrame;
 use super::pipelines::DepthMapPipelines;
+use super::statistics::record;
 use crate::Light;
 use crate::gpu::common::requirements::check_same;
 use crate::gpu::scene::handles::{LightHandle, SceneId};
@@ -19,6 +20,8 @@ pub struct DepthMapCastersFrame {
     pub(super) scene: SceneId,
     pub(super) lights: Arc<[(LightHandle, Light)]>,
     pub(super) views: usize,
+    /// The bits of the stencil that counts of the scene's meshes own. `None`: the scene draws nothing.
+    pub(super) count_bits: Option<u32>,
     pub(super) drawn: Vec<DrawnCaster>,
     pub(super) counts: DepthMapCasterCounts,
 }
@@ -40,8 +43,8 @@ impl DepthMapCastersFrame {
     /// [`DepthMapMerge`](crate::gpu::DepthMapMerge).
     ///
     /// # Errors
-    /// [`DepthMapCastersError`] if the frame has no such view or light, the pipelines do not fit, there are several maps in one
-    /// bit, or a later encode overwrites what is drawn. Nothing is drawn then.
+    /// [`DepthMapCastersError`] if the frame has no such view or light, the pipelines do not fit, counts of the scene own one of
+    /// their bits, there are several maps in one bit, or a later encode overwrites what is drawn. Nothing is drawn then.
     pub fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -87,6 +90,22 @@ impl DepthMapCastersFrame {
         Ok(())
     }
 
+    /// The maps that are drawn, each with the number of a camera that draws it.
+    pub fn drawn(&self) -> impl Iterator<Item = (DepthMapCasterHandle, usize)> {
+        self.drawn.iter().flat_map(|drawn| drawn.frames.iter().map(|(view, _)| (drawn.handle, *view)))
+    }
+
+    /// Records a copy of what the GPU finds in this encode: a [`DepthMapStatistics`](crate::gpu::DepthMapStatistics) for each of
+    /// [`Self::drawn`], in the same order, in a buffer with usage `COPY_SRC`. They tell whose list overflowed, and which near
+    /// caps the GPU left out. Call it before the next encode. `None`: nothing is drawn.
+    ///
+    /// # Errors
+    /// [`DepthMapCastersError::Draw`] if a later encode overwrites what is copied. Nothing is recorded then.
+    pub fn statistics(&self, encoder: &mut wgpu::CommandEncoder) -> Result<Option<wgpu::Buffer>, DepthMapCastersError> {
+        let frames: Vec<_> = self.drawn.iter().flat_map(|drawn| drawn.frames.iter().map(|(_, frame)| frame)).collect();
+        Ok(if frames.is_empty() { None } else { Some(record(&self.device, encoder, &frames)?) })
+    }
+
     /// What was done with the maps.
     pub fn counts(&self) -> DepthMapCasterCounts {
         self.counts
@@ -95,7 +114,18 @@ impl DepthMapCastersFrame {
     fn check(&self, pipelines: &DepthMapPipelines, view: usize) -> Result<(), DepthMapCastersError> {
         check_same(["the pipelines", "the scene"], [pipelines.shared().device(), &self.device])?;
         let views = self.views;
-        if view < views { Ok(()) } else { Err(DepthMapCastersError::NoSuchView { view, views }) }
+        if view >= views {
+            return Err(DepthMapCastersError::NoSuchView { view, views });
+        }
+        let Some(scene) = self.count_bits else { return Ok(()) };
+        let (bits, own) = (pipelines.bits(), pipelines.format().count_bits);
+        if pipelines.is_counting() && own != scene {
+            return Err(DepthMapCastersError::CountBits { scene, pipelines: own });
+        }
+        if !pipelines.is_counting() && bits.start < scene {
+            return Err(DepthMapCastersError::Counted { bit: bits.start, count_bits: scene });
+        }
+        Ok(())
     }
 }
 

@@ -8,6 +8,10 @@ impl DepthMapOptions {
     /// Whether volumes can be made with them.
     pub(super) fn check(&self) -> Result<(), DepthMapVolumesError> {
         match self.edges {
+            DepthEdges::EveryCell if self.objects => return Err(DepthMapVolumesError::EveryCell("objects")),
+            DepthEdges::EveryCell if self.dangling.is_some() => {
+                return Err(DepthMapVolumesError::EveryCell("dangling"));
+            }
             DepthEdges::Differences { threshold } if !(0.0..=1.0).contains(&threshold) => {
                 return Err(DepthMapVolumesError::Threshold(threshold));
             }

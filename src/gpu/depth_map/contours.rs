@@ -4,7 +4,7 @@ use super::errors::DepthMapVolumesError;
 use super::options::{DepthEdges, DepthMapOptions, DepthMapReconstruction};
 use super::pipelines::DepthMapPipelines;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
-use crate::gpu::common::memory::{Allocation, buffer, check, filled, guarded};
+use crate::gpu::common::memory::{Allocation, buffer, filled, guarded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::uniforms::entry;
 use crate::layout::{ContourShape, DepthMapShape, DepthMapView};
@@ -27,7 +27,7 @@ const SURE: f64 = 16.0;
 /// Units that a tolerance has at least, if it has as many: it and distances are moved down by what it has more.
 const TOLERANCE_BITS: u32 = 3;
 /// The largest numbers that the stages calculate with.
-const MOST_SLOPE_BIAS: f64 = 32_767.0;
+pub(super) const MOST_SLOPE_BIAS: f32 = 255.0;
 const MOST_SHARE: f64 = 4095.0;
 
 /// Stages and buffers for the contours of a map.
@@ -48,7 +48,14 @@ fn distance(depth: f64) -> i32 {
     (depth * RANGE).round().clamp(0.0, RANGE) as i32
 }
 
-impl Contours {
+/// What contours of maps of a size are made with.
+pub(super) struct ContourPlan {
+    pub(super) shape: ContourShape,
+    pub(super) allocations: [Allocation; 5],
+}
+
+impl ContourPlan {
+    /// `None`: there are none. Options are refused that contours cannot be traced with.
     pub(super) fn new(
         pipelines: &DepthMapPipelines,
         size: [u32; 2],
@@ -72,8 +79,10 @@ impl Contours {
         if options.dangling.is_some() {
             return Err(DepthMapVolumesError::ContourDangling);
         }
-        let shared = pipelines.shared();
-        let limits = DispatchLimits::new(&shared.device().limits());
+        if options.slope_bias > MOST_SLOPE_BIAS {
+            return Err(DepthMapVolumesError::ContourBias(options.slope_bias));
+        }
+        let limits = DispatchLimits::new(&pipelines.shared().device().limits());
         let tiles = size.map(|texels| (texels + 1).div_ceil(TILE));
         let all = u64::from(tiles[0]) * u64::from(tiles[1]);
         let lattice = size.map(|texels| u64::from(texels) + 2);
@@ -105,14 +114,25 @@ impl Contours {
             Allocation { label: "walls", bytes: 4 * (HEAD_WORDS + WALL_WORDS * u64::from(capacity)) },
             Allocation { label: "draws of walls", bytes: 32 },
         ];
-        check(&allocations, limits.binding, None)?;
-        let bytes = check(&allocations, limits.buffer, options.memory_limit)?;
+        Ok(Some(Self { shape, allocations }))
+    }
+}
+
+impl Contours {
+    /// Makes what is planned, which is checked before.
+    pub(super) fn new(
+        pipelines: &DepthMapPipelines,
+        ContourPlan { shape, allocations }: ContourPlan,
+        objects: bool,
+    ) -> Result<Self, DepthMapVolumesError> {
+        let shared = pipelines.shared();
+        let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let usages = [storage, storage, storage, storage, storage | wgpu::BufferUsages::INDIRECT];
         let [marks, places, counts, walls, draws] = guarded(shared.device(), bytes, || {
             [0, 1, 2, 3, 4].map(|at| buffer(shared.device(), allocations[at].label, allocations[at].bytes, usages[at]))
         })?;
-        let objects = ("OBJECTS", f64::from(u8::from(options.objects)));
+        let objects = ("OBJECTS", f64::from(u8::from(objects)));
         let lists = |lists: bool| [("LISTS", f64::from(u8::from(lists)))];
         let stages = [
             shared.compute(&CONTOUR_MARKS, "contour_marks", &[objects]),
@@ -123,7 +143,7 @@ impl Contours {
             shared.compute(&CONTOUR_WALLS, "contour_walls_places", &[]),
             shared.compute(&CONTOUR_WALLS, "contour_walls_take", &lists(true)),
         ];
-        Ok(Some(Self { stages, shape, marks, places, counts, walls, draws }))
+        Ok(Self { stages, shape, marks, places, counts, walls, draws })
     }
 
     /// The stages with what they are bound to, and their workgroups. `view` has the move away from the light.
@@ -176,7 +196,7 @@ impl Contours {
     pub(super) fn uniform(&self, shared: &Pipelines, view: &DepthMapView) -> wgpu::Buffer {
         let [slope_bias, share, constant, _] = view.bias.map(f64::from);
         let shape = ContourShape {
-            slope_bias: (slope_bias * 256.0).round().min(MOST_SLOPE_BIAS) as i32,
+            slope_bias: (slope_bias * 256.0).round() as i32,
             share: (share * RANGE).round().min(MOST_SHARE) as i32,
             constant: (constant * RANGE).ceil().min(RANGE) as i32,
             ..self.shape

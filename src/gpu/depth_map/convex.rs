@@ -54,7 +54,8 @@ impl Convex {
         Self { points: points.to_vec(), directions: directions.to_vec(), edges, normals }
     }
 
-    /// All that a map of `size` texels can darken. The far border is half a texel outside of the picture, and may be moved by as much.
+    /// All that a map of `size` texels can darken. The far border is half a texel outside of the picture, and may be moved by as
+    /// much.
     pub(super) fn shadow(camera: &ShadowCamera, size: [u32; 2]) -> Self {
         Self::frustum(camera, size.map(|texels| 2.0 / f64::from(texels)))
     }
@@ -226,7 +227,8 @@ mod tests {
             let camera = numbers.camera();
             let inverse = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse();
             let size = [0; 2].map(|_: u32| (5.5 + 4.5 * numbers.next()) as u32 + 1);
-            // Texels across and down, from the middle of the picture's edge on: a sample within, and the far one half a texel outside.
+            // Texels across and down, from the middle of the picture's edge on: a sample within, and the far one half a texel
+            // outside.
             let axis = usize::from(numbers.next() > 0.0);
             let sign = if numbers.next() > 0.0 { 1.0 } else { -1.0 };
             let texel = size.map(|texels| 2.0 / f64::from(texels));

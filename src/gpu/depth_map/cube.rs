@@ -2,17 +2,17 @@
 
 use bytemuck::Zeroable;
 
-use super::errors::{DepthMapCubeError, DepthMapEncodeError, DepthMapVolumesError};
+use super::errors::{DepthMapCubeError, DepthMapEncodeError, DepthMapTexture, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
 use super::meeting::{cameras, check_meeting};
 use super::options::{DepthMapOptions, DepthMapReconstruction};
 use super::pipelines::DepthMapPipelines;
 use super::recording::{BoundStage, Eye, Planned};
 use super::texture::{check_objects, check_texture, written_texture};
-use super::volumes::DepthMapVolumes;
+use super::volumes::{DepthMapVolumes, MOST_CELLS};
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::WORKGROUP;
-use crate::gpu::common::memory::{any_error, filled, guarded};
+use crate::gpu::common::memory::{Allocation, any_error, filled, guarded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
@@ -47,13 +47,17 @@ pub struct DepthMapCube {
 impl DepthMapCube {
     /// Cameras at `place` for maps of `side` texels, which look along +x, −x, +y, −y, +z, −z. y is up; it is z for the map along
     /// +y, and −z for the one along −y.
+    ///
+    /// # Errors
+    /// [`DepthMapCubeError`] if `side` is below 3, the place or a distance is not finite, `near` is not above 0, or `far` not
+    /// above `near`; and where they are so extreme that rounding to floats leaves no cameras that meet.
     pub fn cameras(
         place: [f32; 3],
         near: f32,
         far: Option<f32>,
         depth: DepthDirection,
         side: u32,
-    ) -> [ShadowCamera; 6] {
+    ) -> Result<[ShadowCamera; 6], DepthMapCubeError> {
         cameras(place, near, far, depth, side)
     }
 
@@ -88,6 +92,10 @@ impl DepthMapCube {
         if options.bits > 1 {
             return Err(DepthMapCubeError::Bits(options.bits));
         }
+        let cells = 6 * u64::from(side - 1).pow(2);
+        if cells > MOST_CELLS {
+            return Err(DepthMapCubeError::Cells(side));
+        }
         check_meeting(cameras, side)?;
         let shared = pipelines.shared().clone();
         let device = shared.device();
@@ -96,12 +104,17 @@ impl DepthMapCube {
         if size[0] > most {
             return Err(DepthMapVolumesError::Texture { size, most }.into());
         }
-        let volumes = DepthMapVolumes::with(pipelines, [side; 2], 6, options)?;
         let texels = u64::from(size[0]) * u64::from(size[1]);
+        let mut textures = vec![Allocation { label: "cube of depth maps", bytes: 4 * texels }];
+        if options.objects {
+            textures.push(Allocation { label: "objects of a cube", bytes: 4 * texels });
+        }
+        let bytes = textures.iter().map(|texture| texture.bytes).sum();
+        let volumes = DepthMapVolumes::with(pipelines, [side; 2], (6, &textures), options)?;
         let (floats, numbers) = (wgpu::TextureFormat::R32Float, wgpu::TextureFormat::R32Uint);
         // What is not there has one texel.
         let [one, objects] = [[1, 1], if options.objects { size } else { [1, 1] }];
-        let textures = || {
+        let make = || {
             [
                 ("cube of depth maps", size, floats),
                 ("no depth map", one, floats),
@@ -110,8 +123,7 @@ impl DepthMapCube {
             ]
             .map(|(label, size, format)| written_texture(device, label, size, format))
         };
-        let bytes = texels * if options.objects { 8 } else { 4 };
-        let made = guarded(device, bytes, textures);
+        let made = guarded(device, bytes, make);
         let [view, nothing, objects, no_objects] = made
             .map_err(DepthMapVolumesError::from)?
             .map(|texture| texture.create_view(&wgpu::TextureViewDescriptor::default()));
@@ -146,7 +158,7 @@ impl DepthMapCube {
         timer: Option<&mut StageTimer>,
     ) -> Result<DepthMapFrame, DepthMapEncodeError> {
         if self.has_objects {
-            return Err(DepthMapEncodeError::NoObjects);
+            return Err(DepthMapEncodeError::NoObjects { face: None });
         }
         self.encode_maps(encoder, maps, [None; 6], camera, timer)
     }
@@ -194,9 +206,9 @@ impl DepthMapCube {
         maps: [Option<&wgpu::TextureView>; 6],
     ) -> Result<[wgpu::TextureFormat; 6], DepthMapEncodeError> {
         let mut formats = [wgpu::TextureFormat::R32Float; 6];
-        for (map, format) in maps.iter().zip(&mut formats) {
+        for (face, (map, format)) in maps.iter().zip(&mut formats).enumerate() {
             if let Some(map) = map {
-                *format = check_texture(map.texture(), self.shape.size)?;
+                *format = check_texture(map.texture(), self.shape.size, DepthMapTexture::CubeMap(face))?;
             }
         }
         Ok(formats)
@@ -211,10 +223,16 @@ impl DepthMapCube {
         if !self.has_objects {
             return if objects == [None; 6] { Ok(()) } else { Err(DepthMapEncodeError::UnusedObjects) };
         }
-        if maps.iter().zip(objects).any(|(map, objects)| map.is_some() && objects.is_none()) {
-            return Err(DepthMapEncodeError::NoObjects);
+        for (face, (map, objects)) in maps.iter().zip(objects).enumerate() {
+            match objects {
+                Some(objects) => {
+                    check_objects(objects.texture(), self.shape.size, DepthMapTexture::CubeObjects(face))?;
+                }
+                None if map.is_some() => return Err(DepthMapEncodeError::NoObjects { face: Some(face) }),
+                None => {}
+            }
         }
-        objects.into_iter().flatten().try_for_each(|objects| check_objects(objects.texture(), self.shape.size))
+        Ok(())
     }
 
     /// The views of the maps for a camera, in the only bit. All move by the errors of the coarsest, because samples on their
@@ -276,6 +294,11 @@ impl DepthMapCube {
     /// map before.
     pub fn cells(&self) -> &wgpu::Buffer {
         self.volumes.cells()
+    }
+
+    /// Cells that the list has room for, as [`DepthMapVolumes::capacity`].
+    pub fn capacity(&self) -> u32 {
+        self.volumes.capacity()
     }
 
     /// The six maps in one: a view of `R32Float`, with three in a row. Each has its samples after the choice at its border.

@@ -17,12 +17,15 @@ pub enum DepthMapPipelinesError {
     #[error("the stencil has bits 0 to 7, and `bit` is {0}")]
     Bit(u32),
     /// There are no such bits in the stencil.
-    #[error("the stencil has bits 0 to 7, and `bits` are from {} to {} without the latter; take at least one of them", .0.start, .0.end)]
+    #[error(
+        "the stencil has bits 0 to 7, and `bits` are from {} to {} without the latter; take at least one of them",
+        .0.start, .0.end
+    )]
     Bits(std::ops::Range<u32>),
     /// Volumes of meshes count in the bit.
     #[error(
-        "bit {bit} of the stencil is one of the {count_bits} that counts own (`ShadowFormat::count_bits`); take a higher one for parity, or \
-         fewer for counts"
+        "bit {bit} of the stencil is one of the {count_bits} that counts own (`ShadowFormat::count_bits`); take a higher one \
+         for parity, or let counts own fewer, in the format of all pipelines and in `SceneOptions::count_bits`"
     )]
     Counted {
         /// The lowest bit given.
@@ -54,7 +57,11 @@ pub enum DepthMapVolumesError {
     )]
     Size(u32, u32),
     /// The device has no texture of this size.
-    #[error("the device has textures of up to {most} texels a side, and {size:?} are needed")]
+    #[error(
+        "the device has textures of up to {most} texels a side, and one of {} × {} is needed; take a smaller map, or a device \
+         with a larger `max_texture_dimension_2d`",
+        .size[0], .size[1]
+    )]
     Texture {
         /// Texels that the texture needs.
         size: [u32; 2],
@@ -74,7 +81,8 @@ pub enum DepthMapVolumesError {
     WorldThreshold(f32),
     /// The thresholds of second differences are no depths.
     #[error(
-        "the thresholds of `DepthEdges::SecondDifferences` are {low} and {high}; device depth differs by 0 to 1, and `low` is at most `high`"
+        "the thresholds of `DepthEdges::SecondDifferences` are {low} and {high}; device depth differs by 0 to 1, and `low` is at \
+         most `high`"
     )]
     SecondThresholds {
         /// The lower threshold.
@@ -90,6 +98,11 @@ pub enum DepthMapVolumesError {
         /// Cells by which edges are continued.
         cells: u32,
     },
+    /// No edge is left to be found.
+    #[error(
+        "`{0}` with `DepthEdges::EveryCell`, which takes every edge already; leave `{0}` out, or take another detector"
+    )]
+    EveryCell(&'static str),
     /// The stencil has not as many bits.
     #[error("`bits` is {0}; the stencil has 8, so take 1 to 8")]
     Bits(u32),
@@ -101,7 +114,8 @@ pub enum DepthMapVolumesError {
     ContourBits(u32),
     /// Contours continue no edge.
     #[error(
-        "`DepthMapReconstruction::Contours` with `dangling` edges; leave `dangling` out, or take `DepthMapReconstruction::Triangles`"
+        "`DepthMapReconstruction::Contours` with `dangling` edges; leave `dangling` out, or take \
+         `DepthMapReconstruction::Triangles`"
     )]
     ContourDangling,
     /// A segment cannot be as far from its contour.
@@ -110,6 +124,12 @@ pub enum DepthMapVolumesError {
     /// A wall cannot be as far from its surfaces.
     #[error("`depth` of `DepthMapReconstruction::Contours` is {0}; device depth differs by 0 to 1")]
     ContourDepth(f32),
+    /// Contours cannot calculate with so large a bias.
+    #[error(
+        "`slope_bias` is {0}; with `DepthMapReconstruction::Contours` it is at most {most}",
+        most = super::contours::MOST_SLOPE_BIAS
+    )]
+    ContourBias(f32),
     /// The bias would move the surface towards the light, or nowhere.
     #[error("`slope_bias` is {0}; take a finite number that is not negative")]
     Bias(f32),
@@ -143,7 +163,7 @@ impl std::fmt::Display for CubeMismatch {
     }
 }
 
-/// Why volumes of a cube cannot be made.
+/// Why volumes of a cube, or its cameras, cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DepthMapCubeError {
@@ -156,6 +176,26 @@ pub enum DepthMapCubeError {
     /// The maps are too small.
     #[error("maps of a cube have at least 3 texels a side, and `side` is {0}")]
     Side(u32),
+    /// There are too many cells.
+    #[error(
+        "six maps of {0} × {0} texels have more than the 2²⁹ cells that volumes can have, 6 · (side − 1)²; take a `side` of at \
+         most 9,459"
+    )]
+    Cells(u32),
+    /// The place of the light is none.
+    #[error("the light is at {0:?}; take finite coordinates")]
+    Place([f32; 3]),
+    /// The near plane is nowhere before the light.
+    #[error("`near` is {0}; take a finite distance above 0")]
+    Near(f32),
+    /// The far plane is not behind the near plane.
+    #[error("`far` is {far} and `near` {near}; take a finite distance above `near`, or `None` for no far plane")]
+    Far {
+        /// The distance of the near plane.
+        near: f32,
+        /// That of the far plane.
+        far: f32,
+    },
     /// A camera is refused.
     #[error("the light of map {face}: {error}")]
     Light {
@@ -175,7 +215,8 @@ pub enum DepthMapCubeError {
     Bits(u32),
     /// A map does not meet its neighbours.
     #[error(
-        "map {face} does not meet the others: {what}; take the cameras of `DepthMapCube::cameras`, or turn them all together"
+        "map {face} does not meet the others: {what}; take the cameras of `DepthMapCube::cameras`, or turn them all \
+         together"
     )]
     Apart {
         /// Number of the map.
@@ -188,6 +229,62 @@ pub enum DepthMapCubeError {
 impl From<DeviceError> for DepthMapCubeError {
     fn from(error: DeviceError) -> Self {
         Self::Volumes(error.into())
+    }
+}
+
+/// A texture that an encode takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum DepthMapTexture {
+    /// The map.
+    Map,
+    /// The objects of the map.
+    Objects,
+    /// The map of a cube with this number, in the order of the cameras, from 0.
+    CubeMap(usize),
+    /// The objects of that map.
+    CubeObjects(usize),
+    /// The map of a merge with this number, 0 or 1.
+    MergedMap(usize),
+}
+
+impl std::fmt::Display for DepthMapTexture {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Map => f.write_str("the map"),
+            Self::Objects => f.write_str("the texture of objects"),
+            Self::CubeMap(face) => write!(f, "map {face} of the cube"),
+            Self::CubeObjects(face) => write!(f, "the texture of objects of map {face} of the cube"),
+            Self::MergedMap(number) => write!(f, "map {number} of the merge"),
+        }
+    }
+}
+
+fn of_face(face: Option<usize>) -> String {
+    let with = || " (`encode_objects`, or `objects` of a caster)".to_owned();
+    face.map_or_else(with, |face| format!(" for map {face} of the cube, too"))
+}
+
+impl DepthMapTexture {
+    /// Which size it has to have.
+    fn size_needed(self) -> &'static str {
+        match self {
+            Self::Map => "give a map of the size of `DepthMapVolumes::new`, or make volumes of this one",
+            Self::Objects => "give objects of the size of `DepthMapVolumes::new`, one for each texel of the map",
+            Self::CubeMap(_) => "give six maps of the `side` of `DepthMapCube::new`, or make a cube of this one",
+            Self::CubeObjects(_) => "give objects of the `side` of `DepthMapCube::new`, one for each texel of the map",
+            Self::MergedMap(_) => "give two maps of the size of `DepthMapMerge::new`",
+        }
+    }
+
+    /// Which formats it may have.
+    fn formats(self) -> &'static str {
+        match self {
+            Self::Objects | Self::CubeObjects(_) => "no format of objects; take R32Uint",
+            Self::Map | Self::CubeMap(_) | Self::MergedMap(_) => {
+                "no format of a depth map; take Depth16Unorm, Depth24Plus, Depth32Float, or R32Float"
+            }
+        }
     }
 }
 
@@ -206,46 +303,72 @@ pub enum DepthMapEncodeError {
     Light(CameraError),
     /// Some depths of the map lie behind infinity.
     #[error(
-        "rounding put the far plane of the map's camera behind infinity; use a projection without a far plane, or a larger near distance"
+        "rounding put the far plane of the map's camera behind infinity; use a projection without a far plane, or a larger near \
+         distance"
     )]
     FarPlane,
-    /// The texture is of another size than the volumes were made for.
-    #[error("the map has {given:?} texels, and the volumes were made for {made:?}; make volumes of this size")]
+    /// A texture is of another size than the volumes, or the merge, were made for.
+    #[error(
+        "{texture} has {} × {} texels, and {} × {} are needed; {}",
+        .given[0], .given[1], .made[0], .made[1], .texture.size_needed()
+    )]
     Size {
-        /// Size of the texture.
+        /// Which texture.
+        texture: DepthMapTexture,
+        /// Its size.
         given: [u32; 2],
-        /// Size given to [`DepthMapVolumes::new`](crate::gpu::DepthMapVolumes::new).
+        /// The size that is needed.
         made: [u32; 2],
     },
-    /// The texture holds no depths that are known.
-    #[error("{0:?} is no format of a depth map; take Depth16Unorm, Depth24Plus, Depth32Float, or R32Float")]
-    Format(wgpu::TextureFormat),
-    /// The texture cannot be read.
-    #[error("the map's texture has {0} samples a texel; resolve it, or render the map with one")]
-    Samples(u32),
+    /// A texture holds no depths that are known, or no objects.
+    #[error("{texture} has {format:?}, which is {}", .texture.formats())]
+    Format {
+        /// Which texture.
+        texture: DepthMapTexture,
+        /// Its format.
+        format: wgpu::TextureFormat,
+    },
+    /// A texture cannot be read.
+    #[error("{texture} has {samples} samples a texel; resolve it, or render it with one")]
+    Samples {
+        /// Which texture.
+        texture: DepthMapTexture,
+        /// Its samples.
+        samples: u32,
+    },
+    /// A texture has several levels. wgpu does not tell which of them a view shows, and so of which size it is.
+    #[error("{texture} has {levels} mip levels; give a texture of one, for example a copy of that level")]
+    MipLevels {
+        /// Which texture.
+        texture: DepthMapTexture,
+        /// Its levels.
+        levels: u32,
+    },
+    /// A texture lacks a usage.
+    #[error("{0} lacks usage TEXTURE_BINDING; make the texture with it")]
+    Usage(DepthMapTexture),
     /// The depth at infinity is too far from the range of depths.
     #[error(
-        "near and far plane of the map's camera are within a thousandth of each other; move them apart for a threshold in world units"
+        "near and far plane of the map's camera are within a thousandth of each other; move them apart for a threshold in world \
+         units"
     )]
     NearFar,
     /// The texture of objects is missing.
-    #[error("the options say `objects`; take `encode_objects`, with a texture of them")]
-    NoObjects,
+    #[error("the options say `objects`; give a texture of them{}", of_face(*.face))]
+    NoObjects {
+        /// The map of a cube that lacks it. `None`: there is one map, or no texture was given at all.
+        face: Option<usize>,
+    },
     /// The texture of objects would not be read.
-    #[error("the options do not say `objects`; set it to true, or take `encode`")]
+    #[error("the options do not say `objects`; set it to true, or give no texture of them")]
     UnusedObjects,
-    /// The texture holds no objects.
-    #[error("{0:?} is no format of objects; take R32Uint")]
-    ObjectFormat(wgpu::TextureFormat),
     /// The map is the result that is written.
     #[error("a map is the result of the same merge; give it to another `DepthMapMerge`")]
     OwnResult,
-    /// The texture lacks a usage.
-    #[error("the map's texture lacks usage TEXTURE_BINDING")]
-    Usage,
     /// The device refuses to bind the texture.
     #[error(
-        "the device refuses the map's texture: {message}; give a two-dimensional view of one level, layer and aspect, on the device of the volumes"
+        "the device refuses the textures: {message}; give two-dimensional views of one layer and aspect, on the device of the \
+         volumes"
     )]
     Refused {
         /// The message of the device.
@@ -279,6 +402,17 @@ pub enum DepthMapDrawError {
         volumes: DepthDirection,
         /// Depth direction of the pipelines.
         pipelines: DepthDirection,
+    },
+    /// The formats of depth differ, and so does what the boundary is moved by.
+    #[error(
+        "the volumes were made for an eye's depth of {volumes:?}, and the pipelines have {pipelines:?}; use the same \
+         `ShadowFormat::depth_stencil`"
+    )]
+    DepthFormat {
+        /// Format of the pipelines that the volumes were made with.
+        volumes: wgpu::TextureFormat,
+        /// Format of the pipelines.
+        pipelines: wgpu::TextureFormat,
     },
     /// The numbers of bits differ.
     #[error(

@@ -47,6 +47,11 @@ pub struct DepthMapFrame {
     /// Whether walls are drawn. Then there is one bit.
     pub(super) has_walls: bool,
     pub(super) draws: wgpu::Buffer,
+    /// Cells or walls: their number, then they themselves.
+    pub(super) list: wgpu::Buffer,
+    pub(super) capacity: u32,
+    /// Of the eye. It decides how far the boundary moves away from it.
+    pub(super) format: wgpu::TextureFormat,
     pub(super) depth: DepthDirection,
     /// Triangles that show the light their front turn clockwise on the screen.
     pub(super) is_turned: bool,
@@ -88,6 +93,15 @@ impl DepthMapFrame {
         Ok(())
     }
 
+    /// The arguments of its indirect draws, as the GPU wrote them: vertices, instances, first vertex, first instance. There are
+    /// six vertices for each listed cell, and for each cell of the map if the list overflowed. With
+    /// [`DepthMapReconstruction::Contours`](crate::gpu::DepthMapReconstruction::Contours) six for each wall, or 0 if the list
+    /// overflowed; then the arguments of a second draw follow, with six for each cell of the map, or 0 if it did not. Usage
+    /// `COPY_SRC`.
+    pub fn draw_arguments(&self) -> &wgpu::Buffer {
+        &self.draws
+    }
+
     /// Whether its near cap is drawn.
     pub fn near_cap(&self) -> &DepthMapNearCap {
         &self.near_cap
@@ -100,6 +114,10 @@ impl DepthMapFrame {
         if volumes != other {
             return Err(DepthMapDrawError::Depth { volumes, pipelines: other });
         }
+        let (volumes, other) = (self.format, pipelines.format().depth_stencil);
+        if volumes != other {
+            return Err(DepthMapDrawError::DepthFormat { volumes, pipelines: other });
+        }
         let [volumes, other] = [self.groups.len(), pipelines.draws.len()].map(|bits| bits as u32);
         if volumes != other {
             return Err(DepthMapDrawError::Bits { volumes, pipelines: other });
@@ -107,9 +125,11 @@ impl DepthMapFrame {
         if self.has_walls && pipelines.is_counting() {
             return Err(DepthMapDrawError::CountedWalls);
         }
-        if self.encodes.load(Ordering::Relaxed) != self.encode {
-            return Err(DepthMapDrawError::StaleFrame);
-        }
-        Ok(())
+        self.check_current()
+    }
+
+    /// Refuses a frame whose list a later encode overwrites.
+    pub(super) fn check_current(&self) -> Result<(), DepthMapDrawError> {
+        if self.encodes.load(Ordering::Relaxed) == self.encode { Ok(()) } else { Err(DepthMapDrawError::StaleFrame) }
     }
 }

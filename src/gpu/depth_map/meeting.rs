@@ -31,10 +31,23 @@ pub(super) fn cameras(
     far: Option<f32>,
     depth: DepthDirection,
     side: u32,
-) -> [ShadowCamera; 6] {
-    let [near, far] = [Some(near), far].map(|distance| distance.map(f64::from));
-    let near = near.unwrap_or_default();
-    AXES.map(|[forward, right, up]| {
+) -> Result<[ShadowCamera; 6], DepthMapCubeError> {
+    if side < 3 {
+        return Err(DepthMapCubeError::Side(side));
+    }
+    if !place.iter().all(|coordinate| coordinate.is_finite()) {
+        return Err(DepthMapCubeError::Place(place));
+    }
+    if !(near.is_finite() && near > 0.0) {
+        return Err(DepthMapCubeError::Near(near));
+    }
+    if let Some(far) = far
+        && !(far.is_finite() && far > near)
+    {
+        return Err(DepthMapCubeError::Far { near, far });
+    }
+    let (near, far) = (f64::from(near), far.map(f64::from));
+    let cameras = AXES.map(|[forward, right, up]| {
         let scale = 1.0 / tangent(side);
         let w = forward.extend(0.0);
         let z = match (depth, far) {
@@ -45,7 +58,9 @@ pub(super) fn cameras(
         };
         let rows = DMat4::from_cols((scale * right).extend(0.0), (scale * up).extend(0.0), z, w);
         ShadowCamera { view_projection: rows.transpose().as_mat4().to_cols_array_2d(), origin: place, depth }
-    })
+    });
+    check_meeting(&cameras, side)?;
+    Ok(cameras)
 }
 
 /// A camera as its rows say it.

@@ -2,7 +2,7 @@
 
 use bytemuck::Zeroable;
 
-use super::errors::{DepthMapEncodeError, DepthMapVolumesError};
+use super::errors::{DepthMapEncodeError, DepthMapTexture, DepthMapVolumesError};
 use super::texture::{check_texture, written_texture};
 use crate::gpu::common::dispatch_limits::WORKGROUP;
 use crate::gpu::common::memory::{any_error, filled, guarded};
@@ -72,8 +72,8 @@ impl DepthMapMerge {
     ) -> Result<(), DepthMapEncodeError> {
         let device = self.shared.device();
         check_timer(timer.as_deref(), device)?;
-        for map in maps {
-            check_texture(map.texture(), self.shape.size)?;
+        for (number, map) in maps.into_iter().enumerate() {
+            check_texture(map.texture(), self.shape.size, DepthMapTexture::MergedMap(number))?;
             if *map.texture() == self.texture {
                 return Err(DepthMapEncodeError::OwnResult);
             }

@@ -20,6 +20,7 @@ pub(crate) mod near;
 mod options;
 mod pipelines;
 mod recording;
+mod statistics;
 mod texture;
 mod view;
 mod volumes;
@@ -33,7 +34,7 @@ pub use casters_errors::DepthMapCastersError;
 pub use casters_frame::DepthMapCastersFrame;
 pub use cube::DepthMapCube;
 pub use errors::{
-    CubeMismatch, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapPipelinesError,
+    CubeMismatch, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapPipelinesError, DepthMapTexture,
     DepthMapVolumesError, MeshDepthError,
 };
 pub use frame::{DepthMapFrame, DepthMapNearCap};
@@ -41,4 +42,5 @@ pub use merge::DepthMapMerge;
 pub use mesh_depth::MeshDepth;
 pub use options::{DanglingEdges, DepthEdges, DepthMap, DepthMapOptions, DepthMapReconstruction};
 pub use pipelines::DepthMapPipelines;
+pub use statistics::DepthMapStatistics;
 pub use volumes::DepthMapVolumes;

@@ -8,7 +8,7 @@ use crate::ShadowCamera;
 /// out lie on it.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthMap<'a> {
-    /// A view of the depth aspect, or of the only aspect, of one layer and level. The texture has one sample a texel, usage
+    /// A view of the depth aspect, or of the only aspect, of one layer. The texture has one mip level, one sample a texel, usage
     /// `TEXTURE_BINDING`, and one of these formats: `Depth16Unorm`, `Depth24Plus`, `Depth24PlusStencil8`, `Depth32Float`,
     /// `Depth32FloatStencil8`, `R32Float`. `R32Float` holds the depths that the others would hold.
     ///
@@ -54,7 +54,8 @@ pub enum DepthEdges {
     /// Slopes have no edges within, so steep surfaces are left out. Beside marked edges, triangles are drawn for one more
     /// edge: moved by its slope, a steep surface then stays within its body. What is lost: of two steps side by side in one
     /// direction, both below `high`, the smaller, and any below `low`. Bodies that are thinner than a texel may leave
-    /// streaks. 0.0005 and 0.05 had 1 wrong pixel of 125,000, and with [`DepthMapOptions::dangling`] none.
+    /// streaks. 0.0005 and 0.05 had 1 wrong pixel of 995,350 (168 views of maps of 96² texels), and with
+    /// [`DepthMapOptions::dangling`] none.
     /// Differences count that are larger by more than the map's precision.
     SecondDifferences {
         /// In device depth, from 0 to `high`.
@@ -111,8 +112,9 @@ pub enum DepthMapReconstruction {
     /// shadow.
     ///
     /// In the trials it was wrong at 0.54 times as many pixels at borders of shadows as triangles, and at 52 in a million
-    /// elsewhere, where triangles were at none: at rims whose last facets are narrower than a texel. Keep a `slope_bias`
-    /// of 1. Finding contours takes about ten times as long as finding cells on a software device.
+    /// elsewhere (of the 84 views of `tests/depth_map/analytic.rs`; of the 168 others of docs/measured.md at 112), where
+    /// triangles were at none: at rims whose last facets are narrower than a texel. Keep a `slope_bias` of 1. Finding contours
+    /// takes about ten times as long as finding cells on a software device.
     ///
     /// Maps of a cube, more than one bit, and edges that are continued take triangles.
     Contours {
@@ -132,26 +134,29 @@ pub struct DepthMapOptions {
     /// Which edges are taken.
     pub edges: DepthEdges,
     /// Whether edges between different objects are taken, besides those of `edges`. The objects are given to
-    /// [`DepthMapVolumes::encode_objects`](crate::gpu::DepthMapVolumes::encode_objects). This needs no threshold, and finds
-    /// contacts such as a foot on the ground. With [`DepthEdges::Outlines`], shadows that an object casts onto itself are missed,
-    /// and light and shadow are turned round along rays through the gaps. Steep sides of objects are left out, so take a
-    /// `slope_bias` of 0: moved by their slope, they would leave the object behind, and rays would pass through the gap.
+    /// [`DepthMapVolumes::encode_objects`](crate::gpu::DepthMapVolumes::encode_objects). [`DepthEdges::EveryCell`] takes all
+    /// edges already, and is refused with it. This needs no threshold, and finds contacts such as a foot on the ground. With
+    /// [`DepthEdges::Outlines`], shadows that an object casts onto itself are missed, and light and shadow are turned round along
+    /// rays through the gaps. Steep sides of objects are left out, so take a `slope_bias` of 0: moved by their slope, they would
+    /// leave the object behind, and rays would pass through the gap.
     pub objects: bool,
     /// How the boundary is rebuilt.
     pub reconstruction: DepthMapReconstruction,
     /// Whether edges that dangle are continued, and how. An edge dangles where it ends in a cell that has no other: a contact
     /// of two surfaces, or a fold that ends. Lower thresholds hold there, cell by cell (section 3.2 of the paper). It costs two
-    /// more words for 16 texels, and a short pass for each cell. `None`, and with [`DepthEdges::EveryCell`]: they end, after one
-    /// more cell. In a cube, an edge is not continued from one map into the next.
+    /// more words for 16 texels, and a short pass for each cell. `None`: they end, after one more cell. In a cube, an edge is not
+    /// continued from one map into the next. [`DepthEdges::EveryCell`] has none that dangles, and contours continue none: both
+    /// are refused with it.
     pub dangling: Option<DanglingEdges>,
     /// Cells that the list has room for. `None`: every cell, or as many as fit one binding. If more are found, every cell is
-    /// drawn, and the vertex shader decides again: slower, never wrong. With contours, walls that the list has room for. `None`:
-    /// a fourth of the cells.
+    /// drawn, and the vertex shader decides again: slower, never wrong, and
+    /// [`DepthMapFrame::statistics`](crate::gpu::DepthMapFrame::statistics) tells. With contours, walls that the list has room
+    /// for. `None`: a fourth of the cells.
     pub capacity: Option<u32>,
     /// How far the boundary moves away from the light where it slopes: in multiples of the depth difference over half a
     /// texel in each direction. 1 covers what a surface can deviate from the triangles between the samples while its slope
     /// is at most the one measured there. With less, steep surfaces may have specks of shadow. With more, shadows detach
-    /// from what they touch.
+    /// from what they touch. With contours it is at most 255.
     pub slope_bias: f32,
     /// A format that depths were rounded to before they came into the map, if it is coarser than the map's. `None`: the map's
     /// own. The boundary moves by four of its steps. Without it, a map of `R32Float` that was copied or merged from
@@ -166,13 +171,13 @@ pub struct DepthMapOptions {
     /// Whether near caps are left out where the near rectangle is in light as a whole: see
     /// [`DepthMapFrame::near_cap`](crate::gpu::DepthMapFrame::near_cap). No picture is another.
     pub skip_near_caps: bool,
-    /// Bytes that all buffers together may take.
+    /// Bytes that all buffers and textures together may take.
     pub memory_limit: Option<u64>,
 }
 
 impl Default for DepthMapOptions {
-    /// Every cell, no objects, triangles, no edges continued, room for all, a slope bias of 1, one bit, near caps where they matter, no limit of
-    /// memory.
+    /// Every cell, no objects, triangles, no edges continued, room for all, a slope bias of 1, one bit, near caps where they
+    /// matter, no limit of memory.
     fn default() -> Self {
         Self {
             edges: DepthEdges::EveryCell,

@@ -52,9 +52,10 @@ impl DepthMapPipelines {
     /// Makes the pipelines. They count by parity in bit `bit` of the stencil, and leave the other bits as they are. A draw
     /// turns the bit round at each pixel that is in shadow.
     ///
-    /// Where volumes of meshes count in the same stencil, let counts own 7 bits ([`ShadowFormat::count_bits`]), in the format of
-    /// all pipelines, and give parity bit 7. Neither then changes the bits of the other, and a place is dark where any bit is
-    /// set. With fewer than 8 bits of counts, a bit that they own is refused. With 8, nothing is taken to count beside.
+    /// This is for maps alone, or beside a scene ([`DepthMapCasters`](crate::gpu::DepthMapCasters)), whose frame refuses a bit
+    /// that the scene's counts own. **Where other volumes of meshes count in the same stencil, take [`Self::beside_meshes`].** A
+    /// format with all 8 [`ShadowFormat::count_bits`], the default, is taken here to have no counts beside, so that any bit will
+    /// do. With fewer, a bit that they own is refused.
     ///
     /// `format.front_face` and `format.has_far_plane` do not matter.
     ///
@@ -70,6 +71,24 @@ impl DepthMapPipelines {
             return Err(DepthMapPipelinesError::Bit(bit));
         }
         Self::of_bits(pipelines.into(), format, bit..bit + 1, false)
+    }
+
+    /// Makes pipelines that count by parity in each of `bits`, as [`Self::antialiased`] does, beside volumes of meshes that count
+    /// in the same stencil. `format` is theirs, whose counts own the bits below: `count_bits` of 7 and bits from 7 to 8, for
+    /// example. Neither then changes the bits of the other, and a place is dark where any bit is set.
+    ///
+    /// # Errors
+    /// [`DepthMapPipelinesError`], as for [`Self::antialiased`], or if counts own one of the bits. They own all 8 by default.
+    pub fn beside_meshes(
+        pipelines: impl Into<Pipelines>,
+        format: &ShadowFormat,
+        bits: Range<u32>,
+    ) -> Result<Self, DepthMapPipelinesError> {
+        let count_bits = format.count_bits;
+        if !bits.is_empty() && bits.end <= 8 && bits.start < count_bits {
+            return Err(DepthMapPipelinesError::Counted { bit: bits.start, count_bits });
+        }
+        Self::antialiased(pipelines, format, bits)
     }
 
     /// Makes pipelines that count the surface as a volume, in the bits that counts own ([`ShadowFormat::count_bits`]): up where a
@@ -92,7 +111,7 @@ impl DepthMapPipelines {
     /// [`DepthMapOptions::bits`](crate::gpu::DepthMapOptions::bits). Each bit takes the boundary moved sideways by another part
     /// of a texel, so borders of shadows are grey: [`Self::lit_share`] resolves them.
     ///
-    /// Where volumes of meshes count in the same stencil, let counts own the bits below, as for [`Self::new`].
+    /// Where volumes of meshes count in the same stencil, take [`Self::beside_meshes`], as for [`Self::new`].
     ///
     /// # Errors
     /// [`DepthMapPipelinesError`], as for [`Self::new`].

@@ -107,6 +107,9 @@ impl DepthMapVolumes {
                 near_cap,
                 has_walls: self.contours.is_some(),
                 draws: self.contours.as_ref().map_or(&self.draws, |own| &own.draws).clone(),
+                list: self.cells().clone(),
+                capacity: self.capacity(),
+                format: self.eye.0,
                 depth: self.eye.1,
                 is_turned: is_turned(light, eye),
                 encode,
@@ -226,6 +229,11 @@ impl<'a> Planned<'a> {
     /// Whether stages are recorded.
     pub(super) fn is_listed_anew(&self) -> bool {
         self.stages.is_some()
+    }
+
+    /// Whether near caps are drawn, for each camera.
+    pub(super) fn near_caps(&self) -> impl Iterator<Item = &DepthMapNearCap> {
+        self.frames.iter().map(|frame| &frame.near_cap)
     }
 
     /// Records the stages. The frames are for the cameras, in their order.

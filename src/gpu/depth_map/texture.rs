@@ -1,6 +1,6 @@
 //! Textures that are taken as depth maps.
 
-use super::errors::DepthMapEncodeError;
+use super::errors::{DepthMapEncodeError, DepthMapTexture};
 
 /// The formats of maps.
 pub(super) const MAP_FORMATS: [wgpu::TextureFormat; 6] = [
@@ -14,39 +14,47 @@ pub(super) const MAP_FORMATS: [wgpu::TextureFormat; 6] = [
 
 /// Whether a texture can be taken as a map of `made` texels; its format.
 pub(super) fn check_texture(
-    texture: &wgpu::Texture,
+    map: &wgpu::Texture,
     made: [u32; 2],
+    texture: DepthMapTexture,
 ) -> Result<wgpu::TextureFormat, DepthMapEncodeError> {
-    let (format, samples) = (texture.format(), texture.sample_count());
-    let given = [texture.width(), texture.height()];
-    if !MAP_FORMATS.contains(&format) {
-        return Err(DepthMapEncodeError::Format(format));
-    }
-    if samples != 1 {
-        return Err(DepthMapEncodeError::Samples(samples));
-    }
-    if given != made {
-        return Err(DepthMapEncodeError::Size { given, made });
-    }
-    if !texture.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING) {
-        return Err(DepthMapEncodeError::Usage);
-    }
-    Ok(format)
+    check_read(map, made, texture, MAP_FORMATS.contains(&map.format()))
 }
 
 /// Whether a texture can be taken as the objects of a map of `made` texels.
-pub(super) fn check_objects(texture: &wgpu::Texture, made: [u32; 2]) -> Result<(), DepthMapEncodeError> {
-    let given = [texture.width(), texture.height()];
-    if texture.format() != wgpu::TextureFormat::R32Uint {
-        return Err(DepthMapEncodeError::ObjectFormat(texture.format()));
+pub(super) fn check_objects(
+    objects: &wgpu::Texture,
+    made: [u32; 2],
+    texture: DepthMapTexture,
+) -> Result<(), DepthMapEncodeError> {
+    check_read(objects, made, texture, objects.format() == wgpu::TextureFormat::R32Uint).map(|_| ())
+}
+
+fn check_read(
+    given: &wgpu::Texture,
+    made: [u32; 2],
+    texture: DepthMapTexture,
+    has_format: bool,
+) -> Result<wgpu::TextureFormat, DepthMapEncodeError> {
+    let (format, samples, levels) = (given.format(), given.sample_count(), given.mip_level_count());
+    let size = [given.width(), given.height()];
+    if !has_format {
+        return Err(DepthMapEncodeError::Format { texture, format });
     }
-    if given != made {
-        return Err(DepthMapEncodeError::Size { given, made });
+    if samples != 1 {
+        return Err(DepthMapEncodeError::Samples { texture, samples });
     }
-    if !texture.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING) {
-        return Err(DepthMapEncodeError::Usage);
+    // A view does not tell its level, and so not its size.
+    if levels != 1 {
+        return Err(DepthMapEncodeError::MipLevels { texture, levels });
     }
-    Ok(())
+    if size != made {
+        return Err(DepthMapEncodeError::Size { texture, given: size, made });
+    }
+    if !given.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING) {
+        return Err(DepthMapEncodeError::Usage(texture));
+    }
+    Ok(format)
 }
 
 /// One texel of no object.

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-use super::contours::Contours;
+use super::contours::{ContourPlan, Contours};
 use super::edges::{Detector, EdgeStages, threshold_bits};
-use super::errors::{DepthMapEncodeError, DepthMapVolumesError};
+use super::errors::{DepthMapEncodeError, DepthMapTexture, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
 use super::jitter::{jitters, reach};
 use super::options::{DepthEdges, DepthMap, DepthMapOptions, DepthMapReconstruction};
@@ -23,7 +23,7 @@ use crate::shadow::DepthDirection;
 use crate::stages::{DEPTH_CELLS, DEPTH_NEAR, DEPTH_NEAR_WALLS};
 
 /// The largest number of cells: entries have as many bits for it.
-const MOST_CELLS: u64 = 1 << 29;
+pub(super) const MOST_CELLS: u64 = 1 << 29;
 
 /// Cells of a row that one word tells about.
 const WORD_CELLS: u64 = 8;
@@ -91,6 +91,19 @@ pub struct DepthMapVolumes {
     pub(super) encodes: Arc<AtomicU64>,
 }
 
+/// Whether every cell is marked, and the threshold, where cells are decided without marks of edges.
+fn rule(edges: DepthEdges) -> (u32, f32) {
+    match edges {
+        DepthEdges::Differences { threshold } => (0, threshold),
+        // No difference is larger.
+        DepthEdges::Outlines => (0, 1.0),
+        // Each encode has its own.
+        DepthEdges::WorldDifferences { .. } => (0, 0.0),
+        // With marks, a list that overflows is that of every cell.
+        DepthEdges::EveryCell | DepthEdges::SecondDifferences { .. } | DepthEdges::Automatic => (1, 0.0),
+    }
+}
+
 impl DepthMapVolumes {
     /// Makes buffers for maps of `size` texels, on the device of `pipelines`.
     ///
@@ -101,14 +114,14 @@ impl DepthMapVolumes {
         size: [u32; 2],
         options: DepthMapOptions,
     ) -> Result<Self, DepthMapVolumesError> {
-        pipelines.shared().construct(Subject::DepthMap, || Self::with(pipelines, size, 1, options))
+        pipelines.shared().construct(Subject::DepthMap, || Self::with(pipelines, size, (1, &[]), options))
     }
 
-    /// Makes buffers for a map, or for the six of a cube.
+    /// Makes buffers for a map, or for the six of a cube, whose textures are yet to be made.
     pub(super) fn with(
         pipelines: &DepthMapPipelines,
         size: [u32; 2],
-        faces: u32,
+        (faces, textures): (u32, &[Allocation]),
         options: DepthMapOptions,
     ) -> Result<Self, DepthMapVolumesError> {
         let shared = pipelines.shared();
@@ -129,18 +142,10 @@ impl DepthMapVolumes {
         if size.contains(&0) || count > MOST_CELLS {
             return Err(DepthMapVolumesError::Size(size[0], size[1]));
         }
-        let (every_cell, threshold) = match edges {
-            DepthEdges::Differences { threshold } => (0, threshold),
-            // No difference is larger.
-            DepthEdges::Outlines => (0, 1.0),
-            // Each encode has its own.
-            DepthEdges::WorldDifferences { .. } => (0, 0.0),
-            // With marks, a list that overflows is that of every cell.
-            DepthEdges::EveryCell | DepthEdges::SecondDifferences { .. } | DepthEdges::Automatic => (1, 0.0),
-        };
+        let (every_cell, threshold) = rule(edges);
         options.check()?;
         let world = if let DepthEdges::WorldDifferences { threshold } = edges { Some(threshold) } else { None };
-        let contours = Contours::new(pipelines, size, &options)?;
+        let contours = ContourPlan::new(pipelines, size, &options)?;
         let limits = DispatchLimits::new(&shared.device().limits());
         let cells = count as u32;
         let fitting = (limits.binding / 4 - 1).min(u64::from(u32::MAX)) as u32;
@@ -155,7 +160,7 @@ impl DepthMapVolumes {
             blocks,
             capacity: contours
                 .as_ref()
-                .map_or(capacity.unwrap_or(cells).min(cells).min(fitting), |own| own.shape.capacity),
+                .map_or(capacity.unwrap_or(cells).min(cells).min(fitting), |plan| plan.shape.capacity),
             every_cell: if detector.is_some() { 1 } else { every_cell },
             threshold: threshold_bits(threshold),
             is_reversed: 0,
@@ -179,8 +184,13 @@ impl DepthMapVolumes {
         check(&allocations[..1], limits.binding, None)?;
         let further = detector.map(|detector| detector.allocations());
         check(further.as_ref().map_or(&[], |further| &further[..]), limits.binding, None)?;
-        let all: Vec<_> = allocations.iter().chain(further.iter().flatten()).copied().collect();
-        check(&all, limits.buffer, memory_limit)?;
+        let of_contours = contours.as_ref().map_or(&[][..], |plan| &plan.allocations);
+        check(of_contours, limits.binding, None)?;
+        let all: Vec<_> = allocations.iter().chain(further.iter().flatten()).chain(of_contours).copied().collect();
+        check(&all, limits.buffer, None)?;
+        // Textures have limits of their own.
+        check(&[&all[..], textures].concat(), u64::MAX, memory_limit)?;
+        let contours = contours.map(|plan| Contours::new(pipelines, plan, options.objects)).transpose()?;
         let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let usages = [storage, storage, storage | wgpu::BufferUsages::INDIRECT];
@@ -229,14 +239,14 @@ impl DepthMapVolumes {
         timer: Option<&mut StageTimer>,
     ) -> Result<DepthMapFrame, DepthMapEncodeError> {
         if self.shape.objects == 1 {
-            return Err(DepthMapEncodeError::NoObjects);
+            return Err(DepthMapEncodeError::NoObjects { face: None });
         }
         self.encode_map(encoder, map, None, camera, timer)
     }
 
     /// As [`Self::encode`], with [`DepthMapOptions::objects`]: `objects` has the number of an object for each texel of the map.
-    /// It is a view of one layer and level of a texture of `R32Uint` with usage `TEXTURE_BINDING`, which has the map's size.
-    /// Numbers where the map is far do not matter.
+    /// It is a view of one layer of a texture of `R32Uint` with one mip level and usage `TEXTURE_BINDING`, which has the map's
+    /// size. Numbers where the map is far do not matter.
     ///
     /// # Errors
     /// [`DepthMapEncodeError`] if a texture or a camera is refused. Nothing is recorded then.
@@ -251,7 +261,7 @@ impl DepthMapVolumes {
         if self.shape.objects == 0 {
             return Err(DepthMapEncodeError::UnusedObjects);
         }
-        check_objects(objects.texture(), self.shape.size)?;
+        check_objects(objects.texture(), self.shape.size, DepthMapTexture::Objects)?;
         self.encode_map(encoder, map, Some(objects), camera, timer)
     }
 
@@ -265,7 +275,7 @@ impl DepthMapVolumes {
     ) -> Result<DepthMapFrame, DepthMapEncodeError> {
         let device = self.shared.device();
         check_timer(timer.as_deref(), device)?;
-        let format = check_texture(map.texture.texture(), self.shape.size)?;
+        let format = check_texture(map.texture.texture(), self.shape.size, DepthMapTexture::Map)?;
         let view = |jitter| self.view(&map.light, &[format], camera, 1.0, jitter).map(|view| vec![view]);
         let views = jitters(self.bits).into_iter().map(view).collect::<Result<Vec<_>, _>>()?;
         self.record(encoder, [Some(map.texture), objects], ([&map.light, camera], &[format]), views, timer)
@@ -289,9 +299,14 @@ impl DepthMapVolumes {
         depth_map_view((light, self.shape.size, &mut { formats }), (camera, self.eye.0), &placing)
     }
 
+    /// Cells, or walls, that the list has room for. With a larger number at the begin of [`Self::cells`], every cell is drawn.
+    pub fn capacity(&self) -> u32 {
+        self.contours.as_ref().map_or(self.shape.capacity, |own| own.shape.capacity)
+    }
+
     /// The listed cells, on the GPU: their number, then an entry for each, in their order. An entry has the number of its cell
     /// in 29 bits. Bit 29 tells that the cell is split from its sample (1, 0) to (0, 1), and bits 30 and 31 which of its two
-    /// triangles are drawn. With a number larger than the capacity the entries are not complete, and every cell was drawn.
+    /// triangles are drawn. With a number larger than [`Self::capacity`] the entries are not complete, and every cell is drawn.
     ///
     /// With [`DepthMapReconstruction::Contours`](crate::gpu::DepthMapReconstruction::Contours), the quadrilaterals: their number,
     /// three times 0, then twelve words for each. They are four vertices of three words: its place across and down the lattice,

@@ -26,9 +26,9 @@ use crate::stages::{DEPTH_ARGUMENTS, EXACT_SHADOW_DEPTH, SHADOW_BOXES, SHADOW_DE
 use crate::{Light, Mesh};
 
 /// Counts the faces of one mesh that lie strictly between points and lights. Each face counts once, whatever its
-/// orientation and whatever the mesh. A polygon counts once if an odd number of its triangles lie between. On a closed mesh the parity tells inside from outside. A point in shadow has a
-/// depth above 0. The depths equal those of [`crate::cpu::shadow_depth`] on every device; that function describes how
-/// ties are broken.
+/// orientation and whatever the mesh. A polygon counts once if an odd number of its triangles lie between. On a closed mesh the
+/// parity tells inside from outside. A point in shadow has a depth above 0. The depths equal those of
+/// [`crate::cpu::shadow_depth`] on every device; that function describes how ties are broken.
 ///
 /// The query records compute passes into the caller's encoder. Every face is tested against every pair of point and
 /// light, except for faces that the boxes leave out.

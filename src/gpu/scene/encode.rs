@@ -63,8 +63,8 @@ impl Scene {
         self.record(encoder, cameras, receivers, None, timer)
     }
 
-    /// As [`Self::encode_for`], after figures were deformed as far as `needs` says ([`Self::encode_needs`]). Nothing is computed of
-    /// the others. `cameras` are the same, and nothing of the scene has changed since.
+    /// As [`Self::encode_for`], after figures were deformed as far as `needs` says ([`Self::encode_needs`]). Nothing is computed
+    /// of the others. `cameras` are the same, and nothing of the scene has changed since.
     ///
     /// # Errors
     /// As [`Self::encode_for`], and [`SceneError::StaleNeeds`].

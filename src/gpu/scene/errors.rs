@@ -33,10 +33,10 @@ pub enum SceneError {
     /// A mesh, or the scene as a whole, does not fit the device or the memory limit.
     #[error(transparent)]
     Memory(#[from] MemoryError),
-    /// The mesh has polygons, which only the CPU extracts so far.
+    /// The mesh has polygons, which scenes do not take so far.
     #[error(
-        "the mesh has faces of more than three corners, which only `cpu::extract` takes; make a mesh of its triangles, \
-         `Mesh::faces`"
+        "the mesh has faces of more than three corners, which a scene does not take; make a mesh of its triangles, \
+         `Mesh::faces`, or take `Extractor` and `ShadowVolumes`"
     )]
     Polygons,
     /// There are fewer positions than the mesh has vertices.
@@ -67,7 +67,8 @@ pub enum SceneError {
     },
     /// The scene, its lights or the cameras are not those that needs were found for.
     #[error(
-        "the scene or the cameras changed since `encode_needs`, or these needs are a part or not the last; call `encode_needs` after all \
+        "the scene or the cameras changed since `encode_needs`, or these needs are a part or not the last; call `encode_needs` \
+         after all \
          changes, deform by what it returns, and pass the same to `encode_needed`"
     )]
     StaleNeeds,
@@ -89,7 +90,8 @@ pub enum SceneError {
     },
     /// Hidden faces of another mesh, or of a caster given twice.
     #[error(
-        "caster {caster} of the list has {faces} faces or stands in the list twice, and hidden faces are those of a mesh with {found} faces; give the casters once and in the order of the search"
+        "caster {caster} of the list has {faces} faces or stands in the list twice, and hidden faces are those of a mesh with \
+         {found} faces; give the casters once and in the order of the search"
     )]
     HiddenCaster {
         /// Number of the caster in the list.
@@ -109,7 +111,8 @@ pub enum SceneError {
     },
     /// A transform was given for a caster whose positions lie in a buffer in world space.
     #[error(
-        "the caster has positions in a buffer, in world space, and no transform; give it `CasterPositions::Rigid` by `Scene::set_positions`"
+        "the caster has positions in a buffer, in world space, and no transform; give it `CasterPositions::Rigid` by \
+         `Scene::set_positions`"
     )]
     NotRigid,
     /// A version or a box of positions is given for a rigid caster.

@@ -46,7 +46,8 @@ pub struct SceneGroupResults<'a> {
     pub group: usize,
     /// Bit `bit` of a mask is light `32 · batch + bit`.
     pub batch: usize,
-    /// One `u32` a face slot ([`SceneFrame::slot_order`]): the lights that the face faces. Bits of lights that do not reach the caster have no meaning.
+    /// One `u32` a face slot ([`SceneFrame::slot_order`]): the lights that the face faces. Bits of lights that do not reach the
+    /// caster have no meaning.
     pub facing: &'a wgpu::Buffer,
     /// One `u32` a face slot: the lights in the plane of the face.
     pub excluded: &'a wgpu::Buffer,
@@ -129,9 +130,9 @@ impl SceneFrame {
 
     /// Draws the shadow volumes of all casters for a light, as the camera with number `view` sees them, into a pass with
     /// the attachments of `pipelines`. Views are the cameras of the encode, counted from 0. It counts up from the current
-    /// content of the bits of the stencil that counts own, which must be 0 if casters are counted in batches. The other bits stay as they are. Other state of the pass does not matter.
-    /// It changes the pipeline and bind groups 0 and 1, and sets the stencil reference to 0 if casters are counted in
-    /// batches.
+    /// content of the bits of the stencil that counts own, which must be 0 if casters are counted in batches. The other bits stay
+    /// as they are. Other state of the pass does not matter. It changes the pipeline and bind groups 0 and 1, and sets the
+    /// stencil reference to 0 if casters are counted in batches.
     ///
     /// Each light has a pass of its own. The pass loads the depths of the depth pass and clears the stencil to 0. After
     /// this draw, the same pass adds the light where the stencil is still 0: with a pipeline of

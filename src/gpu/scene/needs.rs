@@ -58,7 +58,8 @@ impl SceneNeeds {
         is_within.then(|| Self { entries: first + casters.start..first + casters.end, ..self.clone() })
     }
 
-    /// A `u32` for each caster, from byte [`Self::offset`] on: 1 if the frame does not need it, else 0. Usages `STORAGE` and `COPY_SRC`.
+    /// A `u32` for each caster, from byte [`Self::offset`] on: 1 if the frame does not need it, else 0. Usages `STORAGE` and
+    /// `COPY_SRC`.
     pub fn buffer(&self) -> &wgpu::Buffer {
         &self.words
     }
@@ -71,9 +72,9 @@ impl SceneNeeds {
 
 impl Scene {
     /// Records the stage that finds which of some `casters` the next encode needs, before their positions are computed. They are
-    /// casters with buffers, as a rule those of a [`Deformer`](crate::gpu::Deformer). A caster is needed if a camera may see it, or
-    /// its shadow from a light that may reach it, by the box that [`Self::set_bounds`] states. It is needed, too, if it has no box,
-    /// if there is no camera, or with [`SceneOptions::skip_unneeded`](crate::gpu::SceneOptions::skip_unneeded) off.
+    /// casters with buffers, as a rule those of a [`Deformer`](crate::gpu::Deformer). A caster is needed if a camera may see it,
+    /// or its shadow from a light that may reach it, by the box that [`Self::set_bounds`] states. It is needed, too, if it has no
+    /// box, if there is no camera, or with [`SceneOptions::skip_unneeded`](crate::gpu::SceneOptions::skip_unneeded) off.
     ///
     /// `cameras` are all that see the casters or their shadows in the frame. A caller who deforms by shaders of its own reads
     /// [`SceneNeeds::buffer`]. Positions of a caster that isn't needed must show nothing: a `Deformer` makes them a point.

@@ -44,12 +44,14 @@ pub struct SceneOptions {
     /// Volumes end beyond their light's range, instead of at infinity. See
     /// [`ShadowOptions::end_at_range`](crate::gpu::ShadowOptions::end_at_range).
     pub end_at_range: bool,
-    /// The low bits of the stencil that counts own: [`ShadowFormat::count_bits`](crate::gpu::ShadowFormat::count_bits) of the pipelines that draw the scene. 1 to 8, and
-    /// at least 2 with several [`Self::count_batches`]. The bits above are left as they are.
+    /// The low bits of the stencil that counts own: [`ShadowFormat::count_bits`](crate::gpu::ShadowFormat::count_bits) of the
+    /// pipelines that draw the scene. 1 to 8, and at least 2 with several [`Self::count_batches`]. The bits above are left as
+    /// they are.
     pub count_bits: u32,
-    /// Casters are counted in so many batches, each of which is then one bit of darkness. 0 is taken as 1. With several, 127 casters
-    /// of a batch may lie behind each other, instead of 255 in all, before a count wraps and a shadow looks lit; with b
-    /// [`Self::count_bits`] these are 2 to the power of b − 1, and of b, less 1. Each batch takes a draw of all lists and a full-screen draw. Draw with [`ScenePipelines::in_batches`].
+    /// Casters are counted in so many batches, each of which is then one bit of darkness. 0 is taken as 1. With several, 127
+    /// casters of a batch may lie behind each other, instead of 255 in all, before a count wraps and a shadow looks lit; with b
+    /// [`Self::count_bits`] these are 2 to the power of b − 1, and of b, less 1. Each batch takes a draw of all lists and a
+    /// full-screen draw. Draw with [`ScenePipelines::in_batches`].
     ///
     /// [`ScenePipelines::in_batches`]: crate::gpu::ScenePipelines::in_batches
     pub count_batches: u32,
@@ -71,8 +73,9 @@ pub struct SceneOptions {
     pub cap_capacity: Option<u32>,
     /// Meshes of at least so many faces are put in clusters of 128 faces that lie together. For a rigid caster, a cluster of
     /// which all faces are on one side of a light is decided as a whole. So on a smooth mesh about the root of all faces is
-    /// tested. It takes about the time and a half of [`Mesh::new`](crate::Mesh::new) once more to add such a mesh, less than a byte a
-    /// face of the device's memory, and 4 bytes a face of the host's. `None`: no mesh is. Clusters need [`Predicate::Exact`].
+    /// tested. It takes about the time and a half of [`Mesh::new`](crate::Mesh::new) once more to add such a mesh, less than a
+    /// byte a face of the device's memory, and 4 bytes a face of the host's. `None`: no mesh is. Clusters need
+    /// [`Predicate::Exact`].
     pub clusters_from: Option<u32>,
     /// The largest device memory for the scene, in bytes. It is checked before anything is allocated. `None`: no limit.
     pub memory_limit: Option<u64>,
@@ -117,8 +120,8 @@ impl SceneOptions {
 impl Default for SceneOptions {
     /// Up to 32 lights, the exact predicate, capacities from the meshes, z-pass or ZP+ as the GPU chooses, averted faces
     /// where they suffice, what lights do not reach, shadows that are unseen or hidden, and figures that are not needed
-    /// skipped, clusters from 4,096 faces on, infinite volumes, one batch of casters that is counted in all bits of the stencil, bits and lists kept, no bound on
-    /// counts, no memory limit.
+    /// skipped, clusters from 4,096 faces on, infinite volumes, one batch of casters that is counted in all bits of the stencil,
+    /// bits and lists kept, no bound on counts, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,

@@ -34,8 +34,8 @@ use crate::{Light, Matrix3x4, Mesh};
 /// it. The work of recording an encode does not depend on the number of casters, but for those that moved.
 ///
 /// Once: add meshes, lights and casters. Each frame: change what moved, call [`Scene::encode`], draw the depths of what is
-/// seen, and for each light draw its shadows by [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) and add its light. The README has this in short; the
-/// example `scene` is a whole program.
+/// seen, and for each light draw its shadows by [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) and add its light. The README
+/// has this in short; the example `scene` is a whole program.
 ///
 /// No casters and no lights are legal, and so are mirrored and singular transforms.
 #[derive(Debug)]
@@ -129,7 +129,8 @@ impl Scene {
     /// are allowed; their faces never face a light.
     ///
     /// # Errors
-    /// [`SceneError`] if positions are missing, the mesh has polygons of more than three corners, or it does not fit one binding, the memory limit or the device.
+    /// [`SceneError`] if positions are missing, the mesh has polygons of more than three corners, or it does not fit one binding,
+    /// the memory limit or the device.
     pub fn add_mesh(&mut self, mesh: &Mesh, positions: &[[f32; 3]]) -> Result<MeshHandle, SceneError> {
         let needed = mesh.vertex_count();
         let Some(own) = positions.get(..needed as usize) else {
@@ -391,15 +392,15 @@ impl Scene {
         Ok(())
     }
 
-    /// States that a rigid caster is solid behind some polygons: **each polygon lies on its faces, all of it**, in mesh space. Their
-    /// corners, 3 to 8, go round counter-clockwise as those of the faces do. For example the corners of a face, or of a wall. They
-    /// replace those of an earlier call.
+    /// States that a rigid caster is solid behind some polygons: **each polygon lies on its faces, all of it**, in mesh space.
+    /// Their corners, 3 to 8, go round counter-clockwise as those of the faces do. For example the corners of a face, or of a
+    /// wall. They replace those of an earlier call.
     ///
-    /// With [`SceneOptions::skip_occluded`], a caster whose box is wholly behind a polygon, as seen from a light, throws no shadow
-    /// for this light: what it would darken is in the shadow of the polygon. A polygon hides nothing for lights that its caster
-    /// does not throw shadows for, from which it does not look convex, or whose plane they are near. On a closed mesh only those
-    /// that are turned away from the light hide: give polygons on all sides. Nor do casters hide of which faces are excluded.
-    /// Each polygon is tried for each caster and light.
+    /// With [`SceneOptions::skip_occluded`], a caster whose box is wholly behind a polygon, as seen from a light, throws no
+    /// shadow for this light: what it would darken is in the shadow of the polygon. A polygon hides nothing for lights that its
+    /// caster does not throw shadows for, from which it does not look convex, or whose plane they are near. On a closed mesh only
+    /// those that are turned away from the light hide: give polygons on all sides. Nor do casters hide of which faces are
+    /// excluded. Each polygon is tried for each caster and light.
     ///
     /// # Errors
     /// [`SceneError::NotRigid`], [`SceneError::Occluder`], or an error of the handle.

@@ -35,17 +35,21 @@ pub struct ShadowFormat {
     /// Whether the far plane is at a finite distance, see [`crate::ShadowCamera::has_far_plane`]. Only z-fail and ZP+
     /// as published use this. They then need `Features::DEPTH_CLIP_CONTROL`.
     pub has_far_plane: bool,
-    /// The low bits of the stencil that counts own, 1 to 8; 2 or more for [`ScenePipelines::in_batches`](crate::gpu::ScenePipelines::in_batches),
-    /// which take the highest of them for darkness. Volumes of meshes leave the other bits as they are. So the bits above hold parities of
-    /// depth maps ([`DepthMapPipelines`](crate::gpu::DepthMapPipelines)) or what the caller likes, and a surface is dark where any bit is set.
-    /// Counts wrap at 2 to the power of this: with 7 bits, a point behind 128 casting faces looks lit, see `bound_counts` of
-    /// [`ShadowOptions`](crate::gpu::ShadowOptions::bound_counts) and [`SceneOptions`](crate::gpu::SceneOptions::bound_counts).
+    /// The low bits of the stencil that counts own, 1 to 8; 2 or more for
+    /// [`ScenePipelines::in_batches`](crate::gpu::ScenePipelines::in_batches), which take the highest of them for darkness.
+    /// Volumes of meshes leave the other bits as they are. So the bits above hold parities of depth maps
+    /// ([`DepthMapPipelines::beside_meshes`](crate::gpu::DepthMapPipelines::beside_meshes)) or what the caller likes, and a
+    /// surface is dark where any bit is set. **With the default, 8, counts own every bit:** a parity beside them would change
+    /// counts. Counts wrap at 2 to the power of this: with 7 bits, a point behind 128 casting faces looks lit, see `bound_counts`
+    /// of [`ShadowOptions`](crate::gpu::ShadowOptions::bound_counts) and
+    /// [`SceneOptions`](crate::gpu::SceneOptions::bound_counts).
     pub count_bits: u32,
 }
 
 impl Default for ShadowFormat {
     /// 24-bit depth, because `Depth32FloatStencil8` is an optional feature; see [`Self::depth_stencil`] for the near
-    /// plane that it needs. Reversed depth, one sample, no colour attachment, no far plane, counts in all eight bits of the stencil.
+    /// plane that it needs. Reversed depth, one sample, no colour attachment, no far plane, counts in all eight bits of the
+    /// stencil.
     fn default() -> Self {
         Self {
             depth_stencil: wgpu::TextureFormat::Depth24PlusStencil8,
@@ -69,8 +73,8 @@ impl ShadowFormat {
     /// meets the surfaces that the depth pass left, and lights them where no volume was counted: where the stencil is 0,
     /// which is the reference that passes begin with. It writes neither depth nor stencil.
     ///
-    /// The light pass must compute the same depths as the depth pass, bit for bit (`@invariant`). A renderer whose light pass draws no surfaces,
-    /// such as a full-screen triangle, sets `depth_compare` to `Always`.
+    /// The light pass must compute the same depths as the depth pass, bit for bit (`@invariant`). A renderer whose light pass
+    /// draws no surfaces, such as a full-screen triangle, sets `depth_compare` to `Always`.
     pub fn light_pass_depth_stencil(&self) -> wgpu::DepthStencilState {
         let lit = wgpu::StencilFaceState { compare: wgpu::CompareFunction::Equal, ..wgpu::StencilFaceState::IGNORE };
         wgpu::DepthStencilState {

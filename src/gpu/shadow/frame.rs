@@ -59,8 +59,8 @@ impl ShadowFrame {
 
     /// Draws the shadow volume of light number `light` into a pass with the attachments of `pipelines`. It counts up
     /// from the current content of the stencil, in the bits that counts own
-    /// ([`ShadowFormat::count_bits`](crate::gpu::ShadowFormat::count_bits)), and leaves the others as they are. Other state of the pass does not matter. It changes the pipeline and
-    /// bind groups 0 and 1.
+    /// ([`ShadowFormat::count_bits`](crate::gpu::ShadowFormat::count_bits)), and leaves the others as they are. Other state of
+    /// the pass does not matter. It changes the pipeline and bind groups 0 and 1.
     ///
     /// `pipelines` may differ from those that the volumes were made with, for other attachments, if counting method,
     /// depth and the bits that count are the same.

@@ -12,9 +12,9 @@ pub struct ShadowOptions {
     /// in its faces exactly may be lit or not.
     pub in_depth: bool,
     /// Entries that each of the two lists of cap faces of a light has room for. `None`: every face with z-fail, ZP+ as
-    /// published, [`Self::end_at_range`] or without [`Self::in_depth`]; else 1,024 and sixteen times the square root of the faces. The lists always
-    /// fit one binding (8 bytes an entry for each of up to 32 lights, and up to 4 KiB a light for excluded faces) and
-    /// [`Self::memory_limit`]. An overflow loses nothing: the draw then goes over all faces.
+    /// published, [`Self::end_at_range`] or without [`Self::in_depth`]; else 1,024 and sixteen times the square root of the
+    /// faces. The lists always fit one binding (8 bytes an entry for each of up to 32 lights, and up to 4 KiB a light for
+    /// excluded faces) and [`Self::memory_limit`]. An overflow loses nothing: the draw then goes over all faces.
     pub cap_capacity: Option<u32>,
     /// Skip the caster for a light if the camera cannot see its shadow.
     pub skip_unseen: bool,
@@ -25,7 +25,8 @@ pub struct ShadowOptions {
     pub end_at_range: bool,
     /// Compute an upper bound of the caster's stencil counts, for [`ShadowStatistics::count_bound`] and
     /// [`ShadowStatistics::may_wrap`]. It takes a pass over the silhouettes. Counts wrap at 256, or earlier with fewer
-    /// [`ShadowFormat::count_bits`](crate::gpu::ShadowFormat::count_bits), so a point in a multiple of 256 volumes looks lit. Add the bounds of all casters; a [`Scene`](crate::gpu::Scene) bounds their sum.
+    /// [`ShadowFormat::count_bits`](crate::gpu::ShadowFormat::count_bits), so a point in a multiple of 256 volumes looks lit. Add
+    /// the bounds of all casters; a [`Scene`](crate::gpu::Scene) bounds their sum.
     ///
     /// [`ShadowStatistics::count_bound`]: crate::layout::ShadowStatistics::count_bound
     /// [`ShadowStatistics::may_wrap`]: crate::layout::ShadowStatistics::may_wrap
@@ -35,8 +36,8 @@ pub struct ShadowOptions {
 }
 
 impl Default for ShadowOptions {
-    /// Averted faces where they suffice, a caster in the depth buffer, list sizes from the mesh, unseen shadows skipped, infinite volumes, no bound
-    /// on counts, no memory limit.
+    /// Averted faces where they suffice, a caster in the depth buffer, list sizes from the mesh, unseen shadows skipped, infinite
+    /// volumes, no bound on counts, no memory limit.
     fn default() -> Self {
         Self {
             every_face: false,

@@ -47,8 +47,8 @@ impl ScenePipelines {
     }
 
     /// Makes the pipelines for scenes whose casters are counted in several batches
-    /// ([`SceneOptions::count_batches`](crate::gpu::SceneOptions::count_batches)). The highest of [`ShadowFormat::count_bits`] tells what earlier
-    /// batches darken.
+    /// ([`SceneOptions::count_batches`](crate::gpu::SceneOptions::count_batches)). The highest of [`ShadowFormat::count_bits`]
+    /// tells what earlier batches darken.
     ///
     /// # Errors
     /// As [`Self::new`].

@@ -222,8 +222,8 @@ impl ShadowVolumes {
         self.shared.buffers.sizes.shape(0)
     }
 
-    /// One buffer with the draws of each light, as [`ShadowDraws`](crate::layout::ShadowDraws), once the encoder was submitted. Usages
-    /// `INDIRECT` and `COPY_SRC`.
+    /// One buffer with the draws of each light, as [`ShadowDraws`](crate::layout::ShadowDraws), once the encoder was submitted.
+    /// Usages `INDIRECT` and `COPY_SRC`.
     #[cfg(feature = "reference")]
     pub fn draw_arguments(&self) -> &[wgpu::Buffer] {
         &self.shared.buffers.draws

@@ -35,9 +35,9 @@ pub(crate) struct BenchArgs {
     #[arg(long, visible_alias = "scene", value_name = "NAME,…", value_delimiter = ',')]
     pub(crate) scenes: Option<Vec<String>>,
 
-    /// Numbers of casters for the scenes `casters`, `still`, `city`, `crowd` and `moving`, or `none`: boxes of 12 faces, and up to 1,000
-    /// figures of 4,000 faces [default: 1, 10, 100, 200, 1,000 and 10,000 (quick: 1, 10 and 100); 1,000 figures (quick: 20)
-    /// and 10,000 buildings (quick: 100)]
+    /// Numbers of casters for the scenes `casters`, `still`, `city`, `crowd` and `moving`, or `none`: boxes of 12 faces, and up
+    /// to 1,000 figures of 4,000 faces [default: 1, 10, 100, 200, 1,000 and 10,000 (quick: 1, 10 and 100); 1,000 figures (quick:
+    /// 20) and 10,000 buildings (quick: 100)]
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = parse_casters)]
     pub(crate) casters: Option<Vec<Number>>,
 
@@ -59,8 +59,8 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
     pub(crate) frames: Option<u16>,
 
-    /// Also show the times in this file, which `cargo bench --bench depth_maps -- casters --json FILE` writes: shadows by depth maps, by
-    /// meshes and by lookups
+    /// Also show the times in this file, which `cargo bench --bench depth_maps -- casters --json FILE` writes: shadows by depth
+    /// maps, by meshes and by lookups
     #[arg(long, value_name = "FILE")]
     pub(crate) depth_maps: Option<PathBuf>,
 
@@ -87,7 +87,8 @@ The methods run in turn, round by round, for each mesh and number of lights. Err
 arithmetic, and vertices where loops stay open. `2003 ÷ it` is the time of the 2003 method divided by the time of this \
 method: larger is better. `it ÷ f32` is the time of this method divided by the time of plain f32. For the scene \
 `casters`, CPU times are of recording a frame with one view, and GPU times are compared with the same faces merged into \
-one mesh. The scenes `still`, `city`, `crowd`, `moving` and `big` are measured with all levels of skipping on, with all off, and with each \
+one mesh. The scenes `still`, `city`, `crowd`, `moving` and `big` are measured with all levels of skipping on, with all off, \
+and with each \
 off alone. Ctrl-C ends the run. \
 Report and data then contain the finished rows and say so, and the exit code is 130.";
 

@@ -101,8 +101,9 @@ fn real(element: ElementType, bytes: &[u8]) -> Result<f32, i128> {
     Ok(if element.size == 4 { f32::from_bits(raw as u32) } else { f64::from_bits(raw) as f32 })
 }
 
-/// Reads a depth map, or six, with what they were drawn with; either byte order, either array order. `objects` are read if `with_objects`, and are
-/// needed then if `needs_objects`. What takes more than `memory_limit` bytes is refused before it is read.
+/// Reads a depth map, or six, with what they were drawn with; either byte order, either array order. `objects` are read if
+/// `with_objects`, and are needed then if `needs_objects`. What takes more than `memory_limit` bytes is refused before it is
+/// read.
 pub fn read_depth_map(
     reader: impl Read + Seek,
     memory_limit: u64,

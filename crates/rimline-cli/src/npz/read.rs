@@ -111,7 +111,8 @@ pub(super) struct Budget {
 }
 
 /// Reads `positions` (V,3) float32, and `faces` (F,3) integers; either byte order, either array order. In place of `faces`
-/// there may be `polygon_loops`, `loop_sizes` and `loop_corners`, of one dimension each. What takes more than `memory_limit` bytes, with the mesh that is made of it, is refused before it is read.
+/// there may be `polygon_loops`, `loop_sizes` and `loop_corners`, of one dimension each. What takes more than `memory_limit`
+/// bytes, with the mesh that is made of it, is refused before it is read.
 pub fn read(reader: impl Read + Seek, memory_limit: u64) -> Result<Arrays, NpzError> {
     let mut budget = Budget { limit: memory_limit, used: 0 };
     read_arrays(&mut ZipArchive::new(reader).map_err(NpzError::Archive)?, &mut budget)

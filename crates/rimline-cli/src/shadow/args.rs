@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 use rimline::Counting;
-use rimline::gpu::DepthEdges;
+use rimline::gpu::{DanglingEdges, DepthEdges};
 
 use crate::failure::{Failure, UsageError};
 use crate::help::verbatim;
@@ -66,16 +66,16 @@ pub(crate) enum ReconstructArg {
     Fixed,
     /// Triangles between samples, those at such edges. Exact to a texel, with fewer triangles
     Template,
-    /// Walls over contours that are traced between samples and fitted with segments: fewer triangles and smoother borders. One map a
-    /// light, and --detector differences=T or objects
+    /// Walls over contours that are traced between samples and fitted with segments: fewer triangles and smoother borders. One
+    /// map a light, and --detector differences=T or objects
     Vector,
 }
 
 /// What the pictures with shadows have alike.
 #[derive(Args, Debug)]
 pub(crate) struct ShadowSceneArgs {
-    /// .gltf, .glb, .obj or .npz files, or - for standard input. Each file casts shadows as one body. An .npz contains `positions`
-    /// (V,3) float32 and `faces` (F,3) of any integer type
+    /// .gltf, .glb, .obj or .npz files, or - for standard input. Each file casts shadows as one body. An .npz contains
+    /// `positions` (V,3) float32 and `faces` (F,3) of any integer type
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
 
@@ -178,13 +178,14 @@ pub(crate) struct ShadowArgs {
     #[arg(long, value_name = "PREFIX")]
     pub(crate) mask: Option<PathBuf>,
 
-    /// Search, before anything is drawn, for faces whose shadow lies wholly in the shadow of other faces, and leave them out of the shadow
-    /// volumes, where that spares sides. Shadows stay the same. It pays where a model covers much of others
+    /// Search, before anything is drawn, for faces whose shadow lies wholly in the shadow of other faces, and leave them out of
+    /// the shadow volumes, where that spares sides. Shadows stay the same. It pays where a model covers much of others
     #[arg(long, conflicts_with = "area")]
     pub(crate) hide_covered: bool,
 
-    /// Let each light see the models in a depth map of SIDE × SIDE texels, 3 to 4096, and rebuild the shadows from it, without silhouettes.
-    /// A light among the models has six maps. Borders of shadows are off by up to a texel. For comparison, and to try out depth maps
+    /// Let each light see the models in a depth map of SIDE × SIDE texels, 3 to 4096, and rebuild the shadows from it, without
+    /// silhouettes. A light among the models has six maps. Borders of shadows are off by up to a texel. For comparison, and to
+    /// try out depth maps
     #[arg(
         long,
         value_name = "SIDE",
@@ -196,8 +197,9 @@ pub(crate) struct ShadowArgs {
     )]
     pub(crate) from_depth: Option<u32>,
 
-    /// Let the depth map in this file cast the only shadows: one that any program made, with its projection. The models are lit from where it
-    /// was seen, and receive its shadows. With one --light, which must be there, they have its color and range. docs/formats.md has the arrays
+    /// Let the depth map in this file cast the only shadows: one that any program made, with its projection. The models are lit
+    /// from where it was seen, and receive its shadows. With one --light, which must be there, they have its color and range.
+    /// docs/formats.md has the arrays
     #[arg(
         long,
         value_name = "MAP.npz",
@@ -210,11 +212,11 @@ pub(crate) struct ShadowArgs {
     #[arg(long, value_name = "PREFIX", requires = "from_depth", conflicts_with_all = ["area", "depth"])]
     pub(crate) save_depth: Option<PathBuf>,
 
-    /// With --from-depth or --depth: which edges of a map bound shadows. `every` one; `automatic`: those where depths jump by more than
-    /// slopes beside them tell; those where device depths differ by more than T, 0 to 1; by more than HIGH, or by more than LOW and than
-    /// beside them; those where distances along the map's view differ by more than T; or, with a file that has `objects`, those between
-    /// objects, which --depth takes with all others but `every`, too. What a map casts must then be among the models, at the same place. A
-    /// threshold that is too large turns shadows round in streaks
+    /// With --from-depth or --depth: which edges of a map bound shadows. `every` one; `automatic`: those where depths jump by
+    /// more than slopes beside them tell; those where device depths differ by more than T, 0 to 1; by more than HIGH, or by more
+    /// than LOW and than beside them; those where distances along the map's view differ by more than T; or, with a file that has
+    /// `objects`, those between objects, which --depth takes with all others but `every`, too. What a map casts must then be
+    /// among the models, at the same place. A threshold that is too large turns shadows round in streaks
     #[arg(
         long,
         value_name = "every|automatic|differences=T|second=LOW,HIGH|world=T|objects",
@@ -223,6 +225,18 @@ pub(crate) struct ShadowArgs {
         value_parser = spec::detector,
     )]
     pub(crate) detector: DepthEdges,
+
+    /// With any --detector but `every`: go on where an edge dangles, that is, ends in a cell that has no other. There SHARE of
+    /// the detector's thresholds, 0 to 1, is left, for up to CELLS cells, 1 to 64. Without values: 0.5,8
+    #[arg(
+        long,
+        value_name = "SHARE,CELLS",
+        requires = "depth_maps",
+        num_args = 0..=1,
+        default_missing_value = "0.5,8",
+        value_parser = spec::dangling,
+    )]
+    pub(crate) dangling: Option<DanglingEdges>,
 
     /// With --from-depth or --depth: how the boundary of shadows is rebuilt between the samples of a map
     #[arg(long, value_enum, requires = "depth_maps", default_value_t = ReconstructArg::Template)]
@@ -251,7 +265,7 @@ impl ShadowArgs {
             ReconstructArg::Template => Reconstruction::Template,
             ReconstructArg::Vector => Reconstruction::Vector,
         };
-        Ok(Some(FromDepth::new(source, edges, reconstruction)?))
+        Ok(Some(FromDepth::new(source, (edges, self.dangling), reconstruction)?))
     }
 }
 
@@ -278,17 +292,26 @@ counts of all files together), may_wrap (the number of lights or samples whose c
 the stencil holds: places in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
 file, casting, counting, silhouette_edges, each with one value a sample with --area; casting and counting are the \
 most that any instance in the file needs; with --hide-covered also covered: tried, hidden, undecided, without_room and left_out \
-count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth or --depth also \
-depth_map: size, side (null unless square), maps, reconstruction, cells (those that the boundary of the shadow has triangles in, null with vector) \
-and walls (null but with vector); casting is then depth map, and counting and method are parity), statistics (a list, one for each file, of file, skipped, every_face, \
+count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth or --depth \
+also \
+depth_map: size, side (null unless square), maps, reconstruction, cells (those that the boundary of the shadow has \
+triangles in, null with vector), walls (null but with vector) and overflowed (whether these are more than their list has \
+room for: every cell is drawn then); casting is then depth map, and counting and method are parity), statistics (a list, one \
+for each file, of file, skipped, every_face, \
 capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
 overflowed_caps are null where there are several files), totals (of all files: skipped, every_face and capped count \
-pairs of instance and light, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those left out), milliseconds \
+pairs of instance and light, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those \
+left out), milliseconds \
 (by stage), set_up_milliseconds (opening the device, pipelines, compiling shaders), work_milliseconds (all other \
 stages).";
 
 #[derive(Args, Debug)]
-#[command(help_template = verbatim(FILM_EXAMPLES), after_help = FILM_REMARKS, mut_arg("device", drawing_device), mut_arg("animation", film_animation))]
+#[command(
+    help_template = verbatim(FILM_EXAMPLES),
+    after_help = FILM_REMARKS,
+    mut_arg("device", drawing_device),
+    mut_arg("animation", film_animation),
+)]
 pub(crate) struct FilmArgs {
     #[command(flatten)]
     pub(crate) scene: ShadowSceneArgs,

@@ -76,9 +76,11 @@ impl DepthOverlay {
             let group = resources.factory.group(&self.layout, &bound);
             resources.select(pass, light);
             pass.set_bind_group(2, &group, &[]);
-            for (pipeline, arguments) in self.passes.iter().zip([0, 16]) {
+            for (pipeline, arguments) in self.passes.iter().zip([[0, 32], [16, 48]]) {
                 pass.set_pipeline(pipeline);
-                pass.draw_indirect(&shown.draws, arguments);
+                for at in arguments {
+                    pass.draw_indirect(&shown.draws, at);
+                }
             }
         }
     }

@@ -1,4 +1,5 @@
-//! Shadows from depth maps of the lights: those that the command draws itself, `--from-depth`, or one that the caller made, `--depth`.
+//! Shadows from depth maps of the lights: those that the command draws itself, `--from-depth`, or one that the caller made,
+//! `--depth`.
 
 use std::sync::Arc;
 
@@ -69,7 +70,7 @@ impl DepthShadows {
         let Self { pipelines, from, files, lights: made, .. } = self;
         for (number, light) in lights.iter().enumerate() {
             let cameras = match &from.source {
-                MapSource::Drawn { side } => LightCameras::new(light, &points, *side),
+                MapSource::Drawn { side } => LightCameras::new(light, &points, *side)?,
                 MapSource::Given(map) => map.cameras.clone(),
             };
             if !made.get(number).is_some_and(|maps| maps.fits(&cameras)) {

@@ -1,5 +1,5 @@
-// The boundary of the shadows of a depth map: its triangles as tinted glass, and lines: where what casts ends before nothing, as the light sees it, and some
-// of the rays there.
+// The boundary of the shadows of a depth map: its triangles as tinted glass, and lines: where what casts ends before nothing, as
+// the light sees it, and some of the rays there. Where a list overflowed, every cell is shown, as every cell is drawn.
 
 // A map as the picture's camera sees it.
 struct DepthView {
@@ -20,6 +20,8 @@ struct DepthViews {
   // 1, or the 6 of a cube, which lie three in a row. 0: one, whose list has walls.
   maps: u32,
   is_reversed: u32,
+  // Cells, or walls, that the list has room for.
+  capacity: u32,
   views: array<DepthView, 6>,
 }
 
@@ -60,9 +62,25 @@ struct DepthTriangle {
   corners: array<Sample, 3>,
 }
 
-// Triangle 0 or 1 of a listed cell. Bits 30 and 31 tell which are drawn, bit 29 along which diagonal the cell is split.
-fn triangle(instance: u32, second: u32) -> DepthTriangle {
-  let entry = cells[min(1u + instance, arrayLength(&cells) - 1u)];
+fn overflows() -> bool {
+  return cells[0] > maps.capacity;
+}
+
+// As `sample_key`: larger is farther.
+fn key_of(s: Sample) -> u32 {
+  let bits = bitcast<u32>(s.depth);
+  return select(select(bits, 0x3f800000u - bits, maps.is_reversed != 0u), 0x7fffffffu, s.is_far);
+}
+
+fn key_distance(a: Sample, b: Sample) -> u32 {
+  return max(key_of(a), key_of(b)) - min(key_of(a), key_of(b));
+}
+
+// Triangle 0 or 1 of a listed cell. Bits 30 and 31 tell which are drawn, bit 29 along which diagonal the cell is split. Where the
+// list overflowed, of any cell, unless all of it is far.
+fn triangle(number: u32, second: u32) -> DepthTriangle {
+  let is_of_all = overflows();
+  let entry = select(cells[min(1u + number, arrayLength(&cells) - 1u)], number, is_of_all);
   var rest = entry & 0x1fffffffu;
   var map = 0u;
   var first = vec2<i32>(0);
@@ -76,7 +94,16 @@ fn triangle(instance: u32, second: u32) -> DepthTriangle {
     // Sample (0, 0) is beside the first texel.
     first = vec2<i32>(vec2<u32>(rest % across, rest / across)) - 1;
   }
-  let is_split = (entry & 0x20000000u) != 0u;
+  var is_split = (entry & 0x20000000u) != 0u;
+  var is_drawn = number + 1u < arrayLength(&cells) && (entry & (0x40000000u << second)) != 0u;
+  if (is_of_all) {
+    let a = sample_at(map, first);
+    let b = sample_at(map, first + vec2<i32>(1, 0));
+    let c = sample_at(map, first + vec2<i32>(0, 1));
+    let d = sample_at(map, first + vec2<i32>(1, 1));
+    is_split = key_distance(a, d) > key_distance(b, c);
+    is_drawn = !(a.is_far && b.is_far && c.is_far && d.is_far);
+  }
   var offsets = array<vec2<i32>, 3>(vec2<i32>(0, 0), vec2<i32>(1, 0), vec2<i32>(1, 1));
   if (is_split) {
     offsets[2] = vec2<i32>(0, 1);
@@ -87,8 +114,6 @@ fn triangle(instance: u32, second: u32) -> DepthTriangle {
       offsets[0] = vec2<i32>(1, 0);
     }
   }
-  let is_listed = instance + 1u < arrayLength(&cells);
-  let is_drawn = is_listed && (entry & (0x40000000u << second)) != 0u;
   return DepthTriangle(
     is_drawn,
     array<Sample, 3>(
@@ -97,9 +122,10 @@ fn triangle(instance: u32, second: u32) -> DepthTriangle {
 
 const NOWHERE = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 
-// A corner of a wall or flap: a place in parts of 256 of a texel, with texel (0, 0) at (256, 256), and a distance from the near plane.
-fn wall_clip(instance: u32, corner: u32) -> vec4<f32> {
-  let word = 4u + 12u * instance + 3u * corner;
+// A corner of a wall or flap: a place in parts of 256 of a texel, with texel (0, 0) at (256, 256), and a distance from the near
+// plane.
+fn wall_clip(number: u32, corner: u32) -> vec4<f32> {
+  let word = 4u + 12u * number + 3u * corner;
   let size = vec2<f32>(maps.size);
   let place = (vec2<f32>(vec2<u32>(cells[word], cells[word + 1u])) / 128.0 - 1.0) / size - 1.0;
   let distance = cells[word + 2u];
@@ -112,31 +138,36 @@ fn wall_clip(instance: u32, corner: u32) -> vec4<f32> {
   return view.across * place.x - view.up * place.y + view.depth * device + view.middle;
 }
 
-fn is_wall(instance: u32) -> bool {
-  return maps.maps == 0u && 16u + 12u * instance <= arrayLength(&cells);
+fn is_wall() -> bool {
+  return maps.maps == 0u && !overflows();
 }
 
-@vertex fn depth_volumes_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32)
-  -> @builtin(position) vec4<f32> {
-  if (is_wall(instance)) {
-    return wall_clip(instance, select(vertex, select(0u, vertex - 2u, vertex > 3u), vertex >= 3u));
+@vertex fn depth_volumes_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+  let vertex = index % 6u;
+  if (is_wall()) {
+    return wall_clip(index / 6u, select(vertex, select(0u, vertex - 2u, vertex > 3u), vertex >= 3u));
   }
-  var own = triangle(instance, vertex / 3u);
-  if (!own.is_drawn || maps.maps == 0u) {
+  var own = triangle(index / 6u, vertex / 3u);
+  if (!own.is_drawn) {
     return NOWHERE;
   }
   return sample_clip(own.corners[vertex % 3u]);
 }
 
-// For each triangle a line between its two corners that cast, then a ray, if the third is far.
-@vertex fn depth_edges_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Edge {
-  // The four sides of a wall.
-  if (is_wall(instance)) {
-    return Edge(wall_clip(instance, (vertex / 2u + vertex % 2u) % 4u), 0.4);
-  }
-  var own = triangle(instance, vertex / 4u);
+// For each triangle a line between its two corners that cast, then a ray, if the third is far. A cell has six ends of lines in
+// each of two instances, of which the first eight are taken.
+@vertex fn depth_edges_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> Edge {
+  let vertex = 6u * instance + index % 6u;
   let nothing = Edge(NOWHERE, 0.0);
-  if (!own.is_drawn || maps.maps == 0u) {
+  if (vertex >= 8u) {
+    return nothing;
+  }
+  // The four sides of a wall.
+  if (is_wall()) {
+    return Edge(wall_clip(index / 6u, (vertex / 2u + vertex % 2u) % 4u), 0.4);
+  }
+  var own = triangle(index / 6u, vertex / 4u);
+  if (!own.is_drawn) {
     return nothing;
   }
   var far = 3u;

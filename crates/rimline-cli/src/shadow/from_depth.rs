@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::{DepthEdges, DepthMapOptions, DepthMapReconstruction};
+use rimline::gpu::{DanglingEdges, DepthEdges, DepthMapOptions, DepthMapReconstruction};
 use rimline::{Light, wgpu};
 
 use super::given_map::GivenMap;
@@ -14,11 +14,12 @@ use crate::gpu_error::GpuError;
 /// Floats tell the same part of any distance apart with reversed depth.
 pub(super) const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// What `--from-depth` or `--depth`, and `--detector` ask for.
+/// What `--from-depth` or `--depth`, `--detector` and `--dangling` ask for.
 #[derive(Clone, Debug)]
 pub(crate) struct FromDepth {
     pub(crate) source: MapSource,
     pub(crate) edges: DepthEdges,
+    pub(crate) dangling: Option<DanglingEdges>,
     pub(crate) reconstruction: Reconstruction,
 }
 
@@ -47,14 +48,15 @@ pub(crate) enum MapSource {
 }
 
 impl FromDepth {
-    /// Refuses what has no sensible result: six maps around a light have so near a near plane that all device depths are much the same.
+    /// Refuses what has no sensible result: six maps around a light have so near a near plane that all device depths are much the
+    /// same.
     pub(crate) fn check(&self, lights: &[Light], bodies: &[PosedModel<'_>]) -> Result<(), UsageError> {
         let MapSource::Drawn { side } = self.source else { return Ok(()) };
         if !matches!(self.edges, DepthEdges::Differences { .. } | DepthEdges::SecondDifferences { .. }) {
             return Ok(());
         }
         let points = points(bodies);
-        let is_cube = |light: &Light| matches!(LightCameras::new(light, &points, side), LightCameras::Cube(_));
+        let is_cube = |light: &Light| !matches!(LightCameras::new(light, &points, side), Ok(LightCameras::One(_)));
         match (lights.iter().position(is_cube), self.reconstruction) {
             (None, _) => Ok(()),
             (Some(light), Reconstruction::Fixed | Reconstruction::Template) => {
@@ -64,22 +66,26 @@ impl FromDepth {
         }
     }
 
-    /// Refuses detectors that contours are not traced with.
+    /// Refuses detectors that contours are not traced with, and edges that are continued where none can be.
     pub(crate) fn new(
         source: MapSource,
-        edges: DepthEdges,
+        (edges, dangling): (DepthEdges, Option<DanglingEdges>),
         reconstruction: Reconstruction,
     ) -> Result<Self, UsageError> {
         let is_traced = matches!(edges, DepthEdges::Differences { .. } | DepthEdges::Outlines);
         if reconstruction == Reconstruction::Vector && !is_traced {
             return Err(UsageError::VectorDetector);
         }
-        Ok(Self { source, edges, reconstruction })
+        if dangling.is_some() && (edges == DepthEdges::EveryCell || reconstruction == Reconstruction::Vector) {
+            return Err(UsageError::Dangling);
+        }
+        Ok(Self { source, edges, dangling, reconstruction })
     }
 
     /// What maps are rebuilt with.
     pub(super) fn options(&self) -> DepthMapOptions {
-        let mut options = DepthMapOptions { edges: self.edges, ..DepthMapOptions::default() };
+        let (edges, dangling) = (self.edges, self.dangling);
+        let mut options = DepthMapOptions { edges, dangling, ..DepthMapOptions::default() };
         if let MapSource::Given(map) = &self.source {
             options.objects = map.has_objects();
             options.rounded_to = map.rounded_to;
@@ -137,6 +143,14 @@ pub(crate) struct DepthFound {
     pub(crate) maps: usize,
     /// Cells with a triangle in the boundary of its shadow, or walls.
     pub(crate) listed: u32,
+    /// Those that the list has room for. With more listed, every cell is drawn.
+    pub(crate) capacity: u32,
+}
+
+impl DepthFound {
+    pub(super) fn is_overflowed(self) -> bool {
+        self.listed > self.capacity
+    }
 }
 
 /// What was found in the maps of all lights.

@@ -7,7 +7,8 @@ use rimline::gpu::{DepthMapCubeError, DepthMapEncodeError, DepthMapVolumesError}
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum GivenMapError {
     #[error(
-        "`view_projection` of map {map}: {error}; its rows make clip space of positions less `origin`, and depth is as `reversed` says"
+        "`view_projection` of map {map}: {error}; its rows make clip space of positions less `origin`, and depth is as \
+         `reversed` says"
     )]
     Camera { map: usize, error: CameraError },
     #[error("six maps are square, and these have {}×{} texels", .0[0], .0[1])]

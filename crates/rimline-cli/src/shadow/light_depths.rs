@@ -93,7 +93,7 @@ impl LightMaps {
             // The caller asks `fits`.
             _ => return Err(DepthMapDrawError::StaleFrame.into()),
         };
-        self.shown.encode(gpu, encoder, (cameras, size), eye, self.cells());
+        self.shown.encode(gpu, encoder, (cameras, size), eye, (frame.draw_arguments(), self.capacity()));
         self.cameras = cameras.clone();
         self.frame = Some(frame);
         Ok(())
@@ -102,7 +102,8 @@ impl LightMaps {
     /// What was found. Waits for the device.
     pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthFound, ReadError> {
         let list: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, self.cells())?;
-        Ok(DepthFound { maps: self.views.len(), listed: list.first().copied().unwrap_or(0) })
+        let listed = list.first().copied().unwrap_or(0);
+        Ok(DepthFound { maps: self.views.len(), listed, capacity: self.capacity() })
     }
 
     /// What an overlay shows of them.
@@ -112,6 +113,13 @@ impl LightMaps {
             Maps::Cube(cube) => cube.texture(),
         };
         Some(ShownDepths { shown: &self.shown, cells: self.cells(), texture })
+    }
+
+    fn capacity(&self) -> u32 {
+        match &self.maps {
+            Maps::One(volumes) => volumes.capacity(),
+            Maps::Cube(cube) => cube.capacity(),
+        }
     }
 
     fn cells(&self) -> &wgpu::Buffer {

@@ -1,7 +1,7 @@
 //! The cameras of a light's depth map: one that sees all casters, or six around the light.
 
 use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3};
-use rimline::gpu::DepthMapCube;
+use rimline::gpu::{DepthMapCube, DepthMapCubeError};
 use rimline::{DepthDirection, Light, ShadowCamera};
 
 /// How a light sees the casters.
@@ -21,7 +21,7 @@ const MARGIN: f64 = 1.02;
 
 impl LightCameras {
     /// Sees `points`, of which there is at least one, with a map of `side` texels or six.
-    pub(super) fn new(light: &Light, points: &[[f32; 3]], side: u32) -> Self {
+    pub(super) fn new(light: &Light, points: &[[f32; 3]], side: u32) -> Result<Self, DepthMapCubeError> {
         let points = || points.iter().map(|&point| Vec3::from(point).as_dvec3());
         let (low, high) = points()
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), point| (low.min(point), high.max(point)));
@@ -53,7 +53,7 @@ impl LightCameras {
                 (DVec4::W * far - forward.extend(0.0)) / (far - near),
                 DVec4::W,
             ];
-            return Self::One(camera(rows, centre));
+            return Ok(Self::One(camera(rows, centre)));
         }
         let near = near + distance;
         let tangents = seen().map(|p| p.abs() / (p.z + distance)).fold(DVec3::ZERO, DVec3::max) * MARGIN;
@@ -68,7 +68,7 @@ impl LightCameras {
             (DVec4::W * far - forward.extend(0.0)) * scale,
             forward.extend(distance),
         ];
-        Self::One(camera(rows, centre))
+        Ok(Self::One(camera(rows, centre)))
     }
 
     /// The cameras of the maps.
@@ -96,10 +96,11 @@ impl LightCameras {
         Light::point((place + Vec3::from(camera.origin).as_dvec3()).as_vec3().into())
     }
 
-    fn around(centre: Vec3, place: DVec3, extent: f64, side: u32) -> Self {
+    fn around(centre: Vec3, place: DVec3, extent: f64, side: u32) -> Result<Self, DepthMapCubeError> {
         let near = (1e-4 * extent).max(f64::from(f32::MIN_POSITIVE)) as f32;
         let place = (centre.as_dvec3() + place).as_vec3().to_array();
-        Self::Cube(Box::new(DepthMapCube::cameras(place, near, None, DepthDirection::Reversed, side)))
+        let cameras = DepthMapCube::cameras(place, near, None, DepthDirection::Reversed, side)?;
+        Ok(Self::Cube(Box::new(cameras)))
     }
 }
 
@@ -133,7 +134,7 @@ mod tests {
             Light::directional([0.3, 1.0, -2.0]),
             Light::directional([0.0, -1.0, 0.0]),
         ] {
-            let cameras = LightCameras::new(&light, &points, 64);
+            let cameras = LightCameras::new(&light, &points, 64).unwrap();
             let found = cameras.light();
             let unit = |light: &Light| {
                 Vec3::from(light.xyz) / if light.w == 0.0 { Vec3::from(light.xyz).length() } else { 1.0 }
@@ -168,7 +169,7 @@ mod tests {
             Light::directional([0.3, 1.0, -2.0]),
             Light::homogeneous([1.0, 2.0, 3.0, 1e-42]),
         ] {
-            let LightCameras::One(camera) = LightCameras::new(&light, &points, 64) else {
+            let Ok(LightCameras::One(camera)) = LightCameras::new(&light, &points, 64) else {
                 panic!("{light:?} has a cube");
             };
             assert!(sees(&camera, &points), "{light:?}");
@@ -177,7 +178,7 @@ mod tests {
         // Flat, and seen edge-on.
         let flat: Vec<_> = points.iter().map(|&[x, _, z]| [x, 0.0, z]).collect();
         for light in [Light::point([20.0, 0.0, 0.0]), Light::directional([1.0, 0.0, 0.0])] {
-            let LightCameras::One(camera) = LightCameras::new(&light, &flat, 64) else {
+            let Ok(LightCameras::One(camera)) = LightCameras::new(&light, &flat, 64) else {
                 panic!("{light:?} has a cube")
             };
             assert!(sees(&camera, &flat), "{light:?}");
@@ -189,7 +190,7 @@ mod tests {
         let points = corners(1.0, [0.0; 3]);
         for place in [[0.0; 3], [0.5, 0.9, 0.0], [0.0, 1.2, 0.0]] {
             let cameras = LightCameras::new(&Light::point(place), &points, 64);
-            assert!(matches!(cameras, LightCameras::Cube(_)), "{place:?}");
+            assert!(matches!(cameras, Ok(LightCameras::Cube(_))), "{place:?}");
         }
     }
 }

@@ -136,6 +136,7 @@ impl Report {
                     |value: fn(DepthFound) -> Value| per_sample(of.clone().filter_map(of_sample).map(value).collect());
                 let side = (size[0] == size[1]).then_some(size[0]);
                 let (maps, listed) = (each(|found| found.maps.into()), each(|found| found.listed.into()));
+                let overflowed = each(|found| found.is_overflowed().into());
                 let (name, cells, walls) = match reconstruction {
                     Reconstruction::Fixed => ("fixed", listed, Value::Null),
                     Reconstruction::Template => ("template", listed, Value::Null),
@@ -143,6 +144,7 @@ impl Report {
                 };
                 of_light["depth_map"] = json!({
                     "size": size, "side": side, "maps": maps, "reconstruction": name, "cells": cells, "walls": walls,
+                    "overflowed": overflowed,
                 });
             }
             of_light
@@ -231,14 +233,20 @@ impl Report {
             Some(Reconstruction::Vector) => "walls and flaps of",
             _ => "cells with",
         };
-        for (light, DepthFound { maps, listed }) in self.depth.iter().flat_map(|found| &found.lights).enumerate() {
-            let maps = if *maps == 1 { "one map".to_owned() } else { format!("{maps} maps") };
-            line("depth map", &format!("light {light}: {maps}, {listed} {what} a border of the shadow"));
+        for (light, found) in self.depth.iter().flat_map(|found| &found.lights).enumerate() {
+            let DepthFound { maps, listed, capacity } = *found;
+            let maps = if maps == 1 { "one map".to_owned() } else { format!("{maps} maps") };
+            let mut value = format!("light {light}: {maps}, {listed} {what} a border of the shadow");
+            if found.is_overflowed() {
+                let _ = write!(value, "; their list has room for {capacity}, so every cell is drawn");
+            }
+            line("depth map", &value);
         }
         for covered in self.covered.iter().flatten() {
             let HiddenStatistics { tried, hidden, left_out, sides, sides_left, .. } = covered;
             let value = format!(
-                "{hidden} of {tried} faces are hidden from the light, {left_out} left out; sides {sides} before, {sides_left} after"
+                "{hidden} of {tried} faces are hidden from the light, {left_out} left out; sides {sides} before, {sides_left} \
+                 after"
             );
             line("covered", &value);
         }

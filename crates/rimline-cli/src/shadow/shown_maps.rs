@@ -7,8 +7,9 @@ use super::from_depth::Reconstruction;
 use super::light_maps::LightCameras;
 use crate::device::Gpu;
 
-/// Vertices of a cell: two triangles, and two lines for each of them.
-const VERTICES: [u32; 2] = [6, 8];
+/// Instances of the draws of triangles and of lines. A cell has six vertices in each: two triangles, and of the twelve ends of
+/// lines eight, two lines for each triangle.
+const INSTANCES: [u32; 2] = [1, 2];
 
 /// As in `depth_volumes.wgsl`.
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
@@ -29,13 +30,15 @@ struct DepthViews {
     size: [u32; 2],
     maps: u32,
     is_reversed: u32,
+    capacity: u32,
+    unused: [u32; 3],
     views: [DepthView; 6],
 }
 
 /// What is shown of a light's maps.
 pub(super) struct ShownMaps {
     pub(super) views: wgpu::Buffer,
-    /// Arguments of the draws of triangles and of lines.
+    /// Arguments of the draws of triangles and of lines: of what is listed, then of every cell where a list of walls overflowed.
     pub(super) draws: wgpu::Buffer,
     reconstruction: Reconstruction,
 }
@@ -50,21 +53,21 @@ impl ShownMaps {
                 mapped_at_creation: false,
             })
         };
-        let draws = buffer("draws of shown depth maps", 32, wgpu::BufferUsages::INDIRECT);
-        let [triangles, lines] = VERTICES;
-        gpu.queue.write_buffer(&draws, 0, bytemuck::cast_slice(&[triangles, 0, 0, 0, lines, 0, 0, 0]));
+        let draws = buffer("draws of shown depth maps", 64, wgpu::BufferUsages::INDIRECT);
+        let of_each = INSTANCES.map(|instances| [0, instances, 0, 0]);
+        gpu.queue.write_buffer(&draws, 0, bytemuck::cast_slice(&[of_each, of_each]));
         let views = buffer("shown depth maps", size_of::<DepthViews>(), wgpu::BufferUsages::UNIFORM);
         Self { views, draws, reconstruction }
     }
 
-    /// Takes the maps as the eye sees them, and as many cells as `cells` lists once its commands are done.
+    /// Takes the maps as the eye sees them, and what `arguments` of the draws say once the commands are done.
     pub(super) fn encode(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         (cameras, size): (&LightCameras, [u32; 2]),
         eye: &ShadowCamera,
-        cells: &wgpu::Buffer,
+        (arguments, capacity): (&wgpu::Buffer, u32),
     ) {
         let all = cameras.all();
         let mut views = [DepthView::default(); 6];
@@ -76,16 +79,21 @@ impl ShownMaps {
         }
         let is_reversed = u32::from(all.first().is_some_and(|camera| camera.depth == DepthDirection::Reversed));
         // No maps: the list is one of walls.
-        let maps = if self.reconstruction == Reconstruction::Vector { 0 } else { all.len() as u32 };
-        let views = DepthViews { size, maps, is_reversed, views };
+        let has_walls = self.reconstruction == Reconstruction::Vector;
+        let maps = if has_walls { 0 } else { all.len() as u32 };
+        let views = DepthViews { size, maps, is_reversed, capacity, unused: [0; 3], views };
         gpu.queue.write_buffer(&self.views, 0, bytemuck::bytes_of(&views));
         for draw in [0, 16] {
-            encoder.copy_buffer_to_buffer(cells, 0, &self.draws, draw + 4, 4);
+            encoder.copy_buffer_to_buffer(arguments, 0, &self.draws, draw, 4);
+            if has_walls {
+                encoder.copy_buffer_to_buffer(arguments, 16, &self.draws, 32 + draw, 4);
+            }
         }
     }
 }
 
-/// A map's coordinates in an eye's clip space. `place` is where the map is seen from, if not from infinity; then the rays run `away`.
+/// A map's coordinates in an eye's clip space. `place` is where the map is seen from, if not from infinity; then the rays run
+/// `away`.
 fn depth_view(camera: &ShadowCamera, eye: &ShadowCamera, place: Option<DVec3>, away: DVec3) -> DepthView {
     let matrix = |camera: &ShadowCamera| Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
     let [origin, eye_origin] = [camera, eye].map(|camera| Vec3::from(camera.origin).as_dvec3());

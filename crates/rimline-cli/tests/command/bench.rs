@@ -224,7 +224,8 @@ fn check_report(folder: &Path) -> Result<String, String> {
 fn report() -> Outcome {
     let folder = folder();
     let (report, json) = (folder.path().join("a/report"), folder.path().join("data.json"));
-    let line = "bench --quick --meshes 1024,2048 --scenes translation-1e6,plate-third --scene-faces 600 --lights 1,8 --rounds 2 --frames 2";
+    let line = "bench --quick --meshes 1024,2048 --scenes translation-1e6,plate-third --scene-faces 600 --lights 1,8 \
+                --rounds 2 --frames 2";
     let places = ["--report".as_ref(), report.as_os_str(), "--json".as_ref(), json.as_os_str()];
     let run = rimline(line.split(' ').map(AsRef::as_ref).chain(places));
     run.expect(0, &["12/12"])?;

@@ -200,7 +200,8 @@ fn non_finite() -> Outcome {
 fn displaced() -> Outcome {
     let folder = folder();
     let wgsl = folder.path().join("shift.wgsl");
-    let source = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {\n  return position + vec3<f32>(time, f32(vertex), 0.0);\n}\n";
+    let source = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {\n  \
+                  return position + vec3<f32>(time, f32(vertex), 0.0);\n}\n";
     std::fs::write(&wgsl, source).map_err(|error| error.to_string())?;
     let path = wgsl.to_string_lossy().into_owned();
     let options: &[&str] = &["--device", "gpu", "--displace", &path, "--time", "2"];

@@ -40,8 +40,8 @@ fn left_out() -> Outcome {
         ensure!(with == without, "light {light}: the masks differ");
         ensure!([0, 255].iter().all(|value| with.contains(value)), "light {light}: all alike");
     }
-    // Under the point all of the ball is covered, and its outline spared. From the side the ring covers a bit of itself, and there
-    // is nothing to spare.
+    // Under the point all of the ball is covered, and its outline spared. From the side the ring covers a bit of itself, and
+    // there is nothing to spare.
     let number = |light: usize, key: &str| without["lights"][light]["covered"][key].as_u64().unwrap_or(u64::MAX);
     let (sphere, ball) = (shapes::sphere(4).faces.len() as u64, &with["lights"][0]["casters"][0]);
     ensure!(number(0, "left_out") == sphere && number(0, "hidden") == sphere, "{without:#}");

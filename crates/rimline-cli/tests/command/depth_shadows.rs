@@ -108,6 +108,8 @@ fn modes() -> Outcome {
         ("black", "automatic"),
         ("black", "second=0.0005,0.05"),
         ("black", "differences=0.0005 --reconstruct fixed"),
+        ("black", "second=0.0005,0.05 --dangling"),
+        ("black", "automatic --dangling 0.25,4"),
     ] {
         let draw = |name: &str, options: &str| {
             let line =
@@ -131,9 +133,21 @@ fn modes() -> Outcome {
     };
     let (halves, wholes) = (shown("template")?, shown("fixed")?);
     ensure!(halves.0 == wholes.0 && halves.1 != wholes.1, "{} and {} cells", halves.0, wholes.0);
+    // Edges that dangle go on, the farther, the more cells.
+    let continued = |dangling: &str| {
+        let map = "--from-depth 128 --detector second=0.02,0.3";
+        let line = format!("shadow @ball.npz @ring.npz {VIEW} {lights} {map} {dangling} --mask @d --json");
+        let found = run(folder.path(), &line).json()?;
+        found["lights"][0]["depth_map"]["cells"].as_u64().ok_or(format!("{found:#}"))
+    };
+    let cells =
+        [continued("")?, continued("--dangling 0.5,1")?, continued("--dangling")?, continued("--dangling 0,64")?];
+    ensure!(cells[0] < cells[1] && cells[1] < cells[2] && cells[2] < cells[3], "{cells:?} cells");
+    ensure!(cells[2] == continued("--dangling 0.5,8")?, "--dangling is not 0.5,8");
     // Samples of an area have maps of their own.
     let line = format!(
-        "shadow @ball.npz {VIEW} --light point:6,12,3 --area disc:0.5 --samples 3 --from-depth 64 --one-pattern --out @s.png --json"
+        "shadow @ball.npz {VIEW} --light point:6,12,3 --area disc:0.5 --samples 3 --from-depth 64 --one-pattern --out @s.png \
+         --json"
     );
     let found = run(folder.path(), &line).json()?;
     let cells = &found["lights"][0]["depth_map"]["cells"];
@@ -227,6 +241,13 @@ fn wrong_options() -> Outcome {
         ("--from-depth --detector second=0.1,0.05", "lower threshold first, not 0.1,0.05"),
         ("--from-depth --detector second=0.1,2", "0 to 1, not 2"),
         ("--from-depth --reconstruct vector --detector automatic", "--detector differences=T"),
+        ("--dangling", "--from-depth"),
+        ("--from-depth --dangling", "add --detector automatic"),
+        ("--from-depth --detector differences=0.1 --reconstruct vector --dangling", "no --reconstruct vector"),
+        ("--from-depth --detector automatic --dangling 1.5,8", "SHARE,CELLS"),
+        ("--from-depth --detector automatic --dangling 0.5,65", "1 to 64 whole cells"),
+        ("--from-depth --detector automatic --dangling 0.5,2.5", "1 to 64 whole cells"),
+        ("--from-depth --detector automatic --dangling 0.5", "0.5"),
     ] {
         run(folder.path(), &format!("shadow @ball.npz {options} --out @p.png")).expect(2, &[part])?;
         ensure!(!folder.path().join("p.png").exists(), "{options}: a picture");

@@ -12,6 +12,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("given_depth::other_types_and_orders_are_the_same_map", types),
     ("given_depth::a_map_casts_and_the_models_do_not", casts_alone),
     ("given_depth::objects_bound_shadows", objects),
+    ("given_depth::walls_without_room_are_told_and_shown_as_every_cell", overflow),
     ("given_depth::lights_that_are_not_the_maps_end_with_2", wrong_lights),
 ];
 
@@ -204,6 +205,42 @@ fn objects() -> Outcome {
     ensure!(cells(&both) > cells(&steps) + 20, "{} and {}", cells(&both), cells(&steps));
     let (all, given) = draw("--depth @objects.npz", "given")?;
     ensure!(given == own && cells(&all) == cells(&every), "with every edge objects make a difference");
+    Ok(())
+}
+
+/// A map of lone texels has more walls than their list has room for. Every cell is drawn then, and shown.
+fn overflow() -> Outcome {
+    const SIDE: usize = 64;
+    let folder = models()?;
+    save(&folder, LIGHT, SIDE as u32)?;
+    let mut entries = entries(&folder)?;
+    let depths = floats(data(&entries[0], "<f4", &format!("({SIDE}, {SIDE})"))?);
+    let middle = depths.iter().copied().fold(0.0, f32::max);
+    let lone = |at: usize| if (at % SIDE + at / SIDE).is_multiple_of(2) { middle } else { 0.0 };
+    let lone: Vec<u8> = (0..SIDE * SIDE).flat_map(|at| lone(at).to_le_bytes()).collect();
+    entries[0] = array("depth", "<f4", "False", &format!("({SIDE}, {SIDE})"), &lone);
+    put(&folder, "lone.npz", write_zip(&entries))?;
+    let draw = |map: &str, options: &str, name: &str| {
+        let options = format!("--depth @{map}.npz --detector differences=0.01 {options}");
+        let line = format!("shadow @ball.npz @ring.npz {VIEW} {options} --volumes --out @{name}.png");
+        let text = run(folder.path(), &line);
+        text.expect(0, &[])?;
+        let json = run(folder.path(), &format!("{line} --json")).json()?;
+        Ok::<_, String>((text.stdout, json, Image::read(&folder.path().join(format!("{name}.png")))?.bytes))
+    };
+    let (text, walls, shown) = draw("lone", "--reconstruct vector", "walls")?;
+    let of = |json: &serde_json::Value| json["lights"][0]["depth_map"].clone();
+    ensure!(of(&walls)["overflowed"] == true, "{walls:#}");
+    ensure!(of(&walls)["walls"].as_u64().is_some_and(|walls| walls > 4225 / 4), "{walls:#}");
+    ensure!(text.contains("their list has room for 1056, so every cell is drawn"), "{text}");
+    let (text, cells, expected) = draw("lone", "", "cells")?;
+    ensure!(of(&cells)["overflowed"] == false && !text.contains("has room for"), "{cells:#} {text}");
+    ensure!(shown == expected, "{} bytes differ from every cell's", apart(&shown, &expected));
+    // Negative control: a list that has room is shown as walls.
+    let (text, walls, shown) = draw("map.0", "--reconstruct vector", "walls")?;
+    ensure!(of(&walls)["overflowed"] == false && !text.contains("has room for"), "{walls:#} {text}");
+    let (_, _, expected) = draw("map.0", "", "cells")?;
+    ensure!(apart(&shown, &expected) > 500, "walls are shown as cells");
     Ok(())
 }
 

@@ -131,7 +131,8 @@ fn bench_negative() -> Outcome {
     let counters = json!([{ "counter": "faces", "count": 12 }]);
     let variant = json!({
         "variant": "all-off", "parts": [{ "part": "compute", "ms": summary, "ratio": null }],
-        "parts_of_frame": summary, "stages": [{ "stage": "facing", "ms": summary }], "counters": counters, "fragments": null, "fragments_ratio": 1.5,
+        "parts_of_frame": summary, "stages": [{ "stage": "facing", "ms": summary }], "counters": counters, "fragments": null,
+        "fragments_ratio": 1.5,
     });
     let row_of_skipping = json!({
         "scene": "city", "view": "oblique", "casters": 1, "faces": 12, "lights": 1, "pairs_in_range": 0, "variants": [variant],

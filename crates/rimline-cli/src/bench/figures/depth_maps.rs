@@ -17,7 +17,8 @@ pub(in super::super) fn depth_maps(results: &DepthMapResults) -> Section {
     Section {
         title: "Depth maps against meshes".to_owned(),
         lead: format!(
-            "A sphere over a ground, picture and map of {size} × {size}, by `cargo bench --bench depth_maps -- casters` on {device}: \
+            "A sphere over a ground, picture and map of {size} × {size}, by `cargo bench --bench depth_maps -- casters` on \
+             {device}: \
              shadows by the volumes of the mesh, by volumes rebuilt from a depth map, and by a lookup in that map."
         ),
         figures: vec![against_meshes(results)],

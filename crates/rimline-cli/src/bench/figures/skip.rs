@@ -36,7 +36,8 @@ pub(in super::super) fn skipping(results: &SkipResults) -> Section {
             "Each scene with all levels of skipping off, with all on, and with each level off while the others are on, \
              {size} × {size} pixels. All choices ran in turn, round by round. In the scene still nothing moves among \
              figures of 4,000 faces. In the city a sun lights buildings of 12 to 92 faces, and the eye is in a street. In the \
-             crowd skinned figures walk, and each of the lamps reaches few of them; the eye is above them, and within. The ground receives and does not cast. Depths are \
+             crowd skinned figures walk, and each of the lamps reaches few of them; the eye is above them, and within. The \
+             ground receives and does not cast. Depths are \
              drawn in whole frames alone, so the times of stages are those of frames that know no receivers."
         ),
         figures: vec![work(results), frames(results), stages(results), counters(results)],

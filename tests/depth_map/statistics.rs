@@ -1,0 +1,162 @@
+//! What the GPU found, as it is copied for those who read it: lists that overflow, and near caps that are left out.
+
+use rimline::gpu::{
+    DepthEdges, DepthMap, DepthMapCaster, DepthMapCasterCounts, DepthMapDrawError, DepthMapFrame, DepthMapNearCap,
+    DepthMapOptions, DepthMapPipelines, DepthMapReconstruction, DepthMapStatistics, DepthMapVolumes, ShadowFormat,
+};
+use rimline::reference::cpu::depth_cells;
+use rimline::{DepthDirection, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::same;
+use wgpu::TextureFormat;
+
+use crate::casters::lone;
+use crate::maps::{Map, maps};
+use crate::stages::{camera, direction};
+use crate::textures::{depth_view, texture};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("statistics_tell_of_lists_that_overflow", lists),
+    ("statistics_tell_of_walls_that_overflow", walls),
+    ("statistics_of_casters_are_in_the_order_of_draws", casters),
+];
+
+/// The statistics of an encode, and the arguments of its draws.
+fn encoded(
+    gpu: &Gpu,
+    volumes: &mut DepthMapVolumes,
+    (map, light): (&Map, ShadowCamera),
+    eye: &ShadowCamera,
+) -> Result<(DepthMapFrame, DepthMapStatistics, Vec<u32>), String> {
+    let texture = depth_view(&texture(gpu, map.size, TextureFormat::R32Float, &map.depths)?);
+    let (frame, buffer) = gpu.submit(|encoder| {
+        let frame = volumes.encode(encoder, &DepthMap { texture: &texture, light }, eye, None).map_err(text)?;
+        let buffer = frame.statistics(encoder).map_err(text)?;
+        Ok((frame, buffer))
+    })?;
+    let statistics: Vec<DepthMapStatistics> = gpu.read(&buffer, 1)?;
+    let arguments = gpu.read(frame.draw_arguments(), usize::MAX)?;
+    Ok((frame, statistics[0], arguments))
+}
+
+/// The vertices of a near cap, as they are drawn.
+fn vertices(gpu: &Gpu, cap: &DepthMapNearCap) -> Result<u32, String> {
+    Ok(match cap {
+        DepthMapNearCap::Lit => 0,
+        DepthMapNearCap::Told(draw) => gpu.read::<u32>(draw, 1)?[0],
+        DepthMapNearCap::Drawn => 3,
+    })
+}
+
+fn lists() -> Result<(), String> {
+    const SEED: u64 = 1701;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let mut random = Random::new(SEED);
+    let (mut overflowed, mut caps) = ([0; 2], [0; 3]);
+    for map in maps(&mut random) {
+        for capacity in [None, Some(random.below(30) as u32)] {
+            let skip_near_caps = random.below(3) > 0;
+            let options = DepthMapOptions { capacity, skip_near_caps, ..Default::default() };
+            let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
+            let light = camera(direction(&map));
+            // An eye beside the light, and one where it looks at.
+            let mut eye = camera(DepthDirection::Reversed);
+            eye.origin[1] += [8.0, -1.0][random.below(2)];
+            let (frame, found, arguments) = encoded(&gpu, &mut volumes, (&map, light), &eye)?;
+            let shape = map.shape(-1.0, capacity.unwrap_or(u32::MAX));
+            let count = depth_cells(&shape, &map.depths).count;
+            let near_cap_vertices = vertices(&gpu, frame.near_cap())?;
+            let expected = DepthMapStatistics { found: count, capacity: shape.capacity, near_cap_vertices, unused: 0 };
+            same("statistics", &[found], &[expected])?;
+            same("capacity", &[volumes.capacity()], &[shape.capacity])?;
+            let is_overflowed = count > shape.capacity;
+            same("overflow", &[found.is_overflowed()], &[is_overflowed])?;
+            let cells = if is_overflowed { shape.cells } else { count };
+            same("arguments", &arguments, &[6 * cells, 1, 0, 0])?;
+            overflowed[usize::from(is_overflowed)] += 1;
+            caps[(near_cap_vertices / 3) as usize + usize::from(*frame.near_cap() == DepthMapNearCap::Drawn)] += 1;
+            // Negative control: one more cell.
+            let other = DepthMapStatistics { found: count + 1, ..expected };
+            if same("statistics", &[found], &[other]).is_ok() {
+                return Err("another count is the same".to_owned());
+            }
+        }
+    }
+    println!("{overflowed:?} lists with room and without, near caps left out, told and drawn: {caps:?}");
+    if overflowed.iter().chain(&caps).any(|&count| count < 5) { Err("too few of a kind".to_owned()) } else { Ok(()) }
+}
+
+/// Lone texels: each cell has an end of a contour.
+fn walls() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let map = Map::new([24, 24], true, |texel| if (texel % 24 + texel / 24) % 2 == 0 { 0.5 } else { 0.0 });
+    let light = camera(DepthDirection::Reversed);
+    let reconstruction = DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.01 };
+    let of = |capacity| {
+        let options = DepthMapOptions { edges: DepthEdges::Outlines, reconstruction, capacity, ..Default::default() };
+        let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
+        let (_, found, arguments) = encoded(&gpu, &mut volumes, (&map, light), &light)?;
+        same("capacity", &[found.capacity], &[volumes.capacity()])?;
+        Ok::<_, String>((found, arguments))
+    };
+    let (all, arguments) = of(Some(1 << 16))?;
+    same("walls", &arguments, &[6 * all.found, 1, 0, 0, 0, 1, 0, 0])?;
+    let (exact, arguments) = of(Some(all.found))?;
+    same("just enough", &arguments, &[6 * all.found, 1, 0, 0, 0, 1, 0, 0])?;
+    let (few, arguments) = of(Some(all.found - 1))?;
+    same("too few", &arguments, &[0, 1, 0, 0, 6 * 25 * 25, 1, 0, 0])?;
+    let told = [all, exact, few].map(|found| (found.found, found.is_overflowed()));
+    same("told", &told, &[(all.found, false), (all.found, false), (all.found, true)])?;
+    if all.found > 1000 { Ok(()) } else { Err(format!("{} walls", all.found)) }
+}
+
+fn casters() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (mut world, towards, away) = lone(gpu)?;
+    let own = world.casts[0].caster.clone();
+    // Two more maps of the light: one whose list has no room, and one whose cells are not kept.
+    for (capacity, version) in [(Some(3), Some(1)), (None, None)] {
+        let options = DepthMapOptions { capacity, slope_bias: 0.0, ..Default::default() };
+        let volumes = DepthMapVolumes::new(&world.pipelines[0], crate::casters::SIZE, options).map_err(text)?;
+        world.casters[0].insert(volumes, DepthMapCaster { version, ..own.clone() }).map_err(text)?;
+    }
+    let cameras = [away.eye, towards.eye, own.camera];
+    let mut encode = || {
+        let (scene, casters) = (&mut world.scene, &mut world.casters[0]);
+        let (frame, buffer) = gpu.submit(|encoder| {
+            let frame = scene.encode(encoder, &cameras, None).map_err(text)?;
+            let frame = casters.encode(encoder, &frame, &cameras, None).map_err(text)?;
+            let buffer = frame.statistics(encoder).map_err(text)?;
+            Ok((frame, buffer))
+        })?;
+        let buffer = buffer.ok_or("nothing is drawn")?;
+        Ok::<_, String>((frame, gpu.read::<DepthMapStatistics>(&buffer, usize::MAX)?))
+    };
+    let (first, found) = encode()?;
+    let (second, again) = encode()?;
+    same("again", &found, &again)?;
+    let counts = second.counts();
+    let of_caps = counts.near_caps_lit + counts.near_caps_told;
+    let expected = DepthMapCasterCounts { encoded: 1, kept: 2, draws: 6, ..counts };
+    same("counts", &[counts], &[expected])?;
+    let drawn: Vec<_> = first.drawn().collect();
+    same("views", &drawn.iter().map(|(_, view)| *view).collect::<Vec<_>>(), &[1, 2, 1, 2, 1, 2])?;
+    let is_of_each = drawn[0].0 == drawn[1].0 && drawn[2].0 == drawn[3].0 && drawn[0].0 != drawn[2].0;
+    let cells = found[0].found;
+    same("cells", &found.iter().map(|found| found.found).collect::<Vec<_>>(), &[cells; 6])?;
+    let overflowed: Vec<_> = found.iter().map(DepthMapStatistics::is_overflowed).collect();
+    same("overflowed", &overflowed, &[false, false, true, true, false, false])?;
+    println!("{cells} cells, {of_caps} near caps are lit or told, {counts:?}");
+    if !is_of_each || cells < 10 || drawn[0].0 != world.casts[0].handles[0] || of_caps == 0 {
+        return Err(format!("{drawn:?}, {found:?}"));
+    }
+    // The map without a version is overwritten.
+    let stale = gpu.submit(|encoder| Ok(first.statistics(encoder).map(drop)))?;
+    same("stale", &[stale], &[Err(DepthMapDrawError::StaleFrame.into())])
+}
