@@ -9,11 +9,13 @@ mod contours;
 mod counting;
 mod cube;
 mod detectors;
+mod distances;
 mod extremes;
 mod lookup;
 mod maps;
 mod merge;
 mod mesh_depth;
+mod metric;
 mod near;
 mod parity;
 mod picture;
@@ -21,6 +23,7 @@ mod refusals;
 #[path = "../shadow/scene.rs"]
 #[allow(dead_code, reason = "only its cameras and rays are used here")]
 mod scene;
+mod scene_depth;
 mod stages;
 mod textures;
 mod views;
@@ -32,6 +35,7 @@ fn main() {
     let tests = [
         stages::TESTS,
         merge::TESTS,
+        metric::TESTS,
         cube::TESTS,
         detectors::TESTS,
         parity::TESTS,
@@ -44,6 +48,7 @@ fn main() {
         casters::TESTS,
         casters_refused::TESTS,
         mesh_depth::TESTS,
+        scene_depth::TESTS,
         near::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
