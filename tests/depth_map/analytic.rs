@@ -213,49 +213,47 @@ fn off() -> Result<(), String> {
     if tally.wrong > 100 { Ok(()) } else { Err(format!("negative control: {tally:?}")) }
 }
 
-/// Maps of distances, of lights with far planes behind everything, amid it, and at infinity.
+/// Maps of distances, of lights with far planes behind everything, amid it, and at infinity: beside maps of device depths of the
+/// same views.
 fn of_distances() -> Result<(), String> {
     const SEED: u64 = 1637;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
-    let mut random = Random::new(SEED);
-    let contours = DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.002 };
-    let edges = DepthEdges::Differences { threshold: 0.0005 };
-    let of = |metric| DepthMapOptions { metric, ..Default::default() };
-    let mut trials = |options: DepthMapOptions, written, rounds: usize| {
-        let mut tally = Tally::default();
-        for _ in 0..rounds {
-            for planes in [None, Some((0.5, None)), Some((4.0, Some(15.5)))] {
-                for world in worlds(&mut random) {
-                    let way = Way { options, written, planes, ..Default::default() };
-                    trial(&gpu, &mut random, &world, TextureFormat::R32Float, way, &mut tally)?;
-                }
+    let trials = |options: DepthMapOptions, written| {
+        let (mut random, mut tally) = (Random::new(SEED), Tally::default());
+        for planes in [None, Some((0.5, None)), Some((4.0, Some(15.5)))] {
+            for world in worlds(&mut random) {
+                let way = Way { options, written, planes, ..Default::default() };
+                trial(&gpu, &mut random, &world, TextureFormat::R32Float, way, &mut tally)?;
             }
         }
         println!("{:?} {:?}, written {written:?}: {tally:?}", options.metric, options.edges);
         Ok::<_, String>(tally)
     };
-    for metric in [DepthMetric::AlongAxis, DepthMetric::AlongRay] {
-        let ways = [
-            of(metric),
-            DepthMapOptions { edges: DepthEdges::Automatic, ..of(metric) },
-            DepthMapOptions { edges, reconstruction: contours, ..of(metric) },
-        ];
-        for options in ways {
-            let tally = trials(options, metric, 1)?;
+    let edges = DepthEdges::Differences { threshold: 0.0005 };
+    let reconstruction = DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.002 };
+    let ways = [
+        DepthMapOptions::default(),
+        DepthMapOptions { edges: DepthEdges::Automatic, ..Default::default() },
+        DepthMapOptions { edges, reconstruction, ..Default::default() },
+    ];
+    for options in ways {
+        // Walls miss some rims, whatever the metric, and so much the more as the threshold is larger in the world.
+        let depths = trials(options, DepthMetric::Device)?;
+        for metric in [DepthMetric::AlongAxis, DepthMetric::AlongRay] {
+            let tally = trials(DepthMapOptions { metric, ..options }, metric)?;
             let pixels = tally.dark + tally.lit;
-            // As of device depths.
-            let allowed = match (options.edges, options.reconstruction) {
-                (DepthEdges::EveryCell, _) => 0,
-                (_, DepthMapReconstruction::Triangles) => pixels / 100_000,
-                _ => pixels / 10_000,
-            };
-            if tally.wrong > allowed || tally.dark < 1000 || tally.lit < 1000 || tally.at_borders * 20 > pixels {
-                return Err(format!("{options:?}: {tally:?}"));
+            let is_wrong = tally.wrong > depths.wrong || tally.at_borders > depths.at_borders + pixels / 2_000;
+            if is_wrong || tally.dark < 1000 || tally.lit < 1000 || tally.at_folds > depths.at_folds + pixels / 10_000 {
+                return Err(format!("{metric:?} {options:?}: {tally:?}, and of depths {depths:?}"));
             }
         }
+        if options.edges != edges && depths.wrong > 0 {
+            return Err(format!("{options:?}: {depths:?}"));
+        }
     }
-    // Negative control: distances along rays are taken for distances along the axis.
-    let tally = trials(of(DepthMetric::AlongAxis), DepthMetric::AlongRay, 1)?;
+    // Negative control: distances along the axis are taken for the longer ones along rays, so surfaces stand before themselves.
+    let options = DepthMapOptions { metric: DepthMetric::AlongRay, ..Default::default() };
+    let tally = trials(options, DepthMetric::AlongAxis)?;
     if tally.wrong > 1000 { Ok(()) } else { Err(format!("negative control: {tally:?}")) }
 }

@@ -34,8 +34,8 @@ pub struct SceneDepth {
 pub struct SceneDepthCounts {
     /// Casters that were drawn.
     pub drawn: usize,
-    /// Chosen casters that were left out, because the light sees nothing of them. Those without faces, and those with a singular
-    /// transform, count nowhere.
+    /// Chosen casters that were left out, because the light sees nothing of them. Those with a singular transform count
+    /// nowhere.
     pub outside: usize,
     /// Draws.
     pub draws: usize,

@@ -52,20 +52,20 @@ pub(crate) struct DepthCaster {
 }
 
 impl DepthCaster {
-    /// `None`: it has no face, or no place.
+    /// `None`: it has no place.
     fn new(caster: &CasterEntry, mesh: &MeshEntry) -> Option<Self> {
         let [faces, _, vertices, _] = &mesh.run.ranges;
         let of_page = |offset, stride| [offset, stride, faces.start, mesh.faces];
         let (rows, [offset, stride], bounds) = match caster.placement {
             Placement::Rigid(rigid) => {
                 rigid.space?;
-                // A face with a corner that is not finite is in no box. No face at all leaves the box empty.
+                // A face with a corner that is not finite is in no box, and degenerate faces alone leave it empty.
                 let is_known = !mesh.is_holed && mesh.low[0] <= mesh.high[0];
                 (Some(rigid.rows), [3 * vertices.start, 3], is_known.then_some([mesh.low, mesh.high]))
             }
             Placement::World { offset, stride } => (None, [offset, stride], caster.bounds),
         };
-        (mesh.faces > 0).then_some(Self { rows, place: of_page(offset, stride), bounds })
+        Some(Self { rows, place: of_page(offset, stride), bounds })
     }
 }
 
