@@ -133,7 +133,7 @@ fn depths() -> Result<(), String> {
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
     let mut random = Random::new(SEED);
-    let (mut texels, mut most) = (0, [0.0_f64; 2]);
+    let (mut texels, mut most, mut others) = (0, [0.0_f64; 2], 0);
     for number in 0..48 {
         let (camera, planes) = light(&mut random, number);
         let size = [[1, 1], [7, 45], [64, 33]][number % 3];
@@ -154,16 +154,18 @@ fn depths() -> Result<(), String> {
             off[last] += if off[last] > 0.5 { -2.5 * bound } else { 2.5 * bound } as f32;
             must_fail("a depth is off", &compare(&camera, metric, (size, &given), &off))?;
             let other = DISTANCES[usize::from(metric == DISTANCES[0])];
-            if Measured::new(&camera).distance(other, Measured::new(&camera).place(metric, DVec2::ZERO, 1.0)) != 1.0
-                && size[0] == 64
-            {
+            // At the right of the picture the metrics differ, but for parallel rays at right angles to the planes.
+            let measured = Measured::new(&camera);
+            let place = measured.place(metric, DVec2::new(0.9, 0.0), 1.0);
+            if size[0] == 64 && (measured.distance(other, place) - 1.0).abs() > 1e-3 {
+                others += 1;
                 must_fail("the other metric", &compare(&camera, other, (size, &given), &found))?;
             }
         }
     }
     println!("{texels} texels; off by at most {most:?} of the bound, on the device and by the twin");
     // A bound that is far too wide would prove little.
-    if most.iter().all(|&most| most > 0.2) { Ok(()) } else { Err(format!("{most:?}")) }
+    if most.iter().all(|&most| most > 0.2) && others > 20 { Ok(()) } else { Err(format!("{most:?}, {others}")) }
 }
 
 /// What is no distance has the depth of the far end or of the near one, to the bit.
