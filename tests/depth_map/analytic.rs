@@ -223,7 +223,7 @@ fn of_distances() -> Result<(), String> {
         let (mut random, mut tally) = (Random::new(SEED), Tally::default());
         for planes in [None, Some((0.5, None)), Some((4.0, Some(15.5)))] {
             for world in worlds(&mut random) {
-                let way = Way { options, written, planes, ..Default::default() };
+                let way = Way { options, planes, written, ..Default::default() };
                 trial(&gpu, &mut random, &world, TextureFormat::R32Float, way, &mut tally)?;
             }
         }

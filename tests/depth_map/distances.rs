@@ -50,13 +50,11 @@ impl Measured {
     /// of the axis.
     fn measure(&self, at: DVec2) -> [DVec3; 3] {
         let [x, y, z, w] = self.rows;
-        match self.place {
-            Some(place) => [place, self.ray(at), w.truncate().normalize()],
-            None => {
-                let near = solved([x, y, z], DVec3::new(at.x, at.y, self.near_z) * w.w);
-                [near, self.ray(at), (self.away * z.truncate()).normalize()]
-            }
+        if let Some(place) = self.place {
+            return [place, self.ray(at), w.truncate().normalize()];
         }
+        let near = solved([x, y, z], DVec3::new(at.x, at.y, self.near_z) * w.w);
+        [near, self.ray(at), (self.away * z.truncate()).normalize()]
     }
 
     /// The place at a distance, on the ray through a place of the picture.

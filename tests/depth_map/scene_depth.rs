@@ -52,7 +52,7 @@ struct Casters {
 /// A turn, a scale and a shift. Every third is mirrored.
 fn rows(random: &mut Random, spread: f32, number: usize) -> Matrix3x4 {
     let axis = glam::Vec3::from_array(random.direction());
-    let sign = if number % 3 == 0 { -1.0 } else { 1.0 };
+    let sign = if number.is_multiple_of(3) { -1.0 } else { 1.0 };
     let scale = glam::Vec3::new(sign * random.between(0.2, 0.6), random.between(0.2, 0.6), random.between(0.2, 0.6));
     let linear = Mat3::from_axis_angle(axis, random.between(0.0, 6.0)) * Mat3::from_diagonal(scale);
     let shift: [f32; 3] = std::array::from_fn(|_| random.between(-spread, spread));
@@ -148,21 +148,17 @@ impl Casters {
         map(gpu, format, light, |pass| {
             for (_, caster) in self.placed.iter().enumerate().filter(|(number, _)| which(*number)) {
                 let draw = &draws[caster.shape];
-                match &caster.buffer {
-                    Some((buffer, offset, stride)) => {
-                        let positions = PositionBuffer { buffer, offset: *offset, stride: *stride };
+                let drawn = if let Some((buffer, offset, stride)) = &caster.buffer {
+                    draw.draw(pass, PositionBuffer { buffer, offset: *offset, stride: *stride }, light)
+                } else {
+                    let positions = PositionBuffer { buffer: &buffers[caster.shape], offset: 0, stride: 12 };
+                    if caster.rows == UNMOVED {
                         draw.draw(pass, positions, light)
+                    } else {
+                        draw.draw_rigid(pass, positions, caster.rows, light)
                     }
-                    None => {
-                        let positions = PositionBuffer { buffer: &buffers[caster.shape], offset: 0, stride: 12 };
-                        if caster.rows == UNMOVED {
-                            draw.draw(pass, positions, light)
-                        } else {
-                            draw.draw_rigid(pass, positions, caster.rows, light)
-                        }
-                    }
-                }
-                .map_err(text)?;
+                };
+                drawn.map_err(text)?;
             }
             Ok(())
         })
