@@ -213,8 +213,8 @@ fn off() -> Result<(), String> {
     if tally.wrong > 100 { Ok(()) } else { Err(format!("negative control: {tally:?}")) }
 }
 
-/// Maps of distances, of lights with far planes behind everything, amid it, and at infinity. Walls are compared with those of device
-/// depths of the same views.
+/// Maps of distances, of lights with far planes behind everything, amid it, and at infinity. Walls are compared with those of
+/// device depths of the same views.
 fn of_distances() -> Result<(), String> {
     const SEED: u64 = 1637;
     println!("seed {SEED}");

@@ -24,6 +24,7 @@ mod refusals;
 #[allow(dead_code, reason = "only its cameras and rays are used here")]
 mod scene;
 mod scene_depth;
+mod scene_depth_choices;
 mod stages;
 mod textures;
 mod views;
@@ -49,6 +50,7 @@ fn main() {
         casters_refused::TESTS,
         mesh_depth::TESTS,
         scene_depth::TESTS,
+        scene_depth_choices::TESTS,
         near::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));

@@ -17,7 +17,8 @@ struct DepthMetricView {
   // What distances are clamped to. From the larger one on, nothing casts.
   least: f32,
   most: f32,
-  // 0: texels hold device depths. 1: distances in the direction that the planes are apart in. 2: distances along rays from a place.
+  // 0: texels hold device depths. 1: distances in the direction that the planes are apart in. 2: distances along rays from a
+  // place.
   metric: u32,
   // 1: depth is linear in the distance.
   is_parallel: u32,

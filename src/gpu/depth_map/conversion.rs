@@ -12,9 +12,9 @@ use crate::stages::DEPTH_METRIC;
 /// Makes a depth map from a map of distances, as ray-marched distance fields and range images have them.
 ///
 /// The result is a map of `R32Float` with the device depths of the map's camera, to be given to
-/// [`DepthMapVolumes`](crate::gpu::DepthMapVolumes) with the same camera, to [`DepthMapMerge`](crate::gpu::DepthMapMerge), or as a map of
-/// a cube. Set [`DepthMapOptions::metric`](crate::gpu::DepthMapOptions::metric) to the same metric, so that the boundary moves by what
-/// the conversion may be off.
+/// [`DepthMapVolumes`](crate::gpu::DepthMapVolumes) with the same camera, to [`DepthMapMerge`](crate::gpu::DepthMapMerge), or
+/// as a map of a cube. Set [`DepthMapOptions::metric`](crate::gpu::DepthMapOptions::metric) to the same metric, so that the
+/// boundary moves by what the conversion may be off.
 ///
 /// ```no_run
 /// use rimline::gpu::{DepthMap, DepthMapConversion, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, DepthMetric};
@@ -53,9 +53,9 @@ impl DepthMapConversion {
         })
     }
 
-    /// Records the stage. `map` has distances of `metric`, in a texture of `R32Float`, and the camera that they were measured for.
-    /// With [`DepthMetric::Device`] it has any format of a map, and the result has its depths, clamped. Draws of volumes read the
-    /// result, too, so record them before the next conversion.
+    /// Records the stage. `map` has distances of `metric`, in a texture of `R32Float`, and the camera that they were measured
+    /// for. With [`DepthMetric::Device`] it has any format of a map, and the result has its depths, clamped. Draws of volumes
+    /// read the result, too, so record them before the next conversion.
     ///
     /// # Errors
     /// [`DepthMapEncodeError`] if the texture or the camera is refused. Nothing is recorded then.

@@ -13,9 +13,10 @@ use crate::shadow::DepthDirection;
 /// What the texels of an `R32Float` map hold.
 ///
 /// Distances are in the units of the positions that the light's camera takes. What is infinite, NaN, or at the far plane or
-/// beyond it casts nothing. (Without a far plane that is what is 2¹²⁰ units away or more along the axis.) What is nearer than the near plane is
-/// at the near plane, and so is what is negative, minus infinity included. Distances that are so far away that their device
-/// depth rounds to that of the far end cast nothing, as in any map of device depths; reversed depth has none such.
+/// beyond it casts nothing. (Without a far plane that is what is 2¹²⁰ units away or more along the axis.) What is nearer than
+/// the near plane is at the near plane, and so is what is negative, minus infinity included. Distances that are so far away
+/// that their device depth rounds to that of the far end cast nothing, as in any map of device depths; reversed depth has none
+/// such.
 ///
 /// A distance is taken to be right to one unit in its last place. What a caller's own errors add to this, such as the step at
 /// which a ray is stopped, is to be taken off the distance's nearer side, or added to it: a boundary that is nearer to the light

@@ -16,8 +16,8 @@ use crate::layout::{CHUNK, MeshDepthCaster, MeshDepthView};
 use crate::shadow::DepthDirection;
 
 /// Draws the depth of casters of a [`Scene`] into a depth map, for [`DepthMapVolumes`](crate::gpu::DepthMapVolumes) and
-/// [`DepthMapCasters`](crate::gpu::DepthMapCasters). Front and back faces are drawn alike, and faces that are excluded or hidden for a light
-/// are drawn, too. The same pass may hold several draws, and anything else that writes depth.
+/// [`DepthMapCasters`](crate::gpu::DepthMapCasters). Front and back faces are drawn alike, and faces that are excluded or
+/// hidden for a light are drawn, too. The same pass may hold several draws, and anything else that writes depth.
 ///
 /// Casters with the same source of positions are drawn together: one draw for those that are rigid, and one for each buffer of
 /// positions, times the pages of topology that their meshes are in, which are few. Casters whose box is outside of what the light
@@ -72,8 +72,10 @@ impl SceneDepth {
     }
 
     /// Draws casters of `scene` as they are now, as `light` sees them: rigid ones by the positions of their mesh and their
-    /// transform, others from their buffers, which hold at the time of the draw what was written before the pass. The scene need not be
-    /// encoded. Clear the depth of the pass to the far end before: 0 with reversed depth, else 1.
+    /// transform, others from their buffers, which hold at the time of the draw what was written before the pass. The scene
+    /// need not be encoded. Clear the depth of the pass to the far end before: 0 with reversed depth, else 1.
+    ///
+    /// The draw reads the scene's pages, so what [`Scene::remove_mesh`] says of encodes holds for it.
     ///
     /// With the unit matrix as their transform, and with positions in a buffer, casters have the same depths bit for bit as
     /// [`MeshDepth::draw`](crate::gpu::MeshDepth::draw) gives their positions.
@@ -162,8 +164,8 @@ struct Seen {
 }
 
 impl Seen {
-    /// Whether no texel can have a depth of the caster: all of its box is clipped by one plane of the light's clip space, whatever
-    /// the shader rounds.
+    /// Whether no texel can have a depth of the caster: all of its box is clipped by one plane of the light's clip space,
+    /// whatever the shader rounds.
     fn is_outside(&self, caster: &DepthCaster) -> bool {
         let Some(bounds) = caster.bounds else { return false };
         let rows = caster.rows.unwrap_or(UNMOVED).map(|row| row.map(f64::from));

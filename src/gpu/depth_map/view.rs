@@ -140,8 +140,8 @@ pub(super) fn near_columns(
     [near.x_axis, near.y_axis, near_z * near.z_axis + near.w_axis]
 }
 
-/// The view of a map of `size` texels, whose depths were rounded to `formats` and are `off` by more, for an eye whose depth buffer has the format
-/// `format`.
+/// The view of a map of `size` texels, whose depths were rounded to `formats` and are `off` by more, for an eye whose depth
+/// buffer has the format `format`.
 pub(super) fn depth_map_view(
     (light, size): (&ShadowCamera, [u32; 2]),
     (off, formats): ([f64; 2], &mut dyn Iterator<Item = wgpu::TextureFormat>),

@@ -13,8 +13,8 @@ use crate::Matrix3x4;
 
 /// Which casters of a scene are drawn into a depth map.
 ///
-/// A caster whose mesh throws shadows by a volume of its own should not be in the map of the same light. Its shadow would be drawn
-/// twice, once as coarse as the map.
+/// A caster whose mesh throws shadows by a volume of its own should not be in the map of the same light. Its shadow would be
+/// drawn twice, once as coarse as the map.
 #[derive(Clone, Copy, Debug, Default)]
 #[non_exhaustive]
 pub enum SceneDepthCasters<'a> {
