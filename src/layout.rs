@@ -617,6 +617,32 @@ shared_structs! {
         unused: [u32; 2],
     }
 
+    /// How distances become the device depths of a depth map.
+    struct DepthMetricView {
+        /// How the ray through a texel changes for each step of half a texel across. w: the same of the depth at infinity.
+        across: [f32; 4],
+        /// The same for each step down.
+        down: [f32; 4],
+        /// The ray in the middle, and 0. Its component along the light's axis is 1.
+        middle: [f32; 4],
+        /// The far distance, or without a far plane what depth times distance is.
+        head: f32,
+        /// What rounding took off `head`, if there is a far plane.
+        rest: f32,
+        /// 1: there is a far plane.
+        has_far: f32,
+        /// What is left of the way to the far plane becomes a depth by this factor.
+        scale: f32,
+        /// What smaller distances are clamped to.
+        least: f32,
+        /// The distance from which on nothing casts, whatever the planes are.
+        most: f32,
+        /// 0: device depths. 1: distances in the direction that the planes are apart in. 2: distances along rays from a place.
+        metric: u32,
+        /// 1: depth is linear in the distance.
+        is_parallel: u32,
+    }
+
     /// A depth map as a camera sees it. A place on the lattice is twice the distance from its middle.
     struct DepthMapView {
         /// Clip space for each step across.
@@ -645,13 +671,21 @@ shared_structs! {
         bias: [f32; 4],
     }
 
-    /// A mesh as the light of a depth map sees it.
+    /// The light of a depth map that meshes are drawn into.
     struct MeshDepthView {
         /// Columns of the matrix that maps positions less the origin to the light's clip space.
         columns: [[f32; 4]; 4],
-        /// The origin, and 0.
-        origin: [f32; 4],
-        /// The word of x of vertex 0, the words from one vertex to the next, and twice 0.
+    }
+
+    /// A mesh that is drawn into a depth map.
+    struct MeshDepthCaster {
+        /// The first row that places positions, less the light's origin.
+        row_0: [f32; 4],
+        /// The second row.
+        row_1: [f32; 4],
+        /// The third row.
+        row_2: [f32; 4],
+        /// The word of x of vertex 0, the words from one vertex to the next, the first face, and how many there are.
         place: [u32; 4],
     }
 

@@ -34,11 +34,32 @@ pub mod shadow {
     }
 }
 
-/// What is told of near caps of volumes from depth maps before the map is looked at.
+/// What is told of near caps of volumes from depth maps before the map is looked at, and of maps of distances.
 pub mod depth_map {
     use crate::ShadowCamera;
     use crate::gpu::depth_map::near::{NearReach, near_reach};
-    use crate::layout::DepthNearBox;
+    use crate::gpu::{DepthMapEncodeError, DepthMetric, depth_map::metric};
+    use crate::layout::{DepthMetricView, DepthNearBox};
+
+    /// How distances of a metric become device depths, for a map of `size` texels.
+    ///
+    /// # Errors
+    /// [`DepthMapEncodeError`] if the camera is refused.
+    pub fn metric_view(
+        light: &ShadowCamera,
+        size: [u32; 2],
+        metric: DepthMetric,
+    ) -> Result<DepthMetricView, DepthMapEncodeError> {
+        metric::metric_view(light, size, metric)
+    }
+
+    /// How far depths of a converted map may be off: a share of the depth, and a constant.
+    ///
+    /// # Errors
+    /// [`DepthMapEncodeError`] if the camera is refused.
+    pub fn metric_steps(light: &ShadowCamera, metric: DepthMetric) -> Result<[f64; 2], DepthMapEncodeError> {
+        metric::metric_steps(light, metric)
+    }
 
     /// The samples that matter to the near rectangle of an eye with a depth format, if they decide about it. `lights` are the
     /// cameras of one map of `size` texels, or of six.
@@ -120,13 +141,14 @@ pub mod cpu {
     pub use crate::cpu::depth_map::depth_cube::{CubeSample, depth_cube, depth_cube_of_objects};
     pub use crate::cpu::depth_map::depth_edges::{EdgeDetector, depth_edges};
     pub use crate::cpu::depth_map::depth_merge::depth_merge;
+    pub use crate::cpu::depth_map::depth_metric::depth_metric;
     pub use crate::cpu::depth_map::depth_near::depth_near;
     pub use crate::cpu::depth_map::depth_near_walls::depth_near_walls;
     pub use crate::cpu::depth_map::depth_surface::{depth_near_cap, depth_surface, is_behind};
     pub use crate::cpu::depth_map::depth_walls::depth_walls;
     pub use crate::cpu::depth_map::edge_code::{CELL_MASK, Cell, FIRST_TRIANGLE, SECOND_TRIANGLE, SPLIT, exceeds};
     pub use crate::cpu::depth_map::edge_rule::Second;
-    pub use crate::cpu::depth_map::mesh_depth::mesh_depth;
+    pub use crate::cpu::depth_map::mesh_depth::{mesh_depth, scene_depth};
     pub use crate::cpu::depth_map::samples::{Key, Samples};
     pub use crate::cpu::depth_map::world_step::world_step;
     pub use crate::cpu::extract::arguments::arguments;

@@ -555,6 +555,13 @@ pub const DEPTH_MERGE: Stage = Stage {
     entry_points: &["depth_merge"],
 };
 
+/// Makes a depth map from a map of distances.
+pub const DEPTH_METRIC: Stage = Stage {
+    name: "depth_metric",
+    files: files!["depth_map/samples", "depth_map/depth_metric"],
+    entry_points: &["depth_metric"],
+};
+
 /// Puts the six maps of a cube into one texture.
 pub const DEPTH_CUBE: Stage = Stage {
     name: "depth_cube",
@@ -563,7 +570,7 @@ pub const DEPTH_CUBE: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 49] = [
+pub const STAGES: [Stage; 50] = [
     NEEDS,
     DEFORM,
     FACING,
@@ -605,6 +612,7 @@ pub const STAGES: [Stage; 49] = [
     EXACT_SHADOW_DEPTH,
     DEPTH_NEAR,
     DEPTH_NEAR_WALLS,
+    DEPTH_METRIC,
     DEPTH_MERGE,
     DEPTH_CUBE,
     DEPTH_EDGES,
@@ -702,9 +710,9 @@ pub const DEPTH_WALLS: Stage = Stage {
     entry_points: &["depth_walls"],
 };
 
-/// The vertex shader that draws a mesh into a depth map.
+/// Vertex shaders that draw a mesh, and the casters of a scene, into a depth map.
 pub const MESH_DEPTH: Stage =
-    Stage { name: "mesh_depth", files: files!["depth_map/mesh_depth"], entry_points: &["mesh_depth"] };
+    Stage { name: "mesh_depth", files: files!["depth_map/mesh_depth"], entry_points: &["mesh_depth", "scene_depth"] };
 
 /// WGSL that is not a stage: files that callers include or replace.
 pub const INCLUDES: [(&str, &str); 2] = [

@@ -20,9 +20,10 @@ pub use deform::deformer::{DeformError, Deformer, DeformerOptions};
 pub use depth_map::{
     CubeMismatch, DanglingEdges, DepthEdges, DepthMap, DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle,
     DepthMapCasterVolumes, DepthMapCasters, DepthMapCastersError, DepthMapCastersFrame, DepthMapCastersOptions,
-    DepthMapCube, DepthMapCubeCaster, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapFrame,
-    DepthMapMerge, DepthMapNearCap, DepthMapOptions, DepthMapPipelines, DepthMapPipelinesError, DepthMapReconstruction,
-    DepthMapStatistics, DepthMapTexture, DepthMapVolumes, DepthMapVolumesError, MeshDepth, MeshDepthError,
+    DepthMapConversion, DepthMapCube, DepthMapCubeCaster, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError,
+    DepthMapFrame, DepthMapMerge, DepthMapNearCap, DepthMapOptions, DepthMapPipelines, DepthMapPipelinesError,
+    DepthMapReconstruction, DepthMapStatistics, DepthMapTexture, DepthMapVolumes, DepthMapVolumesError, DepthMetric,
+    MeshDepth, MeshDepthError, SceneDepth, SceneDepthCounts, SceneDepthError,
 };
 pub use extract::errors::{
     ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, StaleExtraction,
@@ -36,6 +37,7 @@ pub use query::errors::{ShadowQueryEncodeError, ShadowQueryError};
 pub use query::options::ShadowQueryOptions;
 pub use query::shadow_query::ShadowQuery;
 pub use scene::caster::{Caster, CasterPositions};
+pub use scene::depths::SceneDepthCasters;
 pub use scene::errors::{OccluderError, ReceiversError, SceneError};
 pub use scene::frame::SceneFrame;
 #[cfg(feature = "reference")]

@@ -2,13 +2,14 @@
 //! the border of a shadow.
 
 use rimline::DepthDirection;
-use rimline::gpu::{DepthEdges, DepthMapOptions, DepthMapReconstruction};
+use rimline::gpu::{DepthEdges, DepthMapOptions, DepthMapReconstruction, DepthMetric};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::random::Random;
 use wgpu::TextureFormat;
 
 use crate::maps::Map;
+use crate::metric::converted;
 use crate::picture::Picture;
 use crate::textures::{objects, texture};
 use crate::views::{Near, SIDE, Seen, View, worlds};
@@ -19,6 +20,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("shadows_of_marked_cells_are_right_but_for_a_texel", marked),
     ("shadows_of_edges_of_objects_are_right_but_for_a_texel", of_objects),
     ("shadows_of_contours_are_right_but_for_a_texel", of_contours),
+    ("shadows_of_distances_are_right_but_for_a_texel", of_distances),
     ("a_map_that_is_off_by_three_texels_is_noticed", off),
     ("borders_of_more_bits_are_nearer_to_the_truth", of_bits),
 ];
@@ -34,20 +36,36 @@ struct Tally {
     squares: f64,
 }
 
+/// How a map is made and taken.
+#[derive(Clone, Copy, Default)]
+struct Way {
+    options: DepthMapOptions,
+    /// Texels by which the map is moved.
+    off: usize,
+    /// The near and the far plane of the light, if they are others.
+    planes: Option<(f64, Option<f64>)>,
+    /// What distances are written in, if the options say that the map is one of distances.
+    written: DepthMetric,
+}
+
 fn trial(
     gpu: &Gpu,
     random: &mut Random,
     world: &World,
     format: TextureFormat,
-    (options, off): (DepthMapOptions, usize),
+    Way { options, off, planes, written }: Way,
     tally: &mut Tally,
 ) -> Result<(), String> {
-    let Some(view) = View::random(random, world) else { return Ok(()) };
+    let Some(view) = View::lit(random, world, (SIDE, planes)) else { return Ok(()) };
     let [light_depths, eye_depths] = view.depths();
     let is_reversed = view.sun.camera.depth == DepthDirection::Reversed;
     let mut map = Map { size: [SIDE; 2], is_reversed, depths: light_depths };
     map.depths.rotate_right(off);
-    let texture = texture(gpu, map.size, format, &map.depths)?;
+    let texture = if options.metric == DepthMetric::Device {
+        texture(gpu, map.size, format, &map.depths)?
+    } else {
+        converted(gpu, &view.sun.camera, options.metric, (map.size, &view.distances(written)))?
+    };
     // The ground is one object, and what stands on it is another.
     let on_ground = |seen: &Seen| u32::from(seen.is_some_and(|(place, _)| place.y < 1e-7));
     let mut numbers: Vec<_> = view.light_seen.iter().map(on_ground).collect();
@@ -103,7 +121,7 @@ fn trials(seed: u64, rounds: usize, options: DepthMapOptions) -> Result<(), Stri
             let taken = worlds.iter().enumerate().filter(|(_, world)| !options.objects || is_convex(world));
             for (number, world) in taken {
                 let before = tally.wrong;
-                trial(&gpu, &mut random, world, format, (options, 0), &mut tally)?;
+                trial(&gpu, &mut random, world, format, Way { options, ..Default::default() }, &mut tally)?;
                 if tally.wrong > before {
                     println!("{format:?}, round {round}, world {number}: {} wrong", tally.wrong - before);
                 }
@@ -169,7 +187,8 @@ fn of_bits() -> Result<(), String> {
         let mut tally = Tally::default();
         for world in worlds(&mut random).into_iter().chain(worlds(&mut random)) {
             let options = DepthMapOptions { bits, edges, ..Default::default() };
-            trial(&gpu, &mut random, &world, TextureFormat::Depth32Float, (options, 0), &mut tally)?;
+            let way = Way { options, ..Default::default() };
+            trial(&gpu, &mut random, &world, TextureFormat::Depth32Float, way, &mut tally)?;
         }
         println!("{tally:?}");
         if tally.wrong > 0 {
@@ -188,7 +207,52 @@ fn off() -> Result<(), String> {
     let mut random = Random::new(1633);
     let mut tally = Tally::default();
     for world in worlds(&mut random) {
-        trial(&gpu, &mut random, &world, TextureFormat::Depth32Float, (DepthMapOptions::default(), 3), &mut tally)?;
+        let way = Way { off: 3, ..Default::default() };
+        trial(&gpu, &mut random, &world, TextureFormat::Depth32Float, way, &mut tally)?;
     }
     if tally.wrong > 100 { Ok(()) } else { Err(format!("negative control: {tally:?}")) }
+}
+
+/// Maps of distances, of lights with far planes behind everything, amid it, and at infinity. Walls are compared with those of
+/// device depths of the same views.
+fn of_distances() -> Result<(), String> {
+    const SEED: u64 = 1637;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let trials = |options: DepthMapOptions, written| {
+        let (mut random, mut tally) = (Random::new(SEED), Tally::default());
+        for planes in [None, Some((0.5, None)), Some((4.0, Some(15.5)))] {
+            for world in worlds(&mut random) {
+                let way = Way { options, planes, written, ..Default::default() };
+                trial(&gpu, &mut random, &world, TextureFormat::R32Float, way, &mut tally)?;
+            }
+        }
+        println!("{:?} {:?}, written {written:?}: {tally:?}", options.metric, options.edges);
+        Ok::<_, String>(tally)
+    };
+    let edges = DepthEdges::Differences { threshold: 0.0005 };
+    let reconstruction = DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.002 };
+    let [axis, ray] = [DepthMetric::AlongAxis, DepthMetric::AlongRay];
+    let ways = [
+        (DepthMapOptions::default(), &[axis, ray][..]),
+        (DepthMapOptions { edges: DepthEdges::Automatic, ..Default::default() }, &[ray]),
+        (DepthMapOptions { edges, reconstruction, ..Default::default() }, &[ray]),
+    ];
+    for (options, metrics) in ways {
+        // Walls miss some rims, whatever the metric, and so much the more as the threshold is larger in the world.
+        let is_exact = options.reconstruction == DepthMapReconstruction::Triangles;
+        let allowed = if is_exact { 0 } else { trials(options, DepthMetric::Device)?.wrong };
+        for &metric in metrics {
+            let tally = trials(DepthMapOptions { metric, ..options }, metric)?;
+            let pixels = tally.dark + tally.lit;
+            let is_wrong = tally.wrong > allowed || tally.at_borders * 20 > pixels || tally.at_folds * 10_000 > pixels;
+            if is_wrong || tally.dark < 1000 || tally.lit < 1000 {
+                return Err(format!("{metric:?} {options:?}: {tally:?}, and {allowed} wrong of device depths"));
+            }
+        }
+    }
+    // Negative control: distances along the axis are taken for the longer ones along rays, so surfaces stand before themselves.
+    let options = DepthMapOptions { metric: DepthMetric::AlongRay, ..Default::default() };
+    let tally = trials(options, DepthMetric::AlongAxis)?;
+    if tally.wrong > 1000 { Ok(()) } else { Err(format!("negative control: {tally:?}")) }
 }

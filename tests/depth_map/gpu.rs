@@ -9,11 +9,13 @@ mod contours;
 mod counting;
 mod cube;
 mod detectors;
+mod distances;
 mod extremes;
 mod lookup;
 mod maps;
 mod merge;
 mod mesh_depth;
+mod metric;
 mod near;
 mod parity;
 mod picture;
@@ -21,6 +23,8 @@ mod refusals;
 #[path = "../shadow/scene.rs"]
 #[allow(dead_code, reason = "only its cameras and rays are used here")]
 mod scene;
+mod scene_depth;
+mod scene_depth_choices;
 mod stages;
 mod statistics;
 mod textures;
@@ -33,6 +37,7 @@ fn main() {
     let tests = [
         stages::TESTS,
         merge::TESTS,
+        metric::TESTS,
         cube::TESTS,
         detectors::TESTS,
         parity::TESTS,
@@ -45,6 +50,8 @@ fn main() {
         casters::TESTS,
         casters_refused::TESTS,
         mesh_depth::TESTS,
+        scene_depth::TESTS,
+        scene_depth_choices::TESTS,
         near::TESTS,
         statistics::TESTS,
     ];

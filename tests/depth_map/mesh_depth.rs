@@ -16,7 +16,7 @@ use crate::textures::{read, texture};
 
 pub(crate) const TESTS: &[Test] = &[("the_depth_of_a_mesh_is_that_of_rays", depths)];
 
-const SIDE: u32 = 48;
+pub(crate) const SIDE: u32 = 48;
 
 fn drawn(gpu: &Gpu, shape: &shapes::Shape, light: &ShadowCamera, made: DepthDirection) -> Result<Vec<f32>, String> {
     let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Keep).map_err(text)?;
@@ -50,9 +50,12 @@ fn drawn(gpu: &Gpu, shape: &shapes::Shape, light: &ShadowCamera, made: DepthDire
 }
 
 /// Texels that are wrong, of those where nearby rays tell a bounded depth.
-fn wrong(shape: &shapes::Shape, light: &ShadowCamera, depths: &[f32]) -> [usize; 2] {
-    let corner = |v: u32| DVec3::from_array(shape.positions[v as usize].map(f64::from));
-    let tracer = rays::Tracer::build(shape.faces.iter().map(|face| (face.map(corner), ())));
+pub(crate) fn wrong(
+    triangles: impl Iterator<Item = [DVec3; 3]>,
+    light: &ShadowCamera,
+    (depths, step): (&[f32], f32),
+) -> [usize; 2] {
+    let tracer = rays::Tracer::build(triangles.map(|corners| (corners, ())));
     let rays = Rays::new(light, SIDE);
     let far = if light.depth == DepthDirection::Reversed { 0.0 } else { 1.0 };
     let seen = |place: DVec2| {
@@ -67,7 +70,7 @@ fn wrong(shape: &shapes::Shape, light: &ShadowCamera, depths: &[f32]) -> [usize;
         let around = around.map(|offset| seen(middle + DVec2::from_array(offset)));
         let low = around.iter().copied().fold(f32::INFINITY, f32::min);
         let high = around.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-        counts[0] += usize::from(found < low - 1e-6 || found > high + 1e-6);
+        counts[0] += usize::from(found < low - step || found > high + step);
         counts[1] += usize::from(found != far);
     }
     counts
@@ -82,10 +85,12 @@ fn depths() -> Result<(), String> {
                 let place = DVec3::new(2.0, 5.0, 1.0);
                 let light = Eye { place, forward: -place, near: 1.0, is_relative, depth, far, half_width }.camera();
                 let depths = drawn(&gpu, &shape, &light, depth)?;
-                let [bad, covered] = wrong(&shape, &light, &depths);
+                let corner = |v: u32| DVec3::from_array(shape.positions[v as usize].map(f64::from));
+                let triangles = || shape.faces.iter().map(|face| face.map(corner));
+                let [bad, covered] = wrong(triangles(), &light, (&depths, 1e-6));
                 let mut moved = depths;
                 moved.rotate_right(3);
-                let [noticed, _] = wrong(&shape, &light, &moved);
+                let [noticed, _] = wrong(triangles(), &light, (&moved, 1e-6));
                 if bad > 0 || covered < 100 || noticed < 50 {
                     return Err(format!("{depth:?} {far:?} {half_width:?}: {bad} wrong of {covered}; moved {noticed}"));
                 }

@@ -1,10 +1,12 @@
 //! Views of scenes that are known exactly: what casts, a light with its map, an eye, and what both see along `f64` rays.
 
 use glam::{DVec2, DVec3};
+use rimline::gpu::DepthMetric;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::random::Random;
 use rimline_measure::shapes;
 
+use crate::distances::Measured;
 use crate::parity::device_depth;
 use crate::scene::{Eye, Rays};
 use crate::worlds::World;
@@ -131,18 +133,28 @@ pub(crate) struct View<'a> {
 impl<'a> View<'a> {
     /// `None` if the near rectangle is in a body: what is seen there is no surface.
     pub(crate) fn random(random: &mut Random, world: &'a World) -> Option<Self> {
-        Self::of_side(random, world, SIDE)
+        Self::lit(random, world, (SIDE, None))
     }
 
     /// The same with a map of `side`² texels.
     pub(crate) fn of_side(random: &mut Random, world: &'a World, side: u32) -> Option<Self> {
+        Self::lit(random, world, (side, None))
+    }
+
+    /// The same with other distances of the light's near and far plane.
+    pub(crate) fn lit(
+        random: &mut Random,
+        world: &'a World,
+        (side, planes): (u32, Option<(f64, Option<f64>)>),
+    ) -> Option<Self> {
         let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
         let towards = DVec3::new(between(-0.7, 0.7), 1.0, between(-0.7, 0.7)).normalize();
         let is_parallel = between(0.0, 1.0) < 0.4;
         let depth = if between(0.0, 1.0) < 0.5 { DepthDirection::Reversed } else { DepthDirection::Standard };
         let place = towards * 9.0;
         let (far, half_width) = if is_parallel { (Some(20.0), Some(5.0)) } else { (Some(30.0), None) };
-        let sun = Eye { place, forward: -towards, near: 1.0, is_relative: true, depth, far, half_width };
+        let (near, far) = planes.map_or((1.0, far), |(near, own)| (near, if is_parallel { own.or(far) } else { own }));
+        let sun = Eye { place, forward: -towards, near, is_relative: true, depth, far, half_width };
         let sun = Sun { at: if is_parallel { towards } else { place }, is_parallel, camera: sun.camera() };
         let place = DVec3::new(between(-5.0, 5.0), between(0.6, 5.0), between(-5.0, 5.0));
         let forward = DVec3::new(between(-1.0, 1.0), between(0.0, 1.5), between(-1.0, 1.0)) - place;
@@ -163,6 +175,13 @@ impl<'a> View<'a> {
     /// What the map and the eye's depth buffer hold.
     pub(crate) fn depths(&self) -> [Vec<f32>; 2] {
         [depths(&self.sun.camera, &self.light_seen), depths(&self.eye, &self.eye_seen)]
+    }
+
+    /// Distances in place of the map's depths.
+    pub(crate) fn distances(&self, metric: DepthMetric) -> Vec<f32> {
+        let measured = Measured::new(&self.sun.camera);
+        let distance = |(place, _): (DVec3, DVec3)| measured.distance(metric, place) as f32;
+        self.light_seen.iter().map(|seen| seen.map_or(f32::INFINITY, distance)).collect()
     }
 
     /// What the eye sees of surfaces that are turned to the light: number of the pixel, place and normal.

@@ -1,22 +1,57 @@
-// Mesh depth: the vertices of a mesh, as the light of a depth map sees them.
+// Mesh depth: the vertices of meshes, as the light of a depth map sees them.
 
 struct MeshDepthView {
   // The light's matrix, by columns.
   columns: array<vec4<f32>, 4>,
-  // The light's origin.
-  origin: vec4<f32>,
-  // The word of x of vertex 0, and the words from one vertex to the next.
+}
+
+struct MeshDepthCaster {
+  // Rows that place positions, less the light's origin.
+  row_0: vec4<f32>,
+  row_1: vec4<f32>,
+  row_2: vec4<f32>,
+  // The word of x of vertex 0, the words from one vertex to the next, the first face, and how many there are.
   place: vec4<u32>,
 }
 
 // One element. It is an array so that its binding has no dynamic offset.
 @group(0) @binding(0) var<storage, read> views: array<MeshDepthView>;
 @group(0) @binding(1) var<storage, read> positions: array<f32>;
+@group(0) @binding(2) var<storage, read> casters: array<MeshDepthCaster>;
+// Three vertices a face.
+@group(0) @binding(3) var<storage, read> faces: array<u32>;
+// The caster of each chunk of faces, and the number of its first face among those of the caster.
+@group(0) @binding(4) var<storage, read> chunks: array<vec2<u32>>;
+
+// One function for both draws, so that the same positions have the same depths. With rows of the unit matrix every product and
+// sum but the last is exact.
+fn light_position(caster: MeshDepthCaster, vertex: u32) -> vec4<f32> {
+  let word = caster.place.x + vertex * caster.place.y;
+  let own = vec3<f32>(positions[word], positions[word + 1u], positions[word + 2u]);
+  let offset = vec3<f32>(
+    caster.row_0.x * own.x + caster.row_0.y * own.y + caster.row_0.z * own.z + caster.row_0.w,
+    caster.row_1.x * own.x + caster.row_1.y * own.y + caster.row_1.z * own.z + caster.row_1.w,
+    caster.row_2.x * own.x + caster.row_2.y * own.y + caster.row_2.z * own.z + caster.row_2.w);
+  let columns = views[0].columns;
+  return columns[0] * offset.x + columns[1] * offset.y + columns[2] * offset.z + columns[3];
+}
 
 @vertex
-fn mesh_depth(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
-  let word = views[0].place.x + vertex * views[0].place.y;
-  let position = vec3<f32>(positions[word], positions[word + 1u], positions[word + 2u]) - views[0].origin.xyz;
-  let columns = views[0].columns;
-  return columns[0] * position.x + columns[1] * position.y + columns[2] * position.z + columns[3];
+fn mesh_depth(@builtin(vertex_index) vertex: u32) -> @builtin(position) @invariant vec4<f32> {
+  return light_position(casters[0], vertex);
+}
+
+// An instance is a chunk. Places in it behind the last face of its caster are points, which draw nothing.
+@vertex
+fn scene_depth(
+  @builtin(vertex_index) corner: u32,
+  @builtin(instance_index) number: u32,
+) -> @builtin(position) @invariant vec4<f32> {
+  let chunk = chunks[number];
+  let caster = casters[chunk.x];
+  let face = chunk.y + corner / 3u;
+  if (face >= caster.place.w) {
+    return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+  }
+  return light_position(caster, faces[3u * (caster.place.z + face) + corner % 3u]);
 }

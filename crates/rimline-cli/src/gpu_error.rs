@@ -90,7 +90,10 @@ impl GpuError {
             Self::DepthMapCube(DepthMapCubeError::Volumes(error)) => return Self::DepthMap(error).of_map(file),
             Self::DepthMapCube(error) => error.into(),
             Self::DepthMapEncode(
-                error @ (DepthMapEncodeError::Light(_) | DepthMapEncodeError::FarPlane | DepthMapEncodeError::NearFar),
+                error @ (DepthMapEncodeError::Light(_)
+                | DepthMapEncodeError::FarPlane
+                | DepthMapEncodeError::NearFar
+                | DepthMapEncodeError::Distances { .. }),
             ) => error.into(),
             other => return other,
         };

@@ -11,6 +11,7 @@ pub(crate) mod depth_cells;
 pub(crate) mod depth_cube;
 pub(crate) mod depth_edges;
 pub(crate) mod depth_merge;
+pub(crate) mod depth_metric;
 pub(crate) mod depth_near;
 pub(crate) mod depth_near_walls;
 pub(crate) mod depth_surface;

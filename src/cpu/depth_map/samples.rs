@@ -33,7 +33,8 @@ pub struct Samples<'a> {
 }
 
 impl Samples<'_> {
-    fn key(&self, depth: f32) -> Key {
+    /// The sample of a depth.
+    pub(super) fn key(&self, depth: f32) -> Key {
         let unit = match depth {
             depth if depth.is_nan() => return Key::Far,
             depth if depth >= 1.0 => 1.0_f32,

@@ -3,6 +3,7 @@
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
+use crate::gpu::scene::errors::SceneError;
 use crate::gpu::shadow::ShadowFormatError;
 use crate::shadow::{CameraError, DepthDirection};
 
@@ -363,8 +364,23 @@ pub enum DepthMapEncodeError {
     #[error("the options do not say `objects`; set it to true, or give no texture of them")]
     UnusedObjects,
     /// The map is the result that is written.
-    #[error("a map is the result of the same merge; give it to another `DepthMapMerge`")]
+    #[error("a map is the result of the same merge or conversion; give it to another one")]
     OwnResult,
+    /// The texture holds no distances.
+    #[error("{0:?} is no format of distances; take R32Float, or `DepthMetric::Device` for device depths")]
+    DistanceFormat(wgpu::TextureFormat),
+    /// Distances cannot be told apart in the map's range of depths.
+    #[error(
+        "distances are not converted for a camera with its near plane at {near} and its far plane at {far}, or as wide or as \
+         far aside; the planes are from 2⁻¹⁰⁰ to 2¹⁰⁰ units away and not within a thousandth of each other, and rays at most 1000 times longer than the \
+         way along the axis"
+    )]
+    Distances {
+        /// Distance of the near plane, as the metric has it.
+        near: f64,
+        /// Distance of the far plane.
+        far: f64,
+    },
     /// The device refuses to bind the texture.
     #[error(
         "the device refuses the textures: {message}; give two-dimensional views of one layer and aspect, on the device of the \
@@ -468,6 +484,43 @@ pub enum MeshDepthError {
         /// Depth direction of the light.
         light: DepthDirection,
         /// Depth direction given to [`MeshDepth::new`](crate::gpu::MeshDepth::new).
+        made: DepthDirection,
+    },
+}
+
+/// Why the depth of the casters of a scene cannot be drawn into a depth map.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneDepthError {
+    /// The device lacks what the draw needs, or is lost.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// A handle is of another scene, or names what was removed.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The light's camera is refused.
+    #[error(transparent)]
+    Light(#[from] CameraError),
+    /// What is drawn together does not fit one binding.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
+    /// The format holds no depth.
+    #[error("{0:?} has no depth; take a depth format, such as Depth32Float")]
+    Format(wgpu::TextureFormat),
+    /// The device refuses a buffer, a pipeline or a bind group.
+    #[error(
+        "the device refuses to draw the depth of a scene: {message}; the scene must be on the same device, and its buffers not destroyed"
+    )]
+    Refused {
+        /// The message of the device.
+        message: String,
+    },
+    /// The depth directions of light and pipeline differ.
+    #[error("the light's depth is {light:?}, and this was made for {made:?}; give `SceneDepth::new` the light's")]
+    Depth {
+        /// Depth direction of the light.
+        light: DepthDirection,
+        /// Depth direction given to [`SceneDepth::new`](crate::gpu::SceneDepth::new).
         made: DepthDirection,
     },
 }

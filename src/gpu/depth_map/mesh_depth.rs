@@ -6,13 +6,18 @@ use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{any_error, filled};
 use crate::gpu::common::pipelines::{Pipelines, group};
 use crate::gpu::common::requirements::{Subject, check_alive};
-use crate::layout::MeshDepthView;
+use crate::gpu::scene::caster::Rigid;
+use crate::layout::{MeshDepthCaster, MeshDepthView};
 use crate::shadow::DepthDirection;
 use crate::stages::MESH_DEPTH;
-use crate::{Mesh, ShadowCamera};
+use crate::{Matrix3x4, Mesh, ShadowCamera};
+
+/// The transform that leaves positions where they are.
+pub(super) const UNMOVED: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 /// Draws the depth of a mesh into a depth map, for [`DepthMapVolumes`](crate::gpu::DepthMapVolumes). Front and back faces
-/// are drawn alike. Many meshes can be drawn in one pass, and anything else that writes depth beside them.
+/// are drawn alike. Many meshes can be drawn in one pass, and anything else that writes depth beside them. For the casters of a
+/// scene there is [`SceneDepth`](crate::gpu::SceneDepth).
 ///
 /// A mesh with an object-precision volume does not need this. It is for casters that share a map with others, and for
 /// comparing.
@@ -47,7 +52,7 @@ impl MeshDepth {
         shared.clone().construct(Subject::DepthMap, || {
             let device = shared.device().clone();
             any_error(&device, || Self {
-                pipeline: make(&shared, format, depth),
+                pipeline: depth_pipeline(&shared, "mesh_depth", &layout(&shared), format, depth),
                 indices: filled(
                     &device,
                     "faces of a depth map",
@@ -63,7 +68,8 @@ impl MeshDepth {
         })
     }
 
-    /// Draws the mesh as `light` sees it. Clear the depth of the pass to the far end before: 0 with reversed depth, else 1.
+    /// Draws the mesh as `light` sees it. `positions` are in world space, the space of the light's camera. Clear the depth of the
+    /// pass to the far end before: 0 with reversed depth, else 1.
     ///
     /// # Errors
     /// [`MeshDepthError`] if the positions or the light are refused. Nothing is drawn then.
@@ -73,6 +79,24 @@ impl MeshDepth {
         positions: PositionBuffer<'_>,
         light: &ShadowCamera,
     ) -> Result<(), MeshDepthError> {
+        self.draw_rigid(pass, positions, UNMOVED, light)
+    }
+
+    /// As [`Self::draw`], with `positions` in mesh space, which `mesh_to_world` places in world space: three rows of four. It may
+    /// mirror. With a singular matrix, or one that is not finite, nothing is drawn, as such a caster of a scene casts nothing.
+    ///
+    /// A vertex less the light's origin is at `row.xyz · position + (row.w − origin)` for each axis, as for
+    /// [`CasterPositions::Rigid`](crate::gpu::CasterPositions::Rigid).
+    ///
+    /// # Errors
+    /// [`MeshDepthError`] if the positions or the light are refused. Nothing is drawn then.
+    pub fn draw_rigid(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        positions: PositionBuffer<'_>,
+        mesh_to_world: Matrix3x4,
+        light: &ShadowCamera,
+    ) -> Result<(), MeshDepthError> {
         light.check()?;
         if light.depth != self.depth {
             return Err(MeshDepthError::Depth { light: light.depth, made: self.depth });
@@ -80,25 +104,22 @@ impl MeshDepth {
         let device = self.shared.device();
         check_alive(device)?;
         let end = positions.end(self.vertices)?;
-        if self.count == 0 {
+        if self.count == 0 || Rigid::new(mesh_to_world).space.is_none() {
             return Ok(());
         }
         let base = DispatchLimits::new(&device.limits()).align_down(positions.offset);
         let word = |bytes: u64| u32::try_from(bytes / 4).unwrap_or(u32::MAX);
-        let [x, y, z] = light.origin;
-        let view = MeshDepthView {
-            columns: light.view_projection,
-            origin: [x, y, z, 0.0],
-            place: [word(positions.offset - base), word(positions.stride), 0, 0],
-        };
+        let place = [word(positions.offset - base), word(positions.stride), 0, self.count / 3];
         let group = any_error(device, || {
-            let view = filled(device, "mesh depth", bytemuck::bytes_of(&view), wgpu::BufferUsages::STORAGE);
+            let view = storage(device, bytemuck::bytes_of(&MeshDepthView { columns: light.view_projection }));
+            let caster = storage(device, bytemuck::bytes_of(&placed(mesh_to_world, light, place)));
             let bound = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                 buffer: positions.buffer,
                 offset: base,
                 size: wgpu::BufferSize::new(end - base),
             });
-            group(device, "mesh depth", &layout(&self.shared), &[view.as_entire_binding(), bound])
+            let resources = [view.as_entire_binding(), bound, caster.as_entire_binding()];
+            group(device, "mesh depth", &layout(&self.shared), &resources)
         });
         let group = group.map_err(|message| MeshDepthError::Refused { message })?;
         pass.set_pipeline(&self.pipeline);
@@ -109,25 +130,51 @@ impl MeshDepth {
     }
 }
 
-/// The layout of the bind group: view, positions.
+/// A buffer that a draw reads.
+pub(super) fn storage(device: &wgpu::Device, contents: &[u8]) -> wgpu::Buffer {
+    filled(device, "mesh depth", contents, wgpu::BufferUsages::STORAGE)
+}
+
+/// A caster as a light sees it.
+pub(super) fn placed(rows: Matrix3x4, light: &ShadowCamera, place: [u32; 4]) -> MeshDepthCaster {
+    let less = |axis: usize| {
+        let [x, y, z, shift] = rows[axis];
+        [x, y, z, shift - light.origin[axis]]
+    };
+    MeshDepthCaster { row_0: less(0), row_1: less(1), row_2: less(2), place }
+}
+
+/// The layout of the bind group: view, positions, caster.
 fn layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
+    depth_layout(pipelines, 3)
+}
+
+/// The layout of the first bindings of the stage.
+pub(super) fn depth_layout(pipelines: &Pipelines, bindings: u32) -> wgpu::BindGroupLayout {
     let ty = wgpu::BufferBindingType::Storage { read_only: true };
     let ty = wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
     let visibility = wgpu::ShaderStages::VERTEX;
     let entry = |binding| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-    pipelines.layout("mesh depth", vec![entry(0), entry(1)])
+    pipelines.layout("mesh depth", (0..bindings).map(entry).collect())
 }
 
-fn make(shared: &Pipelines, format: wgpu::TextureFormat, depth: DepthDirection) -> wgpu::RenderPipeline {
+/// A pipeline of the stage, for attachments without color.
+pub(super) fn depth_pipeline(
+    shared: &Pipelines,
+    entry_point: &str,
+    layout: &wgpu::BindGroupLayout,
+    format: wgpu::TextureFormat,
+    depth: DepthDirection,
+) -> wgpu::RenderPipeline {
     let device = shared.device();
     let nearer = match depth {
         DepthDirection::Reversed => wgpu::CompareFunction::Greater,
         DepthDirection::Standard => wgpu::CompareFunction::Less,
     };
-    let label = Some(MESH_DEPTH.name);
+    let label = Some(entry_point);
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label,
-        bind_group_layouts: &[Some(&layout(shared))],
+        bind_group_layouts: &[Some(layout)],
         immediate_size: 0,
     });
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {

@@ -7,6 +7,7 @@ mod casters_errors;
 mod casters_frame;
 mod checks;
 mod contours;
+mod conversion;
 mod convex;
 mod cube;
 mod edges;
@@ -16,14 +17,17 @@ mod jitter;
 mod meeting;
 mod merge;
 mod mesh_depth;
+pub(crate) mod metric;
 pub(crate) mod near;
 mod options;
 mod pipelines;
 mod recording;
+mod scene_depth;
 mod statistics;
 mod texture;
 mod view;
 mod volumes;
+mod written;
 
 pub use caster::{
     DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle, DepthMapCasterVolumes, DepthMapCastersOptions,
@@ -32,15 +36,18 @@ pub use caster::{
 pub use casters::DepthMapCasters;
 pub use casters_errors::DepthMapCastersError;
 pub use casters_frame::DepthMapCastersFrame;
+pub use conversion::DepthMapConversion;
 pub use cube::DepthMapCube;
 pub use errors::{
     CubeMismatch, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapPipelinesError, DepthMapTexture,
-    DepthMapVolumesError, MeshDepthError,
+    DepthMapVolumesError, MeshDepthError, SceneDepthError,
 };
 pub use frame::{DepthMapFrame, DepthMapNearCap};
 pub use merge::DepthMapMerge;
 pub use mesh_depth::MeshDepth;
+pub use metric::DepthMetric;
 pub use options::{DanglingEdges, DepthEdges, DepthMap, DepthMapOptions, DepthMapReconstruction};
 pub use pipelines::DepthMapPipelines;
+pub use scene_depth::{SceneDepth, SceneDepthCounts};
 pub use statistics::DepthMapStatistics;
 pub use volumes::DepthMapVolumes;

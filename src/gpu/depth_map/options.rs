@@ -1,5 +1,6 @@
 //! What volumes are rebuilt from, and how.
 
+use super::metric::DepthMetric;
 use crate::ShadowCamera;
 
 /// A depth map: what a light sees.
@@ -10,7 +11,8 @@ use crate::ShadowCamera;
 pub struct DepthMap<'a> {
     /// A view of the depth aspect, or of the only aspect, of one layer. The texture has one mip level, one sample a texel, usage
     /// `TEXTURE_BINDING`, and one of these formats: `Depth16Unorm`, `Depth24Plus`, `Depth24PlusStencil8`, `Depth32Float`,
-    /// `Depth32FloatStencil8`, `R32Float`. `R32Float` holds the depths that the others would hold.
+    /// `Depth32FloatStencil8`, `R32Float`. `R32Float` holds the depths that the others would hold;
+    /// [`DepthMapConversion`](crate::gpu::DepthMapConversion) makes such a map from distances.
     ///
     /// Row 0 is at the top, where y is 1 in clip space. Texels at the far end of the depths cast nothing: 0 with reversed
     /// depth, else 1. Values beyond the far end and NaN cast nothing, either. Values before the near end are at the near end.
@@ -162,6 +164,10 @@ pub struct DepthMapOptions {
     /// own. The boundary moves by four of its steps. Without it, a map of `R32Float` that was copied or merged from
     /// `Depth16Unorm` has specks of shadow.
     pub rounded_to: Option<wgpu::TextureFormat>,
+    /// What the map was converted from by [`DepthMapConversion`](crate::gpu::DepthMapConversion): the boundary moves by what the
+    /// conversion may be off, besides. The map itself holds device depths. Left at [`DepthMetric::Device`], a map that was
+    /// converted from distances may have specks of shadow, with reversed depth above all near the far plane.
+    pub metric: DepthMetric,
     /// Bits of the stencil that take the boundary, from 1 to 8: the pipelines'
     /// ([`DepthMapPipelines::antialiased`](crate::gpu::DepthMapPipelines::antialiased)). With more than one, each takes the
     /// boundary moved sideways by another part of a texel, so that borders of shadows have as many levels of grey, and one more.
@@ -187,6 +193,7 @@ impl Default for DepthMapOptions {
             capacity: None,
             slope_bias: 1.0,
             rounded_to: None,
+            metric: DepthMetric::Device,
             bits: 1,
             skip_near_caps: true,
             memory_limit: None,

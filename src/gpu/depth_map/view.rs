@@ -20,11 +20,11 @@ pub(super) fn steps(format: wgpu::TextureFormat, depth: DepthDirection) -> [f64;
     }
 }
 
-fn matrix(camera: &ShadowCamera) -> DMat4 {
+pub(super) fn matrix(camera: &ShadowCamera) -> DMat4 {
     Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4()
 }
 
-fn origin(camera: &ShadowCamera) -> DVec3 {
+pub(super) fn origin(camera: &ShadowCamera) -> DVec3 {
     Vec3::from_array(camera.origin).as_dvec3()
 }
 
@@ -40,7 +40,7 @@ fn eye_matrix(eye: &ShadowCamera, format: wgpu::TextureFormat) -> DMat4 {
 }
 
 /// The depth at infinity of a perspective map, for x, y and a constant in device coordinates. `None` for a parallel light.
-fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<DVec3>, DepthMapEncodeError> {
+pub(super) fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<DVec3>, DepthMapEncodeError> {
     if matrix(light).row(3).truncate() == DVec3::ZERO {
         return Ok(None);
     }
@@ -140,10 +140,11 @@ pub(super) fn near_columns(
     [near.x_axis, near.y_axis, near_z * near.z_axis + near.w_axis]
 }
 
-/// The view of a map of `size` texels, whose depths were rounded to `formats`, for an eye whose depth buffer has the format
-/// `format`.
+/// The view of a map of `size` texels, whose depths were rounded to `formats` and are `off` by more, for an eye whose depth
+/// buffer has the format `format`.
 pub(super) fn depth_map_view(
-    (light, size, formats): (&ShadowCamera, [u32; 2], &mut dyn Iterator<Item = wgpu::TextureFormat>),
+    (light, size): (&ShadowCamera, [u32; 2]),
+    (off, formats): ([f64; 2], &mut dyn Iterator<Item = wgpu::TextureFormat>),
     (eye, format): (&ShadowCamera, wgpu::TextureFormat),
     placing: &Placing,
 ) -> Result<DepthMapView, DepthMapEncodeError> {
@@ -166,9 +167,8 @@ pub(super) fn depth_map_view(
     let [near_across, near_up, near_middle] = near_columns((light, size), (eye, format), placing);
     let f32s = |column: DVec4| column.as_vec4().to_array();
     let rounded = formats.map(|format| steps(format, light.depth));
-    let [share, constant] = rounded
-        .fold([0.0; 2], |most: [f64; 2], steps| [0, 1].map(|at| most[at].max(steps[at])))
-        .map(|steps| steps as f32);
+    let most = rounded.fold([0.0; 2], |most: [f64; 2], steps| [0, 1].map(|at| most[at].max(steps[at])));
+    let [share, constant] = [0, 1].map(|at| (most[at] + off[at]) as f32);
     let depth = infinity.unwrap_or(DVec3::ZERO);
     Ok(DepthMapView {
         across: f32s(place.x_axis / width),

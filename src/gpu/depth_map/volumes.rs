@@ -8,6 +8,7 @@ use super::edges::{Detector, EdgeStages, threshold_bits};
 use super::errors::{DepthMapEncodeError, DepthMapTexture, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
 use super::jitter::{jitters, reach};
+use super::metric::{DepthMetric, metric_steps};
 use super::options::{DepthEdges, DepthMap, DepthMapOptions, DepthMapReconstruction};
 use super::pipelines::DepthMapPipelines;
 use super::texture::{check_objects, check_texture, object_texture};
@@ -82,6 +83,7 @@ pub struct DepthMapVolumes {
     /// A threshold in world units.
     pub(super) world: Option<f32>,
     pub(super) rounded_to: Option<wgpu::TextureFormat>,
+    metric: DepthMetric,
     pub(super) eye: (wgpu::TextureFormat, DepthDirection),
     /// Bound where there are no objects.
     pub(super) nothing: wgpu::TextureView,
@@ -132,6 +134,7 @@ impl DepthMapVolumes {
             capacity,
             slope_bias,
             rounded_to,
+            metric,
             bits,
             memory_limit,
             ..
@@ -216,6 +219,7 @@ impl DepthMapVolumes {
             bits,
             world,
             rounded_to,
+            metric,
             eye: (pipelines.format().depth_stencil, pipelines.format().depth),
             nothing,
             places,
@@ -296,7 +300,8 @@ impl DepthMapVolumes {
         let formats = formats.iter().copied().chain(self.rounded_to);
         let slope_bias = f64::from(self.slope_bias) * (0.5 + reach(self.bits));
         let placing = Placing { border, jitter, slope_bias };
-        depth_map_view((light, self.shape.size, &mut { formats }), (camera, self.eye.0), &placing)
+        let off = metric_steps(light, self.metric)?;
+        depth_map_view((light, self.shape.size), (off, &mut { formats }), (camera, self.eye.0), &placing)
     }
 
     /// Cells, or walls, that the list has room for. With a larger number at the begin of [`Self::cells`], every cell is drawn.

@@ -3,6 +3,7 @@
 
 pub(crate) mod buffers;
 pub(crate) mod caster;
+pub(crate) mod depths;
 mod encode;
 pub(crate) mod errors;
 pub(crate) mod frame;

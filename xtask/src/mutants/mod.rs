@@ -2,6 +2,7 @@
 //! tree, so nothing here is touched.
 
 mod contours;
+mod depth_inputs;
 mod depth_map;
 mod list;
 mod occluded;
@@ -24,6 +25,7 @@ fn all() -> impl Iterator<Item = &'static Mutation> {
     let lists = [
         list::MUTATIONS,
         depth_map::MUTATIONS,
+        depth_inputs::MUTATIONS,
         contours::MUTATIONS,
         occluded::MUTATIONS,
         polygons::MUTATIONS,

@@ -14,10 +14,22 @@ pub const MAX_SIDE: u32 = 4096;
 /// What a value takes: as read, in its own type, turned into C order, and on its way to the device.
 const VALUE: u64 = 4 * GROWTH + 12;
 
+/// What the values of a map are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Metric {
+    /// Device depths.
+    #[default]
+    Device,
+    /// Distances along the camera's axis.
+    AlongAxis,
+    /// Distances along the rays.
+    AlongRay,
+}
+
 /// Depths as the file has them, bit for bit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Depths {
-    /// Device depths.
+    /// Device depths, or distances.
     F32(Vec<f32>),
     /// Device depths in steps of 1 / 65,535.
     U16(Vec<u16>),
@@ -37,6 +49,8 @@ pub struct DepthMapArrays {
     pub is_reversed: bool,
     /// Bits that the depths were rounded to before, if it is said.
     pub depth_bits: Option<u32>,
+    /// What the depths are: device depths in other types than float32.
+    pub metric: Metric,
     /// A number for each texel of one map, if they were asked for.
     pub objects: Option<Vec<u32>>,
 }
@@ -73,6 +87,14 @@ const DEPTH_BITS: Entry = Entry {
     limit: 1,
     row_bytes: 64,
     wanted: "16, 24 or 32 is needed",
+    accepts: is_integer,
+};
+const METRIC: Entry = Entry {
+    array: "metric",
+    shape: "()",
+    limit: 1,
+    row_bytes: 64,
+    wanted: "0, 1 or 2 is needed: device depths, distances along the axis, or distances along rays",
     accepts: is_integer,
 };
 const OBJECTS: Entry = Entry {
@@ -149,12 +171,18 @@ pub fn read_depth_map(
     if let Some(other) = depth_bits.filter(|bits| ![16, 24, 32].contains(bits)) {
         return Err(wrong(&DEPTH_BITS, other));
     }
+    let metric = match METRIC.is_in(archive).then(|| number(&METRIC, archive, budget)).transpose()? {
+        None | Some(0) => Metric::Device,
+        Some(1) => Metric::AlongAxis,
+        Some(2) => Metric::AlongRay,
+        Some(other) => return Err(wrong(&METRIC, other)),
+    };
     let mut objects = None;
     if needs_objects || (with_objects && OBJECTS.is_in(archive)) {
         objects = Some(OBJECTS.values(archive, budget, index, |of| *of == [height, width])?.elements);
     }
     let size = [width as u32, height as u32];
-    Ok(DepthMapArrays { size, depths, view_projections, origin, is_reversed, depth_bits, objects })
+    Ok(DepthMapArrays { size, depths, view_projections, origin, is_reversed, depth_bits, metric, objects })
 }
 
 /// The only number of an array.
@@ -201,6 +229,10 @@ impl DepthMapArrays {
         if let Some(bits) = self.depth_bits {
             npz.array("depth_bits", ElementType::U32, &[], |to| to.write_all(bytemuck::bytes_of(&bits)))?;
         }
+        if self.metric != Metric::Device {
+            let metric: u32 = if self.metric == Metric::AlongAxis { 1 } else { 2 };
+            npz.array("metric", ElementType::U32, &[], |to| to.write_all(bytemuck::bytes_of(&metric)))?;
+        }
         if let Some(objects) = &self.objects {
             npz.array("objects", ElementType::U32, &shape, |to| to.write_all(bytemuck::cast_slice(objects)))?;
         }
@@ -222,6 +254,7 @@ mod tests {
             origin: [1.0, -2.0, 0.5],
             is_reversed: maps == 6,
             depth_bits: (maps == 6).then_some(24),
+            metric: Metric::Device,
             objects: (maps == 1).then(|| vec![7, 7, 8, 9, u32::MAX, 0]),
         }
     }
@@ -236,7 +269,10 @@ mod tests {
     fn what_is_written_is_read() {
         let one = map(1, Depths::U16(vec![0, 1, 2, 3, 4, 65535]));
         let six = map(6, Depths::F32((0..36).map(|number| number as f32 / 35.0).collect()));
-        for map in [&one, &six] {
+        let along = DepthMapArrays { metric: Metric::AlongAxis, depth_bits: None, ..six.clone() };
+        let by_ray = DepthMapArrays { metric: Metric::AlongRay, ..along.clone() };
+        assert_ne!(read(&along, 1 << 20).ok(), Some(by_ray.clone()));
+        for map in [&one, &six, &along, &by_ray] {
             assert_eq!(read(map, 1 << 20).as_ref().ok(), Some(map));
         }
         assert_ne!(read(&one, 1 << 20).ok(), Some(six.clone()));

@@ -8,7 +8,7 @@ mod read;
 mod write;
 
 pub use compare::{Difference, compare};
-pub use depth_map::{DepthMapArrays, Depths, MAX_SIDE, read_depth_map};
+pub use depth_map::{DepthMapArrays, Depths, MAX_SIDE, Metric, read_depth_map};
 pub use header::ElementType;
 pub use read::{Arrays, NpzError, PolygonArrays, read, read_points, read_with_lights};
 pub use write::NpzWriter;

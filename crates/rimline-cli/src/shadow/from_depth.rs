@@ -89,6 +89,7 @@ impl FromDepth {
         if let MapSource::Given(map) = &self.source {
             options.objects = map.has_objects();
             options.rounded_to = map.rounded_to;
+            options.metric = map.metric;
         }
         if self.edges == DepthEdges::Outlines && self.reconstruction != Reconstruction::Vector {
             // Steep sides of objects are left out, and what is drawn must stay with them.

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use rimline::gpu::DepthEdges;
+use rimline::gpu::{DepthEdges, DepthMetric};
 use rimline::{CameraError, DepthDirection, Light, ShadowCamera, wgpu};
 
 use super::given_map_error::GivenMapError;
 use super::light_maps::LightCameras;
 use crate::device::Gpu;
 use crate::failure::{Failure, InputError};
-use crate::npz::{self, DepthMapArrays, Depths};
+use crate::npz::{self, DepthMapArrays, Depths, Metric};
 use crate::source;
 
 /// A map, or six, with what they were drawn with.
@@ -23,6 +23,8 @@ pub(crate) struct GivenMap {
     objects: Option<Vec<u32>>,
     /// A format that the depths were rounded to, coarser than their own.
     pub(super) rounded_to: Option<wgpu::TextureFormat>,
+    /// What the depths are.
+    pub(super) metric: DepthMetric,
 }
 
 impl GivenMap {
@@ -37,7 +39,8 @@ impl GivenMap {
     }
 
     fn new(file: &Path, arrays: DepthMapArrays) -> Result<Self, GivenMapError> {
-        let DepthMapArrays { size, depths, view_projections, origin, is_reversed, depth_bits, objects } = arrays;
+        let DepthMapArrays { size, depths, view_projections, origin, is_reversed, depth_bits, metric, objects } =
+            arrays;
         let depth = if is_reversed { DepthDirection::Reversed } else { DepthDirection::Standard };
         let camera = |rows: &[[f32; 4]; 4]| ShadowCamera {
             view_projection: [0, 1, 2, 3].map(|column| rows.map(|row| row[column])),
@@ -55,12 +58,25 @@ impl GivenMap {
             (Err(_), [camera, ..]) => LightCameras::One(*camera),
             (Err(_), []) => return Err(GivenMapError::Camera { map: 0, error: CameraError::Singular }),
         };
+        let metric = match metric {
+            Metric::Device => DepthMetric::Device,
+            Metric::AlongAxis => DepthMetric::AlongAxis,
+            Metric::AlongRay => DepthMetric::AlongRay,
+        };
+        if metric != DepthMetric::Device {
+            if let Depths::U16(_) = depths {
+                return Err(GivenMapError::DistanceType);
+            }
+            if depth_bits.is_some() {
+                return Err(GivenMapError::DistanceBits);
+            }
+        }
         let rounded_to = match (depth_bits, &depths) {
             (Some(16), Depths::F32(_)) => Some(wgpu::TextureFormat::Depth16Unorm),
             (Some(24), Depths::F32(_)) => Some(wgpu::TextureFormat::Depth24Plus),
             _ => None,
         };
-        Ok(Self { file: file.to_owned(), size, cameras, depths, objects, rounded_to })
+        Ok(Self { file: file.to_owned(), size, cameras, depths, objects, rounded_to, metric })
     }
 
     pub(super) fn has_objects(&self) -> bool {

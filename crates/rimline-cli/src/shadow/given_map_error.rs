@@ -15,6 +15,14 @@ pub(crate) enum GivenMapError {
     NotSquare([u32; 2]),
     #[error("`objects` go with one map, not with six; take another detector")]
     ObjectsOfCube,
+    #[error(
+        "`depth` is uint16, and `metric` says that it has distances; give distances as float32, in the units of the models"
+    )]
+    DistanceType,
+    #[error(
+        "`depth_bits` is that of a depth buffer, and `metric` says that `depth` has distances; leave one of them out"
+    )]
+    DistanceBits,
     #[error(transparent)]
     Volumes(#[from] DepthMapVolumesError),
     #[error(transparent)]

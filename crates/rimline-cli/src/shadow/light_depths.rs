@@ -1,8 +1,8 @@
 //! The depth maps of one light, and the shadows rebuilt from them.
 
 use rimline::gpu::{
-    DepthMap, DepthMapCube, DepthMapDrawError, DepthMapFrame, DepthMapPipelines, DepthMapVolumes, ReadError,
-    StageTimer, read_back_vec,
+    DepthMap, DepthMapConversion, DepthMapCube, DepthMapDrawError, DepthMapFrame, DepthMapPipelines, DepthMapVolumes,
+    DepthMetric, ReadError, StageTimer, read_back_vec,
 };
 use rimline::{ShadowCamera, wgpu};
 
@@ -12,17 +12,26 @@ use super::shown_maps::{ShownDepths, ShownMaps};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::image::Picture;
-use crate::npz::{DepthMapArrays, Depths};
+use crate::npz::{DepthMapArrays, Depths, Metric};
 
 pub(super) struct LightMaps {
     maps: Maps,
     /// For each of the maps.
     pub(super) views: Vec<wgpu::TextureView>,
+    /// What the maps are converted from, if that is no depth: one for each, or none.
+    distances: Vec<Distances>,
     objects: Option<wgpu::TextureView>,
     /// As they were encoded.
     cameras: LightCameras,
     pub(super) frame: Option<DepthMapFrame>,
     shown: ShownMaps,
+}
+
+/// A map of distances, and what makes a map of depths of it.
+struct Distances {
+    given: wgpu::TextureView,
+    conversion: DepthMapConversion,
+    metric: DepthMetric,
 }
 
 enum Maps {
@@ -44,13 +53,22 @@ impl LightMaps {
                 Maps::Cube(Box::new(DepthMapCube::new(pipelines, size[0], cameras, options)?))
             }
         };
-        let (views, objects) = match &from.source {
+        let (mut views, objects): (Vec<_>, _) = match &from.source {
             MapSource::Drawn { side } => (cameras.all().iter().map(|_| drawn(gpu, *side)).collect(), None),
             MapSource::Given(map) => (map.upload(gpu), map.upload_objects(gpu)),
         };
+        let mut distances = Vec::new();
+        if options.metric != DepthMetric::Device {
+            for view in &mut views {
+                let conversion = DepthMapConversion::new(&gpu.pipelines, size)?;
+                let given = std::mem::replace(view, conversion.texture().clone());
+                distances.push(Distances { given, conversion, metric: options.metric });
+            }
+        }
         Ok(Self {
             maps,
             views,
+            distances,
             objects,
             cameras: cameras.clone(),
             frame: None,
@@ -75,6 +93,11 @@ impl LightMaps {
         eye: &ShadowCamera,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
+        let mut timer = timer;
+        for (Distances { given, conversion, metric }, light) in self.distances.iter().zip(cameras.all()) {
+            let map = DepthMap { texture: given, light: *light };
+            conversion.encode(encoder, &map, *metric, timer.as_deref_mut())?;
+        }
         let mut views = self.views.iter();
         let size = self.views.first().map_or([1; 2], |view| [view.texture().width(), view.texture().height()]);
         let frame = match (&mut self.maps, cameras) {
@@ -148,6 +171,7 @@ impl LightMaps {
             origin: cameras.first().map_or([0.0; 3], |camera| camera.origin),
             is_reversed: cameras.first().is_some_and(|camera| camera.depth == rimline::DepthDirection::Reversed),
             depth_bits: None,
+            metric: Metric::Device,
             objects: None,
         })
     }

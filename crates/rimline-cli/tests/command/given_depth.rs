@@ -1,5 +1,6 @@
 //! `--depth`: shadows of a map that some program made, which `--save-depth` is one of.
 
+use glam::{DMat4, DVec3};
 use rimline_measure::shapes;
 
 use super::archive::{Entry, array, data, read_zip, words, write_zip};
@@ -13,6 +14,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("given_depth::a_map_casts_and_the_models_do_not", casts_alone),
     ("given_depth::objects_bound_shadows", objects),
     ("given_depth::walls_without_room_are_told_and_shown_as_every_cell", overflow),
+    ("given_depth::distances_are_the_same_map", distances),
     ("given_depth::lights_that_are_not_the_maps_end_with_2", wrong_lights),
 ];
 
@@ -241,6 +243,86 @@ fn overflow() -> Outcome {
     ensure!(of(&walls)["overflowed"] == false && !text.contains("has room for"), "{walls:#} {text}");
     let (_, _, expected) = draw("map.0", "", "cells")?;
     ensure!(apart(&shown, &expected) > 500, "walls are shown as cells");
+    Ok(())
+}
+
+/// A saved map with distances in the place of its depths, in the order of `metric`: along the axis, and along rays.
+fn as_distances(
+    saved: &[Entry],
+    (side, maps): (usize, usize),
+    light: Option<DVec3>,
+) -> Result<[Vec<Entry>; 2], String> {
+    let of = |shape: &[usize]| {
+        let shape = if maps == 1 { shape.to_vec() } else { [&[maps], shape].concat() };
+        format!("({})", shape.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))
+    };
+    let shape = of(&[side, side]);
+    let depths = floats(data(&saved[0], "<f4", &shape)?);
+    let matrices = floats(data(&saved[1], "<f4", &of(&[4, 4]))?);
+    let origin = floats(data(&saved[2], "<f4", "(3,)")?);
+    let origin = DVec3::new(origin[0].into(), origin[1].into(), origin[2].into());
+    let mut found = [Vec::new(), Vec::new()];
+    for (depths, matrix) in depths.chunks(side * side).zip(matrices.chunks(16)) {
+        let rows: [f64; 16] = std::array::from_fn(|at| f64::from(matrix[at]));
+        let matrix = DMat4::from_cols_array(&rows).transpose();
+        let inverse = matrix.inverse();
+        for (texel, &depth) in depths.iter().enumerate() {
+            let [column, row] = [texel % side, texel / side].map(|at| (at as f64 + 0.5) / side as f64);
+            let place = |depth: f64| inverse.project_point3(DVec3::new(2.0 * column - 1.0, 1.0 - 2.0 * row, depth));
+            let at = place(depth.into());
+            // From the light, or from the near plane of a light at infinity, whose rays are at right angles to it.
+            let [axis, ray] = match light {
+                Some(light) => {
+                    let w = matrix.row(3);
+                    [w.dot(at.extend(1.0)) / w.truncate().length(), (at + origin - light).length()]
+                }
+                None => [(at - place(1.0)).length(); 2],
+            };
+            for (found, distance) in found.iter_mut().zip([axis, ray]) {
+                let distance = if depth == 0.0 { f32::INFINITY } else { distance as f32 };
+                found.extend(distance.to_le_bytes());
+            }
+        }
+    }
+    let archive = |(metric, bytes): (u8, &Vec<u8>)| {
+        let mut entries = saved.to_vec();
+        entries[0] = array("depth", "<f4", "False", &shape, bytes);
+        entries.push(array("metric", "|u1", "False", "()", &[metric]));
+        entries
+    };
+    Ok([archive((1, &found[0])), archive((2, &found[1]))])
+}
+
+fn distances() -> Outcome {
+    const SIDE: usize = 128;
+    let folder = models()?;
+    for (light, place, maps) in [
+        (LIGHT, Some(DVec3::new(6.0, 12.0, 3.0)), 1),
+        ("dir:-1,2,0.5", None, 1),
+        ("point:1.2,2.4,0.9", Some(DVec3::new(1.2_f32.into(), 2.4_f32.into(), 0.9_f32.into())), 6),
+    ] {
+        let (_, own) = save(&folder, light, SIDE as u32)?;
+        let archives = as_distances(&entries(&folder)?, (SIDE, maps), place)?;
+        for (archive, metric) in archives.iter().zip(1..) {
+            put(&folder, "distances.npz", write_zip(archive))?;
+            let (said, given) = of_map(&folder, "distances", &format!("--light {light}"))?;
+            ensure!(said["lights"][0]["depth_map"]["maps"] == maps, "{light}: {said:#}");
+            let differing = apart(&own, &given);
+            ensure!(differing < 30, "{light}, metric {metric}: {differing} pixels differ");
+            // Negative controls: distances are taken for depths, and those along the axis for the longer ones along rays. (The other
+            // way round surfaces move away from the light, and most of the mask stays.)
+            for wrong in if metric == 1 { vec![0, 2] } else { vec![0] } {
+                let mut other = archive.clone();
+                other.pop();
+                other.push(array("metric", "|u1", "False", "()", &[wrong]));
+                put(&folder, "wrong.npz", write_zip(&other))?;
+                let (_, given) = of_map(&folder, "wrong", &format!("--light {light}"))?;
+                let is_same_metric = place.is_none() && wrong != 0;
+                let differing = apart(&own, &given);
+                ensure!((differing < 30) == is_same_metric, "{light}, {metric} as {wrong}: {differing} pixels differ");
+            }
+        }
+    }
     Ok(())
 }
 

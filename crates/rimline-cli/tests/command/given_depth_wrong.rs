@@ -74,10 +74,21 @@ fn arrays() -> Outcome {
         (array("reversed", "|u1", "False", "()", &[7]), ["`reversed`", "holds 7", "whether near is 1"]),
         (array("reversed", "|i1", "False", "()", &[255]), ["`reversed`", "-1", "from 0"]),
         (array("depth_bits", "|u1", "False", "()", &[20]), ["`depth_bits`", "holds 20", "16, 24 or 32"]),
+        (array("metric", "|u1", "False", "()", &[3]), ["`metric`", "holds 3", "0, 1 or 2"]),
+        (array("metric", "|i1", "False", "()", &[255]), ["`metric`", "-1", "from 0"]),
+        (zeros("metric", "<f4", "()", 4), ["`metric`", "<f4", "along rays"]),
     ] {
         let name = changed.name.clone();
         refused(&folder, &with(&map, changed), "", &parts).map_err(|error| format!("{name}, {parts:?}: {error}"))?;
     }
+    // Distances are no steps of a format, and have no bits of a depth buffer.
+    let metric = |value: u8| array("metric", "|u1", "False", "()", &[value]);
+    let mut steps = map.clone();
+    steps[0] = zeros("depth", "<u2", "(16, 16)", 512);
+    refused(&folder, &with(&steps, metric(1)), "", &["`depth` is uint16", "`metric`", "float32"])?;
+    let mut bits = map.clone();
+    bits.push(array("depth_bits", "|u1", "False", "()", &[24]));
+    refused(&folder, &with(&bits, metric(2)), "", &["`depth_bits`", "`metric`"])?;
     for (changed, parts) in [
         (zeros("objects", "<u4", "(16, 8)", 512), ["`objects`", "(16, 8)"]),
         (zeros("objects", "<f4", "(16, 16)", 1024), ["`objects`", "integer"]),

@@ -57,6 +57,7 @@ fn depth_map(maps: &str, order: &str) -> Vec<Array> {
         array("origin", "<f4", "False", "(3,)", &[0; 12]),
         array("reversed", "|b1", "False", "()", &[1]),
         array("depth_bits", "|u1", "False", "(1,)", &[24]),
+        array("metric", "|u1", "False", "()", &[2]),
         array("objects", "<u2", order, "(1, 2)", &[1, 0, 2, 0]),
     ]
 }

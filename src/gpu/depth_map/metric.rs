@@ -1,0 +1,178 @@
+//! How distances become device depths, in `f64`, rounded once, and how far the result may be off. NUMERICS.md, "Maps of
+//! distances".
+
+use bytemuck::Zeroable;
+use glam::{DMat4, DVec3, DVec4};
+
+use super::errors::DepthMapEncodeError;
+use super::view::{infinity, matrix};
+use crate::ShadowCamera;
+use crate::layout::DepthMetricView;
+use crate::shadow::DepthDirection;
+
+/// What the texels of an `R32Float` map hold.
+///
+/// Distances are in the units of the positions that the light's camera takes. What is infinite, NaN, or at the far plane or
+/// beyond it casts nothing. (Without a far plane that is what is 2¹²⁰ units away or more along the axis.) What is nearer than
+/// the near plane is at the near plane, and so is what is negative, minus infinity included. Distances that are so far away
+/// that their device depth rounds to that of the far end cast nothing, as in any map of device depths; reversed depth has none
+/// such.
+///
+/// A distance is taken to be right to one unit in its last place. What a caller's own errors add to this, such as the step at
+/// which a ray is stopped, is to be taken off the distance's nearer side, or added to it: a boundary that is nearer to the light
+/// than the surface shows as specks of shadow on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum DepthMetric {
+    /// Device depths, as a depth attachment has them: clip z over clip w.
+    #[default]
+    Device,
+    /// Distances along the axis of view. A perspective camera has them from the plane through the light at right angles to the
+    /// axis: clip w over the length by which it grows for each unit. An orthographic matrix does not tell where a camera is, so
+    /// there they are from the near plane, at right angles to it.
+    AlongAxis,
+    /// Distances along the ray through the middle of the texel. A perspective camera has them from the light, where all rays meet.
+    /// An orthographic one has them from the near plane, along the direction of its rays.
+    AlongRay,
+}
+
+/// One unit in the last place, as WGSL counts it.
+const U: f64 = 1.0 / 8_388_608.0;
+/// Near and far distances that are converted.
+const RANGE: [f64; 2] = [1.0 / (1_u128 << 100) as f64, (1_u128 << 100) as f64];
+/// The distance from which on nothing casts without a far plane.
+const NOTHING: f64 = (1_u128 << 120) as f64;
+/// The most by which a factor may enlarge errors.
+const MOST_GROWTH: f64 = 1024.0;
+/// The largest share of a depth that is a share in the bias. What is more is a part of the constant.
+const MOST_SHARE: f64 = 56.0 * U;
+
+/// What is known of the rays and planes of a camera. Nearness is 1 at the near plane and 0 at the far end.
+struct Planes {
+    /// How the ray through a place changes with x, with y, and at the middle. Empty if rays are parallel.
+    rays: Option<[DVec3; 3]>,
+    /// How nearness at infinity changes with x and y.
+    tilt: [f64; 2],
+    near: f64,
+    /// The far distance, and what is left of the way to it times this is nearness, times the distance if rays meet.
+    far: Option<[f64; 2]>,
+    /// Nearness times distance, without a far plane.
+    product: f64,
+}
+
+impl Planes {
+    fn new(light: &ShadowCamera, metric: DepthMetric) -> Result<Self, DepthMapEncodeError> {
+        light.check().map_err(DepthMapEncodeError::Light)?;
+        let matrix = matrix(light);
+        let inverse: DMat4 = matrix.inverse();
+        let planes = match infinity(light, &inverse)? {
+            Some(at_infinity) => Self::meeting(light, &matrix, &inverse, at_infinity),
+            None => Self::parallel(&matrix, &inverse, metric),
+        };
+        let [least, most] = RANGE;
+        let far = planes.far.map_or(planes.near, |[far, _]| far);
+        // Of rays that meet, the near distance for each unit between the planes, and the sums of rays.
+        let close = if planes.rays.is_some() { planes.far.map_or(0.0, |[_, scale]| scale) } else { 0.0 };
+        let stretch = planes.rays.map_or(0.0, |rays| stretch(&rays));
+        let is_in_range = planes.near <= most && far >= least && far <= most;
+        let has_near = planes.rays.is_none() || planes.near >= least;
+        if is_in_range && has_near && close <= MOST_GROWTH && stretch <= MOST_GROWTH {
+            Ok(planes)
+        } else {
+            Err(DepthMapEncodeError::Distances {
+                near: planes.near,
+                far: planes.far.map_or(f64::INFINITY, |[far, _]| far),
+            })
+        }
+    }
+
+    fn meeting(light: &ShadowCamera, matrix: &DMat4, inverse: &DMat4, at_infinity: DVec3) -> Self {
+        let nearness = match light.depth {
+            DepthDirection::Reversed => at_infinity,
+            DepthDirection::Standard => DVec3::Z - at_infinity,
+        };
+        // Clip w is the distance along the axis times this.
+        let growth = matrix.row(3).truncate().length();
+        let product = 1.0 / (inverse.z_axis.w * growth).abs();
+        let place = inverse.z_axis.truncate() / inverse.z_axis.w;
+        let ray = |of: DVec4| growth * (of.truncate() - of.w * place);
+        let behind = -nearness.z;
+        Self {
+            rays: Some([ray(inverse.x_axis), ray(inverse.y_axis), ray(inverse.w_axis)]),
+            tilt: [nearness.x, nearness.y],
+            near: product / (1.0 + behind),
+            far: light.has_far_plane().then(|| [product / behind, behind]),
+            product,
+        }
+    }
+
+    fn parallel(matrix: &DMat4, inverse: &DMat4, metric: DepthMetric) -> Self {
+        let clip_w = matrix.w_axis.w.abs();
+        let far = match metric {
+            DepthMetric::AlongRay => inverse.z_axis.truncate().length() * clip_w,
+            _ => clip_w / matrix.row(2).truncate().length(),
+        };
+        Self { rays: None, tilt: [0.0; 2], near: 0.0, far: Some([far, 1.0 / far]), product: 0.0 }
+    }
+}
+
+/// At most by how much the terms that a ray adds up from are longer than the ray.
+fn stretch(rays: &[DVec3; 3]) -> f64 {
+    rays.iter().map(|ray| ray.length()).sum()
+}
+
+/// How distances of a metric become device depths, for a map of `size` texels.
+pub(crate) fn metric_view(
+    light: &ShadowCamera,
+    size: [u32; 2],
+    metric: DepthMetric,
+) -> Result<DepthMetricView, DepthMapEncodeError> {
+    if metric == DepthMetric::Device {
+        return light.check().map_err(DepthMapEncodeError::Light).map(|()| DepthMetricView::zeroed());
+    }
+    let planes = Planes::new(light, metric)?;
+    let [width, height] = size.map(f64::from);
+    let [across, down, middle] = planes.rays.unwrap_or([DVec3::ZERO; 3]);
+    let f32s = |ray: DVec3, tilt: f64| ray.extend(tilt).as_vec4().to_array();
+    let [far, scale] = planes.far.unwrap_or([planes.product, 1.0]);
+    let head = far as f32;
+    let rest = if planes.far.is_some() { (far - f64::from(head)) as f32 } else { 0.0 };
+    Ok(DepthMetricView {
+        across: f32s(across / width, planes.tilt[0] / width),
+        down: f32s(-down / height, -planes.tilt[1] / height),
+        middle: f32s(middle, 0.0),
+        head,
+        rest,
+        has_far: f32::from(u8::from(planes.far.is_some())),
+        scale: scale as f32,
+        least: (planes.near / 2.0) as f32,
+        most: (if planes.far.is_some() { 2.0 * far } else { NOTHING }) as f32,
+        metric: match (metric, planes.rays) {
+            (DepthMetric::AlongRay, Some(_)) => 2,
+            _ => 1,
+        },
+        is_parallel: u32::from(planes.rays.is_none()),
+    })
+}
+
+/// How far depths of a converted map may be off: a share of the depth, which may be negative, and a constant.
+pub(crate) fn metric_steps(light: &ShadowCamera, metric: DepthMetric) -> Result<[f64; 2], DepthMapEncodeError> {
+    if metric == DepthMetric::Device {
+        return Ok([0.0; 2]);
+    }
+    let planes = Planes::new(light, metric)?;
+    // Of the nearness, and everywhere.
+    let [share, constant] = match &planes.rays {
+        None => [5.0 * U, U],
+        Some(rays) => {
+            let distance = if metric == DepthMetric::AlongRay { (4.0 * stretch(rays) + 12.0) * U } else { U };
+            let behind = planes.far.map_or(0.0, |[_, behind]| behind);
+            let tilt: f64 = planes.tilt.iter().map(|tilt| tilt.abs()).sum();
+            [9.0 * U + distance, (behind + tilt) * distance + 4.0 * U * tilt]
+        }
+    };
+    Ok(match light.depth {
+        DepthDirection::Reversed => [share.min(MOST_SHARE), constant + (share - MOST_SHARE).max(0.0)],
+        DepthDirection::Standard => [-share.min(MOST_SHARE), constant + share + U / 2.0],
+    })
+}

@@ -1,0 +1,198 @@
+//! The depth of the casters of a scene, as the light of a depth map sees them.
+
+use glam::{DMat4, DVec3};
+
+use super::errors::SceneDepthError;
+use super::mesh_depth::{UNMOVED, depth_layout, depth_pipeline, placed, storage};
+use super::view::{matrix, origin};
+use crate::ShadowCamera;
+use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
+use crate::gpu::common::memory::{Allocation, any_error, check};
+use crate::gpu::common::pipelines::{Pipelines, group};
+use crate::gpu::common::requirements::{Subject, check_alive};
+use crate::gpu::scene::depths::{DepthCaster, DepthGroup, SceneDepthCasters};
+use crate::gpu::scene::scene::Scene;
+use crate::layout::{CHUNK, MeshDepthCaster, MeshDepthView};
+use crate::shadow::DepthDirection;
+
+/// Draws the depth of casters of a [`Scene`] into a depth map, for [`DepthMapVolumes`](crate::gpu::DepthMapVolumes) and
+/// [`DepthMapCasters`](crate::gpu::DepthMapCasters). Front and back faces are drawn alike, and faces that are excluded or
+/// hidden for a light are drawn, too. The same pass may hold several draws, and anything else that writes depth.
+///
+/// Casters with the same source of positions are drawn together: one draw for those that are rigid, and one for each buffer of
+/// positions, times the pages of topology that their meshes are in, which are few. Casters whose box is outside of what the light
+/// sees are left out.
+#[derive(Debug)]
+pub struct SceneDepth {
+    shared: Pipelines,
+    pipeline: wgpu::RenderPipeline,
+    depth: DepthDirection,
+}
+
+/// What a draw of [`SceneDepth`] did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SceneDepthCounts {
+    /// Casters that were drawn.
+    pub drawn: usize,
+    /// Chosen casters that were left out, because the light sees nothing of them. Those with a singular transform count
+    /// nowhere.
+    pub outside: usize,
+    /// Draws.
+    pub draws: usize,
+}
+
+/// Bindings of a draw: view, positions, casters, faces, chunks.
+const BINDINGS: u32 = 5;
+
+/// The most that clip coordinates of the shader may be off, as a share of the sum of their terms' absolute values: twelve
+/// roundings of 2⁻²³, and what `f64` rounds. NUMERICS.md, "Volumes from depth maps", "Depth of scenes".
+const OFF: f64 = 16.0 / 8_388_608.0;
+
+impl SceneDepth {
+    /// Makes what draws into attachments of `format`, without color and with one sample. `depth` tells which depth is near, as
+    /// [`ShadowCamera::depth`] of the light does.
+    ///
+    /// # Errors
+    /// [`SceneDepthError`] if `format` has no depth, or the device lacks something or refuses it.
+    pub fn new(
+        pipelines: impl Into<Pipelines>,
+        format: wgpu::TextureFormat,
+        depth: DepthDirection,
+    ) -> Result<Self, SceneDepthError> {
+        if !format.has_depth_aspect() {
+            return Err(SceneDepthError::Format(format));
+        }
+        let shared = pipelines.into();
+        shared.clone().construct(Subject::DepthMap, || {
+            let layout = depth_layout(&shared, BINDINGS);
+            let make = || depth_pipeline(&shared, "scene_depth", &layout, format, depth);
+            let pipeline = any_error(shared.device(), make);
+            Ok(Self { pipeline: pipeline.map_err(|message| SceneDepthError::Refused { message })?, depth, shared })
+        })
+    }
+
+    /// Draws casters of `scene` as they are now, as `light` sees them: rigid ones by the positions of their mesh and their
+    /// transform, others from their buffers, which hold at the time of the draw what was written before the pass. The scene
+    /// need not be encoded. Clear the depth of the pass to the far end before: 0 with reversed depth, else 1.
+    ///
+    /// The draw reads the scene's pages, so what [`Scene::remove_mesh`] says of encodes holds for it.
+    ///
+    /// With the unit matrix as their transform, and with positions in a buffer, casters have the same depths bit for bit as
+    /// [`MeshDepth::draw`](crate::gpu::MeshDepth::draw) gives their positions.
+    ///
+    /// # Errors
+    /// [`SceneDepthError`] if a handle or the light is refused, or the device refuses a buffer. Nothing is drawn then.
+    pub fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        scene: &Scene,
+        casters: SceneDepthCasters<'_>,
+        light: &ShadowCamera,
+    ) -> Result<SceneDepthCounts, SceneDepthError> {
+        light.check()?;
+        if light.depth != self.depth {
+            return Err(SceneDepthError::Depth { light: light.depth, made: self.depth });
+        }
+        let device = self.shared.device();
+        check_alive(device)?;
+        let seen = Seen { matrix: matrix(light), origin: origin(light) };
+        let mut counts = SceneDepthCounts::default();
+        let mut bound = Vec::new();
+        let view = any_error(device, || {
+            storage(device, bytemuck::bytes_of(&MeshDepthView { columns: light.view_projection }))
+        });
+        let view = view.map_err(|message| SceneDepthError::Refused { message })?;
+        for group in scene.depth_groups(casters)? {
+            let (drawn, outside): (Vec<_>, Vec<_>) = group.casters.iter().partition(|caster| !seen.is_outside(caster));
+            counts.drawn += drawn.len();
+            counts.outside += outside.len();
+            if !drawn.is_empty() {
+                bound.push(self.bind(&view, &group, &drawn, light)?);
+            }
+        }
+        counts.draws = bound.len();
+        pass.set_pipeline(&self.pipeline);
+        for (group, chunks) in bound {
+            pass.set_bind_group(0, &group, &[]);
+            pass.draw(0..3 * CHUNK, 0..chunks);
+        }
+        Ok(counts)
+    }
+
+    /// Binds casters of a group. Returns the number of their chunks, too.
+    fn bind(
+        &self,
+        view: &wgpu::Buffer,
+        of: &DepthGroup<'_>,
+        drawn: &[DepthCaster],
+        light: &ShadowCamera,
+    ) -> Result<(wgpu::BindGroup, u32), SceneDepthError> {
+        let device = self.shared.device();
+        let casters: Vec<MeshDepthCaster> =
+            drawn.iter().map(|caster| placed(caster.rows.unwrap_or(UNMOVED), light, caster.place)).collect();
+        let chunks: Vec<[u32; 2]> = (0..)
+            .zip(drawn)
+            .flat_map(|(number, caster)| (0..caster.place[3]).step_by(CHUNK as usize).map(move |face| [number, face]))
+            .collect();
+        let limits = DispatchLimits::new(&device.limits());
+        let allocations = [
+            Allocation { label: "casters of a depth map", bytes: size_of_val(&casters[..]) as u64 },
+            Allocation { label: "chunks of a depth map", bytes: size_of_val(&chunks[..]) as u64 },
+        ];
+        check(&allocations, limits.binding, None)?;
+        let group = any_error(device, || {
+            let [own, chunks] = [bytemuck::cast_slice(&casters), bytemuck::cast_slice(&chunks)];
+            let [own, chunks] = [own, chunks].map(|contents| storage(device, contents));
+            let resources = [
+                view.as_entire_binding(),
+                binding(of.positions, of.range.clone()),
+                own.as_entire_binding(),
+                of.faces.as_entire_binding(),
+                chunks.as_entire_binding(),
+            ];
+            group(device, "scene depth", &depth_layout(&self.shared, BINDINGS), &resources)
+        });
+        let group = group.map_err(|message| SceneDepthError::Refused { message })?;
+        Ok((group, u32::try_from(chunks.len()).unwrap_or(u32::MAX)))
+    }
+}
+
+/// What a light sees.
+struct Seen {
+    matrix: DMat4,
+    origin: DVec3,
+}
+
+impl Seen {
+    /// Whether no texel can have a depth of the caster: all of its box is clipped by one plane of the light's clip space,
+    /// whatever the shader rounds.
+    fn is_outside(&self, caster: &DepthCaster) -> bool {
+        let Some(bounds) = caster.bounds else { return false };
+        let rows = caster.rows.unwrap_or(UNMOVED).map(|row| row.map(f64::from));
+        let [low, high] = bounds.map(|corner| corner.map(f64::from));
+        let largest: [f64; 3] = std::array::from_fn(|axis| low[axis].abs().max(high[axis].abs()));
+        let sizes = DVec3::from_array(std::array::from_fn(|axis| {
+            let [x, y, z, shift] = rows[axis].map(f64::abs);
+            x * largest[0] + y * largest[1] + z * largest[2] + shift + self.origin[axis].abs()
+        }));
+        let off = |number: usize| {
+            let row = self.matrix.row(number).abs();
+            OFF * (row.truncate().dot(sizes) + row.w)
+        };
+        let clip = |number: usize| {
+            let corner: [f64; 3] =
+                std::array::from_fn(|axis| if number >> axis & 1 == 0 { low[axis] } else { high[axis] });
+            let [x, y, z] = rows.map(|row| row[0] * corner[0] + row[1] * corner[1] + row[2] * corner[2] + row[3]);
+            self.matrix * (DVec3::new(x, y, z) - self.origin).extend(1.0)
+        };
+        let corners: [_; 8] = std::array::from_fn(clip);
+        let [x, y, z, w] = [0, 1, 2, 3].map(off);
+        let is_beyond = |height: &dyn Fn(glam::DVec4) -> f64, off: f64| corners.iter().all(|&at| height(at) < -off);
+        is_beyond(&|at| at.w + at.x, w + x)
+            || is_beyond(&|at| at.w - at.x, w + x)
+            || is_beyond(&|at| at.w + at.y, w + y)
+            || is_beyond(&|at| at.w - at.y, w + y)
+            || is_beyond(&|at| at.w - at.z, w + z)
+            || is_beyond(&|at| at.z, z)
+    }
+}

@@ -1,0 +1,108 @@
+//! A map that a stage writes, texel by texel: a texture of `R32Float`, and the dispatch.
+
+use bytemuck::Zeroable;
+
+use super::errors::{DepthMapEncodeError, DepthMapTexture, DepthMapVolumesError};
+use crate::gpu::common::dispatch_limits::WORKGROUP;
+use crate::gpu::common::memory::{any_error, filled, guarded};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines};
+use crate::gpu::common::requirements::{check_alive, check_timer};
+use crate::gpu::common::timer::StageTimer;
+use crate::gpu::common::uniforms::entry;
+use crate::layout::DepthMapShape;
+use crate::shadow::DepthDirection;
+use crate::stages::Stage;
+
+use super::texture::{check_texture, written_texture};
+
+/// A stage with the map that it writes.
+#[derive(Debug)]
+pub(super) struct WrittenMap {
+    shared: Pipelines,
+    stage: Pipeline,
+    shape: DepthMapShape,
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
+}
+
+impl WrittenMap {
+    /// A texture of `size` texels, and the pipeline of a stage.
+    pub(super) fn new(
+        shared: Pipelines,
+        stage: &Stage,
+        label: &'static str,
+        size: [u32; 2],
+    ) -> Result<Self, DepthMapVolumesError> {
+        let most = shared.device().limits().max_texture_dimension_2d;
+        if size.contains(&0) {
+            return Err(DepthMapVolumesError::Size(size[0], size[1]));
+        }
+        if size.into_iter().any(|side| side > most) {
+            return Err(DepthMapVolumesError::Texture { size, most });
+        }
+        let texels = u64::from(size[0]) * u64::from(size[1]);
+        let texture = guarded(shared.device(), 4 * texels, || {
+            written_texture(shared.device(), label, size, wgpu::TextureFormat::R32Float)
+        })?;
+        // Textures have at most 2²⁸ texels or so; a device with larger ones walks along the blocks all the same.
+        let blocks = texels.div_ceil(u64::from(WORKGROUP)) as u32;
+        let shape = DepthMapShape { size, blocks, faces: 1, ..DepthMapShape::zeroed() };
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        Ok(Self { stage: shared.compute(stage, stage.name, &[]), shape, texture, view, shared })
+    }
+
+    pub(super) fn view(&self) -> &wgpu::TextureView {
+        &self.view
+    }
+
+    pub(super) fn size(&self) -> [u32; 2] {
+        self.shape.size
+    }
+
+    /// Whether a map can be read: its format.
+    pub(super) fn check(
+        &self,
+        map: &wgpu::TextureView,
+        texture: DepthMapTexture,
+    ) -> Result<wgpu::TextureFormat, DepthMapEncodeError> {
+        let format = check_texture(map.texture(), self.shape.size, texture)?;
+        if *map.texture() == self.texture { Err(DepthMapEncodeError::OwnResult) } else { Ok(format) }
+    }
+
+    /// Records the stage. `maps` are the names of the textures that it reads, `written` that of the map, `further` the bytes of
+    /// another uniform.
+    pub(super) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        depth: DepthDirection,
+        (maps, written): (&[(&str, &wgpu::TextureView)], &str),
+        further: Option<(&str, &[u8])>,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), DepthMapEncodeError> {
+        let device = self.shared.device();
+        check_timer(timer.as_deref(), device)?;
+        check_alive(device)?;
+        let is_reversed = u32::from(depth == DepthDirection::Reversed);
+        let shape = DepthMapShape { is_reversed, ..self.shape };
+        let bind = || {
+            let uniform = |bytes: &[u8]| filled(device, "depth map", bytes, wgpu::BufferUsages::UNIFORM);
+            let own = uniform(bytemuck::bytes_of(&shape));
+            let further = further.map(|(name, bytes)| (name, uniform(bytes)));
+            let mut resources = vec![("depth_map", entry::<DepthMapShape>(&own))];
+            resources.extend(maps.iter().map(|&(name, map)| (name, wgpu::BindingResource::TextureView(map))));
+            resources.push((written, wgpu::BindingResource::TextureView(&self.view)));
+            resources.extend(further.iter().map(|(name, buffer)| (*name, buffer.as_entire_binding())));
+            self.stage.bind(device, &resources)
+        };
+        let group = any_error(device, bind).map_err(|message| DepthMapEncodeError::Refused { message })?;
+        let most = device.limits().max_compute_workgroups_per_dimension;
+        let rows = shape.blocks.div_ceil(most).min(most);
+        let timestamp_writes = timer.and_then(|timer| timer.compute_pass(self.stage.label));
+        let label = Some(self.stage.label);
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
+        pass.set_pipeline(&self.stage.compute);
+        pass.set_bind_group(0, &group, &vec![0; self.stage.uniforms()]);
+        pass.dispatch_workgroups(shape.blocks.div_ceil(rows).min(most), rows, 1);
+        Ok(())
+    }
+}

@@ -1,0 +1,123 @@
+//! The casters of a scene as they are drawn into a depth map.
+
+use std::collections::HashSet;
+use std::ops::Range;
+
+use slotmap::DefaultKey;
+
+use super::caster::{CasterEntry, MeshEntry, Placement};
+use super::errors::SceneError;
+use super::handles::{CasterHandle, LightHandle};
+use super::scene::Scene;
+use crate::Matrix3x4;
+
+/// Which casters of a scene are drawn into a depth map.
+///
+/// A caster whose mesh throws shadows by a volume of its own should not be in the map of the same light. Its shadow would be
+/// drawn twice, once as coarse as the map.
+#[derive(Clone, Copy, Debug, Default)]
+#[non_exhaustive]
+pub enum SceneDepthCasters<'a> {
+    /// All of them.
+    #[default]
+    All,
+    /// These. One that is listed twice is drawn once.
+    Only(&'a [CasterHandle]),
+    /// All but these.
+    Except(&'a [CasterHandle]),
+    /// Those whose [`Caster::lights`](crate::gpu::Caster::lights) do not have this light: so those that have no volume for it.
+    NotCastingFor(LightHandle),
+}
+
+/// Casters that are drawn together: they have their faces and their positions in the same buffers.
+#[derive(Debug)]
+pub(crate) struct DepthGroup<'a> {
+    source: DefaultKey,
+    pub(crate) faces: &'a wgpu::Buffer,
+    pub(crate) positions: &'a wgpu::Buffer,
+    /// The part of it that is bound, in bytes.
+    pub(crate) range: Range<u64>,
+    pub(crate) casters: Vec<DepthCaster>,
+}
+
+/// A caster of a group.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DepthCaster {
+    /// What places its positions in world space. `None`: they are there.
+    pub(crate) rows: Option<Matrix3x4>,
+    /// The word of x of vertex 0, the words from one vertex to the next, the first face, and how many there are.
+    pub(crate) place: [u32; 4],
+    /// The box of its positions, before they are placed, if it is known.
+    pub(crate) bounds: Option<[[f32; 3]; 2]>,
+}
+
+impl DepthCaster {
+    /// `None`: it has no place.
+    fn new(caster: &CasterEntry, mesh: &MeshEntry) -> Option<Self> {
+        let [faces, _, vertices, _] = &mesh.run.ranges;
+        let of_page = |offset, stride| [offset, stride, faces.start, mesh.faces];
+        let (rows, [offset, stride], bounds) = match caster.placement {
+            Placement::Rigid(rigid) => {
+                rigid.space?;
+                // A face with a corner that is not finite is in no box, and degenerate faces alone leave it empty.
+                let is_known = !mesh.is_holed && mesh.low[0] <= mesh.high[0];
+                (Some(rigid.rows), [3 * vertices.start, 3], is_known.then_some([mesh.low, mesh.high]))
+            }
+            Placement::World { offset, stride } => (None, [offset, stride], caster.bounds),
+        };
+        Some(Self { rows, place: of_page(offset, stride), bounds })
+    }
+}
+
+impl Scene {
+    /// The casters of a choice, by group.
+    pub(crate) fn depth_groups(&self, which: SceneDepthCasters<'_>) -> Result<Vec<DepthGroup<'_>>, SceneError> {
+        let (listed, is_left_out) = match which {
+            SceneDepthCasters::All => (&[][..], true),
+            SceneDepthCasters::Only(listed) => (listed, false),
+            SceneDepthCasters::Except(listed) => (listed, true),
+            SceneDepthCasters::NotCastingFor(light) => {
+                self.lights.check(light)?;
+                (&[][..], true)
+            }
+        };
+        let mut keys = HashSet::new();
+        for handle in listed {
+            let key = handle.key_in(self.id)?;
+            if !self.casters.contains_key(key) {
+                return Err(SceneError::Stale { what: "caster" });
+            }
+            keys.insert(key);
+        }
+        let is_chosen = |key: DefaultKey, caster: &CasterEntry| match which {
+            SceneDepthCasters::NotCastingFor(light) => !caster.lights.contains(light),
+            _ => keys.contains(&key) != is_left_out,
+        };
+        let mut groups: Vec<DepthGroup<'_>> = Vec::new();
+        for (key, caster) in &self.casters {
+            if !is_chosen(key, caster) {
+                continue;
+            }
+            let Some(own) = self.meshes.get(caster.mesh).and_then(|mesh| DepthCaster::new(caster, mesh)) else {
+                continue;
+            };
+            let found = groups.iter().position(|group| group.source == caster.source);
+            match found.and_then(|at| groups.get_mut(at)) {
+                Some(group) => group.casters.push(own),
+                None => groups.extend(self.depth_group(caster.source, own)),
+            }
+        }
+        Ok(groups)
+    }
+
+    /// The group of a caster.
+    fn depth_group(&self, source: DefaultKey, caster: DepthCaster) -> Option<DepthGroup<'_>> {
+        let found = self.sources.get(source)?;
+        let page = self.pages.get(found.page)?;
+        let (positions, range) = match &found.buffer {
+            Some(bound) => (&bound.buffer, bound.range.clone()),
+            None => (&page.positions, 0..page.positions.size()),
+        };
+        Some(DepthGroup { source, faces: &page.faces, positions, range, casters: vec![caster] })
+    }
+}

@@ -1,0 +1,347 @@
+//! Maps of distances: the depths that are made from them against `f64`, within the bound of NUMERICS.md, "Maps of distances", and
+//! shadows of maps that were converted.
+
+use glam::{DVec2, DVec3, Mat4};
+use rimline::gpu::{
+    DepthMap, DepthMapConversion, DepthMapEncodeError, DepthMapOptions, DepthMapTexture, DepthMapVolumesError,
+    DepthMetric,
+};
+use rimline::reference::cpu::depth_metric;
+use rimline::reference::depth_map::{metric_steps, metric_view};
+use rimline::reference::layout::DepthMapShape;
+use rimline::{CameraError, DepthDirection, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{must_fail, same};
+use wgpu::TextureFormat;
+
+use crate::distances::Measured;
+use crate::maps::Map;
+use crate::parity::device_depth;
+use crate::picture::Picture;
+use crate::scene::{Eye, Rays};
+use crate::textures::{depth_view, read, texture};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("distances_become_the_depths_of_their_places", depths),
+    ("distances_that_are_none_are_far_or_near", special),
+    ("device_depths_are_converted_to_themselves", device_depths),
+    ("a_flat_ground_of_distances_has_no_specks", flat),
+    ("conversions_that_cannot_be_made_or_recorded", refused),
+];
+
+const DISTANCES: [DepthMetric; 2] = [DepthMetric::AlongAxis, DepthMetric::AlongRay];
+
+/// The camera with its picture moved aside, so that rays that meet lie askew around the axis, and parallel ones askew to it.
+fn aside(camera: ShadowCamera, by: [f32; 2]) -> ShadowCamera {
+    let mut rows = Mat4::from_cols_array_2d(&camera.view_projection).transpose();
+    let is_parallel = rows.w_axis.truncate() == glam::Vec3::ZERO;
+    let sheared = if is_parallel { rows.z_axis } else { rows.w_axis };
+    rows.x_axis += by[0] * sheared;
+    rows.y_axis += by[1] * sheared;
+    ShadowCamera { view_projection: rows.transpose().to_cols_array_2d(), ..camera }
+}
+
+/// A camera of any kind, and the distances of its near and far plane.
+fn light(random: &mut Random, number: usize) -> (ShadowCamera, [f64; 2]) {
+    let depth = [DepthDirection::Reversed, DepthDirection::Standard][number % 2];
+    let near = [0.01, 0.5, 3.0][random.below(3)];
+    let (far, half_width) =
+        [(None, None), (Some(40.0), None), (Some(3.5), None), (Some(40.0), Some(4.0))][number / 2 % 4];
+    let forward = DVec3::from_array(random.direction().map(f64::from));
+    let place = -9.0 * forward;
+    let eye = Eye { place, forward, near, is_relative: random.below(3) > 0, depth, far, half_width };
+    let by = if random.below(3) == 0 { [random.between(-1.5, 1.5), random.between(-1.5, 1.5)] } else { [0.0; 2] };
+    let from_near = if half_width.is_some() { near } else { 0.0 };
+    (aside(eye.camera(), by), [near - from_near, far.unwrap_or(1e6) - from_near])
+}
+
+/// Distances around and between the planes, and many close to the far one.
+fn distances(random: &mut Random, texels: u32, [near, far]: [f64; 2]) -> Vec<f32> {
+    let one = |_| {
+        let share = f64::from(random.between(0.0, 1.0));
+        let distance = match random.below(5) {
+            0 => near * (0.3 + share) - 0.01,
+            1 => far * (1.0 - 0.01 * share * share),
+            2 => near + (far.min(50.0) - near) * share,
+            3 => near * 3.0 * share,
+            _ => (near.max(0.01).ln() * (1.0 - share) + (1.3 * far).ln() * share).exp(),
+        };
+        distance as f32
+    };
+    (0..texels).map(one).collect()
+}
+
+/// The middle of a texel, from -1 to 1 to the right and up.
+fn middle(size: [u32; 2], texel: usize) -> DVec2 {
+    let [x, y] = [texel as u32 % size[0], texel as u32 / size[0]].map(|at| f64::from(at) + 0.5);
+    DVec2::new(2.0 * x / f64::from(size[0]) - 1.0, 1.0 - 2.0 * y / f64::from(size[1]))
+}
+
+/// Compares depths with those of the places. Returns the largest share of the bound that a depth is off.
+fn compare(
+    camera: &ShadowCamera,
+    metric: DepthMetric,
+    (size, given): ([u32; 2], &[f32]),
+    found: &[f32],
+) -> Result<f64, String> {
+    let measured = Measured::new(camera);
+    let [share, constant] = metric_steps(camera, metric).map_err(text)?;
+    let is_reversed = camera.depth == DepthDirection::Reversed;
+    let (near, far) = if is_reversed { (1.0, 0.0) } else { (0.0, 1.0) };
+    let mut most = 0.0_f64;
+    for (texel, (&distance, &found)) in given.iter().zip(found).enumerate() {
+        let place = measured.place(metric, middle(size, texel), f64::from(distance));
+        let (depth, is_before) = measured.depth(place);
+        let truth = if is_before { depth.clamp(0.0, 1.0) } else { near };
+        let bound = share * truth + constant;
+        let off = (f64::from(found) - truth).abs() / bound;
+        let clamped = if is_before { depth } else { near };
+        // Beyond the far plane there is nothing, to the bit.
+        let is_nothing = if is_reversed { clamped < -constant } else { clamped > 1.0 + share + constant };
+        if off.is_nan() || off > 1.0 || (is_nothing && found != far) {
+            return Err(format!(
+                "texel {texel}, {metric:?} {distance}: {found} for {depth}, {off} of the bound; {camera:?}"
+            ));
+        }
+        most = most.max(off);
+    }
+    Ok(most)
+}
+
+pub(crate) fn converted(
+    gpu: &Gpu,
+    camera: &ShadowCamera,
+    metric: DepthMetric,
+    (size, given): ([u32; 2], &[f32]),
+) -> Result<wgpu::Texture, String> {
+    let map = texture(gpu, size, TextureFormat::R32Float, given)?;
+    let conversion = DepthMapConversion::new(&gpu.pipelines, size).map_err(text)?;
+    let map = DepthMap { texture: &depth_view(&map), light: *camera };
+    gpu.submit(|encoder| conversion.encode(encoder, &map, metric, None).map_err(text))?;
+    Ok(conversion.texture().texture().clone())
+}
+
+fn shape(camera: &ShadowCamera, size: [u32; 2]) -> DepthMapShape {
+    let is_reversed = camera.depth == DepthDirection::Reversed;
+    Map { size, is_reversed, depths: Vec::new() }.shape(0.0, 0)
+}
+
+fn depths() -> Result<(), String> {
+    const SEED: u64 = 1701;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(SEED);
+    let (mut texels, mut most, mut others) = (0, [0.0_f64; 2], 0);
+    for number in 0..48 {
+        let (camera, planes) = light(&mut random, number);
+        let size = [[1, 1], [7, 45], [64, 33]][number % 3];
+        let given = distances(&mut random, size[0] * size[1], planes);
+        for metric in DISTANCES {
+            let found = read(&gpu, &converted(&gpu, &camera, metric, (size, &given))?)?;
+            let view = metric_view(&camera, size, metric).map_err(text)?;
+            let twin = depth_metric(&shape(&camera, size), &view, &given);
+            for (most, depths) in most.iter_mut().zip([&found, &twin]) {
+                *most = most.max(compare(&camera, metric, (size, &given), depths)?);
+            }
+            texels += given.len();
+            // Negative controls: a depth is off by twice the bound, and distances are taken for others.
+            let [share, constant] = metric_steps(&camera, metric).map_err(text)?;
+            let mut off = found.clone();
+            let last = off.len() - 1;
+            let bound = share * f64::from(off[last]) + constant + f64::from(off[last]) * 1e-7;
+            off[last] += if off[last] > 0.5 { -2.5 * bound } else { 2.5 * bound } as f32;
+            must_fail("a depth is off", &compare(&camera, metric, (size, &given), &off))?;
+            let other = DISTANCES[usize::from(metric == DISTANCES[0])];
+            // At the right of the picture the metrics differ, but for parallel rays at right angles to the planes.
+            let measured = Measured::new(&camera);
+            let place = measured.place(metric, DVec2::new(0.9, 0.0), 1.0);
+            if size[0] == 64 && (measured.distance(other, place) - 1.0).abs() > 1e-3 {
+                others += 1;
+                must_fail("the other metric", &compare(&camera, other, (size, &given), &found))?;
+            }
+        }
+    }
+    println!("{texels} texels; off by at most {most:?} of the bound, on the device and by the twin");
+    // A bound that is far too wide would prove little.
+    if most.iter().all(|&most| most > 0.2) && others > 20 { Ok(()) } else { Err(format!("{most:?}, {others}")) }
+}
+
+/// What is no distance has the depth of the far end or of the near one, to the bit.
+fn special() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(1702);
+    let nan = f32::from_bits(0xffc0_1234);
+    let far = [f32::INFINITY, f32::NAN, nan, f32::MAX, 1e38];
+    let near = [f32::NEG_INFINITY, -1.0, -f32::MAX, -0.0, 0.0, f32::from_bits(1), f32::from_bits(0x8000_0001)];
+    for number in 0..16 {
+        let (camera, planes) = light(&mut random, number);
+        let is_reversed = camera.depth == DepthDirection::Reversed;
+        let ends = if is_reversed { [0.0_f32, 1.0] } else { [1.0, 0.0] };
+        let mut given = [&far[..], &near[..]].concat();
+        // Beyond the far plane, if there is one.
+        let beyond = if planes[1] < 1e5 { 3 } else { 0 };
+        let size = [(given.len() + beyond) as u32, 1];
+        let mut truth = [vec![ends[0]; far.len()], vec![ends[1]; near.len()]].concat();
+        truth.extend(vec![ends[0]; beyond]);
+        let last = middle(size, given.len());
+        let measured = Measured::new(&camera);
+        given.extend([0.0, 1e10, 1e30].iter().take(beyond));
+        let bits = |depths: &[f32]| depths.iter().map(|depth| depth.to_bits()).collect::<Vec<_>>();
+        for metric in DISTANCES {
+            if beyond > 0 {
+                let place = measured.place(DepthMetric::AlongAxis, last, 1.00001 * planes[1]);
+                given[far.len() + near.len()] = measured.distance(metric, place) as f32;
+            }
+            let what = format!("{metric:?}, {camera:?}");
+            let found = read(&gpu, &converted(&gpu, &camera, metric, (size, &given))?)?;
+            same(&what, &bits(&found), &bits(&truth))?;
+            let view = metric_view(&camera, size, metric).map_err(text)?;
+            let twin = depth_metric(&shape(&camera, size), &view, &given);
+            same(&format!("{what}: twin"), &bits(&twin), &bits(&truth))?;
+            must_fail("one element", &same(&what, &bits(&found[1..]), &bits(&truth[..truth.len() - 1])))?;
+        }
+    }
+    Ok(())
+}
+
+/// Device depths are clamped, and cleared of what is no depth, as merging a map with itself does.
+fn device_depths() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(1703);
+    for map in crate::maps::maps(&mut random) {
+        let camera = crate::stages::camera(crate::stages::direction(&map));
+        let found = read(&gpu, &converted(&gpu, &camera, DepthMetric::Device, (map.size, &map.depths))?)?;
+        let far = if map.is_reversed { 0.0 } else { 1.0_f32 };
+        let clean = |&depth: &f32| match depth {
+            depth if depth.is_nan() => far,
+            depth if f64::from(depth) < 2.0_f64.powi(-126) => 0.0,
+            depth => depth.min(1.0),
+        };
+        let truth: Vec<f32> = map.depths.iter().map(clean).collect();
+        same("depths", &found, &truth)?;
+        let view = metric_view(&camera, map.size, DepthMetric::Device).map_err(text)?;
+        same("twin", &depth_metric(&shape(&camera, map.size), &view, &map.depths), &truth)?;
+        let mut moved = truth.clone();
+        moved[0] = if moved[0] == 0.25 { 0.75 } else { 0.25 };
+        must_fail("one element", &same("depths", &found, &moved))?;
+    }
+    let depth16 = texture(&gpu, [2, 1], TextureFormat::Depth16Unorm, &[0.25, 1.0])?;
+    let conversion = DepthMapConversion::new(&gpu.pipelines, [2, 1]).map_err(text)?;
+    let map = DepthMap { texture: &depth_view(&depth16), light: crate::stages::camera(DepthDirection::Standard) };
+    gpu.submit(|encoder| conversion.encode(encoder, &map, DepthMetric::Device, None).map_err(text))?;
+    same("a depth texture", &read(&gpu, conversion.texture().texture())?, &read(&gpu, &depth16)?)
+}
+
+/// Dark pixels of a ground at right angles to the light's axis, where no slope moves the boundary, and all pixels.
+fn dark(gpu: &Gpu, random: &mut Random, number: usize, is_covered: bool) -> Result<[usize; 2], String> {
+    const SIDE: u32 = 64;
+    const TEXELS: u32 = 512;
+    let depth = [DepthDirection::Reversed, DepthDirection::Standard][number % 2];
+    // The ground is close to the far plane, or close to the near plane of a camera without one, or between them.
+    let (near, far) = [(5.0, Some(100.0)), (60.0, None), (0.1, Some(90.5)), (75.0, Some(110.0))][number / 2 % 4];
+    let place = DVec3::new(0.0, 90.0, 0.0);
+    let forward = DVec3::NEG_Y;
+    let camera = Eye { place, forward, near, is_relative: random.below(2) == 0, depth, far, half_width: None }.camera();
+    let rays = Rays::new(&camera, TEXELS);
+    let measured = Measured::new(&camera);
+    let metric = DISTANCES[1];
+    let on_ground = |(rays, side): (&Rays, u32), pixel: u32| {
+        let (from, direction) = rays.at(DVec2::new(f64::from(pixel % side) + 0.5, f64::from(pixel / side) + 0.5));
+        from - from.y / direction.y * direction
+    };
+    let distance = |texel| measured.distance(metric, on_ground((&rays, TEXELS), texel)) as f32;
+    let distances: Vec<f32> = (0..TEXELS * TEXELS).map(distance).collect();
+    let map = converted(gpu, &camera, metric, ([TEXELS; 2], &distances))?;
+    // All pixels are well within the map, and the eye's depth is more precise than the map's.
+    let mut aside = || f64::from(random.between(-40.0, 40.0));
+    let place = DVec3::new(aside(), 2.0, aside());
+    let depth = DepthDirection::Reversed;
+    let eye = Eye { place, forward, near: 1.9, is_relative: true, depth, far: None, half_width: None }.camera();
+    let eye_rays = Rays::new(&eye, SIDE);
+    let depths: Vec<f32> =
+        (0..SIDE * SIDE).map(|pixel| device_depth(&eye, on_ground((&eye_rays, SIDE), pixel))).collect();
+    let metric = if is_covered { metric } else { DepthMetric::Device };
+    let options = DepthMapOptions { metric, ..Default::default() };
+    let picture =
+        Picture { map: &map, objects: None, light: camera, eye, depths: &depths, side: SIDE, options, bit: 7 };
+    let stencil = picture.stencil(gpu)?;
+    Ok([stencil.iter().filter(|&&stencil| stencil != 0).count(), stencil.len()])
+}
+
+fn flat() -> Result<(), String> {
+    const SEED: u64 = 1704;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(SEED);
+    let mut counts = [[0; 2]; 2];
+    for number in 0..24 {
+        for (counts, is_covered) in counts.iter_mut().zip([true, false]) {
+            let found = dark(&gpu, &mut random, number, is_covered)?;
+            (0..2).for_each(|at| counts[at] += found[at]);
+        }
+    }
+    println!("dark, of all: {:?}; without what the conversion may be off: {:?}", counts[0], counts[1]);
+    // Negative control: without that, the ground has specks.
+    if counts[0][0] == 0 && counts[1][0] > 20 { Ok(()) } else { Err(format!("{counts:?}")) }
+}
+
+fn refused() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let most = gpu.device.limits().max_texture_dimension_2d;
+    let found = DepthMapConversion::new(&gpu.pipelines, [0, 4]).err();
+    same("size", &[found], &[Some(DepthMapVolumesError::Size(0, 4))])?;
+    let size = [1, most + 1];
+    let found = DepthMapConversion::new(&gpu.pipelines, size).err();
+    same("size", &[found], &[Some(DepthMapVolumesError::Texture { size, most })])?;
+    let conversion = DepthMapConversion::new(&gpu.pipelines, [4, 4]).map_err(text)?;
+    let right = depth_view(&texture(&gpu, [4, 4], TextureFormat::R32Float, &[0.5; 16])?);
+    let large = depth_view(&texture(&gpu, [4, 5], TextureFormat::R32Float, &[0.5; 20])?);
+    let depth = depth_view(&texture(&gpu, [4, 4], TextureFormat::Depth32Float, &[0.5; 16])?);
+    let light = crate::stages::camera(DepthDirection::Standard);
+    let singular = ShadowCamera { view_projection: [[0.0; 4]; 4], ..light };
+    let eye = |near: f64, far: Option<f64>| {
+        let (place, forward, depth) = (DVec3::ZERO, DVec3::NEG_Z, DepthDirection::Reversed);
+        Eye { place, forward, near, is_relative: true, depth, far, half_width: None }.camera()
+    };
+    // Planes that are too close to each other, and a near plane that is too close to the light.
+    let narrow = eye(1.0, Some(1.0005));
+    let tiny = eye(1e-31, None);
+    let good = eye(1e-29, None);
+    let found = gpu.submit(|encoder| {
+        let mut encode =
+            |texture, light, metric| conversion.encode(encoder, &DepthMap { texture, light }, metric, None);
+        Ok([
+            encode(&large, light, DepthMetric::AlongRay),
+            encode(conversion.texture(), light, DepthMetric::AlongRay),
+            encode(&depth, light, DepthMetric::AlongAxis),
+            encode(&right, singular, DepthMetric::AlongAxis),
+            encode(&right, singular, DepthMetric::Device),
+            encode(&right, light, DepthMetric::AlongRay),
+            encode(&depth, light, DepthMetric::Device),
+            encode(&right, good, DepthMetric::AlongRay),
+            encode(&right, narrow, DepthMetric::Device),
+        ])
+    })?;
+    let truth = [
+        Err(DepthMapEncodeError::Size { texture: DepthMapTexture::Map, given: [4, 5], made: [4, 4] }),
+        Err(DepthMapEncodeError::OwnResult),
+        Err(DepthMapEncodeError::DistanceFormat(TextureFormat::Depth32Float)),
+        Err(DepthMapEncodeError::Light(CameraError::Singular)),
+        Err(DepthMapEncodeError::Light(CameraError::Singular)),
+        Ok(()),
+        Ok(()),
+        Ok(()),
+        Ok(()),
+    ];
+    same("maps", &found, &truth)?;
+    for camera in [narrow, tiny, aside(light, [3000.0, 0.0])] {
+        match metric_view(&camera, [4, 4], DepthMetric::AlongRay) {
+            Err(DepthMapEncodeError::Distances { .. }) => {}
+            other => return Err(format!("{camera:?}: {other:?}")),
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,316 @@
+//! The depth of the casters of a scene in a map: against that of each mesh bit for bit, and against rays of the light.
+
+use glam::{DAffine3, DVec3, Mat3};
+use rimline::gpu::{
+    Caster, CasterHandle, MeshDepth, PositionBuffer, Scene, SceneDepth, SceneDepthCasters, SceneDepthCounts,
+    SceneOptions,
+};
+use rimline::mesh::Weld;
+use rimline::{DepthDirection, Light, Matrix3x4, Mesh, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::shapes::{self, Shape};
+use rimline_measure::{must_fail, same};
+use wgpu::TextureFormat;
+
+use crate::mesh_depth::{SIDE, wrong};
+use crate::scene::Eye;
+use crate::textures::{read, texture};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("the_depth_of_a_scene_is_that_of_its_meshes", equal),
+    ("the_depth_of_a_scene_is_that_of_rays", traced),
+    ("a_scene_that_changes_has_the_depth_of_the_moment", changed),
+];
+
+pub(crate) const FORMATS: [TextureFormat; 3] =
+    [TextureFormat::Depth32Float, TextureFormat::Depth24Plus, TextureFormat::Depth16Unorm];
+pub(crate) const UNMOVED: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+/// A caster of a test: its shape, where it is, and its handle. With `buffer`, its positions lie there, in world space.
+pub(crate) struct Placed {
+    pub(crate) shape: usize,
+    pub(crate) rows: Matrix3x4,
+    pub(crate) buffer: Option<(wgpu::Buffer, u64, u64)>,
+    pub(crate) handle: CasterHandle,
+}
+
+pub(crate) struct Casters {
+    pub(crate) shapes: Vec<(Shape, Mesh)>,
+    pub(crate) scene: Scene,
+    pub(crate) placed: Vec<Placed>,
+}
+
+/// A turn, a scale and a shift. Every third is mirrored.
+fn rows(random: &mut Random, spread: f32, number: usize) -> Matrix3x4 {
+    let axis = glam::Vec3::from_array(random.direction());
+    let sign = if number.is_multiple_of(3) { -1.0 } else { 1.0 };
+    let scale = glam::Vec3::new(sign * random.between(0.2, 0.6), random.between(0.2, 0.6), random.between(0.2, 0.6));
+    let linear = Mat3::from_axis_angle(axis, random.between(0.0, 6.0)) * Mat3::from_diagonal(scale);
+    let shift: [f32; 3] = std::array::from_fn(|_| random.between(-spread, spread));
+    std::array::from_fn(|axis| [linear.row(axis).x, linear.row(axis).y, linear.row(axis).z, shift[axis]])
+}
+
+fn to_world(rows: &Matrix3x4, position: [f32; 3]) -> DVec3 {
+    let columns: [[f64; 3]; 4] = std::array::from_fn(|column| rows.map(|row| f64::from(row[column])));
+    DAffine3::from_cols_array_2d(&columns).transform_point3(DVec3::from_array(position.map(f64::from)))
+}
+
+impl Casters {
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self, String> {
+        // One is larger than a chunk, one smaller, and one in clusters.
+        let shapes = [shapes::cube(), shapes::torus(12, 10, 1.0, 0.4), shapes::blob(3, 0.3, 5)];
+        let options = SceneOptions { clusters_from: Some(500), ..Default::default() };
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
+        scene.add_light(Light::point(DVec3::Y.as_vec3().to_array())).map_err(text)?;
+        let mesh = |shape: Shape| {
+            Mesh::new(&shape.positions, &shape.faces, Weld::Keep).map(|mesh| (shape, mesh)).map_err(text)
+        };
+        let shapes = shapes.into_iter().map(mesh).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { shapes, scene, placed: Vec::new() })
+    }
+
+    pub(crate) fn meshes(&mut self) -> Result<Vec<rimline::gpu::MeshHandle>, String> {
+        let shapes = &self.shapes;
+        shapes.iter().map(|(shape, mesh)| self.scene.add_mesh(mesh, &shape.positions).map_err(text)).collect()
+    }
+
+    /// Adds `count` rigid casters, and as many with positions in two buffers, of odd offsets and strides.
+    pub(crate) fn fill(&mut self, gpu: &Gpu, random: &mut Random, (count, spread): (usize, f32)) -> Result<(), String> {
+        let meshes = self.meshes()?;
+        for number in 0..count {
+            let shape = random.below(3);
+            let rows = if number % 4 == 1 { UNMOVED } else { rows(random, spread, number) };
+            let handle = self.scene.insert(Caster::rigid(meshes[shape], rows)).map_err(text)?;
+            self.placed.push(Placed { shape, rows, buffer: None, handle });
+        }
+        for _ in 0..2 {
+            let (mut words, mut of_buffer) = (vec![3.0_f32; 5], Vec::new());
+            for number in 0..count / 2 {
+                let (shape, rows, stride) = (random.below(3), rows(random, spread, number), 3 + random.below(3));
+                of_buffer.push((shape, 4 * words.len() as u64, 4 * stride as u64));
+                for &position in &self.shapes[shape].0.positions {
+                    words.extend(to_world(&rows, position).as_vec3().to_array());
+                    words.extend(vec![f32::NAN; stride - 3]);
+                }
+            }
+            let buffer = gpu.storage(&words);
+            for (shape, offset, stride) in of_buffer {
+                let positions = PositionBuffer { buffer: &buffer, offset, stride };
+                let handle = self.scene.insert(Caster::in_buffer(meshes[shape], positions)).map_err(text)?;
+                self.placed.push(Placed {
+                    shape,
+                    rows: UNMOVED,
+                    buffer: Some((buffer.clone(), offset, stride)),
+                    handle,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The map that the helper for scenes draws.
+    pub(crate) fn drawn(
+        &self,
+        gpu: &Gpu,
+        format: TextureFormat,
+        light: &ShadowCamera,
+        which: SceneDepthCasters<'_>,
+    ) -> Result<(Vec<f32>, SceneDepthCounts), String> {
+        let draws = SceneDepth::new(&gpu.pipelines, format, light.depth).map_err(text)?;
+        let mut counts = SceneDepthCounts::default();
+        let depths = map(gpu, format, light, |pass| {
+            counts = draws.draw(pass, &self.scene, which, light).map_err(text)?;
+            Ok(())
+        })?;
+        Ok((depths, counts))
+    }
+
+    /// The map that one draw for each mesh makes.
+    pub(crate) fn one_by_one(
+        &self,
+        gpu: &Gpu,
+        format: TextureFormat,
+        light: &ShadowCamera,
+        which: impl Fn(usize) -> bool,
+    ) -> Result<Vec<f32>, String> {
+        let new = |(_, mesh): &(Shape, Mesh)| MeshDepth::new(&gpu.pipelines, mesh, format, light.depth).map_err(text);
+        let draws = self.shapes.iter().map(new).collect::<Result<Vec<_>, _>>()?;
+        let buffers: Vec<_> = self.shapes.iter().map(|(shape, _)| gpu.storage(&shape.positions)).collect();
+        map(gpu, format, light, |pass| {
+            for (_, caster) in self.placed.iter().enumerate().filter(|(number, _)| which(*number)) {
+                let draw = &draws[caster.shape];
+                let drawn = if let Some((buffer, offset, stride)) = &caster.buffer {
+                    draw.draw(pass, PositionBuffer { buffer, offset: *offset, stride: *stride }, light)
+                } else {
+                    let positions = PositionBuffer { buffer: &buffers[caster.shape], offset: 0, stride: 12 };
+                    if caster.rows == UNMOVED {
+                        draw.draw(pass, positions, light)
+                    } else {
+                        draw.draw_rigid(pass, positions, caster.rows, light)
+                    }
+                };
+                drawn.map_err(text)?;
+            }
+            Ok(())
+        })
+    }
+
+    /// All triangles in world space.
+    fn triangles(&self) -> impl Iterator<Item = [DVec3; 3]> {
+        self.placed.iter().flat_map(|caster| {
+            let (shape, rows) = (&self.shapes[caster.shape].0, &caster.rows);
+            shape.faces.iter().map(move |face| face.map(|vertex| to_world(rows, shape.positions[vertex as usize])))
+        })
+    }
+}
+
+/// The texels of a map after a pass.
+pub(crate) fn map(
+    gpu: &Gpu,
+    format: TextureFormat,
+    light: &ShadowCamera,
+    draw: impl FnOnce(&mut wgpu::RenderPass<'_>) -> Result<(), String>,
+) -> Result<Vec<f32>, String> {
+    let far = if light.depth == DepthDirection::Reversed { 0.0 } else { 1.0 };
+    let target = texture(gpu, [SIDE; 2], format, &[far; (SIDE * SIDE) as usize])?;
+    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+    gpu.submit(|encoder| {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &view,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        draw(&mut pass)
+    })?;
+    read(gpu, &target)
+}
+
+/// A light that sees casters around the origin, or a part of them.
+pub(crate) fn light(random: &mut Random, number: usize) -> ShadowCamera {
+    let depth = [DepthDirection::Reversed, DepthDirection::Standard][number % 2];
+    let (far, half_width) = [(None, None), (Some(12.0), None), (Some(12.0), Some(3.0))][number / 2 % 3];
+    let forward = DVec3::from_array(random.direction().map(f64::from));
+    Eye { place: -6.0 * forward, forward, near: 1.0, is_relative: random.below(2) == 0, depth, far, half_width }
+        .camera()
+}
+
+pub(crate) fn bits(depths: &[f32]) -> Vec<u32> {
+    depths.iter().map(|depth| depth.to_bits()).collect()
+}
+
+fn equal() -> Result<(), String> {
+    const SEED: u64 = 1711;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(SEED);
+    let mut casters = Casters::new(&gpu)?;
+    casters.fill(&gpu, &mut random, (24, 3.0))?;
+    let mut covered = 0;
+    for number in 0..12 {
+        let light = light(&mut random, number);
+        let format = FORMATS[number % 3];
+        let (found, counts) = casters.drawn(&gpu, format, &light, SceneDepthCasters::All)?;
+        let truth = casters.one_by_one(&gpu, format, &light, |_| true)?;
+        let what = format!("{format:?} {:?}", light.depth);
+        same(&what, &bits(&found), &bits(&truth))?;
+        let far = if light.depth == DepthDirection::Reversed { 0.0 } else { 1.0 };
+        covered += truth.iter().filter(|&&depth| depth != far).count();
+        // One draw for the page, and one for each buffer.
+        if counts.draws != 3 || counts.drawn + counts.outside != casters.placed.len() {
+            return Err(format!("{what}: {counts:?}"));
+        }
+    }
+    // Negative controls: casters that are seen are left out, one after the other; a texel differs.
+    let light = light(&mut random, 0);
+    let (found, _) = casters.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
+    let mut noticed = 0;
+    for left_out in 0..casters.placed.len() {
+        let other = casters.one_by_one(&gpu, FORMATS[0], &light, |number| number != left_out)?;
+        noticed += usize::from(bits(&other) != bits(&found));
+    }
+    let mut off = bits(&found);
+    off[SIDE as usize] ^= 1;
+    must_fail("one bit", &same("depths", &bits(&found), &off))?;
+    println!("{covered} texels covered; {noticed} of {} casters are seen", casters.placed.len());
+    if covered > 4000 && noticed * 2 > casters.placed.len() { Ok(()) } else { Err(format!("{covered}, {noticed}")) }
+}
+
+/// Rigid casters, turned, scaled and mirrored, by both helpers.
+fn traced() -> Result<(), String> {
+    const SEED: u64 = 1712;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(SEED);
+    for number in 0..9 {
+        let mut casters = Casters::new(&gpu)?;
+        let meshes = casters.meshes()?;
+        for caster in 0..12 {
+            let (shape, rows) = (random.below(3), rows(&mut random, 2.0, caster));
+            let handle = casters.scene.insert(Caster::rigid(meshes[shape], rows)).map_err(text)?;
+            casters.placed.push(Placed { shape, rows, buffer: None, handle });
+        }
+        let (light, format) = (light(&mut random, number), FORMATS[number % 3]);
+        let (depths, _) = casters.drawn(&gpu, format, &light, SceneDepthCasters::All)?;
+        // What floats of this size round, and the map's own step.
+        let step = if format == TextureFormat::Depth16Unorm { 1.0 / 65_535.0 } else { 2e-6 };
+        let [bad, covered] = wrong(casters.triangles(), &light, (&depths, step));
+        let each = casters.one_by_one(&gpu, format, &light, |_| true)?;
+        same("one by one", &bits(&depths), &bits(&each))?;
+        let mut moved = depths;
+        moved.rotate_right(3);
+        let [noticed, _] = wrong(casters.triangles(), &light, (&moved, step));
+        // Another negative control: a caster is not mirrored.
+        casters.placed[0].rows[0][0] *= -1.0;
+        casters.placed[0].rows[1][0] *= -1.0;
+        casters.placed[0].rows[2][0] *= -1.0;
+        casters.placed[0].rows[1][3] += 0.5;
+        let [of_moved, _] = wrong(casters.triangles(), &light, (&each, step));
+        println!("{format:?} {:?}: {bad} wrong of {covered}; moved {noticed}, {of_moved}", light.depth);
+        if bad > 0 || covered < 100 || noticed < 50 || of_moved == 0 {
+            return Err(format!("{format:?} {light:?}: {bad} wrong of {covered}; moved {noticed}, {of_moved}"));
+        }
+    }
+    Ok(())
+}
+
+/// Draws see the scene as it is when they are recorded, encoded or not.
+fn changed() -> Result<(), String> {
+    const SEED: u64 = 1715;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(SEED);
+    let mut casters = Casters::new(&gpu)?;
+    casters.fill(&gpu, &mut random, (12, 2.0))?;
+    let mut before = Vec::new();
+    for round in 0..8 {
+        let light = light(&mut Random::new(SEED), 0);
+        let at = random.below(casters.placed.len());
+        if round % 4 == 1 {
+            let gone = casters.placed.swap_remove(at);
+            casters.scene.remove(gone.handle).map_err(text)?;
+        } else if round % 4 == 2 {
+            casters.fill(&gpu, &mut random, (2, 1.0))?;
+        } else if round > 0
+            && let Some(caster) = casters.placed.iter_mut().find(|caster| caster.buffer.is_none())
+        {
+            caster.rows = rows(&mut random, 1.0, round);
+            casters.scene.set_transform(caster.handle, caster.rows).map_err(text)?;
+        }
+        if round % 2 == 0 {
+            gpu.submit(|encoder| casters.scene.encode(encoder, &[], None).map(drop).map_err(text))?;
+        }
+        let (found, _) = casters.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
+        same("depths", &bits(&found), &bits(&casters.one_by_one(&gpu, FORMATS[0], &light, |_| true)?))?;
+        if round == 3 || round == 7 {
+            must_fail("before", &same("depths", &bits(&found), &before))?;
+        }
+        before = bits(&found);
+    }
+    Ok(())
+}
