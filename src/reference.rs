@@ -34,11 +34,27 @@ pub mod shadow {
     }
 }
 
-/// What is told of near caps of volumes from depth maps before the map is looked at.
+/// What is told of near caps of volumes from depth maps before the map is looked at, and what the draws are given.
 pub mod depth_map {
     use crate::ShadowCamera;
+    use crate::gpu::DepthMapEncodeError;
     use crate::gpu::depth_map::near::{NearReach, near_reach};
-    use crate::layout::DepthNearBox;
+    pub use crate::gpu::depth_map::view::Placing;
+    use crate::gpu::depth_map::view::depth_map_view;
+    use crate::layout::{DepthMapView, DepthNearBox};
+
+    /// What the vertex stages are given of a map of `size` texels, whose depths have the format `format`, for an eye whose depth
+    /// buffer has a format.
+    ///
+    /// # Errors
+    /// [`DepthMapEncodeError`] if a camera is refused.
+    pub fn map_view(
+        (light, size, format): (&ShadowCamera, [u32; 2], wgpu::TextureFormat),
+        eye: (&ShadowCamera, wgpu::TextureFormat),
+        placing: &Placing,
+    ) -> Result<DepthMapView, DepthMapEncodeError> {
+        depth_map_view((light, size, &mut std::iter::once(format)), eye, placing)
+    }
 
     /// The samples that matter to the near rectangle of an eye with a depth format, if they decide about it. `lights` are the
     /// cameras of one map of `size` texels, or of six.

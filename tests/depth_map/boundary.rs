@@ -26,7 +26,7 @@ fn determinant(a: DVec4, b: DVec4, c: DVec4, d: DVec4) -> f64 {
 }
 
 /// The device depth of a sample, `None` where it casts nothing.
-fn sample(map: &Map, x: i64, y: i64) -> Option<f64> {
+pub(crate) fn sample(map: &Map, x: i64, y: i64) -> Option<f64> {
     let [width, height] = map.size.map(i64::from);
     if x < 0 || y < 0 || x >= width || y >= height {
         return None;

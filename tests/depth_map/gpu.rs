@@ -9,6 +9,7 @@ mod contours;
 mod counting;
 mod cube;
 mod detectors;
+mod exact;
 mod extremes;
 mod lookup;
 mod maps;
@@ -17,12 +18,14 @@ mod mesh_depth;
 mod near;
 mod parity;
 mod picture;
+mod probe;
 mod refusals;
 #[path = "../shadow/scene.rs"]
 #[allow(dead_code, reason = "only its cameras and rays are used here")]
 mod scene;
 mod stages;
 mod textures;
+mod vertices;
 mod views;
 mod worlds;
 
@@ -45,6 +48,7 @@ fn main() {
         casters_refused::TESTS,
         mesh_depth::TESTS,
         near::TESTS,
+        vertices::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

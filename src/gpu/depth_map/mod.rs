@@ -21,7 +21,7 @@ mod options;
 mod pipelines;
 mod recording;
 mod texture;
-mod view;
+pub(crate) mod view;
 mod volumes;
 
 pub use caster::{
