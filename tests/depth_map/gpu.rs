@@ -16,6 +16,7 @@ mod maps;
 mod merge;
 mod mesh_depth;
 mod near;
+mod near_places;
 mod parity;
 mod picture;
 mod probe;
@@ -27,6 +28,7 @@ mod stages;
 mod textures;
 mod vertices;
 mod views;
+mod wall_vertices;
 mod worlds;
 
 use rimline_measure::harness;
@@ -49,6 +51,8 @@ fn main() {
         mesh_depth::TESTS,
         near::TESTS,
         vertices::TESTS,
+        near_places::TESTS,
+        wall_vertices::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }
