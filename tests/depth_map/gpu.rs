@@ -11,12 +11,15 @@ mod cube;
 mod detectors;
 mod exact;
 mod extremes;
+mod eye_formats;
 mod lookup;
 mod maps;
 mod merge;
 mod mesh_depth;
+mod missed;
 mod near;
 mod near_places;
+mod near_rectangles;
 mod parity;
 mod picture;
 mod probe;
@@ -53,6 +56,9 @@ fn main() {
         vertices::TESTS,
         near_places::TESTS,
         wall_vertices::TESTS,
+        eye_formats::TESTS,
+        missed::TESTS,
+        near_rectangles::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

@@ -1,6 +1,6 @@
 //! Views of scenes that are known exactly: what casts, a light with its map, an eye, and what both see along `f64` rays.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::random::Random;
 use rimline_measure::shapes;
@@ -24,6 +24,11 @@ pub(crate) struct Sun {
 }
 
 impl Sun {
+    /// The place, or the direction to a light at infinity.
+    pub(crate) fn homogeneous(&self) -> DVec4 {
+        self.at.extend(if self.is_parallel { 0.0 } else { 1.0 })
+    }
+
     pub(crate) fn is_lit(&self, world: &World, point: DVec3, normal: DVec3) -> bool {
         let from = point + OVER * normal;
         let way = if self.is_parallel { self.at } else { self.at - from };

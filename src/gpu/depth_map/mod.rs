@@ -18,7 +18,7 @@ mod merge;
 mod mesh_depth;
 pub(crate) mod near;
 mod options;
-mod pipelines;
+pub(crate) mod pipelines;
 mod recording;
 mod texture;
 pub(crate) mod view;
