@@ -5,6 +5,7 @@ mod analytic;
 mod boundary;
 mod casters;
 mod casters_refused;
+mod contact;
 mod contours;
 mod counting;
 mod cube;
@@ -12,6 +13,7 @@ mod detectors;
 mod exact;
 mod extremes;
 mod eye_formats;
+mod hostile;
 mod lookup;
 mod maps;
 mod merge;
@@ -29,6 +31,7 @@ mod refusals;
 mod scene;
 mod stages;
 mod textures;
+mod units;
 mod vertices;
 mod views;
 mod wall_vertices;
@@ -59,6 +62,9 @@ fn main() {
         eye_formats::TESTS,
         missed::TESTS,
         near_rectangles::TESTS,
+        units::TESTS,
+        hostile::TESTS,
+        contact::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

@@ -24,6 +24,11 @@ pub(crate) struct Sun {
 }
 
 impl Sun {
+    /// A light at a place, or in a direction, with the camera of its map or one of them.
+    pub(crate) fn new(at: DVec3, is_parallel: bool, camera: ShadowCamera) -> Self {
+        Self { at, is_parallel, camera }
+    }
+
     /// The place, or the direction to a light at infinity.
     pub(crate) fn homogeneous(&self) -> DVec4 {
         self.at.extend(if self.is_parallel { 0.0 } else { 1.0 })
@@ -93,7 +98,7 @@ pub(crate) enum Near {
 }
 
 /// What is there around what a pixel sees.
-fn what_is_near(
+pub(crate) fn what_is_near(
     (world, sun): (&World, &Sun),
     (rays, side): (&Rays, u32),
     within: f64,
