@@ -27,8 +27,12 @@ pub(crate) const TESTS: &[Test] = &[("contact_shadows_begin_within_the_bound", c
 const TEXELS: u32 = 96;
 const TEXEL: f64 = 10.0 / TEXELS as f64;
 const PIXELS: u32 = 128;
-/// Half of what the eye sees from side to side.
+/// Half of what the eyes see from side to side.
 const HALF_WIDTH: f64 = 0.4;
+/// A low eye looks in under a ball, so it must look closely.
+const CLOSE: f64 = 0.12;
+/// The move of the ground: half a texel in both directions. And a pixel.
+const BOUND: f64 = std::f64::consts::FRAC_1_SQRT_2 + 2.0 * HALF_WIDTH / PIXELS as f64 / TEXEL;
 
 /// A body that touches the ground, an eye that looks at the contact, and the place of a point of the ground along the contact and
 /// away from it.
@@ -39,33 +43,39 @@ struct Contact {
     place: fn(DVec3) -> (i64, f64),
 }
 
-fn contacts_of() -> [Contact; 3] {
-    let eye = |target: DVec3, forward: DVec3| Eye {
+fn contacts_of() -> [Contact; 4] {
+    let eye = |target: DVec3, forward: DVec3, half_width: f64| Eye {
         place: target - 5.0 * forward.normalize(),
         forward,
         near: 0.1,
         is_relative: true,
         depth: DepthDirection::Reversed,
         far: Some(20.0),
-        half_width: Some(HALF_WIDTH),
+        half_width: Some(half_width),
     };
     [
         Contact {
             name: "box",
             world: World::Cuboid { centre: DVec3::new(0.0, 1.0, 0.0), half: DVec3::new(0.7, 1.0, 1.2) },
-            eye: eye(DVec3::new(-0.7 - HALF_WIDTH, 0.0, 0.0), DVec3::NEG_Y),
+            eye: eye(DVec3::new(-0.7 - HALF_WIDTH, 0.0, 0.0), DVec3::NEG_Y, HALF_WIDTH),
             place: |at| ((at.z / HALF_WIDTH * 64.0).floor() as i64, -0.7 - at.x),
         },
         Contact {
             name: "wall, a quarter of a texel thick",
             world: World::Cuboid { centre: DVec3::new(0.0, 1.0, 0.0), half: DVec3::new(TEXEL / 8.0, 1.0, 1.2) },
-            eye: eye(DVec3::new(-TEXEL / 8.0 - HALF_WIDTH, 0.0, 0.0), DVec3::NEG_Y),
+            eye: eye(DVec3::new(-TEXEL / 8.0 - HALF_WIDTH, 0.0, 0.0), DVec3::NEG_Y, HALF_WIDTH),
             place: |at| ((at.z / HALF_WIDTH * 64.0).floor() as i64, -TEXEL / 8.0 - at.x),
+        },
+        Contact {
+            name: "kerb, three texels high",
+            world: World::Cuboid { centre: DVec3::new(0.0, 1.5 * TEXEL, 0.0), half: DVec3::new(0.7, 1.5 * TEXEL, 1.2) },
+            eye: eye(DVec3::new(-0.7 - HALF_WIDTH, 0.0, 0.0), DVec3::NEG_Y, HALF_WIDTH),
+            place: |at| ((at.z / HALF_WIDTH * 64.0).floor() as i64, -0.7 - at.x),
         },
         Contact {
             name: "ball",
             world: World::Sphere { centre: DVec3::new(0.0, 1.0, 0.0), radius: 1.0 },
-            eye: eye(DVec3::new(-0.1, 0.0, 0.0), DVec3::new(0.3, -0.17, 1.0)),
+            eye: eye(DVec3::new(-0.03, 0.0, 0.0), DVec3::new(0.1, -0.05, 1.0), CLOSE),
             place: |at| ((at.z.atan2(at.x).to_degrees() / 4.0).floor() as i64, at.x.hypot(at.z)),
         },
     ]
@@ -77,7 +87,7 @@ fn late(
     contact: &Contact,
     towards: DVec3,
     format: TextureFormat,
-    edges: DepthEdges,
+    (edges, slope_bias): (DepthEdges, f32),
 ) -> Result<Vec<f64>, String> {
     let depth = DepthDirection::Reversed;
     let half_width = Some(TEXEL * f64::from(TEXELS) / 2.0);
@@ -107,7 +117,7 @@ fn late(
     let depths: Vec<_> = seen.iter().map(|seen| seen.map_or(0.0, |(place, _)| device_depth(&eye, place))).collect();
     let shadow = ShadowFormat { depth, ..Default::default() };
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &shadow, 0).map_err(text)?;
-    let options = DepthMapOptions { edges, slope_bias: 1.0, ..Default::default() };
+    let options = DepthMapOptions { edges, slope_bias, ..Default::default() };
     let mut volumes = DepthMapVolumes::new(&pipelines, [TEXELS; 2], options).map_err(text)?;
     let stencil = stencil_of(gpu, &pipelines, (PIXELS, &depths), |encoder| {
         let map = DepthMap { texture: &depth_view(&map), light: sun.camera };
@@ -149,15 +159,19 @@ fn contacts() -> Result<(), String> {
             let mut all = Vec::new();
             for (number, &towards) in lights.iter().enumerate() {
                 let format = [TextureFormat::Depth32Float, TextureFormat::Depth24Plus][number % 2];
-                all.extend(late(&gpu, &contact, towards, format, edges)?);
+                all.extend(late(&gpu, &contact, towards, format, (edges, 1.0))?);
             }
             let (mean, most) = (all.iter().sum::<f64>() / all.len() as f64, all.iter().copied().fold(0.0, f64::max));
             println!("| {} | {edges:?} | {} | {mean:.3} | {most:.3} |", contact.name, all.len());
-            // The move of the ground is half a texel in both directions.
-            if all.len() < 50 || most > 0.5_f64.hypot(0.5) + 2.0 * HALF_WIDTH / f64::from(PIXELS) / TEXEL {
+            if all.len() < 50 || most > BOUND {
                 return Err(format!("{}, {edges:?}: {most} texels of {} places", contact.name, all.len()));
             }
         }
     }
-    Ok(())
+    // Negative control: surfaces that move too far leave a thin wall behind.
+    let [_, wall, ..] = contacts_of();
+    let far = late(&gpu, &wall, lights[0], TextureFormat::Depth32Float, (DepthEdges::EveryCell, 20.0))?;
+    let most = far.iter().copied().fold(0.0, f64::max);
+    println!("{most} texels late with twenty times the move");
+    if most > BOUND { Ok(()) } else { Err("a shadow that begins late goes unnoticed".to_owned()) }
 }

@@ -84,7 +84,7 @@ impl Tally {
         (width, slip): (f64, &dyn Fn(DVec3) -> DVec3),
     ) {
         let pixels = 5.0 * ROUNDING * SCENE / width * f64::from(SIDE);
-        let (share, wider) = (2, 1.0 + pixels / 0.05);
+        let (share, wider) = (3, 1.0 + pixels / 0.05);
         let mut behind = [0; 2];
         for pixel in (0..SIDE * SIDE).filter(|pixel| pixel % share == pixel / SIDE % share) {
             let middle = DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5);
@@ -111,7 +111,7 @@ impl Tally {
     fn check(&self, what: &str, least: usize) -> Result<(), String> {
         println!("{what}: {self:?}");
         let told = self.dark + self.lit;
-        if self.wrong == 0 && self.dark.min(self.lit) > 150 && self.cut >= least && self.near_borders * 2 < told {
+        if self.wrong == 0 && self.dark.min(self.lit) > 50 && self.cut >= least && self.near_borders * 2 < told {
             Ok(())
         } else {
             Err(format!("{what}: {self:?}"))
@@ -178,7 +178,7 @@ fn widths() -> Result<(), String> {
     for texels in [0.001, 0.03, 0.4, 1.0, 4.0, 0.0] {
         let mut tally = Tally::default();
         let mut rounds = 0;
-        while rounds < if is_long() { 60 } else { 8 } {
+        while rounds < if is_long() { 60 } else { 6 } {
             let Some((camera, at, map, middle, width)) = scene(&mut random) else { continue };
             // 0: the whole map.
             let width = width * if texels == 0.0 { f64::from(map.size[0].max(map.size[1])) } else { texels };
@@ -205,7 +205,7 @@ fn edge_on() -> Result<(), String> {
     let mut random = Random::new(SEED);
     for tilt in [0.0, 1e-6, 1e-3, 0.03] {
         let (mut tally, mut rounds) = (Tally::default(), 0);
-        while rounds < if is_long() { 60 } else { 8 } {
+        while rounds < if is_long() { 60 } else { 6 } {
             let Some((camera, at, map, middle, width)) = scene(&mut random) else { continue };
             let width = width * f64::from([0.3, 2.0, 8.0][rounds % 3]);
             let to_light = if at.w == 0.0 { at.truncate() } else { (at.truncate() - middle).normalize() };

@@ -3,6 +3,7 @@
 
 mod contours;
 mod depth_map;
+mod depth_map_vertices;
 mod list;
 mod occluded;
 mod polygons;
@@ -24,6 +25,7 @@ fn all() -> impl Iterator<Item = &'static Mutation> {
     let lists = [
         list::MUTATIONS,
         depth_map::MUTATIONS,
+        depth_map_vertices::MUTATIONS,
         contours::MUTATIONS,
         occluded::MUTATIONS,
         polygons::MUTATIONS,
