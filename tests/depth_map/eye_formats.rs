@@ -80,18 +80,37 @@ fn stencils(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<u32>, String> {
     gpu.read(&found, count as usize)
 }
 
+/// Pipelines that were made for targets and directions of depth.
+#[derive(Default)]
+pub(crate) struct Made(Vec<DepthMapPipelines>);
+
+impl Made {
+    fn get(
+        &mut self,
+        gpu: &Gpu,
+        (depth_stencil, samples): (TextureFormat, u32),
+        depth: DepthDirection,
+    ) -> Result<&DepthMapPipelines, String> {
+        let format = ShadowFormat { depth_stencil, depth, samples, ..Default::default() };
+        if !self.0.iter().any(|own| *own.format() == format) {
+            self.0.push(DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?);
+        }
+        self.0.iter().find(|own| *own.format() == format).ok_or_else(|| "no pipelines".to_owned())
+    }
+}
+
 /// The stencils of a target with the depths of its samples, after the volumes of a map.
 pub(crate) fn drawn(
     gpu: &Gpu,
+    pipelines: &mut Made,
     (format, samples): (TextureFormat, u32),
     depths: &[f32],
     (map, eye): (&DepthMap<'_>, &rimline::ShadowCamera),
     options: DepthMapOptions,
 ) -> Result<Vec<u32>, String> {
-    let shadow = ShadowFormat { depth_stencil: format, depth: eye.depth, samples, ..Default::default() };
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &shadow, 0).map_err(text)?;
+    let pipelines = pipelines.get(gpu, (format, samples), eye.depth)?;
     let size = [map.texture.texture().width(), map.texture.texture().height()];
-    let mut volumes = DepthMapVolumes::new(&pipelines, size, options).map_err(text)?;
+    let mut volumes = DepthMapVolumes::new(pipelines, size, options).map_err(text)?;
     let target = sampled(gpu, [SIDE; 2], (format, samples), depths)?;
     let view = target.create_view(&wgpu::TextureViewDescriptor::default());
     gpu.submit(|encoder| {
@@ -105,7 +124,7 @@ pub(crate) fn drawn(
             }),
             ..Default::default()
         });
-        frame.draw(&mut pass, &pipelines).map_err(text)
+        frame.draw(&mut pass, pipelines).map_err(text)
     })?;
     stencils(gpu, &target)
 }
@@ -146,6 +165,7 @@ fn samples() -> Result<(), String> {
         (TextureFormat::Depth24PlusStencil8, 4),
     ];
     let mut tallies = [Tally::default(); 3];
+    let mut pipelines = Made::default();
     for round in 0..if is_long() { 120 } else { 12 } {
         let (camera, at) = light(&mut random);
         let map = map(&mut random, &camera);
@@ -169,7 +189,7 @@ fn samples() -> Result<(), String> {
             });
             let places: Vec<_> = places.collect();
             let depths: Vec<_> = places.iter().map(|&place| device_depth(&eye, seen(place).1)).collect();
-            let found = drawn(&gpu, target, &depths, (&given, &eye), options)?;
+            let found = drawn(&gpu, &mut pipelines, target, &depths, (&given, &eye), options)?;
             for (number, &place) in places.iter().enumerate() {
                 // In the short run, a seventh of the pixels.
                 if !is_long() && target.1 > 1 && (number / 4) % 7 != round % 7 {
@@ -209,7 +229,7 @@ fn maps() -> Result<(), String> {
     println!("seed {SEED}");
     let gpu = device()?;
     let mut random = Random::new(SEED);
-    let (mut dark, mut other) = (0, 0);
+    let (mut dark, mut other, mut pipelines) = (0, 0, Made::default());
     for round in 0..6 {
         let (camera, _) = light(&mut random);
         let map = map(&mut random, &camera);
@@ -237,11 +257,14 @@ fn maps() -> Result<(), String> {
             (DepthEdges::Differences { threshold: 0.005 }, contours),
         ][round % 3];
         let options = DepthMapOptions { edges, reconstruction, ..Default::default() };
-        let picture = |format: TextureFormat, map: &Map| {
+        let mut picture = |format: TextureFormat, map: &Map| {
             let texture = texture(&gpu, map.size, format, &map.depths)?;
             let given = DepthMap { texture: &depth_view(&texture), light: camera };
             let target = (TextureFormat::Depth32FloatStencil8, 1);
-            Ok::<_, String>((read(&gpu, &texture)?, drawn(&gpu, target, &depths, (&given, &eye), options)?))
+            Ok::<_, String>((
+                read(&gpu, &texture)?,
+                drawn(&gpu, &mut pipelines, target, &depths, (&given, &eye), options)?,
+            ))
         };
         let plain = picture(TextureFormat::Depth32Float, &map)?;
         let beside = picture(TextureFormat::Depth32FloatStencil8, &map)?;

@@ -187,7 +187,7 @@ fn of_stairs() -> Result<(), String> {
     let rays = Rays::new(&light, 32);
     let plate = |place: DVec3| {
         let column = ((place.x + 1.0) * 4.0).floor() as i64;
-        ((0..STEPS).contains(&column) && place.z.abs() < 2.0).then(|| 0.3 + 0.15 * column as f64)
+        ((0..STEPS).contains(&column) && place.z.abs() < 2.0).then_some(0.3 + 0.15 * column as f64)
     };
     let map = Map::new([32, 32], true, |texel| {
         let (from, _) = rays.at(DVec2::new(f64::from(texel % 32) + 0.5, f64::from(texel / 32) + 0.5));

@@ -125,7 +125,7 @@ fn places() -> Result<(), String> {
         let (eye, format) = eye(&mut random);
         let spread = random.below(3) == 0;
         let jitter = if spread { [0; 2].map(|_: u32| f64::from(random.between(-0.4, 0.4))) } else { [0.0; 2] };
-        let slope_bias = f64::from([0.0, 0.5, 4.5][random.below(3)]);
+        let slope_bias = [0.0, 0.5, 4.5][random.below(3)];
         let placing = Placing { border: 1.0, jitter, slope_bias };
         let view = map_view((&camera, map.size, TextureFormat::R32Float), (&eye, format), &placing).map_err(text)?;
         let shape = DepthMapShape { spread: u32::from(spread), ..map.shape(0.0, u32::MAX) };

@@ -14,7 +14,7 @@ use wgpu::TextureFormat;
 use crate::boundary::{Boundary, sample};
 use crate::cube::{Cube, cube_of};
 use crate::exact::{ROUNDING, steps};
-use crate::eye_formats::{AROUND, device, drawn};
+use crate::eye_formats::{AROUND, Made, device, drawn};
 use crate::maps::Map;
 use crate::parity::{SIDE, device_depth, light, map, seen, vector};
 use crate::picture::stencil_of;
@@ -133,7 +133,7 @@ fn scene(random: &mut Random) -> Option<(ShadowCamera, DVec4, Map, DVec3, f64)> 
 
 /// The picture of a scene with the switch on and off.
 fn pictures(
-    gpu: &Gpu,
+    (gpu, pipelines): (&Gpu, &mut Made),
     random: &mut Random,
     (camera, at, map): (ShadowCamera, DVec4, &Map),
     (eye, width): (&ShadowCamera, f64),
@@ -147,9 +147,9 @@ fn pictures(
     let texture = texture(gpu, map.size, TextureFormat::R32Float, &map.depths)?;
     let given = DepthMap { texture: &depth_view(&texture), light: camera };
     let target = (TextureFormat::Depth32FloatStencil8, 1);
-    let picture = |skip_near_caps| {
+    let mut picture = |skip_near_caps| {
         let options = DepthMapOptions { slope_bias: 0.0, skip_near_caps, ..Default::default() };
-        drawn(gpu, target, &depths, (&given, eye), options)
+        drawn(gpu, pipelines, target, &depths, (&given, eye), options)
     };
     let found = picture(true)?;
     same("with near caps that are always drawn", &picture(false)?, &found)?;
@@ -174,6 +174,7 @@ fn widths() -> Result<(), String> {
     const SEED: u64 = 16_301;
     println!("seed {SEED}");
     let gpu = device()?;
+    let mut pipelines = Made::default();
     let mut random = Random::new(SEED);
     for texels in [0.001, 0.03, 0.4, 1.0, 4.0, 0.0] {
         let mut tally = Tally::default();
@@ -186,7 +187,7 @@ fn widths() -> Result<(), String> {
             let forward = vector(&mut random);
             let eye = eye_at(&mut random, middle, forward, width);
             let before = tally.wrong;
-            pictures(&gpu, &mut random, (camera, at, &map), (&eye, width), &mut tally)?;
+            pictures((&gpu, &mut pipelines), &mut random, (camera, at, &map), (&eye, width), &mut tally)?;
             if tally.wrong > before {
                 println!("{} wrong of {texels} texels: {eye:?}, {camera:?}", tally.wrong - before);
             }
@@ -202,16 +203,17 @@ fn edge_on() -> Result<(), String> {
     const SEED: u64 = 16_302;
     println!("seed {SEED}");
     let gpu = device()?;
+    let mut pipelines = Made::default();
     let mut random = Random::new(SEED);
     for tilt in [0.0, 1e-6, 1e-3, 0.03] {
         let (mut tally, mut rounds) = (Tally::default(), 0);
         while rounds < if is_long() { 60 } else { 6 } {
             let Some((camera, at, map, middle, width)) = scene(&mut random) else { continue };
-            let width = width * f64::from([0.3, 2.0, 8.0][rounds % 3]);
+            let width = width * [0.3, 2.0, 8.0][rounds % 3];
             let to_light = if at.w == 0.0 { at.truncate() } else { (at.truncate() - middle).normalize() };
             let forward = to_light.cross(vector(&mut random)).normalize() + tilt * to_light;
             let eye = eye_at(&mut random, middle, forward, width);
-            pictures(&gpu, &mut random, (camera, at, &map), (&eye, width), &mut tally)?;
+            pictures((&gpu, &mut pipelines), &mut random, (camera, at, &map), (&eye, width), &mut tally)?;
             rounds += 1;
         }
         tally.check(&format!("tilted by {tilt}"), rounds / 4)?;

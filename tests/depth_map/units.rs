@@ -36,8 +36,11 @@ fn depths(camera: &ShadowCamera, seen: &[Seen], by: f64) -> Vec<f32> {
     seen.iter().map(|seen| seen.map_or(far, |(place, _)| device_depth(camera, by * place))).collect()
 }
 
+/// Depths, a list of cells, and stencils.
+type Drawn = (Vec<f32>, Vec<u32>, Vec<u8>);
+
 /// The depths of a map, the list of cells and the stencil, in another unit.
-fn drawn(gpu: &Gpu, view: &View<'_>, edges: DepthEdges, by: f64) -> Result<(Vec<f32>, Vec<u32>, Vec<u8>), String> {
+fn drawn(gpu: &Gpu, view: &View<'_>, edges: DepthEdges, by: f64) -> Result<Drawn, String> {
     let [light, eye] = [&view.sun.camera, &view.eye].map(|camera| scaled(camera, by));
     let of_light = depths(&light, &view.light_seen, by);
     let map = texture(gpu, [SIDE; 2], TextureFormat::Depth32Float, &of_light)?;

@@ -177,7 +177,7 @@ fn of_maps() -> Result<(), String> {
         let (eye, format) = eye(&mut random);
         let spread = random.below(2) == 0;
         let jitter = if spread { [0; 2].map(|_: u32| f64::from(random.between(-0.4, 0.4))) } else { [0.0; 2] };
-        let slope_bias = f64::from([0.0, 0.5, 4.5][random.below(3)]);
+        let slope_bias = [0.0, 0.5, 4.5][random.below(3)];
         let map_format = [TextureFormat::R32Float, TextureFormat::Depth16Unorm][random.below(2)];
         let placing = Placing { border: 1.0, jitter, slope_bias };
         let view = map_view((&camera, map.size, map_format), (&eye, format), &placing).map_err(text)?;
@@ -235,7 +235,7 @@ fn of_cubes() -> Result<(), String> {
         };
         let given = [0, 1, 2, 3, 4, 5].map(|face: usize| cube.maps[face].as_ref().map(|map| &map.depths[..]));
         let depths = depth_cube(&shape, given);
-        let slope_bias = f64::from([0.0, 0.5][random.below(2)]);
+        let slope_bias = [0.0, 0.5][random.below(2)];
         let placing = Placing { border: 0.0, jitter: [0.0; 2], slope_bias };
         let view = |camera| map_view((camera, [side; 2], TextureFormat::R32Float), (&eye, format), &placing);
         let views = cube.cameras.iter().map(view).collect::<Result<Vec<_>, _>>().map_err(text)?;
