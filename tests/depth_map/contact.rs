@@ -1,5 +1,5 @@
-//! How far from its contact with the ground the shadow of a body begins: the boundary is moved away from surfaces, so it may begin
-//! late.
+//! How far from its contact with the ground the shadow of a body begins: the boundary is moved away from surfaces, so it may
+//! begin late.
 
 use std::collections::BTreeMap;
 
@@ -34,8 +34,8 @@ const CLOSE: f64 = 0.12;
 /// The move of the ground: half a texel in both directions. And a pixel.
 const BOUND: f64 = std::f64::consts::FRAC_1_SQRT_2 + 2.0 * HALF_WIDTH / PIXELS as f64 / TEXEL;
 
-/// A body that touches the ground, an eye that looks at the contact, and the place of a point of the ground along the contact and
-/// away from it.
+/// A body that touches the ground, an eye that looks at the contact, and the place of a point of the ground along the contact
+/// and away from it.
 struct Contact {
     name: &'static str,
     world: World,

@@ -14,6 +14,7 @@ mod exact;
 mod extremes;
 mod eye_formats;
 mod hostile;
+mod large_picture;
 mod lookup;
 mod maps;
 mod merge;
@@ -64,6 +65,7 @@ fn main() {
         near_rectangles::TESTS,
         units::TESTS,
         hostile::TESTS,
+        large_picture::TESTS,
         contact::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));

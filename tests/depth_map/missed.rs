@@ -52,7 +52,8 @@ fn drawn(
     Ok((stencil, names.collect()))
 }
 
-/// A light, its map, an eye, and what it sees through the middle of each pixel: from where to where, and whether light reaches it.
+/// A light, its map, an eye, and what it sees through the middle of each pixel: from where to where, and whether light reaches
+/// it.
 struct Given<'a> {
     light: ShadowCamera,
     at: DVec4,
@@ -168,8 +169,8 @@ fn of_worlds() -> Result<(), String> {
     Ok(())
 }
 
-/// Plates over a floor, each a texel of the map wide and higher than the one before by as much: a step between steps that are as
-/// large is no edge of `Automatic`, and none of differences above a step. An eye at their low side looks in under them.
+/// Plates over a floor, each a texel of the map wide and higher than the one before by as much: a step between steps that are
+/// as large is no edge of `Automatic`, and none of differences above a step. An eye at their low side looks in under them.
 fn of_stairs() -> Result<(), String> {
     const STEPS: i64 = 12;
     let gpu = Gpu::shared()?;

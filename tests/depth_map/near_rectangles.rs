@@ -1,5 +1,6 @@
-//! Near rectangles of any width, at the boundary: from a thousandth of a texel of the map to all of it, edge-on to the light, and
-//! across two maps of a cube. The stencil against the crossings of rays, with near caps always drawn and left out where they may be.
+//! Near rectangles of any width, at the boundary: from a thousandth of a texel of the map to all of it, edge-on to the light,
+//! and across two maps of a cube. The stencil against the crossings of rays, with near caps always drawn and left out where
+//! they may be.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
 use rimline::gpu::{DepthMap, DepthMapCube, DepthMapOptions, DepthMapPipelines, ShadowFormat};
@@ -73,9 +74,9 @@ struct Tally {
 }
 
 impl Tally {
-    /// Compares a picture with rays, whose near rectangle is `width` wide. A vertex is off by five roundings of the terms that it
-    /// adds up from, in numbers of the size of the scene; in pixels the more, the smaller the near rectangle is. `slip` is what a
-    /// place of the near rectangle may be off by along the light's ray, because depths are floats.
+    /// Compares a picture with rays, whose near rectangle is `width` wide. A vertex is off by five roundings of the terms that
+    /// it adds up from, in numbers of the size of the scene; in pixels the more, the smaller the near rectangle is. `slip` is
+    /// what a place of the near rectangle may be off by along the light's ray, because depths are floats.
     fn add(
         &mut self,
         boundary: &Boundary,
