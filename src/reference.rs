@@ -34,12 +34,17 @@ pub mod shadow {
     }
 }
 
-/// What is told of near caps of volumes from depth maps before the map is looked at, and of maps of distances.
+/// What is told of near caps of volumes from depth maps before the map is looked at, what the draws are given, and what converts
+/// maps of distances.
 pub mod depth_map {
     use crate::ShadowCamera;
+    use crate::gpu::DepthMapEncodeError;
+    use crate::gpu::DepthMetric;
+    use crate::gpu::depth_map::metric;
     use crate::gpu::depth_map::near::{NearReach, near_reach};
-    use crate::gpu::{DepthMapEncodeError, DepthMetric, depth_map::metric};
-    use crate::layout::{DepthMetricView, DepthNearBox};
+    pub use crate::gpu::depth_map::view::Placing;
+    use crate::gpu::depth_map::view::depth_map_view;
+    use crate::layout::{DepthMapView, DepthMetricView, DepthNearBox};
 
     /// How distances of a metric become device depths, for a map of `size` texels.
     ///
@@ -59,6 +64,19 @@ pub mod depth_map {
     /// [`DepthMapEncodeError`] if the camera is refused.
     pub fn metric_steps(light: &ShadowCamera, metric: DepthMetric) -> Result<[f64; 2], DepthMapEncodeError> {
         metric::metric_steps(light, metric)
+    }
+
+    /// What the vertex stages are given of a map of `size` texels, whose depths have the format `format`, for an eye whose depth
+    /// buffer has a format.
+    ///
+    /// # Errors
+    /// [`DepthMapEncodeError`] if a camera is refused.
+    pub fn map_view(
+        (light, size, format): (&ShadowCamera, [u32; 2], wgpu::TextureFormat),
+        eye: (&ShadowCamera, wgpu::TextureFormat),
+        placing: &Placing,
+    ) -> Result<DepthMapView, DepthMapEncodeError> {
+        depth_map_view((light, size), ([0.0; 2], &mut std::iter::once(format)), eye, placing)
     }
 
     /// The samples that matter to the near rectangle of an eye with a depth format, if they decide about it. `lights` are the

@@ -8,7 +8,11 @@ use rimline::{DepthDirection, ShadowCamera};
 
 use crate::maps::Map;
 
+/// A triangle by the first texel of its cell, and which half of the cell it is.
+pub(crate) type Name = ([i64; 2], usize);
+
 struct Triangle {
+    name: Name,
     corners: [DVec4; 3],
     /// The plane: its product with a point tells the side.
     plane: DVec4,
@@ -26,7 +30,7 @@ fn determinant(a: DVec4, b: DVec4, c: DVec4, d: DVec4) -> f64 {
 }
 
 /// The device depth of a sample, `None` where it casts nothing.
-fn sample(map: &Map, x: i64, y: i64) -> Option<f64> {
+pub(crate) fn sample(map: &Map, x: i64, y: i64) -> Option<f64> {
     let [width, height] = map.size.map(i64::from);
     if x < 0 || y < 0 || x >= width || y >= height {
         return None;
@@ -64,6 +68,7 @@ fn triangles(
         let [a, b, c, d] = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
         let is_cut_from_b = (rank(a) - rank(d)).abs() > (rank(b) - rank(c)).abs();
         // The corner between the edges, and the two ends of the diagonal.
+        // The half with b or, where that is on the cut, with a is the first.
         let halves = if is_cut_from_b { [[a, b, c], [d, b, c]] } else { [[b, a, d], [c, a, d]] };
         let is_beside_edge = |at: &[i64; 2]| {
             let [x, y] = *at;
@@ -73,7 +78,7 @@ fn triangles(
         let are_drawn = halves.map(|[between, p, q]| {
             is_marked(between, p) || is_marked(between, q) || spreads && [between, p, q].iter().any(is_beside_edge)
         });
-        for ([between, p, q], own) in halves.into_iter().zip(are_drawn) {
+        for (half, ([between, p, q], own)) in halves.into_iter().zip(are_drawn).enumerate() {
             let corners = [between, p, q].map(vertex);
             if corners.iter().all(|corner| corner.w == 0.0) {
                 continue;
@@ -81,7 +86,7 @@ fn triangles(
             let axis = |axis: DVec4| determinant(axis, corners[0], corners[1], corners[2]);
             let plane = DVec4::new(axis(DVec4::X), axis(DVec4::Y), axis(DVec4::Z), axis(DVec4::W));
             let is_drawn = own || fills && are_drawn.contains(&true);
-            triangles.push(Triangle { corners, plane, is_drawn });
+            triangles.push(Triangle { name: ([x, y], half), corners, plane, is_drawn });
         }
     }
     triangles
@@ -98,8 +103,20 @@ impl Boundary {
         map: &Map,
         camera: &ShadowCamera,
         light: DVec4,
+        drawn: (f64, bool),
+        by: Option<[f64; 2]>,
+    ) -> Self {
+        Self::moved(map, camera, light, drawn, by, &|[x, y]| sample(map, x, y))
+    }
+
+    /// The same with all depths of samples moved.
+    pub(crate) fn moved(
+        map: &Map,
+        camera: &ShadowCamera,
+        light: DVec4,
         (threshold, fills): (f64, bool),
         by: Option<[f64; 2]>,
+        moved: &dyn Fn([i64; 2]) -> Option<f64>,
     ) -> Self {
         let [right, down] = by.unwrap_or([0.0; 2]);
         let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse();
@@ -111,7 +128,7 @@ impl Boundary {
             point.truncate() / point.w + origin
         };
         let vertex = |x: i64, y: i64| {
-            if let Some(depth) = sample(map, x, y) {
+            if let Some(depth) = moved([x, y]) {
                 return place(x, y, depth).extend(1.0);
             }
             let near = if camera.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
@@ -177,8 +194,8 @@ impl Boundary {
         Self { triangles: (0..6).flat_map(of_face).collect(), light: light.extend(1.0) }
     }
 
-    fn is_odd(&self, from: DVec4, to: DVec4, drawn_only: bool) -> bool {
-        let crosses = |triangle: &&Triangle| {
+    fn crossed(&self, from: DVec4, to: DVec4) -> impl Iterator<Item = &Triangle> {
+        let crosses = move |triangle: &&Triangle| {
             let [a, b, c] = triangle.corners;
             if (triangle.plane.dot(from) > 0.0) == (triangle.plane.dot(to) > 0.0) {
                 return false;
@@ -186,7 +203,16 @@ impl Boundary {
             let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| determinant(from, to, p, q) > 0.0);
             sides == [sides[0]; 3]
         };
-        self.triangles.iter().filter(|triangle| triangle.is_drawn || !drawn_only).filter(crosses).count() % 2 == 1
+        self.triangles.iter().filter(crosses)
+    }
+
+    fn is_odd(&self, from: DVec4, to: DVec4, drawn_only: bool) -> bool {
+        self.crossed(from, to).filter(|triangle| triangle.is_drawn || !drawn_only).count() % 2 == 1
+    }
+
+    /// The triangles that a segment crosses, drawn or not.
+    pub(crate) fn crossings(&self, from: DVec3, to: DVec3) -> Vec<Name> {
+        self.crossed(from.extend(1.0), to.extend(1.0)).map(|triangle| triangle.name).collect()
     }
 
     /// Whether the way to the light crosses the boundary.

@@ -5,20 +5,29 @@ mod analytic;
 mod boundary;
 mod casters;
 mod casters_refused;
+mod contact;
 mod contours;
 mod counting;
 mod cube;
 mod detectors;
 mod distances;
+mod exact;
 mod extremes;
+mod eye_formats;
+mod hostile;
+mod large_picture;
 mod lookup;
 mod maps;
 mod merge;
 mod mesh_depth;
 mod metric;
+mod missed;
 mod near;
+mod near_places;
+mod near_rectangles;
 mod parity;
 mod picture;
+mod probe;
 mod refusals;
 #[path = "../shadow/scene.rs"]
 #[allow(dead_code, reason = "only its cameras and rays are used here")]
@@ -28,7 +37,10 @@ mod scene_depth_choices;
 mod stages;
 mod statistics;
 mod textures;
+mod units;
+mod vertices;
 mod views;
+mod wall_vertices;
 mod worlds;
 
 use rimline_measure::harness;
@@ -54,6 +66,16 @@ fn main() {
         scene_depth_choices::TESTS,
         near::TESTS,
         statistics::TESTS,
+        vertices::TESTS,
+        near_places::TESTS,
+        wall_vertices::TESTS,
+        eye_formats::TESTS,
+        missed::TESTS,
+        near_rectangles::TESTS,
+        units::TESTS,
+        hostile::TESTS,
+        large_picture::TESTS,
+        contact::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

@@ -10,7 +10,9 @@ const DEPTHS: &str = "
   return vec4<f32>(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.0, 1.0);
 }
 @fragment fn depth(@builtin(position) at: vec4<f32>) -> @builtin(frag_depth) f32 {
-  return textureLoad(values, vec2<i32>(at.xy), 0).x;
+  let sample = 0;
+  let samples = 1;
+  return textureLoad(values, vec2<i32>(samples * i32(at.x) + sample, i32(at.y)), 0).x;
 }
 ";
 
@@ -26,12 +28,21 @@ const READ: &str = "
 }
 ";
 
-fn made(gpu: &Gpu, [width, height]: [u32; 2], format: TextureFormat, usage: wgpu::TextureUsages) -> wgpu::Texture {
+fn made(gpu: &Gpu, size: [u32; 2], format: TextureFormat, usage: wgpu::TextureUsages) -> wgpu::Texture {
+    made_with(gpu, size, (format, 1), usage)
+}
+
+fn made_with(
+    gpu: &Gpu,
+    [width, height]: [u32; 2],
+    (format, sample_count): (TextureFormat, u32),
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("depths"),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: 1,
-        sample_count: 1,
+        sample_count,
         dimension: wgpu::TextureDimension::D2,
         format,
         usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
@@ -71,16 +82,35 @@ pub(crate) fn texture(
     format: TextureFormat,
     depths: &[f32],
 ) -> Result<wgpu::Texture, String> {
-    let values = floats(gpu, size, depths);
     if format == TextureFormat::R32Float {
-        return Ok(values);
+        return Ok(floats(gpu, size, depths));
     }
+    sampled(gpu, size, (format, 1), depths)
+}
+
+/// The same with some samples a texel, whose depths follow each other.
+pub(crate) fn sampled(
+    gpu: &Gpu,
+    size: [u32; 2],
+    (format, samples): (TextureFormat, u32),
+    depths: &[f32],
+) -> Result<wgpu::Texture, String> {
+    let values = floats(gpu, [samples * size[0], size[1]], depths);
     let device = &gpu.device;
-    let usages = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
-    let texture = made(gpu, size, format, usages);
+    let copied = if samples == 1 { wgpu::TextureUsages::COPY_SRC } else { wgpu::TextureUsages::empty() };
+    let usages = wgpu::TextureUsages::RENDER_ATTACHMENT | copied;
+    let texture = made_with(gpu, size, (format, samples), usages);
+    let source = if samples == 1 {
+        DEPTHS.to_owned()
+    } else {
+        DEPTHS
+            .replace("at: vec4<f32>)", "at: vec4<f32>, @builtin(sample_index) number: u32)")
+            .replace("let sample = 0", "let sample = i32(number)")
+            .replace("let samples = 1", &format!("let samples = {samples}"))
+    };
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("depths"),
-        source: wgpu::ShaderSource::Wgsl(DEPTHS.into()),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
     });
     let entry = wgpu::BindGroupLayoutEntry {
         binding: 0,
@@ -114,7 +144,7 @@ pub(crate) fn texture(
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
         }),
-        multisample: wgpu::MultisampleState::default(),
+        multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module: &module,
             entry_point: None,

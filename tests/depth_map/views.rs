@@ -1,6 +1,6 @@
 //! Views of scenes that are known exactly: what casts, a light with its map, an eye, and what both see along `f64` rays.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 use rimline::gpu::DepthMetric;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::random::Random;
@@ -26,6 +26,16 @@ pub(crate) struct Sun {
 }
 
 impl Sun {
+    /// A light at a place, or in a direction, with the camera of its map or one of them.
+    pub(crate) fn new(at: DVec3, is_parallel: bool, camera: ShadowCamera) -> Self {
+        Self { at, is_parallel, camera }
+    }
+
+    /// The place, or the direction to a light at infinity.
+    pub(crate) fn homogeneous(&self) -> DVec4 {
+        self.at.extend(if self.is_parallel { 0.0 } else { 1.0 })
+    }
+
     pub(crate) fn is_lit(&self, world: &World, point: DVec3, normal: DVec3) -> bool {
         let from = point + OVER * normal;
         let way = if self.is_parallel { self.at } else { self.at - from };
@@ -90,7 +100,7 @@ pub(crate) enum Near {
 }
 
 /// What is there around what a pixel sees.
-fn what_is_near(
+pub(crate) fn what_is_near(
     (world, sun): (&World, &Sun),
     (rays, side): (&Rays, u32),
     within: f64,

@@ -163,20 +163,42 @@ pub(crate) fn check_limits(limits: &wgpu::Limits, subject: Subject) -> Result<()
 /// Compares a device with the needs of a subject's stages.
 pub(crate) fn check_device(device: &wgpu::Device, subject: Subject) -> Result<(), DeviceError> {
     check_limits(&device.limits(), subject)?;
-    let lacks = |flag: &'static str, try_it: &dyn Fn()| {
-        scoped(device, wgpu::ErrorFilter::Validation, try_it).map_err(|message| DeviceError::Downlevel {
-            subject: subject.name(),
-            flag,
-            message,
-        })
-    };
     if subject.is_indirect() {
-        lacks("INDIRECT_EXECUTION", &|| drop(indirect_buffer(device)))?;
+        check_flag(device, subject, "INDIRECT_EXECUTION", || drop(indirect_buffer(device)))?;
     }
     if subject.reads_in_vertex_shaders() {
-        lacks("VERTEX_STORAGE", &|| drop(vertex_storage_layout(device)))?;
+        check_flag(device, subject, "VERTEX_STORAGE", || drop(vertex_storage_layout(device)))?;
     }
     Ok(())
+}
+
+/// Tries what needs a downlevel flag.
+fn check_flag(
+    device: &wgpu::Device,
+    subject: Subject,
+    flag: &'static str,
+    try_it: impl FnOnce(),
+) -> Result<(), DeviceError> {
+    let subject = subject.name();
+    scoped(device, wgpu::ErrorFilter::Validation, try_it).map_err(|message| DeviceError::Downlevel {
+        subject,
+        flag,
+        message,
+    })
+}
+
+/// A fragment shader that runs for each sample, which only draws with several samples a pixel need.
+pub(crate) const SAMPLE_SHADING: &str =
+    "@fragment fn of_sample(@location(0) @interpolate(linear, sample) place: vec2<f32>) {}";
+
+/// Compares a device with what draws with several samples a pixel need.
+pub(crate) fn check_sample_shading(device: &wgpu::Device, subject: Subject) -> Result<(), DeviceError> {
+    check_flag(device, subject, "MULTISAMPLED_SHADING", || {
+        drop(device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("sample shading"),
+            source: wgpu::ShaderSource::Wgsl(SAMPLE_SHADING.into()),
+        }));
+    })
 }
 
 fn indirect_buffer(device: &wgpu::Device) -> wgpu::Buffer {

@@ -20,12 +20,12 @@ mod mesh_depth;
 pub(crate) mod metric;
 pub(crate) mod near;
 mod options;
-mod pipelines;
+pub(crate) mod pipelines;
 mod recording;
 mod scene_depth;
 mod statistics;
 mod texture;
-mod view;
+pub(crate) mod view;
 mod volumes;
 mod written;
 

@@ -9,7 +9,7 @@ use super::errors::DepthMapPipelinesError;
 use crate::gpu::common::bindings::{FLOAT_TEXTURE, UINT_TEXTURE};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
-use crate::gpu::common::requirements::Subject;
+use crate::gpu::common::requirements::{Subject, check_sample_shading};
 use crate::gpu::shadow::format::{Casters, Count};
 use crate::gpu::shadow::pipelines::{check, check_count_bits, stencil};
 use crate::gpu::shadow::{ShadowFormat, ShadowFormatError};
@@ -57,7 +57,8 @@ impl DepthMapPipelines {
     /// format with all 8 [`ShadowFormat::count_bits`], the default, is taken here to have no counts beside, so that any bit will
     /// do. With fewer, a bit that they own is refused.
     ///
-    /// `format.front_face` and `format.has_far_plane` do not matter.
+    /// `format.front_face` and `format.has_far_plane` do not matter. With several samples a pixel, the adapter must have
+    /// [`wgpu::DownlevelFlags::MULTISAMPLED_SHADING`], because the near rectangle is looked up at each sample.
     ///
     /// # Errors
     /// [`DepthMapPipelinesError`] if the device lacks what they need or cannot draw into the attachments, or there is no
@@ -135,6 +136,9 @@ impl DepthMapPipelines {
         let count_bits = format.count_bits;
         pipelines.clone().construct(Subject::DepthMap, || {
             check(pipelines.device(), format, false)?;
+            if format.samples > 1 {
+                check_sample_shading(pipelines.device(), Subject::DepthMap).map_err(ShadowFormatError::from)?;
+            }
             check_count_bits(count_bits, Casters::One)?;
             if !is_counting && count_bits < 8 && bits.start < count_bits {
                 return Err(DepthMapPipelinesError::Counted { bit: bits.start, count_bits });
@@ -278,6 +282,13 @@ pub(super) fn wall_group(pipelines: &Pipelines, resources: Vec<(u32, wgpu::Bindi
     })
 }
 
+/// The text of a stage that is drawn with as many samples a pixel. With one it is the middle of the pixel, and the text names no
+/// sample: an adapter without `DownlevelFlags::MULTISAMPLED_SHADING` refuses a module that does, whatever the pipeline.
+pub(crate) fn drawn_wgsl(stage: &Stage, samples: u32) -> String {
+    let wgsl = stage.wgsl();
+    if samples > 1 { wgsl } else { wgsl.replace("@interpolate(linear, sample)", "@interpolate(linear)") }
+}
+
 fn make(
     shared: &Pipelines,
     format: &ShadowFormat,
@@ -288,7 +299,7 @@ fn make(
 ) -> wgpu::RenderPipeline {
     let device = shared.device();
     let [vertex_module, fragment_module] =
-        [vertex, fragment].map(|(stage, _)| shared.module(stage.name, &stage.wgsl()));
+        [vertex, fragment].map(|(stage, _)| shared.module(stage.name, &drawn_wgsl(stage, format.samples)));
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(vertex.1),
         bind_group_layouts: &[Some(layout)],

@@ -104,13 +104,14 @@ pub(super) fn world_step(light: &ShadowCamera, threshold: f32) -> Result<[u32; 3
 }
 
 /// Where the boundary of a map is drawn.
-pub(super) struct Placing {
+#[derive(Clone, Copy, Debug)]
+pub struct Placing {
     /// Rows of the lattice before the first texel.
-    pub(super) border: f64,
+    pub border: f64,
     /// Texels by which the boundary is moved across and down.
-    pub(super) jitter: [f64; 2],
+    pub jitter: [f64; 2],
     /// How far it moves away from the light: multiples of the depth difference over a texel in each direction.
-    pub(super) slope_bias: f64,
+    pub slope_bias: f64,
 }
 
 /// The light's matrix, of the boundary moved by parts of a texel.
@@ -142,7 +143,7 @@ pub(super) fn near_columns(
 
 /// The view of a map of `size` texels, whose depths were rounded to `formats` and are `off` by more, for an eye whose depth
 /// buffer has the format `format`.
-pub(super) fn depth_map_view(
+pub(crate) fn depth_map_view(
     (light, size): (&ShadowCamera, [u32; 2]),
     (off, formats): ([f64; 2], &mut dyn Iterator<Item = wgpu::TextureFormat>),
     (eye, format): (&ShadowCamera, wgpu::TextureFormat),

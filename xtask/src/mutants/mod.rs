@@ -4,6 +4,7 @@
 mod contours;
 mod depth_inputs;
 mod depth_map;
+mod depth_map_vertices;
 mod list;
 mod occluded;
 mod polygons;
@@ -26,6 +27,7 @@ fn all() -> impl Iterator<Item = &'static Mutation> {
         list::MUTATIONS,
         depth_map::MUTATIONS,
         depth_inputs::MUTATIONS,
+        depth_map_vertices::MUTATIONS,
         contours::MUTATIONS,
         occluded::MUTATIONS,
         polygons::MUTATIONS,

@@ -6,6 +6,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module};
 
 use super::*;
+use crate::gpu::depth_map::pipelines::drawn_wgsl;
 use crate::stages::{
     CAP_FACES, DEFORM, DEPTH_SURFACE, DEPTH_WALLS, MESH_DEPTH, PIECES, SIDES, STAGES, Stage, plain_deform_wgsl,
 };
@@ -198,4 +199,26 @@ fn a_message_names_limit_need_and_what_is_there() {
     let message = found.to_string();
     assert!(message.starts_with("extraction needs `max_storage_buffers_per_shader_stage` of at least 8"), "{message}");
     assert!(message.contains("the device has 4"), "{message}");
+}
+
+/// Whether an adapter without sample-rate shading takes a module.
+fn is_taken_without_sample_shading(wgsl: &str) -> bool {
+    let module = naga::front::wgsl::parse_str(wgsl).unwrap_or_else(|error| panic!("{}", error.emit_to_string(wgsl)));
+    let capabilities = Capabilities::default() - Capabilities::MULTISAMPLED_SHADING;
+    Validator::new(ValidationFlags::all(), capabilities).validate(&module).is_ok()
+}
+
+#[test]
+fn only_draws_with_several_samples_need_sample_shading() {
+    for stage in STAGES.iter().chain([&SIDES, &CAP_FACES, &PIECES, &MESH_DEPTH]).filter(|stage| **stage != DEFORM) {
+        let is_taken = is_taken_without_sample_shading(&drawn_wgsl(stage, 1));
+        assert!(is_taken, "{}", stage.name);
+    }
+    for stage in [&DEPTH_SURFACE, &DEPTH_WALLS] {
+        let taken = [1, 4].map(|samples| is_taken_without_sample_shading(&drawn_wgsl(stage, samples)));
+        assert_eq!(taken, [true, false], "{}", stage.name);
+    }
+    // What is tried needs nothing else.
+    assert!(!is_taken_without_sample_shading(SAMPLE_SHADING));
+    assert!(is_taken_without_sample_shading(&SAMPLE_SHADING.replace(", sample", "")));
 }

@@ -1,0 +1,351 @@
+//! Vertices of the boundary on the GPU and of its twin, against `f64`.
+
+use bytemuck::Zeroable;
+use glam::DVec2;
+use rimline::gpu::DepthMapCube;
+use rimline::reference::cpu::{
+    CELL_MASK, Cell, CubeSample, FIRST_TRIANGLE, Samples, depth_cells, depth_cube, depth_surface, mesh_depth,
+};
+use rimline::reference::depth_map::{Placing, map_view};
+use rimline::reference::layout::{DepthMapShape, DepthMapView, MeshDepthCaster, MeshDepthView};
+use rimline::reference::stages::{DEPTH_SURFACE, MESH_DEPTH};
+use rimline::{DepthDirection, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::dispatch::uniform;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail};
+use wgpu::TextureFormat;
+
+use crate::cube::cube_of;
+use crate::exact::{Exact, Held, Moves, ROUNDING, steps};
+use crate::maps::{Map, maps};
+use crate::parity::{light, map, vector};
+use crate::probe::{Bound, Probe};
+use crate::scene::Eye;
+use crate::textures::{objects, texture};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("vertices_of_boundaries_are_those_of_f64", of_maps),
+    ("vertices_of_cubes_are_those_of_f64", of_cubes),
+    ("vertices_of_meshes_in_maps_are_those_of_f64", of_meshes),
+];
+
+/// What was compared, and the largest part of a bound that something was off by.
+#[derive(Debug, Default)]
+pub(crate) struct Tally {
+    pub(crate) vertices: usize,
+    /// Those that the GPU and its twin have bit for bit.
+    pub(crate) equal: usize,
+    pub(crate) far: usize,
+    /// Of the twin, and of the GPU.
+    pub(crate) worst: [f64; 2],
+    /// Those whose move by another 32 units in the last place of the largest component is noticed.
+    pub(crate) noticed: usize,
+}
+
+impl Tally {
+    pub(crate) fn add(&mut self, what: &str, held: &Held, [twin, gpu]: [[f32; 4]; 2]) -> Result<(), String> {
+        for (worst, found) in self.worst.iter_mut().zip([twin, gpu]) {
+            let share = held.share(found);
+            if share > 1.0 {
+                return Err(format!("{what}: {found:?}, {share} of the bound away from {held:?}"));
+            }
+            *worst = worst.max(share);
+        }
+        self.vertices += 1;
+        self.equal += usize::from(twin.map(f32::to_bits) == gpu.map(f32::to_bits));
+        let mut moved = gpu;
+        let largest = (0..4).max_by(|&a, &b| gpu[a].abs().total_cmp(&gpu[b].abs())).unwrap_or(0);
+        moved[largest] *= 1.0 + 32.0 * ROUNDING as f32;
+        self.noticed += usize::from(held.share(moved) > 1.0);
+        Ok(())
+    }
+
+    pub(crate) fn check(&self, least: usize) -> Result<(), String> {
+        println!("{self:?}");
+        let is_near = self.worst.iter().all(|&worst| worst > 0.05);
+        if self.vertices > least && is_near && self.noticed * 2 > self.vertices {
+            Ok(())
+        } else {
+            Err(format!("not vacuous: {self:?}"))
+        }
+    }
+}
+
+/// An eye of any kind, and a format of its depth buffer.
+pub(crate) fn eye(random: &mut Random) -> (ShadowCamera, TextureFormat) {
+    let place = f64::from(random.between(0.5, 9.0)) * vector(random);
+    let forward = vector(random) * 3.0 - place;
+    let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
+    let (far, half_width) = [(None, None), (Some(60.0), None), (Some(60.0), Some(6.0))][random.below(3)];
+    let near = f64::from(random.between(0.05, 3.0));
+    let eye = Eye { place, forward, near, is_relative: random.below(2) == 0, depth, far, half_width }.camera();
+    (eye, [TextureFormat::Depth24PlusStencil8, TextureFormat::Depth32FloatStencil8][random.below(2)])
+}
+
+/// The cells of a list, and the samples of the vertices that are drawn of it: `None` where a triangle is left out.
+fn drawn(samples: &Samples<'_>) -> (Vec<u32>, Vec<Option<[u32; 2]>>) {
+    let list = depth_cells(samples.shape, samples.depths);
+    let corners = list.entries.iter().flat_map(|&entry| {
+        let cell = Cell::of(samples, entry & CELL_MASK);
+        let triangles = cell.triangles();
+        (0..6).map(move |vertex| {
+            let is_drawn = entry & (FIRST_TRIANGLE << (vertex / 3)) != 0;
+            let corner = triangles[vertex / 3][vertex % 3];
+            is_drawn.then(|| [cell.at[0] + corner[0], cell.at[1] + corner[1]])
+        })
+    });
+    let corners = corners.collect();
+    (std::iter::once(list.count).chain(list.entries).collect(), corners)
+}
+
+/// What the draws of a map are given on the GPU.
+pub(crate) struct Given {
+    shape: wgpu::Buffer,
+    map: wgpu::TextureView,
+    cells: wgpu::Buffer,
+    views: wgpu::Buffer,
+    objects: wgpu::TextureView,
+}
+
+impl Given {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        (shape, size, depths): (&DepthMapShape, [u32; 2], &[f32]),
+        cells: &[u32],
+        views: &[DepthMapView],
+    ) -> Result<Self, String> {
+        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        Ok(Self {
+            shape: uniform(gpu, shape),
+            map: view(&texture(gpu, size, TextureFormat::R32Float, depths)?),
+            cells: gpu.storage(cells),
+            views: gpu.storage(views),
+            objects: view(&objects(gpu, [1, 1], &[0])),
+        })
+    }
+
+    pub(crate) fn bound(&self) -> [(u32, Bound<'_>); 5] {
+        [
+            (0, Bound::Uniform(&self.shape)),
+            (1, Bound::Floats(&self.map)),
+            (2, Bound::Storage(&self.cells)),
+            (3, Bound::Storage(&self.views)),
+            (4, Bound::Integers(&self.objects)),
+        ]
+    }
+}
+
+/// A probe that is made when what it binds is known.
+#[derive(Default)]
+pub(crate) struct Vertices(Option<Probe>);
+
+impl Vertices {
+    /// The vertices that the draw of a list has.
+    fn run(&mut self, gpu: &Gpu, given: &Given, count: usize) -> Result<Vec<[f32; 4]>, String> {
+        let bound = given.bound();
+        let make =
+            || Probe::new(gpu, &DEPTH_SURFACE.wgsl(), ("vec4<f32>", "depth_surface(u32(input.x)).position"), &bound);
+        let inputs: Vec<_> = (0..count).map(|index| [index as f32, 0.0, 0.0, 0.0]).collect();
+        let found = self.0.get_or_insert_with(make).run(gpu, &bound, &inputs)?;
+        Ok(found.into_iter().map(|vertex| vertex.map(f32::from_bits)).collect())
+    }
+}
+
+/// What is drawn of a triangle that is left out.
+const NOTHING: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
+
+/// Maps of all kinds, and hostile ones, for lights and eyes of all kinds; moved aside and not.
+fn of_maps() -> Result<(), String> {
+    const SEED: u64 = 16_101;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(SEED);
+    let (mut tally, mut vertices) = (Tally::default(), Vertices::default());
+    let mut other_bias = 0;
+    for round in 0..if is_long() { 2000 } else { 160 } {
+        let (camera, _) = light(&mut random);
+        let hostile = maps(&mut random);
+        let is_reversed = camera.depth == DepthDirection::Reversed;
+        let map = match round % 4 {
+            0 => hostile.into_iter().filter(|map| map.is_reversed == is_reversed).nth(random.below(20)),
+            _ => Some(map(&mut random, &camera)),
+        };
+        let map = map.ok_or("no map")?;
+        let (eye, format) = eye(&mut random);
+        let spread = random.below(2) == 0;
+        let jitter = if spread { [0; 2].map(|_: u32| f64::from(random.between(-0.4, 0.4))) } else { [0.0; 2] };
+        let slope_bias = [0.0, 0.5, 4.5][random.below(3)];
+        let map_format = [TextureFormat::R32Float, TextureFormat::Depth16Unorm][random.below(2)];
+        let placing = Placing { border: 1.0, jitter, slope_bias };
+        let view = map_view((&camera, map.size, map_format), (&eye, format), &placing).map_err(text)?;
+        let shape = DepthMapShape { spread: u32::from(spread), ..map.shape(0.0, u32::MAX) };
+        let samples = Samples { shape: &shape, depths: &map.depths, objects: &[] };
+        let (cells, corners) = drawn(&samples);
+        let given = Given::new(&gpu, (&shape, map.size, &map.depths), &cells, &[view])?;
+        let found = vertices.run(&gpu, &given, corners.len())?;
+        let exact = Exact::new((&camera, map.size), (&eye, format), jitter);
+        let moves = Moves { slope_bias, steps: steps(map_format, camera.depth), spread };
+        let more = Moves { slope_bias: 1.01 * slope_bias, ..moves };
+        for (corner, found) in corners.into_iter().zip(found) {
+            let Some(at) = corner else {
+                if found != NOTHING {
+                    return Err(format!("round {round}: {found:?} of a triangle that is left out"));
+                }
+                continue;
+            };
+            let texel = at.map(|at| i64::from(at) - 1);
+            let held = |moves: &Moves| {
+                exact.vertex(DVec2::new(texel[0] as f64, texel[1] as f64), moves.depth(&map, texel), 0.0)
+            };
+            let twin = depth_surface(&samples, &[view], at).to_array();
+            let what = format!("round {round}, {:?}, sample {at:?}", map.size);
+            tally.add(&what, &held(&moves), [twin, found])?;
+            tally.far += usize::from(moves.depth(&map, texel).is_none());
+            other_bias += usize::from(held(&more).share(found) > 1.0);
+        }
+    }
+    println!("another bias is noticed at {other_bias}");
+    tally.check(20_000)?;
+    if tally.far > 2000 && other_bias > 1000 { Ok(()) } else { Err(format!("{tally:?}, {other_bias}")) }
+}
+
+/// Six maps. Samples that maps share have one vertex, on the ray of each.
+fn of_cubes() -> Result<(), String> {
+    const SEED: u64 = 16_102;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(SEED);
+    let (mut tally, mut vertices, mut shared) = (Tally::default(), Vertices::default(), 0);
+    for round in 0..if is_long() { 400 } else { 30 } {
+        let side = 3 + random.below(8) as u32;
+        let cube = cube_of(&mut random, side);
+        let (eye, format) = eye(&mut random);
+        let is_reversed = cube.cameras[0].depth == DepthDirection::Reversed;
+        let shape = DepthMapShape {
+            size: [side; 2],
+            cells: 6 * (side - 1) * (side - 1),
+            capacity: u32::MAX,
+            every_cell: 1,
+            is_reversed: u32::from(is_reversed),
+            faces: 6,
+            ..DepthMapShape::zeroed()
+        };
+        let given = [0, 1, 2, 3, 4, 5].map(|face: usize| cube.maps[face].as_ref().map(|map| &map.depths[..]));
+        let depths = depth_cube(&shape, given);
+        let slope_bias = [0.0, 0.5][random.below(2)];
+        let placing = Placing { border: 0.0, jitter: [0.0; 2], slope_bias };
+        let view = |camera| map_view((camera, [side; 2], TextureFormat::R32Float), (&eye, format), &placing);
+        let views = cube.cameras.iter().map(view).collect::<Result<Vec<_>, _>>().map_err(text)?;
+        let samples = Samples { shape: &shape, depths: &depths, objects: &[] };
+        let (cells, corners) = drawn(&samples);
+        let given = Given::new(&gpu, (&shape, [3 * side, 2 * side], &depths), &cells, &views)?;
+        let found = vertices.run(&gpu, &given, corners.len())?;
+        for (corner, found) in corners.into_iter().zip(found) {
+            let Some(at) = corner else { continue };
+            let twin = depth_surface(&samples, &views, at).to_array();
+            let CubeSample { face, at: own } = CubeSample::in_texture(at, side);
+            let on_ray: Vec<_> = CubeSample { face, at: own }.on_ray(side).collect();
+            let what = format!("round {round}, sample {own:?} of map {face}");
+            if on_ray.len() > 1 {
+                for other in &on_ray {
+                    let other = depth_surface(&samples, &views, other.place(side)).to_array();
+                    if other.map(f32::to_bits) != twin.map(f32::to_bits) {
+                        return Err(format!("{what}: {twin:?} and {other:?}"));
+                    }
+                }
+                shared += 1;
+            }
+            // Slopes at borders go round the edge of the cube: the library's own, so only where there is none.
+            let first = on_ray[0];
+            if on_ray.len() > 1 && slope_bias > 0.0 {
+                continue;
+            }
+            let texels = (0..side * side).map(|texel| {
+                let [x, y] = CubeSample { face: first.face, at: [texel % side, texel / side] }.place(side);
+                depths[(y * 3 * side + x) as usize]
+            });
+            let map = Map { size: [side; 2], is_reversed, depths: texels.collect() };
+            let camera = &cube.cameras[first.face as usize];
+            let exact = Exact::new((camera, [side; 2]), (&eye, format), [0.0; 2]);
+            let moves = Moves { slope_bias, steps: steps(TextureFormat::R32Float, camera.depth), spread: false };
+            let texel = first.at.map(i64::from);
+            let place = DVec2::new(texel[0] as f64, texel[1] as f64);
+            tally.add(&what, &exact.vertex(place, moves.depth(&map, texel), 0.0), [twin, found])?;
+        }
+    }
+    println!("{shared} at samples that maps share");
+    let exchanged = DepthMapCube::cameras([0.0; 3], 0.1, None, DepthDirection::Reversed, 4).map_err(text)?;
+    let eye = (&exchanged[0], TextureFormat::Depth24PlusStencil8);
+    let held =
+        |face: usize| Exact::new((&exchanged[face], [4; 2]), eye, [0.0; 2]).vertex(DVec2::ONE, Some((0.25, 0.0)), 0.0);
+    let other = held(0).value.as_vec4().to_array();
+    must_fail("maps that are exchanged", &Tally::default().add("map 2", &held(2), [other; 2]))?;
+    tally.check(5000)?;
+    if shared > 2000 { Ok(()) } else { Err(format!("only {shared} are shared")) }
+}
+
+/// Vertices of a mesh as the light sees them.
+fn of_meshes() -> Result<(), String> {
+    const SEED: u64 = 16_103;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(SEED);
+    let mut tally = Tally::default();
+    let mut probe = None;
+    for round in 0..if is_long() { 400 } else { 40 } {
+        let (camera, _) = light(&mut random);
+        let stride = 3 + random.below(4) as u32;
+        let view = MeshDepthView { columns: camera.view_projection };
+        // A third is where its positions are.
+        let row = |axis: usize, random: &mut Random| {
+            let mut row = [0.0; 4].map(|_: f32| random.between(-2.0, 2.0));
+            if round % 3 == 0 {
+                row = [0.0; 4];
+                row[axis] = 1.0;
+            }
+            row[3] -= camera.origin[axis];
+            row
+        };
+        let caster = MeshDepthCaster {
+            row_0: row(0, &mut random),
+            row_1: row(1, &mut random),
+            row_2: row(2, &mut random),
+            place: [random.below(9) as u32, stride, 0, 1],
+        };
+        let size = 10_f32.powi(random.below(6) as i32 - 2);
+        let positions: Vec<_> =
+            (0..256).map(|_| random.direction().map(|axis| axis * random.between(0.0, size))).collect();
+        let mut words = vec![f32::NAN; caster.place[0] as usize];
+        for position in &positions {
+            words.extend(position);
+            words.resize(words.len() + stride as usize - 3, f32::NAN);
+        }
+        let (views, words, casters) = (gpu.storage(&[view]), gpu.storage(&words), gpu.storage(&[caster]));
+        let bound = [(0, Bound::Storage(&views)), (1, Bound::Storage(&words)), (2, Bound::Storage(&casters))];
+        let make = || Probe::new(&gpu, &MESH_DEPTH.wgsl(), ("vec4<f32>", "mesh_depth(u32(input.x))"), &bound);
+        let inputs: Vec<_> = (0..positions.len()).map(|index| [index as f32, 0.0, 0.0, 0.0]).collect();
+        let found = probe.get_or_insert_with(make).run(&gpu, &bound, &inputs)?;
+        let columns = camera.view_projection.map(|column| glam::DVec4::from_array(column.map(f64::from)));
+        for (position, found) in positions.iter().zip(found) {
+            // Terms of each place, and of each coordinate that they make.
+            let places = [caster.row_0, caster.row_1, caster.row_2].map(|row| {
+                let terms = [0, 1, 2].map(|axis| f64::from(row[axis]) * f64::from(position[axis]));
+                let shift = f64::from(row[3]);
+                let absolute: f64 = terms.iter().map(|term| term.abs()).sum();
+                (terms.iter().sum::<f64>() + shift, absolute + shift.abs())
+            });
+            let sum = |of: [f64; 3]| columns[0] * of[0] + columns[1] * of[1] + columns[2] * of[2];
+            let value = sum(places.map(|(value, _)| value)) + columns[3];
+            let sizes = [0, 1, 2].map(|axis| columns[axis].abs() * places[axis].1);
+            let size = sizes[0] + sizes[1] + sizes[2] + columns[3].abs();
+            // A product and three sums, twice.
+            let held = Held { value, bound: 8.001 * ROUNDING * size };
+            let twin = mesh_depth(&view, &caster, *position).to_array();
+            tally.add(&format!("round {round}, {position:?}"), &held, [twin, found.map(f32::from_bits)])?;
+        }
+    }
+    tally.check(5000)
+}
