@@ -2,4 +2,5 @@
 
 mod cells;
 mod maps;
+mod places;
 mod rules;

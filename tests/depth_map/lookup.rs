@@ -30,7 +30,7 @@ enum Way {
 }
 
 const MARKED: DepthEdges = DepthEdges::Differences { threshold: 0.0005 };
-const CONTOURS: DepthMapReconstruction = DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.002 };
+const CONTOURS: DepthMapReconstruction = DepthMapReconstruction::Contours { sideways: 0.1, depth: 0.002 };
 
 const WAYS: [(&str, Way); 5] = [
     ("volumes, every cell", Way::Volumes(DepthEdges::EveryCell, DepthMapReconstruction::Triangles)),

@@ -11,13 +11,15 @@ const BLOCK: u32 = 256u;
 // Invocations of a tile in `contour_walls`.
 const WALKERS: u32 = 64u;
 
-// Edges that the contour is followed over to each side.
-const REACH: i32 = 8;
+// Edges that the contour is followed over to each side, for a line.
+const REACH: i32 = 12;
+// Those of a parabola at most.
+const BENT: i32 = 8;
 // Edges to each side from which on a line is tried first.
 const LINE: i32 = 5;
 
 // The step to an edge that the contour crosses, from that of the place, in half texels, and its axis.
-var<private> crossed: array<vec3<i32>, 17>;
+var<private> crossed: array<vec3<i32>, 25>;
 
 // Follows the contour from an edge out of a cell, and notes the edges that it crosses. Their number.
 fn follow(edge: vec3<i32>, start: vec2<i32>, out: u32, side: i32) -> i32 {
@@ -88,8 +90,10 @@ fn run_place(at: vec2<i32>, axis: u32) -> i32 {
   let most = min(counts[0], counts[1]);
   var place = UNTOLD;
   // First a line over all of them, then parabolas over fewer and fewer. Three edges have a line.
-  for (var count = select(most, most + 1, most >= LINE); count > 0 && place == UNTOLD; count--) {
-    place = fitted_place(min(count, most), count > most || count == 1, axis);
+  let bent = min(most, BENT);
+  for (var count = select(bent, bent + 1, most >= LINE); count > 0 && place == UNTOLD; count--) {
+    let is_line = count > bent;
+    place = fitted_place(select(count, most, is_line), is_line || count == 1, axis);
   }
   return select(place, TEXEL / 2, place == UNTOLD);
 }

@@ -5,8 +5,10 @@ use super::contour::{Edge, LEAST, Map, OUT, TEXEL, edge_of_cell, sum};
 use super::contour_marks::{code_of_cell, is_marked};
 use super::contour_rim::rim_beyond;
 
-/// Edges that the contour is followed over to each side.
-const REACH: usize = 8;
+/// Edges that the contour is followed over to each side, for a line.
+const REACH: usize = 12;
+/// Those of a parabola at most.
+const BENT: usize = 8;
 /// Edges to each side from which on a line is tried first.
 const LINE: usize = 5;
 
@@ -87,7 +89,7 @@ fn run_place(map: &Map<'_>, marks: &[u32], edge: Edge) -> i32 {
     edges.extend(last.iter().take(most));
     // First a line over all of them, then parabolas over fewer and fewer. Three edges have a line.
     let line = (most >= LINE).then_some((most, true));
-    let tries = line.into_iter().chain((1..=most).rev().map(|count| (count, count == 1)));
+    let tries = line.into_iter().chain((1..=most.min(BENT)).rev().map(|count| (count, count == 1)));
     let fit = |(count, is_line): (usize, bool)| fitted(edges.get(most - count..=most + count)?, is_line);
     tries.into_iter().find_map(fit).unwrap_or(TEXEL / 2)
 }

@@ -3,6 +3,7 @@
 use super::list::Mutation;
 
 const WALLS: &[&str] = &["--test depth_map_gpu walls_are"];
+const PLACES: &[&str] = &["--test depth_map_cpu contours_lie", "--test depth_map_gpu volumes_have"];
 const PICTURES: &[&str] = &["--test depth_map_gpu contours_", "--test depth_map_gpu volumes_have"];
 
 pub(super) const MUTATIONS: &[Mutation] = &[
@@ -101,30 +102,86 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: WALLS,
     },
     Mutation {
-        name: "contours: a run turns to the other side",
+        name: "contours: parabolas are not as bent as the contour",
         changes: &[
             (
                 "wgsl/depth_map/contour_places.wgsl",
-                "select(3u, 0u, (out & 1u) == 1u)",
-                "select(1u, 2u, (out & 1u) == 1u)",
+                "middle = (fourths * sums - squares * seconds) * (TEXEL / 2) / whole;",
+                "middle = (fourths * sums - squares * seconds) * (TEXEL / 4) / whole;",
             ),
             (
                 "src/cpu/depth_map/contour_places.rs",
-                "{ [0, 2] } else { [3, 1] };\n            return",
-                "{ [2, 0] } else { [1, 3] };\n            return",
+                "(fourths * sums[c] - squares * seconds[c]) * (TEXEL / 2) / whole",
+                "(fourths * sums[c] - squares * seconds[c]) * (TEXEL / 4) / whole",
             ),
         ],
-        tests: PICTURES,
+        tests: PLACES,
+    },
+    Mutation {
+        name: "contours: lines are not tried",
+        changes: &[
+            ("wgsl/depth_map/contour_places.wgsl", "const LINE: i32 = 5;", "const LINE: i32 = 50;"),
+            ("src/cpu/depth_map/contour_places.rs", "const LINE: usize = 5;", "const LINE: usize = 50;"),
+        ],
+        tests: PLACES,
+    },
+    Mutation {
+        name: "contours: rims are sought beyond the other side of the sample",
+        changes: &[
+            (
+                "wgsl/depth_map/contour_rim.wgsl",
+                "let slope = (first + (first - second) / 2) >> 12u;",
+                "let slope = (first - (first - second) / 2) >> 12u;",
+            ),
+            (
+                "src/cpu/depth_map/contour_rim.rs",
+                "let slope = (first + (first - second) / 2) >> 12;",
+                "let slope = (first - (first - second) / 2) >> 12;",
+            ),
+        ],
+        tests: PLACES,
+    },
+    Mutation {
+        name: "contours: the fifth sample need not lie on the conic",
+        changes: &[
+            (
+                "wgsl/depth_map/contour_rim.wgsl",
+                "if (abs(fourth - 2 * third + second) > u * u / 5) {",
+                "if (abs(fourth - 2 * third + second) > 100 * u * u) {",
+            ),
+            (
+                "src/cpu/depth_map/contour_rim.rs",
+                "if (fourth - 2 * third + second).abs() > u * u / 5 {",
+                "if (fourth - 2 * third + second).abs() > 100 * u * u {",
+            ),
+        ],
+        tests: PLACES,
+    },
+    Mutation {
+        name: "contours: round surfaces have jumps before their rims",
+        changes: &[
+            (
+                "wgsl/depth_map/contour_marks.wgsl",
+                "if (after > jump && jump / 5 < before / 2) {",
+                "if (after > jump && jump / 5 < before / 2 - RANGE) {",
+            ),
+            (
+                "src/cpu/depth_map/contour.rs",
+                "if after > jump && jump / 5 < before / 2 {",
+                "if after > jump && jump / 5 < before / 2 - RANGE {",
+            ),
+        ],
+        tests: WALLS,
     },
     Mutation {
         name: "contours: surfaces end at their last sample",
         changes: &[
             (
-                "wgsl/depth_map/contour_marked.wgsl",
+                "wgsl/depth_map/contour_rim.wgsl",
                 "clamp(moved_distance(at) + way_on(at, step, place), 0,",
                 "clamp(moved_distance(at) + 0 * way_on(at, step, place), 0,",
             ),
-            ("src/cpu/depth_map/contour_marks.rs", "(map.moved(at) + way)", "(map.moved(at) + 0 * way)"),
+            ("src/cpu/depth_map/contour_rim.rs", "(map.moved(at) + way)", "(map.moved(at) + 0 * way)"),
         ],
         tests: PICTURES,
     },

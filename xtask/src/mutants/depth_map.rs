@@ -331,9 +331,9 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "mesh depth: positions are not relative to the light's origin",
         changes: &[(
-            "wgsl/depth_map/mesh_depth.wgsl",
-            "positions[word + 2u]) - views[0].origin.xyz;",
-            "positions[word + 2u]) - 0.0 * views[0].origin.xyz;",
+            "src/gpu/depth_map/mesh_depth.rs",
+            "[x, y, z, shift - light.origin[axis]]",
+            "[x, y, z, shift - 0.0 * light.origin[axis]]",
         )],
         tests: &["--test depth_map_gpu the_depth_of_a_mesh"],
     },
