@@ -29,7 +29,7 @@ pub(crate) const DETECTORS: [(&str, Way); 7] = [
         "contours 0.005",
         Way {
             edges: DepthEdges::Differences { threshold: 0.005 },
-            reconstruction: DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.02 },
+            reconstruction: DepthMapReconstruction::Contours { sideways: 0.1, depth: 0.02 },
         },
     ),
 ];

@@ -121,7 +121,7 @@ pub enum DepthMapReconstruction {
     /// Maps of a cube, more than one bit, and edges that are continued take triangles.
     Contours {
         /// How far a segment may be from the places that are found for the contour, in texels, from 0 to 0.5. It has each sample
-        /// on its own side in any case. 0.25 is a good choice.
+        /// on its own side in any case. 0.1 is a good choice.
         sideways: f32,
         /// How far the ends of a wall may be from the surfaces that it joins, in device depth, from 0 to 1. A multiple of the
         /// edges' threshold is a good choice: with more, walls are fewer, and rays may slip through where surfaces bend along a

@@ -32,7 +32,7 @@ pub(crate) enum Reconstruction {
 }
 
 /// How far a segment may be from its contour, in texels.
-const SIDEWAYS: f32 = 0.25;
+const SIDEWAYS: f32 = 0.1;
 /// How far the ends of a wall may be from the surfaces that it joins, in thresholds.
 const THRESHOLDS: f32 = 4.0;
 /// The same in device depth, where there is no threshold.
