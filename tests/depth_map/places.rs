@@ -122,9 +122,9 @@ impl Errors {
 }
 
 /// A map as a format holds it: steps of its depths, or none.
-fn rounded(map: Map, steps: Option<f64>) -> Map {
+fn rounded(map: &Map, steps: Option<f64>) -> Map {
     let round = |depth: &f32| steps.map_or(*depth, |steps| ((f64::from(*depth) * steps).round() / steps) as f32);
-    Map { depths: map.depths.iter().map(round).collect(), ..map }
+    Map { depths: map.depths.iter().map(round).collect(), ..*map }
 }
 
 /// How contours are found in such maps.
@@ -152,7 +152,7 @@ fn contours_lie_on_rims() {
             let placed = Placed::random(body, &mut random);
             // Floats, 24 bits and 16 bits. What depths may be off by is four steps.
             let (steps, precision) = [(None, 128), (Some(16_777_215.0), 128), (Some(65_535.0), 1 << 15)][round % 3];
-            let given = rounded(placed.map(round % 2 == 1), steps);
+            let given = rounded(&placed.map(round % 2 == 1), steps);
             let (shape, contour) = (given.shape(0.0005, u32::MAX), contour(precision));
             let samples = Samples { shape: &shape, depths: &given.depths, objects: &[] };
             let map = ContourMap { samples: &samples, shape: &contour };

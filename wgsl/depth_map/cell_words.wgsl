@@ -10,13 +10,25 @@ const WORD_CELLS: u32 = 8u;
 // A bit of each cell of a word.
 const EACH: u32 = 0x11111111u;
 
-// The first cell of a word, and how many cells it has.
-fn cells_of_word(word: u32) -> vec2<u32> {
+// Words of a row of cells, and the cells.
+fn row_of_cells() -> vec2<u32> {
   let across = select(depth_map.size.x + 1u, depth_map.size.x - 1u, depth_map.faces > 1u);
-  let words = (across + WORD_CELLS - 1u) / WORD_CELLS;
-  let column = word % words * WORD_CELLS;
-  let first = word / words * across + column;
-  return vec2<u32>(first, select(0u, min(WORD_CELLS, across - column), first < depth_map.cells));
+  return vec2<u32>((across + WORD_CELLS - 1u) / WORD_CELLS, across);
+}
+
+// The first cell of a word, how many cells it has, and where the first is. Devices divide slowly, so rows are found once.
+fn cells_of_word(word: u32) -> vec4<u32> {
+  let cells = row_of_cells();
+  var row = word / cells.x;
+  let column = (word - row * cells.x) * WORD_CELLS;
+  let first = row * cells.y + column;
+  var corner = vec2<u32>(column, row);
+  if (depth_map.faces > 1u) {
+    let face = row / cells.y;
+    row -= face * cells.y;
+    corner = vec2<u32>(face % 3u, face / 3u) * depth_map.size.x + vec2<u32>(column, row);
+  }
+  return vec4<u32>(first, select(0u, min(WORD_CELLS, cells.y - column), first < depth_map.cells), corner);
 }
 
 // The lowest bit of each cell of a word that is listed.
@@ -24,13 +36,21 @@ fn listed_cells(word: u32) -> u32 {
   return ((word >> 1u) | (word >> 2u)) & EACH;
 }
 
+// Invocations of a block. Each takes every so many words, so that few meet at a barrier.
+const DECIDERS: u32 = 64u;
+
 // It begins with 0.
 var<workgroup> total: atomic<u32>;
 
-// Writes what is decided about the cells of a word, and how many of its block are listed.
-fn write_word(block: u32, local: u32, word: u32) {
-  places[depth_map.blocks + block * BLOCK + local] = word;
-  atomicAdd(&total, countOneBits(listed_cells(word)));
+// Writes what is decided about the cells of a word. How many of them are listed.
+fn write_word(block: u32, number: u32, word: u32) -> u32 {
+  places[depth_map.blocks + block * BLOCK + number] = word;
+  return countOneBits(listed_cells(word));
+}
+
+// Writes how many cells of a block are listed, from what each invocation has listed.
+fn write_total(block: u32, local: u32, listed: u32) {
+  atomicAdd(&total, listed);
   workgroupBarrier();
   if (local == 0u) {
     places[block] = atomicExchange(&total, 0u);

@@ -28,10 +28,10 @@ fn exactly_marked(corner: vec2<u32>, open: u32) -> u32 {
 }
 
 // As `decided`, for each cell by itself.
-fn decided_by_cells(own: vec2<u32>) -> u32 {
+fn decided_by_cells(own: vec4<u32>) -> u32 {
   var bits = 0u;
   for (var cell = 0u; cell < own.y; cell++) {
-    bits |= (templates(corner_of_cell(own.x + cell)) >> ENTRY_BITS) << (4u * cell);
+    bits |= (templates(own.zw + vec2<u32>(cell, 0u)) >> ENTRY_BITS) << (4u * cell);
   }
   return bits;
 }
@@ -42,7 +42,7 @@ fn decided(word: u32) -> u32 {
   if (SPREADS && depth_map.spread != 0u) {
     return decided_by_cells(own);
   }
-  let corner = corner_of_cell(own.x);
+  let corner = own.zw;
   let down = vec2<u32>(0u, 1u);
   var before = vec2<u32>(key_at(corner), key_at(corner + down));
   let first = is_marked(before.x, before.y);
@@ -85,14 +85,18 @@ fn triangles_of_word(marked: u32, splits: u32) -> u32 {
 }
 
 // Workgroups take blocks in turn, where a dispatch may not have as many.
-@compute @workgroup_size(BLOCK)
+@compute @workgroup_size(DECIDERS)
 fn depth_cells_count(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
   for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
-    write_word(block, local, decided(block * BLOCK + local));
+    var listed = 0u;
+    for (var number = local; number < BLOCK; number += DECIDERS) {
+      listed += write_word(block, number, decided(block * BLOCK + number));
+    }
+    write_total(block, local, listed);
   }
 }
 
@@ -163,13 +167,22 @@ fn depth_cells_list(
     }
     workgroupBarrier();
     var place = before[local];
-    for (var word = begin; word < begin + RUN; word++) {
+    let row = row_of_cells();
+    var column = begin % row.x;
+    var first = begin / row.x * row.y + column * WORD_CELLS;
+    // An invocation that has nothing to list ends at once.
+    for (var word = select(begin + RUN, begin, own > 0u); word < begin + RUN; word++) {
       let bits = places[depth_map.blocks + word];
-      let first = cells_of_word(word).x;
       for (var left = listed_cells(bits); left != 0u && place < depth_map.capacity; left &= left - 1u) {
         let shift = firstTrailingBit(left);
         cells[1u + place] = ((bits >> shift) << ENTRY_BITS) | (first + shift / 4u);
         place++;
+      }
+      column++;
+      first += WORD_CELLS;
+      if (column == row.x) {
+        column = 0u;
+        first += row.y - row.x * WORD_CELLS;
       }
     }
     workgroupBarrier();

@@ -95,7 +95,7 @@ fn apart(bits: u32) -> u32 {
 // As `decided`, from marks.
 fn decided_by_marks(word: u32) -> u32 {
   let own = cells_of_word(word);
-  let corner = corner_of_cell(own.x);
+  let corner = own.zw;
   let at = vec2<i32>(corner);
   let down = vec2<u32>(0u, 1u);
   var before = vec2<u32>(key_at(corner), key_at(corner + down));
@@ -125,13 +125,17 @@ fn select_bits(otherwise: u32, taken: u32, bits: u32) -> u32 {
 }
 
 // As `depth_cells_count`.
-@compute @workgroup_size(BLOCK)
+@compute @workgroup_size(DECIDERS)
 fn depth_edges_count(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
   for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
-    write_word(block, local, decided_by_marks(block * BLOCK + local));
+    var listed = 0u;
+    for (var number = local; number < BLOCK; number += DECIDERS) {
+      listed += write_word(block, number, decided_by_marks(block * BLOCK + number));
+    }
+    write_total(block, local, listed);
   }
 }
