@@ -235,6 +235,34 @@ fn distance(map: &Map, [x, y]: [i32; 2]) -> Option<i64> {
     (!is_far).then(|| units.min(UNIT as i64 - 1))
 }
 
+/// Whether the distances of five samples, from a rim inwards, are those of a conic that ends along a ray of the light: the squares
+/// of their differences from the rim's own are a quadratic polynomial. For maps of floats.
+fn is_round(map: &Map, z: &[i64]) -> bool {
+    let gone: Vec<_> = z.iter().map(|own| z[0] - own).collect();
+    let off = if map.is_reversed { (UNIT as i64 - z[0]) >> 21 } else { 128 };
+    if gone.windows(2).any(|pair| pair[0] >= pair[1]) || gone[1] < 1024.max(16 * off) {
+        return false;
+    }
+    // With eleven bits of the first difference.
+    let shift = (gone[1].ilog2() + 1).saturating_sub(11);
+    let gone: Vec<_> = gone.iter().map(|gone| gone >> shift).collect();
+    let differences: Vec<_> = gone.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let bend = differences[0] - 2 * differences[1] + differences[2];
+    if differences.iter().any(|&difference| difference > differences[0]) || bend <= 0 {
+        return false;
+    }
+    // The third difference of (rim + gone)² is 0, which is linear in the rim.
+    let cube = |of: [i64; 4]| of[3] - 3 * of[2] + 3 * of[1] - of[0];
+    let four = [gone[0], gone[1], gone[2], gone[3]];
+    let (squares, linear) = (cube(four.map(|gone| gone * gone)), 2 * cube(four));
+    if -squares * linear.signum() < 0 || squares.abs() / bend > 16 * differences[0] {
+        return false;
+    }
+    let rim = -squares / linear;
+    let further = [gone[1], gone[2], gone[3], gone[4]].map(|gone| (rim + gone) * (rim + gone));
+    cube(further).abs() <= differences[0] * differences[0] / 8
+}
+
 /// Whether there is a jump between neighbours: the rule as the documentation has it.
 fn is_jump(map: &Map, numbers: Option<&[u32]>, threshold: i64, at: [i32; 2], step: [i32; 2]) -> bool {
     let there = |count: i32| [at[0] + count * step[0], at[1] + count * step[1]];
@@ -268,9 +296,10 @@ fn is_jump(map: &Map, numbers: Option<&[u32]>, threshold: i64, at: [i32; 2], ste
         _ => 0,
     };
     let before = beside(nearer[0]).unwrap_or(0);
-    // The next edge rises more, or leads to nothing: this one is a jump only if it rises more than 2.5 times as much as the one
-    // before.
-    if beside(farther[0]).is_none_or(|after| after > jump) && jump / 5 < before / 2 {
+    // The next edge rises more, or leads to nothing, and the surface is round up to here.
+    let towards = if b > a { [4, 3, 2, 1, 0] } else { [3, 4, 5, 6, 7] };
+    let round: Option<Vec<_>> = towards.into_iter().map(|at| values[at]).collect();
+    if beside(farther[0]).is_none_or(|after| after > jump) && round.is_some_and(|z| is_round(map, &z)) {
         return false;
     }
     let is_alone = beside(farther[0]).is_some_and(|after| before.max(after) / 2 < jump / 4);

@@ -58,6 +58,7 @@ impl Probe {
             ("@builtin(position) @invariant ", ""),
             ("@builtin(position) ", ""),
             ("@builtin(vertex_index) ", ""),
+            ("@builtin(instance_index) ", ""),
             ("@location(0) @interpolate(linear, sample) ", ""),
         ] {
             source = source.replace(from, to);

@@ -112,3 +112,62 @@ fn moved_distance(at: vec2<i32>) -> i32 {
   let of_slopes = select(parts(slopes, contour.slope_bias), RANGE / 2, is_large);
   return own + min(of_slopes + precision_at(own), (RANGE - own) / 2);
 }
+
+// No place: the depths or the run do not tell.
+const UNTOLD: i32 = -1;
+// Units that the last difference before a rim has at least, and how many times what depths may be off by it is.
+const LEAST_RISE: i32 = 1024;
+const PRECISE: i32 = 16;
+
+// How a smooth surface bends towards a rim. The surface along a row is taken for a conic whose tangent at the rim is a ray of the
+// light: the square of the distance from the rim's depth is a quadratic polynomial.
+struct Conic {
+  // The last difference, in eleven bits. UNTOLD: the samples are on no such conic.
+  u: i32,
+  // The rim's depth less that of the last sample, in the same units.
+  y: i32,
+  // Differences of the squares, from the last sample on.
+  first: i32,
+  second: i32,
+}
+
+// The conic through a sample and the three before it, in the direction of a step. A fourth before it has to lie on it: but for a
+// part of the square of the last difference.
+fn conic_before(last: vec2<i32>, step: vec2<i32>, off: i32) -> Conic {
+  let none = Conic(UNTOLD, 0, 0, 0);
+  let z = distance_at(last);
+  var gone: array<i32, 5>;
+  for (var number = 1; number < 5; number++) {
+    let own = distance_at(last - number * step);
+    if (own == FAR || z - own <= gone[number - 1]) {
+      return none;
+    }
+    gone[number] = z - own;
+  }
+  if (gone[1] < max(LEAST_RISE, PRECISE * min(precision_at(z), RANGE / PRECISE))) {
+    return none;
+  }
+  // Eleven bits of the largest difference are enough.
+  let shift = u32(max(21 - i32(countLeadingZeros(u32(gone[1]))), 0));
+  let u = gone[1] >> shift;
+  let v = (gone[2] >> shift) - u;
+  let w = (gone[3] >> shift) - u - v;
+  let x = (gone[4] >> shift) - u - v - w;
+  let bend = u - 2 * v + w;
+  if (max(v, max(w, x)) > u || bend <= 0) {
+    return none;
+  }
+  let rise = 4 * u * v + 2 * v * v - u * u - w * (2 * (u + v) + w);
+  if (rise < 0 || rise / bend > 16 * u) {
+    return none;
+  }
+  let y = rise / (2 * bend);
+  let first = u * (2 * y + u);
+  let second = v * (2 * (y + u) + v);
+  let third = w * (2 * (y + u + v) + w);
+  let fourth = x * (2 * (y + u + v + w) + x);
+  if (abs(fourth - 2 * third + second) > u * u / off) {
+    return none;
+  }
+  return Conic(u, y, first, second);
+}

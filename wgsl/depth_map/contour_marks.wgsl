@@ -5,6 +5,8 @@
 
 const BLOCK: u32 = 256u;
 const WORD_SAMPLES: i32 = 16;
+// Parts of the square of the last difference that a round surface may be off a conic.
+const NEAR_CONIC: i32 = 8;
 
 // Whether there is a jump between two samples, and not only a slope: a difference that is more than the threshold larger than
 // what the slopes to both sides tell. It must be twice as large as those beside it, too, if it is not sure.
@@ -32,8 +34,8 @@ fn is_jump(at: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> bool {
   if (min(abs(jump - before), abs(jump - after)) <= contour.threshold) {
     return false;
   }
-  // A round surface bends away on its way to a rim: its last difference is up to 1 + √2 times the one before.
-  if (after > jump && jump / 5 < before / 2) {
+  // A round surface bends away on its way to a rim, and rises still more there.
+  if (after > jump && conic_before(near + away, away, NEAR_CONIC).u != UNTOLD) {
     return false;
   }
   let is_alone = max(before, after) / 2 < jump / 4;

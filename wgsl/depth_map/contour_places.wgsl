@@ -102,7 +102,7 @@ fn place_on(at: vec2<i32>, axis: u32) -> i32 {
   let step = step_along(axis);
   // The surface that is nearer ends there.
   let is_first = distance_at(at) < distance_at(at + step);
-  let rim = rim_beyond(select(at + step, at, is_first), select(-step, step, is_first)).x;
+  let rim = rim_beyond(select(at + step, at, is_first), select(-step, step, is_first));
   var place = select(TEXEL - rim, rim, is_first);
   if (rim == UNTOLD) {
     place = run_place(at, axis);

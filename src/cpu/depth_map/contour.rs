@@ -9,6 +9,11 @@ pub(crate) const TILE: i32 = 16;
 pub(crate) const TEXEL: i32 = 256;
 /// The nearest that a place may be to a sample.
 pub(crate) const LEAST: i32 = TEXEL / 16;
+/// Parts of the square of the last difference that a round surface may be off a conic.
+const NEAR_CONIC: i32 = 8;
+/// Units that the last difference before a rim has at least, and how many times what depths may be off by it is.
+const LEAST_RISE: i32 = 1024;
+const PRECISE: i32 = 16;
 /// The distance of the far end of the device depths from the near end.
 pub(crate) const RANGE: i32 = 1 << 29;
 /// The distance of a sample that casts nothing.
@@ -63,7 +68,56 @@ pub(crate) fn parts(a: i32, parts: i32) -> i32 {
     (a >> 8) * parts + (((a & 255) * parts) >> 8)
 }
 
+/// How a smooth surface bends towards a rim. The surface along a row is taken for a conic whose tangent at the rim is a ray of the
+/// light: the square of the distance from the rim's depth is a quadratic polynomial.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Conic {
+    /// The last difference, in eleven bits.
+    pub(crate) u: i32,
+    /// The rim's depth less that of the last sample, in the same units.
+    pub(crate) y: i32,
+    /// Differences of the squares, from the last sample on.
+    pub(crate) first: i32,
+    /// The one before.
+    pub(crate) second: i32,
+}
+
 impl Map<'_> {
+    /// The conic through a sample and the three before it, in the direction of a step. A fourth before it has to lie on it: but for
+    /// a part of the square of the last difference.
+    pub(crate) fn conic(&self, last: [i32; 2], step: [i32; 2], off: i32) -> Option<Conic> {
+        let z = self.distance(last);
+        let mut gone = [0; 5];
+        for number in 1..5 {
+            let own = self.distance(sum(last, step.map(|step| -(number as i32) * step)));
+            if own == FAR || z - own <= gone[number - 1] {
+                return None;
+            }
+            gone[number] = z - own;
+        }
+        if gone[1] < LEAST_RISE.max(PRECISE * self.precision(z).min(RANGE / PRECISE)) {
+            return None;
+        }
+        // Eleven bits of the largest difference are enough.
+        let shift = 21_u32.saturating_sub(gone[1].leading_zeros());
+        let [_, u, of_two, of_three, of_four] = gone.map(|gone| gone >> shift);
+        let [v, w, x] = [of_two - u, of_three - of_two, of_four - of_three];
+        let bend = u - 2 * v + w;
+        if v.max(w).max(x) > u || bend <= 0 {
+            return None;
+        }
+        let rise = 4 * u * v + 2 * v * v - u * u - w * (2 * (u + v) + w);
+        if rise < 0 || rise / bend > 16 * u {
+            return None;
+        }
+        let y = rise / (2 * bend);
+        let first = u * (2 * y + u);
+        let second = v * (2 * (y + u) + v);
+        let third = w * (2 * (y + u + v) + w);
+        let fourth = x * (2 * (y + u + v + w) + x);
+        ((fourth - 2 * third + second).abs() <= u * u / off).then_some(Conic { u, y, first, second })
+    }
+
     /// Samples across and down on the lattice.
     pub fn lattice(&self) -> [i32; 2] {
         self.samples.shape.size.map(|texels| texels as i32 + 2)
@@ -154,8 +208,8 @@ impl Map<'_> {
         if [before, after].iter().any(|beside| (jump - beside).abs() <= threshold) {
             return false;
         }
-        // A round surface bends away on its way to a rim: its last difference is up to 1 + √2 times the one before.
-        if after > jump && jump / 5 < before / 2 {
+        // A round surface bends away on its way to a rim, and rises still more there.
+        if after > jump && self.conic(far, away, NEAR_CONIC).is_some() {
             return false;
         }
         let is_alone = before.max(after) / 2 < jump / 4;

@@ -99,9 +99,9 @@ fn place(map: &Map<'_>, marks: &[u32], edge: Edge) -> i32 {
     let other = sum(edge.at, step);
     // The surface that is nearer ends there.
     let rim = if map.distance(edge.at) < map.distance(other) {
-        rim_beyond(map, marks, edge.at, step).map(|rim| rim.place)
+        rim_beyond(map, marks, edge.at, step)
     } else {
-        rim_beyond(map, marks, other, step.map(|step| -step)).map(|rim| TEXEL - rim.place)
+        rim_beyond(map, marks, other, step.map(|step| -step)).map(|rim| TEXEL - rim)
     };
     rim.unwrap_or_else(|| run_place(map, marks, edge)).clamp(LEAST, TEXEL - LEAST)
 }

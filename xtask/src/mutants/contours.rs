@@ -130,13 +130,13 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         changes: &[
             (
                 "wgsl/depth_map/contour_rim.wgsl",
-                "let slope = (first + (first - second) / 2) >> 12u;",
-                "let slope = (first - (first - second) / 2) >> 12u;",
+                "let slope = (conic.first + (conic.first - conic.second) / 2) >> 12u;",
+                "let slope = (conic.first - (conic.first - conic.second) / 2) >> 12u;",
             ),
             (
                 "src/cpu/depth_map/contour_rim.rs",
-                "let slope = (first + (first - second) / 2) >> 12;",
-                "let slope = (first - (first - second) / 2) >> 12;",
+                "let slope = (conic.first + (conic.first - conic.second) / 2) >> 12;",
+                "let slope = (conic.first - (conic.first - conic.second) / 2) >> 12;",
             ),
         ],
         tests: PLACES,
@@ -145,31 +145,23 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "contours: the fifth sample need not lie on the conic",
         changes: &[
             (
-                "wgsl/depth_map/contour_rim.wgsl",
-                "if (abs(fourth - 2 * third + second) > u * u / 5) {",
-                "if (abs(fourth - 2 * third + second) > 100 * u * u) {",
+                "wgsl/depth_map/contour.wgsl",
+                "if (abs(fourth - 2 * third + second) > u * u / off) {",
+                "if (abs(fourth - 2 * third + second) > 100 * u * u / off) {",
             ),
             (
-                "src/cpu/depth_map/contour_rim.rs",
-                "if (fourth - 2 * third + second).abs() > u * u / 5 {",
-                "if (fourth - 2 * third + second).abs() > 100 * u * u {",
+                "src/cpu/depth_map/contour.rs",
+                "(fourth - 2 * third + second).abs() <= u * u / off",
+                "(fourth - 2 * third + second).abs() <= 100 * u * u / off",
             ),
         ],
-        tests: PLACES,
+        tests: WALLS,
     },
     Mutation {
         name: "contours: round surfaces have jumps before their rims",
         changes: &[
-            (
-                "wgsl/depth_map/contour_marks.wgsl",
-                "if (after > jump && jump / 5 < before / 2) {",
-                "if (after > jump && jump / 5 < before / 2 - RANGE) {",
-            ),
-            (
-                "src/cpu/depth_map/contour.rs",
-                "if after > jump && jump / 5 < before / 2 {",
-                "if after > jump && jump / 5 < before / 2 - RANGE {",
-            ),
+            ("wgsl/depth_map/contour_marks.wgsl", "const NEAR_CONIC: i32 = 8;", "const NEAR_CONIC: i32 = 100000;"),
+            ("src/cpu/depth_map/contour.rs", "const NEAR_CONIC: i32 = 8;", "const NEAR_CONIC: i32 = 100_000;"),
         ],
         tests: WALLS,
     },
