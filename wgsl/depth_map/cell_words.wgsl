@@ -37,7 +37,7 @@ fn listed_cells(word: u32) -> u32 {
 }
 
 // Invocations of a block. Each takes every so many words, so that few meet at a barrier.
-const DECIDERS: u32 = 64u;
+const DECIDERS: u32 = 128u;
 
 // It begins with 0.
 var<workgroup> total: atomic<u32>;

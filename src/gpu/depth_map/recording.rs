@@ -11,6 +11,7 @@ use super::pipelines::{layout, wall_group};
 use super::view::{is_turned, world_step};
 use super::volumes::DepthMapVolumes;
 use crate::ShadowCamera;
+use crate::gpu::common::dispatch_limits::{WORKGROUP, loops};
 use crate::gpu::common::memory::{any_error, buffer, filled};
 use crate::gpu::common::pipelines::{Pipeline, group};
 use crate::gpu::common::requirements::check_alive;
@@ -174,9 +175,15 @@ impl DepthMapVolumes {
         let edges =
             edges.map(|(edges, rule)| edges.bind(&self.shared, (shape, &uniforms.map), rule, textures, &self.places));
         let most = device.limits().max_compute_workgroups_per_dimension;
-        let rows = shape.blocks.div_ceil(most).min(most);
-        let every = [shape.blocks.div_ceil(rows.max(1)).min(most), rows];
-        let mut counts = [every, [1, 1], every].into_iter();
+        let over = |workgroups: u32| {
+            let rows = workgroups.div_ceil(most).min(most);
+            [workgroups.div_ceil(rows.max(1)).min(most), rows]
+        };
+        let every = over(shape.blocks);
+        // Workgroups cost a CPU more than turns, so few take the blocks in turn. Exact steps and several bits take many turns each.
+        let few = over(loops(device, shape.blocks.saturating_mul(WORKGROUP)));
+        let is_plain = shape.ratio == 0 && shape.spread == 0;
+        let mut counts = [if is_plain { few } else { every }, [1, 1], few].into_iter();
         let stages = self.stages.iter().map(|stage| {
             let group = stage.bind(
                 device,
