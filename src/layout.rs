@@ -545,10 +545,6 @@ shared_structs! {
         faces: u32,
         /// 1: edges between different objects are marked.
         objects: u32,
-        /// Bits of what depth differences are multiplied with. 0: the threshold is one of device depth.
-        ratio: u32,
-        /// Bits of the depth at infinity.
-        at_infinity: u32,
         /// 1: triangles at the ends of marked edges are drawn, too.
         spread: u32,
         /// 1: both triangles of a cell are drawn, if one of them is.
@@ -593,7 +589,7 @@ shared_structs! {
         high: u32,
         /// Bits of what every smaller difference is not marked below.
         low: [u32; 2],
-        /// As `DepthMapShape::ratio`: the same for steps in world units.
+        /// Bits of what depth differences are multiplied with, for steps in world units. 0: thresholds are device depths.
         ratio: [u32; 2],
         /// Bits of how many times the difference beside it a difference is.
         slopes: [u32; 2],
@@ -601,6 +597,10 @@ shared_structs! {
         noise: u32,
         /// The same as a share of the depth: so many exponents less. 0: no share.
         noise_exponents: u32,
+        /// Bits of the depth at infinity.
+        at_infinity: u32,
+        /// Workgroups along one axis of a dispatch at most.
+        workgroups: u32,
     }
 
     /// The samples of a depth map that the near rectangle of a camera is among.

@@ -463,13 +463,7 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 /// Lists the cells of a depth map that have a triangle to draw.
 pub const DEPTH_CELLS: Stage = Stage {
     name: "depth_cells",
-    files: files![
-        "depth_map/samples",
-        "depth_map/world_step",
-        "depth_map/edge_code",
-        "depth_map/cell_words",
-        "depth_map/depth_cells"
-    ],
+    files: files!["depth_map/samples", "depth_map/edge_code", "depth_map/cell_words", "depth_map/depth_cells"],
     entry_points: &["depth_cells_count", "depth_cells_places", "depth_cells_list"],
 };
 
@@ -485,19 +479,13 @@ pub const DEPTH_EDGES: Stage = Stage {
         "depth_map/edge_marks",
         "depth_map/depth_edges"
     ],
-    entry_points: &["depth_edges_mark", "depth_edges_continue", "depth_edges_count"],
+    entry_points: &["depth_edges_mark", "depth_edges_settle", "depth_edges_continue", "depth_edges_count"],
 };
 
 /// Marks the edges of a depth map that a contour crosses.
 pub const CONTOUR_MARKS: Stage = Stage {
     name: "contour_marks",
-    files: files![
-        "depth_map/samples",
-        "depth_map/world_step",
-        "depth_map/edge_code",
-        "depth_map/contour",
-        "depth_map/contour_marks"
-    ],
+    files: files!["depth_map/samples", "depth_map/edge_code", "depth_map/contour", "depth_map/contour_marks"],
     entry_points: &["contour_marks"],
 };
 
@@ -683,7 +671,6 @@ pub const DEPTH_SURFACE: Stage = Stage {
     name: "depth_surface",
     files: files![
         "depth_map/samples",
-        "depth_map/world_step",
         "depth_map/edge_code",
         "depth_map/cube",
         "depth_map/surface",
@@ -697,7 +684,6 @@ pub const DEPTH_WALLS: Stage = Stage {
     name: "depth_walls",
     files: files![
         "depth_map/samples",
-        "depth_map/world_step",
         "depth_map/edge_code",
         "depth_map/cube",
         "depth_map/surface",

@@ -30,8 +30,6 @@ impl Map {
             is_reversed: u32::from(self.is_reversed),
             faces: 1,
             objects: 0,
-            ratio: 0,
-            at_infinity: 0,
             spread: 0,
             whole_cells: 0,
         }

@@ -222,14 +222,14 @@ fn of_objects() -> Result<(), String> {
     if added > 1000 { Ok(()) } else { Err("too few".to_owned()) }
 }
 
-/// The shape of a map with a threshold in world units, from the rows of the camera's matrix.
-fn world_shape(map: &Map, light: &ShadowCamera, threshold: f64) -> DepthMapShape {
+/// What decides about a threshold in world units, from the rows of the camera's matrix: depth differences are multiplied with the
+/// first, and the second is the depth at infinity.
+fn world_rule(light: &ShadowCamera, threshold: f64) -> [f32; 2] {
     let matrix = glam::Mat4::from_cols_array_2d(&light.view_projection).as_dmat4();
     let [depth, w] = [2, 3].map(|row| matrix.row(row).truncate());
     let infinity = depth.dot(w) / w.length_squared();
     let share = (matrix.row(2).w - infinity * matrix.row(3).w).abs() / w.length();
-    let ratio = (share / threshold) as f32;
-    DepthMapShape { ratio: ratio.to_bits(), at_infinity: (infinity as f32).to_bits(), ..map.shape(0.0, u32::MAX) }
+    [(share / threshold) as f32, infinity as f32]
 }
 
 fn world() -> Result<(), String> {
@@ -256,8 +256,7 @@ fn world() -> Result<(), String> {
             let light = Eye { place, forward, near: 0.125, is_relative: true, depth, far, half_width: None }.camera();
             let mut threshold = [0.0625, 0.125, 0.5, 2.0, 64.0, random.between(0.01, 3.0)][random.below(6)];
             // One that a step of the map nearly meets, so that floats do not tell.
-            let one = world_shape(&map, &light, 1.0);
-            let [share, infinity] = [one.ratio, one.at_infinity].map(|bits| f64::from(f32::from_bits(bits)));
+            let [share, infinity] = world_rule(&light, 1.0).map(f64::from);
             let steps = map.depths.windows(2).map(|pair| {
                 let [a, b] = [pair[0], pair[1]].map(f64::from);
                 (share * (a - b).abs() / ((a - infinity) * (b - infinity)).abs()) as f32
@@ -274,8 +273,9 @@ fn world() -> Result<(), String> {
                 let given = DepthMap { texture: &texture, light };
                 volumes.encode(encoder, &given, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
             })?;
-            let shape = world_shape(&map, &light, f64::from(threshold));
-            let expected = depth_cells(&shape, &map.depths);
+            let shape = map.shape(-1.0, u32::MAX);
+            let samples = Samples { shape: &shape, depths: &map.depths, objects: &[] };
+            let expected = depth_edges(&samples, &detector_of(&options, &map, &light, TextureFormat::R32Float));
             let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
             let what = format!("{:?}, reversed {}, {threshold}, {far:?}", map.size, map.is_reversed);
             same(&what, &found, &[&[expected.count], &expected.entries[..]].concat())?;
@@ -300,8 +300,9 @@ fn detector_of(options: &DepthMapOptions, map: &Map, light: &ShadowCamera, forma
     detector.cells = options.dangling.map_or(0, |dangling| dangling.cells);
     detector.rings = u32::from(second != Second::Nothing) + u32::from(options.bits > 1);
     if let DepthEdges::WorldDifferences { threshold } = options.edges {
-        let ratio = |threshold: f32| world_shape(map, light, f64::from(threshold)).ratio;
-        detector.rule.ratio = [threshold, threshold * share].map(ratio);
+        let rule = |threshold: f32| world_rule(light, f64::from(threshold)).map(f32::to_bits);
+        detector.rule.ratio = [threshold, threshold * share].map(|threshold| rule(threshold)[0]);
+        detector.rule.at_infinity = rule(threshold)[1];
     }
     // Four steps of the format.
     match format {
@@ -367,7 +368,6 @@ fn detectors() -> Result<(), String> {
             let shape = DepthMapShape {
                 objects: u32::from(options.objects),
                 whole_cells: u32::from(options.reconstruction == DepthMapReconstruction::FixedMesh),
-                at_infinity: world_shape(&map, &light, 1.0).at_infinity,
                 ..map.shape(-1.0, options.capacity.unwrap_or(u32::MAX))
             };
             let twin = detector_of(&options, &map, &light, format);

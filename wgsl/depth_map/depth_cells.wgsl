@@ -10,23 +10,6 @@
 // An entry has the three bits of a cell here.
 const ENTRY_BITS: u32 = 29u;
 
-// The edges of `open` that are marked, of those that floats leave open: four bits for each cell of a word, of its top, right and
-// bottom, and of the left side of the first. `corner` is the first cell.
-fn exactly_marked(corner: vec2<u32>, open: u32) -> u32 {
-  var marked = 0u;
-  for (var left = open; left != 0u; left &= left - 1u) {
-    let bit = firstTrailingBit(left);
-    let edge = bit % 4u;
-    // Top: from (0, 0) to (1, 0). Right: from (1, 0) to (1, 1). Bottom: from (0, 1) to (1, 1). Left: from (0, 0) to (0, 1).
-    let a = vec2<u32>(select(0u, 1u, edge == 1u), select(0u, 1u, edge == 2u));
-    let b = vec2<u32>(select(1u, 0u, edge == 3u), select(1u, 0u, edge == 0u));
-    let at = corner + vec2<u32>(bit / 4u, 0u);
-    let is_step = exact_world_step(depth_bits(key_at(at + a)), depth_bits(key_at(at + b)), depth_map.ratio);
-    marked |= select(0u, 1u << bit, is_step);
-  }
-  return marked;
-}
-
 // As `decided`, for each cell by itself.
 fn decided_by_cells(own: vec4<u32>) -> u32 {
   var bits = 0u;
@@ -45,10 +28,8 @@ fn decided(word: u32) -> u32 {
   let corner = own.zw;
   let down = vec2<u32>(0u, 1u);
   var before = vec2<u32>(key_at(corner), key_at(corner + down));
-  let first = is_marked(before.x, before.y);
   // Four bits a cell: its edges at the top, right and bottom, and of the first cell that at the left.
-  var marked = (first & 1u) << 3u;
-  var open = (first >> 1u) << 3u;
+  var marked = select(0u, 8u, is_marked(before.x, before.y));
   var splits = 0u;
   if (OBJECTS) {
     marked |= (object_edges(corner, vec2<u32>(FAR_KEY), before) & 2u) << 2u;
@@ -56,9 +37,7 @@ fn decided(word: u32) -> u32 {
   for (var cell = 0u; cell < WORD_CELLS; cell++) {
     let at = corner + vec2<u32>(cell + 1u, 0u);
     let keys = vec2<u32>(key_at(at), key_at(at + down));
-    let edges = edges_on_the_right(before, keys);
-    marked |= edges.x << (4u * cell);
-    open |= edges.y << (4u * cell);
+    marked |= edges_on_the_right(before, keys) << (4u * cell);
     if (OBJECTS) {
       marked |= object_edges(at, before, keys) << (4u * cell);
     }
@@ -67,9 +46,6 @@ fn decided(word: u32) -> u32 {
   }
   // The cells that are there.
   let taken = select(0u, 0xffffffffu >> ((32u - 4u * own.y) & 31u), own.y > 0u);
-  if (DECIDES) {
-    marked |= exactly_marked(corner, open & taken);
-  }
   return triangles_of_word(marked, splits) & taken;
 }
 

@@ -1,64 +1,226 @@
 // Depth edges: marks edges between samples, continues those that dangle, and decides about cells from the marks. It takes the
-// place of the first pass of depth cells, for detectors that look farther than an edge. Words are those of edge_marks.wgsl.
+// place of the first pass of depth cells, for detectors that look farther than an edge or compare steps in world units. Words are
+// those of edge_marks.wgsl.
 
 @group(0) @binding(8) var<storage, read_write> edges: array<u32>;
 // Edges that are marked if they continue others.
 @group(0) @binding(9) var<storage, read_write> faint_edges: array<u32>;
 
+// What floats leave open: for each strip that has such edges its number, then for each level the bits of its words.
+struct OpenEdges {
+  // Workgroups of the pass that settles them. This and the count begin with 0.
+  workgroups: array<atomic<u32>, 3>,
+  // How many strips there are. There is room for all.
+  count: atomic<u32>,
+  strips: array<u32>,
+}
+@group(0) @binding(11) var<storage, read_write> open_edges: OpenEdges;
+
 // Whether edges are continued.
 override CONTINUES: bool = true;
 
 const WORD_SAMPLES: u32 = 16u;
+// Words below each other that an invocation marks. It walks along all at once, so that few samples are loaded again.
+const STRIP: u32 = 4u;
+const MARKERS: u32 = 64u;
+const SETTLERS: u32 = 64u;
 
 // To the right, or down.
 fn step_of(axis: u32) -> vec2<u32> {
   return select(vec2<u32>(1u, 0u), vec2<u32>(0u, 1u), axis == 1u);
 }
 
-// Workgroups take blocks in turn, where a dispatch may not have as many.
-@compute @workgroup_size(BLOCK)
+// The place of a strip's first word.
+fn strip_at(strip: u32) -> vec2<u32> {
+  return vec2<u32>(strip % edge_rule.words.x, strip / edge_rule.words.x * STRIP);
+}
+
+// The words of open edges of a strip.
+fn open_words() -> u32 {
+  return STRIP * select(1u, 2u, CONTINUES);
+}
+
+// The keys of a strip's samples in a column, and of one above and two below them.
+struct Column {
+  own: vec4<u32>,
+  beyond: vec3<u32>,
+}
+
+fn column_at(at: vec2<u32>) -> Column {
+  let down = vec2<u32>(0u, 1u);
+  return Column(
+    vec4<u32>(key_at(at), key_at(at + down), key_at(at + 2u * down), key_at(at + 3u * down)),
+    vec3<u32>(key_at(at - down), key_at(at + 4u * down), key_at(at + 5u * down)));
+}
+
+// Four edges beside each other, by the samples before them, at their ends and after them.
+struct Edges {
+  before: vec4<u32>,
+  first: vec4<u32>,
+  second: vec4<u32>,
+  after: vec4<u32>,
+}
+
+// As `told`, for each of them.
+fn told_each(line: Edges, level: u32) -> vec4<u32> {
+  return vec4<u32>(
+    told(vec4<u32>(line.before.x, line.first.x, line.second.x, line.after.x), level),
+    told(vec4<u32>(line.before.y, line.first.y, line.second.y, line.after.y), level),
+    told(vec4<u32>(line.before.z, line.first.z, line.second.z, line.after.z), level),
+    told(vec4<u32>(line.before.w, line.first.w, line.second.w, line.after.w), level));
+}
+
+// Which of the edges lie between two objects. `at`: the first sample of the first.
+fn differ(line: Edges, at: vec2<u32>, step: vec2<u32>) -> vec4<bool> {
+  var result = vec4<bool>(false);
+  if (OBJECTS && depth_map.objects != 0u) {
+    // A loop that is not unrolled has one copy of what it loads.
+    for (var row = 0u; row < min(STRIP, STRIP + depth_map.cells); row++) {
+      let first = at + vec2<u32>(0u, row);
+      result[row] = max(line.first[row], line.second[row]) != FAR_KEY && differs(first, first + step);
+    }
+  }
+  return result;
+}
+
+// For each word of a strip.
+struct Marks {
+  marked: vec4<u32>,
+  open: vec4<u32>,
+}
+
+fn with_states(marks: Marks, states: vec4<u32>, place: u32) -> Marks {
+  let places = vec4<u32>(place);
+  return Marks(marks.marked | ((states & vec4<u32>(1u)) << places), marks.open | ((states >> vec4<u32>(1u)) << places));
+}
+
+fn mark_strip(strip: u32) {
+  let word = strip_at(strip);
+  let corner = vec2<u32>(word.x * WORD_SAMPLES, word.y);
+  let far = vec4<u32>(FAR_KEY);
+  // Maps of a cube lie beside each other, and no edge leads from one to the next.
+  let side = select(vec2<u32>(0x40000000u), depth_map.size, depth_map.faces > 1u);
+  let rows = (corner.y + vec4<u32>(0u, 1u, 2u, 3u)) % side.y;
+  let leaves_down = rows + 1u == vec4<u32>(side.y);
+  // Of the column of `here` in its map.
+  var column = corner.x % side.x;
+  var here: Column;
+  var next: Column;
+  var after: Column;
+  var own: Marks;
+  var faint: Marks;
+  var bits = vec4<u32>(0u);
+  // It walks three columns ahead.
+  for (var number = 0u; number < WORD_SAMPLES + 3u; number++) {
+    let before = here.own;
+    here = next;
+    next = after;
+    after = column_at(corner + vec2<u32>(number, 0u) - vec2<u32>(1u, 0u));
+    if (number < 3u) {
+      continue;
+    }
+    let place = number - 3u;
+    let at = corner + vec2<u32>(place, 0u);
+    let below = vec4<u32>(here.own.yzw, here.beyond.y);
+    for (var turn = 0u; turn < min(2u, 2u + depth_map.cells); turn++) {
+      var line = Edges(select(before, far, column == 0u), here.own, next.own, select(after.own, far, column + 2u >= side.x));
+      var never = vec4<bool>(column + 1u == side.x || at.x >= lattice().x);
+      if (turn == 1u) {
+        line.before = select(vec4<u32>(here.beyond.x, here.own.xyz), far, rows == vec4<u32>(0u));
+        line.second = below;
+        line.after = select(vec4<u32>(here.own.zw, here.beyond.yz), far, rows + 2u >= vec4<u32>(side.y));
+        never = leaves_down | vec4<bool>(at.x >= lattice().x);
+      }
+      let always = differ(line, at, step_of(turn));
+      let states = select(told_each(line, 0u), vec4<u32>(1u), always);
+      own = with_states(own, select(states, vec4<u32>(0u), never), place + 16u * turn);
+      if (CONTINUES) {
+        let lower = select(told_each(line, 1u), vec4<u32>(1u), always);
+        faint = with_states(faint, select(lower, vec4<u32>(0u), never), place + 16u * turn);
+      }
+    }
+    let next_below = vec4<u32>(next.own.yzw, next.beyond.y);
+    let split = key_distances(here.own, next_below) > key_distances(next.own, below);
+    let casts = select(vec4<u32>(1u), vec4<u32>(0u), here.own == far);
+    bits |= (casts | select(vec4<u32>(0u), vec4<u32>(0x10000u), split)) << vec4<u32>(place);
+    column = select(column + 1u, 0u, column + 1u == side.x);
+  }
+  var has_open = false;
+  for (var row = 0u; row < min(STRIP, edge_rule.words.y - word.y); row++) {
+    let index = (word.y + row) * edge_rule.words.x + word.x;
+    edges[index] = own.marked[row];
+    sample_bits[index] = bits[row];
+    if (CONTINUES) {
+      faint_edges[index] = faint.marked[row];
+    }
+    has_open = has_open || (own.open[row] | faint.open[row]) != 0u;
+  }
+  if (has_open) {
+    leave_open(strip, own.open, faint.open);
+  }
+}
+
+fn key_distances(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
+  return max(a, b) - min(a, b);
+}
+
+fn leave_open(strip: u32, open: vec4<u32>, faint_open: vec4<u32>) {
+  let place = atomicAdd(&open_edges.count, 1u);
+  let first = place * (1u + open_words());
+  open_edges.strips[first] = strip;
+  for (var row = 0u; row < STRIP; row++) {
+    open_edges.strips[first + 1u + row] = open[row];
+    if (CONTINUES) {
+      open_edges.strips[first + 1u + STRIP + row] = faint_open[row];
+    }
+  }
+  let workgroups = ((place + 1u) * open_words() + SETTLERS - 1u) / SETTLERS;
+  atomicMax(&open_edges.workgroups[0], min(workgroups, edge_rule.workgroups));
+  atomicMax(&open_edges.workgroups[1], (workgroups + edge_rule.workgroups - 1u) / edge_rule.workgroups);
+  atomicMax(&open_edges.workgroups[2], 1u);
+}
+
+@compute @workgroup_size(MARKERS)
 fn depth_edges_mark(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
-  for (var block = group.x + groups.x * group.y; block < edge_rule.blocks; block += groups.x * groups.y) {
-    let word = block * BLOCK + local;
-    if (word >= edge_rule.words.x * edge_rule.words.y) {
+  let strips = edge_rule.words.x * ((edge_rule.words.y + STRIP - 1u) / STRIP);
+  let first = (group.x + groups.x * group.y) * MARKERS + local;
+  for (var strip = first; strip < strips; strip += groups.x * groups.y * MARKERS) {
+    mark_strip(strip);
+  }
+}
+
+// Decides about what floats left open. An invocation takes one word.
+@compute @workgroup_size(SETTLERS)
+fn depth_edges_settle(
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(num_workgroups) groups: vec3<u32>,
+  @builtin(local_invocation_index) local: u32,
+) {
+  let count = atomicLoad(&open_edges.count) * open_words();
+  let first = (group.x + groups.x * group.y) * SETTLERS + local;
+  for (var index = first; index < count; index += groups.x * groups.y * SETTLERS) {
+    let strip = index / open_words() * (1u + open_words());
+    let number = index % open_words();
+    let level = number / STRIP;
+    let word = strip_at(open_edges.strips[strip]) + vec2<u32>(0u, number % STRIP);
+    if (word.y >= edge_rule.words.y) {
       continue;
     }
-    let corner = vec2<u32>(word % edge_rule.words.x * WORD_SAMPLES, word / edge_rule.words.x);
-    let levels = select(1u, 2u, CONTINUES);
-    // For each level.
-    var marked = vec2<u32>(0u);
-    var open = vec2<u32>(0u);
-    for (var number = 0u; number < 2u * WORD_SAMPLES; number++) {
-      let at = corner + vec2<u32>(number % WORD_SAMPLES, 0u);
-      let step = step_of(number / WORD_SAMPLES);
-      if (any(at >= lattice()) || leaves_map(at, step)) {
-        continue;
-      }
-      let keys = keys_along(at, step);
-      var is_marked = false;
-      if (OBJECTS && depth_map.objects != 0u && max(keys.y, keys.z) != FAR_KEY) {
-        is_marked = differs(at, at + step);
-      }
-      for (var level = 0u; level < levels; level++) {
-        let state = told(keys, level);
-        marked[level] |= select(0u, 1u << number, is_marked || state == 1u);
-        open[level] |= select(0u, 1u << number, !is_marked && state == 2u);
-      }
+    var marked = 0u;
+    for (var left = open_edges.strips[strip + 1u + number]; left != 0u; left &= left - 1u) {
+      let edge = firstTrailingBit(left);
+      let at = vec2<u32>(word.x * WORD_SAMPLES + edge % WORD_SAMPLES, word.y);
+      marked |= select(0u, 1u << edge, exactly(keys_along(at, step_of(edge / WORD_SAMPLES)), level));
     }
-    for (var level = 0u; level < levels; level++) {
-      for (var left = open[level]; left != 0u; left &= left - 1u) {
-        let number = firstTrailingBit(left);
-        let keys = keys_along(corner + vec2<u32>(number % WORD_SAMPLES, 0u), step_of(number / WORD_SAMPLES));
-        marked[level] |= select(0u, 1u << number, exactly(keys, level));
-      }
-    }
-    edges[word] = marked.x;
-    if (CONTINUES) {
-      faint_edges[word] = marked.y;
+    let place = word.y * edge_rule.words.x + word.x;
+    if (level == 0u) {
+      edges[place] |= marked;
+    } else if (CONTINUES) {
+      faint_edges[place] |= marked;
     }
   }
 }
@@ -92,32 +254,35 @@ fn apart(bits: u32) -> u32 {
   return (twos & 0x01010101u) | ((twos & 0x02020202u) << 3u);
 }
 
-// As `decided`, from marks.
+// As `decided`, from marks. Places count from two samples on the left of the word's first.
 fn decided_by_marks(word: u32) -> u32 {
   let own = cells_of_word(word);
-  let corner = own.zw;
-  let at = vec2<i32>(corner);
-  let down = vec2<u32>(0u, 1u);
-  var before = vec2<u32>(key_at(corner), key_at(corner + down));
-  // A bit for each sample above and below, from that of the first cell on.
-  var casts = vec2<u32>(select(0u, 1u, before.x != FAR_KEY), select(0u, 1u, before.y != FAR_KEY));
-  var split = 0u;
-  for (var cell = 0u; cell < WORD_CELLS; cell++) {
-    let right = corner + vec2<u32>(cell + 1u, 0u);
-    let keys = vec2<u32>(key_at(right), key_at(right + down));
-    casts |= select(vec2<u32>(0u), vec2<u32>(2u << cell), keys != vec2<u32>(FAR_KEY));
-    split |= select(0u, 1u << cell, is_split(vec4<u32>(before.x, keys.x, before.y, keys.y)));
-    before = keys;
+  let at = vec2<i32>(own.zw) - vec2<i32>(2, 0);
+  let down = vec2<i32>(0, 1);
+  let upper = marks_from(at);
+  let lower = marks_from(at + down);
+  let samples = samples_from(at);
+  let casts = vec2<u32>(samples.x, samples_from(at + down).x);
+  let split = samples.y;
+  var rings = vec2<u32>(0u);
+  if (RINGS > 0u) {
+    let columns = border_columns(at.x);
+    let above = marks_from(at - down);
+    let ends = vec2<u32>(ends_of(upper, above.y, at.y, columns), ends_of(lower, upper.y, at.y + 1, columns));
+    rings = ends;
+    if (RINGS > 1u) {
+      let before = ends_of(above, marks_from(at - 2 * down).y, at.y - 1, columns);
+      let after = ends_of(marks_from(at + 2 * down), lower.y, at.y + 2, columns);
+      rings |= (ends << vec2<u32>(1u)) | (ends >> vec2<u32>(1u)) | vec2<u32>(before | ends.y, ends.x | after);
+    }
+    rings &= casts;
   }
-  let upper = rings_from(at) & casts.x;
-  let lower = rings_from(at + vec2<i32>(0, 1)) & casts.y;
-  let left = marks_from(at, 1u);
-  let right = marks_from(at + vec2<i32>(1, 0), 1u);
-  let diagonal = select_bits(upper | (lower >> 1u), lower | (upper >> 1u), split);
-  let first = marks_from(at, 0u) | diagonal | select_bits(right | (upper >> 1u), left | upper, split);
-  let second = marks_from(at + vec2<i32>(0, 1), 0u) | diagonal | select_bits(left | lower, right | (lower >> 1u), split);
-  let taken = (1u << own.y) - 1u;
-  return apart(split & taken) | (apart(either(first, second) & taken) << 1u) | (apart(either(second, first) & taken) << 2u);
+  let diagonal = select_bits(rings.x | (rings.y >> 1u), rings.y | (rings.x >> 1u), split);
+  let first = upper.x | diagonal | select_bits((upper.y | rings.x) >> 1u, upper.y | rings.x, split);
+  let second = lower.x | diagonal | select_bits(upper.y | rings.y, (upper.y | rings.y) >> 1u, split);
+  let taken = ((1u << own.y) - 1u) << 2u;
+  return apart((split & taken) >> 2u) | (apart((either(first, second) & taken) >> 2u) << 1u)
+    | (apart((either(second, first) & taken) >> 2u) << 2u);
 }
 
 fn select_bits(otherwise: u32, taken: u32, bits: u32) -> u32 {

@@ -38,28 +38,20 @@ fn exceeds(large: u32, small: u32, threshold: u32) -> bool {
   return (threshold < large) & (mantissa(large) > high);
 }
 
-// Whether the edge between two samples is marked: 0 or 1; or 2, where a step in world units is left to `exact_world_step`.
-fn is_marked(a: u32, b: u32) -> u32 {
+// Whether the edge between two samples is marked.
+fn is_marked(a: u32, b: u32) -> bool {
   // What this says about a far sample does not matter.
   let depths = vec2<u32>(depth_bits(a), depth_bits(b));
   let is_step = exceeds(max(depths.x, depths.y), min(depths.x, depths.y), depth_map.threshold);
-  var told = select(0u, 1u, is_step | (depth_map.every_cell != 0u));
-  if (depth_map.ratio != 0u) {
-    told = 1u;
-    if (DECIDES) {
-      told = world_step_by_floats(depths.x, depths.y, depth_map.ratio);
-    }
-  }
-  return select(told, select(0u, 1u, a != b), max(a, b) == FAR_KEY);
+  return select(is_step | (depth_map.every_cell != 0u), a != b, max(a, b) == FAR_KEY);
 }
 
-// The edges at the top, right and bottom of a cell, whose samples on the left are `before` and on the right `keys`, from the top.
-// x: the bits of those that are marked, y: of those that are left open.
-fn edges_on_the_right(before: vec2<u32>, keys: vec2<u32>) -> vec2<u32> {
-  let states = vec3<u32>(is_marked(before.x, keys.x), is_marked(keys.x, keys.y), is_marked(before.y, keys.y));
-  let marked = states & vec3<u32>(1u);
-  let open = states >> vec3<u32>(1u);
-  return vec2<u32>(marked.x | (marked.y << 1u) | (marked.z << 2u), open.x | (open.y << 1u) | (open.z << 2u));
+// Bits: the edges at the top, right and bottom of a cell, whose samples on the left are `before` and on the right `keys`, from
+// the top.
+fn edges_on_the_right(before: vec2<u32>, keys: vec2<u32>) -> u32 {
+  let marked = vec3<bool>(is_marked(before.x, keys.x), is_marked(keys.x, keys.y), is_marked(before.y, keys.y));
+  let bits = select(vec3<u32>(0u), vec3<u32>(1u, 2u, 4u), marked);
+  return bits.x | bits.y | bits.z;
 }
 
 fn key_distance(a: u32, b: u32) -> u32 {
@@ -92,10 +84,10 @@ fn object_edges(at: vec2<u32>, before: vec2<u32>, keys: vec2<u32>) -> u32 {
     | select(0u, 4u, !(was_far.y || is_far.y) && differs(left + down, at + down));
 }
 
-// Bits: the edges of the cell at the top, right, bottom and left, in a pipeline that leaves none open. `keys` are those of
+// Bits: the edges of the cell at the top, right, bottom and left. `keys` are those of
 // samples (0, 0), (1, 0), (0, 1) and (1, 1).
 fn edge_code(at: vec2<u32>, keys: vec4<u32>) -> u32 {
-  let code = edges_on_the_right(keys.xz, keys.yw).x | (is_marked(keys.x, keys.z) << 3u);
+  let code = edges_on_the_right(keys.xz, keys.yw) | select(0u, 8u, is_marked(keys.x, keys.z));
   if (!OBJECTS) {
     return code;
   }
@@ -124,7 +116,7 @@ fn sample_of_cell(number: u32) -> vec2<u32> {
   return vec2<u32>(number & 1u, number >> 1u);
 }
 
-// Bits 0 to 3: as `edge_code`, with no edge left open. Bits 4 to 11: the edges from each of its samples out of the cell, to the
+// Bits 0 to 3: as `edge_code`. Bits 4 to 11: the edges from each of its samples out of the cell, to the
 // left or right, and up or down.
 fn edges_around(at: vec2<u32>, keys: vec4<u32>) -> u32 {
   var code = 0u;
@@ -141,11 +133,7 @@ fn edges_around(at: vec2<u32>, keys: vec4<u32>) -> u32 {
       there = at + sample_of_cell(first) + select(vec2<u32>(0u, out.y), vec2<u32>(out.x, 0u), edge % 2u == 0u);
       key = key_at(there);
     }
-    let told = is_marked(keys[first], key);
-    var is_edge = told == 1u;
-    if (DECIDES && told == 2u) {
-      is_edge = exact_world_step(depth_bits(keys[first]), depth_bits(key), depth_map.ratio);
-    }
+    var is_edge = is_marked(keys[first], key);
     if (OBJECTS && depth_map.objects != 0u && keys[first] != FAR_KEY && key != FAR_KEY) {
       is_edge = is_edge || differs(at + sample_of_cell(first), there);
     }

@@ -4,30 +4,52 @@
 // What an earlier pass marked.
 @group(0) @binding(7) var<storage, read> edges_before: array<u32>;
 
+// For as many samples, whether each casts, and 16 bits higher whether the cell below it and on its right is split.
+@group(0) @binding(10) var<storage, read_write> sample_bits: array<u32>;
+
 // A triangle is drawn if one of its samples is so many edges, less one, from the end of a marked edge.
 override RINGS: u32 = 2u;
 
-// Marks of 16 samples in a row that does not exist are 0. `axis`: 1 for edges down.
-fn half_word(word: i32, row: i32, axis: u32) -> u32 {
-  let inside = all(vec2<i32>(word, row) >= vec2<i32>(0)) && all(vec2<i32>(word, row) < vec2<i32>(edge_rule.words));
-  let index = select(0, row * i32(edge_rule.words.x) + word, inside);
-  return select(0u, (edges_before[index] >> (16u * axis)) & 0xffffu, inside);
+// Where a word is, and whether there is one.
+struct WordPlace {
+  index: u32,
+  exists: bool,
 }
 
-// Marks of 17 samples or more from a place on.
-fn marks_from(at: vec2<i32>, axis: u32) -> u32 {
-  let word = at.x >> 4u;
-  return (half_word(word, at.y, axis) | (half_word(word + 1, at.y, axis) << 16u)) >> u32(at.x & 15);
+fn word_at(word: i32, row: i32) -> WordPlace {
+  let exists = all(vec2<i32>(word, row) >= vec2<i32>(0)) && all(vec2<i32>(word, row) < vec2<i32>(edge_rule.words));
+  return WordPlace(select(0u, u32(row) * edge_rule.words.x + u32(word), exists), exists);
+}
+
+// The lower and the higher halves of two words, from a place on: 17 samples or more.
+fn halves_from(first: u32, second: u32, place: i32) -> vec2<u32> {
+  let both = vec2<u32>((first & 0xffffu) | (second << 16u), (first >> 16u) | (second & 0xffff0000u));
+  return both >> vec2<u32>(u32(place & 15));
+}
+
+// Marks of 17 samples or more from a place on: edges across, and down. Samples that do not exist have none.
+fn marks_from(at: vec2<i32>) -> vec2<u32> {
+  let first = word_at(at.x >> 4u, at.y);
+  let second = word_at((at.x >> 4u) + 1, at.y);
+  return halves_from(
+    select(0u, edges_before[first.index], first.exists), select(0u, edges_before[second.index], second.exists), at.x);
+}
+
+// Of 17 samples or more from a place on: which of them cast, and which cells are split.
+fn samples_from(at: vec2<i32>) -> vec2<u32> {
+  let first = word_at(at.x >> 4u, at.y);
+  let second = word_at((at.x >> 4u) + 1, at.y);
+  return halves_from(
+    select(0u, sample_bits[first.index], first.exists), select(0u, sample_bits[second.index], second.exists), at.x);
 }
 
 // For 17 cells from a place on, whether exactly one of their edges is marked.
 fn dangling_from(at: vec2<i32>) -> u32 {
-  let top = marks_from(at, 0u);
-  let bottom = marks_from(at + vec2<i32>(0, 1), 0u);
-  let left = marks_from(at, 1u);
-  let right = marks_from(at + vec2<i32>(1, 0), 1u);
-  let two = (top & bottom) | (left & right) | ((top | bottom) & (left | right));
-  var single = (top | bottom | left | right) & ~two;
+  let own = marks_from(at);
+  let bottom = marks_from(at + vec2<i32>(0, 1)).x;
+  let right = marks_from(at + vec2<i32>(1, 0)).y;
+  let two = (own.x & bottom) | (own.y & right) | ((own.x | bottom) & (own.y | right));
+  var single = (own.x | bottom | own.y | right) & ~two;
   if (depth_map.faces > 1u) {
     // There are none between two maps.
     let side = i32(depth_map.size.x);
@@ -39,31 +61,24 @@ fn dangling_from(at: vec2<i32>) -> u32 {
   return single;
 }
 
-// For 17 samples from a place on, whether they are at the end of a marked edge, or on the border of a map of a cube, whose other
-// maps may have one there.
-fn ends_from(at: vec2<i32>) -> u32 {
-  let across = marks_from(at - vec2<i32>(1, 0), 0u);
-  var ends = across | (across >> 1u) | marks_from(at, 1u) | marks_from(at - vec2<i32>(0, 1), 1u);
+// Of 13 samples from a place on, those in a border column of a map of a cube. The other maps may have marked edges at them.
+fn border_columns(column: i32) -> u32 {
+  var borders = 0u;
   if (depth_map.faces > 1u) {
     let side = i32(depth_map.size.x);
     for (var sample = 0; sample < 13; sample++) {
-      let local = (at + vec2<i32>(sample, 0) + side) % side;
-      let is_border = any(local == vec2<i32>(0)) || any(local == vec2<i32>(side - 1));
-      ends |= select(0u, 1u << u32(sample), is_border);
+      let local = (column + sample + side) % side;
+      borders |= select(0u, 1u << u32(sample), local == 0 || local == side - 1);
     }
   }
-  return ends;
+  return borders;
 }
 
-// For 11 samples from a place on, whether triangles at them are drawn for the marked edges near them.
-fn rings_from(at: vec2<i32>) -> u32 {
-  if (RINGS == 0u) {
-    return 0u;
-  }
-  let own = ends_from(at - vec2<i32>(1, 0));
-  if (RINGS == 1u) {
-    return own >> 1u;
-  }
-  let beside = ends_from(at - vec2<i32>(0, 1)) | ends_from(at + vec2<i32>(0, 1));
-  return own | (own >> 1u) | (own >> 2u) | beside;
+// Samples of a row that are at the end of a marked edge, or on the border of a map of a cube, but for the first. `marks` are
+// those of the row, `down_before` those of the edges down from the row before. `columns`: as `border_columns`.
+fn ends_of(marks: vec2<u32>, down_before: u32, row: i32, columns: u32) -> u32 {
+  let side = i32(depth_map.size.y);
+  let local = (row + side) % side;
+  let is_border = depth_map.faces > 1u && (local == 0 || local == side - 1);
+  return marks.x | (marks.x << 1u) | marks.y | down_before | select(columns, 0xffffffffu, is_border);
 }

@@ -11,20 +11,27 @@ struct DepthEdgeRule {
   high: u32,
   // Bits of what every smaller difference is not marked below.
   low: vec2<u32>,
-  // As `DepthMapShape::ratio`: the same for steps in world units.
+  // Bits of how many units of depth × distance² make the threshold in world units. 0: the threshold is one of device depth.
   ratio: vec2<u32>,
   // Bits of how many times the difference beside it a difference is.
   slopes: vec2<u32>,
   // Bits of what two differences are off by: a constant, and the depth with so many exponents less. 0: no share of the depth.
   noise: u32,
   noise_exponents: u32,
+  // Bits of the depth at infinity, which may be slightly out of range.
+  at_infinity: u32,
+  // Workgroups along one axis of a dispatch at most.
+  workgroups: u32,
 }
 
 @group(0) @binding(6) var<uniform> edge_rule: DepthEdgeRule;
 
 // What second differences tell. 0: nothing, all above the threshold are marked. 1: a difference is marked that is larger than
-// both beside it. 2: one that is larger than one of them.
+// both beside it. 2: one that is larger than one of them, with no other threshold.
 override SECOND: u32 = 0u;
+
+// Whether thresholds may be steps in world units.
+override WORLD: bool = false;
 
 // Samples of the lattice across, and down.
 fn lattice() -> vec2<u32> {
@@ -61,11 +68,14 @@ fn float_distance(bits: vec2<u32>) -> f32 {
   return abs(bitcast<f32>(bits.x) - bitcast<f32>(bits.y));
 }
 
-// Whether the difference at an edge is larger than multiples of that beside it, and noise: 0 or 1; or 2, where floats do not
-// tell.
-fn bends_by_floats(ends: vec2<u32>, beside: vec2<u32>, slopes: u32) -> u32 {
+// Whether the difference at an edge is larger than multiples of both beside it, or of one, and noise: 0 or 1; or 2, where floats
+// do not tell.
+fn bends_by_floats(keys: vec4<u32>, ends: vec2<u32>, slopes: u32) -> u32 {
+  let before = float_distance(step_beside(keys, false));
+  let after = float_distance(step_beside(keys, true));
   let step = float_distance(ends);
-  let most = bitcast<f32>(slopes) * float_distance(beside) + bitcast<f32>(noise_at(max(ends.x, ends.y)));
+  let beside = select(max(before, after), min(before, after), SECOND == 2u);
+  let most = bitcast<f32>(slopes) * beside + bitcast<f32>(noise_at(max(ends.x, ends.y)));
   let is_told = (step + most > 1e-30) & (abs(step - most) > 1e-5 * (step + most));
   return select(2u, select(0u, 1u, step > most), is_told);
 }
@@ -82,28 +92,28 @@ fn told(keys: vec4<u32>, level: u32) -> u32 {
   let ends = vec2<u32>(depth_bits(keys.y), depth_bits(keys.z));
   let large = max(ends.x, ends.y);
   let small = min(ends.x, ends.y);
-  if (max(keys.y, keys.z) == FAR_KEY || keys.y == keys.z) {
-    return select(0u, 1u, keys.y != keys.z);
+  var state = 2u;
+  if (SECOND == 2u) {
+    state = bends_by_floats(keys, ends, edge_rule.slopes[level]);
+  } else {
+    let is_step = exceeds(large, small, edge_rule.low[level]);
+    state = select(0u, 1u, is_step);
+    if (SECOND == 1u) {
+      let is_sure = !is_step || exceeds(large, small, edge_rule.high);
+      state = select(bends_by_floats(keys, ends, edge_rule.slopes[level]), state, is_sure);
+    }
+    if (WORLD) {
+      let ratio = edge_rule.ratio[level];
+      state = select(state, world_step_by_floats(ends.x, ends.y, ratio), ratio != 0u);
+    }
   }
-  if (DECIDES && edge_rule.ratio[level] != 0u) {
-    return world_step_by_floats(ends.x, ends.y, edge_rule.ratio[level]);
-  }
-  let is_step = exceeds(large, small, edge_rule.low[level]);
-  if (SECOND == 0u || !is_step || exceeds(large, small, edge_rule.high)) {
-    return select(0u, 1u, is_step);
-  }
-  let slopes = edge_rule.slopes[level];
-  let before = bends_by_floats(ends, step_beside(keys, false), slopes);
-  let after = bends_by_floats(ends, step_beside(keys, true), slopes);
-  // Of both, or of one of them.
-  let stops = select(1u, 0u, SECOND == 1u);
-  return select(select(1u - stops, 2u, before == 2u || after == 2u), stops, before == stops || after == stops);
+  return select(state, select(0u, 1u, keys.y != keys.z), max(keys.y, keys.z) == FAR_KEY || keys.y == keys.z);
 }
 
 // As `told`, where it does not tell.
 fn exactly(keys: vec4<u32>, level: u32) -> bool {
   let ends = vec2<u32>(depth_bits(keys.y), depth_bits(keys.z));
-  if (DECIDES && edge_rule.ratio[level] != 0u) {
+  if (WORLD && edge_rule.ratio[level] != 0u) {
     return exact_world_step(ends.x, ends.y, edge_rule.ratio[level]);
   }
   var count = 0u;

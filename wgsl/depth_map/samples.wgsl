@@ -19,10 +19,6 @@ struct DepthMapShape {
   faces: u32,
   // 1: edges between different objects are marked.
   objects: u32,
-  // Bits of how many units of depth × distance² make the threshold in world units. 0: the threshold is one of device depth.
-  ratio: u32,
-  // Bits of the depth at infinity, which may be slightly out of range.
-  at_infinity: u32,
   // 1: triangles at the ends of marked edges are drawn, too.
   spread: u32,
   // 1: both triangles of a cell are drawn, if one is.

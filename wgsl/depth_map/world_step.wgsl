@@ -1,9 +1,6 @@
 // Whether two depths of a perspective map are farther from each other than a distance in world units, exactly: the sign of
 // ratio · |a − b| − |a − i| · |b − i|, with the depth i at infinity. NUMERICS.md, "Volumes from depth maps".
 
-// Whether the pipeline decides about such steps. If not, each of them counts: draws of a list that overflowed have every cell.
-override DECIDES: bool = false;
-
 const WIDE: u32 = 16u;
 // An integer, lowest word first, in units of 2⁻¹⁴⁹ or their square.
 alias Wide = array<u32, WIDE>;
@@ -108,8 +105,8 @@ fn wide_product(a: Wide, b: Wide) -> Wide {
 // The distance of a depth from the one at infinity.
 fn from_infinity(bits: u32) -> Wide {
   let own = wide_of(bits);
-  let infinity = wide_of(depth_map.at_infinity);
-  if ((depth_map.at_infinity >> 31u) != 0u) {
+  let infinity = wide_of(edge_rule.at_infinity);
+  if ((edge_rule.at_infinity >> 31u) != 0u) {
     return wide_sum(own, infinity);
   }
   return wide_distance(own, infinity);
@@ -121,7 +118,7 @@ fn exact_world_step(a: u32, b: u32, ratio: u32) -> bool {
 
 // Whether floats tell: 0 or 1; or 2, where the terms are nearly equal, very large or very small.
 fn world_step_by_floats(a: u32, b: u32, ratio: u32) -> u32 {
-  let infinity = bitcast<f32>(depth_map.at_infinity);
+  let infinity = bitcast<f32>(edge_rule.at_infinity);
   let step = bitcast<f32>(ratio) * abs(bitcast<f32>(a) - bitcast<f32>(b));
   let most = abs(bitcast<f32>(a) - infinity) * abs(bitcast<f32>(b) - infinity);
   let is_plain = (min(step, most) > 1e-30) & (max(step, most) < 1e30);

@@ -2,7 +2,6 @@
 
 use super::depth_cube::CubeSample;
 use super::samples::{Key, Samples};
-use super::world_step::world_step;
 
 /// The bits of an entry that number its cell.
 pub const CELL_MASK: u32 = (1 << 29) - 1;
@@ -118,17 +117,11 @@ fn is_marked(samples: &Samples<'_>, places: [[u32; 2]; 2]) -> bool {
     match places.map(|place| samples.at(place)) {
         [Key::Far, Key::Far] => false,
         [Key::Steps(p), Key::Steps(q)] => {
-            let depths @ [a, b] = [p, q].map(|steps| samples.depth(steps));
-            let [p, q] = depths.map(f32::to_bits);
-            let [ratio, at_infinity] = [samples.shape.ratio, samples.shape.at_infinity].map(f32::from_bits);
+            let [p, q] = [p, q].map(|steps| samples.depth(steps).to_bits());
             let [first, second] = places.map(|place| samples.object(place));
             samples.shape.every_cell == 1
                 || samples.shape.objects == 1 && first != second
-                || if samples.shape.ratio == 0 {
-                    exceeds(p.max(q), p.min(q), samples.shape.threshold)
-                } else {
-                    world_step(a, b, ratio, at_infinity)
-                }
+                || exceeds(p.max(q), p.min(q), samples.shape.threshold)
         }
         _ => true,
     }

@@ -50,7 +50,7 @@ pub(super) fn is_marked(samples: &Samples<'_>, rule: &DepthEdgeRule, second: Sec
     }
     let ends = [a, b].map(|steps| samples.depth(steps));
     if rule.ratio[level] != 0 {
-        let [ratio, at_infinity] = [rule.ratio[level], samples.shape.at_infinity].map(f32::from_bits);
+        let [ratio, at_infinity] = [rule.ratio[level], rule.at_infinity].map(f32::from_bits);
         return world_step(ends[0], ends[1], ratio, at_infinity);
     }
     let [small, large] = [ends[0].min(ends[1]), ends[0].max(ends[1])].map(f32::to_bits);

@@ -1,10 +1,11 @@
-//! Detectors that look at more than the ends of an edge: marks of all edges, which the cells are decided from.
+//! Detectors that look at more than the ends of an edge, or compare steps in world units: marks of all edges, which the cells are
+//! decided from.
 
-use super::errors::DepthMapVolumesError;
+use super::errors::{DepthMapEncodeError, DepthMapVolumesError};
 use super::options::{DanglingEdges, DepthEdges, DepthMapOptions};
 use super::view::{steps, world_step};
 use crate::ShadowCamera;
-use crate::gpu::common::dispatch_limits::WORKGROUP;
+use crate::gpu::common::dispatch_limits::{WORKGROUP, loops};
 use crate::gpu::common::memory::{Allocation, buffer, filled, guarded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::timer::StageTimer;
@@ -19,6 +20,12 @@ pub(super) fn lattice([width, height]: [u32; 2], faces: u32) -> [u32; 2] {
 
 /// Samples of a row that one word tells about.
 const WORD_SAMPLES: u32 = 16;
+
+/// Words below each other that one invocation marks.
+const STRIP: u32 = 4;
+
+/// Invocations of a workgroup that marks.
+const MARKERS: u64 = 64;
 
 /// A share of the depth whose exponent is so much less is what floats are off by: four steps of up to 2⁻²³ of it.
 const FLOAT_EXPONENTS: u32 = 21;
@@ -44,8 +51,9 @@ pub(super) fn threshold_bits(threshold: f32) -> u32 {
 }
 
 impl Detector {
-    /// `None`: edges are decided by their ends alone. The thresholds have been checked.
-    pub(super) fn new(options: &DepthMapOptions, faces: u32, size: [u32; 2]) -> Option<Self> {
+    /// `None`: edges are decided by their ends alone, in device depth. The thresholds have been checked. `workgroups`: those along
+    /// one axis of a dispatch at most.
+    pub(super) fn new(options: &DepthMapOptions, faces: u32, size: [u32; 2], workgroups: u64) -> Option<Self> {
         let DepthMapOptions { edges, dangling, bits, .. } = *options;
         let (second, low, high, world) = match edges {
             DepthEdges::EveryCell => return None,
@@ -55,7 +63,7 @@ impl Detector {
             DepthEdges::SecondDifferences { low, high } => (1, low, high, None),
             DepthEdges::Automatic => (2, 0.0, 1.0, None),
         };
-        if second == 0 && dangling.is_none() {
+        if second == 0 && world.is_none() && dangling.is_none() {
             return None;
         }
         let share = dangling.map_or(1.0, |dangling| dangling.share);
@@ -71,6 +79,8 @@ impl Detector {
             slopes: [slopes, slopes * share].map(threshold_bits),
             noise: 0,
             noise_exponents: 0,
+            at_infinity: 0,
+            workgroups: u32::try_from(workgroups).unwrap_or(u32::MAX),
         };
         // Left out steep surfaces are moved by half a texel across and down, and by as much again for the parts of a texel of
         // several bits.
@@ -78,14 +88,30 @@ impl Detector {
         Some(Self { rule, second, world, dangling, rings })
     }
 
-    /// Bytes of the marks, and of those that may be continued.
-    pub(super) fn allocations(&self) -> [Allocation; 3] {
+    /// Words side by side, and the strips of them.
+    fn strips(&self) -> u64 {
+        let [across, down] = self.rule.words;
+        u64::from(across) * u64::from(down.div_ceil(STRIP))
+    }
+
+    /// Whether floats may leave edges open.
+    fn can_be_open(&self) -> bool {
+        self.second > 0 || self.world.is_some()
+    }
+
+    /// Bytes of the marks, of those that may be continued, of what is known about samples, and of edges that floats leave open.
+    pub(super) fn allocations(&self) -> [Allocation; 6] {
         let words = u64::from(self.rule.words[0]) * u64::from(self.rule.words[1]);
-        let further = if self.dangling.is_some() { words } else { 1 };
+        let (further, levels) = if self.dangling.is_some() { (words, 2) } else { (1, 1) };
+        let open = if self.can_be_open() { self.strips() } else { 1 };
+        let allocation = |label, words| Allocation { label, bytes: 4 * words };
         [
-            Allocation { label: "edges of a depth map", bytes: 4 * words },
-            Allocation { label: "continued edges of a depth map", bytes: 4 * further },
-            Allocation { label: "faint edges of a depth map", bytes: 4 * further },
+            allocation("edges of a depth map", words),
+            allocation("continued edges of a depth map", further),
+            allocation("faint edges of a depth map", further),
+            allocation("samples of a depth map", words),
+            allocation("open edges of a depth map", 4 + open * (1 + levels * u64::from(STRIP))),
+            allocation("workgroups that settle edges of a depth map", 3),
         ]
     }
 }
@@ -94,24 +120,35 @@ impl Detector {
 #[derive(Debug)]
 pub(super) struct EdgeStages {
     detector: Detector,
-    /// Mark, continue, count.
-    stages: [Pipeline; 3],
-    /// Two of marks, that take turns, and the faint ones.
-    buffers: [wgpu::Buffer; 3],
+    /// Mark, settle, continue, count.
+    stages: [Pipeline; 4],
+    /// As the detector's allocations: two of marks, that take turns, and further ones.
+    buffers: [wgpu::Buffer; 6],
 }
+
+/// The stages by their places in [`EdgeStages::stages`].
+const MARK: usize = 0;
+const SETTLE: usize = 1;
+const CONTINUE: usize = 2;
+const COUNT: usize = 3;
+
+/// The buffers of open edges by their places in [`EdgeStages::buffers`].
+const OPEN: usize = 4;
+const SETTLING: usize = 5;
 
 /// What an encode binds.
 pub(super) struct BoundEdges {
-    /// Mark, then continue in turn, then count: which stage, and its group.
+    /// Mark, settle, then continue in turn, then count: which stage, and its group.
     passes: Vec<(usize, wgpu::BindGroup)>,
-    blocks: [u32; 3],
+    /// Workgroups of each stage. What settles has its own.
+    workgroups: [u32; 4],
 }
 
 impl EdgeStages {
     pub(super) fn new(shared: &Pipelines, detector: Detector, objects: bool) -> Result<Self, DepthMapVolumesError> {
         // Each pass has its own constants, so that more of them are shared.
         let mark = [
-            ("DECIDES", u32::from(detector.world.is_some())),
+            ("WORLD", u32::from(detector.world.is_some())),
             ("OBJECTS", u32::from(objects)),
             ("SECOND", detector.second),
             ("CONTINUES", u32::from(detector.dangling.is_some())),
@@ -121,21 +158,31 @@ impl EdgeStages {
         let allocations = detector.allocations();
         let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
         let device = shared.device();
-        let usage = wgpu::BufferUsages::STORAGE;
+        let storage = wgpu::BufferUsages::STORAGE;
         let buffers = guarded(device, bytes, || {
-            [0, 1, 2].map(|at| buffer(device, allocations[at].label, allocations[at].bytes, usage))
+            let of = |at: usize, usage| buffer(device, allocations[at].label, allocations[at].bytes, usage);
+            let copied = wgpu::BufferUsages::COPY_DST;
+            let open = of(OPEN, storage | copied | wgpu::BufferUsages::COPY_SRC);
+            let settling = of(SETTLING, wgpu::BufferUsages::INDIRECT | copied);
+            [of(0, storage), of(1, storage), of(2, storage), of(3, storage), open, settling]
         })?;
-        let passes = [("depth_edges_mark", &mark[..]), ("depth_edges_continue", &[]), ("depth_edges_count", &count)];
+        let settle = &mark[..];
+        let passes = [
+            ("depth_edges_mark", &mark[..]),
+            ("depth_edges_settle", settle),
+            ("depth_edges_continue", &[]),
+            ("depth_edges_count", &count),
+        ];
         let stages = passes.map(|(entry_point, constants)| shared.compute(&DEPTH_EDGES, entry_point, constants));
         Ok(Self { detector, stages, buffers })
     }
 
-    /// The rule for a light whose depths were rounded to `formats`, and the depth at infinity, for steps in world units.
+    /// The rule for a light whose depths were rounded to `formats`.
     pub(super) fn rule(
         &self,
         light: &ShadowCamera,
         formats: &mut dyn Iterator<Item = wgpu::TextureFormat>,
-    ) -> Result<(DepthEdgeRule, u32), super::errors::DepthMapEncodeError> {
+    ) -> Result<DepthEdgeRule, DepthMapEncodeError> {
         let mut rule = self.detector.rule;
         for format in formats {
             let [share, constant] = steps(format, light.depth).map(|steps| steps as f32);
@@ -144,15 +191,15 @@ impl EdgeStages {
                 rule.noise_exponents = FLOAT_EXPONENTS;
             }
         }
-        let mut at_infinity = 0;
         if let Some(threshold) = self.detector.world {
             let share = self.detector.dangling.map_or(1.0, |dangling| dangling.share);
             for (level, threshold) in [threshold, threshold * share].into_iter().enumerate() {
                 let [low, ratio, infinity] = world_step(light, threshold)?;
-                (rule.low[level], rule.ratio[level], at_infinity) = (low, ratio, at_infinity.max(infinity));
+                (rule.low[level], rule.ratio[level]) = (low, ratio);
+                rule.at_infinity = rule.at_infinity.max(infinity);
             }
         }
-        Ok((rule, at_infinity))
+        Ok(rule)
     }
 
     /// `uniform` holds the shape. `textures` are those of depths and objects.
@@ -177,14 +224,21 @@ impl EdgeStages {
                 ("edges_before", self.buffers[1 - out].as_entire_binding()),
                 ("edges", self.buffers[out].as_entire_binding()),
                 ("faint_edges", self.buffers[2].as_entire_binding()),
+                ("sample_bits", self.buffers[3].as_entire_binding()),
+                ("open_edges", self.buffers[OPEN].as_entire_binding()),
             ];
             self.stages[stage].bind(device, &resources)
         };
-        let turns = [group(1, 0), group(1, 1)];
-        let mut passes = vec![(0, group(0, 0))];
-        passes.extend((1..=continued).map(|pass| (1, turns[pass % 2].clone())));
-        passes.push((2, group(2, 1 - continued % 2)));
-        BoundEdges { passes, blocks: [rule.blocks, rule.blocks, shape.0.blocks] }
+        let turns = [group(CONTINUE, 0), group(CONTINUE, 1)];
+        let mut passes = vec![(MARK, group(MARK, 0))];
+        passes.extend(self.detector.can_be_open().then(|| (SETTLE, group(SETTLE, 0))));
+        passes.extend((1..=continued).map(|pass| (CONTINUE, turns[pass % 2].clone())));
+        passes.push((COUNT, group(COUNT, 1 - continued % 2)));
+        let marking = self.detector.strips().div_ceil(MARKERS) as u32;
+        BoundEdges {
+            passes,
+            workgroups: [marking, 0, rule.blocks, loops(device, shape.0.blocks.saturating_mul(WORKGROUP))],
+        }
     }
 
     pub(super) fn record(
@@ -194,17 +248,27 @@ impl EdgeStages {
         most: u32,
         mut timer: Option<&mut StageTimer>,
     ) {
+        // No strip is open yet.
+        encoder.clear_buffer(&self.buffers[OPEN], 0, Some(16));
         for same in bound.passes.chunk_by(|a, b| a.0 == b.0) {
             let Some(&(at, _)) = same.first() else { continue };
             let stage = &self.stages[at];
+            if at == SETTLE {
+                encoder.copy_buffer_to_buffer(&self.buffers[OPEN], 0, &self.buffers[SETTLING], 0, Some(12));
+            }
             let timestamp_writes = timer.as_deref_mut().and_then(|timer| timer.compute_pass(stage.label));
             let label = Some(stage.label);
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
             pass.set_pipeline(&stage.compute);
-            let rows = bound.blocks[at].div_ceil(most).min(most);
+            let workgroups = bound.workgroups[at];
+            let rows = workgroups.div_ceil(most).min(most);
             for (_, group) in same {
                 pass.set_bind_group(0, group, &[0, 0]);
-                pass.dispatch_workgroups(bound.blocks[at].div_ceil(rows).min(most), rows, 1);
+                if at == SETTLE {
+                    pass.dispatch_workgroups_indirect(&self.buffers[SETTLING], 0);
+                } else {
+                    pass.dispatch_workgroups(workgroups.div_ceil(rows.max(1)).min(most), rows, 1);
+                }
             }
         }
     }

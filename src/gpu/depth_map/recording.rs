@@ -8,7 +8,7 @@ use super::errors::DepthMapEncodeError;
 use super::frame::{DepthMapFrame, DepthMapNearCap};
 use super::near::{NearReach, near_reach};
 use super::pipelines::{layout, wall_group};
-use super::view::{is_turned, world_step};
+use super::view::is_turned;
 use super::volumes::DepthMapVolumes;
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{WORKGROUP, loops};
@@ -80,15 +80,9 @@ impl DepthMapVolumes {
             return Err(DepthMapEncodeError::Refused { message: "no light".to_owned() });
         };
         let is_reversed = u32::from(light.depth == DepthDirection::Reversed);
-        let mut shape = DepthMapShape { is_reversed, ..self.shape };
+        let shape = DepthMapShape { is_reversed, ..self.shape };
         let mut formats = formats.iter().copied().chain(self.rounded_to);
         let rule = self.edges.as_ref().map(|edges| edges.rule(light, &mut formats)).transpose()?;
-        if let Some((_, at_infinity)) = rule {
-            shape.at_infinity = at_infinity;
-        } else if let Some(threshold) = self.world {
-            [shape.threshold, shape.ratio, shape.at_infinity] = world_step(light, threshold)?;
-        }
-        let rule = rule.map(|(rule, _)| rule);
         let bind = || {
             let textures = textures.map(|texture| wgpu::BindingResource::TextureView(texture.unwrap_or(&self.nothing)));
             let uniforms = self.uniforms(&shape, eyes);
@@ -180,10 +174,12 @@ impl DepthMapVolumes {
             [workgroups.div_ceil(rows.max(1)).min(most), rows]
         };
         let every = over(shape.blocks);
-        // Workgroups cost a CPU more than turns, so few take the blocks in turn. Exact steps and several bits take many turns each.
+        // Workgroups cost a CPU more than turns, so few take the blocks in turn. Several bits take many turns each.
         let few = over(loops(device, shape.blocks.saturating_mul(WORKGROUP)));
-        let is_plain = shape.ratio == 0 && shape.spread == 0;
-        let mut counts = [if is_plain { few } else { every }, [1, 1], few].into_iter();
+        let count = if shape.spread == 0 { few } else { every };
+        // Marks are counted by a stage of their own.
+        let of_cells = if edges.is_some() { &[[1, 1], few][..] } else { &[count, [1, 1], few] };
+        let mut counts = of_cells.iter().copied();
         let stages = self.stages.iter().map(|stage| {
             let group = stage.bind(
                 device,
@@ -266,14 +262,12 @@ impl<'a> Planned<'a> {
             if let Some(before) = &before {
                 dispatch(encoder, before, &[0], timer.as_deref_mut());
             }
-            let mut own = 0;
             if let (Some(edges), Some(bound)) = (&volumes.edges, &bound.edges) {
                 let most = volumes.shared.device().limits().max_compute_workgroups_per_dimension;
                 edges.record(encoder, bound, most, timer.as_deref_mut());
-                own = 1;
             }
             let offsets = if volumes.contours.is_some() { &[0, 0][..] } else { &[0] };
-            for stage in bound.stages.iter().skip(own) {
+            for stage in &bound.stages {
                 dispatch(encoder, stage, offsets, timer.as_deref_mut());
             }
             volumes.encodes.fetch_add(1, Ordering::Relaxed);

@@ -71,7 +71,7 @@ const WORD_CELLS: u64 = 8;
 #[derive(Debug)]
 pub struct DepthMapVolumes {
     pub(super) shared: Pipelines,
-    /// Count, places, list. With `edges`, its last stage counts. Empty if there are contours.
+    /// Count, places, list. With `edges`, its last stage counts, and these are the other two. Empty if there are contours.
     pub(super) stages: Vec<Pipeline>,
     pub(super) edges: Option<EdgeStages>,
     pub(super) contours: Option<Contours>,
@@ -80,8 +80,6 @@ pub struct DepthMapVolumes {
     pub(super) shape: DepthMapShape,
     pub(super) slope_bias: f32,
     pub(super) bits: u32,
-    /// A threshold in world units.
-    pub(super) world: Option<f32>,
     pub(super) rounded_to: Option<wgpu::TextureFormat>,
     metric: DepthMetric,
     pub(super) eye: (wgpu::TextureFormat, DepthDirection),
@@ -99,10 +97,11 @@ fn rule(edges: DepthEdges) -> (u32, f32) {
         DepthEdges::Differences { threshold } => (0, threshold),
         // No difference is larger.
         DepthEdges::Outlines => (0, 1.0),
-        // Each encode has its own.
-        DepthEdges::WorldDifferences { .. } => (0, 0.0),
         // With marks, a list that overflows is that of every cell.
-        DepthEdges::EveryCell | DepthEdges::SecondDifferences { .. } | DepthEdges::Automatic => (1, 0.0),
+        DepthEdges::EveryCell
+        | DepthEdges::WorldDifferences { .. }
+        | DepthEdges::SecondDifferences { .. }
+        | DepthEdges::Automatic => (1, 0.0),
     }
 }
 
@@ -147,7 +146,6 @@ impl DepthMapVolumes {
         }
         let (every_cell, threshold) = rule(edges);
         options.check()?;
-        let world = if let DepthEdges::WorldDifferences { threshold } = edges { Some(threshold) } else { None };
         let contours = ContourPlan::new(pipelines, size, &options)?;
         let limits = DispatchLimits::new(&shared.device().limits());
         let cells = count as u32;
@@ -156,7 +154,7 @@ impl DepthMapVolumes {
         let [across, down] = size.map(cells_of);
         let words = across.div_ceil(WORD_CELLS) * down * u64::from(faces);
         let blocks = words.div_ceil(u64::from(WORKGROUP)) as u32;
-        let detector = Detector::new(&options, faces, size);
+        let detector = Detector::new(&options, faces, size, limits.workgroups);
         let shape = DepthMapShape {
             size,
             cells,
@@ -169,8 +167,6 @@ impl DepthMapVolumes {
             is_reversed: 0,
             faces,
             objects: u32::from(objects),
-            ratio: 0,
-            at_infinity: 0,
             spread: u32::from(bits > 1),
             whole_cells: u32::from(reconstruction == DepthMapReconstruction::FixedMesh),
         };
@@ -201,14 +197,15 @@ impl DepthMapVolumes {
             [0, 1, 2].map(|at| buffer(shared.device(), allocations[at].label, allocations[at].bytes, usages[at]))
         })?;
         let nothing = object_texture(shared.device()).create_view(&wgpu::TextureViewDescriptor::default());
-        let constants = [("DECIDES", world.is_some()), ("OBJECTS", objects), ("SPREADS", bits > 1)]
-            .map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
+        let constants =
+            [("OBJECTS", objects), ("SPREADS", bits > 1)].map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
         let near =
             if contours.is_some() { (&DEPTH_NEAR_WALLS, "depth_near_walls") } else { (&DEPTH_NEAR, "depth_near") };
         let near = options.skip_near_caps.then(|| shared.compute(near.0, near.1, &[]));
         let edges = detector.map(|detector| EdgeStages::new(shared, detector, objects)).transpose()?;
         let entry_points = ["depth_cells_count", "depth_cells_places", "depth_cells_list"];
-        let of_cells = entry_points.iter().filter(|_| contours.is_none());
+        let counted = if edges.is_some() { 1 } else { 0 };
+        let of_cells = entry_points.iter().skip(counted).filter(|_| contours.is_none());
         Ok(Self {
             stages: of_cells.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &constants)).collect(),
             edges,
@@ -217,7 +214,6 @@ impl DepthMapVolumes {
             shape,
             slope_bias,
             bits,
-            world,
             rounded_to,
             metric,
             eye: (pipelines.format().depth_stencil, pipelines.format().depth),
