@@ -599,8 +599,8 @@ shared_structs! {
         noise_exponents: u32,
         /// Bits of the depth at infinity.
         at_infinity: u32,
-        /// Workgroups along one axis of a dispatch at most.
-        workgroups: u32,
+        /// 0.
+        unused: u32,
     }
 
     /// The samples of a depth map that the near rectangle of a camera is among.

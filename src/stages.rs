@@ -479,7 +479,7 @@ pub const DEPTH_EDGES: Stage = Stage {
         "depth_map/edge_marks",
         "depth_map/depth_edges"
     ],
-    entry_points: &["depth_edges_mark", "depth_edges_settle", "depth_edges_continue", "depth_edges_count"],
+    entry_points: &["depth_edges_mark", "depth_edges_continue", "depth_edges_count"],
 };
 
 /// Marks the edges of a depth map that a contour crosses.

@@ -6,16 +6,6 @@
 // Edges that are marked if they continue others.
 @group(0) @binding(9) var<storage, read_write> faint_edges: array<u32>;
 
-// What floats leave open: for each strip that has such edges its number, then for each level the bits of its words.
-struct OpenEdges {
-  // Workgroups of the pass that settles them. This and the count begin with 0.
-  workgroups: array<atomic<u32>, 3>,
-  // How many strips there are. There is room for all.
-  count: atomic<u32>,
-  strips: array<u32>,
-}
-@group(0) @binding(11) var<storage, read_write> open_edges: OpenEdges;
-
 // Whether edges are continued.
 override CONTINUES: bool = true;
 
@@ -23,7 +13,6 @@ const WORD_SAMPLES: u32 = 16u;
 // Words below each other that an invocation marks. It walks along all at once, so that few samples are loaded again.
 const STRIP: u32 = 4u;
 const MARKERS: u32 = 64u;
-const SETTLERS: u32 = 64u;
 
 // To the right, or down.
 fn step_of(axis: u32) -> vec2<u32> {
@@ -33,11 +22,6 @@ fn step_of(axis: u32) -> vec2<u32> {
 // The place of a strip's first word.
 fn strip_at(strip: u32) -> vec2<u32> {
   return vec2<u32>(strip % edge_rule.words.x, strip / edge_rule.words.x * STRIP);
-}
-
-// The words of open edges of a strip.
-fn open_words() -> u32 {
-  return STRIP * select(1u, 2u, CONTINUES);
 }
 
 // The keys of a strip's samples in a column, and of one above and two below them.
@@ -75,7 +59,7 @@ fn differ(line: Edges, at: vec2<u32>, step: vec2<u32>) -> vec4<bool> {
   var result = vec4<bool>(false);
   if (OBJECTS && depth_map.objects != 0u) {
     // A loop that is not unrolled has one copy of what it loads.
-    for (var row = 0u; row < min(STRIP, STRIP + depth_map.cells); row++) {
+    for (var row = 0u; row < opaque(STRIP); row++) {
       let first = at + vec2<u32>(0u, row);
       result[row] = max(line.first[row], line.second[row]) != FAR_KEY && differs(first, first + step);
     }
@@ -122,7 +106,7 @@ fn mark_strip(strip: u32) {
     let place = number - 3u;
     let at = corner + vec2<u32>(place, 0u);
     let below = vec4<u32>(here.own.yzw, here.beyond.y);
-    for (var turn = 0u; turn < min(2u, 2u + depth_map.cells); turn++) {
+    for (var turn = 0u; turn < opaque(2u); turn++) {
       var line = Edges(select(before, far, column == 0u), here.own, next.own, select(after.own, far, column + 2u >= side.x));
       var never = vec4<bool>(column + 1u == side.x || at.x >= lattice().x);
       if (turn == 1u) {
@@ -145,7 +129,10 @@ fn mark_strip(strip: u32) {
     bits |= (casts | select(vec4<u32>(0u), vec4<u32>(0x10000u), split)) << vec4<u32>(place);
     column = select(column + 1u, 0u, column + 1u == side.x);
   }
-  var has_open = false;
+  own.marked |= settled(corner, own.open, 0u);
+  if (CONTINUES) {
+    faint.marked |= settled(corner, faint.open, 1u);
+  }
   for (var row = 0u; row < min(STRIP, edge_rule.words.y - word.y); row++) {
     let index = (word.y + row) * edge_rule.words.x + word.x;
     edges[index] = own.marked[row];
@@ -153,31 +140,26 @@ fn mark_strip(strip: u32) {
     if (CONTINUES) {
       faint_edges[index] = faint.marked[row];
     }
-    has_open = has_open || (own.open[row] | faint.open[row]) != 0u;
   }
-  if (has_open) {
-    leave_open(strip, own.open, faint.open);
+}
+
+// The open edges of a strip that are marked. One after another, because some devices execute a loop's body for all invocations
+// if one needs it.
+fn settled(corner: vec2<u32>, open: vec4<u32>, level: u32) -> vec4<u32> {
+  var marked = vec4<u32>(0u);
+  var left = open;
+  while (any(left != vec4<u32>(0u))) {
+    let row = select(select(select(3u, 2u, left.z != 0u), 1u, left.y != 0u), 0u, left.x != 0u);
+    let edge = firstTrailingBit(left[row]);
+    let at = corner + vec2<u32>(edge % WORD_SAMPLES, row);
+    marked[row] |= select(0u, 1u << edge, exactly(keys_along(at, step_of(edge / WORD_SAMPLES)), level));
+    left[row] &= left[row] - 1u;
   }
+  return marked;
 }
 
 fn key_distances(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
   return max(a, b) - min(a, b);
-}
-
-fn leave_open(strip: u32, open: vec4<u32>, faint_open: vec4<u32>) {
-  let place = atomicAdd(&open_edges.count, 1u);
-  let first = place * (1u + open_words());
-  open_edges.strips[first] = strip;
-  for (var row = 0u; row < STRIP; row++) {
-    open_edges.strips[first + 1u + row] = open[row];
-    if (CONTINUES) {
-      open_edges.strips[first + 1u + STRIP + row] = faint_open[row];
-    }
-  }
-  let workgroups = ((place + 1u) * open_words() + SETTLERS - 1u) / SETTLERS;
-  atomicMax(&open_edges.workgroups[0], min(workgroups, edge_rule.workgroups));
-  atomicMax(&open_edges.workgroups[1], (workgroups + edge_rule.workgroups - 1u) / edge_rule.workgroups);
-  atomicMax(&open_edges.workgroups[2], 1u);
 }
 
 @compute @workgroup_size(MARKERS)
@@ -190,38 +172,6 @@ fn depth_edges_mark(
   let first = (group.x + groups.x * group.y) * MARKERS + local;
   for (var strip = first; strip < strips; strip += groups.x * groups.y * MARKERS) {
     mark_strip(strip);
-  }
-}
-
-// Decides about what floats left open. An invocation takes one word.
-@compute @workgroup_size(SETTLERS)
-fn depth_edges_settle(
-  @builtin(workgroup_id) group: vec3<u32>,
-  @builtin(num_workgroups) groups: vec3<u32>,
-  @builtin(local_invocation_index) local: u32,
-) {
-  let count = atomicLoad(&open_edges.count) * open_words();
-  let first = (group.x + groups.x * group.y) * SETTLERS + local;
-  for (var index = first; index < count; index += groups.x * groups.y * SETTLERS) {
-    let strip = index / open_words() * (1u + open_words());
-    let number = index % open_words();
-    let level = number / STRIP;
-    let word = strip_at(open_edges.strips[strip]) + vec2<u32>(0u, number % STRIP);
-    if (word.y >= edge_rule.words.y) {
-      continue;
-    }
-    var marked = 0u;
-    for (var left = open_edges.strips[strip + 1u + number]; left != 0u; left &= left - 1u) {
-      let edge = firstTrailingBit(left);
-      let at = vec2<u32>(word.x * WORD_SAMPLES + edge % WORD_SAMPLES, word.y);
-      marked |= select(0u, 1u << edge, exactly(keys_along(at, step_of(edge / WORD_SAMPLES)), level));
-    }
-    let place = word.y * edge_rule.words.x + word.x;
-    if (level == 0u) {
-      edges[place] |= marked;
-    } else if (CONTINUES) {
-      faint_edges[place] |= marked;
-    }
   }
 }
 

@@ -20,8 +20,8 @@ struct DepthEdgeRule {
   noise_exponents: u32,
   // Bits of the depth at infinity, which may be slightly out of range.
   at_infinity: u32,
-  // Workgroups along one axis of a dispatch at most.
-  workgroups: u32,
+  // 0.
+  unused: u32,
 }
 
 @group(0) @binding(6) var<uniform> edge_rule: DepthEdgeRule;
@@ -80,11 +80,13 @@ fn bends_by_floats(keys: vec4<u32>, ends: vec2<u32>, slopes: u32) -> u32 {
   return select(2u, select(0u, 1u, step > most), is_told);
 }
 
+// As `bends_by_floats`, of one side, exactly: the ends of the edge, and of the step beside it.
 fn bends(ends: vec2<u32>, beside: vec2<u32>, slopes: u32) -> bool {
-  let one = wide_of(ONE);
-  let step = wide_product(one, wide_distance(wide_of(ends.x), wide_of(ends.y)));
-  let most = wide_product(wide_of(slopes), wide_distance(wide_of(beside.x), wide_of(beside.y)));
-  return is_larger(step, wide_sum(most, wide_product(one, wide_of(noise_at(max(ends.x, ends.y))))));
+  let noise = noise_at(max(ends.x, ends.y));
+  return is_positive(array<vec2<u32>, TERMS>(
+    vec2<u32>(ONE, max(ends.x, ends.y)), vec2<u32>(ONE, min(ends.x, ends.y) | MINUS),
+    vec2<u32>(slopes, max(beside.x, beside.y) | MINUS), vec2<u32>(slopes, min(beside.x, beside.y)),
+    vec2<u32>(ONE, noise | MINUS), vec2<u32>(0u)));
 }
 
 // Whether an edge is marked: 0 or 1; or 2, where it is left to `exactly`. `level`: 1 next to the end of a marked edge.
@@ -117,7 +119,7 @@ fn exactly(keys: vec4<u32>, level: u32) -> bool {
     return exact_world_step(ends.x, ends.y, edge_rule.ratio[level]);
   }
   var count = 0u;
-  for (var side = 0u; side < min(2u, 2u + depth_map.cells); side++) {
+  for (var side = 0u; side < opaque(2u); side++) {
     count += select(0u, 1u, bends(ends, step_beside(keys, side == 1u), edge_rule.slopes[level]));
   }
   return count >= select(1u, 2u, SECOND == 1u);

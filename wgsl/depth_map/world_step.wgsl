@@ -1,119 +1,77 @@
 // Whether two depths of a perspective map are farther from each other than a distance in world units, exactly: the sign of
 // ratio · |a − b| − |a − i| · |b − i|, with the depth i at infinity. NUMERICS.md, "Volumes from depth maps".
 
-const WIDE: u32 = 16u;
-// An integer, lowest word first, in units of 2⁻¹⁴⁹ or their square.
-alias Wide = array<u32, WIDE>;
+// Words of an integer in units of 2⁻²⁹⁸, lowest first, negative as two's complement.
+const WIDE: u32 = 14u;
+// Products of a sum.
+const TERMS: u32 = 6u;
+const MINUS: u32 = 0x80000000u;
 
-// WIDE, which a compiler does not know, so that it leaves the loops as they are. Unrolled, they took a minute to compile.
-fn words() -> u32 {
-  return min(WIDE, WIDE + depth_map.cells);
+// Bounds of loops, which a compiler does not know, so that it leaves them as they are.
+fn opaque(turns: u32) -> u32 {
+  return min(turns, turns + depth_map.cells);
 }
 
-fn wide_mantissa(bits: u32) -> u32 {
-  return select((bits & 0x7fffffu) | 0x800000u, 0u, (bits & 0x7fffffffu) == 0u);
-}
-
-// A word, moved up by some places.
-fn wide(word: u32, places: u32) -> Wide {
-  var result = Wide();
-  let at = places >> 5u;
-  let shift = places & 31u;
-  result[at] = word << shift;
-  if (shift != 0u) {
-    result[at + 1u] = word >> (32u - shift);
-  }
-  return result;
-}
-
-// The absolute value of a float that is 0 or normal.
-fn wide_of(bits: u32) -> Wide {
+// The mantissa of a float that is 0 or normal, and how many places it is moved up, in units of 2⁻¹⁴⁹.
+fn mantissa_and_places(bits: u32) -> vec2<u32> {
   let exponent = (bits >> 23u) & 0xffu;
-  return wide(wide_mantissa(bits), max(exponent, 1u) - 1u);
+  return vec2<u32>(select((bits & 0x7fffffu) | 0x800000u, 0u, exponent == 0u), max(exponent, 1u) - 1u);
 }
 
-fn is_larger(a: Wide, b: Wide) -> bool {
-  var x = a;
-  var y = b;
-  for (var at = words(); at > 0u; at--) {
-    if (x[at - 1u] != y[at - 1u]) {
-      return x[at - 1u] > y[at - 1u];
-    }
-  }
-  return false;
-}
-
-fn wide_sum(a: Wide, b: Wide) -> Wide {
-  var x = a;
-  var y = b;
-  var carry = 0u;
-  for (var at = 0u; at < words(); at++) {
-    let once = x[at] + y[at];
-    let twice = once + carry;
-    carry = select(0u, 1u, once < x[at]) | select(0u, 1u, twice < once);
-    x[at] = twice;
-  }
-  return x;
-}
-
-fn wide_distance(a: Wide, b: Wide) -> Wide {
-  var x = a;
-  var y = b;
-  if (is_larger(b, a)) {
-    x = b;
-    y = a;
-  }
-  var borrow = 0u;
-  for (var at = 0u; at < words(); at++) {
-    let once = x[at] - y[at];
-    let twice = once - borrow;
-    borrow = select(0u, 1u, x[at] < y[at]) | select(0u, 1u, once < borrow);
-    x[at] = twice;
-  }
-  return x;
-}
-
-// Low and high word.
-fn word_product(a: u32, b: u32) -> vec2<u32> {
+// The product of two numbers below 2²⁴: low and high word.
+fn product(a: u32, b: u32) -> vec2<u32> {
   let low = (a & 0xffffu) * (b & 0xffffu);
-  let middle = (a >> 16u) * (b & 0xffffu) + (low >> 16u);
-  let other = (a & 0xffffu) * (b >> 16u) + (middle & 0xffffu);
-  return vec2<u32>((other << 16u) | (low & 0xffffu), (a >> 16u) * (b >> 16u) + (middle >> 16u) + (other >> 16u));
+  let middle = (a & 0xffffu) * (b >> 16u) + (a >> 16u) * (b & 0xffffu);
+  let sum = low + (middle << 16u);
+  return vec2<u32>(sum, (a >> 16u) * (b >> 16u) + (middle >> 16u) + select(0u, 1u, sum < low));
 }
 
-// Words beyond the last are 0 for what is multiplied here.
-fn wide_product(a: Wide, b: Wide) -> Wide {
-  var x = a;
-  var y = b;
-  var result = Wide();
-  for (var i = 0u; i < words(); i++) {
-    if (x[i] == 0u) {
-      continue;
-    }
-    var carry = 0u;
-    for (var j = 0u; i + j < words(); j++) {
-      let product = word_product(x[i], y[j]);
-      let once = result[i + j] + product.x;
+// Whether a sum of products of two floats is above 0.
+fn is_positive(terms: array<vec2<u32>, TERMS>) -> bool {
+  var factors = terms;
+  var sum = array<u32, WIDE>();
+  for (var term = 0u; term < opaque(TERMS); term++) {
+    let own = factors[term];
+    let a = mantissa_and_places(own.x);
+    let b = mantissa_and_places(own.y);
+    let mantissa = product(a.x, b.x);
+    let first = (a.y + b.y) >> 5u;
+    let shift = (a.y + b.y) & 31u;
+    let carried = vec2<u32>(32u - shift) & vec2<u32>(31u);
+    let over = select(mantissa >> carried, vec2<u32>(0u), shift == 0u);
+    let digits = vec3<u32>(mantissa.x << shift, (mantissa.y << shift) | over.x, over.y);
+    // A negative product is added as the complement, and one.
+    let sign = (own.x ^ own.y) >> 31u;
+    var carry = sign;
+    for (var word = 0u; word < opaque(WIDE); word++) {
+      let at = word - first;
+      let digit = select(select(select(0u, digits.z, at == 2u), digits.y, at == 1u), digits.x, at == 0u) ^ (0u - sign);
+      let once = sum[word] + digit;
       let twice = once + carry;
-      carry = product.y + select(0u, 1u, once < product.x) + select(0u, 1u, twice < once);
-      result[i + j] = twice;
+      carry = select(0u, 1u, once < digit) | select(0u, 1u, twice < once);
+      sum[word] = twice;
     }
   }
-  return result;
+  var any = 0u;
+  for (var word = 0u; word < opaque(WIDE); word++) {
+    any |= sum[word];
+  }
+  return any != 0u && sum[WIDE - 1u] < MINUS;
 }
 
-// The distance of a depth from the one at infinity.
-fn from_infinity(bits: u32) -> Wide {
-  let own = wide_of(bits);
-  let infinity = wide_of(edge_rule.at_infinity);
-  if ((edge_rule.at_infinity >> 31u) != 0u) {
-    return wide_sum(own, infinity);
-  }
-  return wide_distance(own, infinity);
+// Whether a is below b: floats that are 0 or normal, and b may be negative.
+fn is_below(a: u32, b: u32) -> bool {
+  return b < MINUS && a < b;
 }
 
 fn exact_world_step(a: u32, b: u32, ratio: u32) -> bool {
-  return is_larger(wide_product(wide_of(ratio), wide_distance(wide_of(a), wide_of(b))), wide_product(from_infinity(a), from_infinity(b)));
+  let infinity = edge_rule.at_infinity;
+  // (a − i) (b − i) is negative if i is between them.
+  let turned = select(0u, MINUS, is_below(a, infinity) != is_below(b, infinity));
+  return is_positive(array<vec2<u32>, TERMS>(
+    vec2<u32>(ratio, max(a, b)), vec2<u32>(ratio, min(a, b) | MINUS),
+    vec2<u32>(a, b ^ MINUS ^ turned), vec2<u32>(infinity, a ^ turned), vec2<u32>(infinity, b ^ turned),
+    vec2<u32>(infinity, infinity ^ MINUS ^ turned)));
 }
 
 // Whether floats tell: 0 or 1; or 2, where the terms are nearly equal, very large or very small.

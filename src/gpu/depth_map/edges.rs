@@ -51,9 +51,8 @@ pub(super) fn threshold_bits(threshold: f32) -> u32 {
 }
 
 impl Detector {
-    /// `None`: edges are decided by their ends alone, in device depth. The thresholds have been checked. `workgroups`: those along
-    /// one axis of a dispatch at most.
-    pub(super) fn new(options: &DepthMapOptions, faces: u32, size: [u32; 2], workgroups: u64) -> Option<Self> {
+    /// `None`: edges are decided by their ends alone, in device depth. The thresholds have been checked.
+    pub(super) fn new(options: &DepthMapOptions, faces: u32, size: [u32; 2]) -> Option<Self> {
         let DepthMapOptions { edges, dangling, bits, .. } = *options;
         let (second, low, high, world) = match edges {
             DepthEdges::EveryCell => return None,
@@ -80,7 +79,7 @@ impl Detector {
             noise: 0,
             noise_exponents: 0,
             at_infinity: 0,
-            workgroups: u32::try_from(workgroups).unwrap_or(u32::MAX),
+            unused: 0,
         };
         // Left out steep surfaces are moved by half a texel across and down, and by as much again for the parts of a texel of
         // several bits.
@@ -94,24 +93,16 @@ impl Detector {
         u64::from(across) * u64::from(down.div_ceil(STRIP))
     }
 
-    /// Whether floats may leave edges open.
-    fn can_be_open(&self) -> bool {
-        self.second > 0 || self.world.is_some()
-    }
-
-    /// Bytes of the marks, of those that may be continued, of what is known about samples, and of edges that floats leave open.
-    pub(super) fn allocations(&self) -> [Allocation; 6] {
+    /// Bytes of the marks, of those that may be continued, and of what is known about samples.
+    pub(super) fn allocations(&self) -> [Allocation; 4] {
         let words = u64::from(self.rule.words[0]) * u64::from(self.rule.words[1]);
-        let (further, levels) = if self.dangling.is_some() { (words, 2) } else { (1, 1) };
-        let open = if self.can_be_open() { self.strips() } else { 1 };
+        let further = if self.dangling.is_some() { words } else { 1 };
         let allocation = |label, words| Allocation { label, bytes: 4 * words };
         [
             allocation("edges of a depth map", words),
             allocation("continued edges of a depth map", further),
             allocation("faint edges of a depth map", further),
             allocation("samples of a depth map", words),
-            allocation("open edges of a depth map", 4 + open * (1 + levels * u64::from(STRIP))),
-            allocation("workgroups that settle edges of a depth map", 3),
         ]
     }
 }
@@ -120,28 +111,23 @@ impl Detector {
 #[derive(Debug)]
 pub(super) struct EdgeStages {
     detector: Detector,
-    /// Mark, settle, continue, count.
-    stages: [Pipeline; 4],
-    /// As the detector's allocations: two of marks, that take turns, and further ones.
-    buffers: [wgpu::Buffer; 6],
+    /// Mark, continue, count.
+    stages: [Pipeline; 3],
+    /// Two of marks, that take turns, the faint ones, and what is known about samples.
+    buffers: [wgpu::Buffer; 4],
 }
 
 /// The stages by their places in [`EdgeStages::stages`].
 const MARK: usize = 0;
-const SETTLE: usize = 1;
-const CONTINUE: usize = 2;
-const COUNT: usize = 3;
-
-/// The buffers of open edges by their places in [`EdgeStages::buffers`].
-const OPEN: usize = 4;
-const SETTLING: usize = 5;
+const CONTINUE: usize = 1;
+const COUNT: usize = 2;
 
 /// What an encode binds.
 pub(super) struct BoundEdges {
-    /// Mark, settle, then continue in turn, then count: which stage, and its group.
+    /// Mark, then continue in turn, then count: which stage, and its group.
     passes: Vec<(usize, wgpu::BindGroup)>,
-    /// Workgroups of each stage. What settles has its own.
-    workgroups: [u32; 4],
+    /// Workgroups of each stage.
+    workgroups: [u32; 3],
 }
 
 impl EdgeStages {
@@ -158,21 +144,11 @@ impl EdgeStages {
         let allocations = detector.allocations();
         let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
         let device = shared.device();
-        let storage = wgpu::BufferUsages::STORAGE;
+        let usage = wgpu::BufferUsages::STORAGE;
         let buffers = guarded(device, bytes, || {
-            let of = |at: usize, usage| buffer(device, allocations[at].label, allocations[at].bytes, usage);
-            let copied = wgpu::BufferUsages::COPY_DST;
-            let open = of(OPEN, storage | copied | wgpu::BufferUsages::COPY_SRC);
-            let settling = of(SETTLING, wgpu::BufferUsages::INDIRECT | copied);
-            [of(0, storage), of(1, storage), of(2, storage), of(3, storage), open, settling]
+            [0, 1, 2, 3].map(|at| buffer(device, allocations[at].label, allocations[at].bytes, usage))
         })?;
-        let settle = &mark[..];
-        let passes = [
-            ("depth_edges_mark", &mark[..]),
-            ("depth_edges_settle", settle),
-            ("depth_edges_continue", &[]),
-            ("depth_edges_count", &count),
-        ];
+        let passes = [("depth_edges_mark", &mark[..]), ("depth_edges_continue", &[]), ("depth_edges_count", &count)];
         let stages = passes.map(|(entry_point, constants)| shared.compute(&DEPTH_EDGES, entry_point, constants));
         Ok(Self { detector, stages, buffers })
     }
@@ -225,19 +201,17 @@ impl EdgeStages {
                 ("edges", self.buffers[out].as_entire_binding()),
                 ("faint_edges", self.buffers[2].as_entire_binding()),
                 ("sample_bits", self.buffers[3].as_entire_binding()),
-                ("open_edges", self.buffers[OPEN].as_entire_binding()),
             ];
             self.stages[stage].bind(device, &resources)
         };
         let turns = [group(CONTINUE, 0), group(CONTINUE, 1)];
         let mut passes = vec![(MARK, group(MARK, 0))];
-        passes.extend(self.detector.can_be_open().then(|| (SETTLE, group(SETTLE, 0))));
         passes.extend((1..=continued).map(|pass| (CONTINUE, turns[pass % 2].clone())));
         passes.push((COUNT, group(COUNT, 1 - continued % 2)));
         let marking = self.detector.strips().div_ceil(MARKERS) as u32;
         BoundEdges {
             passes,
-            workgroups: [marking, 0, rule.blocks, loops(device, shape.0.blocks.saturating_mul(WORKGROUP))],
+            workgroups: [marking, rule.blocks, loops(device, shape.0.blocks.saturating_mul(WORKGROUP))],
         }
     }
 
@@ -248,14 +222,9 @@ impl EdgeStages {
         most: u32,
         mut timer: Option<&mut StageTimer>,
     ) {
-        // No strip is open yet.
-        encoder.clear_buffer(&self.buffers[OPEN], 0, Some(16));
         for same in bound.passes.chunk_by(|a, b| a.0 == b.0) {
             let Some(&(at, _)) = same.first() else { continue };
             let stage = &self.stages[at];
-            if at == SETTLE {
-                encoder.copy_buffer_to_buffer(&self.buffers[OPEN], 0, &self.buffers[SETTLING], 0, Some(12));
-            }
             let timestamp_writes = timer.as_deref_mut().and_then(|timer| timer.compute_pass(stage.label));
             let label = Some(stage.label);
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
@@ -264,11 +233,7 @@ impl EdgeStages {
             let rows = workgroups.div_ceil(most).min(most);
             for (_, group) in same {
                 pass.set_bind_group(0, group, &[0, 0]);
-                if at == SETTLE {
-                    pass.dispatch_workgroups_indirect(&self.buffers[SETTLING], 0);
-                } else {
-                    pass.dispatch_workgroups(workgroups.div_ceil(rows.max(1)).min(most), rows, 1);
-                }
+                pass.dispatch_workgroups(workgroups.div_ceil(rows.max(1)).min(most), rows, 1);
             }
         }
     }

@@ -154,7 +154,7 @@ impl DepthMapVolumes {
         let [across, down] = size.map(cells_of);
         let words = across.div_ceil(WORD_CELLS) * down * u64::from(faces);
         let blocks = words.div_ceil(u64::from(WORKGROUP)) as u32;
-        let detector = Detector::new(&options, faces, size, limits.workgroups);
+        let detector = Detector::new(&options, faces, size);
         let shape = DepthMapShape {
             size,
             cells,
