@@ -150,7 +150,7 @@ fn trials(seed: u64, rounds: usize, options: DepthMapOptions) -> Result<(), Stri
 }
 
 fn every_cell() -> Result<(), String> {
-    trials(1631, 4, DepthMapOptions::default())
+    trials(1631, 4, DepthMapOptions { edges: DepthEdges::EveryCell, ..Default::default() })
 }
 
 fn marked() -> Result<(), String> {

@@ -2,8 +2,8 @@
 
 use rimline::DepthDirection;
 use rimline::gpu::{
-    DepthMap, DepthMapEncodeError, DepthMapMerge, DepthMapOptions, DepthMapPipelines, DepthMapTexture, DepthMapVolumes,
-    DepthMapVolumesError, ShadowFormat,
+    DepthEdges, DepthMap, DepthMapEncodeError, DepthMapMerge, DepthMapOptions, DepthMapPipelines, DepthMapTexture,
+    DepthMapVolumes, DepthMapVolumesError, ShadowFormat,
 };
 use rimline::reference::cpu::{depth_cells, depth_merge};
 use rimline_measure::device::Gpu;
@@ -110,7 +110,8 @@ fn taken() -> Result<(), String> {
     let maps = [0, 1, 2]
         .map(|band| Map::new(size, false, |texel| if texel % 20 / 5 == band { 0.3 + 0.1 * band as f32 } else { far }));
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
-    let mut volumes = DepthMapVolumes::new(&pipelines, size, DepthMapOptions::default()).map_err(text)?;
+    let options = DepthMapOptions { edges: DepthEdges::EveryCell, ..Default::default() };
+    let mut volumes = DepthMapVolumes::new(&pipelines, size, options).map_err(text)?;
     let merges = [DepthMapMerge::new(&gpu.pipelines, size), DepthMapMerge::new(&gpu.pipelines, size)];
     let [first, second] = merges;
     let (first, second) = (first.map_err(text)?, second.map_err(text)?);

@@ -70,7 +70,7 @@ fn making() -> Result<(), String> {
     }
     // Without effect.
     let dangling = Some(DanglingEdges::default());
-    let every = DepthMapOptions::default();
+    let every = DepthMapOptions { edges: DepthEdges::EveryCell, ..Default::default() };
     let of_every = [DepthMapOptions { objects: true, ..every }, DepthMapOptions { dangling, ..every }];
     let found = of_every.map(|options| refused([4, 4], options));
     let expected = ["objects", "dangling"].map(|name| Some(DepthMapVolumesError::EveryCell(name)));

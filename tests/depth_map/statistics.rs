@@ -61,7 +61,8 @@ fn lists() -> Result<(), String> {
     for map in maps(&mut random) {
         for capacity in [None, Some(random.below(30) as u32)] {
             let skip_near_caps = random.below(3) > 0;
-            let options = DepthMapOptions { capacity, skip_near_caps, ..Default::default() };
+            let edges = DepthEdges::EveryCell;
+            let options = DepthMapOptions { edges, capacity, skip_near_caps, ..Default::default() };
             let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
             let light = camera(direction(&map));
             // An eye beside the light, and one where it looks at.

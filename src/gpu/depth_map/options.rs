@@ -26,8 +26,8 @@ pub struct DepthMap<'a> {
 #[non_exhaustive]
 pub enum DepthEdges {
     /// Every one. Nothing is missed, and nothing needs a threshold. The surface has two triangles for each cell that is
-    /// not far.
-    #[default]
+    /// not far. Take it where what is in the map is not in the eye's depth buffer, where bodies are thinner than a texel, and with
+    /// [`DepthMapPipelines::counting`](crate::gpu::DepthMapPipelines::counting).
     EveryCell,
     /// Those between depths that differ by more than `threshold`, and those between a depth and nothing. Far fewer
     /// triangles, but where two surfaces are nearer to each other than that, as seen from the light, an edge of a shadow is
@@ -68,9 +68,11 @@ pub enum DepthEdges {
     /// Those between depths that differ by more than twice either difference beside them in the same row or column, and
     /// four steps of the map's format; and those between a depth and nothing. So it needs no threshold, in any unit: a
     /// surface that goes on as it slopes has no edge within. Beside marked edges, triangles are drawn for one more edge, as
-    /// with [`Self::SecondDifferences`]. In the trials it was as right as [`Self::EveryCell`], with a fifth of its triangles.
+    /// with [`Self::SecondDifferences`]. In the trials it was as right as [`Self::EveryCell`] (none of 995,350 pixels was wrong in
+    /// either), with a fifth of its triangles.
     /// What is lost: a step between slopes on both sides that are each at least half as large, such as that of equal stairs,
     /// each one texel wide. Bodies that are thinner than a texel may leave streaks.
+    #[default]
     Automatic,
 }
 
@@ -182,11 +184,11 @@ pub struct DepthMapOptions {
 }
 
 impl Default for DepthMapOptions {
-    /// Every cell, no objects, triangles, no edges continued, room for all, a slope bias of 1, one bit, near caps where they
+    /// Automatic edges, no objects, triangles, no edges continued, room for all, a slope bias of 1, one bit, near caps where they
     /// matter, no limit of memory.
     fn default() -> Self {
         Self {
-            edges: DepthEdges::EveryCell,
+            edges: DepthEdges::Automatic,
             objects: false,
             reconstruction: DepthMapReconstruction::Triangles,
             dangling: None,
