@@ -234,7 +234,7 @@ fn of_distances() -> Result<(), String> {
     let reconstruction = DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.002 };
     let [axis, ray] = [DepthMetric::AlongAxis, DepthMetric::AlongRay];
     let ways = [
-        (DepthMapOptions::default(), &[axis, ray][..]),
+        (DepthMapOptions { edges: DepthEdges::EveryCell, ..Default::default() }, &[axis][..]),
         (DepthMapOptions { edges: DepthEdges::Automatic, ..Default::default() }, &[ray]),
         (DepthMapOptions { edges, reconstruction, ..Default::default() }, &[ray]),
     ];

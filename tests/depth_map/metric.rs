@@ -277,7 +277,7 @@ fn flat() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let mut random = Random::new(SEED);
     let mut counts = [[0; 2]; 2];
-    for number in 0..24 {
+    for number in 0..16 {
         for (counts, is_covered) in counts.iter_mut().zip([true, false]) {
             let found = dark(&gpu, &mut random, number, is_covered)?;
             (0..2).for_each(|at| counts[at] += found[at]);

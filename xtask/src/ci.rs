@@ -24,7 +24,7 @@ pub(crate) fn run() -> Summary {
     summary.check("module circles", circles::run());
     test::add(&mut summary);
     wgsl::add(&mut summary);
-    fuzz::add(&mut summary, fuzz::CI_SECONDS);
+    fuzz::add_after_tests(&mut summary, fuzz::CI_SECONDS);
     summary
 }
 

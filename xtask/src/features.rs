@@ -7,7 +7,7 @@ const OF_THE_COMMAND: [&str; 8] =
     ["clap", "epaint_default_fonts", "indicatif", "num-bigint", "png", "resvg", "rimline-measure", "zip"];
 
 pub(crate) fn library_alone() -> Result<(), String> {
-    process::run(&mut process::cargo(["build", "--package", "rimline", "--lib", "--no-default-features"]))
+    process::run(&mut process::cargo(["check", "--package", "rimline", "--lib", "--no-default-features"]))
 }
 
 pub(crate) fn no_command_dependencies() -> Result<(), String> {

@@ -16,14 +16,19 @@ const SLOW_SECONDS: &str = "20";
 /// Fuzzes each target for that long.
 pub(crate) fn run(seconds: u64) -> Summary {
     let mut summary = Summary::default();
-    add(&mut summary, seconds);
+    add(&mut summary, seconds, &[]);
     summary
 }
 
-/// Fuzzes each target for that long and counts a check each in `summary`.
-pub(crate) fn add(summary: &mut Summary, seconds: u64) {
+/// Fuzzes each target for that long after the tests, and counts a check each in `summary`. With the tests in the same build,
+/// packages have the features that these were built with, so that none is built again.
+pub(crate) fn add_after_tests(summary: &mut Summary, seconds: u64) {
+    add(summary, seconds, &["--tests"]);
+}
+
+fn add(summary: &mut Summary, seconds: u64, and: &[&str]) {
     let mut build = process::cargo(["build", "--workspace", "--exclude", BENCH, "--all-features"]);
-    build.args(["--bin", "rimline-fuzz", "--bin", "rimline"]);
+    build.args(["--bin", "rimline-fuzz", "--bin", "rimline"]).args(and);
     if let Err(error) = process::run(&mut build) {
         summary.fail(&error);
         return;

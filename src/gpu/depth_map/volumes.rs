@@ -204,7 +204,7 @@ impl DepthMapVolumes {
         let near = options.skip_near_caps.then(|| shared.compute(near.0, near.1, &[]));
         let edges = detector.map(|detector| EdgeStages::new(shared, detector, objects)).transpose()?;
         let entry_points = ["depth_cells_count", "depth_cells_places", "depth_cells_list"];
-        let counted = if edges.is_some() { 1 } else { 0 };
+        let counted = usize::from(edges.is_some());
         let of_cells = entry_points.iter().skip(counted).filter(|_| contours.is_none());
         Ok(Self {
             stages: of_cells.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &constants)).collect(),

@@ -212,19 +212,18 @@ pub(crate) struct ShadowArgs {
     #[arg(long, value_name = "PREFIX", requires = "from_depth", conflicts_with_all = ["area", "depth"])]
     pub(crate) save_depth: Option<PathBuf>,
 
-    /// With --from-depth or --depth: which edges of a map bound shadows. `every` one; `automatic`: those where depths jump by
-    /// more than slopes beside them tell; those where device depths differ by more than T, 0 to 1; by more than HIGH, or by more
+    /// With --from-depth or --depth: which edges of a map bound shadows. `automatic`, the default with --from-depth: those where
+    /// depths jump by more than slopes beside them tell; `every` one, the default with --depth; those where device depths differ by more than T, 0 to 1; by more than HIGH, or by more
     /// than LOW and than beside them; those where distances along the map's view differ by more than T; or, with a file that has
     /// `objects`, those between objects, which --depth takes with all others but `every`, too. What a map casts must then be
     /// among the models, at the same place. A threshold that is too large turns shadows round in streaks
     #[arg(
         long,
-        value_name = "every|automatic|differences=T|second=LOW,HIGH|world=T|objects",
+        value_name = "automatic|every|differences=T|second=LOW,HIGH|world=T|objects",
         requires = "depth_maps",
-        default_value = "every",
         value_parser = spec::detector,
     )]
-    pub(crate) detector: DepthEdges,
+    pub(crate) detector: Option<DepthEdges>,
 
     /// With any --detector but `every`: go on where an edge dangles, that is, ends in a cell that has no other. There SHARE of
     /// the detector's thresholds, 0 to 1, is left, for up to CELLS cells, 1 to 64. Without values: 0.5,8
@@ -250,7 +249,9 @@ pub(crate) struct ShadowArgs {
 impl ShadowArgs {
     /// The depth maps that cast, if there are any. Reads the file of `--depth`.
     pub(crate) fn depth_maps(&self) -> Result<Option<FromDepth>, Failure> {
-        let edges = self.detector;
+        // What a given map casts need not be among the models, unless edges are left out.
+        let drawn_or_given = if self.from_depth.is_some() { DepthEdges::Automatic } else { DepthEdges::EveryCell };
+        let edges = self.detector.unwrap_or(drawn_or_given);
         let source = match (self.from_depth, &self.depth) {
             (Some(_), _) if edges == DepthEdges::Outlines => return Err(UsageError::NoObjects.into()),
             (Some(side), _) => MapSource::Drawn { side },

@@ -242,7 +242,7 @@ fn wrong_options() -> Outcome {
         ("--from-depth --detector second=0.1,2", "0 to 1, not 2"),
         ("--from-depth --reconstruct vector --detector automatic", "--detector differences=T"),
         ("--dangling", "--from-depth"),
-        ("--from-depth --dangling", "add --detector automatic"),
+        ("--from-depth --detector every --dangling", "add --detector automatic"),
         ("--from-depth --detector differences=0.1 --reconstruct vector --dangling", "no --reconstruct vector"),
         ("--from-depth --detector automatic --dangling 1.5,8", "SHARE,CELLS"),
         ("--from-depth --detector automatic --dangling 0.5,65", "1 to 64 whole cells"),
