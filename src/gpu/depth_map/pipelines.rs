@@ -96,11 +96,12 @@ impl DepthMapPipelines {
     /// ray enters the shadow, down where it leaves it. So a map is one more caster among volumes of meshes, which takes no bit of
     /// its own, and several maps of a light may lie in each other. Each adds up to 1 to a count.
     ///
-    /// Take [`DepthEdges::EveryCell`](crate::gpu::DepthEdges::EveryCell) with it. An edge that a detector misses turns a parity
-    /// bit round along rays through the gap, and leaves the shadows of meshes alone. In a count it takes shadows of meshes away,
-    /// too: 1 for a mesh and -1 for a shadow that was left and never entered are 0. NUMERICS.md, "Volumes from depth maps",
-    /// compares both. Walls ([`DepthMapReconstruction::Contours`](crate::gpu::DepthMapReconstruction::Contours)) are not counted:
-    /// a draw of them is refused.
+    /// Take [`DepthEdges::EveryCell`](crate::gpu::DepthEdges::EveryCell) with it, which is not the default. An edge that a
+    /// detector misses turns a parity bit round along rays through the gap, and leaves the shadows of meshes alone. In a count it
+    /// takes shadows of meshes away, too: 1 for a mesh and -1 for a shadow that was left and never entered are 0. NUMERICS.md,
+    /// "Volumes from depth maps", compares both. Walls
+    /// ([`DepthMapReconstruction::Contours`](crate::gpu::DepthMapReconstruction::Contours)) are not counted: a draw of them is
+    /// refused.
     ///
     /// # Errors
     /// [`DepthMapPipelinesError`] if the device lacks what they need or cannot draw into the attachments.

@@ -85,7 +85,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "depth maps: an edge of nothing is compared like others",
         changes: &[
-            ("wgsl/depth_map/edge_code.wgsl", "select(0u, 1u, a != b)", "select(0u, 0u, a != b)"),
+            ("wgsl/depth_map/edge_code.wgsl", "a != b, max(a, b) == FAR_KEY", "false, max(a, b) == FAR_KEY"),
             ("src/cpu/depth_map/edge_code.rs", "        _ => true,\n", "        _ => false,\n"),
         ],
         tests: LISTS,
@@ -163,7 +163,11 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "depth maps of second differences: one side is enough for both",
         changes: &[
-            ("wgsl/depth_map/edge_rule.wgsl", "let stops = select(1u, 0u, SECOND == 1u);", "let stops = 1u;"),
+            (
+                "wgsl/depth_map/edge_rule.wgsl",
+                "select(max(before, after), min(before, after), SECOND == 2u)",
+                "min(before, after)",
+            ),
             ("wgsl/depth_map/edge_rule.wgsl", "select(1u, 2u, SECOND == 1u)", "1u"),
             ("src/cpu/depth_map/edge_rule.rs", "bends(before) && bends(after)", "bends(before) || bends(after)"),
         ],
@@ -216,6 +220,33 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "depth maps: floats decide about steps in world units that are nearly met",
         changes: &[("wgsl/depth_map/world_step.wgsl", "(most > 1.0001 * step)", "(most >= step)")],
         tests: WORLD,
+    },
+    Mutation {
+        name: "depth maps: exact sums lose what is carried twice",
+        changes: &[(
+            "wgsl/depth_map/world_step.wgsl",
+            "carry = select(0u, 1u, once < digit) | select(0u, 1u, twice < once);",
+            "carry = select(0u, 1u, once < digit);",
+        )],
+        tests: WORLD,
+    },
+    Mutation {
+        name: "depth maps of second differences: samples of the next map of a cube are slopes",
+        changes: &[(
+            "wgsl/depth_map/depth_edges.wgsl",
+            "far, rows + 2u >= vec4<u32>(side.y)",
+            "far, rows > vec4<u32>(side.y)",
+        )],
+        tests: CUBES,
+    },
+    Mutation {
+        name: "depth maps: marks split cells across the smaller difference",
+        changes: &[(
+            "wgsl/depth_map/depth_edges.wgsl",
+            "key_distances(here.own, next_below) > key_distances(next.own, below)",
+            "key_distances(here.own, next_below) < key_distances(next.own, below)",
+        )],
+        tests: DETECTORS,
     },
     Mutation {
         name: "depth maps: far samples are at the far plane",
