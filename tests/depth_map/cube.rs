@@ -322,7 +322,10 @@ fn twins() -> Result<(), String> {
         // Marks, in some: two thresholds, and edges that are continued.
         let second = [None, None, Some([0.2, 1.0]), Some([0.01, 0.1])][round % 4];
         let rings = u32::from(round % 4 == 3);
+        let [is_automatic, is_world] = [7, 6].map(|place| round % 8 == place);
         let edges = match second {
+            _ if is_automatic => DepthEdges::Automatic,
+            _ if is_world => DepthEdges::WorldDifferences { threshold: 0.25 },
             Some([low, high]) if rings == 1 => DepthEdges::SecondDifferences { low, high },
             Some([threshold, _]) => DepthEdges::Differences { threshold },
             None => edges,
@@ -360,6 +363,14 @@ fn twins() -> Result<(), String> {
         same(&format!("samples of round {round}"), &bits(&found), &bits(&depths))?;
         let mut detector =
             detector(if rings == 1 { Second::Both } else { Second::Nothing }, second.unwrap_or([0.0; 2]), 1.0, 0.125);
+        if is_automatic {
+            detector = crate::maps::detector(Second::One, [0.0, 1.0], 2.0, 0.125);
+        }
+        if is_world {
+            let rule = |threshold| crate::stages::world_rule(&cameras[0], threshold).map(f32::to_bits);
+            detector.rule.ratio = [0.25, 0.25 * 0.125].map(|threshold| rule(threshold)[0]);
+            detector.rule.at_infinity = rule(0.25)[1];
+        }
         (detector.cells, detector.rings) = (dangling.map_or(0, |dangling| dangling.cells), rings);
         let noise = if is_reversed { (0, 21) } else { ((4.0_f32 / 16_777_216.0).to_bits(), 0) };
         (detector.rule.noise, detector.rule.noise_exponents) = noise;

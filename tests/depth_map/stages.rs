@@ -224,7 +224,7 @@ fn of_objects() -> Result<(), String> {
 
 /// What decides about a threshold in world units, from the rows of the camera's matrix: depth differences are multiplied with the
 /// first, and the second is the depth at infinity.
-fn world_rule(light: &ShadowCamera, threshold: f64) -> [f32; 2] {
+pub(crate) fn world_rule(light: &ShadowCamera, threshold: f64) -> [f32; 2] {
     let matrix = glam::Mat4::from_cols_array_2d(&light.view_projection).as_dmat4();
     let [depth, w] = [2, 3].map(|row| matrix.row(row).truncate());
     let infinity = depth.dot(w) / w.length_squared();
@@ -248,6 +248,11 @@ fn world() -> Result<(), String> {
                 f32::from_bits(power.to_bits() + [0, 0, 0, 1, u32::MAX][random.below(5)].min(1))
             }));
         }
+        // Each edge nearly meets the threshold of odd rounds: as many as one invocation can have to decide exactly.
+        for is_reversed in [false, true] {
+            let places = |texel: u32| texel % 67 + texel / 67;
+            all.push(Map::new([67, 41], is_reversed, |texel| [0.25, 0.625][places(texel) as usize % 2]));
+        }
         for map in all {
             let far = [None, Some(50.0)][random.below(2)];
             let forward = if round % 2 == 0 { glam::DVec3::X } else { glam::DVec3::new(0.3, -1.0, 0.2) };
@@ -265,8 +270,10 @@ fn world() -> Result<(), String> {
             if round % 2 == 1 && !steps.is_empty() {
                 threshold = steps[random.below(steps.len())];
             }
-            let options =
-                DepthMapOptions { edges: DepthEdges::WorldDifferences { threshold }, ..DepthMapOptions::default() };
+            // Edges that meet the same threshold are continued nowhere.
+            let dangling = (round % 4 == 3).then_some(DanglingEdges { share: 1.0, cells: 1 });
+            let edges = DepthEdges::WorldDifferences { threshold };
+            let options = DepthMapOptions { edges, dangling, ..Default::default() };
             let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
             let texture = depth_view(&texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?);
             gpu.submit(|encoder| {
