@@ -55,7 +55,8 @@ fn compare() -> Result<(), String> {
     let mut random = Random::new(seed);
     let second = |low, high| DepthEdges::SecondDifferences { low, high };
     let differences = |threshold| DepthEdges::Differences { threshold };
-    let (plain, automatic) = (DepthMapOptions::default(), DepthEdges::Automatic);
+    let plain = DepthMapOptions { edges: DepthEdges::EveryCell, ..Default::default() };
+    let automatic = DepthMapOptions::default().edges;
     let continued = Some(DanglingEdges::default());
     let ways = [
         ("every cell", plain),

@@ -328,7 +328,7 @@ fn detectors() -> Result<(), String> {
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
     let mut random = Random::new(SEED);
     let (mut listed, mut continued) = (0, 0);
-    for round in 0..9 {
+    for round in 0..12 {
         let edges = [
             DepthEdges::Automatic,
             DepthEdges::SecondDifferences { low: 0.001, high: 0.1 },

@@ -16,19 +16,27 @@ fn row_of_cells() -> vec2<u32> {
   return vec2<u32>((across + WORD_CELLS - 1u) / WORD_CELLS, across);
 }
 
-// The first cell of a word, how many cells it has, and where the first is. Devices divide slowly, so rows are found once.
-fn cells_of_word(word: u32) -> vec4<u32> {
+struct CellsOfWord {
+  count: u32,
+  // Where the first is, on the lattice and in its map.
+  corner: vec2<u32>,
+  in_map: vec2<u32>,
+}
+
+// Devices divide slowly, so rows are found once.
+fn cells_of_word(word: u32) -> CellsOfWord {
   let cells = row_of_cells();
-  var row = word / cells.x;
+  let row = word / cells.x;
   let column = (word - row * cells.x) * WORD_CELLS;
-  let first = row * cells.y + column;
-  var corner = vec2<u32>(column, row);
+  let count = select(0u, min(WORD_CELLS, cells.y - column), row * cells.y + column < depth_map.cells);
+  var in_map = vec2<u32>(column, row);
+  var corner = in_map;
   if (depth_map.faces > 1u) {
     let face = row / cells.y;
-    row -= face * cells.y;
-    corner = vec2<u32>(face % 3u, face / 3u) * depth_map.size.x + vec2<u32>(column, row);
+    in_map.y -= face * cells.y;
+    corner = vec2<u32>(face % 3u, face / 3u) * depth_map.size.x + in_map;
   }
-  return vec4<u32>(first, select(0u, min(WORD_CELLS, cells.y - column), first < depth_map.cells), corner);
+  return CellsOfWord(count, corner, in_map);
 }
 
 // The lowest bit of each cell of a word that is listed.

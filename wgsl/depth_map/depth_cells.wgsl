@@ -11,10 +11,10 @@
 const ENTRY_BITS: u32 = 29u;
 
 // As `decided`, for each cell by itself.
-fn decided_by_cells(own: vec4<u32>) -> u32 {
+fn decided_by_cells(own: CellsOfWord) -> u32 {
   var bits = 0u;
-  for (var cell = 0u; cell < own.y; cell++) {
-    bits |= (templates(own.zw + vec2<u32>(cell, 0u)) >> ENTRY_BITS) << (4u * cell);
+  for (var cell = 0u; cell < own.count; cell++) {
+    bits |= (templates(own.corner + vec2<u32>(cell, 0u)) >> ENTRY_BITS) << (4u * cell);
   }
   return bits;
 }
@@ -25,7 +25,7 @@ fn decided(word: u32) -> u32 {
   if (SPREADS && depth_map.spread != 0u) {
     return decided_by_cells(own);
   }
-  let corner = own.zw;
+  let corner = own.corner;
   let down = vec2<u32>(0u, 1u);
   var before = vec2<u32>(key_at(corner), key_at(corner + down));
   // Four bits a cell: its edges at the top, right and bottom, and of the first cell that at the left.
@@ -45,7 +45,7 @@ fn decided(word: u32) -> u32 {
     before = keys;
   }
   // The cells that are there.
-  let taken = select(0u, 0xffffffffu >> ((32u - 4u * own.y) & 31u), own.y > 0u);
+  let taken = select(0u, 0xffffffffu >> ((32u - 4u * own.count) & 31u), own.count > 0u);
   return triangles_of_word(marked, splits) & taken;
 }
 

@@ -207,7 +207,7 @@ fn apart(bits: u32) -> u32 {
 // As `decided`, from marks. Places count from two samples on the left of the word's first.
 fn decided_by_marks(word: u32) -> u32 {
   let own = cells_of_word(word);
-  let at = vec2<i32>(own.zw) - vec2<i32>(2, 0);
+  let at = vec2<i32>(own.corner) - vec2<i32>(2, 0);
   let down = vec2<i32>(0, 1);
   let upper = marks_from(at);
   let lower = marks_from(at + down);
@@ -216,13 +216,13 @@ fn decided_by_marks(word: u32) -> u32 {
   let split = samples.y;
   var rings = vec2<u32>(0u);
   if (RINGS > 0u) {
-    let columns = border_columns(at.x);
+    let borders = borders_from(vec2<i32>(own.in_map) - vec2<i32>(2, 0));
     let above = marks_from(at - down);
-    let ends = vec2<u32>(ends_of(upper, above.y, at.y, columns), ends_of(lower, upper.y, at.y + 1, columns));
+    let ends = vec2<u32>(ends_of(upper, above.y, borders, 0), ends_of(lower, upper.y, borders, 1));
     rings = ends;
     if (RINGS > 1u) {
-      let before = ends_of(above, marks_from(at - 2 * down).y, at.y - 1, columns);
-      let after = ends_of(marks_from(at + 2 * down), lower.y, at.y + 2, columns);
+      let before = ends_of(above, marks_from(at - 2 * down).y, borders, -1);
+      let after = ends_of(marks_from(at + 2 * down), lower.y, borders, 2);
       rings |= (ends << vec2<u32>(1u)) | (ends >> vec2<u32>(1u)) | vec2<u32>(before | ends.y, ends.x | after);
     }
     rings &= casts;
@@ -230,7 +230,7 @@ fn decided_by_marks(word: u32) -> u32 {
   let diagonal = select_bits(rings.x | (rings.y >> 1u), rings.y | (rings.x >> 1u), split);
   let first = upper.x | diagonal | select_bits((upper.y | rings.x) >> 1u, upper.y | rings.x, split);
   let second = lower.x | diagonal | select_bits(upper.y | rings.y, (upper.y | rings.y) >> 1u, split);
-  let taken = ((1u << own.y) - 1u) << 2u;
+  let taken = ((1u << own.count) - 1u) << 2u;
   return apart((split & taken) >> 2u) | (apart((either(first, second) & taken) >> 2u) << 1u)
     | (apart((either(second, first) & taken) >> 2u) << 2u);
 }

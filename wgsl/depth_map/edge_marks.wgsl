@@ -61,24 +61,24 @@ fn dangling_from(at: vec2<i32>) -> u32 {
   return single;
 }
 
-// Of 13 samples from a place on, those in a border column of a map of a cube. The other maps may have marked edges at them.
-fn border_columns(column: i32) -> u32 {
-  var borders = 0u;
-  if (depth_map.faces > 1u) {
-    let side = i32(depth_map.size.x);
-    for (var sample = 0; sample < 13; sample++) {
-      let local = (column + sample + side) % side;
-      borders |= select(0u, 1u << u32(sample), local == 0 || local == side - 1);
-    }
-  }
-  return borders;
+// Samples on the borders of a map of a cube: other maps may have marked edges at them. `in_map`: a place in the map.
+struct Borders {
+  in_map: vec2<i32>,
+  // Of 13 samples from there on, those in its first or last column.
+  columns: u32,
 }
 
-// Samples of a row that are at the end of a marked edge, or on the border of a map of a cube, but for the first. `marks` are
-// those of the row, `down_before` those of the edges down from the row before. `columns`: as `border_columns`.
-fn ends_of(marks: vec2<u32>, down_before: u32, row: i32, columns: u32) -> u32 {
-  let side = i32(depth_map.size.y);
-  let local = (row + side) % side;
-  let is_border = depth_map.faces > 1u && (local == 0 || local == side - 1);
-  return marks.x | (marks.x << 1u) | marks.y | down_before | select(columns, 0xffffffffu, is_border);
+fn borders_from(in_map: vec2<i32>) -> Borders {
+  let last = i32(depth_map.size.x) - 1 - in_map.x;
+  let first_columns = select(0u, (2u << u32(-in_map.x)) - 1u, in_map.x <= 0);
+  let last_columns = select(0u, 0xffffffffu << u32(last), last < 32);
+  return Borders(in_map, select(0u, first_columns | last_columns, depth_map.faces > 1u));
+}
+
+// Samples of a row that are at the end of a marked edge, or on a border, but for the first. `marks` are those of the row,
+// `down_before` those of the edges down from the row before. `row`: from the place of the borders on.
+fn ends_of(marks: vec2<u32>, down_before: u32, borders: Borders, row: i32) -> u32 {
+  let in_map = borders.in_map.y + row;
+  let is_border = depth_map.faces > 1u && (in_map <= 0 || in_map >= i32(depth_map.size.y) - 1);
+  return marks.x | (marks.x << 1u) | marks.y | down_before | select(borders.columns, 0xffffffffu, is_border);
 }

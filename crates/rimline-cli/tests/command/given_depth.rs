@@ -36,7 +36,7 @@ pub(crate) fn models() -> Result<tempfile::TempDir, String> {
 /// Saves the map of a light that sees both models, and a mask made with it.
 pub(crate) fn save(folder: &tempfile::TempDir, light: &str, side: u32) -> Result<(serde_json::Value, Vec<u8>), String> {
     let line = format!(
-        "shadow @ball.npz @ring.npz {VIEW} --light {light} --from-depth {side} --mask @own --save-depth @map --json"
+        "shadow @ball.npz @ring.npz {VIEW} --light {light} --from-depth {side} --detector every --mask @own --save-depth @map --json"
     );
     Ok((run(folder.path(), &line).json()?, mask(folder, "own")?))
 }
@@ -182,7 +182,7 @@ fn objects() -> Outcome {
         let line = format!("shadow @ball.npz {VIEW} --light {LIGHT} {options} --mask @{name} --json");
         Ok::<_, String>((run(folder.path(), &line).json()?, mask(&folder, name)?))
     };
-    let (every, own) = draw("--from-depth 128 --save-depth @map", "own")?;
+    let (every, own) = draw("--from-depth 128 --detector every --save-depth @map", "own")?;
     let saved = entries(&folder)?;
     run(folder.path(), "shadow @ball.npz --depth @map.0.npz --detector objects --mask @no")
         .expect(1, &["map.0.npz", "no array `objects`", "depth.npy"])?;
