@@ -94,7 +94,8 @@ impl DepthMapPipelines {
 
     /// Makes pipelines that count the surface as a volume, in the bits that counts own ([`ShadowFormat::count_bits`]): up where a
     /// ray enters the shadow, down where it leaves it. So a map is one more caster among volumes of meshes, which takes no bit of
-    /// its own, and several maps of a light may lie in each other. Each adds up to 1 to a count.
+    /// its own, and several maps of a light may lie in each other. Each adds up to 1 to a count, which `bound_counts` of meshes does
+    /// not know of: counts may wrap where a bound and the maps together exceed what the bits hold.
     ///
     /// Take [`DepthEdges::EveryCell`](crate::gpu::DepthEdges::EveryCell) with it, which is not the default. An edge that a
     /// detector misses turns a parity bit round along rays through the gap, and leaves the shadows of meshes alone. In a count it
