@@ -4,7 +4,7 @@ use super::caster::{DepthMapCaster, DepthMapCasterVolumes, DepthMapCubeCaster};
 use super::casters_errors::DepthMapCastersError;
 use super::convex::Convex;
 use super::cube::DepthMapCube;
-use super::errors::{DepthMapEncodeError, DepthMapTexture};
+use super::frame_errors::{DepthMapEncodeError, DepthMapTexture};
 use super::jitter::jitters;
 use super::recording::{Eye, Planned};
 use super::texture::{check_objects, check_texture};

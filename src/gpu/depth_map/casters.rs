@@ -318,7 +318,7 @@ impl DepthMapCasters {
         light: Option<&Light>,
         (cameras, seen): (&'a [ShadowCamera], &[Vec<Convex>]),
         counts: &mut DepthMapCasterCounts,
-    ) -> Result<(Option<Planned<'a>>, Vec<usize>), (usize, super::errors::DepthMapEncodeError)> {
+    ) -> Result<(Option<Planned<'a>>, Vec<usize>), (usize, super::frame_errors::DepthMapEncodeError)> {
         let eyes = cast.eyes(cameras)?;
         let shadow = cast.shadow();
         let is_unlit = light.is_none();

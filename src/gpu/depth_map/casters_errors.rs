@@ -1,7 +1,8 @@
 //! Why depth maps cannot cast in a scene.
 
 use super::caster::DepthMapCasterHandle;
-use super::errors::{DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError};
+use super::frame_errors::{DepthMapDrawError, DepthMapEncodeError};
+use super::volumes_errors::DepthMapCubeError;
 use crate::gpu::LightHandle;
 use crate::gpu::common::requirements::DeviceError;
 use crate::shadow::CameraError;

@@ -1,8 +1,8 @@
 //! Whether volumes can be made with some options.
 
-use super::errors::DepthMapVolumesError;
 use super::options::{DanglingEdges, DepthEdges, DepthMapOptions};
 use super::texture::MAP_FORMATS;
+use super::volumes_errors::DepthMapVolumesError;
 
 impl DepthMapOptions {
     /// Whether volumes can be made with them.

@@ -1,8 +1,8 @@
 //! The stages that rebuild a map's boundary as walls over its contours.
 
-use super::errors::DepthMapVolumesError;
 use super::options::{DepthEdges, DepthMapOptions, DepthMapReconstruction};
 use super::pipelines::DepthMapPipelines;
+use super::volumes_errors::DepthMapVolumesError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, buffer, filled, guarded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};

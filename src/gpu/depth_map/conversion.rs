@@ -1,8 +1,9 @@
 //! A depth map from a map of distances.
 
-use super::errors::{DepthMapEncodeError, DepthMapTexture, DepthMapVolumesError};
+use super::frame_errors::{DepthMapEncodeError, DepthMapTexture};
 use super::metric::{DepthMetric, metric_view};
 use super::options::DepthMap;
+use super::volumes_errors::DepthMapVolumesError;
 use super::written::WrittenMap;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::Subject;

@@ -2,14 +2,15 @@
 
 use bytemuck::Zeroable;
 
-use super::errors::{DepthMapCubeError, DepthMapEncodeError, DepthMapTexture, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
+use super::frame_errors::{DepthMapEncodeError, DepthMapTexture};
 use super::meeting::{cameras, check_meeting};
 use super::options::{DepthMapOptions, DepthMapReconstruction};
 use super::pipelines::DepthMapPipelines;
 use super::recording::{BoundStage, Eye, Planned};
 use super::texture::{check_objects, check_texture, written_texture};
 use super::volumes::{DepthMapVolumes, MOST_CELLS};
+use super::volumes_errors::{DepthMapCubeError, DepthMapVolumesError};
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::WORKGROUP;
 use crate::gpu::common::memory::{Allocation, any_error, filled, guarded};

@@ -1,9 +1,10 @@
 //! Detectors that look at more than the ends of an edge, or compare steps in world units: marks of all edges, which the cells are
 //! decided from.
 
-use super::errors::{DepthMapEncodeError, DepthMapVolumesError};
+use super::frame_errors::DepthMapEncodeError;
 use super::options::{DanglingEdges, DepthEdges, DepthMapOptions};
 use super::view::{steps, world_step};
+use super::volumes_errors::DepthMapVolumesError;
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{WORKGROUP, loops};
 use crate::gpu::common::memory::{Allocation, buffer, filled, guarded};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::errors::DepthMapDrawError;
+use super::frame_errors::DepthMapDrawError;
 use super::pipelines::DepthMapPipelines;
 use crate::gpu::common::requirements::check_same;
 use crate::shadow::DepthDirection;

@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec3, DVec4, Mat4};
 
-use super::errors::{CubeMismatch, DepthMapCubeError};
+use super::volumes_errors::{CubeMismatch, DepthMapCubeError};
 use crate::ShadowCamera;
 use crate::shadow::DepthDirection;
 

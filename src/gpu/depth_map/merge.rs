@@ -1,6 +1,7 @@
 //! Two depth maps of one light in one.
 
-use super::errors::{DepthMapEncodeError, DepthMapTexture, DepthMapVolumesError};
+use super::frame_errors::{DepthMapEncodeError, DepthMapTexture};
+use super::volumes_errors::DepthMapVolumesError;
 use super::written::WrittenMap;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::Subject;

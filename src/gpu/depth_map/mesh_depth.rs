@@ -1,6 +1,6 @@
 //! The depth of a mesh, as the light of a depth map sees it.
 
-use super::errors::MeshDepthError;
+use super::mesh_depth_errors::MeshDepthError;
 use crate::gpu::PositionBuffer;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{any_error, filled};

@@ -4,7 +4,7 @@
 use bytemuck::Zeroable;
 use glam::{DMat4, DVec3, DVec4};
 
-use super::errors::DepthMapEncodeError;
+use super::frame_errors::DepthMapEncodeError;
 use super::view::{infinity, matrix};
 use crate::ShadowCamera;
 use crate::layout::DepthMetricView;

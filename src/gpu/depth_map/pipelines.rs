@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use wgpu::{CompareFunction, StencilOperation};
 
-use super::errors::DepthMapPipelinesError;
+use super::volumes_errors::DepthMapPipelinesError;
 use crate::gpu::common::bindings::{FLOAT_TEXTURE, UINT_TEXTURE};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::edges::BoundEdges;
-use super::errors::DepthMapEncodeError;
 use super::frame::{DepthMapFrame, DepthMapNearCap};
+use super::frame_errors::DepthMapEncodeError;
 use super::near::{NearReach, near_reach};
 use super::pipelines::{layout, wall_group};
 use super::view::is_turned;

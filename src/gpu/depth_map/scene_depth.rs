@@ -2,8 +2,8 @@
 
 use glam::{DMat4, DVec3};
 
-use super::errors::SceneDepthError;
 use super::mesh_depth::{UNMOVED, depth_layout, depth_pipeline, placed, storage};
+use super::mesh_depth_errors::SceneDepthError;
 use super::view::{matrix, origin};
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};

@@ -1,7 +1,7 @@
 //! What the GPU found in an encode of volumes, for those who want to read it.
 
-use super::errors::DepthMapDrawError;
 use super::frame::{DepthMapFrame, DepthMapNearCap};
+use super::frame_errors::DepthMapDrawError;
 use crate::gpu::common::memory::filled;
 
 /// What the GPU found in an encode of volumes. Nothing is read back by itself: [`DepthMapFrame::statistics`] and

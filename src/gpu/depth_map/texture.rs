@@ -1,6 +1,6 @@
 //! Textures that are taken as depth maps.
 
-use super::errors::{DepthMapEncodeError, DepthMapTexture};
+use super::frame_errors::{DepthMapEncodeError, DepthMapTexture};
 
 /// The formats of maps.
 pub(super) const MAP_FORMATS: [wgpu::TextureFormat; 6] = [

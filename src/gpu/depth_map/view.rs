@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
 
-use super::errors::DepthMapEncodeError;
+use super::frame_errors::DepthMapEncodeError;
 use crate::ShadowCamera;
 use crate::layout::DepthMapView;
 use crate::shadow::DepthDirection;

@@ -5,14 +5,15 @@ use std::sync::atomic::AtomicU64;
 
 use super::contours::{ContourPlan, Contours};
 use super::edges::{Detector, EdgeStages, threshold_bits};
-use super::errors::{DepthMapEncodeError, DepthMapTexture, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
+use super::frame_errors::{DepthMapEncodeError, DepthMapTexture};
 use super::jitter::{jitters, reach};
 use super::metric::{DepthMetric, metric_steps};
 use super::options::{DepthEdges, DepthMap, DepthMapOptions, DepthMapReconstruction};
 use super::pipelines::DepthMapPipelines;
 use super::texture::{check_objects, check_texture, object_texture};
 use super::view::{Placing, depth_map_view};
+use super::volumes_errors::DepthMapVolumesError;
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, buffer, check, guarded};

@@ -2,7 +2,8 @@
 
 use bytemuck::Zeroable;
 
-use super::errors::{DepthMapEncodeError, DepthMapTexture, DepthMapVolumesError};
+use super::frame_errors::{DepthMapEncodeError, DepthMapTexture};
+use super::volumes_errors::DepthMapVolumesError;
 use crate::gpu::common::dispatch_limits::WORKGROUP;
 use crate::gpu::common::memory::{any_error, filled, guarded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
