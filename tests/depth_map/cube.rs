@@ -287,7 +287,8 @@ fn plane() -> Result<(), String> {
                 points.iter().map(|point| point.map_or(nothing, |point| device_depth(&eye, point))).collect();
             let format = ShadowFormat { depth, ..Default::default() };
             let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 2).map_err(text)?;
-            let options = DepthMapOptions::default();
+            // Behind the plane nothing of it is in the eye's depth.
+            let options = DepthMapOptions { edges: DepthEdges::EveryCell, ..Default::default() };
             let mut volumes = DepthMapCube::new(&pipelines, side, &cameras, options).map_err(text)?;
             let given = [0, 1, 2, 3, 4, 5].map(|face: usize| Some(&views[face]));
             let stencil = stencil_of(&gpu, &pipelines, (SIDE, &depths), |encoder| {
