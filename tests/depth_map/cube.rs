@@ -317,7 +317,23 @@ fn twins() -> Result<(), String> {
     let eye = crate::stages::camera(DepthDirection::Reversed);
     let (mut shared, mut listed, mut continued) = (0, 0, 0);
     for round in 0..48 {
-        let Cube { cameras, maps, side, .. } = cube(&mut random);
+        let Cube { cameras, mut maps, side, .. } = cube(&mut random);
+        if round % 8 == 7 {
+            // Slopes that would go on in the map that follows in the texture, if it followed.
+            for (face, map) in maps.iter_mut().enumerate() {
+                let is_reversed = cameras[0].depth == DepthDirection::Reversed;
+                let near = (0.02 * (face % 3) as f32 + 0.2 * (face / 3) as f32) + 0.1;
+                let depth = |texel: u32| near + 0.002 * (texel % side) as f32 + 0.02 * (texel / side) as f32;
+                *map =
+                    Some(Map::new(
+                        [side; 2],
+                        is_reversed,
+                        |texel| {
+                            if is_reversed { 1.0 - depth(texel) } else { depth(texel) }
+                        },
+                    ));
+            }
+        }
         let threshold = [-1.0, 0.0, 0.02][round % 3];
         let edges = if threshold < 0.0 { DepthEdges::EveryCell } else { DepthEdges::Differences { threshold } };
         // Marks, in some: two thresholds, and edges that are continued.
