@@ -308,6 +308,16 @@ fn plane() -> Result<(), String> {
     }
 }
 
+/// Slopes that would go on in the map that follows in the texture, if it followed.
+fn slopes(side: u32, depth: DepthDirection) -> [Option<Map>; 6] {
+    let is_reversed = depth == DepthDirection::Reversed;
+    [0, 1, 2, 3, 4, 5].map(|face: u32| {
+        let near = 0.1 + 0.02 * (face % 3) as f32 + 0.2 * (face / 3) as f32;
+        let depth = |texel: u32| near + 0.002 * (texel % side) as f32 + 0.02 * (texel / side) as f32;
+        Some(Map::new([side; 2], is_reversed, |texel| if is_reversed { 1.0 - depth(texel) } else { depth(texel) }))
+    })
+}
+
 fn twins() -> Result<(), String> {
     const SEED: u64 = 1656;
     println!("seed {SEED}");
@@ -319,20 +329,7 @@ fn twins() -> Result<(), String> {
     for round in 0..48 {
         let Cube { cameras, mut maps, side, .. } = cube(&mut random);
         if round % 8 == 7 {
-            // Slopes that would go on in the map that follows in the texture, if it followed.
-            for (face, map) in maps.iter_mut().enumerate() {
-                let is_reversed = cameras[0].depth == DepthDirection::Reversed;
-                let near = (0.02 * (face % 3) as f32 + 0.2 * (face / 3) as f32) + 0.1;
-                let depth = |texel: u32| near + 0.002 * (texel % side) as f32 + 0.02 * (texel / side) as f32;
-                *map =
-                    Some(Map::new(
-                        [side; 2],
-                        is_reversed,
-                        |texel| {
-                            if is_reversed { 1.0 - depth(texel) } else { depth(texel) }
-                        },
-                    ));
-            }
+            maps = slopes(side, cameras[0].depth);
         }
         let threshold = [-1.0, 0.0, 0.02][round % 3];
         let edges = if threshold < 0.0 { DepthEdges::EveryCell } else { DepthEdges::Differences { threshold } };
