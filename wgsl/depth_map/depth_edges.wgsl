@@ -124,7 +124,11 @@ fn mark_strip(strip: u32) {
       }
     }
     let next_below = vec4<u32>(next.own.yzw, next.beyond.y);
-    let split = key_distances(here.own, next_below) > key_distances(next.own, below);
+    let split = vec4<bool>(
+      is_split(vec4<u32>(here.own.x, next.own.x, below.x, next_below.x)),
+      is_split(vec4<u32>(here.own.y, next.own.y, below.y, next_below.y)),
+      is_split(vec4<u32>(here.own.z, next.own.z, below.z, next_below.z)),
+      is_split(vec4<u32>(here.own.w, next.own.w, below.w, next_below.w)));
     let casts = select(vec4<u32>(1u), vec4<u32>(0u), here.own == far);
     bits |= (casts | select(vec4<u32>(0u), vec4<u32>(0x10000u), split)) << vec4<u32>(place);
     column = select(column + 1u, 0u, column + 1u == side.x);
@@ -156,10 +160,6 @@ fn settled(corner: vec2<u32>, open: vec4<u32>, level: u32) -> vec4<u32> {
     left[row] &= left[row] - 1u;
   }
   return marked;
-}
-
-fn key_distances(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
-  return max(a, b) - min(a, b);
 }
 
 @compute @workgroup_size(MARKERS)

@@ -84,8 +84,7 @@ fn object_edges(at: vec2<u32>, before: vec2<u32>, keys: vec2<u32>) -> u32 {
     | select(0u, 4u, !(was_far.y || is_far.y) && differs(left + down, at + down));
 }
 
-// Bits: the edges of the cell at the top, right, bottom and left. `keys` are those of
-// samples (0, 0), (1, 0), (0, 1) and (1, 1).
+// Bits: the edges of the cell at the top, right, bottom and left. `keys` are those of samples (0, 0), (1, 0), (0, 1) and (1, 1).
 fn edge_code(at: vec2<u32>, keys: vec4<u32>) -> u32 {
   let code = edges_on_the_right(keys.xz, keys.yw) | select(0u, 8u, is_marked(keys.x, keys.z));
   if (!OBJECTS) {
@@ -116,8 +115,8 @@ fn sample_of_cell(number: u32) -> vec2<u32> {
   return vec2<u32>(number & 1u, number >> 1u);
 }
 
-// Bits 0 to 3: as `edge_code`. Bits 4 to 11: the edges from each of its samples out of the cell, to the
-// left or right, and up or down.
+// Bits 0 to 3: as `edge_code`. Bits 4 to 11: the edges from each of its samples out of the cell, to the left or right, and up or
+// down.
 fn edges_around(at: vec2<u32>, keys: vec4<u32>) -> u32 {
   var code = 0u;
   // A loop that is not unrolled has one copy of what decides.

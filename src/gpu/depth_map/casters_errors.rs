@@ -91,8 +91,8 @@ pub enum DepthMapCastersError {
     },
     /// Parities of several maps would undo each other.
     #[error(
-        "the light has {casters} maps, whose parities would undo each other in one bit; take `DepthMapPipelines::counting`, or \
-         give each map bits of its own and draw it by `draw_caster`, or merge the maps"
+        "the light has {casters} maps, whose parities would undo each other in one bit; take `DepthMapPipelines::counting` \
+         and `DepthEdges::EveryCell`, or give each map bits of its own and draw it by `draw_caster`, or merge the maps"
     )]
     OneParity {
         /// Maps of the light.

@@ -240,13 +240,13 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: CUBES,
     },
     Mutation {
-        name: "depth maps: marks split cells across the smaller difference",
+        name: "depth maps: marks take splits of other cells",
         changes: &[(
             "wgsl/depth_map/depth_edges.wgsl",
-            "key_distances(here.own, next_below) > key_distances(next.own, below)",
-            "key_distances(here.own, next_below) < key_distances(next.own, below)",
+            "is_split(vec4<u32>(here.own.y, next.own.y, below.y, next_below.y))",
+            "is_split(vec4<u32>(here.own.x, next.own.x, below.x, next_below.x))",
         )],
-        tests: DETECTORS,
+        tests: CUBES,
     },
     Mutation {
         name: "depth maps: far samples are at the far plane",

@@ -213,10 +213,11 @@ pub(crate) struct ShadowArgs {
     pub(crate) save_depth: Option<PathBuf>,
 
     /// With --from-depth or --depth: which edges of a map bound shadows. `automatic`, the default with --from-depth: those where
-    /// depths jump by more than slopes beside them tell; `every` one, the default with --depth; those where device depths differ by more than T, 0 to 1; by more than HIGH, or by more
-    /// than LOW and than beside them; those where distances along the map's view differ by more than T; or, with a file that has
-    /// `objects`, those between objects, which --depth takes with all others but `every`, too. What a map casts must then be
-    /// among the models, at the same place. A threshold that is too large turns shadows round in streaks
+    /// depths jump by more than slopes beside them tell; `every` one, the default with --depth; those where device depths differ
+    /// by more than T, 0 to 1; by more than HIGH, or by more than LOW and than beside them; those where distances along the map's
+    /// view differ by more than T; or, with a file that has `objects`, those between objects, which --depth takes with all others
+    /// but `every`, too. What a map casts must then be among the models, at the same place. A threshold that is too large turns
+    /// shadows round in streaks
     #[arg(
         long,
         value_name = "automatic|every|differences=T|second=LOW,HIGH|world=T|objects",
