@@ -12,7 +12,7 @@ use crate::maps::Map;
 use crate::metric::converted;
 use crate::picture::Picture;
 use crate::textures::{objects, texture};
-use crate::views::{Near, SIDE, Seen, View, worlds};
+use crate::views::{MapOf, Near, SIDE, Seen, View, worlds};
 use crate::worlds::World;
 
 pub(crate) const TESTS: &[Test] = &[
@@ -56,7 +56,7 @@ fn trial(
     Way { options, off, planes, written }: Way,
     tally: &mut Tally,
 ) -> Result<(), String> {
-    let Some(view) = View::lit(random, world, (SIDE, planes)) else { return Ok(()) };
+    let Some(view) = View::lit(random, world, MapOf { planes, ..MapOf::default() }) else { return Ok(()) };
     let [light_depths, eye_depths] = view.depths();
     let is_reversed = view.sun.camera.depth == DepthDirection::Reversed;
     let mut map = Map { size: [SIDE; 2], is_reversed, depths: light_depths };

@@ -82,6 +82,16 @@ fn expected(map: &Map, objects: &[u32], threshold: f32, [spreads, fills]: [bool;
     number | bit(is_split, SPLIT) | bit(first, FIRST_TRIANGLE) | bit(second, SECOND_TRIANGLE)
 }
 
+/// Entries of a map by the strips of their cells, eight across and four down, and by the rows of each strip.
+pub(crate) fn by_strips(size: [u32; 2], mut entries: Vec<u32>) -> Vec<u32> {
+    entries.sort_by_key(|entry| {
+        let number = entry & 0x1fff_ffff;
+        let [x, y] = [number % (size[0] + 1), number / (size[0] + 1)];
+        [y / 4, x / 8, y % 4, x % 8]
+    });
+    entries
+}
+
 fn check(map: &Map, objects: &[u32], threshold: f32, shape: &DepthMapShape) -> Result<usize, String> {
     let found = depth_cells_of_objects(shape, &map.depths, objects);
     // An entry of 0 is no entry: an entry has a bit for a triangle.
@@ -89,6 +99,7 @@ fn check(map: &Map, objects: &[u32], threshold: f32, shape: &DepthMapShape) -> R
         .map(|number| expected(map, objects, threshold, [shape.spread, shape.whole_cells].map(|set| set == 1), number))
         .filter(|&entry| entry != 0)
         .collect();
+    let all = by_strips(map.size, all);
     if found.count as usize != all.len() || found.entries != all[..all.len().min(shape.capacity as usize)] {
         return Err(format!("{:?} with {threshold}: {} cells, {} expected", map.size, found.count, all.len()));
     }

@@ -18,7 +18,7 @@ use wgpu::TextureFormat;
 
 use crate::maps::{Map, further, maps};
 use crate::picture::Picture;
-use crate::stages::{camera, direction};
+use crate::stages::{camera, direction, is_taken};
 use crate::textures::{depth_view, objects, read, texture};
 use crate::views::{SIDE, View, worlds};
 
@@ -191,6 +191,7 @@ fn lists() -> Result<(), String> {
         for size in [[70, 45], [33, 90], [120, 120]] {
             given.extend([false, true].map(|is_reversed| smooth(&mut random, size, is_reversed)));
         }
+        given.retain(|map| is_taken(map, format));
         for map in given {
             let fit = Fit {
                 threshold: [0.0, 0.0005, 0.01, 0.125, 1.0][random.below(5)],

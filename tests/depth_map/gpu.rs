@@ -47,6 +47,9 @@ use rimline_measure::harness;
 
 fn main() {
     let tests = [
+        // The longest first: threads take them in this order.
+        analytic::TESTS,
+        lookup::TESTS,
         stages::TESTS,
         merge::TESTS,
         metric::TESTS,
@@ -54,8 +57,6 @@ fn main() {
         detectors::TESTS,
         parity::TESTS,
         counting::TESTS,
-        analytic::TESTS,
-        lookup::TESTS,
         contours::TESTS,
         extremes::TESTS,
         refusals::TESTS,

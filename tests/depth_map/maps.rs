@@ -89,7 +89,7 @@ fn nearly(random: &mut Random, is_reversed: bool, slopes: u32) -> Map {
     // The step of floats from a quarter to a half.
     let step = 0.5_f32.powi(25);
     let mut depths = Vec::new();
-    for _ in 0..8 * 12 {
+    for _ in 0..9 * 12 {
         let first = (1 << 23) + random.below(1_000_000) as u32;
         let beside = 1_500_000 + random.below(100_000) as u32;
         let second = first + beside;
@@ -99,7 +99,7 @@ fn nearly(random: &mut Random, is_reversed: bool, slopes: u32) -> Map {
         let third = third + noise + random.below(4) as u32 - 1;
         depths.extend([first, second, third, third + beside].map(|steps| steps as f32 * step));
     }
-    Map { size: [32, 12], is_reversed, depths }
+    Map { size: [36, 12], is_reversed, depths }
 }
 
 /// Steep planes, a ridge that fades, and depths with steps of a precision, so that rules are met exactly.

@@ -9,7 +9,7 @@ use rimline::reference::cpu::{
 use rimline::reference::layout::DepthMapShape;
 use rimline_measure::random::Random;
 
-use crate::cells::{cast, exact, rank};
+use crate::cells::{by_strips, cast, exact, rank};
 use crate::maps::{Map, detector, further, maps};
 
 /// An edge: from a texel to the right (0) or down (1).
@@ -111,7 +111,8 @@ fn expected(map: &Map, objects: &[u32], detector: &EdgeDetector, fills: bool) ->
         };
         (drawn != 0).then_some(number | bit(is_split, SPLIT) | drawn)
     };
-    ((0..((width + 1) * (height + 1)) as u32).filter_map(entry).collect(), marks.len() - first)
+    let entries = (0..((width + 1) * (height + 1)) as u32).filter_map(entry).collect();
+    (by_strips(map.size, entries), marks.len() - first)
 }
 
 /// How many edges were continued.

@@ -1,6 +1,8 @@
 //! Units: a scene in metres and in millimetres, and in units that are powers of two apart. Detectors without a threshold list the
 //! same cells, and pictures are the same.
 
+use std::collections::HashSet;
+
 use rimline::ShadowCamera;
 use rimline::gpu::{DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
 use rimline_measure::device::Gpu;
@@ -58,10 +60,8 @@ fn drawn(gpu: &Gpu, view: &View<'_>, edges: DepthEdges, by: f64) -> Result<Drawn
 
 /// Cells that one list has and the other has not.
 fn apart(a: &[u32], b: &[u32]) -> usize {
-    let cells = |list: &[u32]| list[1..].iter().map(|entry| entry & ((1 << 29) - 1)).collect::<Vec<_>>();
-    let (a, b) = (cells(a), cells(b));
-    let of = |one: &[u32], other: &[u32]| one.iter().filter(|&cell| other.binary_search(cell).is_err()).count();
-    of(&a, &b) + of(&b, &a)
+    let cells = |list: &[u32]| list[1..].iter().map(|entry| entry & ((1 << 29) - 1)).collect::<HashSet<_>>();
+    cells(a).symmetric_difference(&cells(b)).count()
 }
 
 fn units() -> Result<(), String> {

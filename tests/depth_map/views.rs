@@ -1,6 +1,6 @@
 //! Views of scenes that are known exactly: what casts, a light with its map, an eye, and what both see along `f64` rays.
 
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
 use rimline::gpu::DepthMetric;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::random::Random;
@@ -51,7 +51,7 @@ impl Sun {
     /// Where a point is in the map: from 0 to 1 to the right and down, and its device depth.
     pub(crate) fn in_map(&self, point: DVec3) -> DVec3 {
         let origin = DVec3::from_array(self.camera.origin.map(f64::from));
-        let matrix = glam::Mat4::from_cols_array_2d(&self.camera.view_projection).as_dmat4();
+        let matrix = Mat4::from_cols_array_2d(&self.camera.view_projection).as_dmat4();
         let clip = matrix * (point - origin).extend(1.0);
         let [x, y, z] = [clip.x, clip.y, clip.z].map(|c| c / clip.w);
         DVec3::new(f64::midpoint(x, 1.0), (1.0 - y) / 2.0, z)
@@ -108,7 +108,7 @@ pub(crate) fn what_is_near(
 ) -> Near {
     let texels = sun.in_map(point).truncate() * f64::from(side);
     let is_lit = sun.is_lit(world, point, normal);
-    let near = (0..121).map(|number| {
+    let at = |number: u32| {
         let offset = (DVec2::new(f64::from(number % 11), f64::from(number / 11)) / 5.0 - 1.0) * within;
         let (from, direction) = rays.at(texels + offset);
         let t = (point - from).dot(normal) / direction.dot(normal);
@@ -124,8 +124,33 @@ pub(crate) fn what_is_near(
             (true, true) if first > t + APART / 3.0 => Near::Fold,
             _ => Near::Nothing,
         }
-    });
-    near.max().unwrap_or(Near::Nothing)
+    };
+    let mut nearest = Near::Nothing;
+    for number in 0..121 {
+        nearest = nearest.max(at(number));
+        // There is nothing more to find.
+        if nearest == Near::Border {
+            break;
+        }
+    }
+    nearest
+}
+
+/// How the map of a light is taken.
+#[derive(Clone, Copy)]
+pub(crate) struct MapOf {
+    /// Texels along the side.
+    pub(crate) side: u32,
+    /// The near and the far plane, if they are others.
+    pub(crate) planes: Option<(f64, Option<f64>)>,
+    /// The angle by which it is turned around the light's direction.
+    pub(crate) turn: f64,
+}
+
+impl Default for MapOf {
+    fn default() -> Self {
+        Self { side: SIDE, planes: None, turn: 0.0 }
+    }
 }
 
 /// A world, a light and an eye, and what both see of it, pixel by pixel.
@@ -143,20 +168,11 @@ pub(crate) struct View<'a> {
 impl<'a> View<'a> {
     /// `None` if the near rectangle is in a body: what is seen there is no surface.
     pub(crate) fn random(random: &mut Random, world: &'a World) -> Option<Self> {
-        Self::lit(random, world, (SIDE, None))
+        Self::lit(random, world, MapOf::default())
     }
 
-    /// The same with a map of `side`² texels.
-    pub(crate) fn of_side(random: &mut Random, world: &'a World, side: u32) -> Option<Self> {
-        Self::lit(random, world, (side, None))
-    }
-
-    /// The same with other distances of the light's near and far plane.
-    pub(crate) fn lit(
-        random: &mut Random,
-        world: &'a World,
-        (side, planes): (u32, Option<(f64, Option<f64>)>),
-    ) -> Option<Self> {
+    /// The same with another map.
+    pub(crate) fn lit(random: &mut Random, world: &'a World, MapOf { side, planes, turn }: MapOf) -> Option<Self> {
         let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
         let towards = DVec3::new(between(-0.7, 0.7), 1.0, between(-0.7, 0.7)).normalize();
         let is_parallel = between(0.0, 1.0) < 0.4;
@@ -165,7 +181,10 @@ impl<'a> View<'a> {
         let (far, half_width) = if is_parallel { (Some(20.0), Some(5.0)) } else { (Some(30.0), None) };
         let (near, far) = planes.map_or((1.0, far), |(near, own)| (near, if is_parallel { own.or(far) } else { own }));
         let sun = Eye { place, forward: -towards, near, is_relative: true, depth, far, half_width };
-        let sun = Sun { at: if is_parallel { towards } else { place }, is_parallel, camera: sun.camera() };
+        let mut camera = sun.camera();
+        let turned = DMat4::from_rotation_z(turn) * Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
+        camera.view_projection = turned.as_mat4().to_cols_array_2d();
+        let sun = Sun { at: if is_parallel { towards } else { place }, is_parallel, camera };
         let place = DVec3::new(between(-5.0, 5.0), between(0.6, 5.0), between(-5.0, 5.0));
         let forward = DVec3::new(between(-1.0, 1.0), between(0.0, 1.5), between(-1.0, 1.0)) - place;
         let near = if between(0.0, 1.0) < 0.3 { 1.0 } else { 0.1 };

@@ -58,7 +58,7 @@ fn contour_distance(cell: vec2<i32>, code: u32, place: vec2<f32>) -> i32 {
   let inward = 1 - 2 * corner;
   var there = own;
   for (var axis = 0u; axis < 2u; axis++) {
-    there += surface_distance(at, step_along(axis) * inward[axis], offset[axis]) - own;
+    there += surface_distance(at, step_along(axis) * inward[axis], offset[axis], 0) - own;
   }
   return clamp(there, 0, RANGE - 1);
 }

@@ -24,6 +24,9 @@ const WINDOW: u32 = 32u;
 // Nodes that a segment is tried to reach beyond the last that it fits.
 const TRIES: u32 = 8u;
 
+// Texels whose slope the nearer surface goes away by at least, up to a wall: a side that is narrower than a texel has no sample.
+const STEEP: i32 = 4;
+
 // A step out of a cell.
 struct Step {
   cell: vec2<i32>,
@@ -45,8 +48,8 @@ var<private> limits: array<vec4<i32>, WINDOW>;
 // The sample that the nearer surface begins at, in parts of a texel, its distance, and its side: 0 for left, 1 for right. 2:
 // none.
 var<private> inners: array<vec4<i32>, WINDOW>;
-// The first sample of an edge, and its axis. 2: the cell of a star.
-var<private> edges: array<vec3<i32>, WINDOW>;
+// The first sample of an edge, and its axis. 2: the cell of a star. w: the distance of the nearer surface, as it goes on.
+var<private> edges: array<vec4<i32>, WINDOW>;
 // The next wall's place in the list, and walls so far.
 var<private> place: u32;
 
@@ -152,7 +155,7 @@ fn add_node(count: u32, kind: u32, step: Step) {
       own[side] = middle_distance(step.cell, code, step.bit + side);
     }
     ends[count] = vec4<i32>(step.cell * TEXEL + TEXEL / 2, select(own, own.yx, kind == ENTERED_STAR));
-    edges[count] = vec3<i32>(step.cell, 2);
+    edges[count] = vec4<i32>(step.cell, 2, 0);
     inners[count] = vec4<i32>(0, 0, 0, 2);
     return;
   }
@@ -162,19 +165,28 @@ fn add_node(count: u32, kind: u32, step: Step) {
   let right = step.cell + turn(step.bit + 1u);
   let along = right - left;
   let of_left = select(TEXEL - i32(found), i32(found), all(left == first));
+  // Walks to both sides take the same sample, of equal ones, too.
+  let distances = vec2<i32>(distance_at(left), distance_at(right));
+  let is_right = distances.y < distances.x || (distances.y == distances.x && all(right == first));
   var own = vec2<i32>();
-  for (var side = 0u; side < 2u; side++) {
-    let is_right = side == 1u;
-    own[side] = surface_distance(
-      select(left, right, is_right), select(along, -along, is_right), select(of_left, TEXEL - of_left, is_right));
+  var goes_on = 0;
+  for (var turn = 0u; turn < opaque(3u); turn++) {
+    // The nearer surface twice: as it goes on, and as steep as it may be.
+    let of_right = select(turn == 1u, is_right, turn == 2u);
+    let found = surface_distance(
+      select(left, right, of_right), select(along, -along, of_right), select(of_left, TEXEL - of_left, of_right),
+      select(0, STEEP, turn == 2u));
+    goes_on = select(goes_on, found, turn < 2u && of_right == is_right);
+    own[u32(of_right)] = found;
   }
+  // It ends before the other one.
+  let nearer = u32(is_right);
+  own[nearer] = min(own[nearer], own[1u - nearer]);
   ends[count] = vec4<i32>(left * TEXEL + along * of_left, own);
   let near = clamp(of_left - contour.sideways, LEAST, TEXEL - LEAST);
   let far = clamp(of_left + contour.sideways, LEAST, TEXEL - LEAST);
   limits[count] = vec4<i32>(left * TEXEL + along * near, left * TEXEL + along * far);
-  edges[count] = vec3<i32>(first, i32(axis));
-  // Walks to both sides take the same sample, of equal ones, too.
-  let is_right = own.y < own.x || (own.y == own.x && all(right == first));
+  edges[count] = vec4<i32>(first, i32(axis), goes_on);
   var sample = select(left, right, is_right);
   // The surface goes on to the sample before.
   let out = select(along, -along, is_right);
@@ -196,21 +208,32 @@ fn is_near(first: i32, own: i32, last: i32, gone: i32, length: i32) -> bool {
     && abs(to_own * length - to_last * gone) <= contour.tolerance * length;
 }
 
+// The distances of the surfaces on the left and right of a node, as they go on.
+fn surfaces_of(node: u32) -> vec2<i32> {
+  var own = ends[node].zw;
+  if (inners[node].w < 2) {
+    own[inners[node].w] = edges[node].w;
+  }
+  return own;
+}
+
 // Whether a segment from the first node of the window to another is near enough to those between them.
 fn fits(last: u32) -> bool {
   let start = ends[0];
   let way = ends[last].xy - start.xy;
   let axis = select(0u, 1u, abs(way.y) > abs(way.x));
   let length = abs(way[axis]);
+  let first_surfaces = surfaces_of(0u);
+  let last_surfaces = surfaces_of(last);
   for (var node = 1u; node < last; node++) {
     let left = limits[node].xy - start.xy;
     let right = limits[node].zw - start.xy;
     let passes = cross_product(left, right) > 0 && cross_product(left, way) >= 0 && cross_product(way, right) >= 0
       && cross_product(left - way, right - way) <= 0;
-    let own = ends[node];
-    let gone = clamp((own[axis] - start[axis]) * sign(way[axis]), 0, length);
-    if (!passes || !is_near(start.z, own.z, ends[last].z, gone, length)
-      || !is_near(start.w, own.w, ends[last].w, gone, length)) {
+    let own = surfaces_of(node);
+    let gone = clamp((ends[node][axis] - start[axis]) * sign(way[axis]), 0, length);
+    if (!passes || !is_near(first_surfaces.x, own.x, last_surfaces.x, gone, length)
+      || !is_near(first_surfaces.y, own.y, last_surfaces.y, gone, length)) {
       return false;
     }
   }
@@ -245,8 +268,8 @@ fn add_walls(last: u32) {
     if (!is_first && moves_b && at_b.y == b.w) {
       break;
     }
-    at_a = select(at_a.yy, vec2<i32>(at_a.y, next_copy(edges[0], at_a.y, a.w)), moves_a);
-    at_b = select(at_b.yy, vec2<i32>(at_b.y, next_copy(edges[last], at_b.y, b.w)), moves_b);
+    at_a = select(at_a.yy, vec2<i32>(at_a.y, next_copy(edges[0].xyz, at_a.y, a.w)), moves_a);
+    at_b = select(at_b.yy, vec2<i32>(at_b.y, next_copy(edges[last].xyz, at_b.y, b.w)), moves_b);
     add_wall(vec3<i32>(a.xy, at_a.x), vec3<i32>(a.xy, at_a.y), vec3<i32>(b.xy, at_b.y), vec3<i32>(b.xy, at_b.x));
   }
   for (var side = 0; side < 2; side++) {

@@ -1,6 +1,5 @@
-// Depth cells: lists the cells of a depth map that have a triangle to draw, in their order. It has three passes: decide about the
-// cells and count those of each block, turn the counts into places, list them. Eight cells that follow each other in a row are
-// one word.
+// Depth cells: lists the cells of a depth map that have a triangle to draw, in the order of cell_words.wgsl. It has three passes: decide about the
+// cells and count those of each block, turn the counts into places, list them.
 
 // The number of cells, then their entries.
 @group(0) @binding(3) var<storage, read_write> cells: array<u32>;
@@ -11,42 +10,80 @@
 const ENTRY_BITS: u32 = 29u;
 
 // As `decided`, for each cell by itself.
-fn decided_by_cells(own: CellsOfWord) -> u32 {
-  var bits = 0u;
-  for (var cell = 0u; cell < own.count; cell++) {
-    bits |= (templates(own.corner + vec2<u32>(cell, 0u)) >> ENTRY_BITS) << (4u * cell);
+fn decided_by_cells(own: CellsOfStrip) -> vec4<u32> {
+  var words = vec4<u32>(0u);
+  for (var row = 0u; row < own.count.y; row++) {
+    for (var cell = 0u; cell < own.count.x; cell++) {
+      words[row] |= (templates(own.corner + vec2<u32>(cell, row)) >> ENTRY_BITS) << (4u * cell);
+    }
   }
-  return bits;
+  return words;
 }
 
-// Decides about the cells of a word. It walks along the samples above and below them.
-fn decided(word: u32) -> u32 {
-  let own = cells_of_word(word);
-  if (SPREADS && depth_map.spread != 0u) {
+// Keys of five samples below each other: the upper four of them, and the lower four.
+struct Column {
+  upper: vec4<u32>,
+  lower: vec4<u32>,
+}
+
+fn column_at(at: vec2<u32>) -> Column {
+  let down = vec2<u32>(0u, 1u);
+  let upper = vec4<u32>(key_at(at), key_at(at + down), key_at(at + 2u * down), key_at(at + 3u * down));
+  return Column(upper, vec4<u32>(upper.yzw, key_at(at + 4u * down)));
+}
+
+// Which edges between samples of the same place are marked.
+fn marked_each(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
+  let marked = vec4<bool>(is_marked(a.x, b.x), is_marked(a.y, b.y), is_marked(a.z, b.z), is_marked(a.w, b.w));
+  return select(vec4<u32>(0u), vec4<u32>(1u), marked);
+}
+
+// As `object_edges`, for the cells of four rows.
+fn object_edges_each(at: vec2<u32>, before: Column, keys: Column) -> vec4<u32> {
+  var edges = vec4<u32>(0u);
+  for (var row = 0u; row < STRIP; row++) {
+    edges[row] = object_edges(
+      at + vec2<u32>(0u, row), vec2<u32>(before.upper[row], before.lower[row]), vec2<u32>(keys.upper[row], keys.lower[row]));
+  }
+  return edges;
+}
+
+// Decides about the cells of a strip. It walks along its rows at once, so that few samples are loaded again.
+fn decided(strip: u32) -> vec4<u32> {
+  let own = cells_of_strip(strip);
+  if (SPREADS) {
     return decided_by_cells(own);
   }
-  let corner = own.corner;
-  let down = vec2<u32>(0u, 1u);
-  var before = vec2<u32>(key_at(corner), key_at(corner + down));
+  let far = Column(vec4<u32>(FAR_KEY), vec4<u32>(FAR_KEY));
+  var before = column_at(own.corner);
   // Four bits a cell: its edges at the top, right and bottom, and of the first cell that at the left.
-  var marked = select(0u, 8u, is_marked(before.x, before.y));
-  var splits = 0u;
+  var marked = marked_each(before.upper, before.lower) << vec4<u32>(3u);
+  var splits = vec4<u32>(0u);
   if (OBJECTS) {
-    marked |= (object_edges(corner, vec2<u32>(FAR_KEY), before) & 2u) << 2u;
+    marked |= (object_edges_each(own.corner, far, before) & vec4<u32>(2u)) << vec4<u32>(2u);
   }
   for (var cell = 0u; cell < WORD_CELLS; cell++) {
-    let at = corner + vec2<u32>(cell + 1u, 0u);
-    let keys = vec2<u32>(key_at(at), key_at(at + down));
-    marked |= edges_on_the_right(before, keys) << (4u * cell);
+    let at = own.corner + vec2<u32>(cell + 1u, 0u);
+    let keys = column_at(at);
+    let top = marked_each(before.upper, keys.upper);
+    let bottom = vec4<u32>(top.yzw, select(0u, 1u, is_marked(before.lower.w, keys.lower.w)));
+    var edges = top | (marked_each(keys.upper, keys.lower) << vec4<u32>(1u)) | (bottom << vec4<u32>(2u));
     if (OBJECTS) {
-      marked |= object_edges(at, before, keys) << (4u * cell);
+      edges |= object_edges_each(at, before, keys);
     }
-    splits |= select(0u, 1u, is_split(vec4<u32>(before.x, keys.x, before.y, keys.y))) << (4u * cell);
+    let split = vec4<bool>(
+      is_split(vec4<u32>(before.upper.x, keys.upper.x, before.lower.x, keys.lower.x)),
+      is_split(vec4<u32>(before.upper.y, keys.upper.y, before.lower.y, keys.lower.y)),
+      is_split(vec4<u32>(before.upper.z, keys.upper.z, before.lower.z, keys.lower.z)),
+      is_split(vec4<u32>(before.upper.w, keys.upper.w, before.lower.w, keys.lower.w)));
+    let shift = vec4<u32>(4u * cell);
+    marked |= edges << shift;
+    splits |= select(vec4<u32>(0u), vec4<u32>(1u), split) << shift;
     before = keys;
   }
-  // The cells that are there.
-  let taken = select(0u, 0xffffffffu >> ((32u - 4u * own.count) & 31u), own.count > 0u);
-  return triangles_of_word(marked, splits) & taken;
+  return taken_of(own, vec4<u32>(
+    triangles_of_word(marked.x, splits.x), triangles_of_word(marked.y, splits.y),
+    triangles_of_word(marked.z, splits.z), triangles_of_word(marked.w, splits.w)));
 }
 
 // As `template_bits`, for all cells of a word.
@@ -61,21 +98,19 @@ fn triangles_of_word(marked: u32, splits: u32) -> u32 {
 }
 
 // Workgroups take blocks in turn, where a dispatch may not have as many.
-@compute @workgroup_size(DECIDERS)
+@compute @workgroup_size(BLOCK_STRIPS)
 fn depth_cells_count(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
   for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
-    var listed = 0u;
-    for (var number = local; number < BLOCK; number += DECIDERS) {
-      listed += write_word(block, number, decided(block * BLOCK + number));
-    }
-    write_total(block, local, listed);
+    let strip = block * BLOCK_STRIPS + local;
+    write_total(block, local, write_strip(strip, decided(strip)));
   }
 }
 
+const BLOCK: u32 = 256u;
 var<workgroup> sums: array<u32, BLOCK>;
 
 // One workgroup. Each invocation takes a run of blocks. The sums of the runs are scanned, and then the runs are filled in.
@@ -114,9 +149,9 @@ fn depth_cells_places(@builtin(local_invocation_index) local: u32) {
   }
 }
 
-// Invocations that list a block. Each takes a run of words.
+// Invocations that list a block. Each takes a run of strips.
 const LISTERS: u32 = 32u;
-const RUN: u32 = BLOCK / LISTERS;
+const RUN: u32 = BLOCK_STRIPS / LISTERS;
 var<workgroup> before: array<u32, LISTERS>;
 
 @compute @workgroup_size(LISTERS)
@@ -126,10 +161,10 @@ fn depth_cells_list(
   @builtin(local_invocation_index) local: u32,
 ) {
   for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
-    let begin = block * BLOCK + local * RUN;
+    let strips = block * BLOCK_STRIPS + local * RUN;
     var own = 0u;
-    for (var word = begin; word < begin + RUN; word++) {
-      own += countOneBits(listed_cells(places[depth_map.blocks + word]));
+    for (var number = 0u; number < RUN; number++) {
+      own += places[places_of_strip(strips + number).x];
     }
     before[local] = own;
     workgroupBarrier();
@@ -143,22 +178,17 @@ fn depth_cells_list(
     }
     workgroupBarrier();
     var place = before[local];
-    let row = row_of_cells();
-    var column = begin % row.x;
-    var first = begin / row.x * row.y + column * WORD_CELLS;
     // An invocation that has nothing to list ends at once.
-    for (var word = select(begin + RUN, begin, own > 0u); word < begin + RUN; word++) {
-      let bits = places[depth_map.blocks + word];
-      for (var left = listed_cells(bits); left != 0u && place < depth_map.capacity; left &= left - 1u) {
-        let shift = firstTrailingBit(left);
-        cells[1u + place] = ((bits >> shift) << ENTRY_BITS) | (first + shift / 4u);
-        place++;
-      }
-      column++;
-      first += WORD_CELLS;
-      if (column == row.x) {
-        column = 0u;
-        first += row.y - row.x * WORD_CELLS;
+    for (var number = select(RUN, 0u, own > 0u); number < RUN; number++) {
+      let at = places_of_strip(strips + number);
+      let strip = cells_of_strip(strips + number);
+      for (var row = select(STRIP, 0u, places[at.x] > 0u); row < STRIP; row++) {
+        let bits = places[at.y + row];
+        for (var left = listed_cells(bits); left != 0u && place < depth_map.capacity; left &= left - 1u) {
+          let shift = firstTrailingBit(left);
+          cells[1u + place] = ((bits >> shift) << ENTRY_BITS) | (strip.number + row * strip.row + shift / 4u);
+          place++;
+        }
       }
     }
     workgroupBarrier();

@@ -9,9 +9,8 @@
 // Whether edges are continued.
 override CONTINUES: bool = true;
 
+const BLOCK: u32 = 256u;
 const WORD_SAMPLES: u32 = 16u;
-// Words below each other that an invocation marks. It walks along all at once, so that few samples are loaded again.
-const STRIP: u32 = 4u;
 const MARKERS: u32 = 64u;
 
 // To the right, or down.
@@ -19,7 +18,8 @@ fn step_of(axis: u32) -> vec2<u32> {
   return select(vec2<u32>(1u, 0u), vec2<u32>(0u, 1u), axis == 1u);
 }
 
-// The place of a strip's first word.
+// An invocation marks four words below each other. It walks along all at once, so that few samples are loaded again. The place
+// of the first.
 fn strip_at(strip: u32) -> vec2<u32> {
   return vec2<u32>(strip % edge_rule.words.x, strip / edge_rule.words.x * STRIP);
 }
@@ -204,35 +204,69 @@ fn apart(bits: u32) -> u32 {
   return (twos & 0x01010101u) | ((twos & 0x02020202u) << 3u);
 }
 
-// As `decided`, from marks. Places count from two samples on the left of the word's first.
-fn decided_by_marks(word: u32) -> u32 {
-  let own = cells_of_word(word);
-  let at = vec2<i32>(own.corner) - vec2<i32>(2, 0);
-  let down = vec2<i32>(0, 1);
-  let upper = marks_from(at);
-  let lower = marks_from(at + down);
-  let samples = samples_from(at);
-  let casts = vec2<u32>(samples.x, samples_from(at + down).x);
-  let split = samples.y;
-  var rings = vec2<u32>(0u);
+// What a row of samples has for the cells beside it, from two samples on the left of the first on.
+struct RowOfSamples {
+  // Edges across and down.
+  marks: vec2<u32>,
+  // Samples at the ends of marked edges.
+  ends: u32,
+}
+
+fn row_of_samples(at: vec2<i32>, before: vec2<u32>, borders: Borders, row: i32) -> RowOfSamples {
+  let marks = marks_from(at + vec2<i32>(0, row));
+  var ends = 0u;
   if (RINGS > 0u) {
-    let borders = borders_from(vec2<i32>(own.in_map) - vec2<i32>(2, 0));
-    let above = marks_from(at - down);
-    let ends = vec2<u32>(ends_of(upper, above.y, borders, 0), ends_of(lower, upper.y, borders, 1));
-    rings = ends;
-    if (RINGS > 1u) {
-      let before = ends_of(above, marks_from(at - 2 * down).y, borders, -1);
-      let after = ends_of(marks_from(at + 2 * down), lower.y, borders, 2);
-      rings |= (ends << vec2<u32>(1u)) | (ends >> vec2<u32>(1u)) | vec2<u32>(before | ends.y, ends.x | after);
-    }
-    rings &= casts;
+    ends = ends_of(marks, before.y, borders, row);
   }
+  return RowOfSamples(marks, ends);
+}
+
+// As `decided`, from marks. It walks down. Places count from two samples on the left of the strip's first.
+fn decided_by_marks(strip: u32) -> vec4<u32> {
+  let own = cells_of_strip(strip);
+  let at = vec2<i32>(own.corner) - vec2<i32>(2, 0);
+  let borders = borders_from(vec2<i32>(own.in_map) - vec2<i32>(2, 0));
+  var words = vec4<u32>(0u);
+  // Of the row of `lower`, those before and after it, and the samples of `lower` that are in a ring.
+  var upper: RowOfSamples;
+  var lower: RowOfSamples;
+  var next: RowOfSamples;
+  if (RINGS > 1u) {
+    lower = row_of_samples(at, marks_from(at - vec2<i32>(0, 2)), borders, -1);
+  } else if (RINGS > 0u) {
+    lower.marks = marks_from(at - vec2<i32>(0, 1));
+  }
+  next = row_of_samples(at, lower.marks, borders, 0);
+  var ring_before = 0u;
+  var split_before = 0u;
+  for (var row = 0u; row <= opaque(STRIP); row++) {
+    upper = lower;
+    lower = next;
+    if (RINGS > 1u || row < STRIP) {
+      next = row_of_samples(at, lower.marks, borders, i32(row) + 1);
+    }
+    let samples = samples_from(at + vec2<i32>(0, i32(row)));
+    var ring = lower.ends;
+    if (RINGS > 1u) {
+      ring |= (ring << 1u) | (ring >> 1u) | upper.ends | next.ends;
+    }
+    ring &= samples.x;
+    if (row > 0u) {
+      words[row - 1u] = word_by_marks(upper.marks, lower.marks, vec2<u32>(ring_before, ring), split_before);
+    }
+    ring_before = ring;
+    split_before = samples.y;
+  }
+  return taken_of(own, words);
+}
+
+// The cells between two rows of samples.
+fn word_by_marks(upper: vec2<u32>, lower: vec2<u32>, rings: vec2<u32>, split: u32) -> u32 {
   let diagonal = select_bits(rings.x | (rings.y >> 1u), rings.y | (rings.x >> 1u), split);
   let first = upper.x | diagonal | select_bits((upper.y | rings.x) >> 1u, upper.y | rings.x, split);
   let second = lower.x | diagonal | select_bits(upper.y | rings.y, (upper.y | rings.y) >> 1u, split);
-  let taken = ((1u << own.count) - 1u) << 2u;
-  return apart((split & taken) >> 2u) | (apart((either(first, second) & taken) >> 2u) << 1u)
-    | (apart((either(second, first) & taken) >> 2u) << 2u);
+  let own = vec3<u32>(split, either(first, second), either(second, first)) >> vec3<u32>(2u);
+  return apart(own.x & 255u) | (apart(own.y & 255u) << 1u) | (apart(own.z & 255u) << 2u);
 }
 
 fn select_bits(otherwise: u32, taken: u32, bits: u32) -> u32 {
@@ -240,17 +274,14 @@ fn select_bits(otherwise: u32, taken: u32, bits: u32) -> u32 {
 }
 
 // As `depth_cells_count`.
-@compute @workgroup_size(DECIDERS)
+@compute @workgroup_size(BLOCK_STRIPS)
 fn depth_edges_count(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
   for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
-    var listed = 0u;
-    for (var number = local; number < BLOCK; number += DECIDERS) {
-      listed += write_word(block, number, decided_by_marks(block * BLOCK + number));
-    }
-    write_total(block, local, listed);
+    let strip = block * BLOCK_STRIPS + local;
+    write_total(block, local, write_strip(strip, decided_by_marks(strip)));
   }
 }

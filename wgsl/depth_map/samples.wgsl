@@ -61,3 +61,8 @@ fn key_at(at: vec2<u32>) -> u32 {
   let key = sample_key(bitcast<u32>(textureLoad(depth_texture, vec2<i32>(texel), 0).x));
   return select(key, FAR_KEY, !is_cube && any(inside != at));
 }
+
+// Bounds of loops, which a compiler does not know, so that it leaves them as they are.
+fn opaque(turns: u32) -> u32 {
+  return min(turns, turns + depth_map.cells);
+}

@@ -7,11 +7,6 @@ const WIDE: u32 = 14u;
 const TERMS: u32 = 6u;
 const MINUS: u32 = 0x80000000u;
 
-// Bounds of loops, which a compiler does not know, so that it leaves them as they are.
-fn opaque(turns: u32) -> u32 {
-  return min(turns, turns + depth_map.cells);
-}
-
 // The mantissa of a float that is 0 or normal, and how many places it is moved up, in units of 2⁻¹⁴⁹.
 fn mantissa_and_places(bits: u32) -> vec2<u32> {
   let exponent = (bits >> 23u) & 0xffu;

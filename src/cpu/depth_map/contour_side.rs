@@ -53,6 +53,6 @@ pub fn contour_distance(map: &Map<'_>, marks: &[u32], places: &[u32], cell: [i32
         return FAR;
     }
     let offset = (place - IVec2::from_array(corner).as_vec2()).abs() * TEXEL as f32;
-    let there = |step: [i32; 2], offset: f32| surface(map, marks, at, step, offset as i32) - own;
+    let there = |step: [i32; 2], offset: f32| surface(map, marks, (at, step), offset as i32, 0) - own;
     (own + there(along[0], offset.x) + there(along[1], offset.y)).clamp(0, RANGE - 1)
 }

@@ -10,6 +10,8 @@ use super::contour_tiles::contour_tiles;
 const WINDOW: usize = 32;
 /// Nodes that a segment is tried to reach beyond the last that it fits.
 const TRIES: usize = 8;
+/// Texels whose slope the nearer surface goes away by at least, up to a wall.
+const STEEP: i32 = 4;
 
 /// A vertex: its place on the lattice in parts of 256 of a texel, and its distance from the near plane.
 pub type WallVertex = [i32; 3];
@@ -41,6 +43,8 @@ struct Node {
     at: [i32; 2],
     /// The distances of the surfaces on the left and right.
     copies: [i32; 2],
+    /// The same, as the surfaces go on.
+    surfaces: [i32; 2],
     /// The nearer side, and the sample that it begins at. `None`: the node itself.
     inner: Option<(usize, WallVertex)>,
     /// The edge, with what a segment may not pass on the left and on the right. `None`: the middle of a star.
@@ -101,8 +105,8 @@ impl Tracer<'_> {
         (self.code(cell) & !(1 << entered)).trailing_zeros() as usize % 4
     }
 
-    fn surface(&self, at: [i32; 2], step: [i32; 2], place: i32) -> i32 {
-        surface(self.map, self.marks, at, step, place)
+    fn surface(&self, from: ([i32; 2], [i32; 2]), place: i32, texels: i32) -> i32 {
+        surface(self.map, self.marks, from, place, texels)
     }
 
     /// The node on the edge that a step goes over.
@@ -115,7 +119,19 @@ impl Tracer<'_> {
         let step = less(right, left);
         let of_left = if left == edge.at { place } else { TEXEL - place };
         let back = step.map(|step| -step);
-        let depths = [self.surface(left, step, of_left), self.surface(right, back, TEXEL - of_left)];
+        // Walks to both sides take the same sample, of equal ones, too.
+        let [own_left, own_right] = [left, right].map(|sample| self.map.distance(sample));
+        let is_right = own_right < own_left || own_right == own_left && right == edge.at;
+        let side = usize::from(is_right);
+        let beside = |texels| {
+            [((left, step), of_left), ((right, back), TEXEL - of_left)]
+                .map(|(from, place)| self.surface(from, place, texels))
+        };
+        let surfaces = beside(0);
+        let mut depths = surfaces;
+        depths[side] = beside(STEEP)[side];
+        // The nearer surface ends before the other one.
+        depths[side] = depths[0].min(depths[1]);
         let sideways = self.map.shape.sideways;
         let limit = |place: i32| {
             let mut limit = left.map(|at| at * TEXEL);
@@ -125,8 +141,6 @@ impl Tracer<'_> {
             limit
         };
         let limits = [limit(of_left - sideways), limit(of_left + sideways)];
-        // Walks to both sides take the same sample, of equal ones, too.
-        let side = usize::from(depths[1] < depths[0] || depths[1] == depths[0] && right == edge.at);
         let out = [step, back][side];
         let sample = [left, right][side];
         // The surface goes on to the sample before.
@@ -135,7 +149,7 @@ impl Tracer<'_> {
         let sample = if is_marked(self.map, self.marks, between) { sample } else { before };
         let [x, y] = sample.map(|at| at * TEXEL);
         let inner = Some((side, [x, y, self.map.moved(sample)]));
-        Node { at: point, copies: depths, inner, edge: Some((edge, limits)), star: None }
+        Node { at: point, copies: depths, surfaces, inner, edge: Some((edge, limits)), star: None }
     }
 
     /// The distance in the middle of a star, of the surface that has a corner of the cell: the mean of those of its samples.
@@ -162,7 +176,7 @@ impl Tracer<'_> {
         let [x, y] = cell.map(|at| at * TEXEL + TEXEL / 2);
         let [left, right] = [bit, bit + 1].map(|corner| self.middle(cell, corner));
         let copies = if is_entered { [right, left] } else { [left, right] };
-        Node { at: [x, y], copies, inner: None, edge: None, star: Some(cell) }
+        Node { at: [x, y], copies, surfaces: copies, inner: None, edge: None, star: Some(cell) }
     }
 
     /// Walks to the end.
@@ -259,7 +273,7 @@ impl Tracer<'_> {
                 && cross(way, right) >= 0
                 && cross(less(left, way), less(right, way)) <= 0;
             let gone = ((node.at[axis] - from[axis]) * way[axis].signum()).clamp(0, length);
-            passes && (0..2).all(|side| self.is_near([first, node, last].map(|node| node.copies[side]), gone, length))
+            passes && (0..2).all(|side| self.is_near([first, node, last].map(|node| node.surfaces[side]), gone, length))
         })
     }
 

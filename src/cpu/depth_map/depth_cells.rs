@@ -9,7 +9,7 @@ use crate::layout::DepthMapShape;
 pub struct CellList {
     /// Cells that have a triangle to draw, whether the list has room for them or not.
     pub count: u32,
-    /// Their entries, in their order, as far as there is room.
+    /// Their entries, strip by strip, as far as there is room.
     pub entries: Vec<u32>,
     /// The indirect draw.
     pub draw: [u32; 4],
@@ -26,9 +26,23 @@ pub fn depth_cells_of_objects(shape: &DepthMapShape, depths: &[f32], objects: &[
     list_cells(shape, |number| Cell::of(&samples, number))
 }
 
+/// The numbers of all cells: map by map strips of eight cells across and four down, row by row, and the rows of each strip.
+fn in_strips(shape: &DepthMapShape) -> impl Iterator<Item = u32> {
+    let faces = shape.faces;
+    let [across, down] = shape.size.map(|side| if faces > 1 { side - 1 } else { side + 1 });
+    let corners = (0..faces).flat_map(move |face| {
+        let row = move |y| (0..across).step_by(8).map(move |x| (face, x, y));
+        (0..down).step_by(4).flat_map(row)
+    });
+    corners.flat_map(move |(face, x, y)| {
+        let number = move |row| (x..across.min(x + 8)).map(move |column| (face * down + row) * across + column);
+        (y..down.min(y + 4)).flat_map(number)
+    })
+}
+
 /// Lists cells that are decided so.
 pub(super) fn list_cells(shape: &DepthMapShape, cell: impl Fn(u32) -> Cell) -> CellList {
-    let cells = (0..shape.cells).map(|number| (number, cell(number)));
+    let cells = in_strips(shape).map(|number| (number, cell(number)));
     let drawn = cells.filter(|(_, cell)| cell.is_drawn() != [false; 2]);
     let mut entries: Vec<_> = drawn.map(|(number, cell)| cell.entry(number)).collect();
     let count = entries.len() as u32;

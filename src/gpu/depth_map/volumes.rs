@@ -15,7 +15,7 @@ use super::texture::{check_objects, check_texture, object_texture};
 use super::view::{Placing, depth_map_view};
 use super::volumes_errors::DepthMapVolumesError;
 use crate::ShadowCamera;
-use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
+use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, buffer, check, guarded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::requirements::{Subject, check_timer};
@@ -27,8 +27,10 @@ use crate::stages::{DEPTH_CELLS, DEPTH_NEAR, DEPTH_NEAR_WALLS};
 /// The largest number of cells: entries have as many bits for it.
 pub(super) const MOST_CELLS: u64 = 1 << 29;
 
-/// Cells of a row that one word tells about.
-const WORD_CELLS: u64 = 8;
+/// Cells of a strip across and down. Each of its rows has a word.
+const STRIP: [u64; 2] = [8, 4];
+/// Strips of a block.
+const BLOCK: u64 = 64;
 
 /// Shadow volumes of what has no mesh: of anything that a light sees, from the depth map of the light. It
 /// finds the edges of the map, and draws the boundary between light and shadow into one bit of the caller's stencil. It reads
@@ -151,10 +153,9 @@ impl DepthMapVolumes {
         let limits = DispatchLimits::new(&shared.device().limits());
         let cells = count as u32;
         let fitting = (limits.binding / 4 - 1).min(u64::from(u32::MAX)) as u32;
-        // The words of cells that follow each other in a row.
         let [across, down] = size.map(cells_of);
-        let words = across.div_ceil(WORD_CELLS) * down * u64::from(faces);
-        let blocks = words.div_ceil(u64::from(WORKGROUP)) as u32;
+        let strips = across.div_ceil(STRIP[0]) * down.div_ceil(STRIP[1]) * u64::from(faces);
+        let blocks = strips.div_ceil(BLOCK) as u32;
         let detector = Detector::new(&options, faces, size);
         let shape = DepthMapShape {
             size,
@@ -176,7 +177,7 @@ impl DepthMapVolumes {
         let allocations = [
             Allocation {
                 label: "places of depth cells",
-                bytes: 4 * (u64::from(blocks) * u64::from(1 + WORKGROUP)).max(1),
+                bytes: 4 * (u64::from(blocks) * (1 + BLOCK * (1 + STRIP[1]))).max(1),
             },
             Allocation { label: "depth cells", bytes: 4 + 4 * u64::from(listed) },
             Allocation { label: "draws of depth cells", bytes: 16 },
@@ -306,9 +307,10 @@ impl DepthMapVolumes {
         self.contours.as_ref().map_or(self.shape.capacity, |own| own.shape.capacity)
     }
 
-    /// The listed cells, on the GPU: their number, then an entry for each, in their order. An entry has the number of its cell
-    /// in 29 bits. Bit 29 tells that the cell is split from its sample (1, 0) to (0, 1), and bits 30 and 31 which of its two
-    /// triangles are drawn. With a number larger than [`Self::capacity`] the entries are not complete, and every cell is drawn.
+    /// The listed cells, on the GPU: their number, then an entry for each. Strips of eight cells across and four down follow each
+    /// other, and so do the rows of a strip. An entry has the number of its cell in 29 bits. Bit 29 tells that the cell is split
+    /// from its sample (1, 0) to (0, 1), and bits 30 and 31 which of its two triangles are drawn. With a number larger than
+    /// [`Self::capacity`] the entries are not complete, and every cell is drawn.
     ///
     /// With [`DepthMapReconstruction::Contours`](crate::gpu::DepthMapReconstruction::Contours), the quadrilaterals: their number,
     /// three times 0, then twelve words for each. They are four vertices of three words: its place across and down the lattice,

@@ -74,13 +74,13 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         changes: &[
             (
                 "wgsl/depth_map/contour_walls.wgsl",
-                "own.y < own.x || (own.y == own.x && all(right == first))",
-                "own.y < own.x",
+                "distances.y < distances.x || (distances.y == distances.x && all(right == first))",
+                "distances.y < distances.x",
             ),
             (
                 "src/cpu/depth_map/contour_walls.rs",
-                "depths[1] < depths[0] || depths[1] == depths[0] && right == edge.at",
-                "depths[1] < depths[0]",
+                "own_right < own_left || own_right == own_left && right == edge.at",
+                "own_right < own_left",
             ),
         ],
         tests: WALLS,
@@ -166,14 +166,38 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: WALLS,
     },
     Mutation {
+        name: "contours: sides that are narrower than a texel are in the surface's own shadow",
+        changes: &[
+            ("wgsl/depth_map/contour_walls.wgsl", "const STEEP: i32 = 4;", "const STEEP: i32 = 0;"),
+            ("src/cpu/depth_map/contour_walls.rs", "const STEEP: i32 = 4;", "const STEEP: i32 = 0;"),
+        ],
+        tests: &["--test depth_map_gpu volumes_have_no_acne"],
+    },
+    Mutation {
+        name: "contours: a nearer surface goes on behind the other one",
+        changes: &[
+            (
+                "wgsl/depth_map/contour_walls.wgsl",
+                "own[nearer] = min(own[nearer], own[1u - nearer]);",
+                "own[nearer] = min(own[nearer], own[nearer]);",
+            ),
+            (
+                "src/cpu/depth_map/contour_walls.rs",
+                "depths[side] = depths[0].min(depths[1]);",
+                "depths[side] = depths[side].min(depths[side]);",
+            ),
+        ],
+        tests: &["--test depth_map_gpu volumes_have_no_acne"],
+    },
+    Mutation {
         name: "contours: surfaces end at their last sample",
         changes: &[
             (
                 "wgsl/depth_map/contour_rim.wgsl",
-                "clamp(moved_distance(at) + way_on(at, step, place), 0,",
-                "clamp(moved_distance(at) + 0 * way_on(at, step, place), 0,",
+                "max(way_on(at, step, place), texels * slope)",
+                "max(0 * way_on(at, step, place), 0 * slope)",
             ),
-            ("src/cpu/depth_map/contour_rim.rs", "(map.moved(at) + way)", "(map.moved(at) + 0 * way)"),
+            ("src/cpu/depth_map/contour_rim.rs", "way.max(texels * slope)", "(0 * way).max(0 * texels * slope)"),
         ],
         tests: PICTURES,
     },

@@ -143,8 +143,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "depth maps: edges of objects are not marked at the left of a cell",
         changes: &[(
             "wgsl/depth_map/depth_cells.wgsl",
-            "vec2<u32>(FAR_KEY), before) & 2u)",
-            "vec2<u32>(FAR_KEY), before) & 0u)",
+            "(own.corner, far, before) & vec4<u32>(2u))",
+            "(own.corner, far, before) & vec4<u32>(0u))",
         )],
         tests: OBJECTS,
     },
@@ -238,6 +238,14 @@ pub(super) const MUTATIONS: &[Mutation] = &[
             "far, rows > vec4<u32>(side.y)",
         )],
         tests: CUBES,
+    },
+    Mutation {
+        name: "depth maps: strips at the bottom that are not whole are left out",
+        changes: &[
+            ("wgsl/depth_map/cell_words.wgsl", "in_map.y < cells.y;", "in_map.y + 3u < cells.y;"),
+            ("src/cpu/depth_map/depth_cells.rs", "(0..down).step_by(4)", "(0..down / 4 * 4).step_by(4)"),
+        ],
+        tests: LISTS,
     },
     Mutation {
         name: "depth maps: marks take splits of other cells",
