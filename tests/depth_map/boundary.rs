@@ -25,6 +25,18 @@ pub(crate) struct Boundary {
     light: DVec4,
 }
 
+impl Triangle {
+    fn is_crossed(&self, from: DVec4, to: DVec4) -> bool {
+        let [a, b, c] = self.corners;
+        if (self.plane.dot(from) > 0.0) == (self.plane.dot(to) > 0.0) {
+            return false;
+        }
+        let side = |p, q| determinant(from, to, p, q) > 0.0;
+        let first = side(a, b);
+        side(b, c) == first && side(c, a) == first
+    }
+}
+
 fn determinant(a: DVec4, b: DVec4, c: DVec4, d: DVec4) -> f64 {
     DMat4::from_cols(a, b, c, d).determinant()
 }
@@ -195,19 +207,12 @@ impl Boundary {
     }
 
     fn crossed(&self, from: DVec4, to: DVec4) -> impl Iterator<Item = &Triangle> {
-        let crosses = move |triangle: &&Triangle| {
-            let [a, b, c] = triangle.corners;
-            if (triangle.plane.dot(from) > 0.0) == (triangle.plane.dot(to) > 0.0) {
-                return false;
-            }
-            let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| determinant(from, to, p, q) > 0.0);
-            sides == [sides[0]; 3]
-        };
-        self.triangles.iter().filter(crosses)
+        self.triangles.iter().filter(move |triangle| triangle.is_crossed(from, to))
     }
 
     fn is_odd(&self, from: DVec4, to: DVec4, drawn_only: bool) -> bool {
-        self.crossed(from, to).filter(|triangle| triangle.is_drawn || !drawn_only).count() % 2 == 1
+        let taken = self.triangles.iter().filter(|triangle| triangle.is_drawn || !drawn_only);
+        taken.filter(|triangle| triangle.is_crossed(from, to)).count() % 2 == 1
     }
 
     /// The triangles that a segment crosses, drawn or not.
