@@ -58,17 +58,19 @@ fn way_on(at: vec2<i32>, step: vec2<i32>, place: i32) -> i32 {
   return parts(parts(parts(min(last, RANGE / 8), place), growth), growth);
 }
 
-// The distance of the surface of a sample at a place beside it, in parts of a texel in the direction of a step. It is away from
-// the light, by so many texels' slope at least.
+// The distance of the surface of a sample at a place beside it, in parts of a texel in the direction of a step. With `texels`: away
+// from the light by the slope of so many texels at least.
 fn surface_distance(at: vec2<i32>, step: vec2<i32>, place: i32, texels: i32) -> i32 {
   let own = distance_at(at);
   if (own == FAR) {
     return FAR;
   }
-  var slope = 0;
-  // Without a threshold it may be a jump.
-  if (contour.threshold < RANGE && !is_marked_before(at, step)) {
-    slope = clamp(own - distance_at(at - step), 0, RANGE / 8);
+  var way = way_on(at, step, place);
+  if (texels > 0) {
+    // Without a threshold it may be a jump.
+    let is_slope = contour.threshold < RANGE && !is_marked_before(at, step);
+    let slope = select(0, clamp(own - distance_at(at - step), 0, RANGE / 8), is_slope);
+    way = max(way, texels * slope);
   }
-  return clamp(moved_distance(at) + max(way_on(at, step, place), texels * slope), 0, own + (RANGE - own) / 2);
+  return clamp(moved_distance(at) + way, 0, own + (RANGE - own) / 2);
 }

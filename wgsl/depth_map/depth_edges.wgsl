@@ -227,7 +227,7 @@ fn decided_by_marks(strip: u32) -> vec4<u32> {
   let at = vec2<i32>(own.corner) - vec2<i32>(2, 0);
   let borders = borders_from(vec2<i32>(own.in_map) - vec2<i32>(2, 0));
   var words = vec4<u32>(0u);
-  // Of the row of `lower`, those before and after it, and the samples of `lower` that are in a ring.
+  // Of a row, and of those before and after it.
   var upper: RowOfSamples;
   var lower: RowOfSamples;
   var next: RowOfSamples;

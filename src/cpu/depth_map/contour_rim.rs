@@ -38,7 +38,8 @@ pub(crate) fn rim_beyond(map: &Map<'_>, marks: &[u32], last: [i32; 2], step: [i3
 
 /// The distance of the surface of a sample at a place beside it, in parts of a texel in the direction of a step. It goes on as
 /// between the last samples. Where it bends away from the light, as towards a rim, it goes on bending: the slope grows twice as
-/// it did last, to four times at most. It is away from the light, by so many texels' slope at least.
+/// it did last, to four times at most. With `texels`: away from the light by the slope of so many
+/// texels at least.
 pub(crate) fn surface(map: &Map<'_>, marks: &[u32], (at, step): ([i32; 2], [i32; 2]), place: i32, texels: i32) -> i32 {
     let own = map.distance(at);
     if own == FAR {
@@ -66,5 +67,6 @@ pub(crate) fn surface(map: &Map<'_>, marks: &[u32], (at, step): ([i32; 2], [i32;
     // Without a threshold it may be a jump.
     let is_slope = is_joined(at) && map.shape.threshold < RANGE;
     let slope = if is_slope { (own - map.distance(first)).clamp(0, RANGE / 8) } else { 0 };
-    (map.moved(at) + way.max(texels * slope)).clamp(0, own + (RANGE - own) / 2)
+    let way = if texels > 0 { way.max(texels * slope) } else { way };
+    (map.moved(at) + way).clamp(0, own + (RANGE - own) / 2)
 }

@@ -194,10 +194,14 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         changes: &[
             (
                 "wgsl/depth_map/contour_rim.wgsl",
-                "max(way_on(at, step, place), texels * slope)",
-                "max(0 * way_on(at, step, place), 0 * slope)",
+                "  var way = way_on(at, step, place);",
+                "  var way = 0 * way_on(at, step, place);",
             ),
-            ("src/cpu/depth_map/contour_rim.rs", "way.max(texels * slope)", "(0 * way).max(0 * texels * slope)"),
+            (
+                "src/cpu/depth_map/contour_rim.rs",
+                "let way = if texels > 0 { way",
+                "let way = 0 * way;\n    let way = if texels > 0 { way",
+            ),
         ],
         tests: PICTURES,
     },
