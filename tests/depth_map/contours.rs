@@ -24,6 +24,7 @@ use crate::views::{SIDE, View, worlds};
 
 pub(crate) const TESTS: &[Test] = &[
     ("lists_of_walls_equal_their_twin", lists),
+    ("steep_surfaces_end_before_those_behind", before_those_behind),
     ("walls_are_closed_and_cross_marked_edges_once", closed),
     ("walls_that_overflow_are_those_of_every_cell", overflow),
     ("walls_of_smooth_bodies_are_few", few),
@@ -224,6 +225,30 @@ fn lists() -> Result<(), String> {
     }
     println!("{all} walls; {unnoticed} maps have the same if all is moved");
     if all > 50_000 && unnoticed < 20 { Ok(()) } else { Err("too few".to_owned()) }
+}
+
+/// A slope that ends three and a half of its steps before a plane. It goes on more steeply, but not behind the plane.
+fn before_those_behind() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let unit = |depth: f64| (depth * 536_870_912.0) as i32;
+    let map = Map::new([18, 40], false, |texel| match texel % 18 {
+        x @ ..9 => 0.25 + 0.01 * x as f32,
+        _ => 0.365,
+    });
+    let fit = Fit { threshold: 0.005, sideways: 0.25, depth: 0.01, slope_bias: 0.0 };
+    let mut volumes = DepthMapVolumes::new(&pipelines, map.size, fit.options()).map_err(text)?;
+    Given::new(&gpu, &map, TextureFormat::R32Float)?.encode(&gpu, &mut volumes, None)?;
+    let (_, walls) = listed(&volumes, &gpu)?;
+    // Between the slope and the plane, away from the border of the map.
+    let inner =
+        |vertex: &[i32; 3]| (9 * 256..=10 * 256).contains(&vertex[0]) && (10 * 256..30 * 256).contains(&vertex[1]);
+    let depths: Vec<_> = walls.concat().iter().filter(|vertex| inner(vertex)).map(|vertex| vertex[2]).collect();
+    let (least, most) = (depths.iter().min(), depths.iter().max());
+    // Four slopes are more than the jump, which would end at 0.37.
+    let is_right = |depth: Option<&i32>| depth.is_some_and(|&depth| (unit(0.364)..unit(0.366)).contains(&depth));
+    let is_slope = |depth: Option<&i32>| depth.is_some_and(|&depth| depth >= unit(0.329));
+    if is_right(most) && is_slope(least) { Ok(()) } else { Err(format!("{depths:?}")) }
 }
 
 /// The distance of a sample from the near plane, `None` where it casts nothing. A text of its own.

@@ -187,7 +187,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
                 "depths[side] = depths[side].min(depths[side]);",
             ),
         ],
-        tests: &["--test depth_map_gpu volumes_have_no_acne"],
+        tests: &["--test depth_map_gpu steep_surfaces"],
     },
     Mutation {
         name: "contours: surfaces end at their last sample",
