@@ -115,12 +115,13 @@ pub enum DepthMapReconstruction {
     /// beside one that is more than half as large. No wall is drawn on a slope, so surfaces have no specks of their own
     /// shadow.
     ///
-    /// In the trials it was wrong at 0.30 to 0.40 times as many pixels as triangles, and at 0.44 to 0.62 times as many as a lookup in
-    /// the same map with a bias; on what is behind the caster at 0.32 to 0.45 times. But farther than a texel from borders it
-    /// was wrong at 31 to 100 pixels in a million (docs/measured.md), where triangles were at none: at rims whose last facets
-    /// are narrower than a texel. Round rims are found to a fortieth of a texel. A straight border along the rows or columns of
-    /// a map is found no better than a lookup does: turn a light's camera so that few are. Keep a `slope_bias` of 1. Finding
-    /// contours takes about ten times as long as finding cells on a software device.
+    /// In the trials it was wrong at 0.30 to 0.40 times as many pixels as triangles, and at 0.44 to 0.62 times as many as a
+    /// lookup in the same map with a bias; on what is behind the caster at 0.32 to 0.45 times. But farther than a texel from
+    /// borders it was wrong at 31 to 100 pixels in a million (docs/measured.md), where triangles were at none: at rims whose
+    /// last facets are narrower than a texel. Round rims are found to a fortieth of a texel. A straight border along the rows
+    /// or columns of a map is found no better than a lookup does: turn a light's camera so that few are. Keep a `slope_bias`
+    /// of 1. A near rectangle right behind a rim, within two texels of it, may be told wrongly (NUMERICS.md, "Near caps").
+    /// Finding contours takes about ten times as long as finding cells on a software device.
     ///
     /// Maps of a cube, more than one bit, and edges that are continued take triangles.
     Contours {
