@@ -80,13 +80,14 @@ pub mod depth_map {
     }
 
     /// The samples that matter to the near rectangle of an eye with a depth format, if they decide about it. `lights` are the
-    /// cameras of one map of `size` texels, or of six.
+    /// cameras of one map of `size` texels, or of six. `has_walls`: the map's contours have walls.
     pub fn near_box(
         lights: &[ShadowCamera],
         size: [u32; 2],
         eye: (&ShadowCamera, wgpu::TextureFormat),
+        has_walls: bool,
     ) -> Option<DepthNearBox> {
-        match near_reach(lights, size, eye) {
+        match near_reach(lights, size, eye, has_walls) {
             NearReach::Samples(near) => Some(near),
             NearReach::Lit | NearReach::Unknown => None,
         }
@@ -150,6 +151,7 @@ pub mod cpu {
     pub use crate::cpu::common::filter::{RELATIVE, UNDERFLOW};
     pub use crate::cpu::common::positions::is_finite;
     pub use crate::cpu::depth_map::contour::{Edge, FAR, Map as ContourMap};
+    pub use crate::cpu::depth_map::contour_flaps::flaps_change;
     pub use crate::cpu::depth_map::contour_marks::contour_marks;
     pub use crate::cpu::depth_map::contour_places::contour_places;
     pub use crate::cpu::depth_map::contour_side::{contour_distance, contour_side};

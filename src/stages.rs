@@ -691,6 +691,7 @@ pub const DEPTH_WALLS: Stage = Stage {
         "depth_map/contour_marked",
         "depth_map/contour_rim",
         "depth_map/contour_side",
+        "depth_map/contour_flaps",
         "depth_map/depth_walls"
     ],
     entry_points: &["depth_walls"],

@@ -32,7 +32,7 @@ pub(crate) const TESTS: &[Test] = &[
 ];
 
 /// The unit of distances.
-const UNIT: f64 = 536_870_912.0;
+pub(crate) const UNIT: f64 = 536_870_912.0;
 
 /// How contours are found, as the options say it.
 #[derive(Clone, Copy, Debug)]
@@ -125,10 +125,10 @@ fn smooth(random: &mut Random, size: [u32; 2], is_reversed: bool) -> Map {
 }
 
 /// A wall: four vertices of a place and a distance.
-type Quad = [[i32; 3]; 4];
+pub(crate) type Quad = [[i32; 3]; 4];
 
 /// The walls that the GPU lists, and their number.
-fn listed(volumes: &DepthMapVolumes, gpu: &Gpu) -> Result<(u32, Vec<Quad>), String> {
+pub(crate) fn listed(volumes: &DepthMapVolumes, gpu: &Gpu) -> Result<(u32, Vec<Quad>), String> {
     let head: Vec<u32> = gpu.read(volumes.cells(), 4)?;
     same("words before the list", &head[1..], &[0; 3])?;
     let room = (volumes.cells().size() / 4 - 4) / 12;
@@ -252,7 +252,7 @@ fn before_those_behind() -> Result<(), String> {
 }
 
 /// The distance of a sample from the near plane, `None` where it casts nothing. A text of its own.
-fn distance(map: &Map, [x, y]: [i32; 2]) -> Option<i64> {
+pub(crate) fn distance(map: &Map, [x, y]: [i32; 2]) -> Option<i64> {
     let inside = x > 0 && y > 0 && x as u32 <= map.size[0] && y as u32 <= map.size[1];
     let depth = inside.then(|| f64::from(map.depths[((y - 1) as u32 * map.size[0] + (x - 1) as u32) as usize]))?;
     let is_far = depth.is_nan() || if map.is_reversed { depth < f64::from(f32::MIN_POSITIVE) } else { depth >= 1.0 };

@@ -14,6 +14,7 @@ mod distances;
 mod exact;
 mod extremes;
 mod eye_formats;
+mod flaps;
 mod hostile;
 mod large_picture;
 mod lookup;
@@ -23,6 +24,7 @@ mod mesh_depth;
 mod metric;
 mod missed;
 mod near;
+mod near_contours;
 mod near_places;
 mod near_rectangles;
 mod parity;
@@ -72,6 +74,8 @@ fn main() {
         wall_vertices::TESTS,
         eye_formats::TESTS,
         missed::TESTS,
+        near_contours::TESTS,
+        flaps::TESTS,
         near_rectangles::TESTS,
         units::TESTS,
         hostile::TESTS,

@@ -134,7 +134,7 @@ fn of_maps() -> Result<(), String> {
                 same("without the switch", &[cap], &[DepthMapNearCap::Drawn])?;
                 continue;
             }
-            let near = near_box(&[camera], map.size, (&eye, pipelines.format().depth_stencil));
+            let near = near_box(&[camera], map.size, (&eye, pipelines.format().depth_stencil), way == 2);
             let shape = map.shape(-1.0, u32::MAX);
             let samples = Samples { shape: &shape, depths: &map.depths, objects: &[] };
             let walls = ContourMap { samples: &samples, shape: &ContourShape::zeroed() };
@@ -180,7 +180,7 @@ fn of_cubes() -> Result<(), String> {
                 Ok(frame)
             })?);
             if skip_near_caps {
-                let near = near_box(&cameras, [CUBE_SIDE; 2], (&eye, pipelines.format().depth_stencil));
+                let near = near_box(&cameras, [CUBE_SIDE; 2], (&eye, pipelines.format().depth_stencil), false);
                 let is_reversed = u32::from(cameras[0].depth == DepthDirection::Reversed);
                 let shape = DepthMapShape { size: [CUBE_SIDE; 2], faces: 6, is_reversed, ..DepthMapShape::zeroed() };
                 let depths = read(&gpu, volumes.texture().texture())?;

@@ -32,7 +32,7 @@ pub(crate) const TESTS: &[Test] = &[
 const SCENE: f64 = 16.0;
 
 /// The place of a map's sample, at any depth.
-fn place(camera: &ShadowCamera, size: [u32; 2], [x, y]: [f64; 2], depth: f64) -> DVec3 {
+pub(crate) fn place(camera: &ShadowCamera, size: [u32; 2], [x, y]: [f64; 2], depth: f64) -> DVec3 {
     let matrix: DMat4 = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse();
     let [width, height] = size.map(f64::from);
     let point = matrix * DVec4::new((2.0 * x + 1.0) / width - 1.0, 1.0 - (2.0 * y + 1.0) / height, depth, 1.0);
@@ -40,7 +40,7 @@ fn place(camera: &ShadowCamera, size: [u32; 2], [x, y]: [f64; 2], depth: f64) ->
 }
 
 /// An eye whose near rectangle has its middle at a place, is `width` wide, and looks along `forward`.
-fn eye_at(random: &mut Random, middle: DVec3, forward: DVec3, width: f64) -> ShadowCamera {
+pub(crate) fn eye_at(random: &mut Random, middle: DVec3, forward: DVec3, width: f64) -> ShadowCamera {
     let forward = forward.normalize();
     let is_relative = width < 0.1 || random.below(2) == 0;
     // Parallel rays where the near rectangle is small: the depths of a perspective eye would be too coarse there.

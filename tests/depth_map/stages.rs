@@ -38,9 +38,9 @@ const FORMATS: [TextureFormat; 5] = [
 ];
 
 /// Whether a map is taken with this format: those of all sizes with floats, and with other formats those whose sides are no powers
-/// of two. A software device compiles each shader again for each format, and for each side that is a power of two.
+/// of two, but for the long run. A software device compiles each shader again for each format, and for each side that is a power of two.
 pub(crate) fn is_taken(map: &Map, format: TextureFormat) -> bool {
-    format == TextureFormat::R32Float || !map.size.iter().any(|side| side.is_power_of_two())
+    is_long() || format == TextureFormat::R32Float || !map.size.iter().any(|side| side.is_power_of_two())
 }
 
 pub(crate) fn camera(depth: DepthDirection) -> ShadowCamera {

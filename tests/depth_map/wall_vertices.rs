@@ -22,14 +22,17 @@ use crate::parity::light;
 use crate::probe::{Bound, Probe};
 use crate::vertices::{Given, Tally, eye};
 
-pub(crate) const TESTS: &[Test] =
-    &[("vertices_of_walls_are_those_of_f64", vertices), ("surfaces_beside_contours_equal_their_twin", surfaces)];
+pub(crate) const TESTS: &[Test] = &[
+    ("vertices_of_walls_are_those_of_f64", vertices),
+    ("surfaces_beside_contours_equal_their_twin", surfaces),
+    ("surfaces_beside_contours_join_those_between_samples", joined),
+];
 
 /// The unit of distances.
 const UNIT: f64 = 536_870_912.0;
 
 /// How contours are found in a map of `R32Float`.
-fn shape_of(map: &Map, slope_bias: f32, capacity: u32) -> ContourShape {
+pub(crate) fn shape_of(map: &Map, slope_bias: f32, capacity: u32) -> ContourShape {
     let tiles = map.size.map(|texels| (texels + 16) / 16);
     ContourShape {
         tiles: [tiles[0], tiles[0] * tiles[1]],
@@ -47,7 +50,7 @@ fn shape_of(map: &Map, slope_bias: f32, capacity: u32) -> ContourShape {
 }
 
 /// Slopes, steps between them, and holes.
-fn map(random: &mut Random, is_reversed: bool) -> Map {
+pub(crate) fn map(random: &mut Random, is_reversed: bool) -> Map {
     let size = [3 + random.below(30) as u32, 3 + random.below(30) as u32];
     let far = if is_reversed { 0.0 } else { 1.0 };
     let discs: Vec<_> = (0..4)
@@ -221,4 +224,54 @@ fn probe_surface(cell: vec2<i32>, place: vec2<f32>) -> vec4<u32> {{
     }
     println!("{compared} places, {far} far, {sides} cells with two surfaces");
     if compared > 5000 && far > 500 && sides > 500 && others > 20 { Ok(()) } else { Err("too few".to_owned()) }
+}
+
+/// On an edge without a contour a surface is the line between the two samples, as it is in the triangles on the other side.
+fn joined() -> Result<(), String> {
+    const SEED: u64 = 16_108;
+    println!("seed {SEED}");
+    let mut random = Random::new(SEED);
+    let (mut compared, mut others) = (0, 0);
+    for round in 0..60 {
+        let is_reversed = random.below(2) == 0;
+        let map = map(&mut random, is_reversed);
+        let contour = shape_of(&map, 0.0, 100_000);
+        let shape = map.shape(0.005, u32::MAX);
+        let samples = Samples { shape: &shape, depths: &map.depths, objects: &[] };
+        let own = ContourMap { samples: &samples, shape: &contour };
+        let Found { marks, places, .. } = found(&samples, &contour);
+        let is_marked = |[x, y]: [i32; 2], axis: usize| {
+            let word = marks[y as usize * contour.words as usize + x as usize / 16];
+            word >> (2 * (x as usize % 16) + axis) & 1 == 1
+        };
+        let [width, height] = map.size.map(|texels| texels as i32);
+        for [x, y] in (0..=height).flat_map(|y| (0..=width).map(move |x| [x, y])) {
+            let edges =
+                [is_marked([x, y], 0), is_marked([x + 1, y], 1), is_marked([x, y + 1], 0), is_marked([x, y], 1)];
+            // The edge at the top, and that on the left.
+            for (axis, other) in [(0, [x + 1, y]), (1, [x, y + 1])] {
+                let ends = [[x, y], other].map(|at| crate::contours::distance(&map, at));
+                let (true, false, [Some(first), Some(last)]) = (edges.contains(&true), is_marked([x, y], axis), ends)
+                else {
+                    continue;
+                };
+                let at = |part: f32| {
+                    let place = if axis == 0 { Vec2::new(part, 0.0) } else { Vec2::new(0.0, part) };
+                    i64::from(contour_distance(&own, &marks, &places, [x, y], place))
+                };
+                for part in [0.25, 0.75] {
+                    let expected = first as f64 + f64::from(part) * (last - first) as f64;
+                    // What depths may be off by is added to all, and a 256th of a difference is rounded.
+                    let off = (at(part) - at(0.0)) as f64 - (expected - first as f64);
+                    if off.abs() > 1000.0 {
+                        return Err(format!("round {round}, {:?}, edge {axis} of {x}, {y}: {off}", map.size));
+                    }
+                    compared += 1;
+                    others += usize::from((last - first).abs() > 10_000);
+                }
+            }
+        }
+    }
+    println!("{compared} places, {others} of them on slopes");
+    if compared > 5000 && others > 2000 { Ok(()) } else { Err("too few".to_owned()) }
 }

@@ -27,6 +27,8 @@ struct ContourShape {
 @group(0) @binding(6) var<uniform> contour: ContourShape;
 
 const TILE: i32 = 16;
+// Invocations of a tile in `contour_walls`.
+const WALKERS: u32 = 64u;
 // Parts of a texel that places count.
 const TEXEL: i32 = 256;
 // The distance of the far end of the device depths from the near end.

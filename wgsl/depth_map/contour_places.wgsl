@@ -8,8 +8,6 @@
 @group(0) @binding(5) var<storage, read> counts: array<u32>;
 
 const BLOCK: u32 = 256u;
-// Invocations of a tile in `contour_walls`.
-const WALKERS: u32 = 64u;
 
 // Edges that the contour is followed over to each side, for a line.
 const REACH: i32 = 12;

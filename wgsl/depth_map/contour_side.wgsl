@@ -46,7 +46,7 @@ fn contour_side(cell: vec2<i32>, code: u32, place: vec2<f32>) -> u32 {
   return best;
 }
 
-// The distance of the surface at a place of a marked cell.
+// The distance of the surface at a place of a marked cell: between samples of the same surface, and as it goes on from the last.
 fn contour_distance(cell: vec2<i32>, code: u32, place: vec2<f32>) -> i32 {
   let corner = turn(contour_side(cell, code, place));
   let at = cell + corner;
@@ -55,10 +55,14 @@ fn contour_distance(cell: vec2<i32>, code: u32, place: vec2<f32>) -> i32 {
     return FAR;
   }
   let offset = vec2<i32>(abs(place - vec2<f32>(corner)) * f32(TEXEL));
-  let inward = 1 - 2 * corner;
   var there = own;
   for (var axis = 0u; axis < 2u; axis++) {
-    there += surface_distance(at, step_along(axis) * inward[axis], offset[axis], 0) - own;
+    let step = step_along(axis) * (1 - 2 * corner[axis]);
+    if (is_marked_before(at + step, step)) {
+      there += surface_distance(at, step, offset[axis], 0) - own;
+    } else {
+      there += parts(moved_distance(at + step) - own, offset[axis]);
+    }
   }
   return clamp(there, 0, RANGE - 1);
 }

@@ -5,8 +5,6 @@
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 
 const BLOCK: u32 = 256u;
-// Invocations of a tile in `contour_walls`.
-const WALKERS: u32 = 64u;
 
 // A word has the marks of the tile's samples in a row. The samples of the tiles to the right and below begin the edges at its
 // borders.

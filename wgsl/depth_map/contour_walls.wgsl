@@ -15,8 +15,7 @@
 // Whether walls are listed, and not only counted.
 override LISTS: bool = false;
 
-// Invocations of a tile, and cells of each.
-const WALKERS: u32 = 64u;
+// Cells of each invocation of a tile.
 const WALKER_CELLS: u32 = 4u;
 const TILE_CELLS: u32 = 256u;
 // Nodes that a segment may have.

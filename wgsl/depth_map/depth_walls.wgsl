@@ -18,29 +18,37 @@ fn depth_walls(@builtin(vertex_index) index: u32) -> SurfaceVertex {
   return SurfaceVertex(view.across * place.x + view.down * place.y + view.depth * depth + view.middle);
 }
 
+// Whether a place of a cell that a contour crosses is behind the surface on its side.
+fn is_behind_contour(found: NearPlace, cell: vec2<i32>, code: u32) -> bool {
+  let distance = contour_distance(cell, code, found.lattice - floor(found.lattice));
+  if (distance != FAR) {
+    let depth = select(distance, RANGE - distance, depth_map.is_reversed != 0u);
+    return is_behind_depth(found.depth, f32(depth) / f32(RANGE));
+  }
+  if (views[0].infinity.w != 0.0) {
+    return false;
+  }
+  let twice = 2.0 * found.lattice - vec2<f32>(depth_map.size) - 1.0;
+  return is_behind_depth(found.depth, dot(views[0].infinity.xyz, vec3<f32>(twice, 1.0)));
+}
+
 // As `is_behind`, for surfaces that end at contours.
 fn is_behind_contours(place: vec2<f32>) -> bool {
   let found = near_place(place);
-  let cell = vec2<i32>(floor(found.lattice));
   // A list of walls that overflowed is not drawn.
-  var code = 0u;
-  if (found.is_in && cells[0] <= depth_map.capacity) {
-    code = code_of_cell(cell);
-  }
-  if (code == 0u) {
+  if (!found.is_in || cells[0] > depth_map.capacity) {
     return found.is_in && is_behind_triangle(found);
   }
-  let distance = contour_distance(cell, code, found.lattice - floor(found.lattice));
-  let is_reversed = depth_map.is_reversed != 0u;
-  var depth = f32(select(distance, RANGE - distance, is_reversed)) / f32(RANGE);
-  if (distance == FAR) {
-    if (views[0].infinity.w != 0.0) {
-      return false;
-    }
-    let twice = 2.0 * found.lattice - vec2<f32>(depth_map.size) - 1.0;
-    depth = dot(views[0].infinity.xyz, vec3<f32>(twice, 1.0));
+  let corner = floor(found.lattice);
+  let cell = vec2<i32>(corner);
+  let code = code_of_cell(cell);
+  var is_behind = false;
+  if (code == 0u) {
+    is_behind = is_behind_triangle(found);
+  } else {
+    is_behind = is_behind_contour(found, cell, code);
   }
-  return select(found.depth > depth, found.depth < depth, is_reversed);
+  return is_behind != flaps_change(cell, found.lattice - corner, found.depth, is_behind);
 }
 
 @fragment

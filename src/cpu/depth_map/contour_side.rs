@@ -2,8 +2,8 @@
 
 use glam::{IVec2, Vec2};
 
-use super::contour::{FAR, Map, RANGE, TEXEL, TURN, edge_of_cell, sum};
-use super::contour_marks::code_of_cell;
+use super::contour::{FAR, Map, RANGE, TEXEL, TURN, edge_of_cell, parts, sum};
+use super::contour_marks::{code_of_cell, is_marked_before};
 use super::contour_places::place_of;
 use super::contour_rim::surface;
 
@@ -43,16 +43,23 @@ pub fn contour_side(map: &Map<'_>, marks: &[u32], places: &[u32], cell: [i32; 2]
     (0..4).find(|&corner| ray((corner + 3) % 4).perp_dot(own) >= 0.0 && own.perp_dot(ray(corner)) >= 0.0).unwrap_or(0)
 }
 
-/// The distance of the surface at a place of a marked cell.
+/// The distance of the surface at a place of a marked cell: between samples of the same surface, and as it goes on from the last.
 pub fn contour_distance(map: &Map<'_>, marks: &[u32], places: &[u32], cell: [i32; 2], place: Vec2) -> i32 {
     let corner = TURN[contour_side(map, marks, places, cell, place)];
     let at = sum(cell, corner);
-    let along = [[1 - 2 * corner[0], 0], [0, 1 - 2 * corner[1]]];
     let own = map.moved(at);
     if own == FAR {
         return FAR;
     }
     let offset = (place - IVec2::from_array(corner).as_vec2()).abs() * TEXEL as f32;
-    let there = |step: [i32; 2], offset: f32| surface(map, marks, (at, step), offset as i32, 0) - own;
-    (own + there(along[0], offset.x) + there(along[1], offset.y)).clamp(0, RANGE - 1)
+    let further = |step: [i32; 2], offset: f32| {
+        let beside = sum(at, step);
+        if is_marked_before(map, marks, beside, step) {
+            surface(map, marks, (at, step), offset as i32, 0) - own
+        } else {
+            parts(map.moved(beside) - own, offset as i32)
+        }
+    };
+    let [across, down] = corner.map(|at| 1 - 2 * at);
+    (own + further([across, 0], offset.x) + further([0, down], offset.y)).clamp(0, RANGE - 1)
 }

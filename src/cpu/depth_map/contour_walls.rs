@@ -27,6 +27,8 @@ pub struct WallList {
     pub walls: Vec<Wall>,
     /// The places on marked edges, moved onto the segments.
     pub places: Vec<u32>,
+    /// For each tile that contours cross the walls of those before it.
+    pub before: Vec<u32>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -401,7 +403,9 @@ pub fn contour_walls(map: &Map<'_>, marks: &[u32], places: &[u32]) -> WallList {
     let mut tracer = Tracer { map, marks, places: places.to_vec(), walls: Vec::new() };
     let cells = map.lattice().map(|samples| samples - 1);
     let across = map.shape.tiles[0] as i32;
+    let mut before = Vec::new();
     for tile in contour_tiles(map, marks) {
+        before.push(tracer.walls.len() as u32);
         let tile = tile as i32;
         let corner = [tile % across, tile / across].map(|at| at * TILE);
         for number in 0..TILE * TILE {
@@ -414,5 +418,5 @@ pub fn contour_walls(map: &Map<'_>, marks: &[u32], places: &[u32]) -> WallList {
     let Tracer { places, mut walls, .. } = tracer;
     let count = walls.len() as u32;
     walls.truncate(map.shape.capacity as usize);
-    WallList { count, walls, places }
+    WallList { count, walls, places, before }
 }

@@ -1,6 +1,7 @@
 //! Twins of the stages and vertex shaders of volumes from depth maps.
 
 pub(crate) mod contour;
+pub(crate) mod contour_flaps;
 pub(crate) mod contour_marks;
 pub(crate) mod contour_places;
 pub(crate) mod contour_rim;

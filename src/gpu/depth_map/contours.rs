@@ -204,8 +204,13 @@ impl Contours {
         filled(shared.device(), "contours", bytemuck::bytes_of(&shape), wgpu::BufferUsages::UNIFORM)
     }
 
-    /// Bound to draws besides what all draws have: the uniform, marks and places.
-    pub(super) fn of_draws<'a>(&'a self, contour: &'a wgpu::Buffer) -> [(u32, wgpu::BindingResource<'a>); 3] {
-        [(5, self.places.as_entire_binding()), (6, contour.as_entire_binding()), (9, self.marks.as_entire_binding())]
+    /// Bound to draws besides what all draws have: places, the uniform, counts and marks.
+    pub(super) fn of_draws<'a>(&'a self, contour: &'a wgpu::Buffer) -> [(u32, wgpu::BindingResource<'a>); 4] {
+        [
+            (5, self.places.as_entire_binding()),
+            (6, contour.as_entire_binding()),
+            (7, self.counts.as_entire_binding()),
+            (9, self.marks.as_entire_binding()),
+        ]
     }
 }

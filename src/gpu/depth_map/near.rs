@@ -18,6 +18,9 @@ const MOST_ROUNDING: f64 = 1e-3;
 const BEHIND: f64 = 1e-5;
 /// Samples around it: a cell on each side, and one for boundaries that are moved by parts of a texel.
 const MARGIN: f64 = 2.0;
+/// Cells along the side of a tile of contours, and samples beyond it up to which the flaps of its walls reach.
+const TILE: f64 = 16.0;
+const FLAP: f64 = 2.0;
 /// Samples that are looked at.
 const MOST_SAMPLES: u64 = 1 << 16;
 /// The range of device depths, in the units of distances, and what these may be off by.
@@ -35,11 +38,13 @@ pub(crate) enum NearReach {
     Unknown,
 }
 
-/// The cameras of one map or of six, texels of each across and down, and the format of the eye's depth.
+/// The cameras of one map or of six, texels of each across and down, and the format of the eye's depth. Where contours have walls,
+/// all that reaches into a tile matters.
 pub(crate) fn near_reach(
     lights: &[ShadowCamera],
     size: [u32; 2],
     (eye, format): (&ShadowCamera, wgpu::TextureFormat),
+    has_walls: bool,
 ) -> NearReach {
     let placing = |border| Placing { border, jitter: [0.0; 2], slope_bias: 0.0 };
     let of = |light: &ShadowCamera, border| {
@@ -50,7 +55,10 @@ pub(crate) fn near_reach(
         return match of(light, 1.0) {
             Found::Behind => NearReach::Lit,
             Found::Unknown => NearReach::Unknown,
-            Found::Ahead(rectangle) => rectangle.reach([0, 0], size.map(|texels| texels + 1), light.depth),
+            Found::Ahead(rectangle) => {
+                let rectangle = if has_walls { rectangle.with_tiles() } else { rectangle };
+                rectangle.reach([0, 0], size.map(|texels| texels + 1), light.depth)
+            }
         };
     }
     // Where it is within one map of a cube, the others do not matter.
@@ -108,6 +116,13 @@ impl Rectangle {
         }
         let farthest = if depth == DepthDirection::Reversed { low[2] } else { high[2] };
         Found::Ahead(Self { low: [low[0], low[1]], high: [high[0], high[1]], farthest })
+    }
+
+    /// Enlarged to all tiles whose flaps may be before it, with the samples that these reach to.
+    fn with_tiles(self) -> Self {
+        let low = self.low.map(|at| ((at - FLAP) / TILE).floor() * TILE - FLAP);
+        let high = self.high.map(|at| ((at + FLAP) / TILE).floor() * TILE + TILE + FLAP);
+        Self { low, high, ..self }
     }
 
     /// Whether it is between the samples from 0 to `most`.

@@ -120,8 +120,8 @@ pub enum DepthMapReconstruction {
     /// borders it was wrong at 31 to 100 pixels in a million (docs/measured.md), where triangles were at none: at rims whose
     /// last facets are narrower than a texel. Round rims are found to a fortieth of a texel. A straight border along the rows
     /// or columns of a map is found no better than a lookup does: turn a light's camera so that few are. Keep a `slope_bias`
-    /// of 1. A near rectangle right behind a rim, within two texels of it, may be told wrongly (NUMERICS.md, "Near caps").
-    /// Finding contours takes about ten times as long as finding cells on a software device.
+    /// of 1. Within two texels of a rim, a near rectangle that is no farther than `depth` from a surface may be told wrongly
+    /// (NUMERICS.md, "Near caps"). Finding contours takes about ten times as long as finding cells on a software device.
     ///
     /// Maps of a cube, more than one bit, and edges that are continued take triangles.
     Contours {

@@ -246,8 +246,8 @@ const STORAGE: wgpu::BindingType = uniform_or_storage(wgpu::BufferBindingType::S
 /// Map, texture, cells, view, objects.
 const SURFACE_BINDINGS: [(u32, wgpu::BindingType); 5] =
     [(0, UNIFORM), (1, FLOAT_TEXTURE), (2, STORAGE), (3, STORAGE), (4, UINT_TEXTURE)];
-/// Places, contours, marks.
-const WALL_BINDINGS: [(u32, wgpu::BindingType); 3] = [(5, STORAGE), (6, UNIFORM), (9, STORAGE)];
+/// Places, contours, counts, marks.
+const WALL_BINDINGS: [(u32, wgpu::BindingType); 4] = [(5, STORAGE), (6, UNIFORM), (7, STORAGE), (9, STORAGE)];
 
 fn entry((binding, ty): (u32, wgpu::BindingType)) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::VERTEX_FRAGMENT, ty, count: None }

@@ -124,7 +124,7 @@ impl DepthMapVolumes {
         uniforms: &Uniforms,
     ) -> (DepthMapNearCap, Option<BoundStage<'_>>) {
         let Some(stage) = &self.near else { return (DepthMapNearCap::Drawn, None) };
-        let near = match near_reach(lights, self.shape.size, (eye, self.eye.0)) {
+        let near = match near_reach(lights, self.shape.size, (eye, self.eye.0), self.contours.is_some()) {
             NearReach::Lit => return (DepthMapNearCap::Lit, None),
             NearReach::Unknown => return (DepthMapNearCap::Drawn, None),
             NearReach::Samples(near) => near,

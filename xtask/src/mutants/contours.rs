@@ -4,6 +4,8 @@ use super::list::Mutation;
 
 const WALLS: &[&str] = &["--test depth_map_gpu walls_are"];
 const PLACES: &[&str] = &["--test depth_map_cpu contours_lie", "--test depth_map_gpu volumes_have"];
+/// What asks for near caps of contours.
+const NEAR: &[&str] = &["--test depth_map_gpu near_rectangles_behind", "--test depth_map_gpu flaps_change"];
 const PICTURES: &[&str] = &["--test depth_map_gpu contours_", "--test depth_map_gpu volumes_have"];
 
 pub(super) const MUTATIONS: &[Mutation] = &[
@@ -221,5 +223,60 @@ pub(super) const MUTATIONS: &[Mutation] = &[
             ("src/cpu/depth_map/contour_side.rs", ".perp_dot(place - from) < 0.0;", ".perp_dot(place - from) >= 0.0;"),
         ],
         tests: PICTURES,
+    },
+    Mutation {
+        name: "contours: near caps leave flaps out",
+        changes: &[(
+            "wgsl/depth_map/depth_walls.wgsl",
+            "is_behind != flaps_change(cell, found.lattice - corner, found.depth, is_behind);",
+            "is_behind;",
+        )],
+        tests: NEAR,
+    },
+    Mutation {
+        name: "contours: near caps look for flaps in the tile of a place alone",
+        changes: &[("wgsl/depth_map/contour_flaps.wgsl", "const REACH: i32 = 2;", "const REACH: i32 = 0;")],
+        tests: NEAR,
+    },
+    Mutation {
+        name: "contours: flaps take the depths of each other's vertices",
+        changes: &[
+            (
+                "wgsl/depth_map/contour_flaps.wgsl",
+                "(of_b * f32(b.depth - a.depth) + of_c * f32(c.depth - a.depth))",
+                "(of_c * f32(b.depth - a.depth) + of_b * f32(c.depth - a.depth))",
+            ),
+            (
+                "src/cpu/depth_map/contour_flaps.rs",
+                "of_b * (depth_b - depth) as f32 + of_c * (depth_c - depth) as f32",
+                "of_c * (depth_b - depth) as f32 + of_b * (depth_c - depth) as f32",
+            ),
+        ],
+        tests: NEAR,
+    },
+    Mutation {
+        name: "contours: near caps take surfaces as they go on between samples, too",
+        changes: &[
+            (
+                "wgsl/depth_map/contour_side.wgsl",
+                "if (is_marked_before(at + step, step)) {",
+                "if (any(step != vec2<i32>())) {",
+            ),
+            (
+                "src/cpu/depth_map/contour_side.rs",
+                "if is_marked_before(map, marks, beside, step) {",
+                "if is_marked_before(map, marks, beside, step) || true {",
+            ),
+        ],
+        tests: &["--test depth_map_gpu join_those"],
+    },
+    Mutation {
+        name: "contours: near caps are left out whatever flaps reach into a tile",
+        changes: &[(
+            "src/gpu/depth_map/near.rs",
+            "if has_walls { rectangle.with_tiles() }",
+            "if false { rectangle.with_tiles() }",
+        )],
+        tests: NEAR,
     },
 ];

@@ -1,0 +1,353 @@
+//! Near rectangles right behind the rim of a slanted leaf, where its volume has flaps that join it to its walls. What each pixel
+//! sees is in shadow or not, wherever the near rectangle is.
+
+use std::collections::HashSet;
+
+use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
+use rimline::gpu::{
+    DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapReconstruction, DepthMapVolumes, ShadowFormat,
+};
+use rimline::{DepthDirection, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, same};
+use wgpu::TextureFormat;
+
+use crate::contours::{Quad, UNIT, listed};
+use crate::maps::Map;
+use crate::near_rectangles::{eye_at, place};
+use crate::parity::{SIDE, device_depth, light, seen, vector};
+use crate::picture::stencil_of;
+use crate::scene::{Eye, Rays};
+use crate::textures::{depth_view, texture};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("near_rectangles_behind_a_rim_are_told_by_what_is_drawn", behind_a_rim),
+    ("near_rectangles_behind_a_flap_alone_are_in_shadow", behind_a_flap),
+];
+
+const TEXELS: u32 = 24;
+/// Texels of a contour beside which no more is asked than that the volume is closed.
+const RIM: f64 = 2.0;
+
+/// A depth over the texels of a map, from the near plane on: at texel 0, and how it grows across and down.
+#[derive(Clone, Copy, Debug)]
+struct Plane([f64; 3]);
+
+impl Plane {
+    fn at(&self, x: f64, y: f64) -> f64 {
+        self.0[0] + self.0[1] * x + self.0[2] * y
+    }
+
+    /// By how much a place is behind it, times the distance from the light.
+    fn ahead(&self, at: DVec4) -> f64 {
+        at.z - self.0[0] * at.w - self.0[1] * at.x - self.0[2] * at.y
+    }
+
+    fn slopes(&self) -> f64 {
+        self.0[1].abs() + self.0[2].abs()
+    }
+}
+
+/// A round leaf over the ground or nothing.
+struct Leaf {
+    light: ShadowCamera,
+    middle: DVec2,
+    radius: f64,
+    plane: Plane,
+    ground: Option<Plane>,
+    slope_bias: f64,
+    /// A step of depth that is small beside all others.
+    small: f64,
+}
+
+impl Leaf {
+    fn random(random: &mut Random) -> Self {
+        let (light, _) = light(random);
+        let middle = DVec2::new(f64::from(random.between(9.0, 14.0)), f64::from(random.between(9.0, 14.0)));
+        let radius = f64::from(random.between(4.5, 7.0));
+        let [near, ahead] = [0.0, 0.5].map(|depth| {
+            let depth = if light.depth == DepthDirection::Reversed { 1.0 - depth } else { depth };
+            place(&light, [TEXELS; 2], [11.5; 2], depth)
+        });
+        let depth_at = |distance: f64| {
+            let matrix = Mat4::from_cols_array_2d(&light.view_projection).as_dmat4();
+            let there = near + distance * (ahead - near).normalize() - DVec3::from_array(light.origin.map(f64::from));
+            let clip = matrix * there.extend(1.0);
+            if light.depth == DepthDirection::Reversed { 1.0 - clip.z / clip.w } else { clip.z / clip.w }
+        };
+        let mut plane = |distance: f64, steepness: f32| {
+            let [own, step] = [depth_at(distance), depth_at(distance + 1.0)];
+            let [across, down] = [0; 2].map(|_| (step - own) * f64::from(random.between(-steepness, steepness)));
+            Plane([own - across * middle.x - down * middle.y, across, down])
+        };
+        let (plane, ground) = (plane(5.0, 0.12), plane(9.0, 0.03));
+        let small = (1e-3 * (depth_at(5.01) - depth_at(5.0)).abs()).max(1e-6);
+        let ground = (random.below(2) == 0).then_some(ground);
+        let slope_bias = [0.0, 1.0][random.below(2)];
+        Self { light, middle, radius, plane, ground, slope_bias, small }
+    }
+
+    fn away(&self, x: f64, y: f64) -> f64 {
+        DVec2::new(x, y).distance(self.middle) - self.radius
+    }
+
+    /// Whether each row and column of the leaf has at least three texels, so that a slope is told from a jump.
+    fn has_slopes(&self) -> bool {
+        let is_in = |x: i32, y: i32| self.away(f64::from(x), f64::from(y)) < 0.0;
+        (0..TEXELS as i32).all(|row| {
+            let [across, down] = [false, true].map(|is_column| {
+                (0..TEXELS as i32).filter(|&at| if is_column { is_in(row, at) } else { is_in(at, row) }).count()
+            });
+            [across, down].iter().all(|&count| count == 0 || count > 2)
+        })
+    }
+
+    fn map(&self) -> Map {
+        let is_reversed = self.light.depth == DepthDirection::Reversed;
+        Map::new([TEXELS; 2], is_reversed, |texel| {
+            let [x, y] = [texel % TEXELS, texel / TEXELS].map(f64::from);
+            let plane = if self.away(x, y) < 0.0 { Some(self.plane) } else { self.ground };
+            let depth = plane.map_or(1.0, |plane| plane.at(x, y));
+            (if is_reversed { 1.0 - depth } else { depth }) as f32
+        })
+    }
+
+    /// Texels across and down, and the depth from the near plane on, all times w.
+    fn seen_by_light(&self, place: DVec3) -> DVec4 {
+        let matrix: DMat4 = Mat4::from_cols_array_2d(&self.light.view_projection).as_dmat4();
+        let clip = matrix * (place - DVec3::from_array(self.light.origin.map(f64::from))).extend(1.0);
+        let side = f64::from(TEXELS);
+        let texel = |at: f64| ((at + clip.w) * side - clip.w) / 2.0;
+        let depth = if self.light.depth == DepthDirection::Reversed { clip.w - clip.z } else { clip.z };
+        DVec4::new(texel(clip.x), texel(-clip.y), depth, clip.w)
+    }
+
+    /// Whether a place is behind a plane, `None` within what the plane is moved by.
+    fn is_behind(&self, plane: &Plane, at: DVec4) -> Option<bool> {
+        let ahead = plane.ahead(at) / at.w;
+        let moved = 0.5 * self.slope_bias * plane.slopes();
+        if ahead < -self.small { Some(false) } else { (ahead > moved + self.small).then_some(true) }
+    }
+
+    /// Whether a place is in shadow, `None` near borders.
+    fn is_dark(&self, at: DVec4) -> Option<bool> {
+        let [x, y] = [at.x / at.w, at.y / at.w];
+        let side = f64::from(TEXELS) - 1.0;
+        let outside = (-x).max(x - side).max(-y).max(y - side);
+        let away = self.away(x, y);
+        if outside > RIM {
+            Some(false)
+        } else if away < -RIM {
+            self.is_behind(&self.plane, at)
+        } else if away > RIM && outside < -RIM {
+            self.ground.map_or(Some(false), |ground| self.is_behind(&ground, at))
+        } else {
+            None
+        }
+    }
+
+    /// Whether a surface, or where one may end, may be between two places, or where its volume begins near one of them.
+    fn is_between(&self, from: DVec4, to: DVec4) -> bool {
+        let planes = [(Some(self.plane), true), (self.ground, false)];
+        planes.into_iter().filter_map(|(plane, is_leaf)| Some((plane?, is_leaf))).any(|(plane, is_leaf)| {
+            let may_be = |at: DVec4| {
+                let away = self.away(at.x / at.w, at.y / at.w);
+                if is_leaf { away < RIM } else { away > -RIM }
+            };
+            let ends = [from, to].map(|at| (may_be(at), self.is_behind(&plane, at)));
+            if ends.iter().any(|&(may_be, is_behind)| may_be && is_behind.is_none()) {
+                return true;
+            }
+            let [first, last] = [from, to].map(|at| plane.ahead(at));
+            // Where the surface is, and where it is moved to.
+            let moved = 0.5 * self.slope_bias * plane.slopes();
+            [0.0, moved].into_iter().any(|moved| {
+                let [first, last] = [first - moved * from.w, last - moved * to.w];
+                (first > 0.0) != (last > 0.0) && may_be(from.lerp(to, first / (first - last)))
+            })
+        })
+    }
+}
+
+fn crosses([a, b]: [DVec2; 2], at: DVec2) -> bool {
+    (a.y > at.y) != (b.y > at.y) && at.x < a.x + (at.y - a.y) / (b.y - a.y) * (b.x - a.x)
+}
+
+/// What a place of the near rectangle is among: whether it is within contours, and the flaps that are there with whether it is
+/// behind them.
+pub(crate) fn among(quads: &[Quad], at: DVec4) -> (bool, Vec<(usize, bool)>) {
+    let place = DVec2::new(at.x / at.w, at.y / at.w);
+    let point = |vertex: [i32; 3]| DVec2::new(f64::from(vertex[0]), f64::from(vertex[1])) / 256.0 - 1.0;
+    let mut segments = HashSet::new();
+    let mut flaps = Vec::new();
+    for (number, quad) in quads.iter().enumerate() {
+        let [p, q, r, s] = quad.map(point);
+        if p == q && r == s {
+            segments.insert([[quad[0][0], quad[0][1]], [quad[2][0], quad[2][1]]]);
+            continue;
+        }
+        for corners in [[0, 1, 2], [0, 2, 3]] {
+            let [a, b, c] = corners.map(|corner: usize| point(quad[corner]));
+            let is_in = [[a, b], [b, c], [c, a]].into_iter().filter(|&side| crosses(side, place)).count() % 2 == 1;
+            if is_in {
+                let shares =
+                    [(b - place).perp_dot(c - place), (c - place).perp_dot(a - place), (a - place).perp_dot(b - place)];
+                let depths = corners.map(|corner: usize| f64::from(quad[corner][2]) / UNIT);
+                let depth =
+                    (0..3).map(|corner| shares[corner] * depths[corner]).sum::<f64>() / shares.iter().sum::<f64>();
+                flaps.push((number, at.z / at.w > depth));
+            }
+        }
+    }
+    let segment = |[a, b]: [[i32; 2]; 2]| [a, b].map(|[x, y]| point([x, y, 0]));
+    (segments.into_iter().filter(|&ends| crosses(segment(ends), place)).count() % 2 == 1, flaps)
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Tally {
+    dark: usize,
+    lit: usize,
+    /// Those whose near rectangle is between the leaf and a flap.
+    between: usize,
+    near_borders: usize,
+    wrong: usize,
+}
+
+fn behind_a_rim() -> Result<(), String> {
+    const SEED: u64 = 16_304;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(SEED);
+    let mut tally = Tally::default();
+    let pipelines = [DepthDirection::Reversed, DepthDirection::Standard].map(|depth| {
+        let format = ShadowFormat { depth, ..Default::default() };
+        DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)
+    });
+    let [reversed, standard] = pipelines;
+    let [reversed, standard] = [reversed?, standard?];
+    for round in 0..if is_long() { 2000 } else { 120 } {
+        let leaf = Leaf::random(&mut random);
+        if !leaf.has_slopes() {
+            continue;
+        }
+        let map = leaf.map();
+        // A place within two texels of the rim, up to five slopes behind the leaf or a little before it.
+        let angle = f64::from(random.between(0.0, std::f32::consts::TAU));
+        let [x, y] =
+            (leaf.middle + (leaf.radius + f64::from(random.between(-1.8, 0.3))) * DVec2::from_angle(angle)).to_array();
+        let behind = f64::from(random.between(-0.5, 5.0)) * leaf.plane.slopes();
+        let depth = leaf.plane.at(x, y) + behind;
+        let depth = if map.is_reversed { 1.0 - depth } else { depth };
+        let middle = place(&leaf.light, map.size, [x, y], depth);
+        let texel = (place(&leaf.light, map.size, [x + 1.0, y], depth) - middle).length();
+        let width = texel * f64::from([0.3, 1.0, 3.0][round % 3]);
+        let forward = vector(&mut random);
+        let eye = eye_at(&mut random, middle, forward, width);
+        let rays = Rays::new(&eye, SIDE);
+        let seen = seen(&mut random, &rays);
+        let pixel = |at: u32| DVec2::new(f64::from(at % SIDE) + 0.5, f64::from(at / SIDE) + 0.5);
+        let depths: Vec<_> = (0..SIDE * SIDE).map(|at| device_depth(&eye, seen(pixel(at)).1)).collect();
+        let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
+        let threshold = (leaf.small * 100.0) as f32;
+        let options = DepthMapOptions {
+            edges: DepthEdges::Differences { threshold },
+            reconstruction: DepthMapReconstruction::Contours {
+                sideways: [0.0, 0.25, 0.5][random.below(3)],
+                depth: threshold,
+            },
+            slope_bias: leaf.slope_bias as f32,
+            ..Default::default()
+        };
+        let pipelines = if eye.depth == DepthDirection::Reversed { &reversed } else { &standard };
+        let picture = |skip_near_caps| {
+            let options = DepthMapOptions { skip_near_caps, ..options };
+            let mut volumes = DepthMapVolumes::new(pipelines, map.size, options).map_err(text)?;
+            let stencil = stencil_of(&gpu, pipelines, (SIDE, &depths), |encoder| {
+                let map = DepthMap { texture: &depth_view(&texture), light: leaf.light };
+                volumes.encode(encoder, &map, &eye, None).map_err(text)
+            })?;
+            Ok::<_, String>((stencil, listed(&volumes, &gpu)?))
+        };
+        let (stencil, (count, quads)) = picture(true)?;
+        same("walls that there is room for", &[count as usize], &[quads.len()])?;
+        same("with near caps that are always drawn", &picture(false)?.0, &stencil)?;
+        let before = tally.wrong;
+        for at in 0..SIDE * SIDE {
+            let (near, place) = seen(pixel(at));
+            let [from, to] = [near, place].map(|place| leaf.seen_by_light(place));
+            if from.w < 0.1 || to.w < 0.1 || leaf.is_between(from, to) {
+                continue;
+            }
+            let Some(is_dark) = leaf.is_dark(to) else { continue };
+            let among_there = |x: f64, y: f64| among(&quads, leaf.seen_by_light(seen(pixel(at) + DVec2::new(x, y)).0));
+            let own = among_there(0.0, 0.0);
+            let around = [(-0.05, 0.0), (0.05, 0.0), (0.0, -0.05), (0.0, 0.05)];
+            if around.into_iter().any(|(x, y)| among_there(x, y) != own) {
+                tally.near_borders += 1;
+                continue;
+            }
+            let is_behind = leaf.is_behind(&leaf.plane, from) == Some(true);
+            tally.between += usize::from(is_behind && own.1.iter().any(|&(_, is_behind)| !is_behind));
+            *(if is_dark { &mut tally.dark } else { &mut tally.lit }) += 1;
+            tally.wrong += usize::from((stencil[at as usize] != 0) != is_dark);
+        }
+        if tally.wrong > before {
+            println!("round {round}: {} wrong", tally.wrong - before);
+        }
+    }
+    println!("{tally:?}");
+    let told = tally.dark + tally.lit;
+    if tally.wrong == 0 && tally.dark.min(tally.lit) > 1500 && tally.between * 100 > told {
+        Ok(())
+    } else {
+        Err(format!("{tally:?}"))
+    }
+}
+
+/// A surface that bends away from the light between the ends of a segment. The flap does not, so a near rectangle may be behind it
+/// and before all samples around.
+fn behind_a_flap() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let camera = |place: DVec3, half_width| {
+        let (forward, far) = (DVec3::new(0.3, -0.8, 0.2), Some(40.0));
+        let depth = DepthDirection::Standard;
+        Eye { place, forward, near: 0.5, is_relative: false, depth, far, half_width: Some(half_width) }.camera()
+    };
+    let light = camera(DVec3::new(1.0, 9.0, 2.0), 4.0);
+    let depth_of = |row: f64| 0.5 + 0.015 * (1.0 - ((row - 7.0) / 7.0).powi(2));
+    let map = Map::new([TEXELS; 2], false, |texel| match texel % TEXELS {
+        ..12 => depth_of(f64::from(texel / TEXELS)) as f32,
+        _ => 1.0,
+    });
+    let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
+    let format = ShadowFormat { depth: DepthDirection::Standard, ..Default::default() };
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
+    let near = place(&light, map.size, [10.8, 7.0], 0.508);
+    let forward = (near - place(&light, map.size, [10.8, 7.0], 0.0)).normalize();
+    let eye = camera(near - 0.5 * forward, 0.02);
+    for skip_near_caps in [true, false] {
+        let options = DepthMapOptions {
+            edges: DepthEdges::Differences { threshold: 0.01 },
+            reconstruction: DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.02 },
+            slope_bias: 0.0,
+            skip_near_caps,
+            ..Default::default()
+        };
+        let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
+        let stencil = stencil_of(&gpu, &pipelines, (SIDE, &[0.5; (SIDE * SIDE) as usize]), |encoder| {
+            let map = DepthMap { texture: &depth_view(&texture), light };
+            volumes.encode(encoder, &map, &eye, None).map_err(text)
+        })?;
+        let (_, quads) = listed(&volumes, &gpu)?;
+        let (_, flaps) = among(&quads, DVec4::new(10.8, 7.0, 0.508, 1.0));
+        same("flaps", &flaps.iter().map(|flap| flap.1).collect::<Vec<_>>(), &[true])?;
+        let lit = stencil.iter().filter(|&&value| value == 0).count();
+        if lit > 0 {
+            return Err(format!("{lit} are lit, caps left out where they may be: {skip_near_caps}"));
+        }
+    }
+    Ok(())
+}
