@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 use rimline::gpu::{
-    DepthEdges, DepthMapVolumes, Extractor, ExtractorOptions, ShadowFormat, ShadowOptions, ShadowPipelines,
-    ShadowVolumes,
+    DepthMapVolumes, Extractor, ExtractorOptions, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
 use rimline::{Counting, Light};
 use rimline_measure::on_gpu::text;
@@ -11,7 +10,7 @@ use rimline_measure::shapes::{self, Shape};
 use serde_json::json;
 
 use crate::shade::Shade;
-use crate::stage::{Bench, EYE, MAP, axes, camera, map_of, medians, pass};
+use crate::stage::{Bench, EYE, MAP, axes, camera, map_of, medians, pass, way};
 
 /// Texels of the map and pixels of the picture a side.
 const SIDE: u32 = 1024;
@@ -19,11 +18,12 @@ const SIDE: u32 = 1024;
 const SUBDIVISIONS: [u32; 4] = [11, 35, 112, 354];
 
 /// Methods as tables and data name them; the first is counted in none of the others.
-const METHODS: [&str; 5] = [
+const METHODS: [&str; 6] = [
     "the eye's depth, not counted below",
     "volumes of the mesh",
     "of the map, every cell",
-    "of the map, differences 0.0005",
+    "of the map, automatic",
+    "of the map, contours 0.005",
     "lookup",
 ];
 
@@ -50,8 +50,10 @@ pub(crate) fn measure(bench: &Bench, rounds: usize, json: Option<&str>) -> Resul
         ShadowPipelines::new(&bench.gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
     let (map, target, shade) = (bench.target(SIDE, MAP), bench.target(SIDE, EYE), Shade::new(bench, SIDE));
     let group = shade.group(bench, [&target, &map], [&eye, &light]);
-    let mut every = bench.volumes(SIDE, DepthEdges::EveryCell)?;
-    let mut steps = bench.volumes(SIDE, DepthEdges::Differences { threshold: 0.0005 })?;
+    let mut of_maps = Vec::new();
+    for name in ["every cell", "automatic", "contours 0.005"] {
+        of_maps.push(bench.volumes(SIDE, way(name)?)?);
+    }
     for subdivisions in SUBDIVISIONS {
         let sphere = bench.drawn(&shapes::sphere(subdivisions))?;
         let options = ExtractorOptions { max_lights: 1, ..Default::default() };
@@ -77,13 +79,14 @@ pub(crate) fn measure(bench: &Bench, rounds: usize, json: Option<&str>) -> Resul
                 shade.stencil(encoder, &target);
                 Ok(())
             })?;
-            let [every, steps] = [of_map(&mut every)?, of_map(&mut steps)?];
+            let of_maps = of_maps.iter_mut().map(of_map).collect::<Result<Vec<_>, _>>()?;
+            let &[every, automatic, contours] = &of_maps[..] else { return Err("a way is missing".to_owned()) };
             let lookup = bench.clock(|encoder| {
                 Bench::draw_map(encoder, &sphere, &map, &light)?;
                 shade.lookup(encoder, &group);
                 Ok(())
             })?;
-            times.extend((round > 0).then_some([depth, of_mesh, every, steps, lookup]));
+            times.extend((round > 0).then_some([depth, of_mesh, every, automatic, contours, lookup]));
         }
         let cells = medians(&times).map(|time| format!("{time:.1}"));
         println!("| {} | {} |", sphere.mesh.face_count(), cells.join(" | "));

@@ -7,7 +7,7 @@ use rimline_measure::on_gpu::text;
 
 use crate::scenes::{PAPER, RADIUS, scene};
 use crate::shade::Shade;
-use crate::stage::{Bench, Drawn, EYE, MAP, Target, axes, camera, map_of, medians, pass};
+use crate::stage::{Bench, Drawn, EYE, MAP, Target, axes, camera, map_of, medians, pass, way};
 
 const PHASES: [&str; 6] = [
     "light view",
@@ -17,8 +17,7 @@ const PHASES: [&str; 6] = [
     "cap, if drawn (with outlines)",
     "shade",
 ];
-const DETECTORS: [(&str, DepthEdges); 2] =
-    [("every cell", DepthEdges::EveryCell), ("differences 0.02", DepthEdges::Differences { threshold: 0.02 })];
+const SHOWN: [&str; 4] = ["every cell", "automatic", "differences 0.02", "contours 0.005"];
 
 /// What a frame is drawn with.
 struct Frame<'a> {
@@ -77,18 +76,26 @@ pub(crate) fn measure(bench: &Bench, rounds: usize, seed: u64) -> Result<(), Str
             let drawn = &bench.drawn(&scene(number, seed))?;
             let (map, target) = (bench.target(side, MAP), bench.target(side, EYE));
             let frame = Frame { bench, drawn, map, target, shade: Shade::new(bench, side), light, eye };
-            let outlines = DepthMapOptions { edges: DepthEdges::Outlines, skip_near_caps: false, ..Default::default() };
-            let mut outlines = DepthMapVolumes::new(&bench.pipelines, [side; 2], outlines).map_err(text)?;
-            let mut volumes = DETECTORS.map(|(_, edges)| (bench.volumes(side, edges), Vec::new()));
+            let mut volumes = Vec::new();
+            for name in SHOWN {
+                let way = way(name)?;
+                let outlines = DepthMapOptions {
+                    edges: DepthEdges::Outlines,
+                    reconstruction: way.reconstruction,
+                    skip_near_caps: false,
+                    ..Default::default()
+                };
+                let outlines = DepthMapVolumes::new(&bench.pipelines, [side; 2], outlines).map_err(text)?;
+                volumes.push((bench.volumes(side, way)?, outlines, Vec::new()));
+            }
             // One more, in which shaders are compiled.
             for round in 0..=rounds {
-                for (volumes, times) in &mut volumes {
-                    let volumes = volumes.as_mut().map_err(|error| error.clone())?;
-                    let own = frame.times(volumes, &mut outlines)?;
+                for (volumes, outlines, times) in &mut volumes {
+                    let own = frame.times(volumes, outlines)?;
                     times.extend((round > 0).then_some(own));
                 }
             }
-            for ((detector, _), (_, times)) in DETECTORS.iter().zip(&volumes) {
+            for (detector, (_, _, times)) in SHOWN.iter().zip(&volumes) {
                 let medians = medians(times);
                 let cells = medians.map(|time| format!("{time:.2} ({:.2})", time / medians[0]));
                 println!("| {side}² | {name} | {detector} | {} |", cells.join(" | "));

@@ -34,22 +34,22 @@ pub(crate) const DETECTORS: [(&str, Way); 7] = [
     ),
 ];
 
+/// One of the detectors.
+pub(crate) fn way(wanted: &str) -> Result<Way, String> {
+    let found = DETECTORS.into_iter().find(|(name, _)| *name == wanted);
+    found.map(|(_, way)| way).ok_or_else(|| format!("no detector {wanted}"))
+}
+
 /// Edges, and what is built at them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Way {
-    edges: DepthEdges,
+    pub(crate) edges: DepthEdges,
     pub(crate) reconstruction: DepthMapReconstruction,
 }
 
 impl Way {
     const fn triangles(edges: DepthEdges) -> Self {
         Self { edges, reconstruction: DepthMapReconstruction::Triangles }
-    }
-}
-
-impl From<DepthEdges> for Way {
-    fn from(edges: DepthEdges) -> Self {
-        Self::triangles(edges)
     }
 }
 
@@ -145,8 +145,7 @@ impl Bench {
         })
     }
 
-    pub(crate) fn volumes(&self, side: u32, way: impl Into<Way>) -> Result<DepthMapVolumes, String> {
-        let Way { edges, reconstruction } = way.into();
+    pub(crate) fn volumes(&self, side: u32, Way { edges, reconstruction }: Way) -> Result<DepthMapVolumes, String> {
         let options = DepthMapOptions { edges, reconstruction, ..Default::default() };
         DepthMapVolumes::new(&self.pipelines, [side; 2], options).map_err(text)
     }

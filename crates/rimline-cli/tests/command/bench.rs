@@ -439,7 +439,7 @@ fn depth_maps() -> Outcome {
     };
     let method = |name: &str, ms: f64| json!({ "name": name, "ms_of_rounds": [ms, 2.0 * ms, 3.0 * ms] });
     let row = |faces: u64, ms: f64| {
-        let names = ["volumes of the mesh", "of the map, every cell", "lookup", "another"];
+        let names = ["volumes of the mesh", "of the map, automatic", "lookup", "another"];
         let methods: Vec<Value> = (1..).zip(names).map(|(times, name)| method(name, f64::from(times) * ms)).collect();
         json!({ "faces": faces, "methods": methods })
     };

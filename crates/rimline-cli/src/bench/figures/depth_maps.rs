@@ -9,8 +9,12 @@ use crate::page::{Figure, Section, Table};
 pub(super) const AGAINST_MESHES: &str = "depth_maps_against_meshes";
 
 /// Methods that have a curve, as the bench names them, with colour and shape.
-const SHOWN: [(&str, usize, usize); 3] =
-    [("volumes of the mesh", 4, 0), ("of the map, every cell", 0, 1), ("lookup", 2, 3)];
+const SHOWN: [(&str, usize, usize); 4] = [
+    ("volumes of the mesh", 4, 0),
+    ("of the map, automatic", 0, 1),
+    ("of the map, contours 0.005", 1, 2),
+    ("lookup", 2, 3),
+];
 
 pub(in super::super) fn depth_maps(results: &DepthMapResults) -> Section {
     let DepthMapResults { device, size, .. } = results;
@@ -62,7 +66,8 @@ fn against_meshes(results: &DepthMapResults) -> Figure {
         let Some(last) = points.last() else { continue };
         let remark = format!("{} ms", figures(last.y));
         let name = match name {
-            "of the map, every cell" => "volumes of the depth map",
+            "of the map, automatic" => "volumes of the depth map",
+            "of the map, contours 0.005" => "volumes over its contours",
             "lookup" => "lookup in the map",
             name => name,
         };
