@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use rimline::DepthDirection;
 use rimline::gpu::{
     DanglingEdges, DepthEdges, DepthMap, DepthMapCube, DepthMapCubeError, DepthMapOptions, DepthMapPipelines,
-    DepthMapReconstruction, DepthMapVolumes, DepthMapVolumesError, ShadowFormat,
+    DepthMapReconstruction, DepthMapVolumes, DepthMapVolumesError, MemoryError, ShadowFormat,
 };
 use rimline::reference::cpu::{ContourMap, Samples, contour_marks, contour_places, contour_walls};
 use rimline::reference::layout::{ContourShape, DepthMapShape};
@@ -24,6 +24,7 @@ use crate::views::{SIDE, View, worlds};
 
 pub(crate) const TESTS: &[Test] = &[
     ("lists_of_walls_equal_their_twin", lists),
+    ("contours_through_every_cell_equal_their_twin", long),
     ("steep_surfaces_end_before_those_behind", before_those_behind),
     ("walls_are_closed_and_cross_marked_edges_once", closed),
     ("walls_that_overflow_are_those_of_every_cell", overflow),
@@ -89,6 +90,36 @@ impl Fit {
 
 fn far(is_reversed: bool) -> f32 {
     if is_reversed { 0.0 } else { 1.0 }
+}
+
+/// The samples of a tile, of which some are near. A contour winds through nearly all cells.
+const SPIRAL: [&str; 16] = [
+    "................",
+    ".###############",
+    "...............#",
+    ".#############.#",
+    ".#...........#.#",
+    ".#.#########.#.#",
+    ".#.#.......#.#.#",
+    ".#.#.#####.#.#.#",
+    ".#.#.#...#.#.#.#",
+    ".#.#.#.###.#.#.#",
+    ".#.#.#.....#.#.#",
+    ".#.#.#######.#.#",
+    ".#.#.........#.#",
+    ".#.###########.#",
+    ".#.............#",
+    ".###############",
+];
+
+/// Maps with a spiral in each tile: a loop, or joined to its neighbours.
+fn spirals(random: &mut Random, is_loop: bool) -> Map {
+    // The sample 0 of the lattice lies before texel 0.
+    Map::new([142, 110], false, |texel| {
+        let [x, y] = [texel % 142 + 1, texel / 142 + 1].map(|at| (at % 16) as usize);
+        let is_near = SPIRAL[y].as_bytes()[x] == b'#' || (!is_loop && [x, y] == [0, 1]);
+        if is_near { random.between(0.2, 0.4) } else { random.between(0.7, 0.9) }
+    })
 }
 
 /// Bodies with smooth rims over ground or nothing, some behind others.
@@ -476,6 +507,34 @@ fn closed() -> Result<(), String> {
     if marked > 20_000 { Ok(()) } else { Err("too few".to_owned()) }
 }
 
+/// Software Vulkan ends the loops of an invocation after 65,535 turns, so invocations must not have more.
+fn long() -> Result<(), String> {
+    const SEED: u64 = 1646;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let mut random = Random::new(SEED);
+    for is_loop in [false, true] {
+        for (sideways, depth) in [(0.0, 0.0), (0.5, 0.0), (0.5, 0.01), (0.5, 1.0)] {
+            let fit = Fit { threshold: 0.25, sideways, depth, slope_bias: 1.0 };
+            let given = Given::new(&gpu, &spirals(&mut random, is_loop), TextureFormat::R32Float)?;
+            let options = DepthMapOptions { capacity: Some(100_000), ..fit.options() };
+            let mut volumes = DepthMapVolumes::new(&pipelines, given.map.size, options).map_err(text)?;
+            given.encode(&gpu, &mut volumes, None)?;
+            let contour = fit.shape(&given.map, TextureFormat::R32Float, 100_000);
+            let expected = of_twin(&given.map, &given.map.shape(fit.threshold, u32::MAX), &contour, &[]);
+            let found = listed(&volumes, &gpu)?;
+            println!("{} walls of spirals, loops {is_loop}, {fit:?}", found.0);
+            same(&format!("{fit:?}"), &[found.0], &[expected.0])?;
+            same(&format!("{fit:?}"), &found.1, &expected.1)?;
+            if found.0 < 6_000 {
+                return Err(format!("{} walls", found.0));
+            }
+        }
+    }
+    Ok(())
+}
+
 /// A list that overflows is not drawn: every cell is, by its triangles.
 fn overflow() -> Result<(), String> {
     const SEED: u64 = 1643;
@@ -555,6 +614,15 @@ fn refused() -> Result<(), String> {
     }
     let bits = refused(DepthMapOptions { bits: 2, ..options });
     same("bits", &[bits], &[Some(DepthMapVolumesError::ContourBits(2))])?;
+    // Eight bytes for a sample, which one binding holds.
+    let side = gpu.device.limits().max_texture_dimension_2d;
+    let limit = gpu.device.limits().max_storage_buffer_binding_size / 256 * 256;
+    match DepthMapVolumes::new(&pipelines, [side; 2], options).err() {
+        Some(DepthMapVolumesError::Memory(MemoryError::Binding { bytes, limit: told, .. }))
+            if told == limit && bytes > limit => {}
+        None if 4 * (u64::from(side) + 2).pow(2) <= limit => {}
+        other => return Err(format!("{side}²: {other:?}")),
+    }
     let dangling = refused(DepthMapOptions { dangling: Some(DanglingEdges::default()), ..options });
     same("dangling", &[dangling], &[Some(DepthMapVolumesError::ContourDangling)])?;
     if !matches!(

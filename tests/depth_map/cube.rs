@@ -458,6 +458,7 @@ fn refused() -> Result<(), String> {
         with(1, lost),
         made(most, right(place, 0.1, most)?),
         made(20_000, cameras),
+        made(u32::MAX, cameras),
     ];
     let expected = [
         None,
@@ -473,6 +474,7 @@ fn refused() -> Result<(), String> {
         Some(DepthMapCubeError::Light { face: 1, error: rimline::CameraError::Singular }),
         Some(DepthMapCubeError::Volumes(too_large)),
         Some(DepthMapCubeError::Cells(20_000)),
+        Some(DepthMapCubeError::Cells(u32::MAX)),
     ];
     same("cubes", &found, &expected)?;
     cameras_refused()?;

@@ -1,7 +1,7 @@
 //! Near caps that are left out: pictures do not change, and what the GPU tells is what its twin tells.
 
 use bytemuck::Zeroable;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rimline::gpu::{
     DepthEdges, DepthMap, DepthMapCube, DepthMapNearCap, DepthMapOptions, DepthMapPipelines, DepthMapReconstruction,
     DepthMapVolumes, ShadowFormat,
@@ -26,6 +26,7 @@ use crate::textures::{depth_view, read, texture};
 
 pub(crate) const TESTS: &[Test] = &[
     ("near_caps_that_are_left_out_change_no_picture", of_maps),
+    ("near_caps_beyond_the_far_plane_are_drawn", beyond),
     ("near_caps_of_cubes_that_are_left_out_change_no_picture", of_cubes),
 ];
 
@@ -93,6 +94,48 @@ fn look(random: &mut Random, place: f64) -> (ShadowCamera, Vec<f32>) {
     let pixel = |at: u32| DVec2::new(f64::from(at % SIDE) + 0.5, f64::from(at / SIDE) + 0.5);
     let depths = (0..SIDE * SIDE).map(|at| device_depth(&eye, seen(pixel(at)).1)).collect();
     (eye, depths)
+}
+
+/// Eyes farther away than any depth of the map. Far is no surface, but a map may clamp to it what is behind: all is drawn.
+fn beyond() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let mut made = Made::default();
+    let map = Map::new([9, 9], false, |_| 0.5);
+    let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
+    let place = DVec3::new(0.5, 1.0, -2.0);
+    let forward = DVec3::new(0.0, 0.0, 1.0);
+    for (depth, is_parallel) in
+        [DepthDirection::Standard, DepthDirection::Reversed].map(|way| [(way, true), (way, false)]).concat()
+    {
+        let half_width = is_parallel.then_some(2.0);
+        let light = Eye { place, forward, near: 0.5, is_relative: true, depth, far: Some(2.5), half_width }.camera();
+        let pipelines = made.get(&gpu, depth, 1)?;
+        for along in [0.6, 2.0, 2.6, 4.5, 8.0, 8.9, 1e5] {
+            let eye = Eye {
+                place: place + along * forward,
+                forward,
+                near: 1e-3,
+                is_relative: true,
+                depth,
+                far: None,
+                half_width: None,
+            };
+            let mut volumes = DepthMapVolumes::new(pipelines, map.size, DepthMapOptions::default()).map_err(text)?;
+            let mut cap = DepthMapNearCap::Lit;
+            let given = DepthMap { texture: &depth_view(&texture), light };
+            gpu.submit(|encoder| {
+                cap = volumes.encode(encoder, &given, &eye.camera(), None).map_err(text)?.near_cap().clone();
+                Ok(())
+            })?;
+            let is_drawn = match &cap {
+                DepthMapNearCap::Lit => false,
+                DepthMapNearCap::Told(draw) => gpu.read::<u32>(draw, 1)? == [3],
+                DepthMapNearCap::Drawn => true,
+            };
+            same(&format!("{depth:?}, parallel {is_parallel}, {along} away"), &[is_drawn], &[along > 1.0])?;
+        }
+    }
+    Ok(())
 }
 
 fn of_maps() -> Result<(), String> {

@@ -33,6 +33,20 @@ fn is_behind_depth(own: f32, depth: f32) -> bool {
   return select(own > depth, own < depth, depth_map.is_reversed != 0u);
 }
 
+// Whether a quadrilateral may be at a place of the cell.
+fn may_be_in(quad: u32, cell: vec2<i32>) -> bool {
+  let first = 4u + 12u * quad;
+  var low = vec2<u32>(cells[first], cells[first + 1u]);
+  var high = low;
+  for (var word = first + 3u; word < first + 12u; word += 3u) {
+    let own = vec2<u32>(cells[word], cells[word + 1u]);
+    low = min(low, own);
+    high = max(high, own);
+  }
+  let from_cell = vec4<i32>(vec4<u32>(low, high)) - (cell * TEXEL).xyxy;
+  return all(from_cell.xy <= vec2<i32>(TEXEL)) && all(from_cell.zw >= vec2<i32>(0));
+}
+
 // Whether a triangle of a flap is at the place, and the place is behind it, and not behind the surface, or the other way round.
 fn triangle_changes(a: FlapVertex, b: FlapVertex, c: FlapVertex, depth: f32, is_behind: bool) -> bool {
   // No place is in a wall.
@@ -82,6 +96,9 @@ fn flaps_change(cell: vec2<i32>, part: vec2<f32>, depth: f32, is_behind: bool) -
         end = counts[number + 1u];
       }
       for (var quad = counts[number]; quad < end; quad++) {
+        if (!may_be_in(quad, cell)) {
+          continue;
+        }
         let a = flap_vertex(quad, 0u, cell, part);
         let c = flap_vertex(quad, 2u, cell, part);
         for (var half = 0u; half < 2u; half++) {

@@ -18,7 +18,7 @@ override LISTS: bool = false;
 // Cells of each invocation of a tile.
 const WALKER_CELLS: u32 = 4u;
 const TILE_CELLS: u32 = 256u;
-// Nodes that a segment may have.
+// Nodes that a segment may have. A power of two.
 const WINDOW: u32 = 32u;
 // Nodes that a segment is tried to reach beyond the last that it fits.
 const TRIES: u32 = 8u;
@@ -40,7 +40,7 @@ const EDGE: u32 = 1u;
 const LEFT_STAR: u32 = 2u;
 const ENTERED_STAR: u32 = 3u;
 
-// The last nodes of a walk. x and y: the place. z and w: the distances of the surfaces on the left and right.
+// The last nodes of a walk, in a ring. x and y: the place. z and w: the distances of the surfaces on the left and right.
 var<private> ends: array<vec4<i32>, WINDOW>;
 // x and y: what a segment may not pass on the left. z and w: on the right.
 var<private> limits: array<vec4<i32>, WINDOW>;
@@ -49,8 +49,15 @@ var<private> limits: array<vec4<i32>, WINDOW>;
 var<private> inners: array<vec4<i32>, WINDOW>;
 // The first sample of an edge, and its axis. 2: the cell of a star. w: the distance of the nearer surface, as it goes on.
 var<private> edges: array<vec4<i32>, WINDOW>;
+// Where the first node of the window is.
+var<private> head: u32;
 // The next wall's place in the list, and walls so far.
 var<private> place: u32;
+
+// Where a node of the window is.
+fn slot(node: u32) -> u32 {
+  return (head + node) & (WINDOW - 1u);
+}
 
 fn cross_product(a: vec2<i32>, b: vec2<i32>) -> i32 {
   return a.x * b.y - a.y * b.x;
@@ -144,6 +151,7 @@ fn next_copy(edge: vec3<i32>, here: i32, to: i32) -> i32 {
 
 // Puts a node at the end of the window.
 fn add_node(count: u32, kind: u32, step: Step) {
+  let at = slot(count);
   let is_edge = kind == EDGE;
   let first = edge_of_cell(step.cell, step.bit);
   let axis = step.bit & 1u;
@@ -153,9 +161,9 @@ fn add_node(count: u32, kind: u32, step: Step) {
     for (var side = 0u; side < 2u; side++) {
       own[side] = middle_distance(step.cell, code, step.bit + side);
     }
-    ends[count] = vec4<i32>(step.cell * TEXEL + TEXEL / 2, select(own, own.yx, kind == ENTERED_STAR));
-    edges[count] = vec4<i32>(step.cell, 2, 0);
-    inners[count] = vec4<i32>(0, 0, 0, 2);
+    ends[at] = vec4<i32>(step.cell * TEXEL + TEXEL / 2, select(own, own.yx, kind == ENTERED_STAR));
+    edges[at] = vec4<i32>(step.cell, 2, 0);
+    inners[at] = vec4<i32>(0, 0, 0, 2);
     return;
   }
   let lattice = i32(depth_map.size.x) + 2;
@@ -181,11 +189,11 @@ fn add_node(count: u32, kind: u32, step: Step) {
   // It ends before the other one.
   let nearer = u32(is_right);
   own[nearer] = min(own[nearer], own[1u - nearer]);
-  ends[count] = vec4<i32>(left * TEXEL + along * of_left, own);
+  ends[at] = vec4<i32>(left * TEXEL + along * of_left, own);
   let near = clamp(of_left - contour.sideways, LEAST, TEXEL - LEAST);
   let far = clamp(of_left + contour.sideways, LEAST, TEXEL - LEAST);
-  limits[count] = vec4<i32>(left * TEXEL + along * near, left * TEXEL + along * far);
-  edges[count] = vec4<i32>(first, i32(axis), goes_on);
+  limits[at] = vec4<i32>(left * TEXEL + along * near, left * TEXEL + along * far);
+  edges[at] = vec4<i32>(first, i32(axis), goes_on);
   var sample = select(left, right, is_right);
   // The surface goes on to the sample before.
   let out = select(along, -along, is_right);
@@ -193,7 +201,7 @@ fn add_node(count: u32, kind: u32, step: Step) {
   if (((marks_at(min(sample, before)) >> axis) & 1u) == 0u) {
     sample = before;
   }
-  inners[count] = vec4<i32>(sample * TEXEL, moved_distance(sample), select(0, 1, is_right));
+  inners[at] = vec4<i32>(sample * TEXEL, moved_distance(sample), select(0, 1, is_right));
 }
 
 // Whether the second of three distances is on the line between the others, but for the tolerance.
@@ -209,28 +217,30 @@ fn is_near(first: i32, own: i32, last: i32, gone: i32, length: i32) -> bool {
 
 // The distances of the surfaces on the left and right of a node, as they go on.
 fn surfaces_of(node: u32) -> vec2<i32> {
-  var own = ends[node].zw;
-  if (inners[node].w < 2) {
-    own[inners[node].w] = edges[node].w;
+  let at = slot(node);
+  var own = ends[at].zw;
+  if (inners[at].w < 2) {
+    own[inners[at].w] = edges[at].w;
   }
   return own;
 }
 
 // Whether a segment from the first node of the window to another is near enough to those between them.
 fn fits(last: u32) -> bool {
-  let start = ends[0];
-  let way = ends[last].xy - start.xy;
+  let start = ends[head];
+  let way = ends[slot(last)].xy - start.xy;
   let axis = select(0u, 1u, abs(way.y) > abs(way.x));
   let length = abs(way[axis]);
   let first_surfaces = surfaces_of(0u);
   let last_surfaces = surfaces_of(last);
   for (var node = 1u; node < last; node++) {
-    let left = limits[node].xy - start.xy;
-    let right = limits[node].zw - start.xy;
+    let at = slot(node);
+    let left = limits[at].xy - start.xy;
+    let right = limits[at].zw - start.xy;
     let passes = cross_product(left, right) > 0 && cross_product(left, way) >= 0 && cross_product(way, right) >= 0
       && cross_product(left - way, right - way) <= 0;
     let own = surfaces_of(node);
-    let gone = clamp((ends[node][axis] - start[axis]) * sign(way[axis]), 0, length);
+    let gone = clamp((ends[at][axis] - start[axis]) * sign(way[axis]), 0, length);
     if (!passes || !is_near(first_surfaces.x, own.x, last_surfaces.x, gone, length)
       || !is_near(first_surfaces.y, own.y, last_surfaces.y, gone, length)) {
       return false;
@@ -255,8 +265,9 @@ fn add_wall(p: vec3<i32>, q: vec3<i32>, r: vec3<i32>, s: vec3<i32>) {
 // Lists the walls over the segment to a node of the window. Where surfaces meet in a star, it has a wall between each two that
 // follow each other. A flap joins it to the samples of the nearer surface.
 fn add_walls(last: u32) {
-  let a = ends[0];
-  let b = ends[last];
+  let end = slot(last);
+  let a = ends[head];
+  let b = ends[end];
   // The pairs of distances at both ends that a wall has: the first of both, then those of one end with the other's last.
   var at_a = vec2<i32>(a.z, a.z);
   var at_b = vec2<i32>(b.z, b.z);
@@ -267,28 +278,30 @@ fn add_walls(last: u32) {
     if (!is_first && moves_b && at_b.y == b.w) {
       break;
     }
-    at_a = select(at_a.yy, vec2<i32>(at_a.y, next_copy(edges[0].xyz, at_a.y, a.w)), moves_a);
-    at_b = select(at_b.yy, vec2<i32>(at_b.y, next_copy(edges[last].xyz, at_b.y, b.w)), moves_b);
+    at_a = select(at_a.yy, vec2<i32>(at_a.y, next_copy(edges[head].xyz, at_a.y, a.w)), moves_a);
+    at_b = select(at_b.yy, vec2<i32>(at_b.y, next_copy(edges[end].xyz, at_b.y, b.w)), moves_b);
     add_wall(vec3<i32>(a.xy, at_a.x), vec3<i32>(a.xy, at_a.y), vec3<i32>(b.xy, at_b.y), vec3<i32>(b.xy, at_b.x));
   }
   for (var side = 0; side < 2; side++) {
-    let has_a = inners[0].w == side;
-    let has_b = inners[last].w == side;
+    let has_a = inners[head].w == side;
+    let has_b = inners[end].w == side;
     if (has_a || has_b) {
       let of_a = vec3<i32>(a.xy, a[2 + side]);
       let of_b = vec3<i32>(b.xy, b[2 + side]);
-      add_wall(select(of_a, inners[0].xyz, has_a), of_a, of_b, select(of_b, inners[last].xyz, has_b));
+      add_wall(select(of_a, inners[head].xyz, has_a), of_a, of_b, select(of_b, inners[end].xyz, has_b));
     }
   }
 }
 
 // Moves the places on edges between the ends of a segment onto it.
 fn move_places(last: u32) {
-  let start = ends[0].xy;
+  let start = ends[head].xy;
+  let end = ends[slot(last)].xy;
   for (var node = 1u; node < last; node++) {
-    let first = edges[node].xy;
-    let axis = u32(edges[node].z);
-    var way = ends[last].xy - start;
+    let edge = edges[slot(node)];
+    let first = edge.xy;
+    let axis = u32(edge.z);
+    var way = end - start;
     way = select(way, -way, way[1u - axis] < 0);
     let by = max(way[1u - axis], 1);
     let number = way[axis] * (first[1u - axis] * TEXEL - start[1u - axis]);
@@ -343,13 +356,8 @@ fn trace(start_kind: u32, start: Step, first: Step, is_loop: bool) {
     if (LISTS) {
       move_places(best);
     }
+    head = slot(best);
     count -= best;
-    for (var node = 0u; node < count; node++) {
-      ends[node] = ends[node + best];
-      limits[node] = limits[node + best];
-      inners[node] = inners[node + best];
-      edges[node] = edges[node + best];
-    }
     if (count == 1u && kind == NOTHING) {
       break;
     }

@@ -27,7 +27,7 @@ pub enum MemoryError {
         /// `max_buffer_size` of the device.
         limit: u64,
     },
-    /// The share of a single workgroup does not fit one binding.
+    /// What has to be bound at once, such as the share of a single workgroup, does not fit one binding.
     #[error("{what} needs {bytes} bytes in one binding, and the device allows {limit}; request a larger limit")]
     Binding {
         /// The array that is bound.
@@ -86,6 +86,17 @@ pub(crate) fn check(
         return Err(MemoryError::Total { bytes, limit, largest });
     }
     Ok(bytes)
+}
+
+/// Checks the sizes of arrays that are bound as a whole.
+pub(crate) fn check_bindings<'a>(
+    allocations: impl IntoIterator<Item = &'a Allocation>,
+    limit: u64,
+) -> Result<(), MemoryError> {
+    match allocations.into_iter().find(|allocation| allocation.bytes > limit) {
+        Some(&Allocation { label, bytes }) => Err(MemoryError::Binding { what: label, bytes, limit }),
+        None => Ok(()),
+    }
 }
 
 /// Runs `make`, which makes buffers of `bytes` in all. Running out of memory is an error.

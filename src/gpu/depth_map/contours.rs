@@ -13,8 +13,9 @@ use crate::stages::{CONTOUR_MARKS, CONTOUR_PLACES, CONTOUR_TILES, CONTOUR_WALLS}
 /// Cells along the side of a tile, and invocations that walk in it.
 const TILE: u32 = 16;
 const WALKERS: u64 = 64;
-/// Tiles for each workgroup that walks, if contours cross all.
-const TILES_OF_EACH: u64 = 8;
+/// Tiles for each workgroup that walks, if contours cross all. A tile takes an invocation up to some 13,000 turns of loops:
+/// ARCHITECTURE.md, "Limits of devices".
+const TILES_OF_EACH: u64 = 4;
 /// Samples that a word has marks for.
 const WORD_SAMPLES: u32 = 16;
 /// Words before the list of walls, and of a wall.
@@ -126,6 +127,10 @@ impl Contours {
         objects: bool,
     ) -> Result<Self, DepthMapVolumesError> {
         let shared = pipelines.shared();
+        // Here rather than in a draw, which would wait for the compiler.
+        if !pipelines.is_counting() {
+            pipelines.walls()?;
+        }
         let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let usages = [storage, storage, storage, storage, storage | wgpu::BufferUsages::INDIRECT];

@@ -93,7 +93,7 @@ impl DepthMapCube {
         if options.bits > 1 {
             return Err(DepthMapCubeError::Bits(options.bits));
         }
-        let cells = 6 * u64::from(side - 1).pow(2);
+        let cells = u64::from(side - 1).pow(2).saturating_mul(6);
         if cells > MOST_CELLS {
             return Err(DepthMapCubeError::Cells(side));
         }

@@ -74,7 +74,7 @@ impl DepthMapFrame {
     ) -> Result<(), DepthMapDrawError> {
         self.check(pipelines)?;
         if let (true, [group, ..]) = (self.has_walls, &self.groups[..]) {
-            let own = pipelines.walls();
+            let own = pipelines.walls()?;
             pass.set_bind_group(0, group, &[]);
             pass.set_pipeline(&own.walls);
             pass.draw_indirect(&self.draws, 0);

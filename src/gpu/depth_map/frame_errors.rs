@@ -176,7 +176,7 @@ pub enum DepthMapEncodeError {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DepthMapDrawError {
-    /// The pipelines are of another device.
+    /// The pipelines are of another device, or it refuses those of walls, which are made when volumes first need them.
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// The depth directions of volumes and pipelines differ.

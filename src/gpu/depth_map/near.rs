@@ -173,16 +173,18 @@ fn limit(farthest: f64, depth: DepthDirection) -> Limit {
             if limit < 0.0 {
                 return Limit::BeforeAll;
             }
+            if limit >= 1.0 - BEHIND || limit.is_nan() {
+                return Limit::Unknown;
+            }
             let key = (limit as f32).to_bits() + 1;
-            let distance = (limit * RANGE) as i32 + DISTANCE_SLACK;
-            if limit < 1.0 - BEHIND { Limit::Behind { key, distance } } else { Limit::Unknown }
+            Limit::Behind { key, distance: (limit * RANGE) as i32 + DISTANCE_SLACK }
         }
         DepthDirection::Reversed => {
             let limit = farthest - BEHIND * farthest.abs();
             if limit > 1.0 {
                 return Limit::BeforeAll;
             }
-            if limit < 2.0 * f64::from(f32::MIN_POSITIVE) {
+            if limit < 2.0 * f64::from(f32::MIN_POSITIVE) || limit.is_nan() {
                 return Limit::Unknown;
             }
             let key = one - ((limit as f32).to_bits() - 1);

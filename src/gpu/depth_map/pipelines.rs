@@ -9,7 +9,7 @@ use super::volumes_errors::DepthMapPipelinesError;
 use crate::gpu::common::bindings::{FLOAT_TEXTURE, UINT_TEXTURE};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
-use crate::gpu::common::requirements::{Subject, check_sample_shading};
+use crate::gpu::common::requirements::{DeviceError, Subject, check_sample_shading};
 use crate::gpu::shadow::format::{Casters, Count};
 use crate::gpu::shadow::pipelines::{check, check_count_bits, stencil};
 use crate::gpu::shadow::{ShadowFormat, ShadowFormatError};
@@ -27,7 +27,7 @@ pub struct DepthMapPipelines {
     is_counting: bool,
     /// For each bit, or for the count.
     pub(super) draws: Vec<BitPipelines>,
-    /// Made when volumes with walls first need them.
+    /// Made with the first volumes that have walls, or for the first draw of others' volumes.
     walls: OnceLock<WallPipelines>,
 }
 
@@ -173,8 +173,11 @@ impl DepthMapPipelines {
     }
 
     /// The pipelines of walls.
-    pub(super) fn walls(&self) -> &WallPipelines {
-        self.walls.get_or_init(|| {
+    pub(super) fn walls(&self) -> Result<&WallPipelines, DeviceError> {
+        if let Some(made) = self.walls.get() {
+            return Ok(made);
+        }
+        let made = any_error(self.shared.device(), || {
             let layout = wall_layout(&self.shared);
             let compare = nearer(&self.format);
             let make = |entry_points, compare| {
@@ -185,7 +188,9 @@ impl DepthMapPipelines {
                 surface: make([SURFACE, NOTHING], compare),
                 near_cap: make([NEAR_CAP, BEHIND_CONTOURS], CompareFunction::Always),
             }
-        })
+        });
+        let made = made.map_err(|message| DeviceError::Refused { message })?;
+        Ok(self.walls.get_or_init(|| made))
     }
 
     pub(super) fn shared(&self) -> &Pipelines {

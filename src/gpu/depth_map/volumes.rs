@@ -16,7 +16,7 @@ use super::view::{Placing, depth_map_view};
 use super::volumes_errors::DepthMapVolumesError;
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, buffer, check, guarded};
+use crate::gpu::common::memory::{Allocation, buffer, check, check_bindings, guarded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::requirements::{Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
@@ -182,12 +182,10 @@ impl DepthMapVolumes {
             Allocation { label: "depth cells", bytes: 4 + 4 * u64::from(listed) },
             Allocation { label: "draws of depth cells", bytes: 16 },
         ];
-        check(&allocations[..1], limits.binding, None)?;
         let further = detector.map(|detector| detector.allocations());
-        check(further.as_ref().map_or(&[], |further| &further[..]), limits.binding, None)?;
         let of_contours = contours.as_ref().map_or(&[][..], |plan| &plan.allocations);
-        check(of_contours, limits.binding, None)?;
         let all: Vec<_> = allocations.iter().chain(further.iter().flatten()).chain(of_contours).copied().collect();
+        check_bindings(&all, limits.binding)?;
         check(&all, limits.buffer, None)?;
         // Textures have limits of their own.
         check(&[&all[..], textures].concat(), u64::MAX, memory_limit)?;
