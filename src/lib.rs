@@ -16,7 +16,8 @@
 //!   and light.
 //! * [`gpu::Scene`]: the same for many casters and lights together.
 //! * [`gpu::DepthMapVolumes`]: stencil shadows of what has no mesh, rebuilt from the depth map of a light. [`gpu::DepthMapCube`]
-//!   takes six maps around a light, [`gpu::DepthMapMerge`] makes two maps one, and [`gpu::MeshDepth`] draws a mesh into a map.
+//!   takes six maps around a light, [`gpu::DepthMapMerge`] makes two maps one, [`gpu::DepthMapConversion`]
+//!   takes distances, and [`gpu::MeshDepth`] and [`gpu::SceneDepth`] draw a mesh or a scene into a map.
 //! * [`gpu::DepthMapCasters`]: such maps as casters of a scene, beside its meshes.
 //! * [`gpu::ShadowQuery`]: counts the faces between points and lights.
 //! * [`AreaLight`]: samples lights that have an area. The samples share one extraction.

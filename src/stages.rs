@@ -606,8 +606,8 @@ pub const STAGES: [Stage; 50] = [
     DEPTH_EDGES,
     DEPTH_CELLS,
     CONTOUR_MARKS,
-    CONTOUR_PLACES,
     CONTOUR_TILES,
+    CONTOUR_PLACES,
     CONTOUR_WALLS,
 ];
 

@@ -228,15 +228,16 @@ fn grazing() -> Result<(), String> {
     }
 }
 
-/// Bodies on a ground around a light, every cell, against rays to the light.
+/// Bodies on a ground around a light, against rays to the light: every cell, and the default detector.
 fn of_cubes() -> Result<(), String> {
     const SEED: u64 = 16_403;
     const TEXELS: u32 = 48;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
     let mut random = Random::new(SEED);
-    // Lit and dark ones, those at borders and at folds, wrong ones; and wrong ones with maps that are exchanged.
-    let [mut lit, mut dark, mut borders, mut folds, mut wrong, mut exchanged] = [0; 6];
+    // Lit and dark ones; those wrong at borders and at folds with every cell, wrong ones elsewhere with it and with the default;
+    // and wrong ones with maps that are exchanged.
+    let ([mut lit, mut dark, mut borders, mut folds, mut exchanged], mut wrong) = ([0; 5], [0; 2]);
     for round in 0..if is_long() { 6 } else { 1 } {
         for (number, world) in worlds(&mut random).iter().enumerate() {
             if !is_long() && ![1, 2, 3].contains(&number) {
@@ -281,14 +282,16 @@ fn of_cubes() -> Result<(), String> {
                 seen.iter().map(|seen| seen.map_or(0.0, |(place, _)| device_depth(&eye, place))).collect();
             let format = ShadowFormat { depth: eye_depth, ..Default::default() };
             let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
-            let draw = |order: [usize; 6]| {
-                let options = DepthMapOptions::default();
+            let draw = |order: [usize; 6], edges| {
+                let options = DepthMapOptions { edges, ..Default::default() };
                 let mut volumes = DepthMapCube::new(&pipelines, TEXELS, &cameras, options).map_err(text)?;
                 stencil_of(&gpu, &pipelines, (SIDE, &depths), |encoder| {
                     volumes.encode(encoder, order.map(|face| Some(&views[face])), &eye, None).map_err(text)
                 })
             };
-            let (stencil, other) = (draw([0, 1, 2, 3, 4, 5])?, draw([1, 0, 2, 3, 5, 4])?);
+            let order = [0, 1, 2, 3, 4, 5];
+            let stencils = [draw(order, DepthEdges::EveryCell)?, draw(order, DepthEdges::Automatic)?];
+            let other = draw([1, 0, 2, 3, 5, 4], DepthEdges::EveryCell)?;
             for (pixel, seen) in seen.iter().enumerate() {
                 let Some(seen) = *seen else { continue };
                 // The map whose axis is nearest to the way to the place.
@@ -303,14 +306,15 @@ fn of_cubes() -> Result<(), String> {
                 *(if is_lit { &mut lit } else { &mut dark }) += 1;
                 let is_wrong = |stencil: &[u8]| (stencil[pixel] == 0) != is_lit;
                 exchanged += usize::from(is_wrong(&other));
-                if !is_wrong(&stencil) {
+                let are_wrong = stencils.each_ref().map(|stencil| is_wrong(stencil));
+                if are_wrong == [false; 2] {
                     continue;
                 }
                 match what_is_near((world, &sun), (&light_rays[face], TEXELS), 1.0, seen) {
-                    Near::Border => borders += 1,
-                    Near::Fold => folds += 1,
+                    Near::Border => borders += usize::from(are_wrong[0]),
+                    Near::Fold => folds += usize::from(are_wrong[0]),
                     Near::Nothing => {
-                        wrong += 1;
+                        wrong = [0, 1].map(|at: usize| wrong[at] + usize::from(are_wrong[at]));
                         println!("world {number}, round {round}, pixel {pixel}: {seen:?}, lit {is_lit}, light {light}");
                     }
                 }
@@ -318,11 +322,11 @@ fn of_cubes() -> Result<(), String> {
         }
     }
     println!(
-        "{lit} lit, {dark} dark; {borders} wrong at borders, {folds} at folds, {wrong} elsewhere; exchanged {exchanged}"
+        "{lit} lit, {dark} dark; {borders} wrong at borders, {folds} at folds, {wrong:?} elsewhere; exchanged {exchanged}"
     );
-    if wrong == 0 && lit > 1500 && dark > 150 && (borders + folds) * 10 < lit + dark && exchanged > 300 {
+    if wrong == [0; 2] && lit > 1500 && dark > 150 && (borders + folds) * 10 < lit + dark && exchanged > 300 {
         Ok(())
     } else {
-        Err(format!("{wrong} wrong"))
+        Err(format!("{wrong:?} wrong"))
     }
 }

@@ -77,7 +77,7 @@ impl Drop for Submission {
 /// #     camera: ShadowCamera,
 /// #     mut light_pass: impl FnMut(LightHandle) -> wgpu::RenderPass<'static>,
 /// # ) -> Result<(), Box<dyn std::error::Error>> {
-/// // Once, for a map of a light of the scene:
+/// // `counting` and the scene have a `count_bits` of 7, and `parity` draws into bit 7. Once, for a map of a light of the scene:
 /// let mut maps = DepthMapCasters::new(scene, DepthMapCastersOptions::default());
 /// let volumes = DepthMapVolumes::new(parity, [512, 512], DepthMapOptions::default())?;
 /// let caster = DepthMapCaster { light, texture: depth, objects: None, camera: at_light, version: Some(version) };

@@ -28,6 +28,9 @@ use crate::stages::DEPTH_CUBE;
 /// rays. Where their depths differ, the nearest is taken for all. A map sees slightly more than 90°: [`Self::cameras`] makes
 /// cameras that do.
 ///
+/// Each map is an upright picture of its camera, with row 0 at the top. The faces of cube textures of graphics APIs are mirrored or
+/// turned against it, so draw each map with its camera of [`Self::cameras`].
+///
 /// A map that is not there casts nothing, and shadows of the others end at its edges, as at the border of a single map.
 #[derive(Debug)]
 pub struct DepthMapCube {

@@ -18,9 +18,9 @@ use crate::shadow::DepthDirection;
 /// that their device depth rounds to that of the far end cast nothing, as in any map of device depths; reversed depth has none
 /// such.
 ///
-/// A distance is taken to be right to one unit in its last place. What a caller's own errors add to this, such as the step at
-/// which a ray is stopped, is to be taken off the distance's nearer side, or added to it: a boundary that is nearer to the light
-/// than the surface shows as specks of shadow on it.
+/// A distance is taken to be right to one unit in its last place. Add to it by how much a caller's own errors may make it too
+/// short, such as the tolerance at which a marched ray stops before a surface: a boundary that is nearer to the light than the
+/// surface shows as specks of shadow on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum DepthMetric {

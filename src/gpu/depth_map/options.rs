@@ -33,7 +33,7 @@ pub enum DepthEdges {
     /// triangles, but where two surfaces are nearer to each other than that, as seen from the light, an edge of a shadow is
     /// missed. One missed edge can turn light and shadow round along all rays through the gap, in streaks. A threshold above the
     /// depth differences of steep surfaces has the same effect. Take it small: 0.0005 was right for scenes some ten metres
-    /// across.
+    /// across. But on slanted planes that leaves out few cells, so [`Self::Automatic`] has fewer triangles there.
     Differences {
         /// In device depth, from 0 to 1. It is compared exactly. In a perspective map a step in device depth is larger in the
         /// world the farther away it is.
@@ -123,7 +123,8 @@ pub enum DepthMapReconstruction {
     /// of 1. Within two texels of a rim, a near rectangle that is no farther than `depth` from a surface may be told wrongly
     /// (NUMERICS.md, "Near caps"). Finding contours takes about ten times as long as finding cells on a software device.
     ///
-    /// Maps of a cube, more than one bit, and edges that are continued take triangles.
+    /// Maps of a cube, more than one bit, pipelines that count, and edges that are continued are refused with contours. Maps may
+    /// have as many texels as a storage binding has words: up to 5,790² with default limits.
     Contours {
         /// How far a segment may be from the places that are found for the contour, in texels, from 0 to 0.5. It has each sample
         /// on its own side in any case. 0.1 is a good choice.
@@ -144,8 +145,8 @@ pub struct DepthMapOptions {
     /// [`DepthMapVolumes::encode_objects`](crate::gpu::DepthMapVolumes::encode_objects). [`DepthEdges::EveryCell`] takes all
     /// edges already, and is refused with it. This needs no threshold, and finds contacts such as a foot on the ground. With
     /// [`DepthEdges::Outlines`], shadows that an object casts onto itself are missed, and light and shadow are turned round along
-    /// rays through the gaps. Steep sides of objects are left out, so take a `slope_bias` of 0: moved by their slope, they would
-    /// leave the object behind, and rays would pass through the gap.
+    /// rays through the gaps. Steep sides of objects are left out then, so take a `slope_bias` of 0 with outlines: moved by their
+    /// slope, they would leave the object behind, and rays would pass through the gap. Other detectors keep a bias of 1.
     pub objects: bool,
     /// How the boundary is rebuilt.
     pub reconstruction: DepthMapReconstruction,
@@ -157,8 +158,8 @@ pub struct DepthMapOptions {
     pub dangling: Option<DanglingEdges>,
     /// Cells that the list has room for. `None`: every cell, or as many as fit one binding. If more are found, every cell is
     /// drawn, and the vertex shader decides again: slower, never wrong, and
-    /// [`DepthMapFrame::statistics`](crate::gpu::DepthMapFrame::statistics) tells. With contours, walls that the list has room
-    /// for. `None`: a fourth of the cells.
+    /// [`DepthMapFrame::statistics`](crate::gpu::DepthMapFrame::statistics) tells. With contours, walls and flaps that the list
+    /// has room for. `None`: a fourth of the cells, and at least 1,024.
     pub capacity: Option<u32>,
     /// How far the boundary moves away from the light where it slopes: in multiples of the depth difference over half a
     /// texel in each direction. 1 covers what a surface can deviate from the triangles between the samples while its slope

@@ -207,7 +207,8 @@ impl DepthMapPipelines {
         self.bits.clone()
     }
 
-    /// The share of the bits that say light, from 0 to 1, in the stencil of a pixel; 0 or 1 for a count. In WGSL, of a texture of
+    /// The share of the bits that say light, from 0 to 1, in the stencil of a pixel; 0 or 1 for a count. A test of the stencil tells
+    /// no shares, so light is to be added by a later pass that reads the stencil as a texture. In WGSL, of a texture of
     /// the stencil aspect and with `mask` for the bits: `1.0 - f32(countOneBits(textureLoad(stencil, pixel, 0).x & mask)) /
     /// f32(countOneBits(mask))`.
     pub fn lit_share(&self, stencil: u8) -> f32 {

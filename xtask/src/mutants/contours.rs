@@ -56,6 +56,15 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: WALLS,
     },
     Mutation {
+        name: "contours: an invocation has too many tiles for software Vulkan",
+        changes: &[(
+            "src/gpu/depth_map/contours.rs",
+            "const TILES_OF_EACH: u64 = 4;",
+            "const TILES_OF_EACH: u64 = 16;",
+        )],
+        tests: &["--test depth_map_gpu contours_through_every_cell"],
+    },
+    Mutation {
         name: "contours: segments may pass a sample",
         changes: &[
             (

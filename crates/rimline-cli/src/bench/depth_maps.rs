@@ -18,11 +18,16 @@ pub(crate) struct DepthMapResults {
     pub(crate) rows: Vec<DepthMapRow>,
 }
 
+/// Methods by their names, with milliseconds of each round.
+pub(crate) struct Times(Vec<(String, Vec<f64>)>);
+
 /// One caster.
 pub(crate) struct DepthMapRow {
     pub(crate) faces: u64,
-    /// Methods by their names, with milliseconds of each round.
-    pub(crate) methods: Vec<(String, Vec<f64>)>,
+    /// A frame's shadows.
+    pub(crate) frames: Times,
+    /// What of them draws into the stencil.
+    pub(crate) stencil_passes: Times,
 }
 
 impl DepthMapResults {
@@ -52,7 +57,7 @@ impl DepthMapResults {
     }
 }
 
-impl DepthMapRow {
+impl Times {
     fn of(data: &Value) -> Option<Self> {
         let method = |method: &Value| {
             let rounds = method["ms_of_rounds"].as_array()?.iter().map(Value::as_f64).collect::<Option<Vec<_>>>()?;
@@ -60,20 +65,34 @@ impl DepthMapRow {
             let is_plotted = !rounds.is_empty() && rounds.iter().all(|ms| ms.is_finite() && *ms > 0.0);
             is_plotted.then_some((method["name"].as_str()?.to_owned(), rounds))
         };
-        let methods = data["methods"].as_array()?.iter().map(method).collect::<Option<_>>()?;
-        Some(Self { faces: data["faces"].as_u64().filter(|faces| *faces > 0)?, methods })
+        data.as_array()?.iter().map(method).collect::<Option<_>>().map(Self)
+    }
+
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().map(|(name, _)| name.as_str())
     }
 
     pub(crate) fn time(&self, name: &str) -> Option<Summary> {
-        let (_, rounds) = self.methods.iter().find(|(method, _)| method == name)?;
+        let (_, rounds) = self.0.iter().find(|(method, _)| method == name)?;
         Summary::of(rounds.iter().copied())
     }
 
     fn json(&self) -> Value {
         let method = |(name, rounds): &(String, Vec<f64>)| {
             let summary = Summary::of(rounds.iter().copied()).as_ref().map_or(Value::Null, summary_json);
-            json!({ "name": name, "frame_ms": summary, "ms_of_rounds": rounds })
+            json!({ "name": name, "ms": summary, "ms_of_rounds": rounds })
         };
-        json!({ "faces": self.faces, "methods": self.methods.iter().map(method).collect::<Vec<_>>() })
+        self.0.iter().map(method).collect()
+    }
+}
+
+impl DepthMapRow {
+    fn of(data: &Value) -> Option<Self> {
+        let faces = data["faces"].as_u64().filter(|faces| *faces > 0)?;
+        Some(Self { faces, frames: Times::of(&data["methods"])?, stencil_passes: Times::of(&data["stencil_passes"])? })
+    }
+
+    fn json(&self) -> Value {
+        json!({ "faces": self.faces, "methods": self.frames.json(), "stencil_passes": self.stencil_passes.json() })
     }
 }

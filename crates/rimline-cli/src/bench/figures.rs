@@ -22,7 +22,7 @@ pub(super) use shadows::shadows;
 pub(super) use skip::skipping;
 
 /// Every plot that a report may have.
-pub(super) const PLOTS: [&str; 13] = [
+pub(super) const PLOTS: [&str; 14] = [
     "time_against_error",
     "time_against_size",
     "speed_against_2003",
@@ -36,6 +36,7 @@ pub(super) const PLOTS: [&str; 13] = [
     casters::RECORDING,
     skip::WORK,
     depth_maps::AGAINST_MESHES,
+    depth_maps::STENCIL_PASSES,
 ];
 
 /// The number of lights that plots are about which show one: eight where they were measured.

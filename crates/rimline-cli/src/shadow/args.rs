@@ -66,8 +66,8 @@ pub(crate) enum ReconstructArg {
     Fixed,
     /// Triangles between samples, those at such edges. Exact to a texel, with fewer triangles
     Template,
-    /// Walls over contours that are traced between samples and fitted with segments: fewer triangles and smoother borders. One
-    /// map a light, and --detector differences=T or objects
+    /// Walls over contours that are traced between samples and fitted with segments, to 0.1 texels and 4 T of depth: fewer
+    /// triangles and smoother borders. One map a light, --detector differences=T or objects (with 0.002 of depth), no --dangling
     Vector,
 }
 
@@ -184,8 +184,8 @@ pub(crate) struct ShadowArgs {
     pub(crate) hide_covered: bool,
 
     /// Let each light see the models in a depth map of SIDE × SIDE texels, 3 to 4096, and rebuild the shadows from it, without
-    /// silhouettes. A light among the models has six maps. Borders of shadows are off by up to a texel. For comparison, and to
-    /// try out depth maps
+    /// silhouettes. Without a number, SIDE is 1024. A light among the models has six maps. Borders of shadows are off by up to a
+    /// texel. For comparison, and to try out depth maps
     #[arg(
         long,
         value_name = "SIDE",
@@ -217,7 +217,7 @@ pub(crate) struct ShadowArgs {
     /// by more than T, 0 to 1; by more than HIGH, or by more than LOW and than beside them; those where distances along the map's
     /// view differ by more than T; or, with a file that has `objects`, those between objects, which --depth takes with all others
     /// but `every`, too. What a map casts must then be among the models, at the same place. A threshold that is too large turns
-    /// shadows round in streaks
+    /// shadows round in streaks. Six maps of --from-depth take no thresholds of device depth
     #[arg(
         long,
         value_name = "automatic|every|differences=T|second=LOW,HIGH|world=T|objects",
@@ -297,7 +297,7 @@ most that any instance in the file needs; with --hide-covered also covered: trie
 count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth or --depth \
 also \
 depth_map: size, side (null unless square), maps, reconstruction, cells (those that the boundary of the shadow has \
-triangles in, null with vector), walls (null but with vector) and overflowed (whether these are more than their list has \
+triangles in, null with vector), walls (with their flaps; null but with vector) and overflowed (whether these are more than their list has \
 room for: every cell is drawn then); casting is then depth map, and counting and method are parity), statistics (a list, one \
 for each file, of file, skipped, every_face, \
 capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \

@@ -441,7 +441,8 @@ fn depth_maps() -> Outcome {
     let row = |faces: u64, ms: f64| {
         let names = ["volumes of the mesh", "of the map, automatic", "lookup", "another"];
         let methods: Vec<Value> = (1..).zip(names).map(|(times, name)| method(name, f64::from(times) * ms)).collect();
-        json!({ "faces": faces, "methods": methods })
+        let passes = [method("volumes of the mesh", ms / 2.0), method("of the map, automatic", ms / 4.0)];
+        json!({ "faces": faces, "methods": methods, "stencil_passes": passes })
     };
     let good = json!({
         "format": "rimline-depth-map-casters",
@@ -455,10 +456,14 @@ fn depth_maps() -> Outcome {
     let data = read_json(&report.join("data.json"))?;
     check_data(&data)?;
     let first = &data["depth_maps"]["rows"][0]["methods"][2];
-    ensure!(first["name"] == "lookup" && first["frame_ms"]["median"] == 9.0, "{first:#}");
+    ensure!(first["name"] == "lookup" && first["ms"]["median"] == 9.0, "{first:#}");
+    let pass = &data["depth_maps"]["rows"][1]["stencil_passes"][1];
+    ensure!(pass["name"] == "of the map, automatic" && pass["ms"]["median"] == 20.0, "{pass:#}");
     let html = check_report(&report)?;
     ensure!(html.contains("a device") && html.contains("volumes of the depth map"), "the section is not there");
-    ensure!(report.join("depth_maps_against_meshes.png").exists(), "no plot");
+    for plot in ["depth_maps_against_meshes.png", "depth_maps_stencil_passes.png"] {
+        ensure!(report.join(plot).exists(), "no {plot}");
+    }
     // Refused before anything is written.
     std::fs::remove_dir_all(&report).map_err(|error| error.to_string())?;
     let mut negative = good.clone();
@@ -467,7 +472,16 @@ fn depth_maps() -> Outcome {
     empty["rows"] = json!([]);
     let mut other = good.clone();
     other["format"] = "rimline-bench".into();
-    for text in [negative.to_string(), empty.to_string(), other.to_string(), "{".to_owned(), "3".to_owned()] {
+    let mut without = good.clone();
+    without["rows"][0]["stencil_passes"] = Value::Null;
+    for text in [
+        without.to_string(),
+        negative.to_string(),
+        empty.to_string(),
+        other.to_string(),
+        "{".to_owned(),
+        "3".to_owned(),
+    ] {
         std::fs::write(&times, &text).map_err(|error| error.to_string())?;
         bench().expect(1, &["times.json", "it is not what `cargo bench --bench depth_maps"])?;
         ensure!(!report.exists(), "{text:.40}: a report");
