@@ -549,6 +549,10 @@ shared_structs! {
         spread: u32,
         /// 1: both triangles of a cell are drawn, if one of them is.
         whole_cells: u32,
+        /// Bits of how many units of depth × distance² make the threshold in world units. 0: the threshold is one of device depth.
+        ratio: u32,
+        /// Bits of the depth at infinity, where there is such a ratio.
+        at_infinity: u32,
     }
 
     /// How the contours of a depth map are traced and fitted. Distances count from the near plane on, in units of 2⁻²⁹ of the

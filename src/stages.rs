@@ -463,7 +463,13 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 /// Lists the cells of a depth map that have a triangle to draw.
 pub const DEPTH_CELLS: Stage = Stage {
     name: "depth_cells",
-    files: files!["depth_map/samples", "depth_map/edge_code", "depth_map/cell_words", "depth_map/depth_cells"],
+    files: files![
+        "depth_map/samples",
+        "depth_map/world_step",
+        "depth_map/edge_code",
+        "depth_map/cell_words",
+        "depth_map/depth_cells"
+    ],
     entry_points: &["depth_cells_count", "depth_cells_places", "depth_cells_list"],
 };
 

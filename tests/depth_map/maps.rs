@@ -32,6 +32,8 @@ impl Map {
             objects: 0,
             spread: 0,
             whole_cells: 0,
+            ratio: 0,
+            at_infinity: 0,
         }
     }
 }

@@ -106,7 +106,7 @@ fn told(keys: vec4<u32>, level: u32) -> u32 {
     }
     if (WORLD) {
       let ratio = edge_rule.ratio[level];
-      state = select(state, world_step_by_floats(ends.x, ends.y, ratio), ratio != 0u);
+      state = select(state, world_step_by_floats(ends.x, ends.y, ratio, edge_rule.at_infinity), ratio != 0u);
     }
   }
   return select(state, select(0u, 1u, keys.y != keys.z), max(keys.y, keys.z) == FAR_KEY || keys.y == keys.z);
@@ -116,7 +116,7 @@ fn told(keys: vec4<u32>, level: u32) -> u32 {
 fn exactly(keys: vec4<u32>, level: u32) -> bool {
   let ends = vec2<u32>(depth_bits(keys.y), depth_bits(keys.z));
   if (WORLD && edge_rule.ratio[level] != 0u) {
-    return exact_world_step(ends.x, ends.y, edge_rule.ratio[level]);
+    return exact_world_step(ends.x, ends.y, edge_rule.ratio[level], edge_rule.at_infinity);
   }
   var count = 0u;
   for (var side = 0u; side < opaque(2u); side++) {

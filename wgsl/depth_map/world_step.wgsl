@@ -59,8 +59,7 @@ fn is_below(a: u32, b: u32) -> bool {
   return b < MINUS && a < b;
 }
 
-fn exact_world_step(a: u32, b: u32, ratio: u32) -> bool {
-  let infinity = edge_rule.at_infinity;
+fn exact_world_step(a: u32, b: u32, ratio: u32, infinity: u32) -> bool {
   // (a − i) (b − i) is negative if i is between them.
   let turned = select(0u, MINUS, is_below(a, infinity) != is_below(b, infinity));
   return is_positive(array<vec2<u32>, TERMS>(
@@ -70,10 +69,10 @@ fn exact_world_step(a: u32, b: u32, ratio: u32) -> bool {
 }
 
 // Whether floats tell: 0 or 1; or 2, where the terms are nearly equal, very large or very small.
-fn world_step_by_floats(a: u32, b: u32, ratio: u32) -> u32 {
-  let infinity = bitcast<f32>(edge_rule.at_infinity);
+fn world_step_by_floats(a: u32, b: u32, ratio: u32, infinity: u32) -> u32 {
+  let depth_there = bitcast<f32>(infinity);
   let step = bitcast<f32>(ratio) * abs(bitcast<f32>(a) - bitcast<f32>(b));
-  let most = abs(bitcast<f32>(a) - infinity) * abs(bitcast<f32>(b) - infinity);
+  let most = abs(bitcast<f32>(a) - depth_there) * abs(bitcast<f32>(b) - depth_there);
   let is_plain = (min(step, most) > 1e-30) & (max(step, most) < 1e30);
   let is_told = is_plain & ((step > 1.0001 * most) | (most > 1.0001 * step));
   // Equal depths are no step, whatever the ratio is.

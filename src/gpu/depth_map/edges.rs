@@ -52,7 +52,7 @@ pub(super) fn threshold_bits(threshold: f32) -> u32 {
 }
 
 impl Detector {
-    /// `None`: edges are decided by their ends alone, in device depth. The thresholds have been checked.
+    /// `None`: edges are decided by their ends alone. The thresholds have been checked.
     pub(super) fn new(options: &DepthMapOptions, faces: u32, size: [u32; 2]) -> Option<Self> {
         let DepthMapOptions { edges, dangling, bits, .. } = *options;
         let (second, low, high, world) = match edges {
@@ -63,7 +63,8 @@ impl Detector {
             DepthEdges::SecondDifferences { low, high } => (1, low, high, None),
             DepthEdges::Automatic => (2, 0.0, 1.0, None),
         };
-        if second == 0 && world.is_none() && dangling.is_none() {
+        // Steps in world units need no marks, but where triangles at the ends of edges are drawn, too.
+        if second == 0 && dangling.is_none() && (world.is_none() || bits == 1) {
             return None;
         }
         let share = dangling.map_or(1.0, |dangling| dangling.share);

@@ -8,7 +8,7 @@ use super::frame::{DepthMapFrame, DepthMapNearCap};
 use super::frame_errors::DepthMapEncodeError;
 use super::near::{NearReach, near_reach};
 use super::pipelines::{layout, wall_group};
-use super::view::is_turned;
+use super::view::{is_turned, world_step};
 use super::volumes::DepthMapVolumes;
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{WORKGROUP, loops};
@@ -80,7 +80,10 @@ impl DepthMapVolumes {
             return Err(DepthMapEncodeError::Refused { message: "no light".to_owned() });
         };
         let is_reversed = u32::from(light.depth == DepthDirection::Reversed);
-        let shape = DepthMapShape { is_reversed, ..self.shape };
+        let mut shape = DepthMapShape { is_reversed, ..self.shape };
+        if let Some(threshold) = self.world {
+            [shape.threshold, shape.ratio, shape.at_infinity] = world_step(light, threshold)?;
+        }
         let mut formats = formats.iter().copied().chain(self.rounded_to);
         let rule = self.edges.as_ref().map(|edges| edges.rule(light, &mut formats)).transpose()?;
         let bind = || {

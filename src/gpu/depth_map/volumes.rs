@@ -81,6 +81,8 @@ pub struct DepthMapVolumes {
     /// Tells whether near caps are drawn. `None`: they always are.
     pub(super) near: Option<Pipeline>,
     pub(super) shape: DepthMapShape,
+    /// A threshold in world units, of which cells are decided without marks.
+    pub(super) world: Option<f32>,
     pub(super) slope_bias: f32,
     pub(super) bits: u32,
     pub(super) rounded_to: Option<wgpu::TextureFormat>,
@@ -100,7 +102,7 @@ fn rule(edges: DepthEdges) -> (u32, f32) {
         DepthEdges::Differences { threshold } => (0, threshold),
         // No difference is larger.
         DepthEdges::Outlines => (0, 1.0),
-        // With marks, a list that overflows is that of every cell.
+        // With marks, or steps in world units, a list that overflows is that of every cell.
         DepthEdges::EveryCell
         | DepthEdges::WorldDifferences { .. }
         | DepthEdges::SecondDifferences { .. }
@@ -171,6 +173,12 @@ impl DepthMapVolumes {
             objects: u32::from(objects),
             spread: u32::from(bits > 1),
             whole_cells: u32::from(reconstruction == DepthMapReconstruction::FixedMesh),
+            ratio: 0,
+            at_infinity: 0,
+        };
+        let world = match edges {
+            DepthEdges::WorldDifferences { threshold } if detector.is_none() => Some(threshold),
+            _ => None,
         };
         // Contours have lists of their own.
         let (listed, blocks) = if contours.is_some() { (0, 0) } else { (shape.capacity, blocks) };
@@ -197,8 +205,8 @@ impl DepthMapVolumes {
             [0, 1, 2].map(|at| buffer(shared.device(), allocations[at].label, allocations[at].bytes, usages[at]))
         })?;
         let nothing = object_texture(shared.device()).create_view(&wgpu::TextureViewDescriptor::default());
-        let constants =
-            [("OBJECTS", objects), ("SPREADS", bits > 1)].map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
+        let constants = [("OBJECTS", objects), ("SPREADS", bits > 1), ("WORLD", world.is_some())]
+            .map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
         let near =
             if contours.is_some() { (&DEPTH_NEAR_WALLS, "depth_near_walls") } else { (&DEPTH_NEAR, "depth_near") };
         let near = options.skip_near_caps.then(|| shared.compute(near.0, near.1, &[]));
@@ -212,6 +220,7 @@ impl DepthMapVolumes {
             contours,
             near,
             shape,
+            world,
             slope_bias,
             bits,
             rounded_to,
