@@ -106,7 +106,7 @@ fn mark_strip(strip: u32) {
     let place = number - 3u;
     let at = corner + vec2<u32>(place, 0u);
     let below = vec4<u32>(here.own.yzw, here.beyond.y);
-    for (var turn = 0u; turn < opaque(2u); turn++) {
+    for (var turn = 0u; turn < 2u; turn++) {
       var line = Edges(select(before, far, column == 0u), here.own, next.own, select(after.own, far, column + 2u >= side.x));
       var never = vec4<bool>(column + 1u == side.x || at.x >= lattice().x);
       if (turn == 1u) {
