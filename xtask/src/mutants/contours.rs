@@ -14,8 +14,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         changes: &[
             (
                 "wgsl/depth_map/contour_marks.wgsl",
-                "if (abs(difference) <= contour.threshold) {",
-                "if (abs(difference) < contour.threshold) {",
+                "return abs(b - a) > contour.threshold;",
+                "return abs(b - a) >= contour.threshold;",
             ),
             (
                 "wgsl/depth_map/contour_marks.wgsl",
