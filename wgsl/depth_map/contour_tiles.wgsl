@@ -4,7 +4,16 @@
 // and the list's length follows it.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 
+// Workgroups of `contour_places`, across, down and 1; then those of `contour_walls` that walk.
+@group(0) @binding(10) var<storage, read_write> workgroups: array<u32>;
+
 const BLOCK: u32 = 256u;
+// Tiles of a workgroup of `contour_places`: it has an invocation for each of their rows.
+const TILES_OF_ROWS: u32 = BLOCK / u32(TILE);
+// Tiles of a workgroup that walks. Each takes an invocation up to some 13,000 turns of loops: ARCHITECTURE.md, "Limits of devices".
+const TILES_OF_WALKERS: u32 = 4u;
+// Workgroups across.
+const MOST: u32 = 32768u;
 
 // A word has the marks of the tile's samples in a row. The samples of the tiles to the right and below begin the edges at its
 // borders.
@@ -71,5 +80,12 @@ fn contour_tiles_list(@builtin(local_invocation_index) local: u32) {
   }
   if (local == BLOCK - 1u) {
     counts[list + tiles] = next;
+    for (var user = 0u; user < 2u; user++) {
+      let of_each = select(TILES_OF_ROWS, TILES_OF_WALKERS, user == 1u);
+      let all = (next + of_each - 1u) / of_each;
+      workgroups[3u * user] = min(all, MOST);
+      workgroups[3u * user + 1u] = (all + MOST - 1u) / MOST;
+      workgroups[3u * user + 2u] = 1u;
+    }
   }
 }

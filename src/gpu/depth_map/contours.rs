@@ -2,6 +2,7 @@
 
 use super::options::{DepthEdges, DepthMapOptions, DepthMapReconstruction};
 use super::pipelines::DepthMapPipelines;
+use super::recording::{BoundStage, Workgroups};
 use super::volumes_errors::DepthMapVolumesError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, buffer, filled, guarded};
@@ -13,9 +14,6 @@ use crate::stages::{CONTOUR_MARKS, CONTOUR_PLACES, CONTOUR_TILES, CONTOUR_WALLS}
 /// Cells along the side of a tile, and invocations that walk in it.
 const TILE: u32 = 16;
 const WALKERS: u64 = 64;
-/// Tiles for each workgroup that walks, if contours cross all. A tile takes an invocation up to some 13,000 turns of loops:
-/// ARCHITECTURE.md, "Limits of devices".
-const TILES_OF_EACH: u64 = 4;
 /// Samples that a word has marks for.
 const WORD_SAMPLES: u32 = 16;
 /// Words before the list of walls, and of a wall.
@@ -40,6 +38,8 @@ pub(super) struct Contours {
     marks: wgpu::Buffer,
     places: wgpu::Buffer,
     counts: wgpu::Buffer,
+    /// Of places, and of walks.
+    workgroups: wgpu::Buffer,
     pub(super) walls: wgpu::Buffer,
     pub(super) draws: wgpu::Buffer,
 }
@@ -52,7 +52,7 @@ fn distance(depth: f64) -> i32 {
 /// What contours of maps of a size are made with.
 pub(super) struct ContourPlan {
     pub(super) shape: ContourShape,
-    pub(super) allocations: [Allocation; 5],
+    pub(super) allocations: [Allocation; 6],
 }
 
 impl ContourPlan {
@@ -114,6 +114,7 @@ impl ContourPlan {
             Allocation { label: "counts of walls", bytes: 4 * (all * (2 + WALKERS) + 1) },
             Allocation { label: "walls", bytes: 4 * (HEAD_WORDS + WALL_WORDS * u64::from(capacity)) },
             Allocation { label: "draws of walls", bytes: 32 },
+            Allocation { label: "workgroups of walls", bytes: 24 },
         ];
         Ok(Some(Self { shape, allocations }))
     }
@@ -133,9 +134,11 @@ impl Contours {
         }
         let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-        let usages = [storage, storage, storage, storage, storage | wgpu::BufferUsages::INDIRECT];
-        let [marks, places, counts, walls, draws] = guarded(shared.device(), bytes, || {
-            [0, 1, 2, 3, 4].map(|at| buffer(shared.device(), allocations[at].label, allocations[at].bytes, usages[at]))
+        let indirect = storage | wgpu::BufferUsages::INDIRECT;
+        let usages = [storage, storage, storage, storage, indirect, indirect];
+        let [marks, places, counts, walls, draws, workgroups] = guarded(shared.device(), bytes, || {
+            [0, 1, 2, 3, 4, 5]
+                .map(|at| buffer(shared.device(), allocations[at].label, allocations[at].bytes, usages[at]))
         })?;
         let objects = ("OBJECTS", f64::from(u8::from(objects)));
         let lists = |lists: bool| [("LISTS", f64::from(u8::from(lists)))];
@@ -148,7 +151,7 @@ impl Contours {
             shared.compute(&CONTOUR_WALLS, "contour_walls_places", &[]),
             shared.compute(&CONTOUR_WALLS, "contour_walls_take", &lists(true)),
         ];
-        Ok(Self { stages, shape, marks, places, counts, walls, draws })
+        Ok(Self { stages, shape, marks, places, counts, workgroups, walls, draws })
     }
 
     /// The stages with what they are bound to, and their workgroups. `view` has the move away from the light.
@@ -158,17 +161,17 @@ impl Contours {
         uniform: &wgpu::Buffer,
         contour: &wgpu::Buffer,
         [texture, objects]: [wgpu::BindingResource<'_>; 2],
-    ) -> Vec<(&Pipeline, wgpu::BindGroup, [u32; 2])> {
+    ) -> Vec<BoundStage<'_>> {
         let most = device.limits().max_compute_workgroups_per_dimension;
         let words = self.marks.size() / 4;
-        let workgroups = |items: u64| {
+        let over = |items: u64| {
             let blocks = items.div_ceil(u64::from(WORKGROUP)) as u32;
             let rows = blocks.div_ceil(most).min(most);
-            [blocks.div_ceil(rows.max(1)).min(most), rows]
+            Workgroups::Known([blocks.div_ceil(rows.max(1)).min(most), rows])
         };
+        // Contours cross few of all tiles, and a workgroup costs a CPU more than a turn.
+        let written = |at: u64| Workgroups::Written(self.workgroups.clone(), at);
         let tiles = u64::from(self.shape.tiles[1]);
-        // Each takes several of those that contours cross, which are few of all.
-        let taking = workgroups(tiles.div_ceil(TILES_OF_EACH) * u64::from(WORKGROUP));
         let shapes = [("depth_map", entry::<DepthMapShape>(uniform)), ("contour", entry::<ContourShape>(contour))];
         let texture = ("depth_texture", texture);
         let marks = ("marks", self.marks.as_entire_binding());
@@ -181,14 +184,15 @@ impl Contours {
             ("draws", self.draws.as_entire_binding()),
         ];
         let counts = ("counts", self.counts.as_entire_binding());
-        let own: [(&[_], [u32; 2]); 7] = [
-            (&[marks.clone(), ("object_texture", objects)], workgroups(words)),
-            (&[marks.clone(), counts.clone()], workgroups(tiles)),
-            (&[marks.clone(), counts.clone()], [1, 1]),
-            (&[marks, counts, places], workgroups(tiles * u64::from(TILE))),
-            (&walls, taking),
-            (&walls, [1, 1]),
-            (&walls, taking),
+        let listing = [marks.clone(), counts.clone(), ("workgroups", self.workgroups.as_entire_binding())];
+        let own: [(&[_], Workgroups); 7] = [
+            (&[marks.clone(), ("object_texture", objects)], over(words)),
+            (&listing, over(tiles)),
+            (&listing, Workgroups::Known([1, 1])),
+            (&[marks, counts, places], written(0)),
+            (&walls, written(12)),
+            (&walls, Workgroups::Known([1, 1])),
+            (&walls, written(12)),
         ];
         let bound = self.stages.iter().zip(own).map(|(stage, (own, workgroups))| {
             let resources = [&shapes[..], std::slice::from_ref(&texture), own].concat();

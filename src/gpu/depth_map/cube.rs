@@ -7,7 +7,7 @@ use super::frame_errors::{DepthMapEncodeError, DepthMapTexture};
 use super::meeting::{cameras, check_meeting};
 use super::options::{DepthMapOptions, DepthMapReconstruction};
 use super::pipelines::DepthMapPipelines;
-use super::recording::{BoundStage, Eye, Planned};
+use super::recording::{BoundStage, Eye, Planned, Workgroups};
 use super::texture::{check_objects, check_texture, written_texture};
 use super::volumes::{DepthMapVolumes, MOST_CELLS};
 use super::volumes_errors::{DepthMapCubeError, DepthMapVolumesError};
@@ -291,7 +291,7 @@ impl DepthMapCube {
         let group = any_error(device, bind).map_err(|message| DepthMapEncodeError::Refused { message })?;
         let most = device.limits().max_compute_workgroups_per_dimension;
         let rows = shape.blocks.div_ceil(most).min(most);
-        Ok((&self.stage, group, [shape.blocks.div_ceil(rows).min(most), rows]))
+        Ok((&self.stage, group, Workgroups::Known([shape.blocks.div_ceil(rows).min(most), rows])))
     }
 
     /// The listed cells, as [`DepthMapVolumes::cells`] has them. A map has (side − 1)² cells, and its cells follow those of the

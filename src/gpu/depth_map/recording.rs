@@ -24,7 +24,15 @@ use crate::shadow::DepthDirection;
 pub(super) type Eye<'a> = (&'a ShadowCamera, Vec<Vec<DepthMapView>>);
 
 /// A stage that is bound, and its workgroups.
-pub(super) type BoundStage<'a> = (&'a Pipeline, wgpu::BindGroup, [u32; 2]);
+pub(super) type BoundStage<'a> = (&'a Pipeline, wgpu::BindGroup, Workgroups);
+
+/// Workgroups of a stage.
+pub(super) enum Workgroups {
+    /// Across and down.
+    Known([u32; 2]),
+    /// A stage before writes them, at this byte.
+    Written(wgpu::Buffer, u64),
+}
 
 /// An encode that is bound, and not recorded yet.
 pub(super) struct Planned<'a> {
@@ -144,7 +152,7 @@ impl DepthMapVolumes {
         ];
         resources.extend(uniforms.contour.as_ref().map(|contour| ("contour", entry::<ContourShape>(contour))));
         let group = stage.bind(device, &resources);
-        (DepthMapNearCap::Told(draw), Some((stage, group, [1, 1])))
+        (DepthMapNearCap::Told(draw), Some((stage, group, Workgroups::Known([1, 1]))))
     }
 
     /// What a contour's surfaces move by is the same for each camera.
@@ -195,7 +203,7 @@ impl DepthMapVolumes {
                     ("draws", self.draws.as_entire_binding()),
                 ],
             );
-            (stage, group, counts.next().unwrap_or(every))
+            (stage, group, Workgroups::Known(counts.next().unwrap_or(every)))
         });
         BoundStages { edges, stages: stages.collect() }
     }
@@ -251,7 +259,7 @@ impl<'a> Planned<'a> {
         let Self { volumes, before, stages, near, frames } = self;
         // Each uniform begins at its buffer's start.
         let dispatch = |encoder: &mut wgpu::CommandEncoder,
-                        (stage, group, [x, y]): &BoundStage<'_>,
+                        (stage, group, workgroups): &BoundStage<'_>,
                         offsets: &[u32],
                         timer: Option<&mut StageTimer>| {
             let timestamp_writes = timer.and_then(|timer| timer.compute_pass(stage.label));
@@ -259,7 +267,10 @@ impl<'a> Planned<'a> {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
             pass.set_pipeline(&stage.compute);
             pass.set_bind_group(0, group, offsets);
-            pass.dispatch_workgroups(*x, *y, 1);
+            match workgroups {
+                Workgroups::Known([x, y]) => pass.dispatch_workgroups(*x, *y, 1),
+                Workgroups::Written(buffer, at) => pass.dispatch_workgroups_indirect(buffer, *at),
+            }
         };
         if let Some(bound) = &stages {
             if let Some(before) = &before {

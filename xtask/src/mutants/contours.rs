@@ -58,9 +58,9 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "contours: an invocation has too many tiles for software Vulkan",
         changes: &[(
-            "src/gpu/depth_map/contours.rs",
-            "const TILES_OF_EACH: u64 = 4;",
-            "const TILES_OF_EACH: u64 = 16;",
+            "wgsl/depth_map/contour_tiles.wgsl",
+            "const TILES_OF_WALKERS: u32 = 4u;",
+            "const TILES_OF_WALKERS: u32 = 16u;",
         )],
         tests: &["--test depth_map_gpu contours_through_every_cell"],
     },
