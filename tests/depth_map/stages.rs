@@ -24,6 +24,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("lists_of_the_largest_map_equal_their_twin", largest),
     ("lists_of_objects_equal_their_twin", of_objects),
     ("lists_of_steps_in_world_units_equal_their_twin", world),
+    ("world_steps_of_a_large_map_are_all_left_to_integers", undecided),
     ("lists_of_detectors_equal_their_twin", detectors),
     ("steps_in_world_units_are_those_of_distances", distances),
     ("encodes_in_one_encoder_do_not_disturb_each_other", two_encodes),
@@ -299,6 +300,44 @@ fn world() -> Result<(), String> {
     }
     println!("{listed} cells; {fewer} maps have fewer than without a threshold");
     if listed > 10_000 && fewer > 20 { Ok(()) } else { Err("too few".to_owned()) }
+}
+
+/// Floats leave every edge open. Software Vulkan ends the loops of an invocation after 65,535 turns, so invocations must not have
+/// more to decide.
+fn undecided() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let (size, depths) = ([1100_u32, 1000], [0.25_f32, 0.625]);
+    let (place, forward) = (glam::DVec3::new(1.0, 2.0, 3.0), glam::DVec3::X);
+    let light = Eye {
+        place,
+        forward,
+        near: 0.125,
+        is_relative: true,
+        depth: DepthDirection::Reversed,
+        far: None,
+        half_width: None,
+    };
+    let light = light.camera();
+    let map = Map::new(size, true, |texel| depths[((texel % size[0] + texel / size[0]) % 2) as usize]);
+    let texture = depth_view(&texture(&gpu, size, TextureFormat::R32Float, &map.depths)?);
+    let [share, infinity] = world_rule(&light, 1.0).map(f64::from);
+    let [a, b] = depths.map(f64::from);
+    let step = share * (a - b).abs() / ((a - infinity) * (b - infinity)).abs();
+    let all = (size[0] + 1) * (size[1] + 1);
+    // Cells at the border have far samples.
+    let inner = (size[0] - 1) * (size[1] - 1);
+    for (threshold, expected) in [(step * (1.0 - 1e-5), all), (step * (1.0 + 1e-5), all - inner)] {
+        let edges = DepthEdges::WorldDifferences { threshold: threshold as f32 };
+        let options = DepthMapOptions { edges, ..Default::default() };
+        let mut volumes = DepthMapVolumes::new(&pipelines, size, options).map_err(text)?;
+        gpu.submit(|encoder| {
+            let given = DepthMap { texture: &texture, light };
+            volumes.encode(encoder, &given, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
+        })?;
+        same(&format!("{threshold}"), &gpu.read::<u32>(volumes.cells(), 1)?, &[expected])?;
+    }
+    Ok(())
 }
 
 /// The detector of options and a map, for a light with this camera.

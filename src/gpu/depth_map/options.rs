@@ -121,7 +121,8 @@ pub enum DepthMapReconstruction {
     /// last facets are narrower than a texel. Round rims are found to a fortieth of a texel. A straight border along the rows
     /// or columns of a map is found no better than a lookup does: turn a light's camera so that few are. Keep a `slope_bias`
     /// of 1. Within two texels of a rim, a near rectangle that is no farther than `depth` from a surface may be told wrongly
-    /// (NUMERICS.md, "Near caps"). Finding contours takes about ten times as long as finding cells on a software device.
+    /// (NUMERICS.md, "Near caps"). Finding contours takes 3 to 9 times as long as finding cells with
+    /// [`DepthEdges::Automatic`] on a software device.
     ///
     /// Maps of a cube, more than one bit, pipelines that count, and edges that are continued are refused with contours. Maps may
     /// have as many texels as a storage binding has words: up to 5,790² with default limits.

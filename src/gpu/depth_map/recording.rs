@@ -20,6 +20,10 @@ use crate::gpu::common::uniforms::entry;
 use crate::layout::{ContourShape, DepthEdgeRule, DepthMapShape, DepthMapView, DepthNearBox};
 use crate::shadow::DepthDirection;
 
+/// Blocks that a workgroup takes in turn, where integers may have to decide about all edges: an invocation then has up to 12,000
+/// turns of loops for each. ARCHITECTURE.md, "Limits of devices".
+const BLOCKS_OF_WORLD_STEPS: u32 = 4;
+
 /// A camera and, for each bit, the views of the maps as it sees them.
 pub(super) type Eye<'a> = (&'a ShadowCamera, Vec<Vec<DepthMapView>>);
 
@@ -187,7 +191,11 @@ impl DepthMapVolumes {
         let every = over(shape.blocks);
         // Workgroups cost a CPU more than turns, so few take the blocks in turn. Several bits take many turns each.
         let few = over(loops(device, shape.blocks.saturating_mul(WORKGROUP)));
-        let count = if shape.spread == 0 { few } else { every };
+        let count = match (shape.spread, self.world) {
+            (0, None) => few,
+            (0, Some(_)) => over(shape.blocks.div_ceil(BLOCKS_OF_WORLD_STEPS)),
+            _ => every,
+        };
         // Marks are counted by a stage of their own.
         let of_cells = if edges.is_some() { &[[1, 1], few][..] } else { &[count, [1, 1], few] };
         let mut counts = of_cells.iter().copied();
