@@ -5,6 +5,9 @@ mod analytic;
 mod boundary;
 mod casters;
 mod casters_refused;
+#[path = "../shadow/classes.rs"]
+#[allow(dead_code, reason = "only its frames are used here")]
+mod classes;
 mod contact;
 mod contours;
 mod counting;
@@ -36,6 +39,10 @@ mod refusals;
 mod scene;
 mod scene_depth;
 mod scene_depth_choices;
+mod shadow_classes;
+#[path = "../shadow/shells.rs"]
+#[allow(dead_code, reason = "only its frames are used here")]
+mod shells;
 mod stages;
 mod statistics;
 mod textures;
@@ -52,6 +59,7 @@ fn main() {
         // The longest first: threads take them in this order.
         analytic::TESTS,
         lookup::TESTS,
+        shadow_classes::TESTS,
         stages::TESTS,
         merge::TESTS,
         metric::TESTS,

@@ -23,6 +23,8 @@ pub(crate) enum World {
         half: DVec3,
     },
     Mesh(rays::Tracer<()>),
+    /// Triangles alone, without a ground.
+    Bare(rays::Tracer<()>),
 }
 
 impl World {
@@ -42,7 +44,7 @@ impl World {
                 let q = (p - centre).abs() - half;
                 q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
             }
-            Self::Mesh(_) => f64::INFINITY,
+            Self::Mesh(_) | Self::Bare(_) => f64::INFINITY,
         }
     }
 
@@ -50,7 +52,7 @@ impl World {
     pub(crate) fn is_inside(&self, point: DVec3) -> bool {
         let is_in_body = match self {
             // Meshes are closed. The direction is no axis of theirs.
-            Self::Mesh(tracer) => {
+            Self::Mesh(tracer) | Self::Bare(tracer) => {
                 let direction = DVec3::new(0.48, 0.6, 0.64);
                 tracer.meetings((point, direction)).filter(|(t, _)| *t > 0.0).count() % 2 == 1
             }
@@ -61,7 +63,7 @@ impl World {
 
     /// Where a ray meets the shape first, and the normal there.
     fn shape(&self, from: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
-        if let Self::Mesh(tracer) = self {
+        if let Self::Mesh(tracer) | Self::Bare(tracer) = self {
             let meetings = tracer.meetings((from, direction)).filter(|(t, _)| *t > 0.0);
             let (t, triangle) = meetings.min_by(|a, b| a.0.total_cmp(&b.0))?;
             let [a, b, c] = triangle.corners;
@@ -87,7 +89,8 @@ impl World {
     pub(crate) fn first(&self, from: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
         let t = -from.y / direction.y;
         let at = from + t * direction;
-        let ground = (t > 0.0 && at.x.abs() < GROUND && at.z.abs() < GROUND).then_some((t, DVec3::Y));
+        let has_ground = !matches!(self, Self::Bare(_));
+        let ground = (has_ground && t > 0.0 && at.x.abs() < GROUND && at.z.abs() < GROUND).then_some((t, DVec3::Y));
         let shape = self.shape(from, direction);
         let found = [ground, shape].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
         found.map(|(t, normal)| (t, if normal.dot(direction) > 0.0 { -normal } else { normal }))

@@ -4,8 +4,8 @@ use glam::{DVec3, Vec3};
 use rimline::{DepthDirection, Light};
 use rimline_measure::shapes::{self, Shape};
 
-use crate::nested;
 use crate::scene::{Body, Eye, Frame};
+use crate::shells;
 use rimline_measure::random::Random;
 
 /// A class of frames.
@@ -33,7 +33,7 @@ pub(crate) const CLASSES: &[Class] = &[
     class("near rectangle inside a caster", within),
     class("light inside a caster", light_within),
     class("near rectangle and light inside a caster", both_within),
-    class("nested and inverted bodies", nested::nested),
+    class("nested and inverted bodies", shells::nested),
     class("coordinates near 1,000", |random| far(random, 1e3, false)),
     class("coordinates near 1,000, from the eye", |random| far(random, 1e3, true)),
     class("coordinates near 100,000, from the eye", |random| far(random, 1e5, true)),

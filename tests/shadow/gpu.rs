@@ -28,6 +28,7 @@ mod rounds;
 mod samples;
 mod scene;
 mod scene_refusals;
+mod shells;
 mod skinned;
 mod stages;
 #[path = "../depth_map/textures.rs"]

@@ -71,7 +71,8 @@ pub enum DepthEdges {
     /// with [`Self::SecondDifferences`]. In the trials it was as right as [`Self::EveryCell`] (none of 995,350 pixels was wrong in
     /// either), with a fifth of its triangles.
     /// What is lost: a step between slopes on both sides that are each at least half as large, such as that of equal stairs,
-    /// each one texel wide. Bodies that are thinner than a texel may leave streaks.
+    /// each one texel wide. Bodies that are thinner than a texel may leave streaks, and so may shells of no thickness that the
+    /// light is within: 163 of 3,226,556 pixels of such and other scenes were wrong, and none with [`Self::EveryCell`].
     #[default]
     Automatic,
 }
