@@ -1,8 +1,8 @@
 //! The stages that rebuild a map's boundary as walls over its contours.
 
+use super::bound::{BoundStage, Workgroups};
 use super::options::{DepthEdges, DepthMapOptions, DepthMapReconstruction};
 use super::pipelines::DepthMapPipelines;
-use super::recording::{BoundStage, Workgroups};
 use super::volumes_errors::DepthMapVolumesError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, buffer, filled, guarded};

@@ -2,12 +2,13 @@
 
 use bytemuck::Zeroable;
 
+use super::bound::{BoundStage, Workgroups};
 use super::frame::DepthMapFrame;
 use super::frame_errors::{DepthMapEncodeError, DepthMapTexture};
 use super::meeting::{cameras, check_meeting};
 use super::options::{DepthMapOptions, DepthMapReconstruction};
 use super::pipelines::DepthMapPipelines;
-use super::recording::{BoundStage, Eye, Planned, Workgroups};
+use super::recording::{Eye, Planned};
 use super::texture::{check_objects, check_texture, written_texture};
 use super::volumes::{DepthMapVolumes, MOST_CELLS};
 use super::volumes_errors::{DepthMapCubeError, DepthMapVolumesError};

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
+use super::bound::{BoundStage, Workgroups};
 use super::edges::BoundEdges;
 use super::frame::{DepthMapFrame, DepthMapNearCap};
 use super::frame_errors::DepthMapEncodeError;
@@ -13,7 +14,7 @@ use super::volumes::DepthMapVolumes;
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{WORKGROUP, loops};
 use crate::gpu::common::memory::{any_error, buffer, filled};
-use crate::gpu::common::pipelines::{Pipeline, group};
+use crate::gpu::common::pipelines::group;
 use crate::gpu::common::requirements::check_alive;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
@@ -26,17 +27,6 @@ const BLOCKS_OF_WORLD_STEPS: u32 = 4;
 
 /// A camera and, for each bit, the views of the maps as it sees them.
 pub(super) type Eye<'a> = (&'a ShadowCamera, Vec<Vec<DepthMapView>>);
-
-/// A stage that is bound, and its workgroups.
-pub(super) type BoundStage<'a> = (&'a Pipeline, wgpu::BindGroup, Workgroups);
-
-/// Workgroups of a stage.
-pub(super) enum Workgroups {
-    /// Across and down.
-    Known([u32; 2]),
-    /// A stage before writes them, at this byte.
-    Written(wgpu::Buffer, u64),
-}
 
 /// An encode that is bound, and not recorded yet.
 pub(super) struct Planned<'a> {
