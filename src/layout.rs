@@ -531,7 +531,7 @@ shared_structs! {
         size: [u32; 2],
         /// Cells between four samples of the lattice.
         cells: u32,
-        /// Blocks of 256 cells.
+        /// Blocks of cells: 64 strips each, of eight cells across and four down.
         blocks: u32,
         /// Cells that the list has room for.
         capacity: u32,

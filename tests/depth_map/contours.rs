@@ -11,7 +11,7 @@ use rimline::reference::cpu::{ContourMap, Samples, contour_marks, contour_places
 use rimline::reference::layout::{ContourShape, DepthMapShape};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
+use rimline_measure::on_gpu::{limited, text};
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, same};
 use wgpu::TextureFormat;
@@ -25,6 +25,7 @@ use crate::views::{SIDE, View, worlds};
 pub(crate) const TESTS: &[Test] = &[
     ("lists_of_walls_equal_their_twin", lists),
     ("contours_through_every_cell_equal_their_twin", long),
+    ("lists_of_walls_of_few_workgroups_equal_their_twin", few_workgroups),
     ("steep_surfaces_end_before_those_behind", before_those_behind),
     ("walls_are_closed_and_cross_marked_edges_once", closed),
     ("walls_that_overflow_are_those_of_every_cell", overflow),
@@ -530,6 +531,34 @@ fn long() -> Result<(), String> {
             if found.0 < 6_000 {
                 return Err(format!("{} walls", found.0));
             }
+        }
+    }
+    Ok(())
+}
+
+/// A device whose workgroups are fewer than the tiles need.
+fn few_workgroups() -> Result<(), String> {
+    const SEED: u64 = 1647;
+    println!("seed {SEED}");
+    let mut random = Random::new(SEED);
+    for most in [1, 2, 65_535] {
+        let gpu = limited(128 << 20, 256 << 20, most)?;
+        let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+        // Reading the map back would take more workgroups.
+        let map = smooth(&mut random, [250, 130], false);
+        let given = Given { texture: texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?, map };
+        let fit = Fit { threshold: 0.01, sideways: 0.25, depth: 0.01, slope_bias: 1.0 };
+        let options = DepthMapOptions { capacity: Some(100_000), ..fit.options() };
+        let mut volumes = DepthMapVolumes::new(&pipelines, given.map.size, options).map_err(text)?;
+        given.encode(&gpu, &mut volumes, None)?;
+        let contour = fit.shape(&given.map, TextureFormat::R32Float, 100_000);
+        let expected = of_twin(&given.map, &given.map.shape(fit.threshold, u32::MAX), &contour, &[]);
+        let found = listed(&volumes, &gpu)?;
+        println!("{} walls with {most} workgroups across", found.0);
+        same(&format!("{most}"), &[found.0], &[expected.0])?;
+        same(&format!("{most}"), &found.1, &expected.1)?;
+        if found.0 < 300 {
+            return Err(format!("{} walls", found.0));
         }
     }
     Ok(())

@@ -10,10 +10,10 @@
 const BLOCK: u32 = 256u;
 // Tiles of a workgroup of `contour_places`: it has an invocation for each of their rows.
 const TILES_OF_ROWS: u32 = BLOCK / u32(TILE);
-// Tiles of a workgroup that walks. Each takes an invocation up to some 13,000 turns of loops: ARCHITECTURE.md, "Limits of devices".
-const TILES_OF_WALKERS: u32 = 4u;
-// Workgroups across.
-const MOST: u32 = 32768u;
+// Tiles of a workgroup that walks. Each takes an invocation up to some 17,000 turns of loops: ARCHITECTURE.md, "Limits of devices".
+const TILES_OF_WALKERS: u32 = 3u;
+// Workgroups across or down that a device has. With fewer than all, workgroups take further tiles in turn.
+override MOST_WORKGROUPS: u32 = 65535u;
 
 // A word has the marks of the tile's samples in a row. The samples of the tiles to the right and below begin the edges at its
 // borders.
@@ -83,8 +83,9 @@ fn contour_tiles_list(@builtin(local_invocation_index) local: u32) {
     for (var user = 0u; user < 2u; user++) {
       let of_each = select(TILES_OF_ROWS, TILES_OF_WALKERS, user == 1u);
       let all = (next + of_each - 1u) / of_each;
-      workgroups[3u * user] = min(all, MOST);
-      workgroups[3u * user + 1u] = (all + MOST - 1u) / MOST;
+      let down = min((all + MOST_WORKGROUPS - 1u) / MOST_WORKGROUPS, MOST_WORKGROUPS);
+      workgroups[3u * user] = min(all, MOST_WORKGROUPS);
+      workgroups[3u * user + 1u] = down;
       workgroups[3u * user + 2u] = 1u;
     }
   }

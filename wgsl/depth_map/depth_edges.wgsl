@@ -1,6 +1,6 @@
 // Depth edges: marks edges between samples, continues those that dangle, and decides about cells from the marks. It takes the
-// place of the first pass of depth cells, for detectors that look farther than an edge or compare steps in world units. Words are
-// those of edge_marks.wgsl.
+// place of the first pass of depth cells, for detectors that look farther than an edge or continue edges, and for steps in world units
+// with several bits. Words are those of edge_marks.wgsl.
 
 @group(0) @binding(8) var<storage, read_write> edges: array<u32>;
 // Edges that are marked if they continue others.

@@ -141,11 +141,13 @@ impl Contours {
                 .map(|at| buffer(shared.device(), allocations[at].label, allocations[at].bytes, usages[at]))
         })?;
         let objects = ("OBJECTS", f64::from(u8::from(objects)));
+        let most = shared.device().limits().max_compute_workgroups_per_dimension;
+        let most = [("MOST_WORKGROUPS", f64::from(most))];
         let lists = |lists: bool| [("LISTS", f64::from(u8::from(lists)))];
         let stages = [
             shared.compute(&CONTOUR_MARKS, "contour_marks", &[objects]),
             shared.compute(&CONTOUR_TILES, "contour_tiles_find", &[]),
-            shared.compute(&CONTOUR_TILES, "contour_tiles_list", &[]),
+            shared.compute(&CONTOUR_TILES, "contour_tiles_list", &most),
             shared.compute(&CONTOUR_PLACES, "contour_places", &[]),
             shared.compute(&CONTOUR_WALLS, "contour_walls_take", &lists(false)),
             shared.compute(&CONTOUR_WALLS, "contour_walls_places", &[]),

@@ -1,5 +1,5 @@
-//! Detectors that look at more than the ends of an edge, or compare steps in world units: marks of all edges, which the cells are
-//! decided from.
+//! Detectors that look at more than the ends of an edge, or continue edges, or compare steps in world units for several bits: marks
+//! of all edges, which the cells are decided from.
 
 use super::frame_errors::DepthMapEncodeError;
 use super::options::{DanglingEdges, DepthEdges, DepthMapOptions};

@@ -205,17 +205,19 @@ impl DepthMapVolumes {
             [0, 1, 2].map(|at| buffer(shared.device(), allocations[at].label, allocations[at].bytes, usages[at]))
         })?;
         let nothing = object_texture(shared.device()).create_view(&wgpu::TextureViewDescriptor::default());
-        let constants = [("OBJECTS", objects), ("SPREADS", bits > 1), ("WORLD", world.is_some())]
+        // Only the count has them, so that more of the others are shared.
+        let of_count = [("OBJECTS", objects), ("SPREADS", bits > 1), ("WORLD", world.is_some())]
             .map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
         let near =
             if contours.is_some() { (&DEPTH_NEAR_WALLS, "depth_near_walls") } else { (&DEPTH_NEAR, "depth_near") };
         let near = options.skip_near_caps.then(|| shared.compute(near.0, near.1, &[]));
         let edges = detector.map(|detector| EdgeStages::new(shared, detector, objects)).transpose()?;
-        let entry_points = ["depth_cells_count", "depth_cells_places", "depth_cells_list"];
+        let entry_points =
+            [("depth_cells_count", &of_count[..]), ("depth_cells_places", &[]), ("depth_cells_list", &[])];
         let counted = usize::from(edges.is_some());
         let of_cells = entry_points.iter().skip(counted).filter(|_| contours.is_none());
         Ok(Self {
-            stages: of_cells.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &constants)).collect(),
+            stages: of_cells.map(|&(entry_point, own)| shared.compute(&DEPTH_CELLS, entry_point, own)).collect(),
             edges,
             contours,
             near,

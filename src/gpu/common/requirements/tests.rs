@@ -167,7 +167,7 @@ fn default_limits_serve_and_lower_ones_do_not() {
         assert_eq!(check(wgpu::Limits::default()), Ok(()));
         assert_eq!(check(wgpu::Limits::unlimited()), Ok(()));
         let (name, index) = (subject.name(), subject as usize);
-        // Depth maps have three storage buffers, deformation has six, all others eight.
+        // Depth maps have five storage buffers, deformation has six, all others eight.
         let needed = AT_LEAST.iter().find(|need| need.limit == "max_storage_buffers_per_shader_stage");
         let needed = needed.expect("the table has it").needed[index];
         let limit = "max_storage_buffers_per_shader_stage";
