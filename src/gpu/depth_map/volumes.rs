@@ -110,6 +110,15 @@ fn rule(edges: DepthEdges) -> (u32, f32) {
     }
 }
 
+/// Those of cells; without the first, where marks are counted by a stage of their own.
+fn cell_stages(shared: &Pipelines, are_marked: bool, constants: [(&'static str, bool); 3]) -> Vec<Pipeline> {
+    // Only the count has them, so that more of the others are shared.
+    let of_count = constants.map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
+    let stages = [("depth_cells_count", &of_count[..]), ("depth_cells_places", &[]), ("depth_cells_list", &[])];
+    let own = stages.into_iter().skip(usize::from(are_marked));
+    own.map(|(entry_point, constants)| shared.compute(&DEPTH_CELLS, entry_point, constants)).collect()
+}
+
 impl DepthMapVolumes {
     /// Makes buffers for maps of `size` texels, on the device of `pipelines`.
     ///
@@ -205,19 +214,17 @@ impl DepthMapVolumes {
             [0, 1, 2].map(|at| buffer(shared.device(), allocations[at].label, allocations[at].bytes, usages[at]))
         })?;
         let nothing = object_texture(shared.device()).create_view(&wgpu::TextureViewDescriptor::default());
-        // Only the count has them, so that more of the others are shared.
-        let of_count = [("OBJECTS", objects), ("SPREADS", bits > 1), ("WORLD", world.is_some())]
-            .map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
         let near =
             if contours.is_some() { (&DEPTH_NEAR_WALLS, "depth_near_walls") } else { (&DEPTH_NEAR, "depth_near") };
         let near = options.skip_near_caps.then(|| shared.compute(near.0, near.1, &[]));
         let edges = detector.map(|detector| EdgeStages::new(shared, detector, objects)).transpose()?;
-        let entry_points =
-            [("depth_cells_count", &of_count[..]), ("depth_cells_places", &[]), ("depth_cells_list", &[])];
-        let counted = usize::from(edges.is_some());
-        let of_cells = entry_points.iter().skip(counted).filter(|_| contours.is_none());
+        let constants = [("OBJECTS", objects), ("SPREADS", bits > 1), ("WORLD", world.is_some())];
+        let stages = match &contours {
+            Some(_) => Vec::new(),
+            None => cell_stages(shared, edges.is_some(), constants),
+        };
         Ok(Self {
-            stages: of_cells.map(|&(entry_point, own)| shared.compute(&DEPTH_CELLS, entry_point, own)).collect(),
+            stages,
             edges,
             contours,
             near,
