@@ -508,6 +508,19 @@ fn closed() -> Result<(), String> {
     if marked > 20_000 { Ok(()) } else { Err("too few".to_owned()) }
 }
 
+/// Compares the walls of a map of floats with the twin's. How many there are.
+fn check_lists((gpu, pipelines): (&Gpu, &DepthMapPipelines), given: &Given, fit: Fit) -> Result<u32, String> {
+    let options = DepthMapOptions { capacity: Some(100_000), ..fit.options() };
+    let mut volumes = DepthMapVolumes::new(pipelines, given.map.size, options).map_err(text)?;
+    given.encode(gpu, &mut volumes, None)?;
+    let contour = fit.shape(&given.map, TextureFormat::R32Float, 100_000);
+    let expected = of_twin(&given.map, &given.map.shape(fit.threshold, u32::MAX), &contour, &[]);
+    let found = listed(&volumes, gpu)?;
+    same(&format!("{fit:?}"), &[found.0], &[expected.0])?;
+    same(&format!("{fit:?}"), &found.1, &expected.1)?;
+    Ok(found.0)
+}
+
 /// Software Vulkan ends the loops of an invocation after 65,535 turns, so invocations must not have more.
 fn long() -> Result<(), String> {
     const SEED: u64 = 1646;
@@ -519,17 +532,10 @@ fn long() -> Result<(), String> {
         for (sideways, depth) in [(0.0, 0.0), (0.5, 0.0), (0.5, 0.01), (0.5, 1.0)] {
             let fit = Fit { threshold: 0.25, sideways, depth, slope_bias: 1.0 };
             let given = Given::new(&gpu, &spirals(&mut random, is_loop), TextureFormat::R32Float)?;
-            let options = DepthMapOptions { capacity: Some(100_000), ..fit.options() };
-            let mut volumes = DepthMapVolumes::new(&pipelines, given.map.size, options).map_err(text)?;
-            given.encode(&gpu, &mut volumes, None)?;
-            let contour = fit.shape(&given.map, TextureFormat::R32Float, 100_000);
-            let expected = of_twin(&given.map, &given.map.shape(fit.threshold, u32::MAX), &contour, &[]);
-            let found = listed(&volumes, &gpu)?;
-            println!("{} walls of spirals, loops {is_loop}, {fit:?}", found.0);
-            same(&format!("{fit:?}"), &[found.0], &[expected.0])?;
-            same(&format!("{fit:?}"), &found.1, &expected.1)?;
-            if found.0 < 6_000 {
-                return Err(format!("{} walls", found.0));
+            let walls = check_lists((&gpu, &pipelines), &given, fit)?;
+            println!("{walls} walls of spirals, loops {is_loop}, {fit:?}");
+            if walls < 6_000 {
+                return Err(format!("{walls} walls"));
             }
         }
     }
@@ -548,17 +554,10 @@ fn few_workgroups() -> Result<(), String> {
         let map = smooth(&mut random, [250, 130], false);
         let given = Given { texture: texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?, map };
         let fit = Fit { threshold: 0.01, sideways: 0.25, depth: 0.01, slope_bias: 1.0 };
-        let options = DepthMapOptions { capacity: Some(100_000), ..fit.options() };
-        let mut volumes = DepthMapVolumes::new(&pipelines, given.map.size, options).map_err(text)?;
-        given.encode(&gpu, &mut volumes, None)?;
-        let contour = fit.shape(&given.map, TextureFormat::R32Float, 100_000);
-        let expected = of_twin(&given.map, &given.map.shape(fit.threshold, u32::MAX), &contour, &[]);
-        let found = listed(&volumes, &gpu)?;
-        println!("{} walls with {most} workgroups across", found.0);
-        same(&format!("{most}"), &[found.0], &[expected.0])?;
-        same(&format!("{most}"), &found.1, &expected.1)?;
-        if found.0 < 300 {
-            return Err(format!("{} walls", found.0));
+        let walls = check_lists((&gpu, &pipelines), &given, fit)?;
+        println!("{walls} walls with {most} workgroups across");
+        if walls < 300 {
+            return Err(format!("{walls} walls"));
         }
     }
     Ok(())

@@ -20,7 +20,7 @@ use crate::parity::{SIDE, device_depth, map, seen, vector};
 use crate::picture::stencil_of;
 use crate::scene::{Eye, Rays};
 use crate::textures::{depth_view, texture};
-use crate::views::{Near, Sun, what_is_near, worlds};
+use crate::views::{Near, Sun, face_towards, what_is_near, worlds};
 
 pub(crate) const TESTS: &[Test] = &[
     ("receivers_beyond_far_and_before_near_are_those_of_rays", beyond),
@@ -299,9 +299,7 @@ fn of_cubes() -> Result<(), String> {
             for (pixel, seen) in seen.iter().enumerate() {
                 let Some(seen) = *seen else { continue };
                 // The map whose axis is nearest to the way to the place.
-                let way = seen.0 - light;
-                let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
-                let face = (0..6).max_by(|&a, &b| axes[a].dot(way).total_cmp(&axes[b].dot(way))).unwrap_or(0);
+                let face = face_towards(seen.0 - light);
                 let sun = Sun::new(light, false, cameras[face]);
                 if sun.is_averted(seen.0, seen.1) {
                     continue;

@@ -75,7 +75,8 @@ pub(crate) fn worlds(random: &mut Random) -> Vec<World> {
 /// What is seen through a pixel: the place and its normal.
 pub(crate) type Seen = Option<(DVec3, DVec3)>;
 
-fn seen(world: &World, rays: &Rays, size: [u32; 2]) -> Vec<Seen> {
+/// What the pixels of a picture see.
+pub(crate) fn seen(world: &World, rays: &Rays, size: [u32; 2]) -> Vec<Seen> {
     let place = |texel: u32| DVec2::new(f64::from(texel % size[0]) + 0.5, f64::from(texel / size[0]) + 0.5);
     let hit = |texel| {
         let (from, direction) = rays.at(place(texel));
@@ -84,9 +85,16 @@ fn seen(world: &World, rays: &Rays, size: [u32; 2]) -> Vec<Seen> {
     (0..size[0] * size[1]).map(hit).collect()
 }
 
-fn depths(camera: &ShadowCamera, seen: &[Seen]) -> Vec<f32> {
+/// Device depths of what is seen.
+pub(crate) fn depths(camera: &ShadowCamera, seen: &[Seen]) -> Vec<f32> {
     let far = if camera.depth == DepthDirection::Reversed { 0.0 } else { 1.0 };
     seen.iter().map(|seen| seen.map_or(far, |(place, _)| device_depth(camera, place))).collect()
+}
+
+/// The map of a cube that looks a way.
+pub(crate) fn face_towards(way: DVec3) -> usize {
+    let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+    (0..6).max_by(|&a, &b| axes[a].dot(way).total_cmp(&axes[b].dot(way))).unwrap_or(0)
 }
 
 /// What is within some texels of a place, as the light sees it.

@@ -48,6 +48,10 @@ impl World {
         }
     }
 
+    fn has_ground(&self) -> bool {
+        !matches!(self, Self::Bare(_))
+    }
+
     /// Whether a point is in the body, or below the ground.
     pub(crate) fn is_inside(&self, point: DVec3) -> bool {
         let is_in_body = match self {
@@ -58,7 +62,7 @@ impl World {
             }
             _ => self.distance(point) <= 0.0,
         };
-        point.y <= 0.0 || is_in_body
+        (point.y <= 0.0 && self.has_ground()) || is_in_body
     }
 
     /// Where a ray meets the shape first, and the normal there.
@@ -89,8 +93,8 @@ impl World {
     pub(crate) fn first(&self, from: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
         let t = -from.y / direction.y;
         let at = from + t * direction;
-        let has_ground = !matches!(self, Self::Bare(_));
-        let ground = (has_ground && t > 0.0 && at.x.abs() < GROUND && at.z.abs() < GROUND).then_some((t, DVec3::Y));
+        let ground =
+            (self.has_ground() && t > 0.0 && at.x.abs() < GROUND && at.z.abs() < GROUND).then_some((t, DVec3::Y));
         let shape = self.shape(from, direction);
         let found = [ground, shape].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
         found.map(|(t, normal)| (t, if normal.dot(direction) > 0.0 { -normal } else { normal }))

@@ -8,28 +8,22 @@ const WORD_SAMPLES: i32 = 16;
 // Parts of the square of the last difference that a round surface may be off a conic.
 const NEAR_CONIC: i32 = 8;
 
-// Whether there may be a jump between two samples: two loads tell that there is none at most edges.
-fn may_be_jump(at: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> bool {
+// Whether there is a jump between two samples, as two loads tell: 0 or 1; or 2, where `is_jump` does.
+fn told(at: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> u32 {
   if (a == FAR || b == FAR) {
-    return a != b;
+    return select(0u, 1u, a != b);
   }
   if (OBJECTS && depth_map.objects != 0u && differs(vec2<u32>(at), vec2<u32>(at + step))) {
-    return true;
+    return 1u;
   }
-  return abs(b - a) > contour.threshold;
+  return select(0u, 2u, abs(b - a) > contour.threshold);
 }
 
-// Whether there is a jump where there may be one, and not only a slope: a difference that is more than the threshold larger than
-// what the slopes to both sides tell. It must be twice as large as those beside it, too, if it is not sure.
+// Whether a difference above the threshold is a jump, and not only a slope: it is more than the threshold larger than what the
+// slopes to both sides tell. It must be twice as large as those beside it, too, if it is not sure.
 fn is_jump(at: vec2<i32>, step: vec2<i32>) -> bool {
   let a = distance_at(at);
   let b = distance_at(at + step);
-  if (a == FAR || b == FAR) {
-    return true;
-  }
-  if (OBJECTS && depth_map.objects != 0u && differs(vec2<u32>(at), vec2<u32>(at + step))) {
-    return true;
-  }
   let difference = b - a;
   // From the nearer sample to the farther one.
   let is_rising = difference > 0;
@@ -67,6 +61,7 @@ fn contour_marks(
     let word = block * BLOCK + local;
     if (word < count) {
       let first = vec2<i32>(i32(word % contour.words) * WORD_SAMPLES, i32(word / contour.words));
+      var bits = 0u;
       var open = 0u;
       var own = distance_at(first);
       // Two edges of each sample in turn.
@@ -79,15 +74,16 @@ fn contour_marks(
         if (axis == 0u) {
           right = other;
         }
-        if (all(at + step < lattice) && at.x < lattice.x && may_be_jump(at, step, own, other)) {
-          open |= 1u << u32(number);
+        if (all(at + step < lattice) && at.x < lattice.x) {
+          let state = told(at, step, own, other);
+          bits |= (state & 1u) << u32(number);
+          open |= (state >> 1u) << u32(number);
         }
         if (axis == 1u) {
           own = right;
         }
       }
       // One after another, because some devices execute a loop's body for all invocations if one needs it.
-      var bits = 0u;
       for (; open != 0u; open &= open - 1u) {
         let number = firstTrailingBit(open);
         let at = first + vec2<i32>(i32(number / 2u), 0);

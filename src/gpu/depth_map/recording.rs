@@ -21,8 +21,8 @@ use crate::gpu::common::uniforms::entry;
 use crate::layout::{ContourShape, DepthEdgeRule, DepthMapShape, DepthMapView, DepthNearBox};
 use crate::shadow::DepthDirection;
 
-/// Blocks that a workgroup takes in turn at most, where integers may have to decide about all edges: an invocation then has up to 11,000
-/// turns of loops for each. ARCHITECTURE.md, "Limits of devices".
+/// Blocks that a workgroup takes in turn at most, where integers may have to decide about all edges: an invocation then has up to
+/// 11,000 turns of loops for each. ARCHITECTURE.md, "Limits of devices".
 const BLOCKS_OF_WORLD_STEPS: u32 = 4;
 
 /// A camera and, for each bit, the views of the maps as it sees them.

@@ -318,7 +318,8 @@ impl DepthMapVolumes {
         depth_map_view((light, self.shape.size), (off, &mut { formats }), (camera, self.eye.0), &placing)
     }
 
-    /// Cells, or walls and flaps, that the list has room for. With a larger number at the begin of [`Self::cells`], every cell is drawn.
+    /// Cells, or walls and flaps, that the list has room for. With a larger number at the begin of [`Self::cells`], every cell is
+    /// drawn.
     pub fn capacity(&self) -> u32 {
         self.contours.as_ref().map_or(self.shape.capacity, |own| own.shape.capacity)
     }

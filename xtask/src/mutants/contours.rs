@@ -14,8 +14,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         changes: &[
             (
                 "wgsl/depth_map/contour_marks.wgsl",
-                "return abs(b - a) > contour.threshold;",
-                "return abs(b - a) >= contour.threshold;",
+                "return select(0u, 2u, abs(b - a) > contour.threshold);",
+                "return select(0u, 2u, abs(b - a) >= contour.threshold);",
             ),
             (
                 "wgsl/depth_map/contour_marks.wgsl",
