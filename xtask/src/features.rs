@@ -1,5 +1,8 @@
 //! What a user of the library alone compiles.
 
+use std::path::Path;
+use std::process::Command;
+
 use crate::process;
 
 /// Dependencies that only the command may have.
@@ -8,6 +11,28 @@ const OF_THE_COMMAND: [&str; 8] =
 
 pub(crate) fn library_alone() -> Result<(), String> {
     process::run(&mut process::cargo(["check", "--package", "rimline", "--lib", "--no-default-features"]))
+}
+
+const WASM: &str = "wasm32-unknown-unknown";
+
+/// The library compiles for browsers. Where the target is not installed, only its features are looked at.
+pub(crate) fn library_for_wasm() -> Result<(), String> {
+    let mut libdir = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
+    let libdir = process::output(libdir.args(["--print", "target-libdir", "--target", WASM]))?;
+    if Path::new(libdir.trim()).is_dir() {
+        return process::run(&mut process::cargo(["check", "--package", "rimline", "--lib", "--target", WASM]));
+    }
+    let arguments = ["tree", "--package", "rimline", "--target", WASM, "--edges", "normal", "--prefix", "none"];
+    let tree = process::output(process::cargo(arguments).args(["--no-default-features", "--format", "{p} {f}"]))?;
+    naga_has_back_end(&tree)
+}
+
+/// naga leaves out `process_overrides`, which the library needs, unless it has a back end. On wasm32 wgpu asks for none.
+fn naga_has_back_end(tree: &str) -> Result<(), String> {
+    let naga = tree.lines().find(|line| line.starts_with("naga v")).ok_or("the library does not depend on naga")?;
+    let features = naga.split_whitespace().nth(2).unwrap_or_default();
+    let is_there = features.split(',').any(|feature| ["glsl-out", "hlsl-out", "msl-out", "spv-out"].contains(&feature));
+    if is_there { Ok(()) } else { Err(format!("naga has no back end for {WASM}: its features are `{features}`")) }
 }
 
 pub(crate) fn no_command_dependencies() -> Result<(), String> {
@@ -34,6 +59,14 @@ fn forbidden(tree: &str) -> Vec<&'static str> {
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn a_naga_without_a_back_end_is_found() {
+        let tree = |features: &str| format!("glam v0.34.2 std\nnaga v30.0.1 {features}\nnaga-types v30.0.1 glsl-out\n");
+        assert!(super::naga_has_back_end(&tree("default,glsl-out,wgsl-in")).is_ok());
+        assert!(super::naga_has_back_end(&tree("default,wgsl-in,wgsl-out")).is_err());
+        assert!(super::naga_has_back_end("naga-types v30.0.1 glsl-out\n").is_err());
+    }
+
     #[test]
     fn dependencies_are_found_by_their_whole_name() {
         assert_eq!(super::forbidden("rimline v0.1.0 (here)\nwgpu v30.0.1\nclap_lex v1.0.0 (*)\n"), [""; 0]);

@@ -27,5 +27,6 @@ pub(crate) fn add(summary: &mut Summary) {
     }
     summary.tests_ended(outcome.unwrap_or(false));
     summary.check("the library builds without default features", features::library_alone());
+    summary.check("the library compiles for wasm32", features::library_for_wasm());
     summary.check("the library has none of the command's dependencies", features::no_command_dependencies());
 }
