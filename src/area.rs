@@ -46,8 +46,8 @@ pub struct AreaLight {
 
 impl AreaLight {
     /// Spreads `count` lights over the shape. Each stands for an equal share of the light. A single one lies at the
-    /// centre. The lights have the range of [`Self::light`]; `w` is 0 for a light at infinity, else 1. Every run gives
-    /// the same lights.
+    /// centre. The lights have the range of [`Self::light`]; `w` is 0 for a light at infinity, else 1, also where it is
+    /// negative there. Every run gives the same lights.
     pub fn samples(&self, count: usize) -> Vec<Light> {
         self.pattern_samples(count, 0, 1)
     }

@@ -88,6 +88,26 @@ pub enum DisplaceError {
         /// The bound.
         limit: u64,
     },
+    /// An `enable` directive asks for an extension of WGSL. A device has it only if it was opened with it.
+    #[error(
+        "displacement, line {line}: `enable {names}` asks for an extension of WGSL, which the deform stage does not have; \
+         remove the line, and use WGSL without extensions"
+    )]
+    Enable {
+        /// The line, from 1.
+        line: u32,
+        /// What is enabled.
+        names: String,
+    },
+    /// The length of an array is an expression whose value has no known bound. See [`Self::TooLarge`].
+    #[error(
+        "displacement, line {line}: nothing bounds the length of the array; write a number, or sums and products of numbers \
+         and constants"
+    )]
+    ArrayLength {
+        /// The line, from 1.
+        line: u32,
+    },
     /// The source has an entry point.
     #[error("the displacement declares the entry point `{name}`; it must have functions only")]
     EntryPoint {

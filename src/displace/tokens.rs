@@ -17,6 +17,7 @@ pub(super) fn check(source: &str) -> Result<(), DisplaceError> {
         return Err(too_large(1, "bytes of source", source.len() as u64, MAX_SOURCE_BYTES as u64));
     }
     let tokens = tokens(source);
+    check_directives(&tokens)?;
     check_nesting(&tokens)?;
     check_arrays(&tokens)
 }
@@ -65,6 +66,19 @@ fn block_comment(text: &str) -> usize {
     // Only ASCII characters are compared, so this is the end of a character.
     at.min(bytes.len())
 }
+
+/// Refuses `enable NAME;`, which devices refuse unless they were opened with what it names. `enable` is a keyword, so it
+/// names nothing else.
+fn check_directives(tokens: &[Token<'_>]) -> Result<(), DisplaceError> {
+    let Some(at) = tokens.iter().position(|token| token.text == "enable") else { return Ok(()) };
+    let names = tokens[at + 1..].iter().take_while(|token| token.text != ";").take(MOST_NAMES);
+    let names: Vec<String> = names.map(|token| token.text.chars().take(LONGEST_NAME).collect()).collect();
+    Err(DisplaceError::Enable { line: tokens[at].line, names: names.concat().replace(',', ", ") })
+}
+
+/// What a message keeps of a directive: tokens, and characters of each.
+const MOST_NAMES: usize = 16;
+const LONGEST_NAME: usize = 40;
 
 /// What is open at a token: brackets, the operators since the last separator in each, and the `else` of a chain.
 #[derive(Clone, Copy, Default)]
@@ -136,7 +150,10 @@ fn check_arrays(tokens: &[Token<'_>]) -> Result<(), DisplaceError> {
             let most = lengths.of(count, 0);
             if most > MAX_ARRAY_ELEMENTS {
                 let line = pair[0].line;
-                return Err(too_large(line, "elements of an array, at most,", most, MAX_ARRAY_ELEMENTS));
+                if most == u64::MAX {
+                    return Err(DisplaceError::ArrayLength { line });
+                }
+                return Err(too_large(line, "possible elements of an array", most, MAX_ARRAY_ELEMENTS));
             }
         }
     }

@@ -224,9 +224,15 @@ pub(crate) struct VerifyArgs {
     #[command(flatten)]
     pub(crate) load: LoadArgs,
 
-    /// With --make: the approximate number of faces of a stress scene
-    #[arg(long, value_name = "N", requires = "make", default_value = "2000")]
-    pub(crate) faces: usize,
+    /// With --make: the approximate number of faces of a stress scene, 1 to 4194304
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "make",
+        default_value = "2000",
+        value_parser = clap::value_parser!(u32).range(1..=4_194_304),
+    )]
+    pub(crate) faces: u32,
 
     /// The devices to check: `all` (every GPU, and the CPU), `gpu` (every GPU), `cpu`, or a part of their name or backend
     /// (`rimline devices` lists them). With --make: the one device that computes the files [default: all; with --make: cpu]

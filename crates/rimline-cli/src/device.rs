@@ -179,7 +179,7 @@ pub(crate) fn open_gpu(wanted: &Wanted) -> Result<Gpu, NoDevice> {
         (None, Wanted::Named(name)) if !names.is_empty() => {
             Err(NoDevice::NotNamed { name: name.clone(), adapters: names })
         }
-        _ => Err(NoDevice::None),
+        _ => Err(NoDevice::none()),
     }
 }
 

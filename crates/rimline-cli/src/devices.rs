@@ -20,7 +20,7 @@ pub(crate) fn run(args: &DevicesArgs) -> Result<(), Failure> {
         print(&blocks.join("\n"))?;
     }
     if adapters.is_empty() {
-        return Err(NoDevice::None.into());
+        return Err(NoDevice::none().into());
     }
     Ok(())
 }

@@ -71,7 +71,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let faces: Vec<[u32; 3]> = scene.mesh.faces().iter().filter(is_drawn).copied().collect();
     let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
     let failed = Failure::input(&posed.input.file);
-    let bounds = Bounds::of(corners()).ok_or_else(|| failed(InputError::NoFinitePosition))?;
+    let bounds = Bounds::of(corners()).ok_or_else(|| failed(InputError::NoFiniteFace))?;
     check_bounds(&bounds).map_err(failed)?;
     let camera =
         Camera::new(&args.view, elevation(ELEVATION, &bounds), centre(&bounds), extent(&bounds), corners().copied())?;

@@ -107,8 +107,8 @@ pub(crate) enum InputError {
     DisplacementResources,
     #[error("the depths of {points} points for {lights} lights do not fit into memory; give fewer points or lights")]
     Depths { points: usize, lights: usize },
-    #[error("no vertex has a finite position, so there is nothing to draw")]
-    NoFinitePosition,
+    #[error("no face has finite positions at all of its corners, so there is nothing to draw")]
+    NoFiniteFace,
     #[error("the model is larger than 32-bit numbers can say, so no camera can see it; scale it down")]
     Boundless,
     #[error("the folder contains no .npz file, so there is nothing to check; `rimline verify --make` writes some")]
@@ -170,6 +170,16 @@ pub(crate) enum UsageError {
          another folder", .folder.display(), .first.display()
     )]
     OtherFilm { folder: PathBuf, first: PathBuf, count: String },
+    #[error(
+        "another film is being written into {}; wait until it is done, or choose another folder (if there is no other film, \
+         remove {})", .folder.display(), .claim.display()
+    )]
+    FilmInProgress { folder: PathBuf, claim: PathBuf },
+    #[error(
+        "{} has {}, which is not of a report of `rimline bench` and would be replaced; move it away, or choose another folder",
+        .folder.display(), .file.display()
+    )]
+    NotAReport { folder: PathBuf, file: PathBuf },
     #[error("the file's light `{name}`: {problem}")]
     LampOptions { name: String, problem: SpecError },
     #[error("a film of {frames} pictures is too long; at most {limit} are written")]
@@ -238,6 +248,11 @@ pub(crate) enum UsageError {
 pub(crate) enum NoDevice {
     #[error("no GPU was found. {}", ADVICE)]
     None,
+    #[error(
+        "no GPU was found, because the environment variable WGPU_BACKEND is `{wanted}` and allows no other backend; unset it, \
+         or set it to vulkan, metal, dx12 or gl. `rimline extract --device cpu` needs none"
+    )]
+    Backend { wanted: String },
     #[error("no device has `{name}` in its name or backend; the devices are {}", .adapters.join(", "))]
     NotNamed { name: String, adapters: Vec<String> },
     #[error(
@@ -248,6 +263,16 @@ pub(crate) enum NoDevice {
     TooSmall { adapter: String, reason: String, cpu_would_do: bool },
     #[error("the device {adapter} cannot be opened: {source}")]
     Refused { adapter: String, source: rimline::wgpu::RequestDeviceError },
+}
+
+impl NoDevice {
+    /// Why there is no adapter: wgpu's own variable may hide all.
+    pub(crate) fn none() -> Self {
+        match std::env::var_os("WGPU_BACKEND") {
+            Some(wanted) => Self::Backend { wanted: wanted.to_string_lossy().into_owned() },
+            None => Self::None,
+        }
+    }
 }
 
 /// What to do about an adapter that is too small.
@@ -275,16 +300,21 @@ impl Failure {
     /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits, 128 and the
     /// signal that stopped it.
     pub(crate) fn exit_code(&self) -> ExitCode {
-        ExitCode::from(match self {
+        self.code().into()
+    }
+
+    /// The same as a number.
+    pub(crate) fn code(&self) -> u8 {
+        match self {
             Self::Input { .. } | Self::Pose(_) => 1,
             Self::Usage(_) => 2,
             Self::NoDevice(_) => 3,
             Self::DeviceLost { .. } | Self::Output { .. } => 4,
             Self::Differs { .. } => 5,
-            Self::Unchecked { first, .. } => return first.exit_code(),
+            Self::Unchecked { first, .. } => first.code(),
             // 128 and the number of the signal, as shells have it.
             Self::Interrupted => crate::interrupt::interrupted_code(),
-        })
+        }
     }
 }
 

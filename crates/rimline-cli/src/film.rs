@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::claim::Claim;
 use crate::ending;
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::GpuError;
@@ -26,6 +27,9 @@ const LOOKS: u32 = 12;
 pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let scene = &args.scene;
     ending::check_folder(&args.out)?;
+    // Before long work: a place that cannot be had is known at once.
+    let _folder = Folder::create(&args.out)?;
+    let _claim = Claim::take(&args.out)?;
     let progress = Progress::start();
     progress.step("reading the models");
     let mut props = ShadowInputs::read(scene)?;
@@ -36,9 +40,14 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let time = |frame: u32| scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
     let file = |frame: u32| frame_file(&args.out, frame, frames);
     let inputs = Inputs::new(props.files(scene));
-    (0..frames).try_for_each(|frame| inputs.spare(&file(frame)))?;
+    for frame in 0..frames {
+        inputs.spare(&file(frame))?;
+        if file(frame).is_dir() {
+            let source = std::io::Error::other("it is a folder; remove it, or choose another place for the film");
+            return Err(Failure::Output { file: file(frame), source });
+        }
+    }
     check_earlier(&args.out, frames)?;
-    let _folder = Folder::create(&args.out)?;
     let mut output = Some(Output::create(&file(0))?);
 
     progress.step("opening the device");

@@ -11,6 +11,19 @@ pub(crate) fn interrupted_code() -> u8 {
     128 + SIGNAL.load(Ordering::SeqCst)
 }
 
+/// Ends the process at once. Nothing else runs, destructors of libraries included: another thread may be in the middle of
+/// a driver's compiler, whose destructors would take away what it works with.
+#[cfg(unix)]
+pub(crate) fn leave(code: u8) -> ! {
+    signal_hook::low_level::exit(code.into())
+}
+
+/// Ends the process; this system's handler of Ctrl-C cannot leave destructors out.
+#[cfg(not(unix))]
+pub(crate) fn leave(code: u8) -> ! {
+    std::process::exit(code.into())
+}
+
 /// Calls `handler` with the number of each signal that asks to end. One that was ignored when the command started, as
 /// `nohup` and shells do, stays ignored.
 #[cfg(unix)]

@@ -39,7 +39,11 @@ fn bytes(text: &str) -> Result<u64, String> {
         unit => UNITS.iter().find(|(name, _)| name.eq_ignore_ascii_case(unit)).map(|(_, shift)| *shift),
     };
     let size = shift.zip(number.parse::<u64>().ok()).and_then(|(shift, number)| number.checked_mul(1 << shift));
-    size.ok_or_else(|| "a size is a whole number of bytes, KiB, MiB, GiB or TiB, such as 512MiB".to_owned())
+    let size = size.filter(|&size| size > 0);
+    size.ok_or_else(|| {
+        "a size is a whole number of bytes, KiB, MiB, GiB or TiB, such as 512MiB, from 1 byte to less than 16777216TiB"
+            .to_owned()
+    })
 }
 
 /// A number of bytes for people: in the largest unit of which there is one, rounded up to a tenth.
@@ -63,7 +67,7 @@ mod tests {
     #[test]
     fn sizes_are_read() {
         for (text, expected) in [
-            ("0", 0),
+            ("1", 1),
             ("1000", 1000),
             ("1KiB", 1024),
             ("4GiB", 4 << 30),
@@ -73,7 +77,8 @@ mod tests {
         ] {
             assert_eq!(bytes(text), Ok(expected), "{text}");
         }
-        for text in ["", "GiB", "-1", "1.5GiB", "4GB", "4g", "1 2", "18446744073709551616", "16777216TiB"] {
+        for text in ["", "0", "0GiB", "GiB", "-1", "1.5GiB", "4GB", "4g", "1 2", "18446744073709551616", "16777216TiB"]
+        {
             assert!(bytes(text).is_err(), "{text}");
         }
     }

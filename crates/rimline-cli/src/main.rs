@@ -4,6 +4,7 @@
 mod args;
 mod bench;
 mod chart;
+mod claim;
 mod device;
 mod devices;
 mod displacement;
@@ -23,6 +24,7 @@ mod load_args;
 mod output;
 mod overwrite;
 mod page;
+mod parse;
 mod posed_input;
 mod positions;
 mod progress;
@@ -41,10 +43,9 @@ mod warm_up;
 use std::io::Write as _;
 use std::process::ExitCode;
 
-use clap::Parser;
 use rimline_cli::{npz, obj};
 
-use crate::args::{Cli, Command};
+use crate::args::Command;
 use crate::failure::Failure;
 use crate::shown::{Line, Text};
 
@@ -53,8 +54,10 @@ fn main() -> ExitCode {
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("off,rimline=warn"))
         .format(|to, record| writeln!(to, "[{:<5} {}] {}", record.level(), record.target(), Text(record.args())))
         .init();
-    let cli = Cli::try_parse().unwrap_or_else(|error| refuse(&error));
+    let cli = parse::parse(std::env::args_os()).unwrap_or_else(|error| refuse(&error));
     quiet::run_again_quietly(&cli.command);
+    // Before anything is read: the code of a signal does not depend on when it comes.
+    output::heed_signals();
     match run(&cli.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
@@ -66,6 +69,13 @@ fn main() -> ExitCode {
 
 /// Prints what the parser says, help too, and ends. It cites arguments as they are, and a shell puts names of files there.
 fn refuse(error: &clap::Error) -> ! {
+    if !error.use_stderr() {
+        // Help and version are results like others.
+        let printed = error.print().and_then(|()| std::io::stdout().flush());
+        let Err(failure) = output::printed(printed) else { std::process::exit(error.exit_code()) };
+        output::note(&format!("error: {failure}"));
+        std::process::exit(failure.code().into());
+    }
     let is_tame = |argument: std::ffi::OsString| {
         let argument = argument.to_string_lossy();
         Line(&argument).to_string() == argument

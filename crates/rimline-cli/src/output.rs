@@ -105,7 +105,7 @@ fn beside(target: &Path, existing: Option<&Metadata>) -> io::Result<(TempPath, F
         let plain = || std::fs::Permissions::from_mode(0o666);
         builder.permissions(existing.map_or_else(plain, Metadata::permissions));
     }
-    remove_at_interrupt();
+    heed_signals();
     let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
     let (file, temporary) = builder.tempfile_in(folder).map_err(|error| unwritable(&error))?.into_parts();
     unfinished.push(temporary.to_path_buf());
@@ -164,10 +164,14 @@ impl Folder {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 let path = end_of_links(path)?;
                 check_parent(&path)?;
-                remove_at_interrupt();
+                heed_signals();
                 let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
-                std::fs::create_dir(&path)?;
-                made.push(path.clone());
+                match std::fs::create_dir(&path) {
+                    Ok(()) => made.push(path.clone()),
+                    // Another run made it meanwhile, and removes it if it has to be.
+                    Err(error) if error.kind() == io::ErrorKind::AlreadyExists && path.is_dir() => {}
+                    Err(error) => return Err(error),
+                }
                 Ok(path)
             }
             Err(error) => Err(error),
@@ -204,8 +208,17 @@ fn remove_empty(is_meant: impl Fn(&PathBuf) -> bool) {
     }
 }
 
+/// Makes a file that is removed at a signal, by a name that nobody has.
+pub(crate) fn create_unfinished(file: &Path) -> io::Result<File> {
+    heed_signals();
+    let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+    let made = File::create_new(file)?;
+    unfinished.push(file.to_owned());
+    Ok(made)
+}
+
 /// Removes those of the files being written. That it fails can have no remedy here.
-fn remove_unfinished(is_meant: impl Fn(&PathBuf) -> bool) {
+pub(crate) fn remove_unfinished(is_meant: impl Fn(&PathBuf) -> bool) {
     let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
     for path in unfinished.extract_if(.., |path| is_meant(path)) {
         let _ = std::fs::remove_file(path);
@@ -218,7 +231,7 @@ static IS_FINISHING: AtomicBool = AtomicBool::new(false);
 /// From now on the first Ctrl-C only makes [`is_interrupted`] true, and leaves it to the work to end soon and to write
 /// what it has; the second ends the command.
 pub(crate) fn finish_at_interrupt() {
-    remove_at_interrupt();
+    heed_signals();
     IS_FINISHING.store(true, Ordering::SeqCst);
 }
 
@@ -227,7 +240,8 @@ pub(crate) fn is_interrupted() -> bool {
     interrupt::SIGNAL.load(Ordering::SeqCst) != 0
 }
 
-fn remove_at_interrupt() {
+/// From now on a signal that asks to end removes unfinished files, and ends the command with the code of the signal.
+pub(crate) fn heed_signals() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         let handler = |signal: i32| {
@@ -241,7 +255,7 @@ fn remove_at_interrupt() {
                 let _ = std::fs::remove_file(path);
             }
             remove_empty(|_| true);
-            std::process::exit(interrupt::interrupted_code().into());
+            interrupt::leave(interrupt::interrupted_code());
         };
         if let Err(error) = interrupt::listen(handler) {
             log::warn!("Ctrl-C would leave a partial file: {error}");
@@ -258,7 +272,12 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
         return Ok(());
     }
     let mut stdout = io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+    printed(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
+}
+
+/// What became of a text for standard output.
+pub(crate) fn printed(result: io::Result<()>) -> Result<(), Failure> {
+    match result {
         Err(source) if source.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure::Output { file: "standard output".into(), source })
         }

@@ -120,9 +120,12 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
         })
         .transpose()?;
     progress.step("drawing");
-    times.measure("compile", || {
-        warm_up::shadow_stages(&gpu, pipelines, &frame::shadow_camera(&set.camera), &set.ranged())
-    })?;
+    // Times are for those who ask for them; all others would wait for the work twice.
+    if args.json {
+        times.measure("compile", || {
+            warm_up::shadow_stages(&gpu, pipelines, &frame::shadow_camera(&set.camera), (&set.bodies, &set.ranged()))
+        })?;
+    }
     let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
     set.cast(&gpu, &resources, &mut casters, timer.as_mut()).map_err(fail)?;
     gpu.wait()?;
@@ -130,7 +133,10 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     for (stage, milliseconds) in stages.map_err(|error| fail(error.into()))?.into_iter().flatten() {
         times.add(stage, milliseconds);
     }
-    times.measure("compile", || trial(&gpu, &resources, pictures.as_ref(), masks.as_ref(), &set.trial(&casters)))?;
+    if args.json {
+        times
+            .measure("compile", || trial(&gpu, &resources, pictures.as_ref(), masks.as_ref(), &set.trial(&casters)))?;
+    }
     if let Some(pictures) = &pictures {
         let picture =
             times.measure("picture", || picture(&gpu, &resources, pictures, &mut set, &mut casters)).map_err(fail)?;

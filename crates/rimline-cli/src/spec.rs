@@ -61,6 +61,10 @@ pub(crate) enum SpecError {
     Size,
     #[error("a picture needs at least one pixel each way")]
     NoPixels,
+    #[error("a picture has at most {limit} pixels each way, not {given}")]
+    Pixels { given: u32, limit: u32 },
+    #[error("it is {given}, and may be {least} to {most}")]
+    Range { given: f32, least: f32, most: f32 },
     #[error("there is no light option `{0}`; there are range=R, begin=R, exponent=E, color=R,G,B and intensity=I")]
     LampOption(String),
     #[error("{option}={value}: it must be {needed}")]
@@ -86,14 +90,12 @@ pub(crate) enum SpecError {
     WorldThreshold,
     #[error("edges that dangle go on by SHARE,CELLS: 0 to 1 of the thresholds, and 1 to 64 whole cells, such as 0.5,8")]
     Dangling,
-    #[error("a light's size must be more than 0")]
+    #[error("a light's size is more than 0, and at most {MOST_AREA_SIZE}")]
     AreaSize,
     #[error("the near plane must lie at a distance of more than 0")]
     Near,
     #[error("there are 1 to {limit} of them, not {given}")]
     SampleCount { given: u32, limit: u32 },
-    #[error("it must be more than 0")]
-    NotPositive,
     #[error("the angle must lie between 0 and 180 degrees, both left out")]
     Angle,
 }
@@ -131,6 +133,10 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
         begin: None,
         exponent: None,
     };
+    let bounded = |option, value: f32| {
+        let needed = "0 to 1000000000";
+        if (0.0..=MOST_LAMP).contains(&value) { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
+    };
     let at_least_0 = |option, value: f32| {
         let needed = "0 or more";
         if value >= 0.0 { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
@@ -147,12 +153,12 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
                 shaded.range = Some(range);
             }
             "begin" => shaded.begin = Some(at_least_0("begin", number(value)?)?),
-            "exponent" => shaded.exponent = Some(at_least_0("exponent", number(value)?)?),
-            "intensity" => shaded.intensity = Some(at_least_0("intensity", number(value)?)?),
+            "exponent" => shaded.exponent = Some(bounded("exponent", number(value)?)?),
+            "intensity" => shaded.intensity = Some(bounded("intensity", number(value)?)?),
             "color" => {
                 let color: [f32; 3] = numbers(value)?;
                 for component in color {
-                    at_least_0("color", component)?;
+                    bounded("color", component)?;
                 }
                 shaded.color = Some(color);
             }
@@ -197,7 +203,11 @@ fn split_options(text: &str) -> (&str, Vec<&str>) {
 /// The shape of lights with an area.
 pub(crate) fn area(text: &str) -> Result<AreaSpec, SpecError> {
     let given = |shape, sizes: &[f32]| {
-        if sizes.iter().all(|&size| size > 0.0) { Ok(AreaSpec::Given(shape)) } else { Err(SpecError::AreaSize) }
+        if sizes.iter().all(|&size| size > 0.0 && size <= MOST_AREA_SIZE) {
+            Ok(AreaSpec::Given(shape))
+        } else {
+            Err(SpecError::AreaSize)
+        }
     };
     match text.split_once(':') {
         None => Ok(AreaSpec::Chosen(match text {
@@ -218,6 +228,18 @@ pub(crate) fn area(text: &str) -> Result<AreaSpec, SpecError> {
         Some(_) => Err(SpecError::Area(text.to_owned())),
     }
 }
+
+/// The largest intensity, color and exponent: sums and products of all lights stay far below the largest float.
+const MOST_LAMP: f32 = 1e9;
+/// The largest size of a light's shape, so that places on it stay finite.
+const MOST_AREA_SIZE: f32 = 1e30;
+/// The largest width and height of a picture. Devices have limits of their own, which are lower.
+const MOST_PIXELS: u32 = 1 << 16;
+/// The largest time in seconds, before and after 0.
+const MOST_SECONDS: f32 = 1e9;
+/// How many pictures a second has.
+const LEAST_FPS: f32 = 1e-3;
+const MOST_FPS: f32 = 1e5;
 
 /// At most so many lights stand for one.
 pub(crate) const MOST_SAMPLES: u32 = 32;
@@ -243,10 +265,19 @@ pub(crate) fn any_number(text: &str) -> Result<f32, SpecError> {
     number(text)
 }
 
-/// A positive number.
-pub(crate) fn positive(text: &str) -> Result<f32, SpecError> {
-    let value = number(text)?;
-    if value > 0.0 { Ok(value) } else { Err(SpecError::NotPositive) }
+/// Pictures a second.
+pub(crate) fn pictures_a_second(text: &str) -> Result<f32, SpecError> {
+    within(text, LEAST_FPS, MOST_FPS)
+}
+
+/// A length in seconds: one picture at least, as the most pictures a second make it.
+pub(crate) fn length(text: &str) -> Result<f32, SpecError> {
+    within(text, MOST_FPS.recip(), MOST_SECONDS)
+}
+
+fn within(text: &str, least: f32, most: f32) -> Result<f32, SpecError> {
+    let given = number(text)?;
+    if (least..=most).contains(&given) { Ok(given) } else { Err(SpecError::Range { given, least, most }) }
 }
 
 /// Edges of depth maps.
@@ -301,6 +332,7 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], SpecError> {
     let pixels = |text: &str| text.trim().parse::<u32>().map_err(|_| SpecError::Size);
     match [pixels(width)?, pixels(height)?] {
         [0, _] | [_, 0] => Err(SpecError::NoPixels),
+        [given, _] | [_, given] if given > MOST_PIXELS => Err(SpecError::Pixels { given, limit: MOST_PIXELS }),
         size => Ok(size),
     }
 }
@@ -313,7 +345,7 @@ pub(crate) fn field_of_view(text: &str) -> Result<f32, SpecError> {
 
 /// A time in seconds.
 pub(crate) fn seconds(text: &str) -> Result<f32, SpecError> {
-    number(text)
+    within(text, -MOST_SECONDS, MOST_SECONDS)
 }
 
 fn numbers<const N: usize>(text: &str) -> Result<[f32; N], SpecError> {
@@ -421,6 +453,7 @@ mod tests {
         assert_eq!(size("1280x960"), Ok([1280, 960]));
         assert_eq!(size("0x960"), Err(SpecError::NoPixels));
         assert_eq!(size("-1x5"), Err(SpecError::Size));
+        assert_eq!(size("5x65537"), Err(SpecError::Pixels { given: 65_537, limit: MOST_PIXELS }));
         assert_eq!(size("640"), Err(SpecError::Size));
         assert_eq!(field_of_view("3.5e1"), Ok(35.0));
         assert_eq!(field_of_view("180"), Err(SpecError::Angle));

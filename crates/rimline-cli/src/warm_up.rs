@@ -34,12 +34,13 @@ pub(crate) fn with_triangle(
     work(&Scene { mesh, shape })
 }
 
-/// Runs the stages of extraction and shadow volumes with a triangle, and waits for them.
+/// Runs the stages of extraction and shadow volumes with a triangle, and waits for them. Depth maps of the lights have the
+/// cameras that they have for the bodies `seen`: one map or six, so that no other stages run than for these.
 pub(crate) fn shadow_stages(
     gpu: &Gpu,
     pipelines: &VolumePipelines,
     camera: &ShadowCamera,
-    lights: &[Light],
+    (seen, lights): (&[PosedModel<'_>], &[Light]),
 ) -> Result<(), Failure> {
     let Some(model) = triangle() else { return Ok(()) };
     let input = Input {
@@ -51,7 +52,7 @@ pub(crate) fn shadow_stages(
     shadows.place(gpu, &body)?;
     let label = Some("warm up");
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
-    let inputs = CastInputs { gpu, bodies: &body, camera, lights };
+    let inputs = CastInputs { gpu, bodies: &body, seen, camera, lights };
     shadows.encode(&mut encoder, inputs, None).map_err(|error| error.on(gpu))?;
     gpu.queue.submit([encoder.finish()]);
     gpu.wait()

@@ -1,6 +1,7 @@
 //! Where the results go: JSON, a page, plots.
 
-use std::io::{ErrorKind, Write as _};
+use std::fs::File;
+use std::io::{ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::args::BenchArgs;
@@ -10,7 +11,7 @@ use super::results::Results;
 use super::text::grouped;
 use crate::chart::{Target, write_png};
 use crate::ending::{self, Written};
-use crate::failure::Failure;
+use crate::failure::{Failure, UsageError};
 use crate::output::{Folder, Output, note};
 use crate::page::{Fact, Page, Section};
 
@@ -25,6 +26,7 @@ impl Destination {
     pub(super) fn new(args: &BenchArgs) -> Result<Self, Failure> {
         let folder = |path: &PathBuf| -> Result<_, Failure> {
             ending::check_report(path)?;
+            check_own(path)?;
             let folder = Folder::create_all(path)?;
             drop(Output::create(&path.join("index.html"))?);
             Ok((path.clone(), folder))
@@ -66,6 +68,34 @@ impl Destination {
         note(&format!("wrote {}", index.display()));
         Ok(())
     }
+}
+
+/// The title of a report's page, by which it is known.
+const TITLE: &str = "Silhouettes and shadows: run time against error";
+
+/// Refuses a folder where a report would replace files of somebody else: those that it writes are there, and the page is
+/// not a report's.
+fn check_own(folder: &Path) -> Result<(), UsageError> {
+    let plots = figures::PLOTS.map(|id| format!("{id}.png"));
+    let names = ["index.html", "data.json"].into_iter().chain(plots.iter().map(String::as_str));
+    let there = names.map(|name| folder.join(name)).find(|file| file.symlink_metadata().is_ok());
+    match there {
+        Some(file) if !is_report(&folder.join("index.html")) => {
+            Err(UsageError::NotAReport { folder: folder.to_owned(), file })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Whether a page is one that this command wrote: its head has the title.
+fn is_report(page: &Path) -> bool {
+    const HEAD: u64 = 1 << 12;
+    let mut head = Vec::new();
+    // A pipe would be waited for.
+    if page.is_file() {
+        let _ = File::open(page).and_then(|file| file.take(HEAD).read_to_end(&mut head));
+    }
+    String::from_utf8_lossy(&head).contains(&format!("<title>{TITLE}</title>"))
 }
 
 fn write(file: &Path, bytes: &[u8]) -> Result<(), Failure> {
@@ -123,7 +153,7 @@ fn page(results: &Results) -> Page {
         notices.push("This build was not optimised: its CPU times mean nothing.".to_owned());
     }
     Page {
-        title: "Silhouettes and shadows: run time against error".to_owned(),
+        title: TITLE.to_owned(),
         lead: "Which edges of a mesh are silhouettes, and the shadows whose volumes they bound. Rimline decides in exact \
                arithmetic, the methods before it in floating point. A bit is wrong where it differs from exact arithmetic \
                on the positions as they lie in memory (integers on the CPU, which Rimline's tests hold against big \

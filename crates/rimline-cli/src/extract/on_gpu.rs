@@ -33,23 +33,24 @@ impl<'s> Job<'_, 's> {
     pub(super) fn run_warm(&self, gpu: &Gpu, times: &mut Times) -> Result<Found<'s>, Failure> {
         let is_posed = matches!(self.scene.shape, Shape::Posed { .. });
         let Self { lights, method, predicate, displacement, time_s, .. } = *self;
-        self.run_after(gpu, times, || {
+        let warm_up = || {
             with_triangle(is_posed, |scene| {
                 let job = Job { scene, lights, method, predicate, displacement, time_s };
                 job.run(gpu, &mut Times::default()).map(drop)
             })
-        })
+        };
+        self.run_after(gpu, times, Some(&warm_up))
     }
 
     pub(super) fn run(&self, gpu: &Gpu, times: &mut Times) -> Result<Found<'s>, Failure> {
-        self.run_after(gpu, times, || Ok(()))
+        self.run_after(gpu, times, None)
     }
 
     fn run_after(
         &self,
         gpu: &Gpu,
         times: &mut Times,
-        warm_up: impl FnOnce() -> Result<(), Failure>,
+        warm_up: Option<&dyn Fn() -> Result<(), Failure>>,
     ) -> Result<Found<'s>, Failure> {
         let Gpu { device, queue, .. } = gpu;
         let fail = |error: GpuError| error.on(gpu);
@@ -82,7 +83,7 @@ impl<'s> Job<'_, 's> {
             })
             .map_err(fail)?;
         gpu.check()?;
-        times.measure("compile", warm_up)?;
+        warm_up.map_or(Ok(()), |warm_up| times.measure("compile", warm_up))?;
 
         let mut timer = StageTimer::new(device, queue);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("extract") });

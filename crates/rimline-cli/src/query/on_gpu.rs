@@ -35,7 +35,7 @@ impl Job<'_, '_> {
         self.run(gpu, depths, times)
     }
 
-    fn run(&self, gpu: &Gpu, depths: &mut Vec<i32>, times: &mut Times) -> Result<(), Failure> {
+    pub(super) fn run(&self, gpu: &Gpu, depths: &mut Vec<i32>, times: &mut Times) -> Result<(), Failure> {
         let fail = |error: GpuError| error.on(gpu);
         let slice = slice(&self.scene.mesh, self.lights.len()).min(self.points.len());
         let (placed, mut query, points) = times

@@ -318,8 +318,8 @@ pub(crate) struct FilmArgs {
     #[command(flatten)]
     pub(crate) scene: ShadowSceneArgs,
 
-    /// Pictures a second
-    #[arg(long, value_name = "N", default_value = "25", allow_hyphen_values = true, value_parser = spec::positive)]
+    /// Pictures a second, 0.001 to 100000
+    #[arg(long, value_name = "N", default_value = "25", allow_hyphen_values = true, value_parser = spec::pictures_a_second)]
     pub(crate) fps: f32,
 
     /// The number of pictures. By default the film lasts as long as the animation
@@ -327,7 +327,7 @@ pub(crate) struct FilmArgs {
     pub(crate) frames: Option<u32>,
 
     /// The length in seconds, instead of --frames
-    #[arg(long, value_name = "S", conflicts_with = "frames", allow_hyphen_values = true, value_parser = spec::positive)]
+    #[arg(long, value_name = "S", conflicts_with = "frames", allow_hyphen_values = true, value_parser = spec::length)]
     pub(crate) seconds: Option<f32>,
 
     /// The folder for 0000.png, 0001.png and so on. It is made if it does not exist. See below if it has an earlier film

@@ -11,6 +11,8 @@ use crate::device::Gpu;
 pub(crate) struct CastInputs<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) bodies: &'a [PosedModel<'a>],
+    /// What depth maps of the lights must see: the bodies, or those that they stand in for.
+    pub(crate) seen: &'a [PosedModel<'a>],
     pub(crate) camera: &'a ShadowCamera,
     pub(crate) lights: &'a [Light],
 }

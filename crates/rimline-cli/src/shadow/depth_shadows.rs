@@ -60,13 +60,13 @@ impl DepthShadows {
     pub(super) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        CastInputs { gpu, bodies, camera, lights }: CastInputs<'_>,
+        CastInputs { gpu, bodies, seen, camera, lights }: CastInputs<'_>,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         for (file, body) in self.files.iter_mut().zip(bodies) {
             file.surface.encode(encoder, body, lights, timer.as_deref_mut())?;
         }
-        let points = points(bodies);
+        let points = points(seen);
         let Self { pipelines, from, files, lights: made, .. } = self;
         for (number, light) in lights.iter().enumerate() {
             let cameras = match &from.source {

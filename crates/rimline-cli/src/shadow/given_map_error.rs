@@ -1,7 +1,7 @@
 //! Errors of depth maps that the caller made.
 
 use rimline::CameraError;
-use rimline::gpu::{DepthMapCubeError, DepthMapEncodeError, DepthMapVolumesError};
+use rimline::gpu::{CubeMismatch, DepthMapCubeError, DepthMapEncodeError, DepthMapVolumesError};
 
 /// What is wrong with a map whose arrays are sound.
 #[derive(Debug, thiserror::Error)]
@@ -25,8 +25,26 @@ pub(crate) enum GivenMapError {
     DistanceBits,
     #[error(transparent)]
     Volumes(#[from] DepthMapVolumesError),
+    #[error(
+        "map {map} does not meet the others: {what}; take the views that docs/formats.md states for six maps, or turn all six \
+         together"
+    )]
+    Apart { map: usize, what: CubeMismatch },
+    #[error("it has six maps, and --reconstruct vector takes one; leave --reconstruct out, or give one map")]
+    VectorOfCube,
     #[error(transparent)]
-    Cube(#[from] DepthMapCubeError),
+    Cube(DepthMapCubeError),
     #[error(transparent)]
     Encode(#[from] DepthMapEncodeError),
+}
+
+/// In words of the command: users have a file, and no cameras of the library.
+impl From<DepthMapCubeError> for GivenMapError {
+    fn from(error: DepthMapCubeError) -> Self {
+        match error {
+            DepthMapCubeError::Apart { face, what } => Self::Apart { map: face, what },
+            DepthMapCubeError::Contours => Self::VectorOfCube,
+            other => Self::Cube(other),
+        }
+    }
 }

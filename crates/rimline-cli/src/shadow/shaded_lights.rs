@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 use rimline::falloff;
 use rimline::gltf::{SceneLight, SpotCone};
 use rimline::mesh::Bounds;
+use rimline::reference::light::check_shadow_lights;
 use rimline::{AreaLight, AreaShape, Light};
 
 use crate::failure::{Failure, UsageError};
@@ -90,6 +91,9 @@ impl ShadedLight {
                 area: None,
             });
         }
+        // Once for every way to cast: depth maps and areas would take such a light for another.
+        let lights: Vec<Light> = shaded_lights.iter().map(|shaded| shaded.light).collect();
+        check_shadow_lights(&lights, usize::MAX).map_err(UsageError::Lights)?;
         if let Some(area) = args.area {
             for shaded in &mut shaded_lights {
                 shaded.spread(area, args.samples(), stage);

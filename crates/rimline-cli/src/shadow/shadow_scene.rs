@@ -110,7 +110,7 @@ impl<'a> ShadowScene<'a> {
     ) -> Result<Self, Failure> {
         let first = &bodies[0];
         let failed = Failure::input(&first.input.file);
-        let bounds = Bounds::of(points).ok_or_else(|| failed(InputError::NoFinitePosition))?;
+        let bounds = Bounds::of(points).ok_or_else(|| failed(InputError::NoFiniteFace))?;
         check_bounds(&bounds).map_err(failed)?;
         let stage = SceneBounds {
             centre: centre(&bounds),
@@ -240,7 +240,8 @@ impl<'a> ShadowScene<'a> {
     ) -> Result<(), GpuError> {
         resources.set(gpu, &self.frame(), &self.shaded_light_data());
         let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
-        casters.encode(encoder, CastInputs { gpu, bodies: &self.bodies, camera: &camera, lights: &lights }, timer)
+        let (bodies, seen) = (&self.bodies[..], &self.bodies[..]);
+        casters.encode(encoder, CastInputs { gpu, bodies, seen, camera: &camera, lights: &lights }, timer)
     }
 }
 

@@ -46,7 +46,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
             maker.pose(&input, Some(0), MOMENT * animation.duration_s, &posed(model))?;
         }
     }
-    for scene in stress::scenes(args.faces) {
+    for scene in stress::scenes(args.faces as usize) {
         maker.scene(scene)?;
     }
     Ok(())

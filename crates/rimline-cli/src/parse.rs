@@ -1,0 +1,71 @@
+//! The command line as it is given, before its options check what is theirs.
+
+#[cfg(test)]
+mod ranges;
+
+use std::ffi::OsString;
+
+use clap::{CommandFactory, Parser};
+
+use crate::args::Cli;
+
+/// Reads the command line; the first argument is the program's name.
+pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
+    Cli::try_parse_from(joined(arguments.into_iter().collect()))
+}
+
+/// Joins an option with a value that begins as a negative number does: `--dangling -1,3` becomes `--dangling=-1,3`. clap
+/// would look for an option `-1`, and could not say what is wrong with the value.
+fn joined(arguments: Vec<OsString>) -> Vec<OsString> {
+    let cli = Cli::command();
+    let Some(command) = arguments.get(1).and_then(|name| cli.find_subcommand(name)) else { return arguments };
+    let takes_value = |argument: &OsString| {
+        let Some(name) = argument.to_str().and_then(|argument| argument.strip_prefix("--")) else { return false };
+        command.get_arguments().any(|option| {
+            let names = option.get_long_and_visible_aliases().unwrap_or_default();
+            option.get_action().takes_values() && names.contains(&name)
+        })
+    };
+    let is_negative = |argument: &OsString| matches!(argument.as_encoded_bytes(), [b'-', second, ..] if second.is_ascii_digit() || *second == b'.');
+    let mut joined: Vec<OsString> = Vec::with_capacity(arguments.len());
+    let mut are_options = true;
+    for argument in arguments {
+        are_options &= argument != "--";
+        match joined.last_mut().filter(|last| are_options && is_negative(&argument) && takes_value(last)) {
+            Some(option) => {
+                option.push("=");
+                option.push(argument);
+            }
+            None => joined.push(argument),
+        }
+    }
+    joined
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn negative_values_stay_with_their_options() {
+        let joined = |line: &str| {
+            let arguments = joined(line.split(' ').map(OsString::from).collect());
+            arguments.iter().map(|argument| argument.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(joined("rimline shadow a --dangling -1,3 --json"), "rimline shadow a --dangling=-1,3 --json");
+        assert_eq!(joined("rimline shadow a --near -.5"), "rimline shadow a --near=-.5");
+        assert_eq!(joined("rimline bench --scene -1"), "rimline bench --scene=-1");
+        for line in [
+            "rimline",
+            "rimline nothing --near -1",
+            // A flag, an option that is next, a value that has its option, and no options any more.
+            "rimline shadow --json -1",
+            "rimline shadow --dangling --json",
+            "rimline shadow --near=-1 -2",
+            "rimline shadow -- --near -1",
+            "rimline shadow --nothing -1",
+        ] {
+            assert_eq!(joined(line), line);
+        }
+    }
+}

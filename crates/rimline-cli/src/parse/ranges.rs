@@ -1,0 +1,139 @@
+//! Every numeric option of every subcommand refuses numbers that it is not meant for. The options are those of clap's own
+//! definitions, so that a new one has to be told here.
+
+use std::any::TypeId;
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::error::ErrorKind;
+use clap::{Arg, CommandFactory};
+
+use super::*;
+
+/// A number of an option's value: how the value is written with `{}` for the number, numbers that are taken, and numbers that
+/// are refused besides those that every number refuses.
+struct Number {
+    option: &'static str,
+    written: &'static str,
+    good: &'static [&'static str],
+    bad: &'static [&'static str],
+}
+
+const fn number(
+    option: &'static str,
+    written: &'static str,
+    good: &'static [&'static str],
+    bad: &'static [&'static str],
+) -> Number {
+    Number { option, written, good, bad }
+}
+
+/// No option takes these.
+const NEVER: [&str; 9] =
+    ["nan", "NaN", "inf", "-inf", "1e39", "-1e39", "x", "0x10", "99999999999999999999999999999999999999999"];
+
+const ANY: &[&str] = &["0", "-1", "1e30", "-2.5"];
+const POSITIVE: &[&str] = &["1", "0.5"];
+const NOT_POSITIVE: &[&str] = &["0", "-1", "-0.5"];
+
+const NUMBERS: &[Number] = &[
+    number("light", "point:{},1,1", ANY, &[]),
+    number("light", "dir:1,{},1", ANY, &[]),
+    number("light", "hom:1,1,1,{}", &["0", "1", "0.5"], &[]),
+    number("shadow light", "point:1,1,1,range={}", POSITIVE, NOT_POSITIVE),
+    number("shadow light", "point:1,1,1,range=2,begin={}", &["0", "1"], &["-1", "3"]),
+    number("shadow light", "point:1,1,1,range=2,exponent={}", &["0", "9"], &["-1", "1e30"]),
+    number("shadow light", "point:1,1,1,intensity={}", &["0", "9"], &["-1", "1e30"]),
+    number("shadow light", "point:1,1,1,color=1,{},1", &["0", "9"], &["-1", "1e30"]),
+    number("eye", "{},2,3", ANY, &[]),
+    number("target", "1,2,{}", ANY, &[]),
+    number("fov", "{}", &["1", "179"], &["0", "-1", "180", "1e30"]),
+    number("size", "{}x4", &["1", "65536"], &["0", "-1", "65537", "4294967296"]),
+    number("size", "4x{}", &["1", "65536"], &["0", "-1", "65537", "4294967296"]),
+    number("near", "{}", POSITIVE, NOT_POSITIVE),
+    number("ground", "{}", ANY, &[]),
+    number("area", "rect:{},1", POSITIVE, &["0", "-1", "3e38"]),
+    number("area", "rect:1,{}", POSITIVE, &["0", "-1", "3e38"]),
+    number("area", "disc:{}", POSITIVE, &["0", "-1", "3e38"]),
+    number("area", "sphere:{}", POSITIVE, &["0", "-1", "3e38"]),
+    number("samples", "{}", &["1", "32"], &["0", "-1", "33", "1.5"]),
+    number("from-depth", "{}", &["3", "4096"], &["0", "2", "-3", "4097", "1.5"]),
+    number("detector", "differences={}", &["0", "1"], &["-0.1", "1.1"]),
+    number("detector", "second={},1", &["0", "1"], &["-0.1", "1.1"]),
+    number("detector", "second=0,{}", &["0", "1"], &["-0.1", "1.1"]),
+    number("detector", "world={}", &["0", "7"], &["-0.1"]),
+    number("dangling", "{},3", &["0", "1"], &["-1", "1.1"]),
+    number("dangling", "0.5,{}", &["1", "64"], &["0", "-1", "65", "1.5"]),
+    number("time", "{}", &["0", "-2", "1e9"], &["1e10", "-1e10"]),
+    number("fps", "{}", &["0.001", "100000"], &["0", "-1", "1e6", "1e-40"]),
+    number("film frames", "{}", &["1", "100000"], &["0", "-1", "100001", "1.5"]),
+    number("seconds", "{}", &["0.5", "1e9"], &["0", "-1", "1e10", "1e-40"]),
+    number("memory-limit", "{}", &["1", "18446744073709551615"], &["0", "-1", "1.5", "18446744073709551616"]),
+    number("memory-limit", "{}GiB", &["1", "4"], &["0", "-1", "1.5", "17179869184"]),
+    number("faces", "{}", &["1", "4194304"], &["0", "-1", "4194305", "99999999999", "1.5"]),
+    number("meshes", "{},5", &["1", "16777216", "none"], &["0", "-1", "16777217", "1.5"]),
+    number("casters", "{}", &["1", "100000", "none"], &["0", "-1", "100001", "1.5"]),
+    number("scene-faces", "{}", &["1", "4194304"], &["0", "-1", "4194305", "1.5"]),
+    number("lights", "8,{}", &["1", "1024"], &["0", "-1", "1025", "1.5"]),
+    number("rounds", "{}", &["1", "1000"], &["0", "-1", "1001", "1.5"]),
+    number("bench frames", "{}", &["0", "1000"], &["-1", "1001", "1.5"]),
+];
+
+/// Options whose values are words, though they may be digits.
+const WORDS: [&str; 3] = ["animation", "device", "scenes"];
+
+/// What clap says of an option's value, once with `=` and once as an argument of its own, or `None` if it takes it.
+fn refused(command: &str, option: &str, value: &str) -> Option<ErrorKind> {
+    let refusal = |arguments: &[String]| {
+        let error = parse(arguments.iter().map(OsString::from)).err()?;
+        matches!(error.kind(), ErrorKind::ValueValidation | ErrorKind::InvalidValue).then(|| error.kind())
+    };
+    let head = ["rimline".to_owned(), command.to_owned()];
+    let [joined, apart] = [vec![format!("--{option}={value}")], vec![format!("--{option}"), value.to_owned()]];
+    let [joined, apart] = [joined, apart].map(|tail| refusal(&[&head[..], &tail].concat()));
+    assert_eq!(joined, apart, "{command} --{option} {value}");
+    joined
+}
+
+/// Whether the option's values may be numbers: they are neither text, files nor one of a list.
+fn is_numeric(option: &Arg) -> bool {
+    let parser = option.get_value_parser();
+    let is_text = [TypeId::of::<String>(), TypeId::of::<OsString>(), TypeId::of::<PathBuf>()]
+        .iter()
+        .any(|text| parser.type_id() == *text);
+    option.get_action().takes_values() && !is_text && parser.possible_values().is_none()
+}
+
+#[test]
+fn each_numeric_option_refuses_what_it_is_not_meant_for() {
+    let cli = Cli::command();
+    let mut tried = 0;
+    for command in cli.get_subcommands() {
+        for option in command.get_arguments().filter(|option| is_numeric(option)) {
+            let (command, long) = (command.get_name(), option.get_long().expect("numbers have options"));
+            if WORDS.contains(&long) {
+                continue;
+            }
+            let is_of = |number: &&Number| match number.option.split_once(' ') {
+                // Lights of shadows have more than those of other commands, and a film is one of shadows.
+                Some(("shadow", option)) => option == long && ["shadow", "film"].contains(&command),
+                Some((of, option)) => option == long && of == command,
+                None => number.option == long,
+            };
+            let numbers: Vec<&Number> = NUMBERS.iter().filter(is_of).collect();
+            assert!(!numbers.is_empty(), "{command} --{long}: say in this test which numbers it takes");
+            for Number { written, good, bad, .. } in numbers {
+                for number in *good {
+                    let value = written.replace("{}", number);
+                    assert_eq!(refused(command, long, &value), None, "{command} --{long} {value} is refused");
+                }
+                for number in bad.iter().chain(&NEVER) {
+                    let value = written.replace("{}", number);
+                    assert!(refused(command, long, &value).is_some(), "{command} --{long} {value} is taken");
+                    tried += 1;
+                }
+            }
+        }
+    }
+    assert!(tried > 500, "only {tried} values were tried");
+}
