@@ -4,6 +4,7 @@
 mod args;
 mod bench;
 mod chart;
+mod coordinates;
 mod device;
 mod devices;
 mod displacement;
@@ -20,6 +21,7 @@ mod input;
 mod input_args;
 mod interrupt;
 mod load_args;
+mod origin;
 mod output;
 mod overwrite;
 mod page;

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 use rimline::gpu::StageTimer;
 use rimline::mesh::Bounds;
-use rimline::{Displacement, Light, MAX_LIGHTS, wgpu};
+use rimline::{Displacement, Light, MAX_LIGHTS, Origin, wgpu};
 
 use super::cast_inputs::CastInputs;
 use super::casters::Casters;
@@ -20,6 +20,7 @@ use crate::displacement;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::{Input, Source, animation_name, listed_animations};
+use crate::origin;
 use crate::output::note;
 use crate::render::camera::{Camera, elevation};
 use crate::render::support::outermost;
@@ -50,6 +51,11 @@ impl ShadowInputs {
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let animations = animations(&inputs, &args.posed.pose)?;
         Ok(Self { inputs, animations, displacement })
+    }
+
+    /// Moves all files to one origin, with the animations that are chosen by now. It does not move in time.
+    pub(crate) fn settle(&mut self, time_s: f32) -> Result<Origin, Failure> {
+        origin::settle(&mut self.inputs, &self.animations, time_s)
     }
 
     /// The files that were read, and those that models name.
@@ -112,10 +118,13 @@ impl<'a> ShadowScene<'a> {
         let failed = Failure::input(&first.input.file);
         let bounds = Bounds::of(points).ok_or_else(|| failed(InputError::NoFinitePosition))?;
         check_bounds(&bounds).map_err(failed)?;
+        let origin = first.input.origin;
+        let view = args.view.relative_to(origin);
+        let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
         let stage = SceneBounds {
             centre: centre(&bounds),
             extent: extent(&bounds),
-            ground: args.ground.unwrap_or_else(|| ground(&bounds)),
+            ground: given_ground.unwrap_or_else(|| ground(&bounds)),
             bounds,
         };
         let shaded_lights = ShadedLight::all(args, first, &stage, own_light)?;
@@ -127,13 +136,13 @@ impl<'a> ShadowScene<'a> {
         let mut shadows: Vec<[f32; 3]> = Vec::new();
         let outermost = outermost(points, stage.centre);
         let reach = reach(&shaded_lights, &outermost, &stage);
-        if args.view.eye.is_none() {
+        if view.eye.is_none() {
             shadows.extend(
                 shaded_lights.iter().flat_map(|shaded| outermost.iter().map(|&point| shaded.shadow_of(point, &stage))),
             );
         }
         let seen = points.iter().chain(&shadows).copied();
-        let mut camera = Camera::new(&args.view, elevation(ELEVATION, &bounds), stage.centre, stage.extent, seen)?;
+        let mut camera = Camera::new(&view, elevation(ELEVATION, &bounds), stage.centre, stage.extent, seen)?;
         camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, points));
         Ok(Self { args, bodies, stage, shaded_lights, camera, part: Part::WHOLE, reach })
     }
