@@ -237,7 +237,10 @@ mod tests {
         assert_eq!(origin.position(place), [1.25, -0.1, 3.0].map(|c: f64| c as f32));
         let [x, y, z] = place;
         assert_eq!(origin.light([x, y, z, 1.0]).xyz, origin.position(place));
-        assert_eq!(origin.light([2.0 * x, 2.0 * y, 2.0 * z, 2.0]).to_array()[..3], [2.5, -0.2, 6.0].map(|c: f64| c as f32));
+        assert_eq!(
+            origin.light([2.0 * x, 2.0 * y, 2.0 * z, 2.0]).to_array()[..3],
+            [2.5, -0.2, 6.0].map(|c: f64| c as f32)
+        );
         // A direction stays, bit for bit.
         assert_eq!(origin.light([0.1, 7.0, -3.0, 0.0]).to_array(), [0.1, 7.0, -3.0, 0.0].map(|c: f64| c as f32));
         let rows = [[0.5, 0.0, 0.0, x], [0.0, 2.0, 0.0, y], [0.0, 0.0, 1.0, z]];

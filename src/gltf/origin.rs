@@ -56,7 +56,8 @@ impl Asset {
     /// [`AnimationError`] as for [`Asset::pose`].
     pub fn suggested_origin(&self, animation: Option<usize>, time_s: f32) -> Result<Origin, AnimationError> {
         let state = self.state(animation, time_s)?;
-        let smallest_edge = || self.placed(&state).map(|(_, placed)| placed.smallest_edge()).fold(f64::INFINITY, f64::min);
+        let smallest_edge =
+            || self.placed(&state).map(|(_, placed)| placed.smallest_edge()).fold(f64::INFINITY, f64::min);
         Ok(self.extent_of(&state).map_or(Origin::ZERO, |extent| Origin::near(extent.bounds, smallest_edge)))
     }
 

@@ -121,7 +121,10 @@ mod tests {
         let place = [392_143.517, 34.128, -5_820_467.702];
         let relative = origin.position(place);
         assert_eq!(point(relative, origin), Point::Double(place));
-        assert_eq!(light(&origin.light([place[0], place[1], place[2], 1.0]), origin), json!([392_143.517, 34.128, -5_820_467.702, 1.0]));
+        assert_eq!(
+            light(&origin.light([place[0], place[1], place[2], 1.0]), origin),
+            json!([392_143.517, 34.128, -5_820_467.702, 1.0])
+        );
         assert_eq!(light(&Light::directional([0.5, 1.0, 0.0]), origin), json!([0.5, 1.0, 0.0, 0.0]));
         // Without an origin it is f32, as it was.
         assert_eq!(point([0.1, 2.0, -3.5], Origin::ZERO).json(), json!([0.1_f32, 2.0_f32, -3.5_f32]));

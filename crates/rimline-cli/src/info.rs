@@ -8,8 +8,8 @@ mod text;
 
 use std::borrow::Cow;
 
-use rimline::{Light, Origin};
 use rimline::reference::cpu::{self, Threads};
+use rimline::{Light, Origin};
 use serde_json::{Value, json};
 
 use crate::args::InfoArgs;

@@ -25,11 +25,7 @@ pub(super) struct MeshReport {
 }
 
 impl MeshReport {
-    pub(super) fn of_geometry(
-        geometry: &Geometry,
-        vertices: WeldCounts,
-        origin: Origin,
-    ) -> Result<Self, MeshError> {
+    pub(super) fn of_geometry(geometry: &Geometry, vertices: WeldCounts, origin: Origin) -> Result<Self, MeshError> {
         if geometry.faces().is_empty() {
             // A mesh of lines or points alone; no instance shows it.
             let name = geometry.name().map(str::to_owned);

@@ -183,12 +183,7 @@ fn number(entry: &Entry, archive: &mut ZipArchive<impl Read + Seek>, budget: &mu
 }
 
 /// As float32 where that holds all of them, else as float64.
-fn write_real(
-    npz: &mut NpzWriter<impl Write + Seek>,
-    name: &str,
-    shape: &[usize],
-    values: &[f64],
-) -> io::Result<()> {
+fn write_real(npz: &mut NpzWriter<impl Write + Seek>, name: &str, shape: &[usize], values: &[f64]) -> io::Result<()> {
     let single: Vec<f32> = values.iter().map(|&value| value as f32).collect();
     if single.iter().zip(values).all(|(&single, value)| f64::from(single).to_bits() == value.to_bits()) {
         return npz.array(name, ElementType::F32, shape, |to| to.write_all(bytemuck::cast_slice(&single)));
@@ -225,7 +220,12 @@ impl DepthMapArrays {
                 })?;
             }
         }
-        write_real(&mut npz, "view_projection", &of_maps(&[4, 4]), self.view_projections.as_flattened().as_flattened())?;
+        write_real(
+            &mut npz,
+            "view_projection",
+            &of_maps(&[4, 4]),
+            self.view_projections.as_flattened().as_flattened(),
+        )?;
         write_real(&mut npz, "origin", &[3], &self.origin)?;
         npz.array("reversed", ElementType::BOOL, &[], |to| to.write_all(&[u8::from(self.is_reversed)]))?;
         if let Some(bits) = self.depth_bits {

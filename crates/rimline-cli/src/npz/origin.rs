@@ -31,10 +31,7 @@ pub(super) fn real(element: ElementType, bytes: &[u8]) -> Result<f64, i128> {
 }
 
 /// Reads the array, if there is one. Without it the origin is zero.
-pub(super) fn read_origin(
-    archive: &mut ZipArchive<impl Read + Seek>,
-    budget: &mut Budget,
-) -> Result<Origin, NpzError> {
+pub(super) fn read_origin(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) -> Result<Origin, NpzError> {
     if !ORIGIN.is_in(archive) {
         return Ok(Origin::ZERO);
     }

@@ -83,8 +83,7 @@ mod tests {
     fn a_house_far_away_is_near_its_origin() {
         let [x, z] = [392_143.517, -5_820_467.702];
         // The first vertex is no part of any face, and one edge has no length.
-        let vertices =
-            vec![[0.0; 3], [x, 34.0, z], [x + 0.2, 34.0, z], [x + 0.2, 34.3, z], [x, 34.3, z], [x, 34.3, z]];
+        let vertices = vec![[0.0; 3], [x, 34.0, z], [x + 0.2, 34.0, z], [x + 0.2, 34.3, z], [x, 34.3, z], [x, 34.3, z]];
         let (positions, origin) = placed(vertices.clone(), &[4, 3], &[1, 2, 3, 4, 5, 4, 1]);
         assert!(!origin.is_zero());
         let width = positions[2][0] - positions[1][0];

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use rimline::{Counting, Origin};
 use rimline::gpu::{DanglingEdges, DepthEdges};
+use rimline::{Counting, Origin};
 
 use crate::coordinates::Coordinate;
 use crate::failure::{Failure, UsageError};

@@ -163,7 +163,8 @@ impl LightMaps {
             depths.extend(map.rows().flat_map(bytemuck::pod_collect_to_vec::<u8, f32>));
         }
         let cameras = self.cameras.all();
-        let rows = |camera: &ShadowCamera| [0, 1, 2, 3].map(|row| camera.view_projection.map(|column| f64::from(column[row])));
+        let rows =
+            |camera: &ShadowCamera| [0, 1, 2, 3].map(|row| camera.view_projection.map(|column| f64::from(column[row])));
         Ok(DepthMapArrays {
             size,
             depths: Depths::F32(depths),

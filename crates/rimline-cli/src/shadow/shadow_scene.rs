@@ -144,6 +144,7 @@ impl<'a> ShadowScene<'a> {
         let seen = points.iter().chain(&shadows).copied();
         let mut camera = Camera::new(&view, elevation(ELEVATION, &bounds), stage.centre, stage.extent, seen)?;
         camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, points));
+        check_near(camera.near, farthest(&camera, &stage))?;
         Ok(Self { args, bodies, stage, shaded_lights, camera, part: Part::WHOLE, reach })
     }
 
@@ -154,12 +155,8 @@ impl<'a> ShadowScene<'a> {
 
     /// Tells the user where depth is too coarse for the shadows that are seen.
     pub(crate) fn warn_of_depth(&self, gpu: &Gpu) {
-        let Bounds { min, max } = self.stage.bounds;
-        let corner = |number: usize| Vec3::from([0, 1, 2].map(|axis| [min, max][number >> axis & 1][axis]));
-        let ahead = |number| (corner(number) - self.camera.eye).dot(self.camera.forward);
-        let farthest = (0..8).map(ahead).fold(0.0, f32::max);
-        // Shadows on the ground are about as far beyond the models as those are large.
-        let seen = Seen { near: self.camera.near, farthest: farthest + self.stage.extent, pixel: self.pixel() };
+        let farthest = farthest(&self.camera, &self.stage);
+        let seen = Seen { near: self.camera.near, farthest, pixel: self.pixel() };
         seen.warn(depth_format(&gpu.device));
     }
 
@@ -280,6 +277,22 @@ fn near(camera: &Camera, stage: &SceneBounds, points: &[[f32; 3]]) -> f32 {
     let wanted = if nearest > 0.0 { (0.5 * nearest).min(0.05 * (nearest + stage.extent)) } else { least };
     // So far away that the extent is lost beside the distance, the distance alone counts.
     wanted.min(most).max(1e-6 * nearest.max(least))
+}
+
+/// How far away the farthest shadows are that matter.
+fn farthest(camera: &Camera, stage: &SceneBounds) -> f32 {
+    let Bounds { min, max } = stage.bounds;
+    let corner = |number: usize| Vec3::from([0, 1, 2].map(|axis| [min, max][number >> axis & 1][axis]));
+    let ahead = |number| (corner(number) - camera.eye).dot(camera.forward);
+    // Shadows on the ground are about as far beyond the models as those are large.
+    (0..8).map(ahead).fold(0.0, f32::max) + stage.extent
+}
+
+/// Refuses a near plane that is so near that depths lose bits: devices flush slopes of depth that are no normal numbers.
+fn check_near(near: f32, farthest: f32) -> Result<(), UsageError> {
+    // Of depths from here on slopes keep 22 bits.
+    let least = farthest * 2.0_f32.powi(-104);
+    if near < least { Err(UsageError::Near { near, farthest, least }) } else { Ok(()) }
 }
 
 /// `PREFIX.<light>.<ending>`.

@@ -192,7 +192,12 @@ impl Shadows {
     }
 
     /// The maps of a light as they were drawn, if they cast. Waits for the device.
-    pub(super) fn saved_maps(&self, gpu: &Gpu, light: usize, origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
+    pub(super) fn saved_maps(
+        &self,
+        gpu: &Gpu,
+        light: usize,
+        origin: Origin,
+    ) -> Result<Option<DepthMapArrays>, GpuError> {
         match self {
             Self::Scene(_) | Self::Single(_) => Ok(None),
             Self::Depth(maps) => maps.saved(gpu, light, origin),
