@@ -24,6 +24,7 @@
 //! * [`cpu`]: extraction, deformation and the shadow depth query without a device. Extraction and query give the same
 //!   bits as the GPU.
 //! * `gltf`: loads models from glTF 2.0 files (feature `gltf`, on by default).
+//! * [`Origin`]: moves models with large coordinates, such as those of surveys, to where `f32` is fine.
 //!
 //! ```no_run
 //! use rimline::gpu::{Extraction, Extractor, ExtractorOptions, PositionBuffer};
@@ -99,6 +100,7 @@ mod light;
 pub mod mesh;
 mod method;
 pub mod model;
+mod origin;
 #[cfg(feature = "reference")]
 pub mod reference;
 mod shadow;
@@ -113,6 +115,7 @@ pub use model::{
     Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelBounds, ModelError, Pose,
     PoseMismatch, PosedMeshError,
 };
+pub use origin::Origin;
 pub use shadow::{CameraError, Counting, DepthDirection, ShadowCamera, falloff};
 
 pub use wgpu;

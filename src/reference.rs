@@ -34,6 +34,11 @@ pub mod shadow {
     }
 }
 
+/// What an [`Origin`](crate::Origin) is chosen by.
+pub mod origin {
+    pub use crate::origin::{bounds, smallest};
+}
+
 /// What is told of near caps of volumes from depth maps before the map is looked at, what the draws are given, and what converts
 /// maps of distances.
 pub mod depth_map {

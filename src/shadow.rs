@@ -141,7 +141,30 @@ pub enum CameraError {
     /// Near and far are the wrong way round. This cannot be detected for an orthographic camera.
     #[error("the near plane lies behind the camera; is depth reversed, as `depth` says?")]
     Backwards,
+    /// The matrix makes a mirror image, as one does whose y points down. Near caps would be counted against the sides.
+    #[error(
+        "the camera's matrix makes a mirror image, for example because its y points down; clip space has y up, so change \
+         the sign of its row of y (pipelines that are made for mirror images have `FrontFace::Cw`)"
+    )]
+    Mirrored,
+    /// The matrix makes no mirror image, and the pipelines are made for one.
+    #[error(
+        "the camera's matrix makes no mirror image, and the pipelines are made for one; set `ShadowFormat::front_face` to \
+         `Ccw`"
+    )]
+    NotMirrored,
+    /// A perspective camera's near plane is nearer than 2⁻¹¹⁰, or clip w is below that there. Depths of what lies farther
+    /// away would leave the normal range of `f32`.
+    #[error(
+        "the near plane is so near that depths leave the normal range of 32-bit floats; move it away, to a distance of \
+         8e-34 at least"
+    )]
+    DepthRange,
 }
+
+/// The least distance of a near plane, and the least clip w there: 2⁻¹¹⁰. Depth at a distance of 1 then has 16 bits above
+/// the least normal number. Devices flush what is below, in slopes of depth and in products with the near plane.
+const LEAST_NEAR: f64 = f64::from_bits((1023 - 110) << 52);
 
 impl ShadowCamera {
     /// Whether the far plane is at a finite distance; [`crate::gpu::ShadowFormat::has_far_plane`] takes this value. A
@@ -157,12 +180,35 @@ impl ShadowCamera {
         far.truncate() != opposite.truncate()
     }
 
-    /// Checks that shadow volumes can be drawn for this camera.
+    /// Checks that shadow volumes can be drawn for this camera, with pipelines of the default
+    /// [front face](crate::gpu::ShadowFormat::front_face).
     ///
     /// # Errors
-    /// [`CameraError`] for a singular matrix, an oblique near plane, or near and far the wrong way round.
+    /// [`CameraError`] for a singular matrix, an oblique near plane, near and far the wrong way round, a matrix that
+    /// mirrors, or a near plane so near that depths leave the normal range of `f32`.
     pub fn check(&self) -> Result<(), CameraError> {
+        self.check_hand(false)
+    }
+
+    /// The same where mirror images will do, as they do for depth maps and the eyes that see these.
+    pub(crate) fn check_any_hand(&self) -> Result<(), CameraError> {
         self.view().map(drop)
+    }
+
+    /// The same for pipelines that are made for mirror images, or for others.
+    pub(crate) fn check_hand(&self, mirrors: bool) -> Result<(), CameraError> {
+        self.view()?;
+        match (self.mirrors(), mirrors) {
+            (true, false) => Err(CameraError::Mirrored),
+            (false, true) => Err(CameraError::NotMirrored),
+            (true, true) | (false, false) => Ok(()),
+        }
+    }
+
+    /// Whether the matrix makes a mirror image. It has a meaning only for cameras that can serve.
+    pub(crate) fn mirrors(&self) -> bool {
+        let determinant = Mat4::from_cols_array_2d(&self.view_projection).as_dmat4().determinant();
+        (determinant > 0.0) != (self.depth == DepthDirection::Reversed)
     }
 
     /// The camera as the GPU needs it.
@@ -197,6 +243,10 @@ impl ShadowCamera {
         // be told apart.
         if near_w <= 0.0 || growth < 0.0 {
             return Err(CameraError::Backwards);
+        }
+        // Of an orthographic camera w is constant, and so is the distance between depths.
+        if growth > 0.0 && near_w.min(near_w / growth) < LEAST_NEAR {
+            return Err(CameraError::DepthRange);
         }
         let (mut near_min, mut near_max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
@@ -416,6 +466,44 @@ mod tests {
         assert_eq!(backwards(cameras()[2], STANDARD), CameraError::Backwards);
         assert_eq!(backwards(cameras()[3], REVERSED), CameraError::Backwards);
         assert_eq!(error(camera([0.0, 0.0, -1.0, 0.5], PERSPECTIVE, STANDARD)), CameraError::Backwards);
+    }
+
+    #[test]
+    fn mirror_images_are_told_and_refused() {
+        for (number, camera) in cameras().into_iter().enumerate() {
+            assert_eq!(camera.check(), Ok(()), "{number}");
+            assert_eq!(camera.check_hand(true), Err(CameraError::NotMirrored), "{number}");
+            // A turn by half a circle is no mirror.
+            let turned = Mat4::from_scale(Vec3::new(-1.0, -1.0, 1.0)) * mat(camera);
+            assert_eq!(ShadowCamera { view_projection: turned.to_cols_array_2d(), ..camera }.check(), Ok(()));
+            for flip in [Vec3::new(1.0, -1.0, 1.0), Vec3::new(-1.0, 1.0, 1.0)] {
+                let matrix = Mat4::from_scale(flip) * mat(camera);
+                let mirrored = ShadowCamera { view_projection: matrix.to_cols_array_2d(), ..camera };
+                assert_eq!(mirrored.check(), Err(CameraError::Mirrored), "{number}, {flip}");
+                assert_eq!((mirrored.check_hand(true), mirrored.check_any_hand()), (Ok(()), Ok(())), "{number}");
+            }
+        }
+    }
+
+    #[test]
+    fn near_planes_must_leave_depth_normal() {
+        let near = |near: f32, scale: f32, depth| {
+            let z = if depth == REVERSED { [0.0, 0.0, 0.0, near] } else { [0.0, 0.0, -1.0, -near] };
+            let rows = [[2.0, 0.0, 0.0, 0.0], [0.0, 4.0, 0.0, 0.0], z, PERSPECTIVE].map(|row| row.map(|c| c * scale));
+            let view_projection = Mat4::from_cols_array_2d(&rows).transpose().to_cols_array_2d();
+            ShadowCamera { view_projection, origin: [0.0; 3], depth }.check()
+        };
+        for depth in [REVERSED, STANDARD] {
+            for good in [1e-33, 1e-30, 0.1, 1e30] {
+                assert_eq!(near(good, 1.0, depth), Ok(()), "{good:e}");
+            }
+            for bad in [7e-34, 1e-35, 1e-36, 1e-38, 1e-44] {
+                assert_eq!(near(bad, 1.0, depth), Err(CameraError::DepthRange), "{bad:e}");
+            }
+        }
+        // The same plane in clip coordinates that are too small, and one that is too near in large ones.
+        assert_eq!(near(1e-5, 1e-30, REVERSED), Err(CameraError::DepthRange));
+        assert_eq!(near(1e-36, 1e6, REVERSED), Err(CameraError::DepthRange));
     }
 
     #[test]

@@ -19,6 +19,7 @@ use super::skin::{self, LoadedSkin};
 use super::{buffers, container, named_files, parse};
 use crate::mesh::WeldCounts;
 use crate::model::{Geometry, Influences, Model};
+use crate::origin::Origin;
 
 /// A glTF file that is loaded: its model, and the data for its poses and lights.
 ///
@@ -49,6 +50,8 @@ pub struct Asset {
     /// The joints that each geometry uses, ascending.
     pub(super) used_joints: Vec<Vec<u32>>,
     pub(super) named_files: Vec<PathBuf>,
+    /// What poses and lights are relative to.
+    pub(super) origin: Origin,
 }
 
 impl Asset {
@@ -113,6 +116,7 @@ impl Asset {
             skipped,
             built,
             named_files,
+            origin: Origin::ZERO,
         })
     }
 

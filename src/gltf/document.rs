@@ -24,6 +24,8 @@ pub(super) struct Document {
     pub(super) lights: Vec<PunctualLight>,
     /// Whether positions may be of an integer type.
     pub(super) quantized: bool,
+    /// The center of `CESIUM_RTC`, or zero: where the scene's own zero is in the world.
+    pub(super) center: DVec3,
 }
 
 #[derive(Debug)]

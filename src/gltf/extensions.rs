@@ -17,7 +17,7 @@ pub(super) const DRACO_ADVICE: &str =
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
 /// The extensions that the loader reads.
-const READ: &[&str] = &["KHR_mesh_quantization", "KHR_lights_punctual", "EXT_mesh_gpu_instancing"];
+const READ: &[&str] = &["KHR_mesh_quantization", "KHR_lights_punctual", "EXT_mesh_gpu_instancing", "CESIUM_RTC"];
 
 /// Extensions of surfaces and of descriptions. They do not change where triangles are.
 const HARMLESS_PREFIXES: &[&str] =

@@ -7,6 +7,8 @@
 //!   animation of the file is read and checked, whatever the scene holds.
 //! * **Primitives.** All triangle primitives of a mesh make one [`Geometry`](crate::Geometry). Points, lines, and
 //!   primitives without positions are skipped and counted, see [`Asset::skipped`]. So a file may have no faces at all.
+//! * **Large coordinates.** Transforms of nodes are composed in `f64`. [`Asset::set_origin`] subtracts a point near the
+//!   scene there, before anything becomes `f32`. The center of `CESIUM_RTC` is added to the places of all nodes.
 //! * **Joints.** A vertex follows the joints whose weight is not zero. Weights are scaled to the sum 1. If all are
 //!   zero, the vertex follows the first joint listed. A joint of weight zero may have any index. A mesh that is used
 //!   both with and without a skin gives two geometries.
@@ -43,6 +45,7 @@ mod lengths;
 mod named_files;
 mod node_state;
 mod options;
+mod origin;
 mod parse;
 mod parse_mesh;
 mod parse_scene;
@@ -59,4 +62,5 @@ pub use asset::Asset;
 pub use error::{AccessorProblem, AnimationError, GltfError};
 pub use info::{AnimationInfo, MeshInfo, SkinInfo, SkippedPrimitives};
 pub use options::LoadOptions;
+pub use origin::SceneExtent;
 pub use scene_light::{SceneLight, SceneLightKind, SpotCone};

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use glam::DVec3;
 use gltf::json::Value;
 use gltf::json::accessor::{ComponentType, Type};
 
@@ -48,7 +49,14 @@ pub(super) fn document(value: &Value, budget: &Budget) -> Result<Document, GltfE
             None => Vec::new(),
         },
         quantized: used.iter().any(|name| name == "KHR_mesh_quantization"),
+        center: center(&root)?,
     })
+}
+
+/// The center of `CESIUM_RTC`. The file's list of used extensions may lack it.
+fn center(root: &Json<'_>) -> Result<DVec3, GltfError> {
+    let Some(relative) = root.extension("CESIUM_RTC")? else { return Ok(DVec3::ZERO) };
+    Ok(DVec3::from_array(relative.required("center", relative.vector("center")?)?))
 }
 
 fn version(root: &Json<'_>) -> Result<(), GltfError> {

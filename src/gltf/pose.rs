@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 
 use super::asset::Asset;
 use super::document::Transform;
@@ -15,7 +15,8 @@ use crate::model::{Geometry, InstancePose, ModelError, Pose};
 
 impl Asset {
     /// The state of the model at a time of one animation, in seconds. Without an animation it is the state of the file,
-    /// whatever the time. Before the first key and after the last one, the nearest key applies.
+    /// whatever the time. Before the first key and after the last one, the nearest key applies. It is relative to
+    /// [`Asset::origin`].
     ///
     /// # Errors
     /// [`AnimationError`] for an animation that does not exist, a time that is NaN, or a result that is not finite.
@@ -39,7 +40,7 @@ impl Asset {
     }
 
     /// The lights of the chosen scene (`KHR_lights_punctual`) at a time in seconds, in world space, in the order of its
-    /// nodes.
+    /// nodes. Their places are relative to [`Asset::origin`].
     ///
     /// # Errors
     /// [`AnimationError`] as for [`Asset::pose`].
@@ -80,7 +81,7 @@ impl Asset {
         Ok(lights)
     }
 
-    fn state(&self, animation: Option<usize>, time_s: f32) -> Result<State, AnimationError> {
+    pub(super) fn state(&self, animation: Option<usize>, time_s: f32) -> Result<State, AnimationError> {
         if time_s.is_nan() {
             return Err(AnimationError::Time);
         }
@@ -93,8 +94,33 @@ impl Asset {
                 apply(channel, f64::from(time_s), &mut transforms, &mut weights);
             }
         }
-        let world = self.graph.world(|node| transforms[node].matrix());
+        let mut world = self.graph.world(|node| transforms[node].matrix());
+        let shift = self.shift();
+        // A sum with zero would turn −0 into 0.
+        if shift != DVec3::ZERO {
+            world.iter_mut().for_each(|matrix| matrix.translation += shift);
+        }
         Ok(State { world, weights })
+    }
+
+    /// How far the scene is moved: from its own zero into the world, and from there to the origin.
+    fn shift(&self) -> DVec3 {
+        self.document.center - DVec3::from_array(self.origin.to_array())
+    }
+
+    /// The matrices of an instance: one, or one for each joint.
+    pub(super) fn matrices(&self, placement: &Placement, state: &State) -> Vec<DAffine3> {
+        match placement.frame {
+            Frame::Node(local) => {
+                let world = placement.node.map_or_else(|| DAffine3::from_translation(self.shift()), |n| state.world[n]);
+                vec![world * local]
+            }
+            Frame::Skin(skin) => {
+                let skin = &self.skins[skin];
+                let joints = skin.joints.iter().zip(&skin.inverse_binds);
+                joints.map(|(&joint, inverse_bind)| state.world[joint] * *inverse_bind).collect()
+            }
+        }
     }
 
     /// The pose of an instance, and whether some of its joints mirror and some do not.
@@ -105,17 +131,7 @@ impl Asset {
         geometry_index: usize,
         state: &State,
     ) -> (Result<InstancePose, ModelError>, bool) {
-        let matrices: Vec<DAffine3> = match placement.frame {
-            Frame::Node(local) => {
-                let world = placement.node.map_or(DAffine3::IDENTITY, |node| state.world[node]);
-                vec![world * local]
-            }
-            Frame::Skin(skin) => {
-                let skin = &self.skins[skin];
-                let joints = skin.joints.iter().zip(&skin.inverse_binds);
-                joints.map(|(&joint, inverse_bind)| state.world[joint] * *inverse_bind).collect()
-            }
-        };
+        let matrices = self.matrices(placement, state);
         let used = &self.used_joints[geometry_index];
         let mirrors = |matrix: &DAffine3| matrix.matrix3.determinant() < 0.0;
         let keeps = |matrix: &DAffine3| matrix.matrix3.determinant() > 0.0;
@@ -130,7 +146,7 @@ impl Asset {
         (pose, mirrored > 0 && kept > 0)
     }
 
-    fn morph_weights(&self, placement: &Placement, state: &State) -> Vec<f32> {
+    pub(super) fn morph_weights(&self, placement: &Placement, state: &State) -> Vec<f32> {
         let mesh = &self.document.meshes[placement.mesh];
         let animated = placement.node.and_then(|node| state.weights.get(&node));
         let own = placement.node.and_then(|node| self.document.nodes[node].weights.as_ref());

@@ -10,6 +10,7 @@ mod details;
 mod good;
 mod maker;
 mod mutate;
+mod origin;
 mod outside;
 mod place;
 mod refuse;
@@ -38,6 +39,7 @@ fn main() {
         outside::tests,
         details::tests,
         mutate::tests,
+        origin::tests,
     ] {
         trials.extend(tests());
     }

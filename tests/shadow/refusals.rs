@@ -10,7 +10,7 @@ use rimline::gpu::{
     ShadowPipelines, ShadowVolumes, ShadowVolumesError, StaleExtraction,
 };
 use rimline::reference::layout::ShadowDraws;
-use rimline::{Counting, DepthDirection, Light, ShadowCamera};
+use rimline::{CameraError, Counting, DepthDirection, Light, ShadowCamera};
 use rimline_measure::shapes;
 
 use rimline_measure::device::Gpu;
@@ -22,6 +22,8 @@ pub(crate) const TESTS: &[Test] = &[
     ("formats_that_do_not_serve_are_typed_errors", formats),
     ("z_fail_needs_pipelines_for_the_cameras_far_plane", far_planes),
     ("depth_of_camera_and_pipelines_must_agree", depths),
+    ("mirror_images_need_pipelines_for_them", mirrors),
+    ("near_planes_next_to_the_eye_are_refused", near_planes),
     ("volumes_belong_to_one_extractor", extractors),
     ("what_was_overwritten_and_lights_not_there_are_refused", stale),
     ("no_lights_draw_nothing", no_lights),
@@ -173,6 +175,71 @@ fn depths() -> Result<(), String> {
             let expected = if camera.depth == depth { Ok(()) } else { Err(differ) };
             same(&format!("{depth:?}"), &[found.map(drop)], &[expected])?;
         }
+    }
+    Ok(())
+}
+
+/// The camera with its y, or another axis, the other way round.
+fn flipped(camera: ShadowCamera, axes: Vec3) -> ShadowCamera {
+    let matrix = Mat4::from_scale(axes) * Mat4::from_cols_array_2d(&camera.view_projection);
+    ShadowCamera { view_projection: matrix.to_cols_array_2d(), ..camera }
+}
+
+/// Near caps are wound by the light, and sides by the picture: a mirror image would count them against each other.
+fn mirrors() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut caster = Caster::new(gpu)?;
+    caster.extract(&LIGHTS)?;
+    for (camera, _) in cameras() {
+        let made = |front_face| {
+            let format = ShadowFormat { depth: camera.depth, front_face, ..ShadowFormat::default() };
+            ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto).map_err(text)
+        };
+        let [plain, mirroring] = [made(wgpu::FrontFace::Ccw)?, made(wgpu::FrontFace::Cw)?];
+        let mirrored = flipped(camera, Vec3::new(1.0, -1.0, 1.0));
+        same("the check", &[camera.check(), mirrored.check()], &[Ok(()), Err(CameraError::Mirrored)])?;
+        for (camera, is_mirrored) in
+            [(camera, false), (mirrored, true), (flipped(mirrored, Vec3::NEG_ONE.with_z(1.0)), true)]
+        {
+            for (pipelines, for_mirrors) in [(&plain, false), (&mirroring, true)] {
+                let found = caster.encoded(&mut caster.volumes(pipelines)?, &camera)?;
+                let expected = match (is_mirrored, for_mirrors) {
+                    (true, false) => Err(ShadowEncodeError::Camera(CameraError::Mirrored)),
+                    (false, true) => Err(ShadowEncodeError::Camera(CameraError::NotMirrored)),
+                    _ => Ok(()),
+                };
+                let what = format!("{:?}, mirrored {is_mirrored}, for mirrors {for_mirrors}", camera.depth);
+                same(&what, &[found.as_ref().map(|_| ()).map_err(Clone::clone)], &[expected])?;
+                let Ok(frame) = found else { continue };
+                let [own, other] = if for_mirrors { [&mirroring, &plain] } else { [&plain, &mirroring] };
+                let (ccw, cw) = (wgpu::FrontFace::Ccw, wgpu::FrontFace::Cw);
+                let [volumes, pipelines] = if for_mirrors { [cw, ccw] } else { [ccw, cw] };
+                let refused = Err(ShadowDrawError::FrontFace { volumes, pipelines });
+                same(&format!("{what}: drawn"), &[drawn(gpu, &frame, other, 0)?], &[refused])?;
+                same(&format!("{what}: drawn by its own"), &[drawn(gpu, &frame, own, 0)?], &[Ok(())])?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn near_planes() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut caster = Caster::new(gpu)?;
+    caster.extract(&LIGHTS)?;
+    let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
+    for (near, is_good) in [(1e-30, true), (1e-33, true), (1e-35, false), (1e-36, false), (1e-38, false)] {
+        let eye = Vec3::new(1.0, 2.0, 6.0);
+        let view = look_at_mat4(Vec3::ZERO, -eye, Vec3::Y);
+        let matrix = perspective_infinite_reverse(1.0, 1.0, 1.0) * view;
+        let mut view_projection = matrix.to_cols_array_2d();
+        // Without products that would round it away.
+        view_projection[3][2] = near;
+        let camera = ShadowCamera { view_projection, origin: eye.to_array(), depth: DepthDirection::Reversed };
+        let expected = if is_good { Ok(()) } else { Err(CameraError::DepthRange) };
+        same(&format!("{near:e}"), &[camera.check()], &[expected])?;
+        let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera)?.map(drop);
+        same(&format!("{near:e}"), &[found], &[expected.map_err(ShadowEncodeError::Camera)])?;
     }
     Ok(())
 }

@@ -125,6 +125,13 @@ fn drawing() -> Result<(), String> {
     let counting = ShadowDrawError::Counting { volumes: Counting::Auto, pipelines: Counting::ZPass };
     let found = draw(&frame, &made(Counting::ZPass)?, 0, light);
     same("another method", &[found], &[Err(SceneError::Draw(counting))])?;
+    let mut mirrored = camera(DepthDirection::Reversed, None);
+    mirrored.view_projection.iter_mut().for_each(|column| column[1] = -column[1]);
+    let mirror_image = encode(gpu, &mut own, &[mirrored]).map_err(text)?;
+    let (ccw, cw) = (wgpu::FrontFace::Ccw, wgpu::FrontFace::Cw);
+    let mirrors = ShadowDrawError::FrontFace { volumes: cw, pipelines: ccw };
+    same("a mirror image", &[draw(&mirror_image, &right, 0, light)], &[Err(SceneError::Draw(mirrors))])?;
+    let frame = encode(gpu, &mut own, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
     let (volumes, pipelines) = (DepthDirection::Reversed, DepthDirection::Standard);
     let depth = ShadowDrawError::Depth { volumes, pipelines };
     same("another depth", &[draw(&frame, &standard, 0, light)], &[Err(SceneError::Draw(depth))])?;

@@ -117,18 +117,20 @@ Examples:
   rimline extract fox.npz --no-weld --light dir:0,1,0 --device cpu --out again.npz
 
 Arrays written, V vertices, F faces, E edge records, N lights, W = N / 32 rounded up:
-  positions (V,3) float32   welded, deformed, in world space
+  positions (V,3) float32   welded, deformed, in world space less the origin
   faces (F,3) uint32        counter-clockwise
-  lights (N,4) float32      as given
+  lights (N,4) float32      as given; less w times the origin
   edges (E,2) uint32        a, b: face 0 runs from a to b
   edge_faces (E,2) uint32   face 1 is 0xFFFFFFFF where there is none
   edge_kind (E) uint8       0 consistent, 1 inconsistent, 2 boundary
   facing (F,W), silhouette (E,W), winding (E,W) uint32
                             light l is bit l % 32 of word l / 32
+  origin (3) float64        last, and only where it is not zero: a point near a
+                            model whose coordinates are too large for float32
 ";
 
 const EXTRACT_KEYS: &str = "\
-Keys of --json: adapter, method, predicate, vertices, faces, degenerate_faces, non_finite_faces, edges (consistent, \
+Keys of --json: adapter, method, predicate, origin (only where it is not zero), vertices, faces, degenerate_faces, non_finite_faces, edges (consistent, \
 inconsistent, boundary), lights, silhouette_edges and unclosed_vertices (a number a light), \
 undecided_pairs and exact_zeros (pairs of face and light that integers decided), twisted_polygons (a number a light, \
 for polygons), milliseconds (by stage), set_up_milliseconds (opening the device, buffers, compiling shaders), work_milliseconds \
@@ -184,8 +186,8 @@ Examples:
 ";
 
 const INFO_KEYS: &str = "\
-Keys of --json: file, instances, meshes (a list), total (each mesh once), placed (all instances at rest \
-in world space); each of these three with name, vertices (before, after, apart), faces, degenerate_faces, \
+Keys of --json: file, instances, origin (only where it is not zero), meshes (a list), total (each mesh once), placed (all \
+instances at rest in world space); each of these three with name, vertices (before, after, apart), faces, degenerate_faces, \
 duplicate_faces, edges (consistent, inconsistent, boundary), non_manifold_edges, components, closed, \
 why_open, offending_edges (kind, vertices, positions), joints_per_vertex, morph_targets, bounds (min, \
 max); polygons (null where all faces are triangles; triangles, quadrilaterals, larger, most_corners, with_holes, \
@@ -283,7 +285,7 @@ mod tests {
         let Command::Draw(draw) = Cli::try_parse_from(line.split(' ')).expect(line).command else {
             panic!("draw was asked for");
         };
-        assert_eq!(draw.view.eye, Some([-1.0, 2.0, 0.5]));
+        assert_eq!(draw.view.relative_to(rimline::Origin::ZERO).eye, Some([-1.0, 2.0, 0.5]));
         assert_eq!(draw.posed.pose.time, -2.0);
     }
 

@@ -73,8 +73,9 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let failed = Failure::input(&posed.input.file);
     let bounds = Bounds::of(corners()).ok_or_else(|| failed(InputError::NoFiniteFace))?;
     check_bounds(&bounds).map_err(failed)?;
+    let view = args.view.relative_to(posed.input.origin);
     let camera =
-        Camera::new(&args.view, elevation(ELEVATION, &bounds), centre(&bounds), extent(&bounds), corners().copied())?;
+        Camera::new(&view, elevation(ELEVATION, &bounds), centre(&bounds), extent(&bounds), corners().copied())?;
 
     let mut extractor =
         Extractor::new(&gpu.pipelines, &scene.mesh, ExtractorOptions::default()).map_err(|error| fail(error.into()))?;

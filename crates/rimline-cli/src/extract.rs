@@ -83,9 +83,9 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
         Ok((found, times))
     })?;
     progress.step("writing");
-    let mesh = &scene.mesh;
-    times.measure("write", || output.finish(|file| arrays::write(file, mesh, &lights, &found)))?;
-    let report = Report::new(mesh, &lights, &found, (method, predicate), device.name(), times);
+    let (mesh, origin) = (&scene.mesh, posed.input.origin);
+    times.measure("write", || output.finish(|file| arrays::write(file, mesh, &lights, &found, origin)))?;
+    let report = Report::new(mesh, &lights, &found, (method, predicate), origin, device.name(), times);
     drop(progress);
     print(&if args.json { report.json() } else { report.text(&args.out) })
 }

@@ -137,6 +137,11 @@ pub(crate) enum UsageError {
     #[error("{0}; change --eye, --target, --fov or --near")]
     Camera(CameraError),
     #[error(
+        "--near {near:e} is too near: depths of what lies {farthest} away leave the normal range of 32-bit floats; give \
+         {least:.1e} or more"
+    )]
+    Near { near: f32, farthest: f32, least: f32 },
+    #[error(
         "{lights} lights with {samples} samples each are {}, and at most {limit} fit; give fewer --samples",
         lights * samples
     )]

@@ -36,6 +36,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     if scene.posed.pose.animation.is_none() && props.displacement.is_none() {
         props.take_first_animations();
     }
+    props.settle(scene.posed.pose.time)?;
     let frames = frames(args, &props)?;
     let time = |frame: u32| scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
     let file = |frame: u32| frame_file(&args.out, frame, frames);

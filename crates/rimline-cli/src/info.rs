@@ -8,13 +8,15 @@ mod text;
 
 use std::borrow::Cow;
 
-use rimline::Light;
 use rimline::reference::cpu::{self, Threads};
+use rimline::{Light, Origin};
 use serde_json::{Value, json};
 
 use crate::args::InfoArgs;
+use crate::coordinates::{add_origin, origin_text};
 use crate::failure::Failure;
 use crate::input::{Input, Shape, Source};
+use crate::origin;
 use crate::output::print;
 use crate::shown::Line;
 use polygons::PolygonReport;
@@ -22,7 +24,8 @@ use report::MeshReport;
 use text::Text;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let input = Input::open(&args.model)?;
+    let mut input = Input::open(&args.model)?;
+    origin::settle(std::slice::from_mut(&mut input), &[None], 0.0)?;
     let lights = input.lights(&args.lights, None, 0.0)?;
     let report = Report::new(&input, &lights)?;
     print(&if args.json { format!("{:#}\n", report.json(&input)?) } else { report.text(&input)? })
@@ -40,9 +43,11 @@ struct Report {
 
 impl Report {
     fn new(input: &Input, lights: &[Light]) -> Result<Self, Failure> {
+        // Meshes of a glTF file have spaces of their own, and others are in the world.
+        let own = if let Source::Gltf(_) = input.source { Origin::ZERO } else { input.origin };
         let geometries = input.model().geometries().iter().enumerate();
         let meshes = geometries
-            .map(|(index, geometry)| MeshReport::of_geometry(geometry, input.weld_counts(index)))
+            .map(|(index, geometry)| MeshReport::of_geometry(geometry, input.weld_counts(index), own))
             .collect::<Result<Vec<_>, _>>()
             .map_err(|error| Failure::input(&input.file)(error.into()))?;
         let scene = input.scene(None, 0.0, false)?;
@@ -50,7 +55,7 @@ impl Report {
             Shape::World(positions) => Cow::Borrowed(*positions),
             Shape::Posed { model, pose } => Cow::Owned(cpu::deform(model, pose, 0.0, None, Threads::all())?),
         };
-        let placed = MeshReport::of_mesh(&scene.mesh, &positions);
+        let placed = MeshReport::of_mesh(&scene.mesh, &positions, input.origin);
         let polygons = PolygonReport::of_mesh(&scene.mesh, &positions, lights);
         Ok(Self { total: MeshReport::total(&meshes), meshes, placed, polygons })
     }
@@ -65,6 +70,7 @@ impl Report {
             "placed": json::mesh(&self.placed),
             "polygons": self.polygons.as_ref().map(PolygonReport::json),
         });
+        add_origin(&mut value, input.origin);
         if let (Source::Gltf(asset), Value::Object(value)) = (&input.source, &mut value) {
             asset::json(asset, &asset::lights(asset, input)?, value);
         }
@@ -75,6 +81,9 @@ impl Report {
         let mut text = Text::titled(&Line(input.file.display()));
         text.line("meshes", self.meshes.len());
         text.line("instances", input.model().instances().len());
+        if let Some(origin) = origin_text(input.origin) {
+            text.line("origin", origin);
+        }
         if let Source::Gltf(asset) = &input.source {
             asset::text(asset, &asset::lights(asset, input)?, &mut text);
         }

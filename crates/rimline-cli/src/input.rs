@@ -7,7 +7,9 @@ use rimline::MAX_LIGHTS;
 use rimline::gltf::{AnimationInfo, Asset, GltfError, LoadOptions, SceneLight};
 use rimline::mesh::WeldCounts;
 use rimline::reference::light::check_lights;
-use rimline::{Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, Mesh, Model, ModelError, Pose};
+use rimline::{
+    Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, Mesh, Model, ModelError, Origin, Pose,
+};
 
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input_args::{ModelArgs, PoseArgs};
@@ -21,6 +23,8 @@ use crate::spec::LightSpec;
 pub(crate) struct Input {
     pub(crate) file: PathBuf,
     pub(crate) source: Source,
+    /// What positions and lights are relative to: at first the file's own, and once it has moved there the run's.
+    pub(crate) origin: Origin,
 }
 
 /// A light that was asked for.
@@ -33,7 +37,7 @@ pub(crate) struct ChosenLight {
 /// What the file holds.
 pub(crate) enum Source {
     Gltf(Box<Asset>),
-    /// World-space positions, welded: one geometry, one instance.
+    /// World-space positions less the origin, welded: one geometry, one instance.
     World {
         model: Model,
         weld: WeldCounts,
@@ -62,8 +66,8 @@ impl Input {
     }
 
     pub(crate) fn read(file: &Path, options: LoadOptions) -> Result<Self, Failure> {
-        let source = open(file, options).map_err(Failure::input(file))?;
-        let input = Self { file: file.to_owned(), source };
+        let (source, origin) = open(file, options).map_err(Failure::input(file))?;
+        let input = Self { file: file.to_owned(), source, origin };
         input.note_non_finite();
         Ok(input)
     }
@@ -183,11 +187,12 @@ impl Input {
             }
             _ => Vec::new(),
         };
-        let of_file = |own: &SceneLight| ChosenLight { light: own.light, own: Some(own.clone()) };
+        let (origin, of_file) =
+            (self.origin, |own: &SceneLight| ChosenLight { light: own.light, own: Some(own.clone()) });
         let mut chosen = Vec::with_capacity(specs.len());
         for spec in specs {
             match spec {
-                LightSpec::Given(light) => chosen.push(ChosenLight { light: *light, own: None }),
+                LightSpec::Given(given) => chosen.push(ChosenLight { light: given.relative_to(origin), own: None }),
                 LightSpec::All if own.is_empty() => return Err(UsageError::NoFileLights.into()),
                 LightSpec::All => chosen.extend(own.iter().map(of_file)),
                 LightSpec::Named(wanted) => {
@@ -228,7 +233,7 @@ pub(crate) fn animation_name(index: usize, info: &AnimationInfo) -> String {
 }
 
 /// Opens a file by its ending, or, where that says nothing, by how it begins.
-fn open(file: &Path, options: LoadOptions) -> Result<Source, InputError> {
+fn open(file: &Path, options: LoadOptions) -> Result<(Source, Origin), InputError> {
     if source::is_stdin(file) {
         return open_stdin(options);
     }
@@ -257,23 +262,26 @@ fn open(file: &Path, options: LoadOptions) -> Result<Source, InputError> {
 }
 
 /// Standard input, by how it begins.
-fn open_stdin(options: LoadOptions) -> Result<Source, InputError> {
+fn open_stdin(options: LoadOptions) -> Result<(Source, Origin), InputError> {
     let bytes = source::read(Path::new("-"))?;
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes).trim_ascii_start();
     match &*bytes {
         [b'P', b'K', 3, 4, ..] => open_npz(Cursor::new(bytes), options),
         _ if bytes.starts_with(b"glTF") || text.starts_with(b"{") => {
             let asset = Asset::from_slice(&bytes, None, options);
-            asset.map(|asset| Source::Gltf(Box::new(asset))).map_err(|error| of_gltf(Path::new("-"), error))
+            asset.map(of_asset).map_err(|error| of_gltf(Path::new("-"), error))
         }
         _ if obj::begins_like(&bytes) => of_arrays(obj::read(&*bytes, options.memory_limit)?, options),
         _ => Err(InputError::Format { what: "a file of this format".to_owned() }),
     }
 }
 
-fn open_gltf(file: &Path, options: LoadOptions) -> Result<Source, InputError> {
-    let asset = Asset::open(file, options);
-    asset.map(|asset| Source::Gltf(Box::new(asset))).map_err(|error| of_gltf(file, error))
+fn open_gltf(file: &Path, options: LoadOptions) -> Result<(Source, Origin), InputError> {
+    Asset::open(file, options).map(of_asset).map_err(|error| of_gltf(file, error))
+}
+
+fn of_asset(asset: Asset) -> (Source, Origin) {
+    (Source::Gltf(Box::new(asset)), Origin::ZERO)
 }
 
 /// What is wrong with a glTF, with advice for users of the command.
@@ -291,23 +299,24 @@ fn of_gltf(file: &Path, error: GltfError) -> InputError {
     }
 }
 
-fn open_npz(reader: impl Read + Seek, options: LoadOptions) -> Result<Source, InputError> {
+fn open_npz(reader: impl Read + Seek, options: LoadOptions) -> Result<(Source, Origin), InputError> {
     of_arrays(npz::read(reader, options.memory_limit)?, options)
 }
 
 /// World-space positions, and triangles or polygons.
-fn of_arrays(arrays: npz::Arrays, options: LoadOptions) -> Result<Source, InputError> {
+fn of_arrays(arrays: npz::Arrays, options: LoadOptions) -> Result<(Source, Origin), InputError> {
+    let origin = arrays.origin;
     if let Some(polygons) = arrays.polygons {
         let mesh = Mesh::from_polygons(&arrays.positions, polygons.loops(), options.weld)?;
         drop(polygons);
         let geometry = Geometry::new(arrays.positions, mesh.faces().to_vec(), GeometryOptions::default())?;
         let model = Model::new(vec![geometry], vec![Instance::new(0, None)])?;
-        return Ok(Source::World { model, weld: mesh.weld_counts(), polygons: Some(Box::new(mesh)) });
+        return Ok((Source::World { model, weld: mesh.weld_counts(), polygons: Some(Box::new(mesh)) }, origin));
     }
     let geometry = Geometry::new(arrays.positions, arrays.faces, GeometryOptions::default())?;
     let (geometry, weld) = geometry.welded(options.weld);
     let model = Model::new(vec![geometry], vec![Instance::new(0, None)])?;
-    Ok(Source::World { model, weld, polygons: None })
+    Ok((Source::World { model, weld, polygons: None }, origin))
 }
 
 /// Everything where it is.

@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use rimline::Origin;
 use rimline::gltf::LoadOptions;
 use rimline::mesh::Weld;
 
+use crate::coordinates::{Coordinate, relative};
 use crate::load_args::LoadArgs;
 use crate::spec;
 /// The model and how its vertices are joined.
@@ -51,7 +53,8 @@ pub(crate) struct MomentArgs {
     pub(crate) pose: PoseArgs,
 
     /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, or - for standard input.
-    /// It moves vertices in world space, after morph targets and skins. It needs a GPU
+    /// It moves vertices in world space, after morph targets and skins. Where the result has an origin, positions are relative
+    /// to it. It needs a GPU
     #[arg(long, value_name = "FILE.wgsl")]
     pub(crate) displace: Option<PathBuf>,
 
@@ -93,19 +96,36 @@ pub(crate) struct ViewArgs {
     /// The position of the eye. By default it is in front of the model, to the right and above, as near as possible with
     /// the whole model in view
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
-    pub(crate) eye: Option<[f32; 3]>,
+    eye: Option<[Coordinate; 3]>,
 
     /// The point that the eye looks at. By default it is the middle of the model
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
-    pub(crate) target: Option<[f32; 3]>,
+    target: Option<[Coordinate; 3]>,
 
     /// The vertical field of view in degrees
     #[arg(long, value_name = "DEG", default_value = "35", allow_hyphen_values = true, value_parser = spec::field_of_view)]
-    pub(crate) fov: f32,
+    fov: f32,
 
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x960", allow_hyphen_values = true, value_parser = spec::size)]
     pub(crate) size: [u32; 2],
+}
+
+/// The same, relative to the run's origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlacedView {
+    pub(crate) eye: Option<[f32; 3]>,
+    pub(crate) target: Option<[f32; 3]>,
+    /// In degrees.
+    pub(crate) fov: f32,
+    pub(crate) size: [u32; 2],
+}
+
+impl ViewArgs {
+    pub(crate) fn relative_to(&self, origin: Origin) -> PlacedView {
+        let [eye, target] = [self.eye, self.target].map(|point| point.map(|point| relative(point, origin)));
+        PlacedView { eye, target, fov: self.fov, size: self.size }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

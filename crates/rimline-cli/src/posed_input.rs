@@ -9,6 +9,7 @@ use crate::displacement;
 use crate::failure::{Failure, UsageError};
 use crate::input::{Input, Scene};
 use crate::input_args::{ModelArgs, MomentArgs};
+use crate::origin;
 use crate::spec::LightSpec;
 
 pub(crate) struct PosedInput<'a> {
@@ -25,8 +26,9 @@ impl<'a> PosedInput<'a> {
             return Err(UsageError::DisplaceOnCpu.into());
         }
         let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
-        let input = Input::open(model)?;
+        let mut input = Input::open(model)?;
         let animation = input.animation(&args.pose)?;
+        origin::settle(std::slice::from_mut(&mut input), &[animation], args.pose.time)?;
         displacement::note_idle_time(&args.pose, animation, displacement.as_ref());
         Ok(Self { args, input, animation, displacement })
     }

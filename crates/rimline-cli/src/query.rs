@@ -11,13 +11,13 @@ use std::time::Instant;
 use rimline::MAX_LIGHTS;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::light::check_shadow_lights;
-use rimline::{Light, Mesh};
+use rimline::{Light, Mesh, Origin};
 
 use crate::device::Device;
 use crate::ending::{self, Written};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input::{Scene, Shape};
-use crate::npz::{self, ElementType, NpzWriter};
+use crate::npz::{self, ElementType, NpzWriter, write_origin};
 use crate::output::{Output, print};
 use crate::overwrite::Inputs;
 use crate::posed_input::PosedInput;
@@ -36,7 +36,8 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     let lights = posed.lights(&args.lights)?;
     check_shadow_lights(&lights, MAX_LIGHTS).map_err(UsageError::Lights)?;
     progress.step("reading the points");
-    let points = times.measure("points", || read_points(&args.points, args.model.options().memory_limit))?;
+    let (limit, origin) = (args.model.options().memory_limit, posed.input.origin);
+    let points = times.measure("points", || read_points(&args.points, limit))?.relative_to(origin);
     let scene = times.measure("topology", || posed.scene())?;
     Inputs::new(posed.files().chain([&*args.points])).spare(&args.out)?;
     let output = Output::create(&args.out)?;
@@ -78,13 +79,13 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
         Ok(times)
     })?;
     progress.step("writing");
-    times.measure("write", || output.finish(|file| write(file, &points, &lights, &depths)))?;
-    let report = Report::new(&scene.mesh, lights.len(), &depths, device.name(), times);
+    times.measure("write", || output.finish(|file| write(file, (&points, &lights), &depths, origin)))?;
+    let report = Report::new(&scene.mesh, lights.len(), &depths, origin, device.name(), times);
     drop(progress);
     print(&if args.json { report.json() } else { report.text(&args.out) })
 }
 
-fn read_points(file: &Path, memory_limit: u64) -> Result<Vec<[f32; 3]>, Failure> {
+fn read_points(file: &Path, memory_limit: u64) -> Result<npz::Points, Failure> {
     let read = || -> Result<_, InputError> { Ok(npz::read_points(source::open(file)?, memory_limit)?) };
     read().map_err(Failure::input(file))
 }
@@ -120,8 +121,13 @@ fn on_cpu(
     })
 }
 
-/// The output contract: which arrays, in which order and shape.
-fn write(file: impl Write + Seek, points: &[[f32; 3]], lights: &[Light], depths: &[i32]) -> io::Result<()> {
+/// The output contract: which arrays, in which order and shape. Points and lights are relative to the origin.
+fn write(
+    file: impl Write + Seek,
+    (points, lights): (&[[f32; 3]], &[Light]),
+    depths: &[i32],
+    origin: Origin,
+) -> io::Result<()> {
     let mut npz = NpzWriter::new(file);
     npz.array("points", ElementType::F32, &[points.len(), 3], |to| to.write_all(bytemuck::cast_slice(points)))?;
     npz.array("lights", ElementType::F32, &[lights.len(), 4], |to| {
@@ -130,5 +136,6 @@ fn write(file: impl Write + Seek, points: &[[f32; 3]], lights: &[Light], depths:
     npz.array("depth", ElementType::I32, &[points.len(), lights.len()], |to| {
         to.write_all(bytemuck::cast_slice(depths))
     })?;
+    write_origin(&mut npz, origin)?;
     npz.finish()
 }

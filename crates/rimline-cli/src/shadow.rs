@@ -73,11 +73,12 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the models");
-    let props = times.measure("load", || ShadowInputs::read(scene))?;
+    let mut props = times.measure("load", || ShadowInputs::read(scene))?;
+    let origin = times.measure("load", || props.settle(scene.posed.pose.time))?;
     for &animation in &props.animations {
         displacement::note_idle_time(&scene.posed.pose, animation, props.displacement.as_ref());
     }
-    let from_depth = times.measure("load", || args.depth_maps())?;
+    let from_depth = times.measure("load", || args.depth_maps(origin))?;
     let given = from_depth.as_ref().and_then(FromDepth::given);
     let inputs = Inputs::new(props.files(scene).chain(args.depth.as_deref()));
     let mut files = ResultFiles::begin(args, &inputs)?;
@@ -89,7 +90,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(posed_model::PosedModel::points).collect();
     let mut set = ShadowScene::new(scene, bodies, &points, given.map(GivenMap::light))?;
-    given.map_or(Ok(()), |map| given_lights::check_lights(map, &set.shaded_lights, &set.stage))?;
+    given.map_or(Ok(()), |map| given_lights::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
     if let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) {
         return Err(UsageError::CoveredPolygons { file: body.input.file.clone() }.into());
     }
@@ -148,7 +149,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
             drawn.map_err(fail)
         })?;
     }
-    files.finish_maps(&gpu, &casters)?;
+    files.finish_maps(&gpu, &casters, origin)?;
     let report = Report::read(&gpu, &set, &casters, covered.as_ref()).map_err(fail)?;
     gpu.check()?;
     drop(progress);

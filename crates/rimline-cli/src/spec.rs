@@ -3,11 +3,13 @@
 use rimline::gpu::{DanglingEdges, DepthEdges};
 use rimline::{AreaShape, Light};
 
+use crate::coordinates::{Coordinate, GivenLight};
+
 /// Which light `--light` asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum LightSpec {
     /// Given by its components.
-    Given(Light),
+    Given(GivenLight),
     /// The file's light of this name.
     Named(String),
     /// Every light of the file, in its order.
@@ -100,13 +102,15 @@ pub(crate) enum SpecError {
     Angle,
 }
 
-/// A light from its SPEC. Components are rounded once, from the decimal digits to the nearest `f32`.
+/// A light from its SPEC. Components are rounded once, from the decimal digits to the nearest `f32`, unless there is an
+/// origin.
 pub(crate) fn light(text: &str) -> Result<LightSpec, SpecError> {
     let (kind, rest) = text.split_once(':').ok_or_else(|| SpecError::Kind(text.to_owned()))?;
-    let light = match kind {
-        "point" => Light::point(numbers(rest)?),
-        "dir" => Light::directional(numbers(rest)?),
-        "hom" => Light::homogeneous(numbers(rest)?),
+    let with = |[x, y, z]: [Coordinate; 3], w: f32| [x, y, z, Coordinate { single: w, double: w.into() }];
+    let xyzw = match kind {
+        "point" => with(coordinates(rest)?, 1.0),
+        "dir" => with(coordinates(rest)?, 0.0),
+        "hom" => coordinates(rest)?,
         "file" => {
             return match rest {
                 "" => Err(SpecError::NoName),
@@ -116,10 +120,11 @@ pub(crate) fn light(text: &str) -> Result<LightSpec, SpecError> {
         }
         _ => return Err(SpecError::Kind(kind.to_owned())),
     };
-    if light.to_array() == [0.0; 4] {
+    let given = GivenLight::new(xyzw);
+    if given.light.to_array() == [0.0; 4] {
         return Err(SpecError::Zero);
     }
-    Ok(LightSpec::Given(light))
+    Ok(LightSpec::Given(given))
 }
 
 /// A light with its options, `SPEC[,option=value]…`.
@@ -165,9 +170,9 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
             _ => return Err(SpecError::LampOption(name.to_owned())),
         }
     }
-    if let LightSpec::Given(light) = shaded.light {
+    if let LightSpec::Given(given) = shaded.light {
         // What a light of the file has of its own is known once the file is read.
-        shaded.check(light, None)?;
+        shaded.check(given.light, None)?;
     }
     Ok(shaded)
 }
@@ -260,9 +265,9 @@ pub(crate) fn near(text: &str) -> Result<f32, SpecError> {
     if distance > 0.0 { Ok(distance) } else { Err(SpecError::Near) }
 }
 
-/// A height, or whatever number.
-pub(crate) fn any_number(text: &str) -> Result<f32, SpecError> {
-    number(text)
+/// A height.
+pub(crate) fn height(text: &str) -> Result<Coordinate, SpecError> {
+    coordinate(text)
 }
 
 /// Pictures a second.
@@ -322,8 +327,8 @@ fn depth_difference(value: f32) -> Result<f32, SpecError> {
 }
 
 /// A point, `x,y,z`.
-pub(crate) fn point(text: &str) -> Result<[f32; 3], SpecError> {
-    numbers(text)
+pub(crate) fn point(text: &str) -> Result<[Coordinate; 3], SpecError> {
+    coordinates(text)
 }
 
 /// A picture's width and height, `WxH`.
@@ -349,8 +354,22 @@ pub(crate) fn seconds(text: &str) -> Result<f32, SpecError> {
 }
 
 fn numbers<const N: usize>(text: &str) -> Result<[f32; N], SpecError> {
-    let values = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+    separated(text, number)
+}
+
+fn coordinates<const N: usize>(text: &str) -> Result<[Coordinate; N], SpecError> {
+    separated(text, coordinate)
+}
+
+fn separated<T, const N: usize>(text: &str, read: fn(&str) -> Result<T, SpecError>) -> Result<[T; N], SpecError> {
+    let values = text.split(',').map(read).collect::<Result<Vec<_>, _>>()?;
     values.try_into().map_err(|values: Vec<_>| SpecError::Count { wanted: N, given: values.len() })
+}
+
+fn coordinate(text: &str) -> Result<Coordinate, SpecError> {
+    let single = number(text)?;
+    let double = text.trim().parse().map_err(|_| SpecError::Number(text.trim().to_owned()))?;
+    Ok(Coordinate { single, double })
 }
 
 fn number(text: &str) -> Result<f32, SpecError> {
@@ -372,7 +391,7 @@ mod tests {
 
     fn given(text: &str) -> [f32; 4] {
         match light(text) {
-            Ok(LightSpec::Given(light)) => light.to_array(),
+            Ok(LightSpec::Given(given)) => given.light.to_array(),
             other => panic!("{text}: {other:?}"),
         }
     }

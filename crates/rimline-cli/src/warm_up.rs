@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use rimline::mesh::WeldCounts;
-use rimline::{Geometry, GeometryOptions, Instance, InstancePose, Light, Model, Pose, ShadowCamera, wgpu};
+use rimline::{Geometry, GeometryOptions, Instance, InstancePose, Light, Model, Origin, Pose, ShadowCamera, wgpu};
 
 use crate::device::Gpu;
 use crate::failure::Failure;
@@ -46,6 +46,7 @@ pub(crate) fn shadow_stages(
     let input = Input {
         file: PathBuf::from("triangle"),
         source: Source::World { model, weld: WeldCounts::default(), polygons: None },
+        origin: Origin::ZERO,
     };
     let body = [PosedModel::new(gpu, &input, None, 0.0, None)?];
     let mut shadows = Shadows::new(gpu, pipelines, lights.len()).map_err(|error| error.on(gpu))?;

@@ -150,7 +150,7 @@ fn check_map(volumes: &DepthMapVolumes, caster: &DepthMapCaster) -> Result<(), D
         }
         (None, false) => {}
     }
-    caster.camera.check().map_err(|error| DepthMapCastersError::Refused(Light(error)))
+    caster.camera.check_any_hand().map_err(|error| DepthMapCastersError::Refused(Light(error)))
 }
 
 /// Refuses textures that do not fit a cube.

@@ -293,7 +293,7 @@ impl DepthMapCasters {
         }
         let boxes = receivers.iter().copied().chain(std::iter::repeat(None));
         let of_view = |view: usize, camera: &ShadowCamera, bounds: Option<[[f32; 3]; 2]>| {
-            camera.check().map_err(|error| DepthMapCastersError::Camera { view, error })?;
+            camera.check_any_hand().map_err(|error| DepthMapCastersError::Camera { view, error })?;
             let mut seen = Vec::new();
             if self.options.skip_unseen {
                 seen.push(Convex::frustum(camera, [0.0; 2]));

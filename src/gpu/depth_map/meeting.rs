@@ -76,7 +76,7 @@ struct Seen {
 }
 
 fn seen(face: usize, camera: &ShadowCamera, side: u32) -> Result<Seen, DepthMapCubeError> {
-    camera.check().map_err(|error| DepthMapCubeError::Light { face, error })?;
+    camera.check_any_hand().map_err(|error| DepthMapCubeError::Light { face, error })?;
     let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
     let [x, y, z, w] = [0, 1, 2, 3].map(|row| matrix.row(row));
     let scale = w.truncate().length();

@@ -97,7 +97,7 @@ impl MeshDepth {
         mesh_to_world: Matrix3x4,
         light: &ShadowCamera,
     ) -> Result<(), MeshDepthError> {
-        light.check()?;
+        light.check_any_hand()?;
         if light.depth != self.depth {
             return Err(MeshDepthError::Depth { light: light.depth, made: self.depth });
         }

@@ -62,7 +62,7 @@ struct Planes {
 
 impl Planes {
     fn new(light: &ShadowCamera, metric: DepthMetric) -> Result<Self, DepthMapEncodeError> {
-        light.check().map_err(DepthMapEncodeError::Light)?;
+        light.check_any_hand().map_err(DepthMapEncodeError::Light)?;
         let matrix = matrix(light);
         let inverse: DMat4 = matrix.inverse();
         let planes = match infinity(light, &inverse)? {
@@ -128,7 +128,7 @@ pub(crate) fn metric_view(
     metric: DepthMetric,
 ) -> Result<DepthMetricView, DepthMapEncodeError> {
     if metric == DepthMetric::Device {
-        return light.check().map_err(DepthMapEncodeError::Light).map(|()| DepthMetricView::zeroed());
+        return light.check_any_hand().map_err(DepthMapEncodeError::Light).map(|()| DepthMetricView::zeroed());
     }
     let planes = Planes::new(light, metric)?;
     let [width, height] = size.map(f64::from);

@@ -89,7 +89,7 @@ impl SceneDepth {
         casters: SceneDepthCasters<'_>,
         light: &ShadowCamera,
     ) -> Result<SceneDepthCounts, SceneDepthError> {
-        light.check()?;
+        light.check_any_hand()?;
         if light.depth != self.depth {
             return Err(SceneDepthError::Depth { light: light.depth, made: self.depth });
         }

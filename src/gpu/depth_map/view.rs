@@ -66,14 +66,12 @@ pub(super) fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<D
 /// Whether the triangles of the boundary, of which a light sees the front, turn clockwise on the screen of an eye on their lit
 /// side. All go round alike on the lattice, which counts rows downwards. NUMERICS.md, "Volumes from depth maps".
 pub(super) fn is_turned(light: &ShadowCamera, eye: &ShadowCamera) -> bool {
-    let mirrors =
-        |camera: &ShadowCamera| (matrix(camera).determinant() < 0.0) != (camera.depth == DepthDirection::Reversed);
-    mirrors(light) == mirrors(eye)
+    light.mirrors() == eye.mirrors()
 }
 
 /// What decides about a step in world units: bits of the threshold in device depth, of the ratio, and of the depth at infinity.
 pub(super) fn world_step(light: &ShadowCamera, threshold: f32) -> Result<[u32; 3], DepthMapEncodeError> {
-    light.check().map_err(DepthMapEncodeError::Light)?;
+    light.check_any_hand().map_err(DepthMapEncodeError::Light)?;
     let matrix = matrix(light);
     let (z, w) = (matrix.row(2), matrix.row(3));
     let threshold = f64::from(threshold);
@@ -149,8 +147,8 @@ pub(crate) fn depth_map_view(
     (eye, format): (&ShadowCamera, wgpu::TextureFormat),
     placing: &Placing,
 ) -> Result<DepthMapView, DepthMapEncodeError> {
-    light.check().map_err(DepthMapEncodeError::Light)?;
-    eye.check().map_err(DepthMapEncodeError::Camera)?;
+    light.check_any_hand().map_err(DepthMapEncodeError::Light)?;
+    eye.check_any_hand().map_err(DepthMapEncodeError::Camera)?;
     let [width, height] = size.map(f64::from);
     let (to_light, to_eye) = (moved_matrix(light, size, placing), eye_matrix(eye, format));
     let inverse = to_light.inverse();

@@ -208,7 +208,8 @@ impl Scene {
     fn convention(&self, camera: &ShadowCamera) -> Convention {
         let counting = self.options.counting;
         let is_unclipped = counting.may_fail() && camera.has_far_plane();
-        Convention { counting, depth: camera.depth, is_unclipped, count_bits: self.options.count_bits }
+        let (count_bits, mirrors) = (self.options.count_bits, camera.mirrors());
+        Convention { counting, depth: camera.depth, is_unclipped, count_bits, mirrors }
     }
 
     /// The volumes of the structure.

@@ -118,6 +118,18 @@ pub enum ShadowDrawError {
         /// Depth direction of the pipelines.
         pipelines: DepthDirection,
     },
+    /// The camera of the volumes makes a mirror image and the pipelines are made for none, or the other way round. Near
+    /// caps would be counted against the sides.
+    #[error(
+        "volumes whose camera needs front faces {volumes:?} drawn with pipelines of {pipelines:?}; change the sign of the row \
+         of y of a camera that mirrors by mistake, or set `ShadowFormat::front_face`"
+    )]
+    FrontFace {
+        /// The front faces of the volumes' camera.
+        volumes: wgpu::FrontFace,
+        /// The front faces of the pipelines.
+        pipelines: wgpu::FrontFace,
+    },
     /// The pipelines clip at the far plane, and those that the volumes were made with do not.
     #[error(
         "volumes made for z-fail with a far plane drawn with pipelines for none; set `ShadowFormat::has_far_plane`"

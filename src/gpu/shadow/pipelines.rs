@@ -47,9 +47,15 @@ pub(crate) struct Convention {
     pub(crate) is_unclipped: bool,
     /// The low bits of the stencil that counts own.
     pub(crate) count_bits: u32,
+    /// Pictures are mirror images: front faces turn clockwise.
+    pub(crate) mirrors: bool,
 }
 
 impl Convention {
+    fn front_face(self) -> wgpu::FrontFace {
+        if self.mirrors { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw }
+    }
+
     /// Whether dark caps are drawn at infinity, where a far plane would clip them.
     pub(crate) fn needs_far_end(self) -> bool {
         self.counting.may_fail() && !self.is_unclipped
@@ -62,6 +68,9 @@ impl Convention {
         }
         if self.depth != pipelines.depth {
             return Err(ShadowDrawError::Depth { volumes: self.depth, pipelines: pipelines.depth });
+        }
+        if self.mirrors != pipelines.mirrors {
+            return Err(ShadowDrawError::FrontFace { volumes: self.front_face(), pipelines: pipelines.front_face() });
         }
         if self.is_unclipped && !pipelines.is_unclipped {
             return Err(ShadowDrawError::FarPlane);
@@ -149,6 +158,7 @@ impl ShadowPipelines {
                 depth: format.depth,
                 is_unclipped: is_fail && format.has_far_plane,
                 count_bits: format.count_bits,
+                mirrors: format.front_face == wgpu::FrontFace::Cw,
             },
             side: sides.pipeline("side", 0, count, false),
             near: match (is_clipped, is_zp_plus_2005) {

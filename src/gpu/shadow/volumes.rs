@@ -174,6 +174,7 @@ impl ShadowVolumes {
     ) -> Result<ShadowFrame, ShadowEncodeError> {
         self.check(extraction, camera)?;
         check_timer(timer.as_deref(), extraction.shared.device())?;
+        camera.check_hand(self.shared.convention.mirrors)?;
         let view = camera.view()?;
         let lights = extraction.lights();
         let bound = extraction.bound()?;

@@ -5,18 +5,24 @@ use std::io::{self, Seek, Write};
 use rimline::mesh::EdgeKind;
 use rimline::reference::layout::EdgeMasks;
 use rimline::reference::light::batches;
-use rimline::{Light, Mesh};
+use rimline::{Light, Mesh, Origin};
 
 use super::Found;
-use crate::npz::{ElementType, NpzWriter};
+use crate::npz::{ElementType, NpzWriter, write_origin};
 
 /// The four components of each light.
 pub(crate) fn components(lights: &[Light]) -> Vec<[f32; 4]> {
     lights.iter().map(|light| light.to_array()).collect()
 }
 
-/// Writes all arrays. Nothing is copied whole: what needs another form is converted piece by piece.
-pub(crate) fn write(file: impl Write + Seek, mesh: &Mesh, lights: &[Light], found: &Found<'_>) -> io::Result<()> {
+/// Writes all arrays; positions and lights are relative to the origin. Nothing is copied whole: what needs another form is converted piece by piece.
+pub(crate) fn write(
+    file: impl Write + Seek,
+    mesh: &Mesh,
+    lights: &[Light],
+    found: &Found<'_>,
+    origin: Origin,
+) -> io::Result<()> {
     let (faces, edges, words) = (mesh.face_count(), mesh.edges().len(), batches(lights.len()));
     let mut npz = NpzWriter::new(file);
     npz.array("positions", ElementType::F32, &[found.positions.len(), 3], slice(&found.positions))?;
@@ -58,6 +64,7 @@ pub(crate) fn write(file: impl Write + Seek, mesh: &Mesh, lights: &[Light], foun
     npz.array("silhouette", ElementType::U32, &[edges, words], planes(&found.masks, edges, words, silhouette))?;
     let winding = |masks: &EdgeMasks| masks.winding;
     npz.array("winding", ElementType::U32, &[edges, words], planes(&found.masks, edges, words, winding))?;
+    write_origin(&mut npz, origin)?;
     npz.finish()
 }
 

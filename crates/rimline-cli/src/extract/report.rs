@@ -6,11 +6,12 @@ use std::path::Path;
 use rimline::mesh::EdgeCounts;
 use rimline::reference::Method;
 use rimline::reference::cpu::FacingStatistics;
-use rimline::{Light, Mesh, Predicate};
+use rimline::{Light, Mesh, Origin, Predicate};
 use rimline_measure::error_metrics::light_counts;
 use serde_json::json;
 
 use super::Found;
+use crate::coordinates::{add_origin, origin_text};
 use crate::shown::Line;
 use crate::times::Times;
 
@@ -28,6 +29,7 @@ pub(super) struct Report {
     unclosed_vertices: Vec<usize>,
     method: Method,
     predicate: Predicate,
+    origin: Origin,
     adapter: String,
     times: Times,
 }
@@ -38,6 +40,7 @@ impl Report {
         lights: &[Light],
         found: &Found<'_>,
         (method, predicate): (Method, Predicate),
+        origin: Origin,
         adapter: String,
         times: Times,
     ) -> Self {
@@ -55,6 +58,7 @@ impl Report {
             unclosed_vertices,
             method,
             predicate,
+            origin,
             adapter,
             times,
         }
@@ -80,7 +84,7 @@ impl Report {
     pub(super) fn json(&self) -> String {
         let EdgeCounts { consistent, inconsistent, boundary } = self.edges;
         let [set_up, work] = self.times.set_up_and_work();
-        let report = json!({
+        let mut report = json!({
             "adapter": self.adapter,
             "method": self.method(),
             "predicate": self.predicate(),
@@ -99,6 +103,7 @@ impl Report {
             "set_up_milliseconds": set_up,
             "work_milliseconds": work,
         });
+        add_origin(&mut report, self.origin);
         format!("{report:#}\n")
     }
 
@@ -111,6 +116,9 @@ impl Report {
         line("device", &self.adapter);
         line("vertices", &self.vertices.to_string());
         line("faces", &self.faces.to_string());
+        if let Some(origin) = origin_text(self.origin) {
+            line("origin", &origin);
+        }
         let FacingStatistics { non_finite_faces, undecided_pairs, exact_zeros } = self.statistics;
         if non_finite_faces > 0 {
             line("", &format!("{non_finite_faces} with a position that is not finite: they face no light"));

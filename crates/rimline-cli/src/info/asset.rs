@@ -1,9 +1,11 @@
 //! What a glTF file holds besides its meshes.
 
+use rimline::Origin;
 use rimline::gltf::{Asset, SceneLight, SceneLightKind, SkippedPrimitives};
 use serde_json::{Map, Value, json};
 
 use super::text::{Text, point};
+use crate::coordinates;
 use crate::failure::Failure;
 use crate::input::Input;
 use crate::shown::Line;
@@ -21,7 +23,7 @@ pub(super) fn json(asset: &Asset, lights: &[SceneLight], value: &mut Map<String,
         .map(|info| json!({ "name": info.name, "duration_seconds": info.duration_s, "channels": info.channels }));
     let lights = lights
         .iter()
-        .map(|light| json!({ "name": light.name, "kind": kind_name(light.kind), "xyzw": light.light.to_array() }));
+        .map(|light| json!({ "name": light.name, "kind": kind_name(light.kind), "xyzw": coordinates::light(&light.light, asset.origin()) }));
     let SkippedPrimitives { points, lines, without_position } = asset.skipped();
     let skipped = json!({ "points": points, "lines": lines, "without_position": without_position });
     value.insert("skins".into(), skins.collect());
@@ -43,9 +45,9 @@ pub(super) fn text(asset: &Asset, lights: &[SceneLight], text: &mut Text) {
     let animations = animations.map(|info| format!("{}, {} s", shown(&info.name), info.duration_s));
     list(text, "animations", animations.collect());
     let lights = lights.iter().map(|light| {
-        let [x, y, z, _] = light.light.to_array();
-        let at = if light.kind == SceneLightKind::Directional { "towards" } else { "at" };
-        let place = point(&[x, y, z]);
+        let is_far = light.kind == SceneLightKind::Directional;
+        let at = if is_far { "towards" } else { "at" };
+        let place = point(light.light.xyz, if is_far { Origin::ZERO } else { asset.origin() });
         format!("{}, {}, {at} {place}", shown(&light.name), kind_name(light.kind))
     });
     list(text, "lights", lights.collect());

@@ -1,9 +1,11 @@
 //! The report for programs. Keys are stable: they are only ever added to.
 
+use rimline::Origin;
 use rimline::mesh::{Bounds, EdgeCounts, WeldCounts};
 use serde_json::{Value, json};
 
 use super::report::{MeshReport, kind_name};
+use crate::coordinates::point;
 
 pub(super) fn mesh(report: &MeshReport) -> Value {
     let WeldCounts { before, after, apart } = report.vertices;
@@ -13,7 +15,10 @@ pub(super) fn mesh(report: &MeshReport) -> Value {
         .listed_edges
         .iter()
         .zip(&report.listed_positions)
-        .map(|(edge, ends)| json!({ "kind": kind_name(edge.kind), "vertices": edge.vertices, "positions": ends }))
+        .map(|(edge, ends)| {
+            let ends = ends.map(|end| point(end, report.origin).json());
+            json!({ "kind": kind_name(edge.kind), "vertices": edge.vertices, "positions": ends })
+        })
         .collect();
     json!({
         "name": report.name,
@@ -29,10 +34,10 @@ pub(super) fn mesh(report: &MeshReport) -> Value {
         "offending_edges": listed,
         "joints_per_vertex": report.joints_per_vertex,
         "morph_targets": report.morph_targets,
-        "bounds": report.bounds.map(bounds),
+        "bounds": report.bounds.map(|bounds| json_bounds(&bounds, report.origin)),
     })
 }
 
-fn bounds(Bounds { min, max }: Bounds) -> Value {
-    json!({ "min": min, "max": max })
+fn json_bounds(Bounds { min, max }: &Bounds, origin: Origin) -> Value {
+    json!({ "min": point(*min, origin).json(), "max": point(*max, origin).json() })
 }

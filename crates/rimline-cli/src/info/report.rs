@@ -2,7 +2,7 @@
 
 use rimline::mesh::{Bounds, Edge, EdgeCounts, EdgeKind, MeshDiagnostics, WeldCounts};
 use rimline::reference::model::most_per_vertex;
-use rimline::{Geometry, Mesh, MeshError};
+use rimline::{Geometry, Mesh, MeshError, Origin};
 
 /// Edges listed of a mesh that is not closed.
 const LISTED_EDGES: usize = 4;
@@ -20,10 +20,12 @@ pub(super) struct MeshReport {
     /// The most joints that any vertex follows; 0 for a rigid mesh.
     pub(super) joints_per_vertex: usize,
     pub(super) bounds: Option<Bounds>,
+    /// What positions and bounds are relative to.
+    pub(super) origin: Origin,
 }
 
 impl MeshReport {
-    pub(super) fn of_geometry(geometry: &Geometry, vertices: WeldCounts) -> Result<Self, MeshError> {
+    pub(super) fn of_geometry(geometry: &Geometry, vertices: WeldCounts, origin: Origin) -> Result<Self, MeshError> {
         if geometry.faces().is_empty() {
             // A mesh of lines or points alone; no instance shows it.
             let name = geometry.name().map(str::to_owned);
@@ -35,12 +37,12 @@ impl MeshReport {
             vertices,
             morph_targets: geometry.morph_targets().len(),
             joints_per_vertex: geometry.influences().map_or(0, most_per_vertex),
-            ..Self::of_mesh(&mesh, geometry.positions())
+            ..Self::of_mesh(&mesh, geometry.positions(), origin)
         })
     }
 
     /// `positions` has one for each of the mesh's vertices.
-    pub(super) fn of_mesh(mesh: &Mesh, positions: &[[f32; 3]]) -> Self {
+    pub(super) fn of_mesh(mesh: &Mesh, positions: &[[f32; 3]], origin: Origin) -> Self {
         let diagnostics = MeshDiagnostics::of(mesh, LISTED_EDGES);
         let ends = |edge: &Edge| edge.vertices.map(|v| positions[v as usize]);
         Self {
@@ -49,6 +51,7 @@ impl MeshReport {
             listed_positions: diagnostics.listed_edges.iter().map(ends).collect(),
             diagnostics,
             bounds: Bounds::of(positions),
+            origin,
             ..Self::default()
         }
     }
@@ -113,7 +116,7 @@ mod tests {
         let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let geometry = Geometry::new(positions, vec![[0, 1, 2], [0, 1, 3]], GeometryOptions::default())
             .expect("the indices are in range");
-        let report = MeshReport::of_geometry(&geometry, WeldCounts::default()).expect("it is a mesh");
+        let report = MeshReport::of_geometry(&geometry, WeldCounts::default(), Origin::ZERO).expect("it is a mesh");
         let why = report.why_open().expect("it is open");
         assert_eq!(why, "4 edges have a face on one side only, 1 edge joins faces that are turned against each other");
         assert_eq!(report.listed_positions.len(), LISTED_EDGES);

@@ -2,9 +2,11 @@
 
 use std::fmt::{Display, Write as _};
 
+use rimline::Origin;
 use rimline::mesh::{Bounds, EdgeCounts};
 
 use super::report::{MeshReport, kind_name};
+use crate::coordinates::{self, Point};
 
 /// Lines of a name and a value, aligned.
 pub(super) struct Text(String);
@@ -32,6 +34,7 @@ impl Text {
     }
 
     pub(super) fn mesh(&mut self, report: &MeshReport) {
+        let at = |place| point(place, report.origin);
         let weld = report.vertices;
         let mut vertices = format!("{}", weld.after);
         if weld.before != weld.after {
@@ -67,7 +70,7 @@ impl Text {
         for (edge, [a, b]) in diagnostics.listed_edges.iter().zip(&report.listed_positions) {
             let [va, vb] = edge.vertices;
             let kind = kind_name(edge.kind);
-            self.more(format!("  {kind} edge {va}-{vb}, {} to {}", point(a), point(b)));
+            self.more(format!("  {kind} edge {va}-{vb}, {} to {}", at(*a), at(*b)));
         }
         let listed = diagnostics.listed_edges.len();
         let all = inconsistent + boundary;
@@ -81,7 +84,7 @@ impl Text {
             self.line("morph targets", report.morph_targets);
         }
         if let Some(Bounds { min, max }) = &report.bounds {
-            self.line("bounds", format!("{} to {}", point(min), point(max)));
+            self.line("bounds", format!("{} to {}", at(*min), at(*max)));
         }
     }
 }
@@ -93,6 +96,10 @@ fn counted(all: usize, parts: &[(usize, &str)]) -> String {
     if parts.is_empty() { all.to_string() } else { format!("{all}: {}", parts.join(", ")) }
 }
 
-pub(super) fn point([x, y, z]: &[f32; 3]) -> String {
-    format!("({x}, {y}, {z})")
+/// A point in the file's coordinates.
+pub(super) fn point(point: [f32; 3], origin: Origin) -> String {
+    match coordinates::point(point, origin) {
+        Point::Single([x, y, z]) => format!("({x}, {y}, {z})"),
+        Point::Double([x, y, z]) => format!("({x}, {y}, {z})"),
+    }
 }

@@ -6,6 +6,7 @@ use zip::ZipArchive;
 
 use super::charge::GROWTH;
 use super::header::ElementType;
+use super::origin::{is_real, real};
 use super::read::{Budget, Entry, NpzError, Values, index, is_float, is_integer, raw};
 use super::write::NpzWriter;
 
@@ -43,8 +44,8 @@ pub struct DepthMapArrays {
     /// Map by map, row by row, the first row at the top.
     pub depths: Depths,
     /// For each map the rows of its matrix, from positions less the origin to clip space.
-    pub view_projections: Vec<[[f32; 4]; 4]>,
-    pub origin: [f32; 3],
+    pub view_projections: Vec<[[f64; 4]; 4]>,
+    pub origin: [f64; 3],
     /// Whether near is 1 and far is 0.
     pub is_reversed: bool,
     /// Bits that the depths were rounded to before, if it is said.
@@ -106,21 +107,10 @@ const OBJECTS: Entry = Entry {
     accepts: is_integer,
 };
 
-fn is_real(element: ElementType) -> bool {
-    matches!((element.kind, element.size), ('f', 4 | 8))
-}
-
 /// Up to 32 bits, as they are.
 #[expect(clippy::unnecessary_wraps, reason = "it stands beside `index`, which may fail")]
 fn bits(element: ElementType, bytes: &[u8]) -> Result<u32, i128> {
     Ok(raw(element, bytes) as u32)
-}
-
-/// Rounded to the nearest `f32`.
-#[expect(clippy::unnecessary_wraps, reason = "it stands beside `index`, which may fail")]
-fn real(element: ElementType, bytes: &[u8]) -> Result<f32, i128> {
-    let raw = raw(element, bytes);
-    Ok(if element.size == 4 { f32::from_bits(raw as u32) } else { f64::from_bits(raw) as f32 })
 }
 
 /// Reads a depth map, or six, with what they were drawn with; either byte order, either array order. `objects` are read if
@@ -192,6 +182,15 @@ fn number(entry: &Entry, archive: &mut ZipArchive<impl Read + Seek>, budget: &mu
     Ok(elements.first().copied().unwrap_or_default())
 }
 
+/// As float32 where that holds all of them, else as float64.
+fn write_real(npz: &mut NpzWriter<impl Write + Seek>, name: &str, shape: &[usize], values: &[f64]) -> io::Result<()> {
+    let single: Vec<f32> = values.iter().map(|&value| value as f32).collect();
+    if single.iter().zip(values).all(|(&single, value)| f64::from(single).to_bits() == value.to_bits()) {
+        return npz.array(name, ElementType::F32, shape, |to| to.write_all(bytemuck::cast_slice(&single)));
+    }
+    npz.array(name, ElementType::F64, shape, |to| to.write_all(bytemuck::cast_slice(values)))
+}
+
 /// A bool is a number of a byte.
 fn unsigned(element: ElementType) -> ElementType {
     if element.kind == 'b' { ElementType { kind: 'u', ..element } } else { element }
@@ -221,10 +220,13 @@ impl DepthMapArrays {
                 })?;
             }
         }
-        npz.array("view_projection", ElementType::F32, &of_maps(&[4, 4]), |to| {
-            to.write_all(bytemuck::cast_slice(&self.view_projections))
-        })?;
-        npz.array("origin", ElementType::F32, &[3], |to| to.write_all(bytemuck::cast_slice(&self.origin)))?;
+        write_real(
+            &mut npz,
+            "view_projection",
+            &of_maps(&[4, 4]),
+            self.view_projections.as_flattened().as_flattened(),
+        )?;
+        write_real(&mut npz, "origin", &[3], &self.origin)?;
         npz.array("reversed", ElementType::BOOL, &[], |to| to.write_all(&[u8::from(self.is_reversed)]))?;
         if let Some(bits) = self.depth_bits {
             npz.array("depth_bits", ElementType::U32, &[], |to| to.write_all(bytemuck::bytes_of(&bits)))?;
@@ -246,12 +248,13 @@ mod tests {
 
     fn map(maps: usize, depths: Depths) -> DepthMapArrays {
         let matrix =
-            |map: usize| [0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|column| (16 * map + 4 * row + column) as f32));
+            |map: usize| [0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|column| (16 * map + 4 * row + column) as f64));
         DepthMapArrays {
             size: [3, 2],
             depths,
             view_projections: (0..maps).map(matrix).collect(),
-            origin: [1.0, -2.0, 0.5],
+            // Of six maps it takes float64.
+            origin: if maps == 6 { [392_143.517, -2.0, 0.5] } else { [1.0, -2.0, 0.5] },
             is_reversed: maps == 6,
             depth_bits: (maps == 6).then_some(24),
             metric: Metric::Device,

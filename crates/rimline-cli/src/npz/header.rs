@@ -32,6 +32,8 @@ impl ElementType {
     pub const I32: Self = Self::native('i', 4);
     /// `f32`, in this machine's byte order.
     pub const F32: Self = Self::native('f', 4);
+    /// `f64`, in this machine's byte order.
+    pub const F64: Self = Self::native('f', 8);
 
     fn parse(descr: &str) -> Option<Self> {
         let mut chars = descr.chars();

@@ -4,11 +4,15 @@ pub(crate) mod charge;
 mod compare;
 mod depth_map;
 mod header;
+mod origin;
+mod points;
 mod read;
 mod write;
 
 pub use compare::{Difference, compare};
 pub use depth_map::{DepthMapArrays, Depths, MAX_SIDE, Metric, read_depth_map};
 pub use header::ElementType;
-pub use read::{Arrays, NpzError, PolygonArrays, read, read_points, read_with_lights};
+pub use origin::write_origin;
+pub use points::{Points, read_points};
+pub use read::{Arrays, NpzError, PolygonArrays, read, read_with_lights};
 pub use write::NpzWriter;

@@ -2,20 +2,24 @@
 
 use std::io::{self, Read, Seek};
 
+use rimline::Origin;
 use rimline::mesh::PolygonLoops;
 use zip::ZipArchive;
 use zip::result::ZipError;
 
 use super::charge::{CORNER, FACE, GROWTH, LOOP, POLYGON, VERTEX};
 use super::header::{ElementType, Header, HeaderError};
+use super::origin::read_origin;
 
-/// Positions, as they lie in the file bit for bit, and triangles whose indices are below their number, or polygons.
+/// Positions relative to an origin, those of an archive bit for bit, and triangles whose indices are below their number, or
+/// polygons.
 #[derive(Debug, Default, PartialEq)]
 pub struct Arrays {
     pub positions: Vec<[f32; 3]>,
     /// Empty if there are polygons.
     pub faces: Vec<[u32; 3]>,
     pub polygons: Option<PolygonArrays>,
+    pub origin: Origin,
 }
 
 /// Polygons, unchecked: `rimline::Mesh::from_polygons` checks them.
@@ -111,7 +115,8 @@ pub(super) struct Budget {
 }
 
 /// Reads `positions` (V,3) float32, and `faces` (F,3) integers; either byte order, either array order. In place of `faces`
-/// there may be `polygon_loops`, `loop_sizes` and `loop_corners`, of one dimension each. What takes more than `memory_limit`
+/// there may be `polygon_loops`, `loop_sizes` and `loop_corners`, of one dimension each. There may be an `origin` (3), which
+/// positions are relative to. What takes more than `memory_limit`
 /// bytes, with the mesh that is made of it, is refused before it is read.
 pub fn read(reader: impl Read + Seek, memory_limit: u64) -> Result<Arrays, NpzError> {
     let mut budget = Budget { limit: memory_limit, used: 0 };
@@ -155,9 +160,10 @@ fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) 
         accepts: is_integer,
     };
     let positions = positions.rows(archive, budget, float)?;
+    let origin = read_origin(archive, budget)?;
     if archive.index_for_name("polygon_loops.npy").is_some() {
         let polygons = Some(read_polygons(archive, budget)?);
-        return Ok(Arrays { positions, faces: Vec::new(), polygons });
+        return Ok(Arrays { positions, faces: Vec::new(), polygons, origin });
     }
     let faces: Vec<[u32; 3]> = faces.rows(archive, budget, index)?;
     let vertices = positions.len();
@@ -166,7 +172,7 @@ fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) 
             return Err(NpzError::OutOfRange { row, index, vertices });
         }
     }
-    Ok(Arrays { positions, faces, polygons: None })
+    Ok(Arrays { positions, faces, polygons: None, origin })
 }
 
 fn read_polygons(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) -> Result<PolygonArrays, NpzError> {
@@ -183,21 +189,6 @@ fn read_polygons(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget
         loop_sizes: array("loop_sizes", "(L,)", LOOP).rows(archive, budget, index)?,
         loop_corners: array("loop_corners", "(C,)", CORNER).rows(archive, budget, index)?,
     })
-}
-
-/// Reads the array `points` (P,3) float32, bit for bit; either byte order, either array order. More than `memory_limit`
-/// bytes are refused.
-pub fn read_points(reader: impl Read + Seek, memory_limit: u64) -> Result<Vec<[f32; 3]>, NpzError> {
-    let mut archive = ZipArchive::new(reader).map_err(NpzError::Archive)?;
-    let points = Entry {
-        array: "points",
-        shape: "(P, 3)",
-        limit: u64::from(u32::MAX),
-        row_bytes: 12 * GROWTH,
-        wanted: "float32 is needed (NumPy: `points.astype('f4')`)",
-        accepts: is_float,
-    };
-    points.rows(&mut archive, &mut Budget { limit: memory_limit, used: 0 }, float)
 }
 
 pub(super) fn is_float(element: ElementType) -> bool {
@@ -236,7 +227,7 @@ pub(super) struct Values<T> {
 }
 
 impl Entry {
-    fn rows<T: Copy + Default, const C: usize>(
+    pub(super) fn rows<T: Copy + Default, const C: usize>(
         &self,
         archive: &mut ZipArchive<impl Read + Seek>,
         budget: &mut Budget,
@@ -433,7 +424,7 @@ pub(super) fn raw(element: ElementType, bytes: &[u8]) -> u64 {
 
 /// The same bits; a NaN keeps its payload.
 #[expect(clippy::unnecessary_wraps, reason = "it stands beside `index`, which may fail")]
-fn float(element: ElementType, bytes: &[u8]) -> Result<f32, i128> {
+pub(super) fn float(element: ElementType, bytes: &[u8]) -> Result<f32, i128> {
     Ok(f32::from_bits(raw(element, bytes) as u32))
 }
 

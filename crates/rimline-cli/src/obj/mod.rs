@@ -1,5 +1,6 @@
 //! Wavefront OBJ files: positions, and faces of any number of corners.
 
+mod coordinates;
 mod line;
 mod read;
 

@@ -4,6 +4,7 @@ use std::io::{self, BufRead};
 
 use rimline::mesh::MAX_POLYGON_CORNERS;
 
+use super::coordinates::{number, placed};
 use super::line::{Lines, Next, Statement};
 use crate::npz::{Arrays, PolygonArrays, charge};
 
@@ -58,7 +59,7 @@ pub fn begins_like(bytes: &[u8]) -> bool {
     false
 }
 
-/// Reads positions and faces; faces of triangles alone come as triangles, others as polygons. Everything else is skipped.
+/// Reads positions and faces, relative to an origin near them; faces of triangles alone come as triangles, others as polygons. Everything else is skipped.
 /// What takes more than `memory_limit` bytes, with the mesh that is made of it, is refused before it is kept.
 pub fn read(reader: impl BufRead, memory_limit: u64) -> Result<Arrays, ObjError> {
     let mut lines = Lines::new(reader);
@@ -80,7 +81,8 @@ pub fn read(reader: impl BufRead, memory_limit: u64) -> Result<Arrays, ObjError>
 /// What was read so far.
 #[derive(Default)]
 struct Obj {
-    positions: Vec<[f32; 3]>,
+    /// In `f64` until all of them are known. [`charge::VERTEX`] has room for it, because what is made of a vertex comes later.
+    positions: Vec<[f64; 3]>,
     sizes: Vec<u32>,
     corners: Vec<u32>,
     /// The largest vertex that a face names, from 1, and its line. Faces may stand before their vertices.
@@ -108,7 +110,7 @@ impl Obj {
     fn vertex<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), ObjError> {
         let (mut position, mut count) = ([0.0; 3], 0);
         for word in words {
-            let number = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+            let number = std::str::from_utf8(word).ok().and_then(number);
             let number = number.ok_or_else(|| ObjError::Number { line, found: shown(word) })?;
             if let Some(coordinate) = position.get_mut(count) {
                 *coordinate = number;
@@ -166,10 +168,12 @@ impl Obj {
         if index > vertices as i64 {
             return Err(ObjError::OutOfRange { line, index, vertices });
         }
+        let (positions, origin) = placed(positions, &sizes, &corners);
         if sizes.iter().all(|&size| size == 3) {
-            return Ok(Arrays { positions, faces: corners.as_chunks().0.to_vec(), polygons: None });
+            return Ok(Arrays { positions, faces: corners.as_chunks().0.to_vec(), polygons: None, origin });
         }
-        Ok(Arrays { positions, faces: Vec::new(), polygons: Some(PolygonArrays::of_single_loops(&sizes, &corners)) })
+        let polygons = Some(PolygonArrays::of_single_loops(&sizes, &corners));
+        Ok(Arrays { positions, faces: Vec::new(), polygons, origin })
     }
 }
 

@@ -14,7 +14,8 @@ pub(crate) struct QueryArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
 
-    /// An .npz file with `points` (P,3) float32 in world space, or - for standard input
+    /// An .npz file with `points` (P,3) float32 or float64 in world space, or - for standard input. With `origin` (3) they are
+    /// relative to it
     #[arg(long, value_name = "FILE.npz")]
     pub(crate) points: PathBuf,
 
@@ -42,18 +43,20 @@ Examples:
       --time 0.4 --out depth.npz
 
 Arrays written, P points, N lights:
-  points (P,3) float32   as given
-  lights (N,4) float32   as given
+  points (P,3) float32   as given, less the origin
+  lights (N,4) float32   as given, less w times the origin
   depth (P,N) int32      number of faces strictly between the point and the light;
                          each face counts 1, whatever its orientation; 0 is lit,
                          -1 is a point that is infinite or NaN; a polygon counts
                          1 if an odd number of its triangles lie between
+  origin (3) float64     only where it is not zero: a point near a model whose
+                         coordinates are too large for float32
 ";
 
 const QUERY_REMARKS: &str = "\
 A face that contains the point or the light does not count. On a closed model the depth is odd if exactly one of point \
 and light is inside. Depths are computed in exact arithmetic: they are the same on every device.
 
-Keys of --json: adapter, vertices, faces, points, non_finite_points, lights, points_in_shadow and deepest \
+Keys of --json: adapter, origin (only where it is not zero), vertices, faces, points, non_finite_points, lights, points_in_shadow and deepest \
 (a number for each light), milliseconds (by stage), set_up_milliseconds (opening the device, buffers, compiling \
 shaders), work_milliseconds (all other stages).";

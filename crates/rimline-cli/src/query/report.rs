@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use rimline::Mesh;
+use rimline::{Mesh, Origin};
 use serde_json::json;
 
+use crate::coordinates::{add_origin, origin_text};
 use crate::extract::report::per_light;
 use crate::shown::Line;
 use crate::times::Times;
@@ -19,12 +20,20 @@ pub(super) struct Report {
     /// One a light.
     points_in_shadow: Vec<usize>,
     deepest: Vec<usize>,
+    origin: Origin,
     adapter: String,
     times: Times,
 }
 
 impl Report {
-    pub(super) fn new(mesh: &Mesh, lights: usize, depths: &[i32], adapter: String, times: Times) -> Self {
+    pub(super) fn new(
+        mesh: &Mesh,
+        lights: usize,
+        depths: &[i32],
+        origin: Origin,
+        adapter: String,
+        times: Times,
+    ) -> Self {
         let (mut points_in_shadow, mut deepest) = (vec![0; lights], vec![0; lights]);
         let mut non_finite_points = 0;
         for point in depths.chunks(lights) {
@@ -36,13 +45,13 @@ impl Report {
         }
         let points = depths.len() / lights;
         let (vertices, faces) = (mesh.vertex_count(), mesh.faces().len());
-        Self { vertices, faces, points, non_finite_points, points_in_shadow, deepest, adapter, times }
+        Self { vertices, faces, points, non_finite_points, points_in_shadow, deepest, origin, adapter, times }
     }
 
     /// Keys are stable: they are only ever added to. Lists have an entry a light, in the order given.
     pub(super) fn json(&self) -> String {
         let [set_up, work] = self.times.set_up_and_work();
-        let report = json!({
+        let mut report = json!({
             "adapter": self.adapter,
             "vertices": self.vertices,
             "faces": self.faces,
@@ -55,6 +64,7 @@ impl Report {
             "set_up_milliseconds": set_up,
             "work_milliseconds": work,
         });
+        add_origin(&mut report, self.origin);
         format!("{report:#}\n")
     }
 
@@ -66,6 +76,9 @@ impl Report {
         line("device", &self.adapter);
         line("vertices", &self.vertices.to_string());
         line("faces", &self.faces.to_string());
+        if let Some(origin) = origin_text(self.origin) {
+            line("origin", &origin);
+        }
         line("points", &self.points.to_string());
         if self.non_finite_points > 0 {
             line("", &format!("{} not finite: their depth is -1", self.non_finite_points));

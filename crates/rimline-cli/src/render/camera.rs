@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use rimline::mesh::Bounds;
 
 use crate::failure::UsageError;
-use crate::input_args::ViewArgs;
+use crate::input_args::PlacedView;
 
 /// Degrees to the right of the model's front, which is +Z.
 pub(crate) const AZIMUTH: f64 = 33.0;
@@ -27,7 +27,7 @@ impl Camera {
     /// The camera of the command line, with whatever is left open chosen so that all `points` are seen: from
     /// `elevation` degrees above.
     pub(crate) fn new(
-        args: &ViewArgs,
+        args: &PlacedView,
         elevation: f64,
         centre: [f32; 3],
         extent: f32,
@@ -133,10 +133,10 @@ mod tests {
     use crate::args::{Cli, Command};
     use clap::Parser;
 
-    fn args(options: &str) -> ViewArgs {
+    fn args(options: &str) -> PlacedView {
         let line = format!("rimline draw a.glb --out a.png {options}");
         match Cli::parse_from(line.split_whitespace()).command {
-            Command::Draw(args) => args.view,
+            Command::Draw(args) => args.view.relative_to(rimline::Origin::ZERO),
             _ => panic!("draw was asked for"),
         }
     }

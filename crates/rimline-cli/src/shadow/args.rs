@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use rimline::Counting;
 use rimline::gpu::{DanglingEdges, DepthEdges};
+use rimline::{Counting, Origin};
 
+use crate::coordinates::Coordinate;
 use crate::failure::{Failure, UsageError};
 use crate::help::verbatim;
 use crate::input_args::{MomentArgs, ViewArgs, WeldArgs, drawing_device};
@@ -100,8 +101,8 @@ pub(crate) struct ShadowSceneArgs {
 
     /// The height of the ground, an infinite plane that receives shadows and casts none. It is visible from above only. By
     /// default it is at the lowest point of the models, or a little lower if they are flat
-    #[arg(long, value_name = "Y", allow_hyphen_values = true, value_parser = spec::any_number)]
-    pub(crate) ground: Option<f32>,
+    #[arg(long, value_name = "Y", allow_hyphen_values = true, value_parser = spec::height)]
+    pub(crate) ground: Option<Coordinate>,
 
     /// How to count shadow volumes
     #[arg(long, value_enum, default_value_t = CountingArg::Auto)]
@@ -248,8 +249,8 @@ pub(crate) struct ShadowArgs {
 }
 
 impl ShadowArgs {
-    /// The depth maps that cast, if there are any. Reads the file of `--depth`.
-    pub(crate) fn depth_maps(&self) -> Result<Option<FromDepth>, Failure> {
+    /// The depth maps that cast, if there are any, relative to the origin. Reads the file of `--depth`.
+    pub(crate) fn depth_maps(&self, origin: Origin) -> Result<Option<FromDepth>, Failure> {
         // What a given map casts need not be among the models, unless edges are left out.
         let drawn_or_given = if self.from_depth.is_some() { DepthEdges::Automatic } else { DepthEdges::EveryCell };
         let edges = self.detector.unwrap_or(drawn_or_given);
@@ -258,7 +259,7 @@ impl ShadowArgs {
             (Some(side), _) => MapSource::Drawn { side },
             (None, Some(file)) => {
                 let limit = self.scene.load.memory_limit();
-                MapSource::Given(Arc::new(GivenMap::read(file, edges, limit)?))
+                MapSource::Given(Arc::new(GivenMap::read(file, edges, limit, origin)?))
             }
             (None, None) => return Ok(None),
         };
@@ -289,7 +290,7 @@ Examples:
 const SHADOW_REMARKS: &str = "\
 World space is right-handed with +Y up. The ground is visible from above only: an eye below it sees no ground.
 
-Keys of --json: adapter, method, mode, files, faces, samples (of a light), count_bound (an upper bound of the stencil \
+Keys of --json: adapter, method, mode, origin (only where it is not zero), files, faces, samples (of a light), count_bound (an upper bound of the stencil \
 counts of all files together), may_wrap (the number of lights or samples whose counts may exceed 255, the most that \
 the stencil holds: places in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
 file, casting, counting, silhouette_edges, each with one value a sample with --area; casting and counting are the \

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use rimline::gpu::{DepthMapPipelines, MeshDepth, ReadError, StageTimer};
-use rimline::{DepthDirection, ShadowCamera, wgpu};
+use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
 
 use super::cast_inputs::{CastInputs, parity, put};
 use super::extracted::Extracted;
@@ -127,8 +127,8 @@ impl DepthShadows {
     }
 
     /// The maps of a light as they were drawn. Waits for the device.
-    pub(super) fn saved(&self, gpu: &Gpu, light: usize) -> Result<Option<DepthMapArrays>, GpuError> {
-        self.lights.get(light).map(|maps| maps.saved(gpu)).transpose()
+    pub(super) fn saved(&self, gpu: &Gpu, light: usize, origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
+        self.lights.get(light).map(|maps| maps.saved(gpu, origin)).transpose()
     }
 }
 

@@ -1,14 +1,20 @@
 //! Whether lights are those of a depth map that the caller made.
 
 use glam::Vec3;
-use rimline::Light;
+use rimline::{Light, Origin};
 
 use super::given_map::GivenMap;
 use super::shaded_lights::{SceneBounds, ShadedLight};
+use crate::coordinates;
 use crate::failure::UsageError;
 
 /// Refuses lights that are not the map's.
-pub(crate) fn check_lights(map: &GivenMap, lights: &[ShadedLight], stage: &SceneBounds) -> Result<(), UsageError> {
+pub(crate) fn check_lights(
+    map: &GivenMap,
+    lights: &[ShadedLight],
+    stage: &SceneBounds,
+    origin: Origin,
+) -> Result<(), UsageError> {
     /// How far a light may be off, as a share of its distance or of the extent of the models.
     const MOST: f64 = 1e-3;
     /// Extents that count as any distance beyond them, and as a light at infinity.
@@ -24,17 +30,17 @@ pub(crate) fn check_lights(map: &GivenMap, lights: &[ShadedLight], stage: &Scene
     let (map, given) = (map.light(), shaded.light);
     let is_near = (place(&map) - place(&given)).length() <= MOST * place(&given).length().max(1.0);
     if !is_near {
-        return Err(UsageError::DepthLightApart { given: spec(&given), map: spec(&map) });
+        return Err(UsageError::DepthLightApart { given: spec(&given, origin), map: spec(&map, origin) });
     }
     Ok(())
 }
 
 /// A light as it is given on the command line.
-fn spec(light: &Light) -> String {
-    let [x, y, z] = light.xyz;
+fn spec(light: &Light, origin: Origin) -> String {
+    let at = |w: f32| coordinates::point(light.xyz, Origin::new(origin.to_array().map(|c| f64::from(w) * c)));
     match light.w {
-        0.0 => format!("dir:{x},{y},{z}"),
-        1.0 => format!("point:{x},{y},{z}"),
-        w => format!("hom:{x},{y},{z},{w}"),
+        0.0 => format!("dir:{}", at(0.0)),
+        1.0 => format!("point:{}", at(1.0)),
+        w => format!("hom:{},{w}", at(w)),
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use rimline::gpu::{DepthEdges, DepthMetric};
-use rimline::{CameraError, DepthDirection, Light, ShadowCamera, wgpu};
+use rimline::{CameraError, DepthDirection, Light, Origin, ShadowCamera, wgpu};
 
 use super::given_map_error::GivenMapError;
 use super::light_maps::LightCameras;
@@ -29,23 +29,23 @@ pub(crate) struct GivenMap {
 
 impl GivenMap {
     /// `objects` are read only if the detector takes them.
-    pub(super) fn read(file: &Path, edges: DepthEdges, memory_limit: u64) -> Result<Self, Failure> {
+    pub(super) fn read(file: &Path, edges: DepthEdges, memory_limit: u64, origin: Origin) -> Result<Self, Failure> {
         let (takes, needs) = (edges != DepthEdges::EveryCell, edges == DepthEdges::Outlines);
         let read = || -> Result<_, InputError> {
             let arrays = npz::read_depth_map(source::open(file)?, memory_limit, takes, needs)?;
-            Ok(Self::new(file, arrays)?)
+            Ok(Self::new(file, arrays, origin)?)
         };
         read().map_err(Failure::input(file))
     }
 
-    fn new(file: &Path, arrays: DepthMapArrays) -> Result<Self, GivenMapError> {
+    fn new(file: &Path, arrays: DepthMapArrays, run: Origin) -> Result<Self, GivenMapError> {
         let DepthMapArrays { size, depths, view_projections, origin, is_reversed, depth_bits, metric, objects } =
             arrays;
         let depth = if is_reversed { DepthDirection::Reversed } else { DepthDirection::Standard };
-        let camera = |rows: &[[f32; 4]; 4]| ShadowCamera {
-            view_projection: [0, 1, 2, 3].map(|column| rows.map(|row| row[column])),
-            origin,
-            depth,
+        let camera = |rows: &[[f64; 4]; 4]| {
+            let (rows, origin) = relative(rows, origin, run);
+            let view_projection = [0, 1, 2, 3].map(|column| rows.map(|row| row[column] as f32));
+            ShadowCamera { view_projection, origin, depth }
         };
         let cameras: Vec<ShadowCamera> = view_projections.iter().map(camera).collect();
         for (map, camera) in cameras.iter().enumerate() {
@@ -127,4 +127,14 @@ impl GivenMap {
     pub(crate) fn light(&self) -> Light {
         self.cameras.light()
     }
+}
+
+/// A matrix for positions less `origin` as one for positions relative to the run's origin, and less the point that is
+/// returned. A matrix that is for plain positions takes the run's origin in, in `f64`.
+fn relative(rows: &[[f64; 4]; 4], origin: [f64; 3], run: Origin) -> ([[f64; 4]; 4], [f32; 3]) {
+    if run.is_zero() || origin != [0.0; 3] {
+        return (*rows, run.position(origin));
+    }
+    let [ox, oy, oz] = run.to_array();
+    (rows.map(|[x, y, z, shift]| [x, y, z, shift + x * ox + y * oy + z * oz]), [0.0; 3])
 }

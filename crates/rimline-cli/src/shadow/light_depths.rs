@@ -4,7 +4,7 @@ use rimline::gpu::{
     DepthMap, DepthMapConversion, DepthMapCube, DepthMapDrawError, DepthMapFrame, DepthMapPipelines, DepthMapVolumes,
     DepthMetric, ReadError, StageTimer, read_back_vec,
 };
-use rimline::{ShadowCamera, wgpu};
+use rimline::{Origin, ShadowCamera, wgpu};
 
 use super::from_depth::{DepthFound, FromDepth, MAP, MapSource};
 use super::light_maps::LightCameras;
@@ -153,7 +153,7 @@ impl LightMaps {
     }
 
     /// The maps as they were drawn, and what they were drawn with. Waits for the device.
-    pub(super) fn saved(&self, gpu: &Gpu) -> Result<DepthMapArrays, GpuError> {
+    pub(super) fn saved(&self, gpu: &Gpu, origin: Origin) -> Result<DepthMapArrays, GpuError> {
         let mut depths = Vec::new();
         let mut size = [0; 2];
         for view in &self.views {
@@ -163,12 +163,13 @@ impl LightMaps {
             depths.extend(map.rows().flat_map(bytemuck::pod_collect_to_vec::<u8, f32>));
         }
         let cameras = self.cameras.all();
-        let rows = |camera: &ShadowCamera| [0, 1, 2, 3].map(|row| camera.view_projection.map(|column| column[row]));
+        let rows =
+            |camera: &ShadowCamera| [0, 1, 2, 3].map(|row| camera.view_projection.map(|column| f64::from(column[row])));
         Ok(DepthMapArrays {
             size,
             depths: Depths::F32(depths),
             view_projections: cameras.iter().map(rows).collect(),
-            origin: cameras.first().map_or([0.0; 3], |camera| camera.origin),
+            origin: cameras.first().map_or([0.0; 3], |camera| origin.to_world(camera.origin)),
             is_reversed: cameras.first().is_some_and(|camera| camera.depth == rimline::DepthDirection::Reversed),
             depth_bits: None,
             metric: Metric::Device,

@@ -97,7 +97,8 @@ impl LightCameras {
     }
 
     fn around(centre: Vec3, place: DVec3, extent: f64, side: u32) -> Result<Self, DepthMapCubeError> {
-        let near = (1e-4 * extent).max(f64::from(f32::MIN_POSITIVE)) as f32;
+        // No camera may have a nearer one.
+        let near = (1e-4 * extent).max(1e-33) as f32;
         let place = (centre.as_dvec3() + place).as_vec3().to_array();
         let cameras = DepthMapCube::cameras(place, near, None, DepthDirection::Reversed, side)?;
         Ok(Self::Cube(Box::new(cameras)))

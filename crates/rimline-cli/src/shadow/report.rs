@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use rimline::Origin;
 use rimline::cpu::{HiddenFaces, HiddenStatistics};
 use rimline::reference::layout::{ShadowLight, ShadowStatistics};
 use rimline::reference::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
@@ -15,6 +16,7 @@ use super::found::Found;
 use super::from_depth::{DepthFound, DepthsFound, Reconstruction};
 use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
+use crate::coordinates;
 use crate::device::{Gpu, describe};
 use crate::gpu_error::GpuError;
 use crate::shadow::args::{ShadowSceneArgs, value_name};
@@ -34,8 +36,9 @@ pub(super) struct Report {
     files: Vec<File>,
     /// Of all files together.
     all: ShadowStatistics,
-    /// Of each light, as given.
-    lights: Vec<([f32; 4], f32, [f32; 3])>,
+    origin: Origin,
+    /// Of each light, in the files' coordinates.
+    lights: Vec<(Value, f32, [f32; 3])>,
     samples: usize,
     /// Of each light, if covered faces were asked for.
     covered: Option<Vec<HiddenStatistics>>,
@@ -80,7 +83,7 @@ impl Report {
         casters: &Casters,
         covered: Option<&CoveredFaces>,
     ) -> Result<Self, GpuError> {
-        let samples = set.samples();
+        let (samples, origin) = (set.samples(), set.bodies.first().map_or(Origin::ZERO, |body| body.input.origin));
         let found = casters.shadows.found(gpu)?;
         let file = |(body, found): (&PosedModel<'_>, Found)| File {
             name: body.input.file.display().to_string(),
@@ -89,12 +92,13 @@ impl Report {
         };
         Ok(Self {
             adapter: describe(&gpu.info),
+            origin,
             files: set.bodies.iter().zip(found).map(file).collect(),
             all: casters.shadows.statistics(gpu)?,
             lights: set
                 .shaded_lights
                 .iter()
-                .map(|shaded| (shaded.light.to_array(), shaded.range, shaded.color))
+                .map(|shaded| (coordinates::light(&shaded.light, origin), shaded.range, shaded.color))
                 .collect(),
             samples: samples / set.shaded_lights.len().max(1),
             covered: covered.map(|covered| covered.found.iter().map(HiddenFaces::statistics).collect()),
@@ -110,7 +114,7 @@ impl Report {
             (false, Some(one)) => one.clone(),
             _ => values.into(),
         };
-        let light = |(number, &(light, range, color)): (usize, &([f32; 4], f32, [f32; 3]))| {
+        let light = |(number, (light, range, color)): (usize, &(Value, f32, [f32; 3]))| {
             let of = number * self.samples..(number + 1) * self.samples;
             let caster = |File { name, found, .. }: &File| {
                 let chosen = &found.lights[of.clone()];
@@ -178,7 +182,7 @@ impl Report {
             totals["covered_faces"] = self.left_out.into();
         }
         let [set_up, work] = times.set_up_and_work();
-        let report = json!({
+        let mut report = json!({
             "adapter": self.adapter,
             "method": if self.depth.is_some() { "parity".to_owned() } else { value_name(&args.method) },
             "mode": value_name(&args.mode),
@@ -194,6 +198,7 @@ impl Report {
             "set_up_milliseconds": set_up,
             "work_milliseconds": work,
         });
+        coordinates::add_origin(&mut report, self.origin);
         format!("{report:#}\n")
     }
 
@@ -217,6 +222,9 @@ impl Report {
             let _ = writeln!(text, "{name:<18} {value}");
         };
         line("device", &self.adapter);
+        if let Some(origin) = coordinates::origin_text(self.origin) {
+            line("origin", &origin);
+        }
         for File { name, faces, found: Found { lights, silhouettes, shadow, .. } } in &self.files {
             line("caster", &format!("{}, {faces} faces", Line(name)));
             let edges: u64 = silhouettes.iter().copied().map(u64::from).sum();

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use rimline::Origin;
+
 use super::args::ShadowArgs;
 use super::casters::Casters;
 use super::shadow_scene::numbered;
@@ -95,9 +97,9 @@ impl ResultFiles {
     }
 
     /// Writes the depth maps of each light as they were drawn.
-    pub(super) fn finish_maps(&mut self, gpu: &Gpu, casters: &Casters) -> Result<(), Failure> {
+    pub(super) fn finish_maps(&mut self, gpu: &Gpu, casters: &Casters, origin: Origin) -> Result<(), Failure> {
         for (light, output) in std::mem::take(&mut self.maps).into_iter().enumerate() {
-            let maps = casters.shadows.saved_maps(gpu, light).map_err(|error| error.on(gpu))?;
+            let maps = casters.shadows.saved_maps(gpu, light, origin).map_err(|error| error.on(gpu))?;
             gpu.check()?;
             if let Some(maps) = maps {
                 output.finish(|file| maps.write(file))?;

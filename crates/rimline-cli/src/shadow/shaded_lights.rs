@@ -9,6 +9,7 @@ use rimline::{AreaLight, AreaShape, Light};
 
 use crate::failure::{Failure, UsageError};
 use crate::input::ChosenLight;
+use crate::input_args::PlacedView;
 use crate::render::camera::{AZIMUTH, Camera};
 use crate::shadow::args::ShadowSceneArgs;
 use crate::spec::{AreaKind, AreaSpec, ShadedLightSpec, SpecError};
@@ -79,7 +80,7 @@ impl ShadedLight {
         let mut shaded_lights: Vec<Self> =
             chosen.iter().map(|(spec, chosen)| Self::new(spec, chosen, brightest, stage)).collect();
         if shaded_lights.is_empty() {
-            let light = own.unwrap_or_else(|| default_light(args, stage));
+            let light = own.unwrap_or_else(|| default_light(&args.view.relative_to(first.input.origin), stage));
             shaded_lights.push(Self {
                 light,
                 color: DEFAULT_COLOR,
@@ -294,10 +295,10 @@ fn check_options(spec: &ShadedLightSpec, lights: &[ChosenLight]) -> Result<(), U
 }
 
 /// To the left of the eye, above, and a little before the models: their shadow falls beside them.
-fn default_light(args: &ShadowSceneArgs, stage: &SceneBounds) -> Light {
+fn default_light(view: &PlacedView, stage: &SceneBounds) -> Light {
     let azimuth = AZIMUTH.to_radians();
-    let target = vector(args.view.target.unwrap_or(stage.centre));
-    let level = args.view.eye.map(|eye| (vector(eye) - target) * DVec3::new(1.0, 0.0, 1.0));
+    let target = vector(view.target.unwrap_or(stage.centre));
+    let level = view.eye.map(|eye| (vector(eye) - target) * DVec3::new(1.0, 0.0, 1.0));
     let backward = level.and_then(DVec3::try_normalize).unwrap_or(DVec3::new(azimuth.sin(), 0.0, azimuth.cos()));
     let right = DVec3::Y.cross(backward);
     let towards = (-0.8 * right + 1.15 * DVec3::Y + 0.42 * backward).normalize();

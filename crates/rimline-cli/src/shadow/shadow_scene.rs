@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 use rimline::gpu::StageTimer;
 use rimline::mesh::Bounds;
-use rimline::{Displacement, Light, MAX_LIGHTS, wgpu};
+use rimline::{Displacement, Light, MAX_LIGHTS, Origin, wgpu};
 
 use super::cast_inputs::CastInputs;
 use super::casters::Casters;
@@ -20,6 +20,7 @@ use crate::displacement;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::{Input, Source, animation_name, listed_animations};
+use crate::origin;
 use crate::output::note;
 use crate::render::camera::{Camera, elevation};
 use crate::render::support::outermost;
@@ -50,6 +51,11 @@ impl ShadowInputs {
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let animations = animations(&inputs, &args.posed.pose)?;
         Ok(Self { inputs, animations, displacement })
+    }
+
+    /// Moves all files to one origin, with the animations that are chosen by now. It does not move in time.
+    pub(crate) fn settle(&mut self, time_s: f32) -> Result<Origin, Failure> {
+        origin::settle(&mut self.inputs, &self.animations, time_s)
     }
 
     /// The files that were read, and those that models name.
@@ -112,10 +118,13 @@ impl<'a> ShadowScene<'a> {
         let failed = Failure::input(&first.input.file);
         let bounds = Bounds::of(points).ok_or_else(|| failed(InputError::NoFiniteFace))?;
         check_bounds(&bounds).map_err(failed)?;
+        let origin = first.input.origin;
+        let view = args.view.relative_to(origin);
+        let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
         let stage = SceneBounds {
             centre: centre(&bounds),
             extent: extent(&bounds),
-            ground: args.ground.unwrap_or_else(|| ground(&bounds)),
+            ground: given_ground.unwrap_or_else(|| ground(&bounds)),
             bounds,
         };
         let shaded_lights = ShadedLight::all(args, first, &stage, own_light)?;
@@ -127,14 +136,15 @@ impl<'a> ShadowScene<'a> {
         let mut shadows: Vec<[f32; 3]> = Vec::new();
         let outermost = outermost(points, stage.centre);
         let reach = reach(&shaded_lights, &outermost, &stage);
-        if args.view.eye.is_none() {
+        if view.eye.is_none() {
             shadows.extend(
                 shaded_lights.iter().flat_map(|shaded| outermost.iter().map(|&point| shaded.shadow_of(point, &stage))),
             );
         }
         let seen = points.iter().chain(&shadows).copied();
-        let mut camera = Camera::new(&args.view, elevation(ELEVATION, &bounds), stage.centre, stage.extent, seen)?;
+        let mut camera = Camera::new(&view, elevation(ELEVATION, &bounds), stage.centre, stage.extent, seen)?;
         camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, points));
+        check_near(camera.near, farthest(&camera, &stage))?;
         Ok(Self { args, bodies, stage, shaded_lights, camera, part: Part::WHOLE, reach })
     }
 
@@ -145,12 +155,8 @@ impl<'a> ShadowScene<'a> {
 
     /// Tells the user where depth is too coarse for the shadows that are seen.
     pub(crate) fn warn_of_depth(&self, gpu: &Gpu) {
-        let Bounds { min, max } = self.stage.bounds;
-        let corner = |number: usize| Vec3::from([0, 1, 2].map(|axis| [min, max][number >> axis & 1][axis]));
-        let ahead = |number| (corner(number) - self.camera.eye).dot(self.camera.forward);
-        let farthest = (0..8).map(ahead).fold(0.0, f32::max);
-        // Shadows on the ground are about as far beyond the models as those are large.
-        let seen = Seen { near: self.camera.near, farthest: farthest + self.stage.extent, pixel: self.pixel() };
+        let farthest = farthest(&self.camera, &self.stage);
+        let seen = Seen { near: self.camera.near, farthest, pixel: self.pixel() };
         seen.warn(depth_format(&gpu.device));
     }
 
@@ -272,6 +278,22 @@ fn near(camera: &Camera, stage: &SceneBounds, points: &[[f32; 3]]) -> f32 {
     let wanted = if nearest > 0.0 { (0.5 * nearest).min(0.05 * (nearest + stage.extent)) } else { least };
     // So far away that the extent is lost beside the distance, the distance alone counts.
     wanted.min(most).max(1e-6 * nearest.max(least))
+}
+
+/// How far away the farthest shadows are that matter.
+fn farthest(camera: &Camera, stage: &SceneBounds) -> f32 {
+    let Bounds { min, max } = stage.bounds;
+    let corner = |number: usize| Vec3::from([0, 1, 2].map(|axis| [min, max][number >> axis & 1][axis]));
+    let ahead = |number| (corner(number) - camera.eye).dot(camera.forward);
+    // Shadows on the ground are about as far beyond the models as those are large.
+    (0..8).map(ahead).fold(0.0, f32::max) + stage.extent
+}
+
+/// Refuses a near plane that is so near that depths lose bits: devices flush slopes of depth that are no normal numbers.
+fn check_near(near: f32, farthest: f32) -> Result<(), UsageError> {
+    // Of depths from here on slopes keep 22 bits.
+    let least = farthest * 2.0_f32.powi(-104);
+    if near < least { Err(UsageError::Near { near, farthest, least }) } else { Ok(()) }
 }
 
 /// `PREFIX.<light>.<ending>`.

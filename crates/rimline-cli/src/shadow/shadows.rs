@@ -6,7 +6,7 @@ use rimline::gpu::{
     DepthMapPipelines, ReadError, ScenePipelines, ShadowDrawError, ShadowFormat, ShadowPipelines, StageTimer,
 };
 use rimline::reference::layout::ShadowStatistics;
-use rimline::{Counting, wgpu};
+use rimline::{Counting, Origin, wgpu};
 
 use super::cast_inputs::{CastInputs, parity};
 use super::covered::CoveredFaces;
@@ -192,10 +192,15 @@ impl Shadows {
     }
 
     /// The maps of a light as they were drawn, if they cast. Waits for the device.
-    pub(super) fn saved_maps(&self, gpu: &Gpu, light: usize) -> Result<Option<DepthMapArrays>, GpuError> {
+    pub(super) fn saved_maps(
+        &self,
+        gpu: &Gpu,
+        light: usize,
+        origin: Origin,
+    ) -> Result<Option<DepthMapArrays>, GpuError> {
         match self {
             Self::Scene(_) | Self::Single(_) => Ok(None),
-            Self::Depth(maps) => maps.saved(gpu, light),
+            Self::Depth(maps) => maps.saved(gpu, light, origin),
         }
     }
 

@@ -29,7 +29,7 @@ pub(super) fn file(file: &Path, devices: &[Device]) -> Result<Checked, Failure> 
     let failed = Failure::input(file);
     let given = source::read(file).map_err(|error| failed(error.into()))?;
     let (arrays, lights) = read(&given).map_err(&failed)?;
-    let Arrays { positions, faces, polygons: _ } = arrays;
+    let Arrays { positions, faces, polygons: _, origin } = arrays;
     let mesh = Mesh::from_faces(positions.len(), faces).map_err(|error| failed(error.into()))?;
     let scene = Scene { mesh, shape: Shape::World(&positions) };
     let (faces, edges) = (scene.mesh.faces().len(), scene.mesh.edges().len());
@@ -39,7 +39,7 @@ pub(super) fn file(file: &Path, devices: &[Device]) -> Result<Checked, Failure> 
         let written = found.and_then(|found| {
             let mut bytes = Vec::with_capacity(given.len());
             let target = file.to_owned();
-            arrays::write(Cursor::new(&mut bytes), &scene.mesh, &lights, &found)
+            arrays::write(Cursor::new(&mut bytes), &scene.mesh, &lights, &found, origin)
                 .map_err(|source| Failure::Output { file: target, source })?;
             Ok(bytes)
         });

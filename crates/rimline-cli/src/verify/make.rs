@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Threads};
-use rimline::{Geometry, GeometryOptions, Light, Mesh};
+use rimline::{Geometry, GeometryOptions, Light, Mesh, Origin};
 use rimline_measure::stress;
 
 use super::lights::{COUNT as LIGHTS, hard_lights};
@@ -14,6 +14,7 @@ use crate::device::{self, Device, Wanted};
 use crate::extract::{arrays, extract_exactly};
 use crate::failure::{Failure, InputError};
 use crate::input::{Input, Scene, Shape, Source};
+use crate::origin;
 use crate::output::{Folder, Output, print};
 use crate::progress::Progress;
 use crate::shown::Line;
@@ -38,7 +39,8 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     };
     for model in &args.models {
         progress.step(format!("reading {}", model.display()));
-        let input = Input::read(model, args.load.options(Weld::Data))?;
+        let mut input = Input::read(model, args.load.options(Weld::Data))?;
+        origin::settle(std::slice::from_mut(&mut input), &[None], 0.0)?;
         maker.pose(&input, None, 0.0, &stem(model))?;
         if let Source::Gltf(asset) = &input.source
             && let [animation, ..] = asset.animations()
@@ -101,7 +103,7 @@ impl Maker<'_> {
             Shape::Posed { model, pose } => cpu::deform(model, pose, time_s, None, Threads::all())?,
         };
         let lights = hard_lights(&positions, mesh.faces());
-        self.write(name, &positions, mesh, &lights)
+        self.write(name, &positions, mesh, &lights, input.origin)
     }
 
     fn scene(&self, scene: stress::Scene) -> Result<(), Failure> {
@@ -112,16 +114,24 @@ impl Maker<'_> {
         let geometry = Geometry::new(positions, faces, GeometryOptions::default());
         let (geometry, _) = geometry.map_err(|error| refused(error.into()))?.welded(Weld::Position);
         let mesh = Mesh::from_faces(geometry.positions().len(), geometry.faces().to_vec());
-        self.write(&name, geometry.positions(), mesh.map_err(|error| refused(error.into()))?, &lights)
+        let mesh = mesh.map_err(|error| refused(error.into()))?;
+        self.write(&name, geometry.positions(), mesh, &lights, Origin::ZERO)
     }
 
-    fn write(&self, name: &str, positions: &[[f32; 3]], mesh: Mesh, lights: &[Light]) -> Result<(), Failure> {
+    fn write(
+        &self,
+        name: &str,
+        positions: &[[f32; 3]],
+        mesh: Mesh,
+        lights: &[Light],
+        origin: Origin,
+    ) -> Result<(), Failure> {
         let file = target(self.folder, name);
         self.progress.step(format!("writing {}", file.display()));
         let output = Output::create(&file)?;
         let scene = Scene { mesh, shape: Shape::World(positions) };
         let found = extract_exactly(&self.device, &scene, lights)?;
-        output.finish(|to| arrays::write(to, &scene.mesh, lights, &found))?;
+        output.finish(|to| arrays::write(to, &scene.mesh, lights, &found, origin))?;
         let faces = scene.mesh.faces().len();
         self.progress
             .aside(|| print(&format!("wrote {} ({faces} faces, {} lights)\n", Line(file.display()), lights.len())))

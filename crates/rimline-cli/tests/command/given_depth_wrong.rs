@@ -116,6 +116,9 @@ fn projections() -> Outcome {
     let nowhere = [f32::INFINITY, 0.0, 0.0].iter().flat_map(|c| c.to_le_bytes()).collect::<Vec<u8>>();
     let nowhere = array("origin", "<f4", "False", "(3,)", &nowhere);
     refused(&folder, &with(&map, nowhere), "", &[name, "not finite"])?;
+    // A y that points down, as Vulkan has it, and a near plane that is next to the light.
+    refused(&folder, &changed(&|matrix| matrix[4..8].iter_mut().for_each(|c| *c = -*c)), "", &[name, "mirror"])?;
+    refused(&folder, &changed(&|matrix| matrix.iter_mut().for_each(|c| *c *= 1e-36)), "", &[name, "normal range"])?;
     // The matrix is that of reversed depth.
     let standard = array("reversed", "|b1", "False", "()", &[0]);
     refused(&folder, &with(&map, standard), "", &[name, "`reversed`"])?;

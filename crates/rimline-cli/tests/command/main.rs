@@ -24,6 +24,7 @@ mod npz_bounds;
 mod npz_input;
 mod npz_polygons;
 mod obj_input;
+mod origin;
 mod outlines;
 mod outputs;
 #[cfg(unix)]
@@ -68,6 +69,7 @@ fn main() {
         npz_bounds::TESTS,
         npz_input::TESTS,
         npz_polygons::TESTS,
+        origin::TESTS,
         obj_input::TESTS,
         contract::TESTS,
         covered::TESTS,
@@ -107,6 +109,7 @@ fn main() {
     trials.extend(models::trials());
     trials.extend(outlines::trials());
     trials.extend(info::trials());
+    trials.extend(origin::trials());
     trials.extend(shadow::trials());
     trials.extend(film::trials());
     trials.extend(verify::trials());

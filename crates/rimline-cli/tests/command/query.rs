@@ -118,7 +118,7 @@ fn bad_points() -> Outcome {
     let cases: Vec<(Vec<u8>, &[&str])> = vec![
         (write_zip(&[]), &["`points`", "none"]),
         (tetrahedron(), &["`points`", "positions.npy"]),
-        (write_zip(&[array("points", "<f8", "False", "(1, 3)", &[0; 24])]), &["`points`", "<f8", "float32"]),
+        (write_zip(&[array("points", "<f2", "False", "(1, 3)", &[0; 6])]), &["`points`", "<f2", "float32"]),
         (write_zip(&[array("points", "<i4", "False", "(5, 3)", floats)]), &["`points`", "<i4", "float32"]),
         (write_zip(&[array("points", "<f4", "False", "(3, 5)", floats)]), &["`points`", "(3, 5)", "(P, 3)"]),
         (write_zip(&[array("points", "<f4", "False", "(15,)", floats)]), &["`points`", "(15)"]),

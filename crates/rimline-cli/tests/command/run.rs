@@ -91,6 +91,14 @@ pub(crate) fn assets() -> Option<PathBuf> {
     folder.is_dir().then_some(folder)
 }
 
+/// A test on one of the shared cases, which are beside the model files, ignored where there are none.
+pub(crate) fn on_case(name: &str, file: &'static str, test: fn(&Path) -> Outcome) -> Trial {
+    let path = assets().map(|assets| assets.with_file_name("cases").join(file)).filter(|path| path.is_file());
+    let is_missing = path.is_none();
+    let run = move || test(&path.ok_or("there are no cases")?).map_err(Failed::from);
+    Trial::test(format!("{name}::{file}"), run).with_ignored_flag(is_missing)
+}
+
 /// A test on a model file, ignored where there are none.
 pub(crate) fn on_asset(name: &str, file: &'static str, test: fn(&Path) -> Outcome) -> Trial {
     let assets = assets();

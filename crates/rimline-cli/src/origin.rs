@@ -1,0 +1,122 @@
+//! The run's origin: one for all files, near the models, where coordinates are too large for `f32`.
+
+use rimline::reference::origin::bounds;
+use rimline::{Geometry, GeometryOptions, Instance, Model, ModelError, Origin};
+
+use crate::failure::{Failure, InputError};
+use crate::input::{Input, Source};
+use crate::output::note;
+use crate::shown::Line;
+
+/// The share of a model's size that rounding may move a vertex by without a warning.
+const UNSEEN: f64 = 1e-4;
+
+/// Where a file's model is.
+#[derive(Clone, Copy, Debug)]
+struct Extent {
+    /// The largest side of its box.
+    size: f64,
+    /// The most by which a position in `f32` is off.
+    rounding: f64,
+}
+
+/// Moves the files to one origin, and warns where `f32` still loses much. `animations` has one for each. It is the origin
+/// that the model of the smallest size needs of those that need one: what is far from it is large, too.
+pub(crate) fn settle(inputs: &mut [Input], animations: &[Option<usize>], time_s: f32) -> Result<Origin, Failure> {
+    let mut chosen: Option<(f64, Origin)> = None;
+    for (input, &animation) in inputs.iter().zip(animations) {
+        let origin = input.suggested_origin(animation, time_s)?;
+        if origin.is_zero() {
+            continue;
+        }
+        let size = input.extent(animation, time_s)?.map_or(f64::INFINITY, |extent| extent.size);
+        if chosen.is_none_or(|(smallest, _)| size < smallest) {
+            chosen = Some((size, origin));
+        }
+    }
+    let origin = chosen.map_or(Origin::ZERO, |(_, origin)| origin);
+    for (input, &animation) in inputs.iter_mut().zip(animations) {
+        input.move_to(origin)?;
+        if let Some(extent) = input.extent(animation, time_s)? {
+            extent.warn(input);
+        }
+    }
+    Ok(origin)
+}
+
+impl Extent {
+    fn new([low, high]: [[f64; 3]; 2], rounding: f64) -> Self {
+        let size = low.iter().zip(high).map(|(low, high)| high - low).fold(0.0, f64::max);
+        Self { size, rounding }
+    }
+
+    fn warn(self, input: &Input) {
+        let Self { size, rounding } = self;
+        if rounding > UNSEEN * size && size > 0.0 {
+            let file = Line(input.file.display());
+            note(&format!(
+                "warning: {file}: 32-bit floats move its vertices by up to {rounding:.2e}, {:.2e} of its size; store them \
+                 relative to a point near the model, and keep files that are far apart for runs of their own",
+                rounding / size
+            ));
+        }
+    }
+}
+
+impl Input {
+    /// The origin that the file needs. That of arrays is known since they were read.
+    fn suggested_origin(&self, animation: Option<usize>, time_s: f32) -> Result<Origin, Failure> {
+        match &self.source {
+            Source::Gltf(asset) => asset.suggested_origin(animation, time_s).map_err(|error| self.failed(error)),
+            Source::World { .. } => Ok(self.origin),
+        }
+    }
+
+    fn extent(&self, animation: Option<usize>, time_s: f32) -> Result<Option<Extent>, Failure> {
+        match &self.source {
+            Source::Gltf(asset) => {
+                let extent = asset.extent(animation, time_s).map_err(|error| self.failed(error))?;
+                Ok(extent.map(|extent| Extent::new(extent.bounds, extent.rounding)))
+            }
+            Source::World { model, .. } => {
+                let [geometry] = model.geometries() else { return Ok(None) };
+                let corner = |&v: &u32| geometry.positions().get(v as usize).map(|p| p.map(f64::from));
+                let bounds = bounds(geometry.faces().as_flattened().iter().filter_map(corner));
+                Ok(bounds.map(|bounds| Extent::new(bounds, Origin::ZERO.rounding(bounds))))
+            }
+        }
+    }
+
+    fn failed(&self, error: rimline::gltf::AnimationError) -> Failure {
+        Failure::input(&self.file)(InputError::from(error))
+    }
+
+    fn move_to(&mut self, origin: Origin) -> Result<(), Failure> {
+        match &mut self.source {
+            Source::Gltf(asset) => asset.set_origin(origin),
+            Source::World { .. } if self.origin == origin => {}
+            Source::World { model, .. } => {
+                let moved = moved(model, self.origin, origin);
+                *model = moved.map_err(|error| Failure::input(&self.file)(error.into()))?;
+            }
+        }
+        self.origin = origin;
+        Ok(())
+    }
+}
+
+/// The same model relative to another origin. Its faces, and what was welded, stay.
+fn moved(model: &Model, from: Origin, to: Origin) -> Result<Model, ModelError> {
+    let moved = |geometry: &Geometry| {
+        let positions = geometry.positions().iter().map(|&position| to.position(from.to_world(position))).collect();
+        let options = GeometryOptions {
+            name: geometry.name().map(str::to_owned),
+            source_vertices: Some(geometry.source_vertices().to_vec()),
+            ..GeometryOptions::default()
+        };
+        Geometry::new(positions, geometry.faces().to_vec(), options)
+    };
+    let geometries = model.geometries().iter().map(moved).collect::<Result<_, _>>()?;
+    let placed = |instance: &Instance| Instance::new(instance.geometry(), instance.name().map(str::to_owned));
+    Model::new(geometries, model.instances().iter().map(placed).collect())
+}

@@ -1,0 +1,187 @@
+//! Files whose coordinates are too large for `f32`: poses and lights relative to an origin.
+
+use libtest_mimic::Trial;
+use rimline::Origin;
+use rimline::gltf::{Asset, GltfError};
+use serde_json::json;
+
+use crate::check::{close, map};
+use crate::maker::{Maker, everything};
+use crate::shape::same;
+use crate::{Outcome, ensure, test};
+
+pub(crate) fn tests() -> Vec<Trial> {
+    vec![
+        test("origin::nodes_are_composed_in_f64", composed),
+        test("origin::skins_morphs_and_animations_move_alike", moving),
+        test("origin::near_zero_nothing_changes", near_zero),
+        test("origin::what_f32_lost_in_the_file_is_said", stored),
+        test("origin::cesium_rtc_is_where_the_scene_is", center),
+        test("origin::wrong_centers_are_named", wrong_centers),
+    ]
+}
+
+/// A place of a survey.
+const FAR: [f64; 3] = [392_143.517, 34.128, -5_820_467.702];
+
+fn corner(asset: &Asset, instance: usize, point: [f32; 3]) -> Result<[f64; 3], String> {
+    let pose = asset.pose(None, 0.0).map_err(|error| error.to_string())?;
+    Ok(map(&pose.instances()[instance].palette()[0], point))
+}
+
+/// A square of a fifth, turned by a quarter about Y and shifted, in a node that is far away.
+fn far() -> Maker {
+    let mut maker = Maker::square();
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    maker.json["nodes"][0]["scale"] = json!([0.2, 0.2, 0.2]);
+    maker.json["nodes"][0]["translation"] = json!([0.017, 0.0, -0.002]);
+    maker.push(
+        "nodes",
+        json!({ "translation": FAR, "rotation": [0, half, 0, half], "children": [0],
+            "extensions": { "KHR_lights_punctual": { "light": 0 } } }),
+    );
+    maker.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "point" }] } });
+    maker
+}
+
+fn composed() -> Outcome {
+    let mut asset = far().load()?;
+    same(&asset.origin(), &Origin::ZERO, "no origin before one is set")?;
+    let origin = asset.suggested_origin(None, 0.0)?;
+    let [ox, oy, oz] = origin.to_array();
+    for (c, place) in [ox, oy, oz].into_iter().zip(FAR) {
+        ensure((c - place).abs() < 1.0, || format!("{origin:?} is not near"))?;
+    }
+    // A quarter turn about Y takes x to −z and z to x.
+    let world = |x: f64, y: f64| [FAR[0] - 0.002, FAR[1] + 0.2 * y, FAR[2] - 0.017 - 0.2 * x];
+    let before = corner(&asset, 0, [1.0, 1.0, 0.0])?;
+    asset.set_origin(origin);
+    same(&asset.suggested_origin(None, 0.0)?, &origin, "it does not depend on what is set")?;
+    for [x, y] in [[0.0_f32, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]] {
+        let expected = world(x.into(), y.into());
+        let found = corner(&asset, 0, [x, y, 0.0])?;
+        close(&found, &[expected[0] - ox, expected[1] - oy, expected[2] - oz], 1e-7, "a corner")?;
+    }
+    let light = asset.lights(None, 0.0)?[0].light;
+    same(&light.xyz, &origin.position(FAR), "the light")?;
+    // Without an origin the corner is off by more than a tenth of the square.
+    let expected = world(1.0, 1.0);
+    let off = (0..3).map(|axis| (before[axis] - expected[axis]).abs()).fold(0.0, f64::max);
+    ensure(off > 0.02, || format!("negative control: off by {off}"))?;
+    let extent = asset.extent(None, 0.0)?.ok_or("there is a square")?;
+    let [low, high] = extent.bounds;
+    close(&low, &world(1.0, 0.0), 1e-9, "the lowest corner")?;
+    close(&high, &world(0.0, 1.0), 1e-9, "the highest corner")?;
+    ensure(extent.rounding < 1e-6, || format!("{extent:?}"))?;
+    asset.set_origin(Origin::ZERO);
+    let lost = asset.extent(None, 0.0)?.ok_or("there is a square")?.rounding;
+    ensure((0.2..0.3).contains(&lost), || format!("f32 loses {lost} there"))
+}
+
+/// All positions of a file in `f64`, from the matrices and weights of its pose.
+fn deformed(asset: &Asset, animation: Option<usize>, time: f32) -> Result<Vec<[f64; 3]>, String> {
+    let pose = asset.pose(animation, time).map_err(|error| error.to_string())?;
+    let threads = rimline::cpu::Threads::all();
+    let found = rimline::cpu::deform(asset.model(), &pose, 0.0, None, threads).map_err(|error| error.to_string())?;
+    Ok(found.into_iter().map(|position| position.map(f64::from)).collect())
+}
+
+/// The same file near zero and far away: what is relative to the origin differs by less than a hundredth of a millimetre.
+fn moving() -> Outcome {
+    let near = everything();
+    let mut far = near.clone();
+    let roots: Vec<usize> = (0..far.json["nodes"].as_array().map_or(0, Vec::len)).collect();
+    let root = far.push("nodes", json!({ "translation": FAR, "children": roots }));
+    far.json["scenes"][0]["nodes"] = json!([root]);
+    let (near, mut far) = (near.load()?, far.load()?);
+    for (animation, time) in [(None, 0.0), (Some(0), 0.7), (Some(0), 2.0)] {
+        let origin = far.suggested_origin(animation, time)?;
+        ensure(!origin.is_zero(), || format!("no origin at {time}"))?;
+        far.set_origin(origin);
+        let shift: Vec<f64> = FAR.iter().zip(origin.to_array()).map(|(place, origin)| place - origin).collect();
+        let (expected, found) = (deformed(&near, animation, time)?, deformed(&far, animation, time)?);
+        same(&found.len(), &expected.len(), "vertices")?;
+        for (found, expected) in found.iter().zip(&expected) {
+            let expected: Vec<f64> = expected.iter().zip(&shift).map(|(c, shift)| c + shift).collect();
+            close(found, &expected, 1e-5, "a vertex")?;
+        }
+        let [low, high] = far.extent(animation, time)?.ok_or("there are vertices")?.bounds;
+        let world = found.iter().map(|vertex| [0, 1, 2].map(|axis| vertex[axis] + origin.to_array()[axis]));
+        let is_in = |vertex: [f64; 3]| (0..3).all(|i| vertex[i] >= low[i] - 1e-5 && vertex[i] <= high[i] + 1e-5);
+        ensure(world.clone().all(is_in), || format!("{low:?} to {high:?} does not hold all at {time}"))?;
+        let (expected, found) = (near.lights(animation, time)?, far.lights(animation, time)?);
+        for (found, expected) in found.iter().zip(&expected) {
+            let at: Vec<f64> = expected.light.xyz.iter().zip(&shift).map(|(c, shift)| f64::from(*c) + shift).collect();
+            close(&found.light.xyz.map(f64::from), &at, 1e-5, "a light")?;
+            same(&found.cone, &expected.cone, "its cone")?;
+        }
+    }
+    Ok(())
+}
+
+fn near_zero() -> Outcome {
+    let mut asset = everything().load()?;
+    same(&asset.suggested_origin(None, 0.0)?, &Origin::ZERO, "an origin")?;
+    let pose = asset.pose(Some(0), 0.7)?;
+    asset.set_origin(Origin::ZERO);
+    same(&asset.pose(Some(0), 0.7)?, &pose, "the pose")
+}
+
+/// Positions that are far away in the file's own `f32`: they are used bit for bit, and what they may be off by is told.
+fn stored() -> Outcome {
+    let mut maker = Maker::new();
+    let positions = maker
+        .floats("VEC3", &[392_142.0, 34.0, -5_820_467.0, 392_144.5, 34.0, -5_820_467.0, 392_142.0, 36.0, -5_820_467.0]);
+    let mesh = maker.mesh(&json!({ "attributes": { "POSITION": positions } }));
+    maker.push("nodes", json!({ "mesh": mesh }));
+    let mut asset = maker.load()?;
+    let origin = asset.suggested_origin(None, 0.0)?;
+    asset.set_origin(origin);
+    let [ox, oy, oz] = origin.to_array();
+    same(&deformed(&asset, None, 0.0)?[1], &[392_144.5 - ox, 34.0 - oy, -5_820_467.0 - oz], "a vertex")?;
+    let rounding = asset.extent(None, 0.0)?.ok_or("there is a triangle")?.rounding;
+    ensure((0.25..0.3).contains(&rounding), || format!("{rounding}"))
+}
+
+fn center() -> Outcome {
+    let mut maker = far();
+    let expected = maker.load()?;
+    // The node's place is the center, and the node stands at zero.
+    maker.json["nodes"][1]["translation"] = json!([0.0, 0.0, 0.0]);
+    maker.json["extensions"]["CESIUM_RTC"] = json!({ "center": FAR });
+    maker.json["extensionsUsed"] = json!(["CESIUM_RTC", "KHR_lights_punctual"]);
+    maker.json["extensionsRequired"] = json!(["CESIUM_RTC"]);
+    let mut found = maker.load()?;
+    let origin = expected.suggested_origin(None, 0.0)?;
+    same(&found.suggested_origin(None, 0.0)?, &origin, "the origin")?;
+    let mut expected = expected;
+    expected.set_origin(origin);
+    found.set_origin(origin);
+    close(&corner(&found, 0, [1.0; 3])?, &corner(&expected, 0, [1.0; 3])?, 1e-6, "a corner")?;
+    let place = |asset: &Asset| asset.lights(None, 0.0).map(|lights| lights[0].light.xyz.map(f64::from));
+    close(&place(&found)?, &place(&expected)?, 1e-6, "the light")?;
+    // A mesh that no node names is moved, too.
+    maker.json["nodes"] = json!([]);
+    let mut alone = maker.load()?;
+    alone.set_origin(origin);
+    let [ox, oy, oz] = origin.to_array();
+    close(&corner(&alone, 0, [0.0; 3])?, &[FAR[0] - ox, FAR[1] - oy, FAR[2] - oz], 1e-6, "a mesh without a node")
+}
+
+fn wrong_centers() -> Outcome {
+    let load = |extension: serde_json::Value| {
+        let mut maker = Maker::square();
+        maker.json["extensions"] = json!({ "CESIUM_RTC": extension });
+        maker.load().err()
+    };
+    let place = "extensions.CESIUM_RTC.center".to_owned();
+    match load(json!({})) {
+        Some(GltfError::Missing { place: found }) => same(&found, &place, "no center")?,
+        other => return Err(format!("no center: {other:?}").into()),
+    }
+    match load(json!({ "center": [1, 2] })) {
+        Some(GltfError::Count { place: found, count: 2, expected: 3 }) => same(&found, &place, "two numbers")?,
+        other => return Err(format!("two numbers: {other:?}").into()),
+    }
+    ensure(matches!(load(json!({ "center": "here" })), Some(GltfError::Property { .. })), || "text".to_owned())
+}
