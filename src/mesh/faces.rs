@@ -12,8 +12,9 @@ use super::weld::{self, Weld, WeldCounts};
 /// Faces are triangles, or polygons. A mesh of polygons also has triangles, which are its surface. Edge records and
 /// facing masks never see those: a polygon is one face.
 ///
-/// Vertices keep the caller's numbering. Faces and records name each welded group by its lowest source index, so the
-/// stages read the caller's own position buffer as it is.
+/// Vertices keep the caller's numbering. Faces and records name each welded group by its lowest source index, or by the
+/// vertex at its smallest position where vertices are welded by distance. So the stages read the caller's own position buffer
+/// as it is.
 ///
 /// Memory besides positions and indices: 16 bytes for each edge record. That is 24 bytes a face on closed meshes (1.5
 /// records a face), and at most 48 bytes (no two faces share an edge).
@@ -59,12 +60,13 @@ impl Mesh {
     /// [`MeshError`] for no faces, too many faces or vertices, or an index out of range.
     pub fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], weld: Weld) -> Result<Self, MeshError> {
         check(positions.len(), faces)?;
-        let (groups, counts) = weld::weld_positions(positions, weld);
-        let faces = match weld {
+        let (groups, mut counts) = weld::weld_positions(positions, weld);
+        let welded = match weld {
             Weld::Keep => faces.to_vec(),
             _ => faces.iter().map(|face| face.map(|v| groups[v as usize])).collect(),
         };
-        Ok(Self::build(positions.len(), faces, counts))
+        counts.collapsed = weld::collapsed(faces, &welded);
+        Ok(Self::build(positions.len(), welded, counts))
     }
 
     /// Builds the edge records of counter-clockwise triangles. `faces` are indices below `vertex_count`, and the
@@ -88,8 +90,12 @@ impl Mesh {
     /// [`MeshError`] for no polygons or too many, arrays that do not fit together, a loop of fewer than three corners,
     /// or a corner out of range.
     pub fn from_polygons(positions: &[[f32; 3]], polygons: PolygonLoops<'_>, weld: Weld) -> Result<Self, MeshError> {
-        let (groups, counts) = weld::weld_positions(positions, weld);
-        let (polygons, triangles) = Polygons::new(positions, polygons, &groups)?;
+        let (groups, mut counts) = weld::weld_positions(positions, weld);
+        let given = polygons;
+        let (polygons, triangles) = Polygons::new(positions, given, &groups)?;
+        if counts.after < counts.before {
+            counts.collapsed = polygons.collapsed(given);
+        }
         if polygons.are_triangles() {
             return Ok(Self::build(positions.len(), polygons.into_triangles(), counts));
         }

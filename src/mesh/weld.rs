@@ -1,6 +1,14 @@
 //! Welding: vertices that are the same point get one index.
 
+mod cells;
+mod distance;
+mod near;
+
 use std::hash::{BuildHasher, RandomState};
+
+use super::topology::is_degenerate;
+pub(crate) use cells::{NearGroups, near_groups};
+pub use distance::{WeldDistance, WeldDistanceError};
 
 /// Which vertices are welded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,6 +21,12 @@ pub enum Weld {
     Position,
     /// None. Vertices stay as given.
     Keep,
+    /// Those that are near each other: the connected components of pairs at most a distance apart, and of equal skin and
+    /// morph data unless [`WeldDistance::across_data`] says otherwise. Distances are compared exactly, and groups do not
+    /// depend on the order of the vertices. Each takes the lexicographically smallest of its positions, so chains of near
+    /// vertices become one point, however long they are: see [`WeldCounts::wide`]. Vertices that are infinite or NaN are
+    /// joined if their bits are equal.
+    Distance(WeldDistance),
 }
 
 /// What welding did.
@@ -23,27 +37,43 @@ pub struct WeldCounts {
     /// The number of vertices after welding.
     pub after: usize,
     /// How many vertices remained separate from another at the same position, because their skin or morph data differ.
-    /// They are included in `after`.
+    /// They are included in `after`. With [`Weld::Distance`]: how many more groups there are because of such data.
     pub apart: usize,
+    /// How many faces welding made degenerate: their corners are fewer than three vertices now. They keep their place in the
+    /// list, face no light and have no edge records.
+    pub collapsed: usize,
+    /// How many groups are wider than 10 times the distance of [`Weld::Distance`], from corner to corner of their box.
+    pub wide: usize,
 }
 
 impl WeldCounts {
     /// The counts of a mesh whose vertices are not welded.
     pub(crate) fn kept(vertices: usize) -> Self {
-        Self { before: vertices, after: vertices, apart: 0 }
+        Self { before: vertices, after: vertices, ..Self::default() }
     }
 }
 
-/// The lowest index of each vertex's group, by position only, and the counts.
+/// The vertex that each vertex's group goes by, by position only, and the counts but that of collapsed faces. There are no
+/// groups if vertices are kept.
 pub(super) fn weld_positions(positions: &[[f32; 3]], weld: Weld) -> (Vec<u32>, WeldCounts) {
-    if weld == Weld::Keep {
-        return (Vec::new(), WeldCounts::kept(positions.len()));
-    }
-    let keys = Keys::new(3);
-    let groups =
-        groups(positions.len(), |v| keys.hash(positions[v].map(bits)), |a, b| same_bits(positions[a], positions[b]));
+    let NearGroups { groups, wide } = match weld {
+        Weld::Keep => return (Vec::new(), WeldCounts::kept(positions.len())),
+        Weld::Distance(distance) => near_groups(positions, distance, |_| 0),
+        Weld::Data | Weld::Position => {
+            let keys = Keys::new(3);
+            let hash = |v: usize| keys.hash(positions[v].map(bits));
+            let groups = groups(positions.len(), hash, |a, b| same_bits(positions[a], positions[b]));
+            NearGroups { groups, wide: 0 }
+        }
+    };
     let after = count(&groups);
-    (groups, WeldCounts { before: positions.len(), after, apart: 0 })
+    (groups, WeldCounts { before: positions.len(), after, wide, ..WeldCounts::default() })
+}
+
+/// How many faces are degenerate once their vertices are welded, and were not before.
+pub(crate) fn collapsed(given: &[[u32; 3]], welded: &[[u32; 3]]) -> usize {
+    let pairs = given.iter().zip(welded);
+    pairs.filter(|(given, welded)| is_degenerate(**welded) && !is_degenerate(**given)).count()
 }
 
 /// The bits of a float, where −0 has those of +0.
@@ -56,7 +86,7 @@ pub(crate) fn same_bits(a: [f32; 3], b: [f32; 3]) -> bool {
     a.map(bits) == b.map(bits)
 }
 
-/// The number of groups. Each has the index of its lowest member.
+/// The number of groups. Each goes by the index of a member.
 pub(crate) fn count(groups: &[u32]) -> usize {
     groups.iter().enumerate().filter(|&(v, &group)| v == group as usize).count()
 }

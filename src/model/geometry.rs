@@ -1,8 +1,8 @@
 //! Triangle meshes in mesh space, with morph targets and influences.
 
 use super::ModelError;
-use crate::mesh::weld::{self, Keys, bits, groups, same_bits};
-use crate::mesh::{Weld, WeldCounts};
+use crate::mesh::weld::{self, Keys, NearGroups, bits, groups, near_groups, same_bits};
+use crate::mesh::{Weld, WeldCounts, WeldDistance};
 
 /// The joints that move each vertex, with their weights. A vertex may have any number of joints.
 #[derive(Clone, Debug, PartialEq)]
@@ -174,7 +174,8 @@ impl Geometry {
         self.influences.as_ref()
     }
 
-    /// The index of each vertex before welding: the lowest of its group. A displacement knows vertices by it.
+    /// The index of each vertex before welding: the lowest of its group, or that of the vertex whose position the group takes.
+    /// A displacement knows vertices by it.
     pub fn source_vertices(&self) -> &[u32] {
         &self.source_vertices
     }
@@ -184,7 +185,8 @@ impl Geometry {
         self.influences.as_ref().map_or(1, |influences| influences.joints_needed)
     }
 
-    /// Welds equal vertices and numbers the vertices anew, in the order of their lowest source index.
+    /// Welds vertices and numbers them anew, in the order of their lowest source index. With [`Weld::Distance`] it is the
+    /// order of the vertices whose positions the groups take; of these are the data and the source vertices, too.
     #[must_use]
     pub fn welded(&self, weld: Weld) -> (Self, WeldCounts) {
         let count = self.positions.len();
@@ -192,16 +194,22 @@ impl Geometry {
             return (self.clone(), WeldCounts::kept(count));
         }
         let keys = Keys::new(self.most_words());
-        let by_position = groups(count, |v| keys.hash(self.positions[v].map(bits)), |a, b| self.same_position(a, b));
-        let groups = match weld {
-            Weld::Position => by_position.clone(),
-            // The hash covers everything that is compared. Otherwise vertices that share only a position would be
-            // searched one by one, in quadratic time.
-            _ => groups(
-                count,
-                |v| keys.hash(self.words(v)),
-                |a, b| self.same_position(a, b) && self.same_morph(a, b) && self.same_influences(a, b),
-            ),
+        let by_position =
+            || groups(count, |v| keys.hash(self.positions[v].map(bits)), |a, b| self.same_position(a, b));
+        // The hash covers everything that is compared. Otherwise vertices that share only a part of it would be searched
+        // one by one, in quadratic time.
+        let (NearGroups { groups, wide }, places) = match weld {
+            Weld::Distance(distance) => self.near_groups(distance, &keys),
+            Weld::Position => {
+                let groups = by_position();
+                let places = weld::count(&groups);
+                (NearGroups { groups, wide: 0 }, places)
+            }
+            _ => {
+                let same = |a, b| self.same_position(a, b) && self.same_data(a, b);
+                let words = |v: usize| self.positions[v].map(bits).into_iter().chain(self.data(v));
+                (NearGroups { groups: groups(count, |v| keys.hash(words(v)), same), wide: 0 }, weld::count(&by_position()))
+            }
         };
         let kept: Vec<usize> = (0..count).filter(|&v| groups[v] as usize == v).collect();
         let mut renumbered = vec![0_u32; count];
@@ -216,8 +224,23 @@ impl Geometry {
             influences: self.influences.as_ref().map(|influences| influences.select(&kept)),
             source_vertices: kept.iter().map(|&v| self.source_vertices[v]).collect(),
         };
-        let counts = WeldCounts { before: count, after: kept.len(), apart: kept.len() - weld::count(&by_position) };
+        let collapsed = weld::collapsed(&self.faces, &welded.faces);
+        let counts = WeldCounts { before: count, after: kept.len(), apart: kept.len() - places, collapsed, wide };
         (welded, counts)
+    }
+
+    /// Groups by distance, and how many there are by positions alone.
+    fn near_groups(&self, distance: WeldDistance, keys: &Keys) -> (NearGroups, usize) {
+        let by_position = || near_groups(&self.positions, distance, |_| 0);
+        let has_data = self.influences.is_some() || !self.morph_targets.is_empty();
+        if distance.is_across_data() || !has_data {
+            let found = by_position();
+            let places = weld::count(&found.groups);
+            return (found, places);
+        }
+        let classes = groups(self.positions.len(), |v| keys.hash(self.data(v)), |a, b| self.same_data(a, b));
+        let places = weld::count(&by_position().groups);
+        (near_groups(&self.positions, distance, |v| classes[v]), places)
     }
 
     /// An upper bound of the number of words of a vertex.
@@ -227,9 +250,9 @@ impl Geometry {
         3 * (1 + self.morph_targets.len()) + 1 + 2 * most
     }
 
-    /// A vertex's position, morph and skin data as words. The number of joints comes before them, so vertices with
-    /// different data have a word that differs.
-    fn words(&self, v: usize) -> impl Iterator<Item = u32> + '_ {
+    /// A vertex's morph and skin data as words. The number of joints comes before them, so vertices with different data have
+    /// a word that differs.
+    fn data(&self, v: usize) -> impl Iterator<Item = u32> + '_ {
         let morph = self.morph_targets.iter().flat_map(move |target| target[v].map(bits));
         let skin = self.influences.iter().flat_map(move |influences| {
             let range = influences.range(v);
@@ -237,11 +260,15 @@ impl Geometry {
             let weights = influences.weights[range.clone()].iter().map(|w| w.to_bits());
             std::iter::once(entries).chain(influences.joints[range].iter().copied()).chain(weights)
         });
-        self.positions[v].map(bits).into_iter().chain(morph).chain(skin)
+        morph.chain(skin)
     }
 
     fn same_position(&self, a: usize, b: usize) -> bool {
         same_bits(self.positions[a], self.positions[b])
+    }
+
+    fn same_data(&self, a: usize, b: usize) -> bool {
+        self.same_morph(a, b) && self.same_influences(a, b)
     }
 
     fn same_morph(&self, a: usize, b: usize) -> bool {

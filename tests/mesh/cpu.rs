@@ -2,6 +2,7 @@
 
 mod cluster_meshes;
 mod clusters;
+mod near;
 mod polygons;
 mod topology;
 mod weld;

@@ -70,6 +70,7 @@ mod oracle {
             Weld::Keep => a == b,
             Weld::Position => position,
             Weld::Data => position && data(),
+            Weld::Distance(_) => unreachable!("`near.rs` has an oracle for distances"),
         }
     }
 
@@ -83,7 +84,12 @@ mod oracle {
     pub(crate) fn counts(geometry: &Parts, weld: Weld) -> WeldCounts {
         let after = |weld| groups(geometry, weld).iter().enumerate().filter(|&(v, &group)| v == group).count();
         let apart = if weld == Weld::Keep { 0 } else { after(weld) - after(Weld::Position) };
-        WeldCounts { before: geometry.positions.len(), after: after(weld), apart }
+        let groups = groups(geometry, weld);
+        let is_degenerate = |[a, b, c]: [usize; 3]| a == b || b == c || c == a;
+        let faces = geometry.faces.iter().map(|face| face.map(|v| v as usize));
+        let collapsed =
+            faces.filter(|&face| !is_degenerate(face) && is_degenerate(face.map(|v| groups[v]))).count();
+        WeldCounts { before: geometry.positions.len(), after: after(weld), apart, collapsed, wide: 0 }
     }
 
     /// What is wrong with a welded geometry.

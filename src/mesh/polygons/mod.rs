@@ -120,6 +120,19 @@ impl Polygons {
         (0..).zip(self.triangle_starts.windows(2)).flat_map(|(p, ends)| std::iter::repeat_n(p, count(ends))).collect()
     }
 
+    /// How many polygons have no outline, though they had one as given, before their corners were renamed.
+    pub(super) fn collapsed(&self, given: PolygonLoops<'_>) -> usize {
+        let mut walker = outline::Walker::default();
+        let mut was_outlined = |polygon: usize| {
+            let loops = range(&self.loop_starts, polygon);
+            let loops = loops.map(|index| &given.loop_corners[range(&self.corner_starts, index)]);
+            let mut outline = Vec::new();
+            walker.append_outline(&mut outline, loops);
+            !outline.is_empty()
+        };
+        (0..self.len()).filter(|&polygon| self.outline(polygon).is_empty() && was_outlined(polygon)).count()
+    }
+
     /// Whether every polygon is one loop of three corners, so that triangles say the same.
     pub(super) fn are_triangles(&self) -> bool {
         let are_all = |starts: &[u32], size| starts.windows(2).all(|ends| ends[1] - ends[0] == size);
