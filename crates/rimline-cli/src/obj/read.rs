@@ -77,6 +77,10 @@ pub fn read(reader: impl BufRead, memory_limit: u64) -> Result<Arrays, ObjError>
     }
 }
 
+/// Bytes for a face, and for a corner, in the lists that are read, which double.
+const LISTED_FACE: u64 = 3 * 4;
+const LISTED_CORNER: u64 = 3 * 4;
+
 /// What was read so far.
 #[derive(Default)]
 struct Obj {
@@ -85,6 +89,8 @@ struct Obj {
     corners: Vec<u32>,
     /// The largest vertex that a face names, from 1, and its line. Faces may stand before their vertices.
     highest: (i64, usize),
+    /// The faces so far, as long as all of them are triangles.
+    triangles: usize,
     used: u64,
     limit: u64,
 }
@@ -125,7 +131,8 @@ impl Obj {
 
     fn face<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), ObjError> {
         let first = self.corners.len();
-        self.charge(line, charge::POLYGON + charge::LOOP)?;
+        // So much at least, and as what it is once it is complete.
+        self.charge(line, LISTED_FACE)?;
         for word in words {
             let index = corner(word).ok_or_else(|| ObjError::Corner { line, found: shown(word) })?;
             let vertices = self.positions.len();
@@ -134,7 +141,7 @@ impl Obj {
             let vertex = u32::try_from(place).ok().and_then(|place| place.checked_sub(1));
             let vertex = vertex.ok_or(ObjError::OutOfRange { line, index, vertices })?;
             self.highest = self.highest.max((place, line));
-            self.charge(line, charge::CORNER)?;
+            self.charge(line, LISTED_CORNER)?;
             self.corners.push(vertex);
         }
         let size = self.corners.len() - first;
@@ -145,7 +152,16 @@ impl Obj {
             return Err(ObjError::FaceTooLarge { line });
         }
         self.sizes.push(size as u32);
-        Ok(())
+        let polygon = |corners: usize| charge::POLYGON + charge::LOOP + charge::CORNER * corners as u64;
+        let listed = |corners: usize| LISTED_FACE + LISTED_CORNER * corners as u64;
+        if size == 3 && self.triangles + 1 == self.sizes.len() {
+            self.triangles += 1;
+            return self.charge(line, charge::FACE.saturating_sub(listed(3)));
+        }
+        // One polygon makes polygons of all faces, the triangles before it too.
+        let before = std::mem::take(&mut self.triangles) as u64;
+        self.charge(line, before.saturating_mul(polygon(3).saturating_sub(charge::FACE)))?;
+        self.charge(line, polygon(size) - listed(size))
     }
 
     fn charge(&mut self, line: usize, bytes: u64) -> Result<(), ObjError> {
