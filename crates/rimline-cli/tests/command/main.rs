@@ -19,6 +19,9 @@ mod inputs;
 mod instances;
 mod keys;
 mod load;
+#[cfg(target_os = "linux")]
+mod memory;
+mod messages;
 mod models;
 mod npz_bounds;
 mod npz_input;
@@ -42,6 +45,7 @@ mod soft;
 mod usage;
 mod verify;
 mod verify_wrong;
+mod warm_up;
 mod words;
 
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -97,6 +101,10 @@ fn main() {
         #[cfg(unix)]
         signals::TESTS,
         load::TESTS,
+        messages::TESTS,
+        warm_up::TESTS,
+        #[cfg(target_os = "linux")]
+        memory::TESTS,
     ];
     let mut trials: Vec<Trial> = always
         .concat()
