@@ -16,7 +16,7 @@ use super::instances::{self, Built};
 use super::options::LoadOptions;
 use super::reader::Reader;
 use super::skin::{self, LoadedSkin};
-use super::{buffers, container, named_files, parse};
+use super::{buffers, container, estimate, named_files, parse};
 use crate::mesh::WeldCounts;
 use crate::model::{Geometry, Influences, Model};
 use crate::origin::Origin;
@@ -64,8 +64,20 @@ impl Asset {
     pub fn open(path: impl AsRef<Path>, options: impl Into<LoadOptions>) -> Result<Self, GltfError> {
         let (path, options) = (path.as_ref(), options.into());
         let budget = Budget::new(options.memory_limit);
+        // The JSON of a GLB comes first: it says what all the rest is going to take.
+        let header = match files::glb_json(path, &budget)? {
+            None => None,
+            Some((json, length)) => {
+                let header = Header::read(&json, path.parent(), &budget)?;
+                estimate::check(&header.document, &header.graph, length, &budget)?;
+                Some(header)
+            }
+        };
         let bytes = files::read(path, u64::MAX, &budget)?;
-        Self::load(&bytes, path.parent(), options, &budget)
+        match header {
+            Some(header) => Self::load(header, container::split(&bytes)?.1, (path.parent(), options), &budget),
+            None => Self::of_bytes(&bytes, path.parent(), options, &budget),
+        }
     }
 
     /// Loads the content of a .gltf or .glb file. Buffers that it names are looked for in `base_dir`.
@@ -79,19 +91,23 @@ impl Asset {
         options: impl Into<LoadOptions>,
     ) -> Result<Self, GltfError> {
         let options = options.into();
-        Self::load(bytes, base_dir, options, &Budget::new(options.memory_limit))
+        Self::of_bytes(bytes, base_dir, options, &Budget::new(options.memory_limit))
     }
 
-    fn load(bytes: &[u8], base: Option<&Path>, options: LoadOptions, budget: &Budget) -> Result<Self, GltfError> {
+    fn of_bytes(bytes: &[u8], base: Option<&Path>, options: LoadOptions, budget: &Budget) -> Result<Self, GltfError> {
         let (json, binary) = container::split(bytes)?;
-        // A byte order mark is not allowed, but harmless.
-        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-        budget.charge_json(json)?;
-        let value: Value = gltf::json::deserialize::from_slice(json).map_err(GltfError::Json)?;
-        let mut document = parse::document(&value, budget)?;
-        let named_files = named_files::find(&value, base);
-        drop(value);
-        let graph = Graph::new(&document)?;
+        let header = Header::read(json, base, budget)?;
+        estimate::check(&header.document, &header.graph, 0, budget)?;
+        Self::load(header, binary, (base, options), budget)
+    }
+
+    fn load(
+        header: Header,
+        binary: Option<&[u8]>,
+        (base, options): (Option<&Path>, LoadOptions),
+        budget: &Budget,
+    ) -> Result<Self, GltfError> {
+        let Header { mut document, graph, named_files } = header;
         let folder = Folder { path: base, allow_outside: options.allow_outside };
         let buffers = buffers::load(&document, binary, folder, budget)?;
         let reader = Reader::new(&document, &buffers, budget);
@@ -162,6 +178,27 @@ impl Asset {
     /// The primitives that were not loaded.
     pub fn skipped(&self) -> SkippedPrimitives {
         self.skipped
+    }
+}
+
+/// What a glTF says of itself, before its buffers are read.
+struct Header {
+    document: Document,
+    graph: Graph,
+    named_files: Vec<PathBuf>,
+}
+
+impl Header {
+    fn read(json: &[u8], base: Option<&Path>, budget: &Budget) -> Result<Self, GltfError> {
+        // A byte order mark is not allowed, but harmless.
+        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+        budget.charge_json(json)?;
+        let value: Value = gltf::json::deserialize::from_slice(json).map_err(GltfError::Json)?;
+        let document = parse::document(&value, budget)?;
+        let named_files = named_files::find(&value, base);
+        drop(value);
+        let graph = Graph::new(&document)?;
+        Ok(Self { document, graph, named_files })
     }
 }
 

@@ -1,4 +1,4 @@
-//! The memory of loading a file. It is charged before it is allocated.
+//! The memory of loading a file. It is charged before it is allocated, and given back when it is freed.
 
 use std::cell::Cell;
 
@@ -7,13 +7,26 @@ use super::error::GltfError;
 use super::placement::Placement;
 use crate::model::{Geometry, Influences, Instance, InstancePose};
 
-/// The memory that loading one input may take, in bytes. A charge is never given back, so the charges bound the peak,
-/// and also the time.
+/// The memory that loading one input may take, in bytes.
 #[derive(Debug)]
 pub(super) struct Budget {
     limit: u64,
+    /// Bytes in use.
     used: Cell<u64>,
+    /// Those of `used` that are gone once the asset is made: the content of files.
+    files: Cell<u64>,
+    /// Bytes that the mesh of all instances takes while it is made, beside the asset.
+    placed: Cell<u64>,
+    /// All charges, also those given back. They bound the time: see [`MOST_WORK`].
+    charged: Cell<u64>,
 }
+
+/// What is in use at some time, to give back all that was charged later.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mark(u64);
+
+/// How many times the limit all charges together may be. Ordinary files charge each byte a few times.
+const MOST_WORK: u64 = 8;
 
 /// The largest size of a list that grows one by one, for each byte of its elements: the old and the new array while it
 /// doubles.
@@ -24,30 +37,82 @@ const JSON_OBJECT: u64 = 1536;
 const JSON_VALUE: u64 = 160;
 /// Bytes for each byte of text. Names are copied to the descriptions of meshes, skins and animations.
 const JSON_TEXT: u64 = 4;
-/// Bytes for a face, and for a vertex, of all instances: `Mesh` with its edge records during construction.
-const PLACED_FACE: u64 = 132;
-const PLACED_VERTEX: u64 = 12;
+/// Bytes for a vertex, and for a face, of a mesh that is read: position and source vertex; corners.
+const VERTEX: u64 = 12 + 4;
+const FACE: u64 = 12;
+/// Bytes for a position of a morph target.
+const OFFSET: u64 = 12;
+/// Bytes for a vertex while it is welded, beside what it was and is then: two lists of groups, the vertices that are kept,
+/// their new numbers. The table by which groups are found is gone when the last two are made, and not larger.
+const WELDING: u64 = 4 + 4 + 8 + 4;
+/// Bytes for a face, and for a vertex, of all instances: `Mesh` with its edge records during construction. The most of a
+/// face are the mesh's copy, the mates of its half-edges and three boundary records, or the copy and the half-edges sorted
+/// twice.
+const PLACED_FACE: u64 = 12 + 12 + 3 * 16;
+const PLACED_VERTEX: u64 = 8;
 /// Bytes for an instance, for a matrix of its pose, and for a morph weight.
 const INSTANCE: u64 =
     GROWTH * (size_of::<Instance>() + size_of::<Placement>() + size_of::<InstancePose>()) as u64 + 128;
 const MATRIX: u64 = 160;
 const MORPH_WEIGHT: u64 = 32;
+/// Bytes for an instance with one matrix, and neither name nor weights.
+pub(super) const RIGID_INSTANCE: u64 = INSTANCE + MATRIX;
+/// Bytes for a joint in the set of those in use.
+const USED_JOINT: u64 = 24;
 /// Bytes for a node besides its JSON: the struct, its place in the forest, its matrices in a pose.
 const NODE: u64 = GROWTH * size_of::<Node>() as u64 + 512;
 
 impl Budget {
     pub(super) fn new(limit: u64) -> Self {
-        Self { limit, used: Cell::new(0) }
+        let zero = || Cell::new(0);
+        Self { limit, used: zero(), files: zero(), placed: zero(), charged: zero() }
     }
 
     /// Charges `count` elements of `size` bytes that are about to be allocated.
     pub(super) fn charge(&self, count: u64, size: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
-        let needed = count.saturating_mul(size).saturating_add(self.used.get());
+        let bytes = count.saturating_mul(size);
+        let charged = self.charged.get().saturating_add(bytes);
+        self.require(bytes, 0, what)?;
+        self.refuse(charged.div_ceil(MOST_WORK), what)?;
+        self.charged.set(charged);
+        self.used.set(self.used.get() + bytes);
+        Ok(())
+    }
+
+    /// The same for a file's content, which is freed when the asset is made.
+    pub(super) fn charge_file(&self, bytes: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
+        self.charge(bytes, 1, what)?;
+        self.files.set(self.files.get() + bytes);
+        Ok(())
+    }
+
+    /// Whether there is room for so many bytes more, and for so many more when the mesh of all instances is made. Charges
+    /// nothing.
+    fn require(&self, bytes: u64, placed: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
+        self.refuse(self.needed(bytes, placed), what)
+    }
+
+    /// The most that is in use with so many bytes more, and so many more when the mesh of all instances is made.
+    pub(super) fn needed(&self, bytes: u64, placed: u64) -> u64 {
+        let loading = self.used.get().saturating_add(bytes);
+        let placing = loading.saturating_sub(self.files.get()).saturating_add(self.placed.get()).saturating_add(placed);
+        loading.max(placing)
+    }
+
+    pub(super) fn refuse(&self, needed: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
         if needed > self.limit {
             return Err(GltfError::TooLarge { what: what(), needed, limit: self.limit });
         }
-        self.used.set(needed);
         Ok(())
+    }
+
+    pub(super) fn mark(&self) -> Mark {
+        Mark(self.used.get())
+    }
+
+    /// Gives back all that was charged since the mark, but for `kept` bytes, which are still in use.
+    pub(super) fn settle(&self, mark: Mark, kept: u64) {
+        self.used.set(self.used.get().min(mark.0.saturating_add(kept)));
     }
 
     /// Charges the values that a JSON text can hold, by its punctuation.
@@ -67,31 +132,17 @@ impl Budget {
         self.charge(nodes as u64, NODE, &|| "nodes".to_owned())
     }
 
-    /// Charges the merging of a primitive's `vertices`, with `entries` joints and weights, into a mesh.
-    pub(super) fn charge_merging(
-        &self,
-        vertices: usize,
-        entries: usize,
-        targets: usize,
-        is_skinned: bool,
-        what: &dyn Fn() -> String,
-    ) -> Result<(), GltfError> {
-        let lists = 12 * (1 + targets as u64) + 4;
-        let offset = if is_skinned { 4 } else { 0 };
-        self.charge(vertices as u64, GROWTH * (lists + offset), what)?;
-        self.charge(entries as u64, GROWTH * 8, what)
-    }
-
     /// Charges the welding of a mesh, and the list of its joints in use.
     pub(super) fn charge_welding(&self, geometry: &Geometry, what: &dyn Fn() -> String) -> Result<(), GltfError> {
         let vertices = geometry.positions().len() as u64;
-        let entries = geometry.influences().map_or(0, |i: &Influences| i.joints().len()) as u64;
-        // Two tables with chains and their groups, and the vertices that are kept, renumbered, with their data.
-        let tables = 2 * (16 + 4 + 4);
-        let kept = GROWTH * 8 + 4 + 12 * (1 + geometry.morph_targets().len() as u64) + GROWTH * 4 + 4;
-        self.charge(vertices, tables + kept, what)?;
-        self.charge(entries, GROWTH * 8 + 24, what)?;
-        self.charge(geometry.faces().len() as u64, 12, what)
+        let influences = geometry.influences();
+        let entries = influences.map_or(0, |i: &Influences| i.joints().len()) as u64;
+        // The kept ones' offsets are a list that doubles.
+        let offset = if influences.is_some() { GROWTH * 4 } else { 0 };
+        self.charge(vertices, WELDING + offset + vertex(geometry.morph_targets().len()), what)?;
+        // Joints and weights, the keys of a hash, the set of joints in use.
+        self.charge(entries, GROWTH * 8 + 16 + USED_JOINT, what)?;
+        self.charge(geometry.faces().len() as u64, FACE, what)
     }
 
     /// Charges an instance, its pose, and its part of the mesh that all instances make.
@@ -105,7 +156,43 @@ impl Budget {
         self.charge(1, INSTANCE + name.map_or(0, |name| name.len() as u64), what)?;
         self.charge(matrices as u64, MATRIX, what)?;
         self.charge(geometry.morph_targets().len() as u64, MORPH_WEIGHT, what)?;
-        self.charge(geometry.faces().len() as u64, PLACED_FACE, what)?;
-        self.charge(geometry.positions().len() as u64, PLACED_VERTEX, what)
+        let placed = placed(geometry.positions().len() as u64, geometry.faces().len() as u64);
+        self.require(0, placed, what)?;
+        self.placed.set(self.placed.get() + placed);
+        Ok(())
     }
+}
+
+/// What is kept of a mesh once it is welded: the geometry, and the list of its joints in use.
+pub(super) fn kept(geometry: &Geometry) -> u64 {
+    geometry.bytes() + geometry.influences().map_or(0, |i| USED_JOINT * i.joints().len() as u64)
+}
+
+/// A vertex of a mesh with so many morph targets.
+fn vertex(targets: usize) -> u64 {
+    (OFFSET * targets as u64).saturating_add(VERTEX)
+}
+
+/// A mesh of so many vertices, morph targets and faces, once it is read.
+pub(super) fn geometry(vertices: u64, targets: usize, faces: u64) -> u64 {
+    vertices.saturating_mul(vertex(targets)).saturating_add(faces.saturating_mul(FACE))
+}
+
+/// The same while it is welded.
+pub(super) fn welding(vertices: u64, targets: usize, faces: u64) -> u64 {
+    geometry(vertices, targets, faces).saturating_mul(2).saturating_add(vertices.saturating_mul(WELDING))
+}
+
+/// What an instance takes while the mesh of all instances is made.
+pub(super) fn placed(vertices: u64, faces: u64) -> u64 {
+    vertices.saturating_mul(PLACED_VERTEX).saturating_add(faces.saturating_mul(PLACED_FACE))
+}
+
+/// The bytes of the list that `more` elements make of this one, if it has no room for them. The list itself is freed then.
+pub(super) fn grown<T>(list: &Vec<T>, more: usize) -> u64 {
+    let length = list.len().saturating_add(more);
+    if length <= list.capacity() {
+        return 0;
+    }
+    (length.max(2 * list.capacity()) as u64).saturating_mul(size_of::<T>() as u64)
 }

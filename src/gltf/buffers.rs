@@ -73,8 +73,13 @@ fn resolve(
     let place = || format!("buffers[{index}].uri");
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
         // The URI with percent signs decoded, in a list that doubles, and the bytes.
+        let mark = budget.mark();
         budget.charge(uri.len() as u64, 4, &place)?;
-        return data_uri(&uri[5..]).map_err(|problem| GltfError::Uri { place: place(), uri: shorten(uri), problem });
+        let bytes = data_uri(&uri[5..]);
+        let bytes = bytes.map_err(|problem| GltfError::Uri { place: place(), uri: shorten(uri), problem })?;
+        budget.settle(mark, 0);
+        budget.charge_file(bytes.capacity() as u64, &place)?;
+        return Ok(bytes);
     }
     files::read(&folder.find(uri, &place)?, buffer.bytes, budget)
 }

@@ -37,6 +37,15 @@ pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), GltfError> {
     Ok((json, binary))
 }
 
+/// The bytes before the JSON of a GLB.
+pub(super) const START_BYTES: usize = HEADER_BYTES + CHUNK_HEADER_BYTES;
+
+/// The length of the JSON of a GLB that starts like this. `None` if it is none that [`split`] takes.
+pub(super) fn json_bytes(start: &[u8; START_BYTES]) -> Option<u64> {
+    let is_known = start.starts_with(MAGIC) && word(start, 4).ok()? == 2 && start.ends_with(b"JSON");
+    is_known.then(|| word(start, HEADER_BYTES).ok().map(u64::from)).flatten()
+}
+
 /// The type and data of a chunk, and the offset of the next chunk.
 fn chunk(content: &[u8], offset: usize) -> Result<([u8; 4], &[u8], usize), GltfError> {
     let length = word(content, offset)? as usize;

@@ -115,7 +115,7 @@ pub enum GltfError {
     TooLarge {
         /// What would be allocated next: a file, or a JSON path.
         what: String,
-        /// Bytes that loading would have taken, including this allocation.
+        /// Bytes that would be in use at one time, including this allocation.
         needed: u64,
         /// [`LoadOptions::memory_limit`](super::LoadOptions::memory_limit).
         limit: u64,

@@ -7,6 +7,7 @@ use std::path::{Component, Path, PathBuf};
 use percent_encoding::percent_decode_str;
 
 use super::budget::Budget;
+use super::container;
 use super::error::GltfError;
 use super::json::shorten;
 
@@ -71,6 +72,27 @@ fn leaves(path: &Path) -> bool {
     false
 }
 
+/// The JSON of a GLB file, and the file's length. `None` for any other file, and for a GLB that is damaged there: whoever
+/// reads the whole file says what is wrong with it.
+pub(super) fn glb_json(path: &Path, budget: &Budget) -> Result<Option<(Vec<u8>, u64)>, GltfError> {
+    let Ok(metadata) = std::fs::metadata(path) else { return Ok(None) };
+    if !metadata.is_file() {
+        return Ok(None);
+    }
+    let Ok(mut file) = File::open(path) else { return Ok(None) };
+    let mut start = [0; container::START_BYTES];
+    if file.read_exact(&mut start).is_err() {
+        return Ok(None);
+    }
+    let json_bytes = container::json_bytes(&start).filter(|&bytes| bytes <= metadata.len());
+    let Some(json_bytes) = json_bytes else { return Ok(None) };
+    budget.charge_file(json_bytes, &|| path.display().to_string())?;
+    let mut json = Vec::new();
+    let is_read =
+        json.try_reserve_exact(json_bytes as usize).is_ok() && file.take(json_bytes).read_to_end(&mut json).is_ok();
+    Ok((is_read && json.len() as u64 == json_bytes).then_some((json, metadata.len())))
+}
+
 /// Reads at most `most` bytes of a regular file. It never reads a device or a pipe, which may have no end.
 pub(super) fn read(path: &Path, most: u64, budget: &Budget) -> Result<Vec<u8>, GltfError> {
     let failed = |source| GltfError::Read { path: path.to_owned(), source };
@@ -80,7 +102,7 @@ pub(super) fn read(path: &Path, most: u64, budget: &Budget) -> Result<Vec<u8>, G
     }
     // A file that grows meanwhile is cut to the length that was charged.
     let length = metadata.len().min(most);
-    budget.charge(length, 1, &|| path.display().to_string())?;
+    budget.charge_file(length, &|| path.display().to_string())?;
     let mut content = Vec::new();
     content.try_reserve_exact(length as usize).map_err(|_| failed(ErrorKind::OutOfMemory.into()))?;
     let file = File::open(path).map_err(failed)?;

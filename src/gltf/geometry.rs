@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::budget::grown;
 use super::document::{InfluenceSet, Mesh, Primitive};
 use super::error::GltfError;
 use super::extensions;
@@ -34,7 +35,10 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
     let mut draft = Draft::new(mesh, skinned_by.is_some());
     let mut highest_joints = Vec::new();
     let mut blocks = HashMap::new();
+    let mark = reader.budget.mark();
     for (p, primitive) in mesh.primitives.iter().enumerate() {
+        // What the last primitive was read by is freed.
+        reader.budget.settle(mark, draft.bytes());
         let Some(position) = primitive.position else {
             continue;
         };
@@ -62,9 +66,11 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
         };
         let at = Place { mesh: index, primitive: p };
         let faces = triangles::read(reader, primitive, reader.count(position), at)?;
+        reader.charge(grown(&draft.faces, faces.len()), 1, &|| place.clone())?;
         let faces = faces.into_iter().map(|face| face.map(|v| v + first));
         draft.faces.extend(faces);
     }
+    reader.budget.settle(mark, draft.bytes());
     let geometry =
         draft.finish(mesh).map_err(|source| GltfError::Model { place: format!("meshes[{index}]"), source })?;
     Ok(Merged { geometry, highest_joints })
@@ -110,6 +116,18 @@ impl Draft {
         }
     }
 
+    /// The memory of what is merged, and of the numbers of its vertices.
+    fn bytes(&self) -> u64 {
+        let vectors = self.positions.capacity()
+            + self.faces.capacity()
+            + self.morph_targets.iter().map(Vec::capacity).sum::<usize>();
+        let influences = self
+            .influences
+            .as_ref()
+            .map_or(0, |(offsets, joints, weights)| offsets.capacity() + joints.capacity() + weights.capacity());
+        (12 * vectors + 4 * (influences + self.positions.len())) as u64
+    }
+
     fn finish(self, mesh: &Mesh) -> Result<Geometry, ModelError> {
         let influences = self.influences.map(|(offsets, joints, weights)| Influences::new(offsets, joints, weights));
         let options = GeometryOptions {
@@ -131,15 +149,21 @@ impl Draft {
             return Err(GltfError::TooManyVertices { place: place.to_owned() });
         }
         let (count, joints) = (vertices.positions.len(), vertices.bindings.joints.len());
-        reader
-            .budget
-            .charge_merging(count, joints, self.morph_targets.len(), self.influences.is_some(), &|| place.to_owned())?;
+        let targets: u64 = self.morph_targets.iter().map(|target| grown(target, count)).sum();
+        let influences = self
+            .influences
+            .as_ref()
+            .map_or(0, |(offsets, all, weights)| grown(offsets, count) + grown(all, joints) + grown(weights, joints));
+        reader.charge(grown(&self.positions, count) + targets + influences, 1, &|| place.to_owned())?;
+        // The number of each vertex in the file, once the mesh is complete.
+        reader.charge(count as u64, 4, &|| place.to_owned())?;
         self.positions.extend_from_slice(&vertices.positions);
         for (target, offsets) in self.morph_targets.iter_mut().zip(&vertices.targets) {
             target.extend_from_slice(offsets);
         }
         if let Some((offsets, joints, weights)) = &mut self.influences {
             let mut end = entries as u32;
+            offsets.reserve(vertices.bindings.counts.len());
             for count in &vertices.bindings.counts {
                 end += count;
                 offsets.push(end);

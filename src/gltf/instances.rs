@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::budget;
 use super::document::{Document, Instancing, Node, Trs};
 use super::error::GltfError;
 use super::formats;
@@ -45,17 +46,23 @@ pub(super) fn build(reader: &Reader<'_>, graph: &Graph, skins: &[LoadedSkin], we
     let mut extra = Vec::new();
     let users = users(document);
     for (mesh, users) in users.iter().enumerate() {
+        let mark = reader.budget.mark();
         let merged = geometry::merge(reader, mesh, users.skinned.first().copied())?;
         check_joints(document, &users.skinned, &merged, skins)?;
-        draft.push(reader, mesh, &merged.geometry, weld)?;
+        let kept = draft.push(reader, mesh, &merged.geometry, weld)?;
+        drop(merged);
+        reader.budget.settle(mark, kept);
         if !users.skinned.is_empty() && users.rigid {
             extra.push(mesh);
         }
     }
     for mesh in extra {
         rigid_variants[mesh] = Some(draft.geometries.len());
+        let mark = reader.budget.mark();
         let merged = geometry::merge(reader, mesh, None)?;
-        draft.push(reader, mesh, &merged.geometry, weld)?;
+        let kept = draft.push(reader, mesh, &merged.geometry, weld)?;
+        drop(merged);
+        reader.budget.settle(mark, kept);
     }
     let geometry_of = |mesh: usize, node: &Node| match node.skin {
         Some(_) => mesh,
@@ -207,13 +214,15 @@ fn instanced(reader: &Reader<'_>, n: usize, instancing: &Instancing) -> Result<V
 }
 
 impl Draft {
-    fn push(&mut self, reader: &Reader<'_>, mesh: usize, geometry: &Geometry, weld: Weld) -> Result<(), GltfError> {
+    /// Welds a mesh, and returns the bytes that are kept of it.
+    fn push(&mut self, reader: &Reader<'_>, mesh: usize, geometry: &Geometry, weld: Weld) -> Result<u64, GltfError> {
         reader.budget.charge_welding(geometry, &|| format!("meshes[{mesh}]"))?;
         let (welded, counts) = geometry.welded(weld);
+        let kept = budget::kept(&welded);
         self.geometries.push(welded);
         self.weld_counts.push(counts);
         self.meshes.push(mesh);
-        Ok(())
+        Ok(kept)
     }
 
     /// Charges the lights of the chosen scene, as they are when they are asked for, with their names.

@@ -33,6 +33,7 @@ mod container;
 mod curve;
 mod document;
 mod error;
+mod estimate;
 mod extensions;
 mod files;
 mod formats;

@@ -19,8 +19,9 @@ pub struct LoadOptions {
     /// and one pose, the lights and the mesh of all instances ([`Model::mesh`]). [`GltfError::TooLarge`] refuses the
     /// asset before more is taken.
     ///
-    /// All allocations on the way count, also those given back. So the memory in use at any time is less. A mesh of a
-    /// million faces and one instance counts about 0.4 GiB. The bytes given to
+    /// The most that is in use at one time counts. A mesh of a million faces and one instance counts about 0.1 GiB. It is
+    /// refused by the counts that the JSON states, before its data is read. All allocations together, also those given
+    /// back, may be eight times the limit, which bounds the time. The bytes given to
     /// [`Asset::from_slice`](super::Asset::from_slice) do not count, nor does later data such as a copy on the GPU.
     /// Default: [`LoadOptions::DEFAULT_MEMORY_LIMIT`].
     ///
@@ -33,7 +34,7 @@ pub struct LoadOptions {
 }
 
 impl LoadOptions {
-    /// 4 GiB, which is about ten million faces.
+    /// 4 GiB, which is about forty million faces.
     pub const DEFAULT_MEMORY_LIMIT: u64 = 4 << 30;
 }
 

@@ -39,8 +39,12 @@ impl<'a> Reader<'a> {
         format: Format,
         user: &str,
     ) -> Result<Vec<[f32; N]>, GltfError> {
+        let mark = self.budget.mark();
         let floats = self.floats(accessor, format, user)?;
-        Ok(floats.as_chunks().0.to_vec())
+        let vectors = floats.as_chunks().0.to_vec();
+        drop(floats);
+        self.budget.settle(mark, size_of_val(&*vectors) as u64);
+        Ok(vectors)
     }
 
     /// All components as floats, element after element.
@@ -61,8 +65,12 @@ impl<'a> Reader<'a> {
 
     /// All components of an unsigned integer accessor, element after element.
     pub(super) fn integers(&self, accessor: usize, format: Format, user: &str) -> Result<Vec<u32>, GltfError> {
+        let mark = self.budget.mark();
         let bytes = self.raw(accessor, format, user)?;
-        Ok(unsigned(&bytes, self.document.accessors[accessor].component))
+        let integers = unsigned(&bytes, self.document.accessors[accessor].component);
+        drop(bytes);
+        self.budget.settle(mark, size_of_val(&*integers) as u64);
+        Ok(integers)
     }
 
     /// The bytes of the elements without gaps, in the accessor's own component type.
@@ -88,8 +96,8 @@ impl<'a> Reader<'a> {
             Some(view) => Some(self.strided(view, accessor.offset, accessor.count, element as u64)?),
             None => None,
         };
-        // The bytes as they are stored, and twice as numbers: in one list, and in one of vectors.
-        self.charge(accessor.count, (element + 8 * components) as u64, place)?;
+        // The bytes as they are stored and the numbers, or the numbers in one list and in one of vectors.
+        self.charge(accessor.count, (element.max(4 * components) + 4 * components) as u64, place)?;
         let mut bytes = match source {
             Some((data, stride)) => pack(data, stride, element, accessor.count as usize),
             None => vec![0; accessor.count as usize * element],

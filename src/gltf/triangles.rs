@@ -38,9 +38,10 @@ pub(super) fn read(
         Mode::Triangles => count / 3,
         _ => count.saturating_sub(2),
     };
-    // Once alone, and once in the mesh's list, which may double.
-    reader.charge(faces as u64, 48, &|| place.clone())?;
+    let charge_faces = || reader.charge(faces as u64, size_of::<[u32; 3]>() as u64, &|| place.clone());
+    let mark = reader.budget.mark();
     let Some(accessor) = primitive.indices else {
+        charge_faces()?;
         return Ok(faces_of(primitive.mode, faces, |corner| corner as u32));
     };
     let indices = reader.integers(accessor, formats::INDICES, &place)?;
@@ -58,7 +59,11 @@ pub(super) fn read(
         let (face, corner) = first_use(primitive.mode, position);
         return Err(GltfError::IndexOutOfRange { mesh, primitive: p, position, face, corner, index, vertices });
     }
-    Ok(faces_of(primitive.mode, faces, |corner| indices[corner]))
+    charge_faces()?;
+    let faces = faces_of(primitive.mode, faces, |corner| indices[corner]);
+    drop(indices);
+    reader.budget.settle(mark, size_of_val(&*faces) as u64);
+    Ok(faces)
 }
 
 fn faces_of(mode: Mode, faces: usize, vertex: impl Fn(usize) -> u32) -> Vec<[u32; 3]> {

@@ -78,6 +78,7 @@ struct Set {
 }
 
 fn bindings(reader: &Reader<'_>, primitive: &Primitive, vertices: usize, place: &str) -> Result<Bindings, GltfError> {
+    let mark = reader.budget.mark();
     let mut sets = Vec::new();
     for set in &primitive.influences {
         let joints_place = format!("{place}.attributes.JOINTS_{}", set.set);
@@ -105,6 +106,9 @@ fn bindings(reader: &Reader<'_>, primitive: &Primitive, vertices: usize, place: 
     for vertex in 0..vertices {
         bindings.push(&sets, vertex);
     }
+    drop(sets);
+    let Bindings { counts, joints, weights, .. } = &bindings;
+    reader.budget.settle(mark, 4 * (counts.capacity() + joints.capacity() + weights.capacity()) as u64);
     Ok(bindings)
 }
 

@@ -73,6 +73,11 @@ impl Influences {
         self.offsets.windows(2).map(|pair| (pair[1] - pair[0]) as usize).max().unwrap_or(0)
     }
 
+    #[cfg(feature = "gltf")]
+    fn bytes(&self) -> u64 {
+        4 * (self.offsets.capacity() + self.joints.capacity() + self.weights.capacity()) as u64
+    }
+
     fn select(&self, vertices: &[usize]) -> Self {
         let mut selected = Self { offsets: vec![0], joints: Vec::new(), weights: Vec::new(), joints_needed: 0 };
         for &v in vertices {
@@ -185,6 +190,16 @@ impl Geometry {
         self.influences.as_ref().map_or(1, |influences| influences.joints_needed)
     }
 
+    /// The size in memory, in bytes.
+    #[cfg(feature = "gltf")]
+    pub(crate) fn bytes(&self) -> u64 {
+        let vectors = self.positions.capacity()
+            + self.faces.capacity()
+            + self.morph_targets.iter().map(Vec::capacity).sum::<usize>();
+        (12 * vectors + 4 * self.source_vertices.capacity()) as u64
+            + self.influences.as_ref().map_or(0, Influences::bytes)
+    }
+
     /// Welds vertices and numbers them anew, in the order of their lowest source index. With [`Weld::Distance`] it is the
     /// order of the vertices whose positions the groups take; of these are the data and the source vertices, too.
     #[must_use]
@@ -211,7 +226,8 @@ impl Geometry {
                 (NearGroups { groups: groups(count, |v| keys.hash(words(v)), same), wide: 0 }, weld::count(&by_position()))
             }
         };
-        let kept: Vec<usize> = (0..count).filter(|&v| groups[v] as usize == v).collect();
+        let mut kept: Vec<usize> = Vec::with_capacity(weld::count(&groups));
+        kept.extend((0..count).filter(|&v| groups[v] as usize == v));
         let mut renumbered = vec![0_u32; count];
         for (new, &old) in kept.iter().enumerate() {
             renumbered[old] = new as u32;

@@ -36,6 +36,7 @@ fn main() {
     trials.extend([
         Trial::test("control", control),
         Trial::test("the_limit_is_exact", exact),
+        Trial::test("the_estimate_is_close_and_comes_before_the_data", estimates),
         Trial::test("buffers_that_name_one_file", one_file_many_times),
         Trial::test("a_sparse_file_of_a_terabyte", hole),
         Trial::test("everything_within_each_limit", || within_limits(&everything().glb(), None, 16)),
@@ -84,10 +85,10 @@ const BOMBS: &[Bomb] = &[
     ("morph_weights_of_instances", morph_weights, "meshes[0] (its instances)"),
     ("palettes", palettes, "meshes[0] (its instances)"),
     ("instances_without_faces", instances_without_faces, "EXT_mesh_gpu_instancing"),
-    ("zero_positions", || zeros(1 << 30), "accessors[0], used as meshes[0].primitives[0].attributes.POSITION"),
-    ("zero_targets", zero_targets, "meshes[0].primitives[0].targets["),
+    ("zero_positions", || zeros(1 << 30), "meshes[0]"),
+    ("zero_targets", zero_targets, "meshes[0]"),
     ("meshes_of_one_accessor", meshes_of_one_accessor, "meshes["),
-    ("primitives_of_one_accessor", primitives_of_one_accessor, "meshes[0].primitives["),
+    ("primitives_of_one_accessor", primitives_of_one_accessor, "meshes[0]"),
     ("points_of_one_accessor", points_of_one_accessor, "meshes[0].primitives["),
     ("influences", influences, "meshes[0].primitives[0]"),
     ("sparse_over_zeros", sparse, "meshes["),
@@ -328,6 +329,71 @@ fn exact() -> Outcome {
     }
     if steps < 10 || load(limit - 1).is_ok() {
         return Err(format!("{steps} steps, {limit} bytes").into());
+    }
+    Ok(())
+}
+
+/// A torus of `rings` by twice as many quadrilaterals, each cut in two: closed. `is_soup` gives each face its own vertices.
+fn torus(rings: u32, is_soup: bool, has_normals: bool) -> Maker {
+    let sides = 2 * rings;
+    let place = |n: u32, of: u32| std::f32::consts::TAU * n as f32 / of as f32;
+    let corner = |ring: u32, side: u32| {
+        let (a, b) = (place(ring % rings, rings), place(side % sides, sides));
+        [(3.0 + a.cos()) * b.cos(), a.sin(), (3.0 + a.cos()) * b.sin()]
+    };
+    let index = |ring: u32, side: u32| ring % rings * sides + side % sides;
+    let quads = || (0..rings).flat_map(|ring| (0..sides).map(move |side| (ring, side)));
+    let faces = quads().flat_map(|(r, s)| [[(r, s), (r, s + 1), (r + 1, s + 1)], [(r, s), (r + 1, s + 1), (r + 1, s)]]);
+    let mut maker = Maker::new();
+    let (positions, indices): (Vec<f32>, Vec<u32>) = if is_soup {
+        let positions: Vec<f32> = faces.flatten().flat_map(|(r, s)| corner(r, s)).collect();
+        let count = (positions.len() / 3) as u32;
+        (positions, (0..count).collect())
+    } else {
+        let positions = quads().flat_map(|(r, s)| corner(r, s)).collect();
+        (positions, faces.flatten().map(|(r, s)| index(r, s)).collect())
+    };
+    let position = maker.floats("VEC3", &positions);
+    let mut attributes = json!({ "POSITION": position });
+    if has_normals {
+        attributes["NORMAL"] = json!(maker.floats("VEC3", &positions));
+    }
+    let indices = maker.indices(maker::U32, &indices);
+    maker.mesh(&json!({ "attributes": attributes, "indices": indices }));
+    maker.push("nodes", json!({ "mesh": 0 }));
+    maker
+}
+
+/// The first refusal of a large file names what is enough for all of it, and not 1.5 times of what is taken then. It comes
+/// before the data is read.
+fn estimates() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("torus.glb");
+    for (is_soup, has_normals) in [(false, false), (false, true), (true, false), (true, true)] {
+        std::fs::write(&path, torus(150, is_soup, has_normals).glb())?;
+        let open = |limit: u64| {
+            let before = ALLOCATOR.current_usage();
+            ALLOCATOR.reset_peak_usage();
+            let options = LoadOptions { memory_limit: limit, ..Weld::Data.into() };
+            let result = Asset::open(&path, options).map(|asset| {
+                let mesh = asset.pose(None, 0.0).ok().and_then(|pose| asset.model().mesh(&pose).ok());
+                mesh.map_or(0, |mesh| mesh.edges().len())
+            });
+            ((ALLOCATOR.peak_usage() - before) as u64, result)
+        };
+        let (taken, refused) = open(1 << 20);
+        let Err(GltfError::TooLarge { needed, .. }) = refused else { return Err(format!("{refused:?}").into()) };
+        if taken > SLACK {
+            return Err(format!("{taken} bytes taken before it was refused").into());
+        }
+        let (peak, made) = open(needed);
+        if made.as_ref().ok() != Some(&135_000) {
+            return Err(format!("{needed} bytes are not enough: {made:?}").into());
+        }
+        println!("soup {is_soup}, normals {has_normals}: {needed} bytes asked for, {peak} taken");
+        if needed < peak || 2 * needed > 3 * peak {
+            return Err(format!("{needed} bytes asked for, {peak} taken").into());
+        }
     }
     Ok(())
 }

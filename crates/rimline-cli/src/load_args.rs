@@ -7,8 +7,8 @@ use rimline::mesh::Weld;
 /// What a model file may do.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct LoadArgs {
-    /// The largest memory that reading one file, and making its mesh, may take, such as 512MiB, 16GiB or a number of
-    /// bytes. Small files can need a lot of memory
+    /// The largest memory that reading one file, and making its mesh, may take at one time, such as 512MiB, 16GiB or a number
+    /// of bytes. A file that states more is refused before its data is read. Small files can need a lot of memory
     #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = bytes)]
     memory_limit: u64,
 

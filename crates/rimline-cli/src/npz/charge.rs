@@ -1,13 +1,34 @@
-//! What of a model counts how many bytes against the limit of memory.
+//! What of a model counts how many bytes against the limit of memory: what is in use at one time, at the most of it.
 
-/// What a list that grows takes at most for each byte of its elements: the old and the new array while it doubles.
-pub(crate) const GROWTH: u64 = 3;
-/// Bytes for a vertex and for a face: as read, then welded, then in a mesh with its edge records. As the library counts
-/// those of a glTF.
-pub(crate) const VERTEX: u64 = 12 * GROWTH + 128;
-pub(crate) const FACE: u64 = 12 * GROWTH + 144;
-/// Bytes for a polygon, for a loop, and for a corner: two copies of all arrays, an edge of the outline, a triangle and its
-/// edge records.
-pub(crate) const POLYGON: u64 = 4 * GROWTH + 48;
-pub(crate) const LOOP: u64 = 4 * GROWTH + 32;
-pub(crate) const CORNER: u64 = 4 * GROWTH + 240;
+/// Bytes for a vertex and for a face of triangles while the mesh is made of the model: position and source vertex, and lists
+/// of a number for each vertex; two copies of the faces, and of each face the mates of its half-edges and three edge records.
+/// As the library counts those of a glTF.
+pub(crate) const VERTEX: u64 = 12 + 4 + 8;
+pub(crate) const FACE: u64 = 2 * 12 + 12 + 3 * 16;
+/// The same while vertices are welded, which is the most where there are many for each face: both copies, the groups of
+/// vertices and their new numbers.
+const WELDED_VERTEX: u64 = 2 * (12 + 4) + 20;
+const WELDED_FACE: u64 = 2 * 12;
+/// Bytes for a polygon, for a loop, and for a corner: two copies of the mesh with an edge of the outline, half an edge record
+/// and half a triangle for each corner, as quadrilaterals have them, and a third of the triangles.
+pub(crate) const POLYGON: u64 = 40;
+pub(crate) const LOOP: u64 = 12;
+pub(crate) const CORNER: u64 = 64;
+
+/// Bytes for a model of triangles, with the mesh that is made of it.
+pub(crate) fn model(vertices: u64, faces: u64) -> u64 {
+    let bytes = |vertex: u64, face: u64| vertices.saturating_mul(vertex).saturating_add(faces.saturating_mul(face));
+    bytes(VERTEX, FACE).max(bytes(WELDED_VERTEX, WELDED_FACE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_most_of_both_times_counts() {
+        // A closed mesh, and one whose faces share no vertex.
+        assert_eq!(model(500, 1000), 500 * VERTEX + 1000 * FACE);
+        assert_eq!(model(3000, 1000), 3000 * WELDED_VERTEX + 1000 * WELDED_FACE);
+    }
+}

@@ -4,7 +4,6 @@ use std::io::{self, Read, Seek, Write};
 
 use zip::ZipArchive;
 
-use super::charge::GROWTH;
 use super::header::ElementType;
 use super::origin::{is_real, real};
 use super::read::{Budget, Entry, NpzError, Values, index, is_float, is_integer, raw};
@@ -13,7 +12,7 @@ use super::write::NpzWriter;
 /// The most texels of a map across or down.
 pub const MAX_SIDE: u32 = 4096;
 /// What a value takes: as read, in its own type, turned into C order, and on its way to the device.
-const VALUE: u64 = 4 * GROWTH + 12;
+const VALUE: u64 = 4 * 3 + 12;
 
 /// What the values of a map are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,7 +5,6 @@ use std::io::{Read, Seek};
 use rimline::Origin;
 use zip::ZipArchive;
 
-use super::charge::GROWTH;
 use super::header::ElementType;
 use super::origin::{is_real, read_origin, real};
 use super::read::{Budget, Entry, NpzError, float, is_float};
@@ -45,13 +44,13 @@ pub fn read_points(reader: impl Read + Seek, memory_limit: u64) -> Result<Points
         wanted: "float32 or float64 is needed (NumPy: `points.astype('f8')`)",
         accepts,
     };
-    let single = points(12 * GROWTH, is_float);
+    let single = points(16, is_float);
     match single.rows(archive, budget, float) {
         Err(NpzError::Element { .. }) => {}
         found => return Ok(Points::Single { points: found?, origin: read_origin(archive, budget)? }),
     }
     // With the points in float32 that are made of them.
-    let mut points = points(24 * GROWTH + 12, is_real).rows(archive, budget, real)?;
+    let mut points = points(24 + 16, is_real).rows(archive, budget, real)?;
     let [x, y, z] = read_origin(archive, budget)?.to_array();
     for point in points.iter_mut() {
         *point = [point[0] + x, point[1] + y, point[2] + z];

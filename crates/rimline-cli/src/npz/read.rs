@@ -7,7 +7,7 @@ use rimline::mesh::PolygonLoops;
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-use super::charge::{CORNER, FACE, GROWTH, LOOP, POLYGON, VERTEX};
+use super::charge::{self, CORNER, LOOP, POLYGON, VERTEX};
 use super::header::{ElementType, Header, HeaderError};
 use super::origin::read_origin;
 
@@ -108,16 +108,28 @@ pub(super) fn shown(shape: &[u64]) -> String {
     if shape.len() > MOST { format!("{numbers}, … {} numbers in all", shape.len()) } else { numbers }
 }
 
-/// The memory that reading one archive may take. What is charged is never given back.
+/// The memory that reading one archive may take, with what is made of it. What is charged is the most in use at one time.
 pub(super) struct Budget {
     pub(super) limit: u64,
     pub(super) used: u64,
 }
 
+impl Budget {
+    /// Charges what an array is going to take.
+    fn take(&mut self, array: &'static str, rows: u64, bytes: u64) -> Result<(), NpzError> {
+        let needed = self.used.saturating_add(bytes);
+        if needed > self.limit {
+            return Err(NpzError::TooLarge { array, rows, needed, limit: self.limit });
+        }
+        self.used = needed;
+        Ok(())
+    }
+}
+
 /// Reads `positions` (V,3) float32, and `faces` (F,3) integers; either byte order, either array order. In place of `faces`
 /// there may be `polygon_loops`, `loop_sizes` and `loop_corners`, of one dimension each. There may be an `origin` (3), which
-/// positions are relative to. What takes more than `memory_limit`
-/// bytes, with the mesh that is made of it, is refused before it is read.
+/// positions are relative to. What takes more than `memory_limit` bytes, with the mesh that is made of it, is refused by the
+/// headers of the arrays, before any is read.
 pub fn read(reader: impl Read + Seek, memory_limit: u64) -> Result<Arrays, NpzError> {
     let mut budget = Budget { limit: memory_limit, used: 0 };
     read_arrays(&mut ZipArchive::new(reader).map_err(NpzError::Archive)?, &mut budget)
@@ -135,7 +147,7 @@ pub fn read_with_lights(reader: impl Read + Seek, memory_limit: u64) -> Result<(
         array: "lights",
         shape: "(N, 4)",
         limit: u64::from(u32::MAX),
-        row_bytes: 16 * GROWTH + 16,
+        row_bytes: 2 * 16,
         wanted: "float32 is needed",
         accepts: is_float,
     };
@@ -147,7 +159,7 @@ fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) 
         array: "positions",
         shape: "(V, 3)",
         limit: u64::from(u32::MAX) - 1,
-        row_bytes: VERTEX,
+        row_bytes: 0,
         wanted: "float32 is needed (NumPy: `positions.astype('f4')`)",
         accepts: is_float,
     };
@@ -155,16 +167,28 @@ fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) 
         array: "faces",
         shape: "(F, 3)",
         limit: rimline::mesh::MAX_FACES as u64,
-        row_bytes: FACE,
+        row_bytes: 0,
         wanted: "an integer type of 8 to 64 bits is needed (NumPy: `faces.astype('u4')`)",
         accepts: is_integer,
     };
-    let positions = positions.rows(archive, budget, float)?;
     let origin = read_origin(archive, budget)?;
+    let stated = positions.stated::<3>(archive)?;
     if archive.index_for_name("polygon_loops.npy").is_some() {
-        let polygons = Some(read_polygons(archive, budget)?);
+        budget.take("positions", stated, stated.saturating_mul(VERTEX))?;
+        let entries = polygon_entries();
+        for entry in &entries {
+            let rows = entry.stated::<1>(archive)?;
+            budget.take(entry.array, rows, rows.saturating_mul(entry.row_bytes))?;
+        }
+        let positions = positions.rows(archive, budget, float)?;
+        let polygons = Some(read_polygons(archive, entries)?);
         return Ok(Arrays { positions, faces: Vec::new(), polygons, origin });
     }
+    let stated_faces = faces.stated::<3>(archive)?;
+    let needed = charge::model(stated, stated_faces);
+    let (array, rows) = if stated > 3 * stated_faces { ("positions", stated) } else { ("faces", stated_faces) };
+    budget.take(array, rows, needed)?;
+    let positions = positions.rows(archive, budget, float)?;
     let faces: Vec<[u32; 3]> = faces.rows(archive, budget, index)?;
     let vertices = positions.len();
     for (row, face) in faces.iter().enumerate() {
@@ -175,7 +199,8 @@ fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) 
     Ok(Arrays { positions, faces, polygons: None, origin })
 }
 
-fn read_polygons(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) -> Result<PolygonArrays, NpzError> {
+/// The arrays of polygons, in their order.
+fn polygon_entries() -> [Entry; 3] {
     let array = |array: &'static str, shape: &'static str, row_bytes: u64| Entry {
         array,
         shape,
@@ -184,10 +209,20 @@ fn read_polygons(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget
         wanted: "an integer type of 8 to 64 bits is needed (NumPy: `.astype('u4')`)",
         accepts: is_integer,
     };
+    [array("polygon_loops", "(P,)", POLYGON), array("loop_sizes", "(L,)", LOOP), array("loop_corners", "(C,)", CORNER)]
+}
+
+/// Reads them; they are charged already.
+fn read_polygons(archive: &mut ZipArchive<impl Read + Seek>, entries: [Entry; 3]) -> Result<PolygonArrays, NpzError> {
+    let mut rows = |entry: Entry| {
+        let mut charged = Budget { limit: u64::MAX, used: 0 };
+        Entry { row_bytes: 0, ..entry }.rows(archive, &mut charged, index)
+    };
+    let [polygon_loops, loop_sizes, loop_corners] = entries;
     Ok(PolygonArrays {
-        polygon_loops: array("polygon_loops", "(P,)", POLYGON).rows(archive, budget, index)?,
-        loop_sizes: array("loop_sizes", "(L,)", LOOP).rows(archive, budget, index)?,
-        loop_corners: array("loop_corners", "(C,)", CORNER).rows(archive, budget, index)?,
+        polygon_loops: rows(polygon_loops)?,
+        loop_sizes: rows(loop_sizes)?,
+        loop_corners: rows(loop_corners)?,
     })
 }
 
@@ -233,13 +268,14 @@ impl Entry {
         budget: &mut Budget,
         decode: fn(ElementType, &[u8]) -> Result<T, i128>,
     ) -> Result<Vec<[T; C]>, NpzError> {
-        let extent = |shape: &[u64]| match *shape {
-            [rows] if C == 1 => Some(Extent { tuples: rows, row: 1 }),
-            [rows, columns] if C > 1 && columns == C as u64 => Some(Extent { tuples: rows, row: 1 }),
-            _ => None,
-        };
-        let (_, _, rows) = self.tuples(archive, budget, decode, extent)?;
+        let (_, _, rows) = self.tuples(archive, budget, decode, table::<C>)?;
         Ok(rows)
+    }
+
+    /// The rows that the header of a table of C columns states. No data is read.
+    fn stated<const C: usize>(&self, archive: &mut ZipArchive<impl Read + Seek>) -> Result<u64, NpzError> {
+        let (_, head) = self.head::<C>(archive, table::<C>)?;
+        Ok(head.tuples)
     }
 
     /// An array whose shape `fits` accepts. It has at most three dimensions, and so few values that their number is no question.
@@ -274,6 +310,21 @@ impl Entry {
         decode: fn(ElementType, &[u8]) -> Result<T, i128>,
         extent: impl Fn(&[u64]) -> Option<Extent>,
     ) -> Result<(Header, ElementType, Vec<[T; C]>), NpzError> {
+        let (entry, Head { header, element, tuples, row }) = self.head::<C>(archive, extent)?;
+        // A compressed entry may be a thousandth of what it unpacks to.
+        budget.take(self.array, tuples / row, tuples * self.row_bytes)?;
+        let order = if header.fortran_order { Order::Columns } else { Order::Rows };
+        let elements = Elements { array: self.array, rows: tuples as usize, row: row as usize, element, decode };
+        let tuples = elements.read(entry, order)?;
+        Ok((header, element, tuples))
+    }
+
+    /// Finds the entry and reads its header, which must fit the entry's length.
+    fn head<'a, const C: usize>(
+        &self,
+        archive: &'a mut ZipArchive<impl Read + Seek>,
+        extent: impl Fn(&[u64]) -> Option<Extent>,
+    ) -> Result<(impl Read + 'a, Head), NpzError> {
         let array = self.array;
         let name = format!("{array}.npy");
         if archive.index_for_name(&name).is_none() {
@@ -303,16 +354,24 @@ impl Entry {
         if wanted != held {
             return Err(NpzError::Length { array, wanted, held });
         }
-        // A compressed entry may be a thousandth of what it unpacks to.
-        let needed = budget.used.saturating_add(tuples * self.row_bytes);
-        if needed > budget.limit {
-            return Err(NpzError::TooLarge { array, rows, needed, limit: budget.limit });
-        }
-        budget.used = needed;
-        let order = if header.fortran_order { Order::Columns } else { Order::Rows };
-        let elements = Elements { array, rows: tuples as usize, row: row as usize, element, decode };
-        let tuples = elements.read(entry, order)?;
-        Ok((header, element, tuples))
+        Ok((entry, Head { header, element, tuples, row }))
+    }
+}
+
+/// What the header of an array says.
+struct Head {
+    header: Header,
+    element: ElementType,
+    tuples: u64,
+    row: u64,
+}
+
+/// The extent of a table of C columns, or of a list where C is 1.
+fn table<const C: usize>(shape: &[u64]) -> Option<Extent> {
+    match *shape {
+        [rows] if C == 1 => Some(Extent { tuples: rows, row: 1 }),
+        [rows, columns] if C > 1 && columns == C as u64 => Some(Extent { tuples: rows, row: 1 }),
+        _ => None,
     }
 }
 
@@ -367,9 +426,13 @@ impl<T: Copy + Default> Elements<T> {
         row: usize,
         set: impl FnOnce(&mut [T; C]),
     ) -> Result<(), NpzError> {
-        if row >= all.len() {
-            all.try_reserve(1)
+        if row >= all.capacity() {
+            // Twice as many as there are, and no more than the header says.
+            let more = all.len().max(1 << 12).min(self.rows - all.len());
+            all.try_reserve_exact(more)
                 .map_err(|_| NpzError::Memory { array: self.array, rows: (self.rows / self.row) as u64 })?;
+        }
+        if row >= all.len() {
             all.resize(row + 1, [T::default(); C]);
         }
         set(&mut all[row]);

@@ -78,15 +78,23 @@ pub fn read(reader: impl BufRead, memory_limit: u64) -> Result<Arrays, ObjError>
     }
 }
 
+/// Bytes for a vertex, a face and a corner in the lists that are read, which double. A vertex in `f64` takes more there than
+/// [`charge::VERTEX`], which comes later.
+const LISTED_VERTEX: u64 = 2 * 24;
+const LISTED_FACE: u64 = 3 * 4;
+const LISTED_CORNER: u64 = 3 * 4;
+
 /// What was read so far.
 #[derive(Default)]
 struct Obj {
-    /// In `f64` until all of them are known. [`charge::VERTEX`] has room for it, because what is made of a vertex comes later.
+    /// In `f64` until all of them are known.
     positions: Vec<[f64; 3]>,
     sizes: Vec<u32>,
     corners: Vec<u32>,
     /// The largest vertex that a face names, from 1, and its line. Faces may stand before their vertices.
     highest: (i64, usize),
+    /// The faces so far, as long as all of them are triangles.
+    triangles: usize,
     used: u64,
     limit: u64,
 }
@@ -120,14 +128,15 @@ impl Obj {
         if count < 3 {
             return Err(ObjError::Coordinates { line, found: count });
         }
-        self.charge(line, charge::VERTEX)?;
+        self.charge(line, LISTED_VERTEX)?;
         self.positions.push(position);
         Ok(())
     }
 
     fn face<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), ObjError> {
         let first = self.corners.len();
-        self.charge(line, charge::POLYGON + charge::LOOP)?;
+        // So much at least, and as what it is once it is complete.
+        self.charge(line, LISTED_FACE)?;
         for word in words {
             let index = corner(word).ok_or_else(|| ObjError::Corner { line, found: shown(word) })?;
             let vertices = self.positions.len();
@@ -136,7 +145,7 @@ impl Obj {
             let vertex = u32::try_from(place).ok().and_then(|place| place.checked_sub(1));
             let vertex = vertex.ok_or(ObjError::OutOfRange { line, index, vertices })?;
             self.highest = self.highest.max((place, line));
-            self.charge(line, charge::CORNER)?;
+            self.charge(line, LISTED_CORNER)?;
             self.corners.push(vertex);
         }
         let size = self.corners.len() - first;
@@ -147,7 +156,16 @@ impl Obj {
             return Err(ObjError::FaceTooLarge { line });
         }
         self.sizes.push(size as u32);
-        Ok(())
+        let polygon = |corners: usize| charge::POLYGON + charge::LOOP + charge::CORNER * corners as u64;
+        let listed = |corners: usize| LISTED_FACE + LISTED_CORNER * corners as u64;
+        if size == 3 && self.triangles + 1 == self.sizes.len() {
+            self.triangles += 1;
+            return self.charge(line, charge::FACE.saturating_sub(listed(3)));
+        }
+        // One polygon makes polygons of all faces, the triangles before it too.
+        let before = std::mem::take(&mut self.triangles) as u64;
+        self.charge(line, before.saturating_mul(polygon(3).saturating_sub(charge::FACE)))?;
+        self.charge(line, polygon(size) - listed(size))
     }
 
     fn charge(&mut self, line: usize, bytes: u64) -> Result<(), ObjError> {

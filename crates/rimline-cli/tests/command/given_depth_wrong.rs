@@ -19,7 +19,9 @@ fn refused(folder: &tempfile::TempDir, archive: &[u8], options: &str, parts: &[&
     let line =
         format!("shadow @ball.npz @ring.npz --size 32x32 --depth @wrong.npz {options} --mask @no --out @no.png --json");
     let parts: Vec<&str> = [&["wrong.npz"], parts].concat();
-    run(folder.path(), &line).expect(1, &parts)?;
+    let run = run(folder.path(), &line);
+    run.expect(1, &parts)?;
+    ensure!(!run.stderr.contains("::"), "a name of the library: {}", run.stderr);
     std::fs::remove_file(folder.path().join("wrong.npz")).map_err(|error| error.to_string())?;
     ensure!(names(folder)? == before, "something is left: {:?}", names(folder)?);
     Ok(())
@@ -136,7 +138,10 @@ fn cubes() -> Outcome {
     let mut exchanged = matrices.clone();
     exchanged.rotate_left(64);
     let exchanged = array("view_projection", "<f4", "False", "(6, 4, 4)", &exchanged);
-    refused(&folder, &with(&map, exchanged), "", &["map", "does not meet the others"])?;
+    refused(&folder, &with(&map, exchanged), "", &["map", "does not meet the others", "docs/formats.md"])?;
+    // Options of the command, and nothing of the library.
+    let vector = "--reconstruct vector --detector differences=0.1";
+    refused(&folder, &write_zip(&map), vector, &["six maps", "--reconstruct vector takes one"])?;
     let mut broken = matrices.clone();
     broken[3 * 64..3 * 64 + 4].copy_from_slice(&f32::NAN.to_le_bytes());
     let broken = array("view_projection", "<f4", "False", "(6, 4, 4)", &broken);

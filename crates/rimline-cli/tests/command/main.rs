@@ -19,6 +19,9 @@ mod inputs;
 mod instances;
 mod keys;
 mod load;
+#[cfg(target_os = "linux")]
+mod memory;
+mod messages;
 mod models;
 mod npz_bounds;
 mod npz_input;
@@ -43,6 +46,7 @@ mod soft;
 mod usage;
 mod verify;
 mod verify_wrong;
+mod warm_up;
 mod words;
 
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -99,6 +103,10 @@ fn main() {
         #[cfg(unix)]
         signals::TESTS,
         load::TESTS,
+        messages::TESTS,
+        warm_up::TESTS,
+        #[cfg(target_os = "linux")]
+        memory::TESTS,
     ];
     let mut trials: Vec<Trial> = always
         .concat()

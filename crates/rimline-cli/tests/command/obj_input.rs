@@ -197,7 +197,7 @@ fn limits() -> Outcome {
     let at = |name: &str| folder.path().join(name).into_os_string();
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     for (name, model, is_kept) in [
-        ("vertices.obj", format!("{triangle}{}", "v 0 0 0\n".repeat(30_000)), true),
+        ("vertices.obj", format!("{triangle}{}", "v 0 0 0\n".repeat(60_000)), true),
         ("corners.obj", format!("{triangle}f{}\n", " 1 2 3".repeat(6000)), true),
         ("long.obj", format!("{triangle}# {}", "x".repeat(3_000_000)), true),
         ("continued.obj", format!("{triangle}o {}", "\\\n".repeat(1_500_000)), true),
@@ -207,9 +207,9 @@ fn limits() -> Outcome {
         let info = |limit: &str| rimline([OsString::from("info"), at(name), "--memory-limit".into(), limit.into()]);
         info("32MiB").expect(0, &[]).map_err(|error| format!("{name}: {error}"))?;
         if is_kept {
-            info("4MiB").expect(1, &[name, "line ", "--memory-limit"])?;
+            info("1MiB").expect(1, &[name, "line ", "--memory-limit"])?;
         } else {
-            info("4MiB").expect(0, &[])?;
+            info("1MiB").expect(0, &[])?;
         }
     }
     Ok(())

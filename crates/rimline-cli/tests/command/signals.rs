@@ -5,13 +5,15 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use super::run::{folder, with_signals};
+use super::run::{folder, is_empty, with_signals};
+use super::shadow::with_cube;
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
     ("signals::a_hang_up_that_is_ignored_stays_ignored", ignored),
     ("signals::each_ends_with_its_own_code", codes),
     ("signals::the_second_removes_what_is_unfinished", second),
+    ("signals::one_while_shaders_compile_ends_with_its_own_code", compiling),
 ];
 
 /// Measures rows on the CPU after `script`, sends the signals after the first row; exit code and messages.
@@ -81,5 +83,45 @@ fn only_data(folder: &Path) -> Outcome {
         let name = entry.map_err(|error| error.to_string())?.file_name();
         ensure!(name == OsStr::new("out.json"), "left behind: {name:?}");
     }
+    Ok(())
+}
+
+/// Signals at many moments of runs that compile all their shaders anew. Libraries' destructors would end one run in ten by a
+/// signal of its own.
+fn compiling() -> Outcome {
+    const TRIALS: u64 = 30;
+    let folder = with_cube()?;
+    let results = folder.path().join("results");
+    std::fs::create_dir(&results).map_err(|error| error.to_string())?;
+    let mut stopped = 0;
+    for trial in 0..TRIALS {
+        let (signal, wanted) = if trial % 2 == 0 { ("-INT", 130) } else { ("-TERM", 143) };
+        let mut run = with_signals(env!("CARGO_BIN_EXE_rimline"))
+            .env("MESA_SHADER_CACHE_DISABLE", "1")
+            .args(["shadow", "--size", "64x48"])
+            .arg(folder.path().join("cube.npz"))
+            .arg("--out")
+            .arg(results.join("out.png"))
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(|error| error.to_string())?;
+        std::thread::sleep(std::time::Duration::from_millis(100 + 37 * trial));
+        if run.try_wait().map_err(|error| error.to_string())?.is_none() {
+            let kill = Command::new("kill").args([signal, &run.id().to_string()]).status();
+            ensure!(kill.is_ok_and(|status| status.success()), "no signal could be sent");
+        }
+        let output = run.wait_with_output().map_err(|error| error.to_string())?;
+        let text = String::from_utf8_lossy(&output.stderr);
+        // It may be done before the signal comes.
+        let code = output.status.code();
+        ensure!(code == Some(wanted) || code == Some(0), "trial {trial}: {}: {text}", output.status);
+        stopped += u64::from(code == Some(wanted));
+        if code == Some(wanted) {
+            is_empty(&results).map_err(|error| format!("trial {trial}: {error}"))?;
+        }
+        let _ = std::fs::remove_file(results.join("out.png"));
+    }
+    ensure!(stopped > 3, "only {stopped} of {TRIALS} runs were stopped");
     Ok(())
 }

@@ -1,0 +1,86 @@
+//! What a document's meshes will take of memory, by the counts that it states, before any data is read.
+
+use std::collections::HashSet;
+
+use gltf::json::mesh::Mode;
+
+use super::budget::{self, Budget};
+use super::document::{Document, Mesh, Node};
+use super::error::GltfError;
+use super::graph::Graph;
+use super::triangles;
+
+/// The size of a mesh that is to be read. Vertices are those before welding.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Size {
+    vertices: u64,
+    faces: u64,
+    targets: usize,
+}
+
+/// Refuses a document whose meshes and instances do not fit with `files` bytes of files that are yet to be read. Everything
+/// is charged when it is made; this only knows earlier.
+pub(super) fn check(document: &Document, graph: &Graph, files: u64, budget: &Budget) -> Result<(), GltfError> {
+    let sizes: Vec<Size> = document.meshes.iter().map(|mesh| size(document, mesh)).collect();
+    let buffers = document.buffers.iter().filter(|buffer| buffer.uri.is_some());
+    let files = buffers.fold(files, |sum, buffer| sum.saturating_add(buffer.bytes));
+    // The most that is in use at one time, and what for: the error is to name what is enough for all.
+    let mut most = (0, String::new());
+    let mut take = |bytes: u64, placed: u64, what: &dyn Fn() -> String| {
+        let needed = budget.needed(bytes, placed);
+        if needed > most.0 {
+            most = (needed, what());
+        }
+    };
+    let mut kept: u64 = 0;
+    for (m, &Size { vertices, faces, targets }) in sizes.iter().enumerate() {
+        let welding = budget::welding(vertices, targets, faces);
+        take(kept.saturating_add(files).saturating_add(welding), 0, &|| format!("meshes[{m}]"));
+        kept = kept.saturating_add(budget::geometry(vertices, targets, faces));
+    }
+    let mut placed: u64 = 0;
+    let mut place = |mesh: usize, count: u64| {
+        if let Some(&Size { vertices, faces, .. }) = sizes.get(mesh).filter(|size| size.faces > 0) {
+            placed = placed.saturating_add(budget::placed(vertices, faces).saturating_mul(count));
+            kept = kept.saturating_add(budget::RIGID_INSTANCE.saturating_mul(count));
+            take(kept, placed, &|| format!("meshes[{mesh}] (its instances)"));
+        }
+    };
+    for node in graph.scene.iter().filter_map(|&n| document.nodes.get(n)) {
+        if let Some(mesh) = node.mesh {
+            place(mesh, instances(document, node));
+        }
+    }
+    if document.scenes.is_empty() {
+        let used: HashSet<usize> = document.nodes.iter().filter_map(|node| node.mesh).collect();
+        (0..sizes.len()).filter(|mesh| !used.contains(mesh)).for_each(|mesh| place(mesh, 1));
+    }
+    let (needed, what) = most;
+    budget.refuse(needed, &|| what.clone())
+}
+
+fn count(document: &Document, accessor: usize) -> u64 {
+    document.accessors.get(accessor).map_or(0, |accessor| accessor.count)
+}
+
+/// Primitives with the same positions mostly share their vertices.
+fn size(document: &Document, mesh: &Mesh) -> Size {
+    let mut size = Size { targets: mesh.targets, ..Size::default() };
+    let mut counted = HashSet::new();
+    for primitive in mesh.primitives.iter().filter(|primitive| triangles::has_triangles(primitive.mode)) {
+        let Some(position) = primitive.position else { continue };
+        if counted.insert(position) {
+            size.vertices = size.vertices.saturating_add(count(document, position));
+        }
+        let corners = count(document, primitive.indices.unwrap_or(position));
+        let faces = if primitive.mode == Mode::Triangles { corners / 3 } else { corners.saturating_sub(2) };
+        size.faces = size.faces.saturating_add(faces);
+    }
+    size
+}
+
+/// The instances that a node makes of its mesh.
+fn instances(document: &Document, node: &Node) -> u64 {
+    let attributes = node.instancing.map(|i| [i.translation, i.rotation, i.scale]);
+    attributes.map_or(1, |all| all.into_iter().flatten().map(|accessor| count(document, accessor)).min().unwrap_or(0))
+}
