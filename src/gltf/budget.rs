@@ -5,6 +5,7 @@ use std::cell::Cell;
 use super::document::Node;
 use super::error::GltfError;
 use super::placement::Placement;
+use crate::mesh::Weld;
 use crate::model::{Geometry, Influences, Instance, InstancePose};
 
 /// The memory that loading one input may take, in bytes. A charge is never given back, so the charges bound the peak,
@@ -34,6 +35,9 @@ const MATRIX: u64 = 160;
 const MORPH_WEIGHT: u64 = 32;
 /// Bytes for a node besides its JSON: the struct, its place in the forest, its matrices in a pose.
 const NODE: u64 = GROWTH * size_of::<Node>() as u64 + 512;
+
+/// More bytes for a vertex that is welded by distance: its cell, boxes of its cell, and its group without and with its data.
+const WELD_BY_DISTANCE: u64 = 256;
 
 impl Budget {
     pub(super) fn new(limit: u64) -> Self {
@@ -83,13 +87,19 @@ impl Budget {
     }
 
     /// Charges the welding of a mesh, and the list of its joints in use.
-    pub(super) fn charge_welding(&self, geometry: &Geometry, what: &dyn Fn() -> String) -> Result<(), GltfError> {
+    pub(super) fn charge_welding(
+        &self,
+        geometry: &Geometry,
+        weld: Weld,
+        what: &dyn Fn() -> String,
+    ) -> Result<(), GltfError> {
         let vertices = geometry.positions().len() as u64;
         let entries = geometry.influences().map_or(0, |i: &Influences| i.joints().len()) as u64;
         // Two tables with chains and their groups, and the vertices that are kept, renumbered, with their data.
         let tables = 2 * (16 + 4 + 4);
         let kept = GROWTH * 8 + 4 + 12 * (1 + geometry.morph_targets().len() as u64) + GROWTH * 4 + 4;
-        self.charge(vertices, tables + kept, what)?;
+        let by_distance = if matches!(weld, Weld::Distance(_)) { WELD_BY_DISTANCE } else { 0 };
+        self.charge(vertices, tables + kept + by_distance, what)?;
         self.charge(entries, GROWTH * 8 + 24, what)?;
         self.charge(geometry.faces().len() as u64, 12, what)
     }

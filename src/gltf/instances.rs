@@ -208,7 +208,7 @@ fn instanced(reader: &Reader<'_>, n: usize, instancing: &Instancing) -> Result<V
 
 impl Draft {
     fn push(&mut self, reader: &Reader<'_>, mesh: usize, geometry: &Geometry, weld: Weld) -> Result<(), GltfError> {
-        reader.budget.charge_welding(geometry, &|| format!("meshes[{mesh}]"))?;
+        reader.budget.charge_welding(geometry, weld, &|| format!("meshes[{mesh}]"))?;
         let (welded, counts) = geometry.welded(weld);
         self.geometries.push(welded);
         self.weld_counts.push(counts);

@@ -4,6 +4,8 @@ use rimline::mesh::{Bounds, Edge, EdgeCounts, EdgeKind, MeshDiagnostics, WeldCou
 use rimline::reference::model::most_per_vertex;
 use rimline::{Geometry, Mesh, MeshError};
 
+use super::seams::{Seams, t_junctions};
+
 /// Edges listed of a mesh that is not closed.
 const LISTED_EDGES: usize = 4;
 
@@ -20,6 +22,9 @@ pub(super) struct MeshReport {
     /// The most joints that any vertex follows; 0 for a rigid mesh.
     pub(super) joints_per_vertex: usize,
     pub(super) bounds: Option<Bounds>,
+    /// Boundary edges that rounding may have left open. Only of meshes in their own space.
+    pub(super) seams: Option<Seams>,
+    pub(super) t_junctions: usize,
 }
 
 impl MeshReport {
@@ -35,6 +40,7 @@ impl MeshReport {
             vertices,
             morph_targets: geometry.morph_targets().len(),
             joints_per_vertex: geometry.influences().map_or(0, most_per_vertex),
+            seams: Seams::of(geometry, &mesh),
             ..Self::of_mesh(&mesh, geometry.positions())
         })
     }
@@ -49,6 +55,7 @@ impl MeshReport {
             listed_positions: diagnostics.listed_edges.iter().map(ends).collect(),
             diagnostics,
             bounds: Bounds::of(positions),
+            t_junctions: t_junctions(mesh, positions),
             ..Self::default()
         }
     }
@@ -61,6 +68,9 @@ impl MeshReport {
             total.vertices.before += mesh.vertices.before;
             total.vertices.after += mesh.vertices.after;
             total.vertices.apart += mesh.vertices.apart;
+            total.vertices.collapsed += mesh.vertices.collapsed;
+            total.vertices.wide += mesh.vertices.wide;
+            total.t_junctions += mesh.t_junctions;
             total.faces += mesh.faces;
             total.morph_targets += mesh.morph_targets;
             total.joints_per_vertex = total.joints_per_vertex.max(mesh.joints_per_vertex);
