@@ -5,6 +5,7 @@ use std::cell::Cell;
 use super::document::Node;
 use super::error::GltfError;
 use super::placement::Placement;
+use crate::mesh::Weld;
 use crate::model::{Geometry, Influences, Instance, InstancePose};
 
 /// The memory that loading one input may take, in bytes.
@@ -61,6 +62,9 @@ pub(super) const RIGID_INSTANCE: u64 = INSTANCE + MATRIX;
 const USED_JOINT: u64 = 24;
 /// Bytes for a node besides its JSON: the struct, its place in the forest, its matrices in a pose.
 const NODE: u64 = GROWTH * size_of::<Node>() as u64 + 512;
+
+/// More bytes for a vertex that is welded by distance: its cell, boxes of its cell, and its group without and with its data.
+const WELD_BY_DISTANCE: u64 = 256;
 
 impl Budget {
     pub(super) fn new(limit: u64) -> Self {
@@ -133,13 +137,19 @@ impl Budget {
     }
 
     /// Charges the welding of a mesh, and the list of its joints in use.
-    pub(super) fn charge_welding(&self, geometry: &Geometry, what: &dyn Fn() -> String) -> Result<(), GltfError> {
+    pub(super) fn charge_welding(
+        &self,
+        geometry: &Geometry,
+        weld: Weld,
+        what: &dyn Fn() -> String,
+    ) -> Result<(), GltfError> {
         let vertices = geometry.positions().len() as u64;
         let influences = geometry.influences();
         let entries = influences.map_or(0, |i: &Influences| i.joints().len()) as u64;
         // The kept ones' offsets are a list that doubles.
         let offset = if influences.is_some() { GROWTH * 4 } else { 0 };
-        self.charge(vertices, WELDING + offset + vertex(geometry.morph_targets().len()), what)?;
+        let by_distance = if matches!(weld, Weld::Distance(_)) { WELD_BY_DISTANCE } else { 0 };
+        self.charge(vertices, WELDING + offset + by_distance + vertex(geometry.morph_targets().len()), what)?;
         // Joints and weights, the keys of a hash, the set of joints in use.
         self.charge(entries, GROWTH * 8 + 16 + USED_JOINT, what)?;
         self.charge(geometry.faces().len() as u64, FACE, what)

@@ -216,7 +216,7 @@ fn instanced(reader: &Reader<'_>, n: usize, instancing: &Instancing) -> Result<V
 impl Draft {
     /// Welds a mesh, and returns the bytes that are kept of it.
     fn push(&mut self, reader: &Reader<'_>, mesh: usize, geometry: &Geometry, weld: Weld) -> Result<u64, GltfError> {
-        reader.budget.charge_welding(geometry, &|| format!("meshes[{mesh}]"))?;
+        reader.budget.charge_welding(geometry, weld, &|| format!("meshes[{mesh}]"))?;
         let (welded, counts) = geometry.welded(weld);
         let kept = budget::kept(&welded);
         self.geometries.push(welded);

@@ -209,8 +209,7 @@ impl Geometry {
             return (self.clone(), WeldCounts::kept(count));
         }
         let keys = Keys::new(self.most_words());
-        let by_position =
-            || groups(count, |v| keys.hash(self.positions[v].map(bits)), |a, b| self.same_position(a, b));
+        let by_position = || groups(count, |v| keys.hash(self.positions[v].map(bits)), |a, b| self.same_position(a, b));
         // The hash covers everything that is compared. Otherwise vertices that share only a part of it would be searched
         // one by one, in quadratic time.
         let (NearGroups { groups, wide }, places) = match weld {
@@ -223,7 +222,10 @@ impl Geometry {
             _ => {
                 let same = |a, b| self.same_position(a, b) && self.same_data(a, b);
                 let words = |v: usize| self.positions[v].map(bits).into_iter().chain(self.data(v));
-                (NearGroups { groups: groups(count, |v| keys.hash(words(v)), same), wide: 0 }, weld::count(&by_position()))
+                (
+                    NearGroups { groups: groups(count, |v| keys.hash(words(v)), same), wide: 0 },
+                    weld::count(&by_position()),
+                )
             }
         };
         let mut kept: Vec<usize> = Vec::with_capacity(weld::count(&groups));

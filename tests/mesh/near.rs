@@ -155,7 +155,11 @@ fn the_order_of_vertices_is_of_no_matter() {
         let (positions, distance) = cloud(&mut random, seed);
         let taken = |positions: &[[f32; 3]]| {
             let (groups, wide) = groups(positions, distance);
-            groups.iter().map(|&v| positions[v as usize].map(f32::to_bits)).zip(vec![wide; groups.len()]).collect::<Vec<_>>()
+            groups
+                .iter()
+                .map(|&v| positions[v as usize].map(f32::to_bits))
+                .zip(vec![wide; groups.len()])
+                .collect::<Vec<_>>()
         };
         let forward = taken(&positions);
         let mut backward = taken(&positions.iter().rev().copied().collect::<Vec<_>>());
@@ -210,8 +214,15 @@ fn data_keeps_vertices_apart_unless_it_is_said_otherwise() {
 #[test]
 fn a_polygon_may_collapse() {
     use rimline::mesh::PolygonLoops;
-    let positions =
-        [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [1.001, 0.0, 0.0], [1.001, 1.0, 0.0], [2.0, 0.5, 0.0]];
+    let positions = [
+        [0.0; 3],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [1.001, 0.0, 0.0],
+        [1.001, 1.0, 0.0],
+        [2.0, 0.5, 0.0],
+    ];
     let polygons = PolygonLoops {
         polygon_loops: &[1, 1, 1],
         loop_sizes: &[4, 4, 3],
@@ -254,7 +265,11 @@ fn hostile_clouds_weld_in_time() {
     let circle: Vec<[f32; 3]> = (0..count)
         .map(|v| {
             let turn = random.between(0.0, 6.2831);
-            if v % 2 == 0 { [1.000_001 * turn.cos(), 1.000_001 * turn.sin(), 0.0] } else { [0.0, 0.0, 1e-3 * (turn - 3.0)] }
+            if v % 2 == 0 {
+                [1.000_001 * turn.cos(), 1.000_001 * turn.sin(), 0.0]
+            } else {
+                [0.0, 0.0, 1e-3 * (turn - 3.0)]
+            }
         })
         .collect();
     let same = vec![[1.0, 2.0, 3.0]; count];

@@ -87,8 +87,7 @@ mod oracle {
         let groups = groups(geometry, weld);
         let is_degenerate = |[a, b, c]: [usize; 3]| a == b || b == c || c == a;
         let faces = geometry.faces.iter().map(|face| face.map(|v| v as usize));
-        let collapsed =
-            faces.filter(|&face| !is_degenerate(face) && is_degenerate(face.map(|v| groups[v]))).count();
+        let collapsed = faces.filter(|&face| !is_degenerate(face) && is_degenerate(face.map(|v| groups[v]))).count();
         WeldCounts { before: geometry.positions.len(), after: after(weld), apart, collapsed, wide: 0 }
     }
 

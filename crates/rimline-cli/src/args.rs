@@ -148,6 +148,10 @@ pub(crate) struct DrawArgs {
     #[command(flatten)]
     pub(crate) posed: MomentArgs,
 
+    /// Draw open boundaries in orange
+    #[arg(long)]
+    pub(crate) show_boundary: bool,
+
     /// Where to write the picture, a PNG
     #[arg(long, value_name = "FILE.png")]
     pub(crate) out: PathBuf,
@@ -157,10 +161,11 @@ const DRAW_EXAMPLES: &str = "\
 Examples:
   rimline draw fox.glb --out fox.png
   rimline draw fox.glb --animation Run --time 0.4 --eye -150,80,2e2 --out fox.png
+  rimline draw cloth.glb --show-boundary --out cloth.png
 ";
 
 const DRAW_REMARKS: &str = "\
-Silhouette edges are dark, open boundaries are orange. World space is right-handed with +Y up.";
+Silhouette edges and open boundaries are dark; with --show-boundary, boundaries are orange. World space is right-handed with +Y up.";
 
 #[derive(Args, Debug)]
 #[command(help_template = verbatim(INFO_EXAMPLES), after_help = INFO_KEYS)]
@@ -188,8 +193,9 @@ Examples:
 const INFO_KEYS: &str = "\
 Keys of --json: file, instances, origin (only where it is not zero), meshes (a list), total (each mesh once), placed (all \
 instances at rest in world space); each of these three with name, vertices (before, after, apart), faces, degenerate_faces, \
-duplicate_faces, edges (consistent, inconsistent, boundary), non_manifold_edges, components, closed, \
-why_open, offending_edges (kind, vertices, positions), joints_per_vertex, morph_targets, bounds (min, \
+collapsed_faces, duplicate_faces, edges (consistent, inconsistent, boundary), non_manifold_edges, components, closed, \
+why_open, offending_edges (kind, vertices, positions), near_boundary (null where no two boundary edges nearly meet; edges, \
+gap, weld_distance, closes, collapses, across_data), t_junctions, joints_per_vertex, morph_targets, bounds (min, \
 max); polygons (null where all faces are triangles; triangles, quadrilaterals, larger, most_corners, with_holes, \
 nonplanar, non_finite, seen: for each light facing, averted, in_plane, twisted); and of a glTF file skins (name, joints), \
 animations (name, duration_seconds, channels), lights \

@@ -90,7 +90,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
         extraction: &extraction,
     };
     let places = survey::places(args.view.size, gpu.device.limits().max_texture_dimension_2d);
-    let frame = Frame::new(&camera, args.view.size, &bounds, places);
+    let frame = Frame::new(&camera, args.view.size, &bounds, places, args.show_boundary);
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let texture = outline_picture::record(&gpu, &mut encoder, &frame, args.view.size, &subject);
     if pollster::block_on(scope.pop()).is_some() {

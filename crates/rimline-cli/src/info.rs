@@ -4,6 +4,7 @@ mod asset;
 mod json;
 mod polygons;
 mod report;
+mod seams;
 mod text;
 
 use std::borrow::Cow;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rimline::MAX_LIGHTS;
 use rimline::gltf::{AnimationInfo, Asset, GltfError, LoadOptions, SceneLight};
-use rimline::mesh::WeldCounts;
+use rimline::mesh::{Weld, WeldCounts, WeldDistance};
 use rimline::reference::light::check_lights;
 use rimline::{
     Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, Mesh, Model, ModelError, Origin, Pose,
@@ -69,7 +69,26 @@ impl Input {
         let (source, origin) = open(file, options).map_err(Failure::input(file))?;
         let input = Self { file: file.to_owned(), source, origin };
         input.note_non_finite();
+        if let Weld::Distance(distance) = options.weld {
+            input.note_wide_groups(distance);
+        }
         Ok(input)
+    }
+
+    /// A chain of vertices, each near the next, becomes one point.
+    fn note_wide_groups(&self, distance: WeldDistance) {
+        let counts = (0..self.model().geometries().len()).map(|geometry| self.weld_counts(geometry));
+        let count = counts.map(|counts| counts.wide).sum::<usize>();
+        if count > 0 {
+            let (groups, are, theirs) =
+                if count == 1 { ("group", "is", "it lies") } else { ("groups", "are", "they lie") };
+            note(&format!(
+                "warning: {}: {count} {groups} of vertices joined by --weld-distance {:e} {are} wider than 10 times that, since \
+                 {theirs} in chains; each is one point now, so give a smaller distance if that is not meant",
+                self.file.display(),
+                distance.get()
+            ));
+        }
     }
 
     /// Every subcommand takes positions that are infinite or NaN alike, so it is said where every one reads its model.

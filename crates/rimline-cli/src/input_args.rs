@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use rimline::Origin;
 use rimline::gltf::LoadOptions;
-use rimline::mesh::Weld;
+use rimline::mesh::{Weld, WeldDistance};
 
 use crate::coordinates::{Coordinate, relative};
 use crate::load_args::LoadArgs;
@@ -34,14 +34,22 @@ pub(crate) struct WeldArgs {
     /// Join no vertices: use them as they are in the file
     #[arg(long, conflicts_with = "weld")]
     no_weld: bool,
+
+    /// Also join vertices that are at most D apart, in the units of each mesh of the file, and vertices that others join to each
+    /// other. All of them take the lexicographically smallest of their positions. It closes seams that rounding left open (`rimline
+    /// info` says which). Vertices whose skin or morph data differ are joined only with `--weld position`
+    #[arg(long, value_name = "D", conflicts_with = "no_weld", allow_hyphen_values = true, value_parser = spec::weld_distance)]
+    weld_distance: Option<WeldDistance>,
 }
 
 impl WeldArgs {
     pub(crate) fn weld(self) -> Weld {
-        match self.weld {
+        match (self.weld, self.weld_distance) {
             _ if self.no_weld => Weld::Keep,
-            WeldArg::Data => Weld::Data,
-            WeldArg::Position => Weld::Position,
+            (WeldArg::Data, None) => Weld::Data,
+            (WeldArg::Position, None) => Weld::Position,
+            (WeldArg::Data, Some(distance)) => Weld::Distance(distance),
+            (WeldArg::Position, Some(distance)) => Weld::Distance(distance.across_data()),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The small languages of the command line: lights, points and picture sizes.
 
 use rimline::gpu::{DanglingEdges, DepthEdges};
+use rimline::mesh::{WeldDistance, WeldDistanceError};
 use rimline::{AreaShape, Light};
 
 use crate::coordinates::{Coordinate, GivenLight};
@@ -57,6 +58,8 @@ pub(crate) enum SpecError {
     Number(String),
     #[error("`{0}` is beyond what a 32-bit float holds (about ±3.4e38)")]
     Overflow(String),
+    #[error(transparent)]
+    WeldDistance(WeldDistanceError),
     #[error("all components are zero, which is neither a point nor a direction")]
     Zero,
     #[error("a size is written as width x height in pixels, such as 1280x960")]
@@ -351,6 +354,11 @@ pub(crate) fn field_of_view(text: &str) -> Result<f32, SpecError> {
 /// A time in seconds.
 pub(crate) fn seconds(text: &str) -> Result<f32, SpecError> {
     within(text, -MOST_SECONDS, MOST_SECONDS)
+}
+
+/// A distance of `--weld-distance`.
+pub(crate) fn weld_distance(text: &str) -> Result<WeldDistance, SpecError> {
+    WeldDistance::new(number(text)?).map_err(SpecError::WeldDistance)
 }
 
 fn numbers<const N: usize>(text: &str) -> Result<[f32; N], SpecError> {

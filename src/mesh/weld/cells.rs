@@ -23,16 +23,11 @@ pub(crate) const WIDE: u32 = 10;
 
 /// The groups of vertices of one class each. `class` is the same for vertices that may be joined. Those that are not finite
 /// are joined if all their bits are the same.
-pub(crate) fn near_groups(
-    positions: &[[f32; 3]],
-    distance: WeldDistance,
-    class: impl Fn(usize) -> u32,
-) -> NearGroups {
+pub(crate) fn near_groups(positions: &[[f32; 3]], distance: WeldDistance, class: impl Fn(usize) -> u32) -> NearGroups {
     let is_finite = |v: &usize| positions[*v].iter().all(|c| c.is_finite());
     let finite = (0..positions.len()).filter(is_finite);
-    let mut entries: Vec<Entry> = finite
-        .map(|v| Entry { class: class(v), cell: cell(positions[v], distance), vertex: v as u32 })
-        .collect();
+    let mut entries: Vec<Entry> =
+        finite.map(|v| Entry { class: class(v), cell: cell(positions[v], distance), vertex: v as u32 }).collect();
     entries.sort_unstable_by(|a, b| {
         let order = a.key().cmp(&b.key());
         order.then_with(|| compare(positions, a.vertex, b.vertex))
@@ -159,8 +154,7 @@ impl Cells {
     /// rows of cells beside each cell, all at once, so it takes a few steps a cell.
     fn join(&mut self, reach: i64, distance: WeldDistance) {
         let beside = (0..=reach).flat_map(|z| (-reach..=reach).map(move |y| [z, y]));
-        let mut rows: Vec<([i64; 2], usize)> =
-            beside.filter(|&row| row >= [0, 0]).map(|row| (row, 0)).collect();
+        let mut rows: Vec<([i64; 2], usize)> = beside.filter(|&row| row >= [0, 0]).map(|row| (row, 0)).collect();
         for at in 0..self.cells.len() {
             let (class, [z, y, x]) = (self.cells[at].class, self.cells[at].place);
             for ([above, beside], start) in &mut rows {

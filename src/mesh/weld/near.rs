@@ -99,7 +99,9 @@ pub(super) fn near(a: Node<'_>, b: Node<'_>, distance: WeldDistance) -> bool {
     }
     let is_a_larger = box_a.longest().1 >= box_b.longest().1;
     match (a.halves(), b.halves()) {
-        (Some(halves), other) if is_a_larger || other.is_none() => halves.into_iter().any(|half| near(half, b, distance)),
+        (Some(halves), other) if is_a_larger || other.is_none() => {
+            halves.into_iter().any(|half| near(half, b, distance))
+        }
         (_, Some(halves)) => halves.into_iter().any(|half| near(a, half, distance)),
         _ => any_near(a.points, b.points, distance),
     }
@@ -125,7 +127,9 @@ impl Extent {
     /// The axis along which it is longest, and its length.
     fn longest(&self) -> (usize, f64) {
         let lengths = [0, 1, 2].map(|axis| (axis, f64::from(self.high[axis]) - f64::from(self.low[axis])));
-        lengths.into_iter().fold((0, f64::NEG_INFINITY), |longest, side| if side.1 > longest.1 { side } else { longest })
+        lengths
+            .into_iter()
+            .fold((0, f64::NEG_INFINITY), |longest, side| if side.1 > longest.1 { side } else { longest })
     }
 
     /// The way from its middle to that of another.

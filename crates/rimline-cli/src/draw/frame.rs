@@ -24,12 +24,13 @@ pub(super) struct Frame {
     ground_half: f32,
     shadow_height: f32,
     places: u32,
-    reserved: [u32; 3],
+    show_boundary: u32,
+    reserved: [u32; 2],
 }
 
 impl Frame {
     /// With so many places each way a pixel in the survey.
-    pub(super) fn new(camera: &Camera, size: [u32; 2], bounds: &Bounds, places: u32) -> Self {
+    pub(super) fn new(camera: &Camera, size: [u32; 2], bounds: &Bounds, places: u32, show_boundary: bool) -> Self {
         let extent = extent(bounds);
         let [min, max] = [bounds.min, bounds.max];
         let [x, _, z] = centre(bounds);
@@ -50,7 +51,8 @@ impl Frame {
             ground_half: 0.5 * (max[0] - min[0]).max(max[2] - min[2]) + 0.3 * extent,
             shadow_height: 0.3 * extent,
             places,
-            reserved: [0; 3],
+            show_boundary: u32::from(show_boundary),
+            reserved: [0; 2],
         }
     }
 

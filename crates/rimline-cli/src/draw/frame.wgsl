@@ -24,6 +24,8 @@ struct Frame {
   shadow_height: f32,
   // The survey's places a pixel, each way.
   places: i32,
+  // 1 if boundary edges have a colour of their own.
+  show_boundary: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -70,7 +70,7 @@ fn to_pixels(view: vec3<f32>) -> vec2<f32> {
   let side = select(-1.0, 1.0, (vertex & 2u) == 2u);
   let corner = select(start, stop, end > 0.0) + reach * (end * along + side * vec2<f32>(-along.y, along.x));
   let ndc = corner / frame.size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0);
-  return Line(vec4<f32>(ndc, 0.5, 1.0), start, stop, p, q, 1.0 / vec2<f32>(a.z, b.z), u32(edge.kind == 2u));
+  return Line(vec4<f32>(ndc, 0.5, 1.0), start, stop, p, q, 1.0 / vec2<f32>(a.z, b.z), u32(edge.kind == 2u) & frame.show_boundary);
 }
 
 fn position(face: u32, corner: u32) -> vec3<f32> {

@@ -6,9 +6,10 @@ use serde_json::{Value, json};
 
 use super::report::{MeshReport, kind_name};
 use crate::coordinates::point;
+use super::seams::Seams;
 
 pub(super) fn mesh(report: &MeshReport) -> Value {
-    let WeldCounts { before, after, apart } = report.vertices;
+    let WeldCounts { before, after, apart, collapsed, .. } = report.vertices;
     let diagnostics = &report.diagnostics;
     let EdgeCounts { consistent, inconsistent, boundary } = diagnostics.edges;
     let listed: Vec<Value> = diagnostics
@@ -25,6 +26,7 @@ pub(super) fn mesh(report: &MeshReport) -> Value {
         "vertices": { "before": before, "after": after, "apart": apart },
         "faces": report.faces,
         "degenerate_faces": diagnostics.degenerate_faces,
+        "collapsed_faces": collapsed,
         "duplicate_faces": diagnostics.duplicate_faces,
         "edges": { "consistent": consistent, "inconsistent": inconsistent, "boundary": boundary },
         "non_manifold_edges": diagnostics.non_manifold_edges,
@@ -32,6 +34,8 @@ pub(super) fn mesh(report: &MeshReport) -> Value {
         "closed": diagnostics.is_closed(),
         "why_open": report.why_open(),
         "offending_edges": listed,
+        "near_boundary": report.seams.as_ref().map(Seams::json),
+        "t_junctions": report.t_junctions,
         "joints_per_vertex": report.joints_per_vertex,
         "morph_targets": report.morph_targets,
         "bounds": report.bounds.map(|bounds| json_bounds(&bounds, report.origin)),

@@ -4,6 +4,8 @@ use rimline::mesh::{Bounds, Edge, EdgeCounts, EdgeKind, MeshDiagnostics, WeldCou
 use rimline::reference::model::most_per_vertex;
 use rimline::{Geometry, Mesh, MeshError, Origin};
 
+use super::seams::{Seams, t_junctions};
+
 /// Edges listed of a mesh that is not closed.
 const LISTED_EDGES: usize = 4;
 
@@ -22,6 +24,9 @@ pub(super) struct MeshReport {
     pub(super) bounds: Option<Bounds>,
     /// What positions and bounds are relative to.
     pub(super) origin: Origin,
+    /// Boundary edges that rounding may have left open. Only of meshes in their own space.
+    pub(super) seams: Option<Seams>,
+    pub(super) t_junctions: usize,
 }
 
 impl MeshReport {
@@ -37,6 +42,7 @@ impl MeshReport {
             vertices,
             morph_targets: geometry.morph_targets().len(),
             joints_per_vertex: geometry.influences().map_or(0, most_per_vertex),
+            seams: Seams::of(geometry, &mesh),
             ..Self::of_mesh(&mesh, geometry.positions(), origin)
         })
     }
@@ -52,6 +58,7 @@ impl MeshReport {
             diagnostics,
             bounds: Bounds::of(positions),
             origin,
+            t_junctions: t_junctions(mesh, positions),
             ..Self::default()
         }
     }
@@ -64,6 +71,9 @@ impl MeshReport {
             total.vertices.before += mesh.vertices.before;
             total.vertices.after += mesh.vertices.after;
             total.vertices.apart += mesh.vertices.apart;
+            total.vertices.collapsed += mesh.vertices.collapsed;
+            total.vertices.wide += mesh.vertices.wide;
+            total.t_junctions += mesh.t_junctions;
             total.faces += mesh.faces;
             total.morph_targets += mesh.morph_targets;
             total.joints_per_vertex = total.joints_per_vertex.max(mesh.joints_per_vertex);

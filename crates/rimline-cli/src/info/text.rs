@@ -49,7 +49,11 @@ impl Text {
             "faces",
             counted(
                 report.faces,
-                &[(diagnostics.degenerate_faces, "degenerate"), (diagnostics.duplicate_faces, "duplicate")],
+                &[
+                    (diagnostics.degenerate_faces, "degenerate"),
+                    (report.vertices.collapsed, "of them collapsed by welding"),
+                    (diagnostics.duplicate_faces, "duplicate"),
+                ],
             ),
         );
         let EdgeCounts { consistent, inconsistent, boundary } = diagnostics.edges;
@@ -66,6 +70,12 @@ impl Text {
             None if report.faces == 0 => self.line("closed", "nothing to close: no faces"),
             None => self.line("closed", "yes"),
             Some(why) => self.line("closed", format!("no: {why}")),
+        }
+        if let Some(seams) = &report.seams {
+            self.more(seams.text());
+        }
+        if report.t_junctions > 0 {
+            self.more(format!("{} T-junctions: vertices on boundary edges that end elsewhere", report.t_junctions));
         }
         for (edge, [a, b]) in diagnostics.listed_edges.iter().zip(&report.listed_positions) {
             let [va, vb] = edge.vertices;

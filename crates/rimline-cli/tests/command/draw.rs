@@ -80,9 +80,11 @@ fn triangle(coordinates: [f32; 9]) -> Vec<u8> {
 }
 
 fn open() -> Outcome {
-    let picture = draw(&triangle([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]), "--size 200x200")?;
+    let picture = draw(&triangle([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]), "--size 200x200 --show-boundary")?;
     ensure!(picture.count(is_orange) > 150, "{} orange pixels", picture.count(is_orange));
     ensure!(picture.count(is_ink) == 0, "a silhouette on a flat model");
+    let picture = draw(&triangle([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]), "--size 200x200")?;
+    ensure!(picture.count(is_orange) == 0 && picture.count(is_ink) > 150, "a boundary that has no colour of its own");
     Ok(())
 }
 
@@ -92,7 +94,7 @@ fn eyes() -> Outcome {
     }
     // So far from the origin that neighbouring floats are 2 apart.
     let far = [2.5e7, 2.5e7, 2.5e7, 2.5e7 + 64.0, 2.5e7, 2.5e7, 2.5e7, 2.5e7 + 64.0, 2.5e7];
-    let picture = draw(&triangle(far), "--size 128x128")?;
+    let picture = draw(&triangle(far), "--size 128x128 --show-boundary")?;
     ensure!(picture.count(is_orange) > 60, "{} orange pixels", picture.count(is_orange));
     // One point three times.
     draw(&triangle([1.0; 9]), "--size 64x64 --no-weld").map(|_| ())

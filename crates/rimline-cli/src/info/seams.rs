@@ -1,0 +1,138 @@
+//! Boundary edges that nearly meet others, as rounding leaves them, and T-junctions.
+
+use rimline::mesh::{Bounds, Edge, EdgeKind, Weld, WeldDistance};
+use rimline::{Geometry, Mesh};
+use serde_json::{Value, json};
+
+/// Boundary edges that lie so near others that they are meant to be one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Seams {
+    pub(super) edges: usize,
+    /// The farthest that ends of two such edges are apart.
+    pub(super) gap: f64,
+    /// A distance that joins them, and what it does.
+    pub(super) distance: f32,
+    pub(super) closes: usize,
+    pub(super) collapses: usize,
+    /// Whether only `--weld position` joins them, too.
+    pub(super) across_data: bool,
+}
+
+impl Seams {
+    /// The seams of a mesh in its own space, where vertices are welded.
+    pub(super) fn of(geometry: &Geometry, mesh: &Mesh) -> Option<Self> {
+        let edges: Vec<[u32; 2]> = boundary(mesh).map(|edge| edge.vertices).collect();
+        let first = tolerance(geometry.positions())?;
+        let found = [1.0, 10.0, 100.0].map(|times| {
+            // A power of ten, as people write them.
+            let distance = format!("{:.0e}", f64::from(first) * times).parse().ok()?;
+            let (count, gap) = pairs(geometry.positions(), &edges, distance)?;
+            Some((distance, count, gap))
+        });
+        let most = found.iter().flatten().map(|(_, count, _)| *count).max().filter(|&count| count > 0)?;
+        let (distance, edges, gap) = found.into_iter().flatten().find(|(_, count, _)| *count == most)?;
+        let by = WeldDistance::new(distance).ok()?;
+        let closed = |by: WeldDistance| {
+            let (welded, counts) = geometry.welded(Weld::Distance(by));
+            let after = Mesh::from_faces(welded.positions().len(), welded.faces().to_vec()).ok()?;
+            let before = mesh.edges().counts().boundary;
+            Some((before.saturating_sub(after.edges().counts().boundary), counts.collapsed))
+        };
+        let (own, across) = (closed(by)?, closed(by.across_data())?);
+        let across_data = across.0 > own.0;
+        let (closes, collapses) = if across_data { across } else { own };
+        Some(Self { edges, gap, distance, closes, collapses, across_data })
+    }
+
+    pub(super) fn text(&self) -> String {
+        let Self { edges, gap, distance, closes, collapses, across_data } = self;
+        let position = if *across_data { "--weld position " } else { "" };
+        let them = if closes >= edges { "them".to_owned() } else { format!("{closes} of them") };
+        let collapse = if *collapses > 0 { format!(", and {collapses} faces collapse") } else { String::new() };
+        format!(
+            "{edges} boundary edges lie within {gap:.0e} of each other: {position}--weld-distance {distance:e} closes {them}{collapse}"
+        )
+    }
+
+    pub(super) fn json(&self) -> Value {
+        let Self { edges, gap, distance, closes, collapses, across_data } = self;
+        let distance: f64 = distance.to_string().parse().unwrap_or_default();
+        json!({
+            "edges": edges, "gap": gap, "weld_distance": distance, "closes": closes, "collapses": collapses,
+            "across_data": across_data,
+        })
+    }
+}
+
+fn boundary(mesh: &Mesh) -> impl Iterator<Item = Edge> + '_ {
+    mesh.edges().iter().filter(|edge| edge.kind == EdgeKind::Boundary)
+}
+
+/// The power of ten below a millionth of the size or of the largest coordinate: some steps of a float.
+fn tolerance(positions: &[[f32; 3]]) -> Option<f32> {
+    let Bounds { min, max } = Bounds::of(positions)?;
+    let largest = (0..3)
+        .map(|axis| (f64::from(max[axis]) - f64::from(min[axis])).max(f64::from(max[axis].abs().max(min[axis].abs()))));
+    let largest = largest.fold(0.0, f64::max);
+    let power = (largest * 1e-6).log10().floor();
+    let tolerance = 10.0_f64.powf(power) as f32;
+    (largest > 0.0 && tolerance > 0.0).then_some(tolerance)
+}
+
+/// How many boundary edges meet another of the opposite way once vertices so near are one, and how far their ends are apart.
+fn pairs(positions: &[[f32; 3]], edges: &[[u32; 2]], distance: f32) -> Option<(usize, f64)> {
+    let ends: Vec<[f32; 3]> = edges.iter().flatten().map(|&v| positions[v as usize]).collect();
+    let each: Vec<[u32; 3]> = (0..ends.len() as u32).map(|v| [v; 3]).collect();
+    let groups = Mesh::new(&ends, &each, Weld::Distance(WeldDistance::new(distance).ok()?)).ok()?;
+    let group = |end: usize| groups.faces()[end][0];
+    let mut keyed: Vec<([u32; 2], bool, usize)> = (0..edges.len())
+        .map(|edge| (group(2 * edge), group(2 * edge + 1), edge))
+        .filter(|(a, b, _)| a != b)
+        .map(|(a, b, edge)| ([a.min(b), a.max(b)], a < b, edge))
+        .collect();
+    keyed.sort_unstable();
+    let apart = |a: [f32; 3], b: [f32; 3]| {
+        (0..3).map(|axis| (f64::from(a[axis]) - f64::from(b[axis])).powi(2)).sum::<f64>().sqrt()
+    };
+    let (mut count, mut gap) = (0, 0.0_f64);
+    for run in keyed.chunk_by(|p, q| p.0 == q.0) {
+        let (backward, forward) = run.split_at(run.partition_point(|&(_, is_forward, _)| !is_forward));
+        for (&(.., one), &(.., other)) in forward.iter().zip(backward) {
+            count += 2;
+            gap = gap.max(apart(ends[2 * one], ends[2 * other + 1])).max(apart(ends[2 * one + 1], ends[2 * other]));
+        }
+    }
+    Some((count, gap))
+}
+
+/// How many vertices of boundary edges lie on another boundary edge, between its ends, as near as rounding leaves them.
+pub(super) fn t_junctions(mesh: &Mesh, positions: &[[f32; 3]]) -> usize {
+    let Some(tolerance) = tolerance(positions).map(f64::from) else { return 0 };
+    let place = |v: u32| positions[v as usize].map(f64::from);
+    let is_finite = |edge: &[[f64; 3]; 2]| edge.iter().flatten().all(|c| c.is_finite());
+    let edges: Vec<[[f64; 3]; 2]> = boundary(mesh).map(|edge| edge.vertices.map(place)).filter(is_finite).collect();
+    let mut points: Vec<[f64; 3]> = edges.iter().flatten().copied().collect();
+    points.sort_unstable_by(|p, q| p.partial_cmp(q).unwrap_or(std::cmp::Ordering::Equal));
+    points.dedup();
+    let mut on_edge = vec![false; points.len()];
+    for [a, b] in edges {
+        let (low, high) = (a[0].min(b[0]) - tolerance, a[0].max(b[0]) + tolerance);
+        let (first, end) = (points.partition_point(|p| p[0] < low), points.partition_point(|p| p[0] <= high));
+        for at in first..end {
+            on_edge[at] = on_edge[at] || is_between(points[at], a, b, tolerance);
+        }
+    }
+    on_edge.into_iter().filter(|&is_on| is_on).count()
+}
+
+fn is_between(p: [f64; 3], a: [f64; 3], b: [f64; 3], tolerance: f64) -> bool {
+    let [along, to] = [b, p].map(|q| [q[0] - a[0], q[1] - a[1], q[2] - a[2]]);
+    let dot = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+    let (square, t) = (dot(along, along), dot(along, to));
+    if square == 0.0 || t <= 0.0 || t >= square {
+        return false;
+    }
+    let t = t / square;
+    let (length, aside) = (square.sqrt(), [0, 1, 2].map(|axis| to[axis] - t * along[axis]));
+    t * length > tolerance && (1.0 - t) * length > tolerance && dot(aside, aside) <= tolerance * tolerance
+}
