@@ -82,7 +82,7 @@ impl Asset {
 
     fn extent_of(&self, state: &State) -> Option<SceneExtent> {
         // Many instances share a geometry, whose vertices are then looked at once.
-        let boxes: Vec<_> = self.built.model.geometries().iter().map(box_of).collect();
+        let boxes = self.boxes.get_or_init(|| self.built.model.geometries().iter().map(box_of).collect());
         let (mut corners, mut stored) = (Vec::new(), 0.0_f64);
         for (geometry, placed) in self.placed(state) {
             let Some(own @ [low, high]) = boxes.get(geometry).copied().flatten() else { continue };

@@ -45,14 +45,20 @@ pub(crate) fn settle(inputs: &mut [Input], animations: &[Option<usize>], time_s:
 }
 
 impl Extent {
+    /// Of a box from one corner to the other.
     fn new([low, high]: [[f64; 3]; 2], rounding: f64) -> Self {
         let size = low.iter().zip(high).map(|(low, high)| high - low).fold(0.0, f64::max);
         Self { size, rounding }
     }
 
+    /// Whether rounding moves vertices by too much of the size.
+    fn is_coarse(self) -> bool {
+        self.rounding > UNSEEN * self.size && self.size > 0.0
+    }
+
     fn warn(self, input: &Input) {
         let Self { size, rounding } = self;
-        if rounding > UNSEEN * size && size > 0.0 {
+        if self.is_coarse() {
             let file = Line(input.file.display());
             note(&format!(
                 "warning: {file}: 32-bit floats move its vertices by up to {rounding:.2e}, {:.2e} of its size; store them \
@@ -80,9 +86,7 @@ impl Input {
             }
             Source::World { model, .. } => {
                 let [geometry] = model.geometries() else { return Ok(None) };
-                let corner = |&v: &u32| geometry.positions().get(v as usize).map(|p| p.map(f64::from));
-                let bounds = bounds(geometry.faces().as_flattened().iter().filter_map(corner));
-                Ok(bounds.map(|bounds| Extent::new(bounds, Origin::ZERO.rounding(bounds))))
+                Ok(extent(geometry, self.origin))
             }
         }
     }
@@ -103,6 +107,28 @@ impl Input {
         self.origin = origin;
         Ok(())
     }
+}
+
+/// Where the faces are. Positions are relative to the origin already; without one a part of the faces may tell enough.
+fn extent(geometry: &Geometry, origin: Origin) -> Option<Extent> {
+    let (positions, faces) = (geometry.positions(), geometry.faces());
+    let double = |position: &[f32; 3]| position.map(f64::from);
+    let of_faces = |step: usize| {
+        let corners = faces.iter().step_by(step).flatten();
+        bounds(corners.filter_map(|&v| positions.get(v as usize).map(double)))
+    };
+    let rounded = |bounds| Origin::ZERO.rounding(bounds);
+    let all = bounds(positions.iter().map(double))?;
+    if origin.is_zero()
+        && let Some(some) = of_faces(1 + faces.len() / 1000)
+    {
+        // Where not even the farthest vertex, whatever it is of, moves by much of their size.
+        let guess = Extent::new(some, rounded(all));
+        if guess.size > 0.0 && !guess.is_coarse() {
+            return Some(guess);
+        }
+    }
+    of_faces(1).map(|bounds| Extent::new(bounds, rounded(bounds)))
 }
 
 /// The same model relative to another origin. Its faces, and what was welded, stay.
