@@ -131,7 +131,7 @@ impl Asset {
     /// The matrix of an instance whose vertices move together.
     fn rigid_matrix(&self, placement: &Placement, geometry: &Geometry, state: &State) -> Option<DAffine3> {
         let is_rigid = geometry.influences().is_none() && geometry.morph_targets().is_empty();
-        is_rigid.then(|| self.matrices(placement, state).into_iter().find(|matrix| matrix.is_finite())).flatten()
+        is_rigid.then(|| self.matrices(placement, state).into_iter().find(DAffine3::is_finite)).flatten()
     }
 }
 
