@@ -7,8 +7,7 @@ use zip::ZipArchive;
 
 use super::charge::GROWTH;
 use super::header::ElementType;
-use super::origin::{is_real, read_origin, real};
-use super::read::{Budget, Entry, NpzError, float, is_float};
+use super::read::{Budget, Entry, NpzError, float, is_float, is_real, read_origin, real};
 
 /// Points as an archive has them.
 #[derive(Debug, PartialEq)]
