@@ -122,7 +122,7 @@ pub struct ShadowCamera {
     pub view_projection: [[f32; 4]; 4],
     /// The point that positions are relative to, in their space. Set it to zero for a plain view-projection matrix. Far
     /// from the world's origin, set it to the eye's position and use a view without translation; this keeps the
-    /// precision.
+    /// precision. Where positions themselves are too far away for `f32`, see [`Origin`](crate::Origin).
     pub origin: [f32; 3],
     /// Which depth is near.
     pub depth: DepthDirection,

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use gltf::json::Value;
 
@@ -52,6 +53,8 @@ pub struct Asset {
     pub(super) named_files: Vec<PathBuf>,
     /// What poses and lights are relative to.
     pub(super) origin: Origin,
+    /// The box of each geometry in its own space, once it was asked for.
+    pub(super) boxes: OnceLock<Vec<Option<[[f64; 3]; 2]>>>,
 }
 
 impl Asset {
@@ -133,6 +136,7 @@ impl Asset {
             built,
             named_files,
             origin: Origin::ZERO,
+            boxes: OnceLock::new(),
         })
     }
 

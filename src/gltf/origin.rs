@@ -5,6 +5,7 @@ use glam::{DAffine3, DVec3};
 use super::asset::Asset;
 use super::error::AnimationError;
 use super::node_state::State;
+use super::placement::Placement;
 use crate::model::Geometry;
 use crate::origin::{Origin, bounds, half_step, smallest};
 
@@ -56,9 +57,8 @@ impl Asset {
     /// [`AnimationError`] as for [`Asset::pose`].
     pub fn suggested_origin(&self, animation: Option<usize>, time_s: f32) -> Result<Origin, AnimationError> {
         let state = self.state(animation, time_s)?;
-        let smallest_edge =
-            || self.placed(&state).map(|(_, placed)| placed.smallest_edge()).fold(f64::INFINITY, f64::min);
-        Ok(self.extent_of(&state).map_or(Origin::ZERO, |extent| Origin::near(extent.bounds, smallest_edge)))
+        let extent = self.extent_of(&state);
+        Ok(extent.map_or(Origin::ZERO, |extent| Origin::near(extent.bounds, || self.smallest_edge_of(&state))))
     }
 
     /// Where all instances are at one time. `None` if nothing has a finite position.
@@ -69,53 +69,73 @@ impl Asset {
         Ok(self.extent_of(&self.state(animation, time_s)?))
     }
 
-    /// All instances, each with the number of its geometry.
-    fn placed<'a>(&'a self, state: &'a State) -> impl Iterator<Item = (usize, Placed<'a>)> {
+    /// The length of the smallest edge of all instances at one time, of those that have one; else infinity. It is what
+    /// [`Origin::near`] asks for.
+    ///
+    /// # Errors
+    /// [`AnimationError`] as for [`Asset::pose`].
+    pub fn smallest_edge(&self, animation: Option<usize>, time_s: f32) -> Result<f64, AnimationError> {
+        Ok(self.smallest_edge_of(&self.state(animation, time_s)?))
+    }
+
+    fn smallest_edge_of(&self, state: &State) -> f64 {
         let model = &self.built.model;
-        let instances = self.built.placements.iter().zip(model.instances()).zip(model.placed_geometries());
-        instances.map(|((placement, instance), geometry)| {
-            let matrices = self.matrices(placement, state);
-            let weights = self.morph_weights(placement, state).into_iter().map(f64::from).collect();
-            (instance.geometry(), Placed { geometry, matrices, weights })
-        })
+        let instances = self.built.placements.iter().zip(model.placed_geometries());
+        let edges = instances.map(|(placement, geometry)| self.placed(placement, geometry, state).smallest_edge());
+        edges.fold(f64::INFINITY, f64::min)
+    }
+
+    fn placed<'a>(&self, placement: &Placement, geometry: &'a Geometry, state: &State) -> Placed<'a> {
+        let matrices = self.matrices(placement, state);
+        let weights = self.morph_weights(placement, state).into_iter().map(f64::from).collect();
+        Placed { geometry, matrices, weights }
     }
 
     fn extent_of(&self, state: &State) -> Option<SceneExtent> {
+        let model = &self.built.model;
         // Many instances share a geometry, whose vertices are then looked at once.
-        let boxes: Vec<_> = self.built.model.geometries().iter().map(box_of).collect();
-        let (mut corners, mut stored) = (Vec::new(), 0.0_f64);
-        for (geometry, placed) in self.placed(state) {
-            let Some(own @ [low, high]) = boxes.get(geometry).copied().flatten() else { continue };
-            let matrices = || placed.matrices.iter().filter(|matrix| matrix.is_finite());
-            let sizes = [0, 1, 2].map(|axis: usize| half_step(low[axis].abs().max(high[axis].abs())));
-            let moved = |matrix: &DAffine3| {
-                let columns = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis];
-                columns.iter().zip(sizes).map(|(column, size)| column.length() * size).sum()
-            };
-            stored = matrices().map(moved).fold(stored, f64::max);
-            if placed.is_rigid() {
-                corners.extend(matrices().flat_map(|matrix| corners_of(own).map(|c| matrix.transform_point3(c))));
-            } else {
-                let vertices = 0..placed.geometry.positions().len();
-                let used = used(placed.geometry);
-                corners.extend(vertices.filter(|&v| used[v]).map(|v| placed.position(v)));
+        let boxes = self.boxes.get_or_init(|| model.geometries().iter().map(box_of).collect());
+        let (mut low, mut high, mut stored) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0_f64);
+        let mut add = |place: DVec3, half: DVec3| {
+            // Places that `f32` cannot hold do not count.
+            if let Some([from, to]) = bounds([(place - half).to_array(), (place + half).to_array()]) {
+                (low, high) = (low.min(from.into()), high.max(to.into()));
             }
-            // What is not needed any more is not kept.
-            corners = bounds(corners.iter().map(DVec3::to_array)).into_iter().flatten().map(DVec3::from).collect();
+        };
+        let instances = self.built.placements.iter().zip(model.instances()).zip(model.placed_geometries());
+        for ((placement, instance), geometry) in instances {
+            let Some(own) = boxes.get(instance.geometry()).copied().flatten() else { continue };
+            let [from, to] = own.map(DVec3::from);
+            let sizes = DVec3::from(from.abs().max(to.abs()).to_array().map(half_step));
+            let rounding = |matrix: &DAffine3| {
+                let [x, y, z] = columns(matrix).map(DVec3::length);
+                DVec3::new(x, y, z).dot(sizes)
+            };
+            if let Some(matrix) = self.rigid_matrix(placement, geometry, state) {
+                stored = stored.max(rounding(&matrix));
+                let half = 0.5 * (to - from);
+                let [x, y, z] = columns(&matrix).map(DVec3::abs);
+                add(matrix.transform_point3(from.midpoint(to)), x * half.x + y * half.y + z * half.z);
+            } else {
+                let placed = self.placed(placement, geometry, state);
+                stored = placed.matrices.iter().map(rounding).filter(|most| most.is_finite()).fold(stored, f64::max);
+                let used = used(geometry).into_iter().enumerate().filter(|(_, is_used)| *is_used);
+                used.for_each(|(vertex, _)| add(placed.position(vertex), DVec3::ZERO));
+            }
         }
-        let corners = bounds(corners.iter().map(DVec3::to_array))?;
-        let origin = self.origin.to_array();
-        let bounds = corners.map(|corner| [0, 1, 2].map(|axis| corner[axis] + origin[axis]));
-        Some(SceneExtent { bounds, rounding: stored + self.origin.rounding(bounds) })
+        let origin = DVec3::from(self.origin.to_array());
+        let bounds = [low + origin, high + origin].map(DVec3::into);
+        (low.x <= high.x).then(|| SceneExtent { bounds, rounding: stored + self.origin.rounding(bounds) })
+    }
+
+    /// The matrix of an instance whose vertices move together.
+    fn rigid_matrix(&self, placement: &Placement, geometry: &Geometry, state: &State) -> Option<DAffine3> {
+        let is_rigid = geometry.influences().is_none() && geometry.morph_targets().is_empty();
+        is_rigid.then(|| self.matrices(placement, state).into_iter().find(DAffine3::is_finite)).flatten()
     }
 }
 
 impl Placed<'_> {
-    /// Whether its vertices move together.
-    fn is_rigid(&self) -> bool {
-        self.geometry.influences().is_none() && self.weights.iter().all(|&weight| weight == 0.0)
-    }
-
     /// A vertex after morph and skin.
     fn position(&self, vertex: usize) -> DVec3 {
         let vector = |[x, y, z]: [f32; 3]| DVec3::new(x.into(), y.into(), z.into());
@@ -153,7 +173,6 @@ fn box_of(geometry: &Geometry) -> Option<[[f64; 3]; 2]> {
     bounds(used.map(|(position, _)| position.map(f64::from)))
 }
 
-fn corners_of([low, high]: [[f64; 3]; 2]) -> [DVec3; 8] {
-    let corners = [low, high];
-    std::array::from_fn(|number| DVec3::from([0, 1, 2].map(|axis| corners[number >> axis & 1][axis])))
+fn columns(matrix: &DAffine3) -> [DVec3; 3] {
+    [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis]
 }

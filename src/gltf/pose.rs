@@ -98,7 +98,9 @@ impl Asset {
         let shift = self.shift();
         // A sum with zero would turn −0 into 0.
         if shift != DVec3::ZERO {
-            world.iter_mut().for_each(|matrix| matrix.translation += shift);
+            for matrix in &mut world {
+                matrix.translation += shift;
+            }
         }
         Ok(State { world, weights })
     }

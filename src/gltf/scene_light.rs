@@ -19,7 +19,7 @@ pub enum SceneLightKind {
 pub struct SceneLight {
     /// The name of the light, or that of its node.
     pub name: Option<String>,
-    /// The light in world space, without a range. A point or spot light has the node's position and w = 1. A
+    /// The light in world space, relative to [`Asset::origin`](super::Asset::origin), without a range. A point or spot light has the node's position and w = 1. A
     /// directional light has the node's +Z at length 1 and w = 0: it shines along −Z, and [`Light`] points towards the
     /// light.
     pub light: Light,

@@ -6,7 +6,7 @@ use rimline::gltf::{Asset, GltfError};
 use serde_json::json;
 
 use crate::check::{close, map};
-use crate::maker::{Maker, everything};
+use crate::maker::{Maker, U16, everything};
 use crate::shape::same;
 use crate::{Outcome, ensure, test};
 
@@ -130,14 +130,17 @@ fn near_zero() -> Outcome {
 /// Positions that are far away in the file's own `f32`: they are used bit for bit, and what they may be off by is told.
 fn stored() -> Outcome {
     let mut maker = Maker::new();
-    let positions = maker
-        .floats("VEC3", &[392_142.0, 34.0, -5_820_467.0, 392_144.5, 34.0, -5_820_467.0, 392_142.0, 36.0, -5_820_467.0]);
-    let mesh = maker.mesh(&json!({ "attributes": { "POSITION": positions } }));
+    let corners = [[392_142.0, 34.0, -5_820_467.0], [392_144.5, 34.0, -5_820_467.0], [392_142.0, 36.0, -5_820_467.0]];
+    // No face has the last vertex.
+    let positions = maker.floats("VEC3", [&corners[..], &[[0.0; 3]]].concat().as_flattened());
+    let indices = maker.indices(U16, &[0, 1, 2]);
+    let mesh = maker.mesh(&json!({ "attributes": { "POSITION": positions }, "indices": indices }));
     maker.push("nodes", json!({ "mesh": mesh }));
     let mut asset = maker.load()?;
     let origin = asset.suggested_origin(None, 0.0)?;
     asset.set_origin(origin);
     let [ox, oy, oz] = origin.to_array();
+    ensure(!origin.is_zero(), || "no origin".to_owned())?;
     same(&deformed(&asset, None, 0.0)?[1], &[392_144.5 - ox, 34.0 - oy, -5_820_467.0 - oz], "a vertex")?;
     let rounding = asset.extent(None, 0.0)?.ok_or("there is a triangle")?.rounding;
     ensure((0.25..0.3).contains(&rounding), || format!("{rounding}"))

@@ -28,6 +28,9 @@ and NumPy archives (.npz).
 Inputs are regular files. `-` stands for standard input; it can be given once, and a glTF that comes from it cannot \
 name other files.
 
+Coordinates are those of the files, also where they are too large for 32-bit floats, as those of surveys are: results \
+are then relative to a point near the models, which they state as `origin`.
+
 Results never replace an input. The command writes a result under a temporary name in the same folder, and renames \
 it when it is complete. A pipe or a device, such as /dev/stdout, also gets the complete result only. As a result's \
 name, `-` stands for standard output. If a result goes there, messages go to standard error.";

@@ -136,7 +136,7 @@ mod tests {
         let origin = Origin::new([392_160.0, 32.0, 0.0]);
         let given = |text: &str| Coordinate { single: text.parse().expect(text), double: text.parse().expect(text) };
         assert_eq!(relative([given("392143.517"), given("34.128"), given("0.1")], origin), [-16.483, 2.128, 0.1]);
-        assert_eq!(relative([given("392143.517"), given("0"), given("0")], Origin::ZERO)[0], 392_143.517_f32);
+        assert_eq!(relative([given("392143.517"), given("0"), given("0")], Origin::ZERO)[0], 392_143.53);
         let lamp = GivenLight::new(["392143.517", "34.128", "0.1", "1"].map(given));
         assert_eq!(lamp.relative_to(origin).to_array(), [-16.483, 2.128, 0.1, 1.0]);
         let far = GivenLight::new(["0.1", "1", "0", "0"].map(given));

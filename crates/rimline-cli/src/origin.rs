@@ -14,8 +14,8 @@ const UNSEEN: f64 = 1e-4;
 /// Where a file's model is.
 #[derive(Clone, Copy, Debug)]
 struct Extent {
-    /// The largest side of its box.
-    size: f64,
+    /// The lowest and the highest corner of its box; of arrays relative to their origin.
+    bounds: [[f64; 3]; 2],
     /// The most by which a position in `f32` is off.
     rounding: f64,
 }
@@ -23,21 +23,22 @@ struct Extent {
 /// Moves the files to one origin, and warns where `f32` still loses much. `animations` has one for each. It is the origin
 /// that the model of the smallest size needs of those that need one: what is far from it is large, too.
 pub(crate) fn settle(inputs: &mut [Input], animations: &[Option<usize>], time_s: f32) -> Result<Origin, Failure> {
+    let of = |(input, &animation): (&Input, &Option<usize>)| input.extent(animation, time_s);
+    let extents = inputs.iter().zip(animations).map(of).collect::<Result<Vec<_>, _>>()?;
     let mut chosen: Option<(f64, Origin)> = None;
-    for (input, &animation) in inputs.iter().zip(animations) {
-        let origin = input.suggested_origin(animation, time_s)?;
-        if origin.is_zero() {
-            continue;
-        }
-        let size = input.extent(animation, time_s)?.map_or(f64::INFINITY, |extent| extent.size);
-        if chosen.is_none_or(|(smallest, _)| size < smallest) {
-            chosen = Some((size, origin));
+    for ((input, &animation), extent) in inputs.iter().zip(animations).zip(&extents) {
+        let Some(extent) = extent else { continue };
+        let origin = input.suggested_origin(extent, animation, time_s)?;
+        if !origin.is_zero() && chosen.is_none_or(|(smallest, _)| extent.size() < smallest) {
+            chosen = Some((extent.size(), origin));
         }
     }
     let origin = chosen.map_or(Origin::ZERO, |(_, origin)| origin);
-    for (input, &animation) in inputs.iter_mut().zip(animations) {
+    for ((input, &animation), before) in inputs.iter_mut().zip(animations).zip(extents) {
+        let is_there = input.origin == origin;
         input.move_to(origin)?;
-        if let Some(extent) = input.extent(animation, time_s)? {
+        let extent = if is_there { before } else { input.extent(animation, time_s)? };
+        if let Some(extent) = extent {
             extent.warn(input);
         }
     }
@@ -45,14 +46,20 @@ pub(crate) fn settle(inputs: &mut [Input], animations: &[Option<usize>], time_s:
 }
 
 impl Extent {
-    fn new([low, high]: [[f64; 3]; 2], rounding: f64) -> Self {
-        let size = low.iter().zip(high).map(|(low, high)| high - low).fold(0.0, f64::max);
-        Self { size, rounding }
+    /// The largest side of its box.
+    fn size(self) -> f64 {
+        let [low, high] = self.bounds;
+        low.iter().zip(high).map(|(low, high)| high - low).fold(0.0, f64::max)
+    }
+
+    /// Whether rounding moves vertices by too much of the size.
+    fn is_coarse(self) -> bool {
+        self.size() > 0.0 && self.rounding > UNSEEN * self.size()
     }
 
     fn warn(self, input: &Input) {
-        let Self { size, rounding } = self;
-        if rounding > UNSEEN * size && size > 0.0 {
+        let (size, rounding) = (self.size(), self.rounding);
+        if self.is_coarse() {
             let file = Line(input.file.display());
             note(&format!(
                 "warning: {file}: 32-bit floats move its vertices by up to {rounding:.2e}, {:.2e} of its size; store them \
@@ -65,24 +72,28 @@ impl Extent {
 
 impl Input {
     /// The origin that the file needs. That of arrays is known since they were read.
-    fn suggested_origin(&self, animation: Option<usize>, time_s: f32) -> Result<Origin, Failure> {
-        match &self.source {
-            Source::Gltf(asset) => asset.suggested_origin(animation, time_s).map_err(|error| self.failed(error)),
-            Source::World { .. } => Ok(self.origin),
-        }
+    fn suggested_origin(&self, extent: &Extent, animation: Option<usize>, time_s: f32) -> Result<Origin, Failure> {
+        let Source::Gltf(asset) = &self.source else { return Ok(self.origin) };
+        let mut failure = None;
+        let smallest_edge = || {
+            asset.smallest_edge(animation, time_s).unwrap_or_else(|error| {
+                failure = Some(self.failed(error));
+                f64::INFINITY
+            })
+        };
+        let origin = Origin::near(extent.bounds, smallest_edge);
+        failure.map_or(Ok(origin), Err)
     }
 
     fn extent(&self, animation: Option<usize>, time_s: f32) -> Result<Option<Extent>, Failure> {
         match &self.source {
             Source::Gltf(asset) => {
                 let extent = asset.extent(animation, time_s).map_err(|error| self.failed(error))?;
-                Ok(extent.map(|extent| Extent::new(extent.bounds, extent.rounding)))
+                Ok(extent.map(|extent| Extent { bounds: extent.bounds, rounding: extent.rounding }))
             }
             Source::World { model, .. } => {
                 let [geometry] = model.geometries() else { return Ok(None) };
-                let corner = |&v: &u32| geometry.positions().get(v as usize).map(|p| p.map(f64::from));
-                let bounds = bounds(geometry.faces().as_flattened().iter().filter_map(corner));
-                Ok(bounds.map(|bounds| Extent::new(bounds, Origin::ZERO.rounding(bounds))))
+                Ok(extent(geometry, self.origin))
             }
         }
     }
@@ -103,6 +114,28 @@ impl Input {
         self.origin = origin;
         Ok(())
     }
+}
+
+/// Where the faces are. Positions are relative to the origin already; without one a part of the faces may tell enough.
+fn extent(geometry: &Geometry, origin: Origin) -> Option<Extent> {
+    let (positions, faces) = (geometry.positions(), geometry.faces());
+    let double = |position: &[f32; 3]| position.map(f64::from);
+    let of_faces = |step: usize| {
+        let corners = faces.iter().step_by(step).flatten();
+        bounds(corners.filter_map(|&v| positions.get(v as usize).map(double)))
+    };
+    let rounded = |bounds| Origin::ZERO.rounding(bounds);
+    let all = bounds(positions.iter().map(double))?;
+    if origin.is_zero()
+        && let Some(some) = of_faces(1 + faces.len() / 1000)
+    {
+        // Where not even the farthest vertex, whatever it is of, moves by much of their size.
+        let guess = Extent { bounds: some, rounding: rounded(all) };
+        if guess.size() > 0.0 && !guess.is_coarse() {
+            return Some(guess);
+        }
+    }
+    of_faces(1).map(|bounds| Extent { bounds, rounding: rounded(bounds) })
 }
 
 /// The same model relative to another origin. Its faces, and what was welded, stay.

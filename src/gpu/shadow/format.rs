@@ -30,7 +30,7 @@ pub struct ShadowFormat {
     pub colors: Vec<Option<wgpu::TextureFormat>>,
     /// The winding of front faces on the screen. It is `Ccw`, except for two cases with `Cw`: cameras that mirror, and
     /// mirrored instances whose positions stay in mesh space, so that the camera's matrix contains the instance's
-    /// transform.
+    /// transform. Cameras of the other kind are refused.
     pub front_face: wgpu::FrontFace,
     /// Whether the far plane is at a finite distance, see [`crate::ShadowCamera::has_far_plane`]. Only z-fail and ZP+
     /// as published use this. They then need `Features::DEPTH_CLIP_CONTROL`.

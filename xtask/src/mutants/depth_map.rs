@@ -403,8 +403,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "depth maps in counts: mirrored cameras do not matter",
         changes: &[(
             "src/gpu/depth_map/view.rs",
-            "(matrix(camera).determinant() < 0.0) != (",
-            "(matrix(camera).determinant().abs() < 0.0) != (",
+            "light.mirrors() == eye.mirrors()",
+            "light.mirrors() == light.mirrors()",
         )],
         tests: &["--test depth_map_gpu the_surface_counts"],
     },

@@ -7,6 +7,7 @@ mod depth_map;
 mod depth_map_vertices;
 mod list;
 mod occluded;
+mod origin;
 mod polygons;
 mod scene_clusters;
 
@@ -30,6 +31,7 @@ fn all() -> impl Iterator<Item = &'static Mutation> {
         depth_map_vertices::MUTATIONS,
         contours::MUTATIONS,
         occluded::MUTATIONS,
+        origin::MUTATIONS,
         polygons::MUTATIONS,
         scene_clusters::MUTATIONS,
     ];

@@ -5,8 +5,7 @@ use std::io::{self, Read, Seek, Write};
 use zip::ZipArchive;
 
 use super::header::ElementType;
-use super::origin::{is_real, real};
-use super::read::{Budget, Entry, NpzError, Values, index, is_float, is_integer, raw};
+use super::read::{Budget, Entry, NpzError, Values, index, is_float, is_integer, is_real, raw, real};
 use super::write::NpzWriter;
 
 /// The most texels of a map across or down.

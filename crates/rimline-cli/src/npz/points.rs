@@ -6,8 +6,7 @@ use rimline::Origin;
 use zip::ZipArchive;
 
 use super::header::ElementType;
-use super::origin::{is_real, read_origin, real};
-use super::read::{Budget, Entry, NpzError, float, is_float};
+use super::read::{Budget, Entry, NpzError, float, is_float, is_real, read_origin, real};
 
 /// Points as an archive has them.
 #[derive(Debug, PartialEq)]
@@ -52,7 +51,7 @@ pub fn read_points(reader: impl Read + Seek, memory_limit: u64) -> Result<Points
     // With the points in float32 that are made of them.
     let mut points = points(24 + 16, is_real).rows(archive, budget, real)?;
     let [x, y, z] = read_origin(archive, budget)?.to_array();
-    for point in points.iter_mut() {
+    for point in &mut points {
         *point = [point[0] + x, point[1] + y, point[2] + z];
     }
     Ok(Points::Double(points))

@@ -2,6 +2,7 @@
 
 use std::io::{self, Seek, SeekFrom, Write};
 
+use rimline::Origin;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipWriter};
 
@@ -47,6 +48,14 @@ impl<W: Write + Seek> NpzWriter<W> {
     pub fn finish(self) -> io::Result<()> {
         self.zip.finish()?.inner.flush()
     }
+}
+
+/// Writes the array `origin`, unless the origin is zero. It is the last of an archive.
+pub fn write_origin(npz: &mut NpzWriter<impl Write + Seek>, origin: Origin) -> io::Result<()> {
+    if origin.is_zero() {
+        return Ok(());
+    }
+    npz.array("origin", ElementType::F64, &[3], |to| to.write_all(bytemuck::cast_slice(&origin.to_array())))
 }
 
 struct Counted<'a, W: Write> {
