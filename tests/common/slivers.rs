@@ -41,7 +41,11 @@ fn leaving() -> Result<(), String> {
     if gpu.name.contains("llvmpipe") {
         return none("leaving the picture", all + found);
     }
-    if (all > 0) == (found > 0) { Ok(()) } else { Err(format!("{all} pixels are wrong, and the small trial finds {found}")) }
+    if (all > 0) == (found > 0) {
+        Ok(())
+    } else {
+        Err(format!("{all} pixels are wrong, and the small trial finds {found}"))
+    }
 }
 
 /// So what is wrong of others is the driver's clipping, and our own would help.

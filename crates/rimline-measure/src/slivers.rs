@@ -167,7 +167,8 @@ pub fn coverage(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Triangl
     let buffer = wgpu::TexelCopyBufferInfo { buffer: &pixels, layout };
     encoder.copy_texture_to_buffer(picture.as_image_copy(), buffer, picture.size());
     queue.submit([encoder.finish()]);
-    let pixels: Vec<[u8; 4]> = rimline::gpu::read_back_vec(device, queue, &pixels).map_err(|error| error.to_string())?;
+    let pixels: Vec<[u8; 4]> =
+        rimline::gpu::read_back_vec(device, queue, &pixels).map_err(|error| error.to_string())?;
     Ok(pixels.into_iter().map(|[fronts, backs, ..]| [fronts, backs]).collect())
 }
 
