@@ -4,11 +4,12 @@ mod other_devices;
 mod pipelines;
 mod reading;
 mod requirements;
+mod slivers;
 mod watched;
 
 use rimline_measure::harness;
 
 fn main() {
-    let tests = [pipelines::TESTS, requirements::TESTS, other_devices::TESTS, reading::TESTS];
+    let tests = [pipelines::TESTS, requirements::TESTS, other_devices::TESTS, reading::TESTS, slivers::TESTS];
     harness::run(harness::gpu_trials(tests.concat()));
 }

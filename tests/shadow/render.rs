@@ -107,6 +107,8 @@ pub(crate) struct Renderer<'a> {
     pub(crate) late_bodies: usize,
     /// Low bits of the stencil that counts own.
     pub(crate) count_bits: u32,
+    /// Whether volumes are cut at the frustum in the vertex shader.
+    pub(crate) trim: bool,
     /// The map of a light, drawn into the same stencil in each pass: by these pipelines, of so many bits, before the meshes or after them.
     pub(crate) beside: Option<Beside<'a>>,
 }
@@ -137,6 +139,7 @@ impl<'a> Renderer<'a> {
             levels: |_| {},
             late_bodies: 0,
             count_bits: 8,
+            trim: false,
             beside: None,
         }
     }
@@ -177,6 +180,7 @@ impl<'a> Renderer<'a> {
             samples: self.samples,
             has_far_plane: frame.eye.far.is_some(),
             count_bits: self.count_bits,
+            trim: self.trim,
             ..ShadowFormat::default()
         };
         let pipelines = |front_face| {

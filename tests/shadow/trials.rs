@@ -20,6 +20,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("z_pass_is_wrong_in_shadow", z_pass),
     ("wrong_pixels_are_noticed", perturbed),
     ("every_face_casts_alike", every_face),
+    ("volumes_that_are_trimmed_are_right", trimmed),
     ("another_depth_pass_does_no_harm", reordered),
     ("float_depth", float_depth),
     ("lists_that_overflow", overflow),
@@ -213,6 +214,12 @@ fn each_class(renderer: &Renderer<'_>, methods: &[Counting], takes: impl Fn(&Cla
         }
     }
     Ok(())
+}
+
+/// Volumes that are cut at the frustum in the vertex shader, against rays.
+fn trimmed() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    each_class(&Renderer { trim: true, ..Renderer::new(&gpu) }, &RIGHT, |_| true)
 }
 
 /// A depth pass that rounds differently: z-pass and ZP+ compare with surfaces only where volumes cut them, and z-fail

@@ -68,6 +68,7 @@ fn cap_of(instance: u32) -> Cap {
   return own;
 }
 
+// It is not trimmed: with z-fail its depths must be those of the surface, bit for bit.
 @vertex fn light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
   let own = cap_of(instance);
   if (!own.valid) {
@@ -90,6 +91,13 @@ fn face_of(own: Cap) -> CapFace {
   if (!own.valid || (caster_flags(own.caster) & PROXY) == 0u) {
     return CapVertex(NOTHING);
   }
+  if (TRIM) {
+    var outline: Outline;
+    for (var corner = 0u; corner < 5u; corner++) {
+      outline = with_corner(outline, seen_light_cap_vertex(own.view, own.light, face_of(own), has_near_cap(own.light), strip_place(corner)));
+    }
+    return CapVertex(vertex_of_part(trimmed(outline), false, vertex));
+  }
   return CapVertex(seen_light_cap_vertex(own.view, own.light, face_of(own), has_near_cap(own.light), vertex));
 }
 
@@ -100,6 +108,13 @@ fn face_of(own: Cap) -> CapFace {
   if (!own.valid || is_endless) {
     return CapVertex(NOTHING);
   }
+  if (TRIM) {
+    var outline: Outline;
+    for (var corner = 0u; corner < 3u; corner++) {
+      outline = with_corner(outline, dark_cap_vertex(own.view, own.light, face_of(own), corner));
+    }
+    return CapVertex(vertex_of_part(trimmed(outline), true, vertex));
+  }
   return CapVertex(dark_cap_vertex(own.view, own.light, face_of(own), vertex));
 }
 
@@ -107,6 +122,13 @@ fn face_of(own: Cap) -> CapFace {
   let own = cap_of(instance);
   if (!own.valid) {
     return CapVertex(NOTHING);
+  }
+  if (TRIM) {
+    var outline: Outline;
+    for (var corner = 0u; corner < 5u; corner++) {
+      outline = with_corner(outline, near_cap_vertex(own.view, own.light, face_of(own), strip_place(corner)));
+    }
+    return CapVertex(vertex_of_part(trimmed(outline), false, vertex));
   }
   return CapVertex(near_cap_vertex(own.view, own.light, face_of(own), vertex));
 }

@@ -36,26 +36,62 @@ fn piece_of(instance: u32) -> Piece {
 // Seen from outside, a side is counter-clockwise from the end of a lit face's edge on.
 @vertex fn piece_side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> PieceVertex {
   let own = piece_of(instance);
+  if (TRIM) {
+    var outline: Outline;
+    for (var corner = 0u; corner < 4u; corner++) {
+      let place = corner ^ (corner >> 1u);
+      outline = with_corner(outline, side_vertex(own.view, own.light, own.face.c, own.face.b, place));
+    }
+    return PieceVertex(vertex_of_part(trimmed(outline), false, vertex));
+  }
   return PieceVertex(side_vertex(own.view, own.light, own.face.c, own.face.b, vertex));
 }
 
 @vertex fn piece_side_clipped(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> PieceVertex {
   let own = piece_of(instance);
+  if (TRIM) {
+    var outline: Outline;
+    for (var corner = 0u; corner < 5u; corner++) {
+      outline = with_corner(outline, clipped_side_vertex(own.view, own.light, own.face.c, own.face.b, false, strip_place(corner)));
+    }
+    return PieceVertex(vertex_of_part(trimmed(outline), false, vertex));
+  }
   return PieceVertex(clipped_side_vertex(own.view, own.light, own.face.c, own.face.b, false, vertex));
 }
 
 @vertex fn piece_near_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> PieceVertex {
   let own = piece_of(instance);
+  if (TRIM) {
+    var outline: Outline;
+    for (var corner = 0u; corner < 5u; corner++) {
+      outline = with_corner(outline, near_cap_vertex(own.view, own.light, own.face, strip_place(corner)));
+    }
+    return PieceVertex(vertex_of_part(trimmed(outline), false, vertex));
+  }
   return PieceVertex(near_cap_vertex(own.view, own.light, own.face, vertex));
 }
 
 @vertex fn piece_light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> PieceVertex {
   let own = piece_of(instance);
+  if (TRIM) {
+    var outline: Outline;
+    for (var corner = 0u; corner < 5u; corner++) {
+      outline = with_corner(outline, seen_light_cap_vertex(own.view, own.light, own.face, own.light.counting == COUNT_ZP_PLUS, strip_place(corner)));
+    }
+    return PieceVertex(vertex_of_part(trimmed(outline), false, vertex));
+  }
   return PieceVertex(seen_light_cap_vertex(own.view, own.light, own.face, own.light.counting == COUNT_ZP_PLUS, vertex));
 }
 
 @vertex fn piece_dark_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> PieceVertex {
   let own = piece_of(instance);
+  if (TRIM) {
+    var outline: Outline;
+    for (var corner = 0u; corner < 3u; corner++) {
+      outline = with_corner(outline, dark_cap_vertex(own.view, own.light, own.face, corner));
+    }
+    return PieceVertex(vertex_of_part(trimmed(outline), true, vertex));
+  }
   return PieceVertex(dark_cap_vertex(own.view, own.light, own.face, vertex));
 }
 

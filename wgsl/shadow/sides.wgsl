@@ -1,6 +1,6 @@
 // Sides: draws the quads from edges away from the light, by an indirect draw of the list that `list_sides` made. `side`
 // leaves clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with the near cap has
-// equal bits. `zp_plus_2005_side` is the side as published in 2005.
+// equal bits. `zp_plus_2005_side` is the side as published in 2005. The first two may be trimmed.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
@@ -69,6 +69,14 @@ fn side_of(instance: u32, kind: u32) -> Side {
   if (!own.valid) {
     return SideVertex(NOTHING);
   }
+  if (TRIM) {
+    var outline: Outline;
+    for (var corner = 0u; corner < 4u; corner++) {
+      let place = corner ^ (corner >> 1u);
+      outline = with_corner(outline, side_vertex(own.view, own.light, own.first, own.second, place));
+    }
+    return SideVertex(vertex_of_part(trimmed(outline), false, vertex));
+  }
   return SideVertex(side_vertex(own.view, own.light, own.first, own.second, vertex));
 }
 
@@ -77,7 +85,16 @@ fn side_of(instance: u32, kind: u32) -> Side {
   if (!own.valid) {
     return SideVertex(NOTHING);
   }
-  return SideVertex(clipped_side_vertex(own.view, own.light, own.first, own.second, own.ends.x < own.ends.y, vertex));
+  let is_ordered = own.ends.x < own.ends.y;
+  if (TRIM) {
+    var outline: Outline;
+    for (var corner = 0u; corner < 5u; corner++) {
+      let place = strip_place(corner);
+      outline = with_corner(outline, clipped_side_vertex(own.view, own.light, own.first, own.second, is_ordered, place));
+    }
+    return SideVertex(vertex_of_part(trimmed(outline), false, vertex));
+  }
+  return SideVertex(clipped_side_vertex(own.view, own.light, own.first, own.second, is_ordered, vertex));
 }
 
 // Three quads for each edge: the side, whose clipped vertices move to their counterparts in the near cap, and two quads

@@ -213,7 +213,8 @@ pub(crate) struct DevicesArgs {
 }
 
 const DEVICES_KEYS: &str = "\
-Keys of --json: adapters, a list of name, backend, type, driver, driver_info, usable, lacks, limits (named \
+Keys of --json: adapters, a list of name, backend, type, driver, driver_info, usable, lacks, wrong_clipping (pixels of \
+a trial that the driver clips wrongly, null if not tried), limits (named \
 as in WebGPU), optional_features (present, missing). The exit code is 3 if there is no GPU.";
 
 #[derive(Args, Debug)]
@@ -273,7 +274,8 @@ the result with the file byte by byte. The exit code is 0 if everything is equal
 a check cannot be done, the code is that of the first such check: 1 for a file that cannot be read, for example because \
 of a wrong checksum. Another machine needs only the command and the folder.
 
-Keys of --json: devices (names), unusable (what was left out, and why), equal, files: a list of file, faces, edges, \
+Keys of --json: devices (names), clips_wrongly (names of those whose driver clips slivers wrongly; bits are not \
+concerned), unusable (what was left out, and why), equal, files: a list of file, faces, edges, \
 lights, error (null unless the file cannot be read), results: a list of device, equal, error (null unless the device \
 failed), differences: a list of array, wrong_bits, row, column, light, file, found (bits of the first element that \
 differs), message.";

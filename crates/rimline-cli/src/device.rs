@@ -1,9 +1,10 @@
 //! Choosing a device, and noticing when it fails.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rimline::gpu::Pipelines;
 use rimline::wgpu;
+use rimline_measure::slivers;
 use wgpu::{AdapterInfo, Backend, Backends, DeviceType, Features, Limits};
 
 use crate::failure::{Failure, NoDevice};
@@ -55,6 +56,11 @@ impl Device {
             Self::Gpu(gpu) => describe(&gpu.info),
         }
     }
+
+    /// Whether its driver clips slivers wrongly.
+    pub(crate) fn clips_wrongly(&self) -> bool {
+        matches!(self, Self::Gpu(gpu) if gpu.clips_wrongly())
+    }
 }
 
 /// An opened adapter.
@@ -67,6 +73,8 @@ pub(crate) struct Gpu {
     /// What it is opened for can be done on the CPU as well.
     pub(crate) cpu_would_do: bool,
     failure: Arc<Mutex<Option<String>>>,
+    /// Pixels that the trial of slivers has wrong, once it ran.
+    wrong_slivers: OnceLock<Result<usize, String>>,
 }
 
 /// All adapters of all backends, the ones to prefer first.
@@ -195,6 +203,11 @@ pub(crate) fn open_every(wanted: &Wanted) -> (Vec<Gpu>, Vec<NoDevice>) {
     (opened, unusable)
 }
 
+/// What the trial of slivers that leave the picture says of an adapter: wrong pixels. `None`: it cannot be tried.
+pub(crate) fn wrong_slivers(adapter: &wgpu::Adapter) -> Option<usize> {
+    request(adapter).ok().and_then(|gpu| gpu.wrong_slivers().as_ref().ok().copied())
+}
+
 /// An adapter's name and the way to it.
 pub(crate) fn describe(info: &AdapterInfo) -> String {
     format!("{} ({})", info.name, backend_name(info.backend))
@@ -270,7 +283,15 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
         }
     });
     let pipelines = Pipelines::new(&device);
-    Ok(Gpu { info: adapter.get_info(), device, queue, pipelines, cpu_would_do: false, failure })
+    Ok(Gpu {
+        info: adapter.get_info(),
+        device,
+        queue,
+        pipelines,
+        cpu_would_do: false,
+        failure,
+        wrong_slivers: OnceLock::new(),
+    })
 }
 
 impl Gpu {
@@ -280,6 +301,17 @@ impl Gpu {
             None => Ok(()),
             Some(message) => Err(self.failed(message)),
         }
+    }
+
+    /// How many pixels of slivers that leave the picture the driver counts wrongly: 0 of one that clips them rightly. Or why
+    /// that cannot be tried. The first call draws them.
+    pub(crate) fn wrong_slivers(&self) -> &Result<usize, String> {
+        self.wrong_slivers.get_or_init(|| slivers::wrong_pixels(&self.device, &self.queue))
+    }
+
+    /// Whether the driver clips slivers wrongly. A device that fails says so when its results are read.
+    pub(crate) fn clips_wrongly(&self) -> bool {
+        self.wrong_slivers().as_ref().is_ok_and(|&wrong| wrong > 0)
     }
 
     pub(crate) fn failed(&self, message: &str) -> Failure {

@@ -77,6 +77,7 @@ fn to_text(adapter: &wgpu::Adapter) -> String {
         None => line("usable", "yes"),
         Some(lacking) => line("usable", &format!("no, it lacks {lacking}")),
     }
+    line("clipping", &clipping(device::wrong_slivers(adapter)));
     for (key, name, value) in limits(&adapter.limits()) {
         let shown = if key.ends_with("size") { mebibytes(value) } else { value.to_string() };
         line(name, &shown);
@@ -87,6 +88,18 @@ fn to_text(adapter: &wgpu::Adapter) -> String {
         line(&feature_name(feature), &format!("{there:<4} {purpose}"));
     }
     text
+}
+
+/// What wrong pixels of slivers mean to the user.
+fn clipping(wrong: Option<usize>) -> String {
+    match wrong {
+        None => "not tried".into(),
+        Some(0) => "right".into(),
+        Some(wrong) => format!(
+            "wrong at {wrong} pixels of a trial: shadows of programs have specks unless they set ShadowFormat::trim, as \
+             `rimline shadow` does"
+        ),
+    }
 }
 
 fn mebibytes(bytes: u64) -> String {
@@ -113,6 +126,7 @@ fn to_json(adapter: &wgpu::Adapter) -> Value {
         "driver_info": info.driver_info,
         "usable": device::lacks(adapter).is_none(),
         "lacks": device::lacks(adapter),
+        "wrong_clipping": device::wrong_slivers(adapter),
         "limits": limits,
         "optional_features": { "present": named(true), "missing": named(false) },
     })

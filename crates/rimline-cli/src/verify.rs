@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use crate::args::VerifyArgs;
 use crate::device::{self, Device, Wanted};
 use crate::failure::{Failure, InputError, NoDevice};
-use crate::output::print;
+use crate::output::{note, print};
 use crate::progress::Progress;
 use report::Report;
 
@@ -22,6 +22,15 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let progress = Progress::start();
     progress.step("opening the devices");
     let (devices, unusable) = open(args.device.as_deref().unwrap_or("all"))?;
+    for device in devices.iter().filter(|device| device.clips_wrongly()) {
+        progress.aside(|| {
+            note(&format!(
+                "warning: {} counts pixels wrongly where slivers leave the picture; extractions and queries are not \
+                 concerned, and shadow volumes need ShadowFormat::trim there, which `rimline shadow` sets",
+                device.name()
+            ));
+        });
+    }
     let mut report = Report::new(&args.folder, &files, &devices, &unusable);
     if !args.json {
         progress.aside(|| print(&report.head()))?;

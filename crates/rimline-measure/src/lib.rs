@@ -7,6 +7,7 @@
 //! * [`predicates`], [`scenes`], [`shadow_cases`]: hard pairs of face and light, cameras with casters, queries;
 //! * [`poser`]: where a posed model's vertices are, in `f64`, from the glTF 2.0 specification;
 //! * [`rays`]: triangles and rays in `f64`;
+//! * [`slivers`]: whether a driver rasterises triangles that leave the picture rightly;
 //! * [`pipelines`], [`dispatch`]: short ways to pipelines;
 //! * [`device`], `harness`: the device that GPU tests run on, and how they are run.
 #![allow(clippy::missing_errors_doc, clippy::missing_panics_doc, reason = "comparators fail and panic by design")]
@@ -34,6 +35,7 @@ pub mod scenes;
 pub mod shadow_cases;
 pub mod shadow_oracle;
 pub mod shapes;
+pub mod slivers;
 pub mod stress;
 
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
 //! The draws of a light's shadow volume.
 
-use super::pipelines::{PiecePipelines, ShadowPipelines};
+use super::pipelines::{Drawing, PiecePipelines, ShadowPipelines};
 use crate::layout::DrawArguments;
 
 /// The bind groups of the draws of a light, and where its arguments lie.
@@ -43,9 +43,11 @@ impl LightDraws<'_> {
     pub(crate) fn draw(self, pass: &mut wgpu::RenderPass<'_>, pipelines: &ShadowPipelines) {
         let Self { frame, uniform, seen, sides, caps, draws, first, may_end, has_proxies, .. } = self;
         pass.set_bind_group(0, frame, &[uniform, seen]);
-        let draw = |pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, kind: u64| {
-            pass.set_pipeline(pipeline);
-            pass.draw_indirect(draws, first + kind * size_of::<DrawArguments>() as u64);
+        let draw = |pass: &mut wgpu::RenderPass<'_>, drawing: &Drawing, kind: u64| {
+            for pipeline in drawing {
+                pass.set_pipeline(pipeline);
+                pass.draw_indirect(draws, first + kind * size_of::<DrawArguments>() as u64);
+            }
         };
         pass.set_bind_group(1, caps, &[]);
         if let Some((_, near_caps)) = &pipelines.near {
@@ -81,9 +83,11 @@ impl LightDraws<'_> {
         let Some((pieces, draws)) = self.pieces else { return };
         let PiecePipelines { side, near, light_cap, dark_cap } = pipelines.pieces();
         pass.set_bind_group(1, pieces, &[]);
-        let draw = |pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, kind: u64| {
-            pass.set_pipeline(pipeline);
-            pass.draw_indirect(draws, self.first_piece + kind * size_of::<DrawArguments>() as u64);
+        let draw = |pass: &mut wgpu::RenderPass<'_>, drawing: &Drawing, kind: u64| {
+            for pipeline in drawing {
+                pass.set_pipeline(pipeline);
+                pass.draw_indirect(draws, self.first_piece + kind * size_of::<DrawArguments>() as u64);
+            }
         };
         if let Some((clipped, near_caps)) = near {
             draw(pass, clipped, CLIPPED);

@@ -44,6 +44,11 @@ pub struct ShadowFormat {
     /// of [`ShadowOptions`](crate::gpu::ShadowOptions::bound_counts) and
     /// [`SceneOptions`](crate::gpu::SceneOptions::bound_counts).
     pub count_bits: u32,
+    /// Whether vertex shaders cut sides and caps at the frustum. Default: false, the device clips them. Set it for a driver
+    /// that clips slivers wrongly, such as SwiftShader: there shadows have lone wrong pixels where volumes leave the picture.
+    /// `rimline devices` names such drivers. Each polygon then takes four to seven draws, so volumes take several times as
+    /// long. Light caps of z-fail stay as they are, and so does ZP+ as published; so z-fail may keep a few such pixels.
+    pub trim: bool,
 }
 
 impl Default for ShadowFormat {
@@ -59,6 +64,7 @@ impl Default for ShadowFormat {
             front_face: wgpu::FrontFace::Ccw,
             has_far_plane: false,
             count_bits: 8,
+            trim: false,
         }
     }
 }
@@ -179,6 +185,8 @@ fn low_bits(count: u32) -> u32 {
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub(crate) struct VolumeKey {
     pub(super) entry_point: &'static str,
+    /// The part of each trimmed polygon, or 0.
+    pub(super) part: u32,
     /// The list of cap faces.
     pub(super) kind: u32,
     pub(super) casters: Casters,

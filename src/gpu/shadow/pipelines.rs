@@ -28,14 +28,17 @@ pub(crate) struct Layouts {
     pub(crate) piece_data: wgpu::BindGroupLayout,
 }
 
+/// What draws a list of polygons: one pipeline, or one for each part of trimmed polygons.
+pub(crate) type Drawing = Vec<wgpu::RenderPipeline>;
+
 /// The pipelines that draw pieces of L-twisted polygons.
 #[derive(Debug)]
 pub(crate) struct PiecePipelines {
-    pub(crate) side: wgpu::RenderPipeline,
+    pub(crate) side: Drawing,
     /// Clipped sides, and near caps that count up on their front and on their back.
-    pub(crate) near: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
-    pub(crate) light_cap: wgpu::RenderPipeline,
-    pub(crate) dark_cap: wgpu::RenderPipeline,
+    pub(crate) near: Option<(Drawing, [Drawing; 2])>,
+    pub(crate) light_cap: Drawing,
+    pub(crate) dark_cap: Drawing,
 }
 
 /// The properties in which volumes and the pipelines that draw them must agree.
@@ -89,15 +92,15 @@ pub struct ShadowPipelines {
     shared: Pipelines,
     pub(crate) convention: Convention,
     /// Sides with z-pass and ZP+, or with z-fail, which ZP+ as published may change to.
-    pub(crate) side: wgpu::RenderPipeline,
+    pub(crate) side: Drawing,
     /// Clipped sides, and the near caps that count up on their front and on their back; of ZP+, or of ZP+ as published.
-    pub(crate) near: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
+    pub(crate) near: Option<(Drawing, [Drawing; 2])>,
     /// Dark caps of volumes that end, with z-pass: one for each list.
-    pub(crate) ends: Option<[wgpu::RenderPipeline; 2]>,
+    pub(crate) ends: Option<[Drawing; 2]>,
     /// Light caps of casters that are not in the depth buffer, with z-pass and ZP+: one for each list.
-    pub(crate) light_caps: Option<[wgpu::RenderPipeline; 2]>,
+    pub(crate) light_caps: Option<[Drawing; 2]>,
     /// Light and dark caps with z-fail: those of faces that count up on their front, then the others.
-    pub(crate) caps: Option<[[wgpu::RenderPipeline; 2]; 2]>,
+    pub(crate) caps: Option<[[Drawing; 2]; 2]>,
     /// Made for the first caster with polygons.
     pieces: OnceLock<PiecePipelines>,
     format: ShadowFormat,
@@ -291,13 +294,18 @@ struct Maker<'a> {
 
 impl Maker<'_> {
     /// `turned` swaps the counting of fronts and backs. The vertex order and so the bits of depth stay the same.
-    fn pipeline(&self, entry_point: &'static str, kind: u32, count: Count, turned: bool) -> wgpu::RenderPipeline {
-        let key = VolumeKey { entry_point, kind, casters: self.casters, count, turned, format: self.format.clone() };
-        self.shared.volume(&key, || self.make(&key))
+    fn pipeline(&self, entry_point: &'static str, kind: u32, count: Count, turned: bool) -> Drawing {
+        let parts = if self.format.trim { parts(entry_point) } else { 1 };
+        let part = |part| {
+            let format = self.format.clone();
+            let key = VolumeKey { entry_point, part, kind, casters: self.casters, count, turned, format };
+            self.shared.volume(&key, || self.make(&key))
+        };
+        (0..parts).map(part).collect()
     }
 
     fn make(&self, key: &VolumeKey) -> wgpu::RenderPipeline {
-        let &VolumeKey { entry_point, kind, casters, count, turned, ref format } = key;
+        let &VolumeKey { entry_point, part, kind, casters, count, turned, ref format } = key;
         let (device, stage) = (self.shared.device(), self.stage);
         let is_caps = *stage == CAP_FACES;
         let module = self.shared.module(stage.name, &stage.wgsl());
@@ -310,8 +318,16 @@ impl Maker<'_> {
         let nearer = if is_reversed { CompareFunction::Greater } else { CompareFunction::Less };
         let compare = if count == Count::Always { CompareFunction::Always } else { nearer };
         let stencil = stencil(count, turned, casters.most_count(format.count_bits));
-        let constants = [("MANY", f64::from(u8::from(casters != Casters::One))), ("CAP_KIND", f64::from(kind))];
-        let constants = if is_caps { &constants[..] } else { &constants[..1] };
+        let unclipped_depth = count == Count::Hidden && format.has_far_plane;
+        let switch = |is_on: bool| f64::from(u8::from(is_on));
+        let constants = [
+            ("MANY", switch(casters != Casters::One)),
+            ("TRIM", switch(format.trim)),
+            ("PART", f64::from(part)),
+            ("UNCLIPPED", switch(unclipped_depth)),
+            ("CAP_KIND", f64::from(kind)),
+        ];
+        let constants = if is_caps { &constants[..] } else { &constants[..4] };
         let targets: Vec<_> = format
             .colors
             .iter()
@@ -333,13 +349,13 @@ impl Maker<'_> {
                 buffers: &[],
             },
             primitive: wgpu::PrimitiveState {
-                topology: if matches!(entry_point, "light_cap" | "dark_cap" | "zp_plus_2005_cap" | "piece_dark_cap") {
+                topology: if is_list(entry_point) {
                     wgpu::PrimitiveTopology::TriangleList
                 } else {
                     wgpu::PrimitiveTopology::TriangleStrip
                 },
                 front_face: format.front_face,
-                unclipped_depth: count == Count::Hidden && format.has_far_plane,
+                unclipped_depth,
                 ..Default::default()
             },
             depth_stencil: Some(wgpu::DepthStencilState {
@@ -359,6 +375,22 @@ impl Maker<'_> {
             multiview_mask: None,
             cache: None,
         })
+    }
+}
+
+/// Whether an entry point draws lists of triangles instead of strips.
+fn is_list(entry_point: &str) -> bool {
+    matches!(entry_point, "light_cap" | "dark_cap" | "zp_plus_2005_cap" | "piece_dark_cap")
+}
+
+/// The parts of the largest polygon that trimming at six planes leaves: two triangles of a strip each, or one of a list.
+fn parts(entry_point: &str) -> u32 {
+    match entry_point {
+        "light_cap" | "zp_plus_2005_side" | "zp_plus_2005_cap" => 1,
+        // Nine corners, ten, eleven.
+        "dark_cap" | "piece_dark_cap" => 7,
+        "side" | "piece_side" => 4,
+        _ => 5,
     }
 }
 

@@ -239,7 +239,8 @@ pub(crate) struct ShadowArgs {
     )]
     pub(crate) dangling: Option<DanglingEdges>,
 
-    /// With --from-depth or --depth: how the boundary of shadows is rebuilt between the samples of a map
+    /// With --from-depth or --depth: how the boundary of shadows is rebuilt between the samples of a map.
+    /// Close to the eye, `vector` shows specks at rims of facets with any threshold: 122 to 137 pixels in one trial
     #[arg(long, value_enum, requires = "depth_maps", default_value_t = ReconstructArg::Template)]
     pub(crate) reconstruct: ReconstructArg,
 

@@ -104,6 +104,7 @@ impl<'a> RenderResources<'a> {
             depth_stencil: depth_format(&gpu.device),
             samples: target.samples,
             colors: vec![Some(target.format)],
+            trim: !method.has_depth_maps() && gpu.clips_wrongly(),
             ..ShadowFormat::default()
         };
         VolumePipelines::new(gpu, &format, method)

@@ -15,6 +15,8 @@ use crate::shown::Line;
 pub(super) struct Report {
     folder: PathBuf,
     devices: Vec<String>,
+    /// Names of those whose driver clips slivers wrongly.
+    clips_wrongly: Vec<String>,
     unusable: Vec<String>,
     name_width: usize,
     files: Vec<Value>,
@@ -42,6 +44,7 @@ impl Report {
         Self {
             folder: folder.to_owned(),
             devices: devices.iter().map(Device::name).collect(),
+            clips_wrongly: devices.iter().filter(|device| device.clips_wrongly()).map(Device::name).collect(),
             unusable: unusable.iter().map(ToString::to_string).collect(),
             name_width: files.iter().map(|file| name_cell(&name(file)).chars().count()).max().unwrap_or(0).max(4),
             files: Vec::new(),
@@ -145,6 +148,7 @@ impl Report {
     pub(super) fn json(&self) -> String {
         let report = json!({
             "devices": self.devices,
+            "clips_wrongly": self.clips_wrongly,
             "unusable": self.unusable,
             "equal": self.different + self.failed == 0,
             "files": self.files,

@@ -6,6 +6,7 @@
 mod archive;
 mod bad_input;
 mod bench;
+mod clipping;
 mod contract;
 mod covered;
 mod depth_shadows;
@@ -119,6 +120,7 @@ fn main() {
     trials.extend(info::trials());
     trials.extend(origin::trials());
     trials.extend(shadow::trials());
+    trials.extend(clipping::trials());
     trials.extend(film::trials());
     trials.extend(verify::trials());
     libtest_mimic::run(&Arguments::from_args(), trials).exit();

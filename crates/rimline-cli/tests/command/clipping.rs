@@ -1,0 +1,95 @@
+//! A driver that clips slivers wrongly is named, and shadows do without its clipping. Tried on `SwiftShader` where it is
+//! installed; `RIMLINE_SWIFTSHADER` names its manifest if it is elsewhere.
+
+use libtest_mimic::{Failed, Trial};
+use rimline_measure::assets;
+use serde_json::Value;
+
+use super::run::{folder, rimline, rimline_with};
+use super::shadow::Image;
+use super::{Outcome, ensure};
+
+pub(crate) fn trials() -> Vec<Trial> {
+    let trial = |name: &str, test: fn() -> Outcome| {
+        Trial::test(format!("clipping::{name}"), move || test().map_err(Failed::from))
+    };
+    let no_driver = manifest().is_none();
+    vec![
+        trial("lavapipe_clips_rightly", lavapipe),
+        trial("swiftshader_is_named_if_it_clips_wrongly", named).with_ignored_flag(no_driver),
+        trial("shadows_on_swiftshader_have_no_specks", specks).with_ignored_flag(no_driver || assets().is_none()),
+    ]
+}
+
+/// The manifest of `SwiftShader`.
+fn manifest() -> Option<String> {
+    let elsewhere = std::env::var("RIMLINE_SWIFTSHADER").ok();
+    let places = ["/usr/lib/chromium/vk_swiftshader_icd.json", "/usr/lib/chromium-browser/vk_swiftshader_icd.json"];
+    elsewhere.into_iter().chain(places.map(str::to_owned)).find(|place| std::path::Path::new(place).exists())
+}
+
+/// Name and wrong pixels of each adapter.
+fn clipping(json: &Value) -> Vec<(String, Option<u64>)> {
+    let adapters = json["adapters"].as_array().cloned().unwrap_or_default();
+    let of =
+        |adapter: &Value| (adapter["name"].as_str().unwrap_or_default().into(), adapter["wrong_clipping"].as_u64());
+    adapters.iter().map(of).collect()
+}
+
+fn lavapipe() -> Outcome {
+    let found = clipping(&rimline(["devices", "--json"]).json()?);
+    for (name, wrong) in found.iter().filter(|(name, _)| name.contains("llvmpipe")) {
+        ensure!(*wrong == Some(0), "{name}: {wrong:?} wrong pixels");
+    }
+    println!("{found:?}");
+    Ok(())
+}
+
+fn named() -> Outcome {
+    let driver = manifest().ok_or("no SwiftShader")?;
+    let variables = [("VK_DRIVER_FILES", driver.as_str())];
+    let found = clipping(&rimline_with(["devices", "--json"], &variables).json()?);
+    let own = found.iter().find(|(name, _)| name.contains("SwiftShader"));
+    let (name, Some(wrong)) = own.ok_or_else(|| format!("no SwiftShader in {found:?}"))? else {
+        return Err(format!("not tried: {found:?}"));
+    };
+    println!("{name}: {wrong} pixels of the trial are wrong");
+    let run = rimline_with(["devices"], &variables);
+    run.expect(0, &[])?;
+    let says = run.stdout.contains(&format!("wrong at {wrong} pixels"));
+    ensure!(says == (*wrong > 0), "{wrong} wrong pixels, but it says: {}", run.stdout);
+    Ok(())
+}
+
+/// A point light, and volumes that leave the picture on all sides: pixels that differ from lavapipe's lie at borders of shadow,
+/// where the rasterisers' grids tell, and a few beside them. When the driver clips, 811 lie elsewhere.
+fn specks() -> Outcome {
+    let driver = manifest().ok_or("no SwiftShader")?;
+    let (folder, model) = (folder(), assets().ok_or("no assets")?.join("FlightHelmet.glb"));
+    let mask = |name: &str, variables: &[(&str, &str)]| -> Result<Image, String> {
+        let (prefix, picture) = (folder.path().join(name), folder.path().join("picture.png"));
+        let line = [
+            "shadow".as_ref(),
+            model.as_os_str(),
+            "--light=point:3,4,2".as_ref(),
+            "--size=400x300".as_ref(),
+            "--method=z-fail".as_ref(),
+            "--mask".as_ref(),
+            prefix.as_os_str(),
+            "--out".as_ref(),
+            picture.as_os_str(),
+        ];
+        rimline_with(line, variables).expect(0, &[])?;
+        Image::mask(&folder.path().join(format!("{name}.0.png")))
+    };
+    let right = mask("right", &[])?;
+    let found = mask("found", &[("VK_DRIVER_FILES", driver.as_str())])?;
+    let is_inner =
+        |x: usize, y: usize| (x - 1..x + 2).all(|i| (y - 1..y + 2).all(|j| right.at(i, j) == right.at(x, y)));
+    let places = (1..399).flat_map(|x| (1..299).map(move |y| (x, y)));
+    let wrong: Vec<_> = places.filter(|&(x, y)| right.at(x, y) != found.at(x, y)).collect();
+    let lone = wrong.iter().filter(|&&(x, y)| is_inner(x, y)).count();
+    println!("{} of {} pixels differ, {lone} of them alone", wrong.len(), right.bytes.len());
+    ensure!(wrong.len() < 60 && lone < 10, "{} pixels differ, {lone} of them alone", wrong.len());
+    Ok(())
+}

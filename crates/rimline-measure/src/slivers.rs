@@ -1,0 +1,195 @@
+//! Closed surfaces of slivers that leave the picture, as plain triangles in clip space. A driver that rasterises them
+//! rightly covers each pixel by as many fronts as backs.
+//!
+//! Vulkan lets a driver take the facing of a triangle from its area before or after clipping. It then has to fill the
+//! triangle, whatever that sign is. `SwiftShader` takes the direction of the edges of the clipped polygon from the same
+//! sign, of vertices that are rounded to a sixteenth of a pixel before clipping, in `f32`. A sliver whose far vertices lie
+//! outside the picture gets the wrong sign and covers other pixels than its neighbours leave to it. NUMERICS.md,
+//! "Triangles that leave the picture".
+
+use crate::pipelines::Drawing;
+use crate::random::Random;
+
+/// A triangle in clip space, counter-clockwise if it is a front.
+pub type Triangle = [[f32; 4]; 3];
+
+/// Pixels of a side of the picture.
+pub const SIZE: u32 = 256;
+
+/// Corners of each end of the tube.
+const CORNERS: usize = 3000;
+
+/// Where a tube of slivers ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// So many times as far from the light as it begins.
+    Times(f64),
+    /// At infinity. Clip w is 0 there.
+    Infinity,
+}
+
+impl End {
+    /// The tube stays within the picture.
+    pub const INSIDE: Self = Self::Times(1.25);
+    /// The tube leaves the picture.
+    pub const OUTSIDE: Self = Self::Times(30.0);
+}
+
+/// A tube from a ring round the middle of the picture away from a light, with both ends. Neighbours share vertices bit for
+/// bit.
+pub fn tube(end: End, seed: u64) -> Vec<Triangle> {
+    let mut random = Random::new(seed);
+    let light = [random.between(-0.09, -0.08), random.between(0.66, 0.67)].map(f64::from);
+    let clip = |[x, y]: [f64; 2]| [x as f32, y as f32, 0.5, 1.0];
+    let mut pair = |corner: usize| {
+        let angle = corner as f64 / CORNERS as f64 * std::f64::consts::TAU;
+        let radius = 0.35 + 0.05 * (7.0 * angle).sin();
+        let near = [angle.cos(), angle.sin()].map(|c| radius * c + f64::from(random.between(-5e-4, 5e-4)));
+        let away = [0, 1].map(|axis| near[axis] - light[axis]);
+        let far = match end {
+            End::Times(times) => clip([0, 1].map(|axis| light[axis] + times * away[axis])),
+            End::Infinity => [away[0] as f32, away[1] as f32, 0.0, 0.0],
+        };
+        [clip(near), far]
+    };
+    let ring: Vec<[[f32; 4]; 2]> = (0..CORNERS).map(&mut pair).collect();
+    let [first_near, first_far] = ring[0];
+    let mut triangles = Vec::new();
+    for (corner, &[near, far]) in ring.iter().enumerate() {
+        let [next_near, next_far] = ring[(corner + 1) % CORNERS];
+        triangles.extend([[near, next_near, next_far], [near, next_far, far]]);
+        if corner > 0 && corner + 1 < CORNERS {
+            triangles.extend([[first_near, next_near, near], [first_far, far, next_far]]);
+        }
+    }
+    triangles
+}
+
+/// A part of a triangle within the picture, as a fan. Each edge is cut from its inner to its outer end, at the sides of the
+/// picture in turn. So both triangles of an edge get the same vertices, bit for bit.
+pub fn cut(triangle: Triangle) -> Vec<Triangle> {
+    let mut polygon = triangle.to_vec();
+    for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
+        let height = |v: [f32; 4]| v[3] + sign * v[axis];
+        let mut next = Vec::new();
+        for (corner, &from) in polygon.iter().enumerate() {
+            let to = polygon[(corner + 1) % polygon.len()];
+            let is_in = height(from) >= 0.0;
+            if is_in {
+                next.push(from);
+            }
+            if is_in != (height(to) >= 0.0) {
+                let (inner, outer) = if is_in { (from, to) } else { (to, from) };
+                let part = height(inner) / (height(inner) - height(outer));
+                let mut meeting: [f32; 4] = std::array::from_fn(|i| inner[i] + (outer[i] - inner[i]) * part);
+                meeting[axis] = -sign * meeting[3];
+                next.push(meeting);
+            }
+        }
+        polygon = next;
+    }
+    (2..polygon.len()).map(|corner| [polygon[0], polygon[corner - 1], polygon[corner]]).collect()
+}
+
+const DRAWING: &str = "
+@vertex fn triangle(@location(0) clip: vec4<f32>) -> @invariant @builtin(position) vec4<f32> { return clip; }
+@fragment fn count(@builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
+  return select(vec4<f32>(0.0, 1.0 / 255.0, 0.0, 0.0), vec4<f32>(1.0 / 255.0, 0.0, 0.0, 0.0), is_front);
+}
+";
+
+/// How many fronts and how many backs cover each pixel, row by row. Colours add them up, so OpenGL can do it, too.
+///
+/// # Errors
+/// The device fails.
+pub fn coverage(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Triangle]) -> Result<Vec<[u8; 2]>, String> {
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let add = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    let target = wgpu::ColorTargetState {
+        format,
+        blend: Some(wgpu::BlendState { color: add, alpha: add }),
+        write_mask: wgpu::ColorWrites::ALL,
+    };
+    let attributes = &wgpu::vertex_attr_array![0 => Float32x4];
+    let step_mode = wgpu::VertexStepMode::Vertex;
+    let pipeline = Drawing {
+        label: "slivers",
+        source: DRAWING,
+        buffers: &[Some(wgpu::VertexBufferLayout { array_stride: 16, step_mode, attributes })],
+        targets: &[Some(target)],
+        ..Drawing::default()
+    }
+    .pipeline(device);
+    let vertices = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("slivers"),
+        size: size_of_val(triangles) as u64,
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    queue.write_buffer(&vertices, 0, bytemuck::cast_slice(triangles));
+    let picture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("slivers"),
+        size: wgpu::Extent3d { width: SIZE, height: SIZE, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    let pixels = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("slivers"),
+        size: u64::from(4 * SIZE * SIZE),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let color = wgpu::RenderPassColorAttachment {
+        view: &picture.create_view(&wgpu::TextureViewDescriptor::default()),
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+    };
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("slivers"),
+        color_attachments: &[Some(color)],
+        ..Default::default()
+    });
+    pass.set_pipeline(&pipeline);
+    pass.set_vertex_buffer(0, vertices.slice(..));
+    pass.draw(0..3 * triangles.len() as u32, 0..1);
+    drop(pass);
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * SIZE), rows_per_image: None };
+    let buffer = wgpu::TexelCopyBufferInfo { buffer: &pixels, layout };
+    encoder.copy_texture_to_buffer(picture.as_image_copy(), buffer, picture.size());
+    queue.submit([encoder.finish()]);
+    let pixels: Vec<[u8; 4]> =
+        rimline::gpu::read_back_vec(device, queue, &pixels).map_err(|error| error.to_string())?;
+    Ok(pixels.into_iter().map(|[fronts, backs, ..]| [fronts, backs]).collect())
+}
+
+/// Pixels that fronts and backs of a closed surface do not cover equally often.
+///
+/// # Errors
+/// The device fails, or draws nothing.
+pub fn unbalanced(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Triangle]) -> Result<usize, String> {
+    let covered = coverage(device, queue, triangles)?;
+    if covered.iter().all(|&[fronts, backs]| fronts == 0 && backs == 0) {
+        return Err("the device draws nothing".into());
+    }
+    Ok(covered.iter().filter(|[fronts, backs]| fronts != backs).count())
+}
+
+/// The small trial that tells whether a driver has the fault: pixels counted wrongly of two tubes that leave the picture,
+/// one of them to infinity.
+///
+/// # Errors
+/// As [`unbalanced`].
+pub fn wrong_pixels(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<usize, String> {
+    let tubes = [End::OUTSIDE, End::Infinity].map(|end| unbalanced(device, queue, &tube(end, 1)));
+    tubes.into_iter().sum()
+}

@@ -1,0 +1,77 @@
+//! Closed surfaces of plain triangles that leave the picture, without any stage of Rimline: whether this driver covers each
+//! pixel by as many fronts as backs. Where it does not, the tests prove why, and what helps.
+
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::slivers::{End, SIZE, Triangle, cut, tube, unbalanced, wrong_pixels};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("slivers_within_the_picture_are_watertight", within),
+    ("slivers_that_leave_the_picture_are_watertight_or_the_driver_is_told", leaving),
+    ("slivers_that_are_cut_at_the_picture_are_watertight", cut_ones),
+    ("slivers_with_a_hole_are_noticed", control),
+];
+
+const SEEDS: std::ops::Range<u64> = 1..5;
+
+/// Wrong pixels of the tubes of all seeds.
+fn count(gpu: &Gpu, end: End, change: impl Fn(Vec<Triangle>) -> Vec<Triangle>) -> Result<usize, String> {
+    SEEDS.map(|seed| unbalanced(&gpu.device, &gpu.queue, &change(tube(end, seed)))).sum()
+}
+
+fn none(what: &str, wrong: usize) -> Result<(), String> {
+    if wrong == 0 { Ok(()) } else { Err(format!("{what}: {wrong} pixels are counted wrongly")) }
+}
+
+fn within() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    none("within the picture", count(&gpu, End::INSIDE, |triangles| triangles)?)
+}
+
+/// Lavapipe has to be right. Another driver may have the fault; then the small trial has to find it.
+fn leaving() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let found = wrong_pixels(&gpu.device, &gpu.queue)?;
+    let mut all = 0;
+    for end in [End::Times(4.0), End::OUTSIDE, End::Times(1000.0), End::Infinity] {
+        let wrong = count(&gpu, end, |triangles| triangles)?;
+        println!("{}: {end:?}: {wrong} of {} pixels", gpu.name, SEEDS.count() * (SIZE * SIZE) as usize);
+        all += wrong;
+    }
+    if gpu.name.contains("llvmpipe") {
+        return none("leaving the picture", all + found);
+    }
+    if (all > 0) == (found > 0) {
+        Ok(())
+    } else {
+        Err(format!("{all} pixels are wrong, and the small trial finds {found}"))
+    }
+}
+
+/// So what is wrong of others is the driver's clipping, and our own would help.
+fn cut_ones() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    for end in [End::Times(4.0), End::OUTSIDE, End::Times(1000.0), End::Infinity] {
+        let wrong = count(&gpu, end, |triangles| triangles.into_iter().flat_map(cut).collect())?;
+        none(&format!("{end:?}, cut"), wrong)?;
+    }
+    Ok(())
+}
+
+/// Negative control: of a tube one sliver is left out.
+fn control() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    for end in [End::INSIDE, End::OUTSIDE] {
+        let whole = tube(end, 1);
+        // The longest of both slivers of a corner crosses many pixels.
+        let found = (0..40).any(|number| {
+            let mut holed = whole.clone();
+            holed.remove(1 + 4 * number);
+            unbalanced(&gpu.device, &gpu.queue, &holed).is_ok_and(|wrong| wrong > 0)
+        });
+        if !found {
+            return Err(format!("negative control: holes in a tube to {end:?} went unnoticed"));
+        }
+    }
+    Ok(())
+}
