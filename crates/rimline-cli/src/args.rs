@@ -186,7 +186,7 @@ Examples:
 const INFO_KEYS: &str = "\
 Keys of --json: file, instances, meshes (a list), total (each mesh once), placed (all instances at rest \
 in world space); each of these three with name, vertices (before, after, apart), faces, degenerate_faces, \
-duplicate_faces, edges (consistent, inconsistent, boundary), non_manifold_edges, components, closed, \
+duplicate_faces, flipped_faces (of these the flipped copies), edges (consistent, inconsistent, boundary), non_manifold_edges, components, closed, \
 why_open, offending_edges (kind, vertices, positions), joints_per_vertex, morph_targets, bounds (min, \
 max); polygons (null where all faces are triangles; triangles, quadrilaterals, larger, most_corners, with_holes, \
 nonplanar, non_finite, seen: for each light facing, averted, in_plane, twisted); and of a glTF file skins (name, joints), \

@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 use crate::args::InfoArgs;
 use crate::failure::Failure;
 use crate::input::{Input, Shape, Source};
+use crate::load_args::TakenPolygons;
 use crate::output::print;
 use crate::shown::Line;
 use polygons::PolygonReport;
@@ -22,7 +23,11 @@ use report::MeshReport;
 use text::Text;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let input = Input::open(&args.model)?;
+    let taken = match args.model.polygons.taken() {
+        TakenPolygons::Triangles => TakenPolygons::Described,
+        taken => taken,
+    };
+    let input = Input::read(&args.model.file, args.model.options(), taken)?;
     let lights = input.lights(&args.lights, None, 0.0)?;
     let report = Report::new(&input, &lights)?;
     print(&if args.json { format!("{:#}\n", report.json(&input)?) } else { report.text(&input)? })
@@ -34,7 +39,7 @@ struct Report {
     total: MeshReport,
     /// All instances at rest, in world space: what `extract` works on.
     placed: MeshReport,
-    /// Its polygons, if it has some.
+    /// The file's polygons, if it has some. Unless they are taken whole, `placed` has their triangles.
     polygons: Option<PolygonReport>,
 }
 
@@ -51,7 +56,10 @@ impl Report {
             Shape::Posed { model, pose } => Cow::Owned(cpu::deform(model, pose, 0.0, None, Threads::all())?),
         };
         let placed = MeshReport::of_mesh(&scene.mesh, &positions);
-        let polygons = PolygonReport::of_mesh(&scene.mesh, &positions, lights);
+        let polygons = match input.described() {
+            Some(given) => PolygonReport::of_mesh(&given.mesh, &given.positions, lights),
+            None => PolygonReport::of_mesh(&scene.mesh, &positions, lights),
+        };
         Ok(Self { total: MeshReport::total(&meshes), meshes, placed, polygons })
     }
 
@@ -90,7 +98,7 @@ impl Report {
         text.heading("all instances, at rest in world space");
         text.mesh(&self.placed);
         if let Some(polygons) = &self.polygons {
-            polygons.text(&mut text);
+            polygons.text(&mut text, input.described().is_some());
         }
         Ok(text.finish())
     }

@@ -44,7 +44,7 @@ pub(crate) fn shadow_stages(
     let Some(model) = triangle() else { return Ok(()) };
     let input = Input {
         file: PathBuf::from("triangle"),
-        source: Source::World { model, weld: WeldCounts::default(), polygons: None },
+        source: Source::World { model, weld: WeldCounts::default(), polygons: None, described: None },
     };
     let body = [PosedModel::new(gpu, &input, None, 0.0, None)?];
     let mut shadows = Shadows::new(gpu, pipelines, lights.len()).map_err(|error| error.on(gpu))?;

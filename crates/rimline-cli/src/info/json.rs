@@ -21,6 +21,7 @@ pub(super) fn mesh(report: &MeshReport) -> Value {
         "faces": report.faces,
         "degenerate_faces": diagnostics.degenerate_faces,
         "duplicate_faces": diagnostics.duplicate_faces,
+        "flipped_faces": diagnostics.flipped_faces,
         "edges": { "consistent": consistent, "inconsistent": inconsistent, "boundary": boundary },
         "non_manifold_edges": diagnostics.non_manifold_edges,
         "components": diagnostics.components,

@@ -42,12 +42,14 @@ impl Text {
         }
         self.line("vertices", vertices);
         let diagnostics = &report.diagnostics;
+        let (duplicate, flipped) = (diagnostics.duplicate_faces, diagnostics.flipped_faces);
+        let copies = match flipped {
+            0 => "duplicate".to_owned(),
+            _ => format!("duplicate ({flipped} flipped, so that both sides are fronts)"),
+        };
         self.line(
             "faces",
-            counted(
-                report.faces,
-                &[(diagnostics.degenerate_faces, "degenerate"), (diagnostics.duplicate_faces, "duplicate")],
-            ),
+            counted(report.faces, &[(diagnostics.degenerate_faces, "degenerate"), (duplicate, &copies)]),
         );
         let EdgeCounts { consistent, inconsistent, boundary } = diagnostics.edges;
         let mut edges = counted(

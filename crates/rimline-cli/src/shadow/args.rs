@@ -9,7 +9,7 @@ use rimline::gpu::{DanglingEdges, DepthEdges};
 
 use crate::failure::{Failure, UsageError};
 use crate::help::verbatim;
-use crate::input_args::{MomentArgs, ViewArgs, WeldArgs, drawing_device};
+use crate::input_args::{MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device};
 use crate::load_args::LoadArgs;
 use crate::shadow::from_depth::{FromDepth, MapSource, Reconstruction};
 use crate::shadow::given_map::GivenMap;
@@ -81,6 +81,9 @@ pub(crate) struct ShadowSceneArgs {
 
     #[command(flatten)]
     pub(crate) weld: WeldArgs,
+
+    #[command(flatten)]
+    pub(crate) polygons: PolygonArgs,
 
     #[command(flatten)]
     pub(crate) load: LoadArgs,

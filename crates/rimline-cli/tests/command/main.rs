@@ -31,6 +31,7 @@ mod outputs_unix;
 mod own_gltf;
 mod plot_labels;
 mod polygon_shadows;
+mod polygon_surface;
 mod query;
 mod run;
 mod schema;
@@ -81,6 +82,7 @@ fn main() {
         film::TESTS,
         plot_labels::TESTS,
         polygon_shadows::TESTS,
+        polygon_surface::TESTS,
         soft::TESTS,
         instances::TESTS,
         query::TESTS,
