@@ -5,3 +5,4 @@ mod clusters;
 mod polygons;
 mod topology;
 mod weld;
+mod zero;
