@@ -73,7 +73,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Equal positions are one vertex, so the cube's sides have common edges.
     let Polygons { positions, loops, sizes, corners } = scene();
     let given = PolygonLoops { polygon_loops: &loops, loop_sizes: &sizes, loop_corners: &corners };
-    let mesh = Mesh::from_polygons(&positions, given, Weld::Position)?;
+    let mesh = Mesh::from_polygons_by_loop(&positions, given, Weld::Position)?;
     let vertex_buffer = canvas.storage(bytemuck::cast_slice(&positions));
     // These triangles are the surface of the polygons.
     let bodies = [stage.body(&vertex_buffer, mesh.faces())];

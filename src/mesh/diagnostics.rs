@@ -18,6 +18,9 @@ pub struct MeshDiagnostics {
     /// The number of faces with the same three vertices as an earlier face, in any order. Degenerate faces do not
     /// count.
     pub duplicate_faces: usize,
+    /// The number of flipped copies, which are among [`Self::duplicate_faces`]: for each three vertices, the faces of the
+    /// direction that has fewer. Both sides of such a face are seen, and drawing them at one depth takes care.
+    pub flipped_faces: usize,
     /// The first records that are not of kind [`EdgeKind::Consistent`]. They are the reason why the mesh is not closed.
     pub listed_edges: Vec<Edge>,
 }
@@ -27,12 +30,14 @@ impl MeshDiagnostics {
     /// sorting the faces.
     pub fn of(mesh: &Mesh, edge_limit: usize) -> Self {
         let is_listed = |edge: &Edge| edge.kind != EdgeKind::Consistent;
+        let (duplicate_faces, flipped_faces) = copies(mesh.faces());
         Self {
             components: components(mesh.vertex_count() as usize, mesh.faces()),
             edges: mesh.edges().counts(),
             non_manifold_edges: non_manifold_edges(mesh.edges().vertices()),
             degenerate_faces: mesh.degenerate_faces(),
-            duplicate_faces: duplicate_faces(mesh.faces()),
+            duplicate_faces,
+            flipped_faces,
             listed_edges: mesh.edges().iter().filter(is_listed).take(edge_limit).collect(),
         }
     }
@@ -82,18 +87,23 @@ fn non_manifold_edges(records: &[[u32; 2]]) -> usize {
     keys.chunk_by(|a, b| a == b).filter(|run| run.len() > 1).count()
 }
 
-fn duplicate_faces(faces: &[[u32; 3]]) -> usize {
-    let mut keys: Vec<[u32; 3]> = faces
+/// The numbers of duplicate and of flipped faces.
+fn copies(faces: &[[u32; 3]]) -> (usize, usize) {
+    let mut keys: Vec<([u32; 3], bool)> = faces
         .iter()
         .filter(|face| !is_degenerate(**face))
-        .map(|&face| {
-            let mut key = face;
+        .map(|&[a, b, c]| {
+            let mut key = [a, b, c];
             key.sort_unstable();
-            key
+            (key, key != [a, b, c] && key != [b, c, a] && key != [c, a, b])
         })
         .collect();
     keys.sort_unstable();
-    keys.windows(2).filter(|pair| pair[0] == pair[1]).count()
+    let runs = keys.chunk_by(|one, other| one.0 == other.0).map(|run| {
+        let flipped = run.iter().filter(|key| key.1).count();
+        (run.len() - 1, flipped.min(run.len() - flipped))
+    });
+    runs.fold((0, 0), |(duplicates, flipped), run| (duplicates + run.0, flipped + run.1))
 }
 
 #[cfg(test)]
@@ -146,5 +156,16 @@ mod tests {
         let found = diagnose(5, &[[0, 1, 2], [1, 0, 3], [0, 1, 4], [2, 1, 0], [3, 3, 4]]);
         assert_eq!(found.non_manifold_edges, 1);
         assert_eq!((found.duplicate_faces, found.degenerate_faces), (1, 1));
+        assert_eq!(found.flipped_faces, 1);
+    }
+
+    #[test]
+    fn flipped_copies_are_counted_by_direction() {
+        // Two copies as the face is, one turned, another turned twice.
+        let faces = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [3, 2, 1], [1, 3, 2], [2, 3, 1]];
+        let found = diagnose(4, &faces);
+        assert_eq!((found.duplicate_faces, found.flipped_faces), (5, 2));
+        assert_eq!(diagnose(4, &faces[..3]).flipped_faces, 0);
+        assert_eq!(diagnose(4, &[[0, 0, 1], [0, 1, 0]]).flipped_faces, 0);
     }
 }

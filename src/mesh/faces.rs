@@ -9,8 +9,8 @@ use super::weld::{self, Weld, WeldCounts};
 
 /// The faces of a mesh over welded vertices, and the edge records between them. Positions are not kept.
 ///
-/// Faces are triangles, or polygons. A mesh of polygons also has triangles, which are its surface. Edge records and
-/// facing masks never see those: a polygon is one face.
+/// Faces are triangles, or polygons by [`Self::from_polygons_by_loop`]. A mesh of such polygons also has triangles, which
+/// are its surface. Edge records and facing masks never see those: a polygon is one face.
 ///
 /// Vertices keep the caller's numbering. Faces and records name each welded group by its lowest source index, or by the
 /// vertex at its smallest position where vertices are welded by distance. So the stages read the caller's own position buffer
@@ -79,17 +79,39 @@ impl Mesh {
         Ok(Self::build(vertex_count, faces, WeldCounts::kept(vertex_count)))
     }
 
-    /// Welds vertices and builds the edge records between polygons, planar or not. A polygon is one face, so its inner
-    /// diagonals are no edges. An edge that a polygon walks both ways is none either: the bridge to a hole. Polygons
-    /// that are all triangles make the same mesh as [`Self::new`].
+    /// Welds vertices, cuts polygons into triangles, and builds the edge records of these. This is the mesh of what is
+    /// drawn: the triangles are [`Self::faces`], and facing, silhouettes and shadows are theirs. Faces of a modelling tool,
+    /// planar or not, belong here. [`PolygonLoops::triangulate`] returns the same triangles.
     ///
-    /// `positions` also decide the triangles that are the surface of each polygon. These stay as they are when vertices
-    /// move.
+    /// `positions` decide the triangles once. They stay as they are when vertices move. [`Self::from_polygons_by_loop`]
+    /// takes each polygon as one face instead.
     ///
     /// # Errors
     /// [`MeshError`] for no polygons or too many, arrays that do not fit together, a loop of fewer than three corners,
     /// or a corner out of range.
     pub fn from_polygons(positions: &[[f32; 3]], polygons: PolygonLoops<'_>, weld: Weld) -> Result<Self, MeshError> {
+        let (triangles, counts) = polygons.triangulate(positions, weld)?;
+        Ok(Self::build(positions.len(), triangles, counts))
+    }
+
+    /// Welds vertices and builds the edge records between polygons, planar or not. A polygon is one face, as in Bergeron's
+    /// paper of 1986: its outline decides whether it faces a light, and its inner diagonals are no edges. An edge that a
+    /// polygon walks both ways is none either: the bridge to a hole. Polygons that are all triangles make the same mesh as
+    /// [`Self::new`].
+    ///
+    /// A light may see the outline of a polygon that is not planar otherwise than its triangles, [`Self::faces`]. Where
+    /// these are drawn, silhouettes and shadows then differ from the picture. [`Self::from_polygons`] is for what is drawn.
+    ///
+    /// `positions` decide the triangles that are the surface of each polygon. These stay as they are when vertices
+    /// move.
+    ///
+    /// # Errors
+    /// As [`Self::from_polygons`].
+    pub fn from_polygons_by_loop(
+        positions: &[[f32; 3]],
+        polygons: PolygonLoops<'_>,
+        weld: Weld,
+    ) -> Result<Self, MeshError> {
         let (groups, mut counts) = weld::weld_positions(positions, weld);
         let given = polygons;
         let (polygons, triangles) = Polygons::new(positions, given, &groups)?;
@@ -126,7 +148,8 @@ impl Mesh {
 
     /// Counter-clockwise triangles, as vertex indices: the surface of the mesh, which callers draw. In a mesh of
     /// triangles these are the faces in the order given, degenerate ones included. In a mesh of polygons they are the
-    /// triangles of one polygon after the other: see [`Polygons::triangles`].
+    /// triangles of one polygon after the other: see [`Polygons::triangles`]. Polygons by [`Self::from_polygons_by_loop`]
+    /// may all be without a surface; then there are none.
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
     }
@@ -136,7 +159,7 @@ impl Mesh {
         self.polygons.as_ref().map_or(self.faces.len(), Polygons::len)
     }
 
-    /// The polygons. `None` if all faces are triangles.
+    /// The polygons, of [`Self::from_polygons_by_loop`]. `None` if all faces are triangles.
     pub fn polygons(&self) -> Option<&Polygons> {
         self.polygons.as_ref()
     }

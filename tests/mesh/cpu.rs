@@ -6,3 +6,4 @@ mod near;
 mod polygons;
 mod topology;
 mod weld;
+mod zero;

@@ -321,7 +321,7 @@ fn what_is_wrong_is_named() {
     let positions = [[0.0; 3]; 4];
     let refused = |polygon_loops: &[u32], loop_sizes: &[u32], loop_corners: &[u32]| {
         let given = PolygonLoops { polygon_loops, loop_sizes, loop_corners };
-        Mesh::from_polygons(&positions, given, Weld::Keep).expect_err("a bad polygon")
+        Mesh::from_polygons_by_loop(&positions, given, Weld::Keep).expect_err("a bad polygon")
     };
     assert_eq!(refused(&[], &[], &[]), MeshError::NoFaces);
     assert_eq!(refused(&[1, 0], &[3], &[0, 1, 2]), MeshError::PolygonWithoutLoops { polygon: 1 });
@@ -346,4 +346,78 @@ fn what_is_wrong_is_named() {
     assert_eq!(refused(&[1], &[size], &vec![0; size as usize]), MeshError::PolygonTooLarge { polygon: 0 });
     // Sizes that would overflow a sum.
     assert!(matches!(refused(&[2], &[3, u32::MAX], &[0, 1, 2]), MeshError::PolygonTooLarge { polygon: 0 }));
+}
+
+/// The triangles of polygons are those of the mesh that takes polygons whole, each polygon with at least one.
+#[test]
+fn polygons_are_cut_into_the_triangles_that_are_drawn() -> Outcome {
+    let count = if is_long() { 40_000 } else { 4_000 };
+    for seed in 0..count {
+        let mut random = Random::new(seed);
+        let mut set = PolygonSet::default();
+        for _ in 0..1 + random.below(3) {
+            let (_, other) = random_polygon(&mut random, 24);
+            let first = set.positions.len() as u32;
+            set.positions.extend(&other.positions);
+            let moved = |loops: Vec<Vec<u32>>| -> Vec<Vec<u32>> {
+                loops.iter().map(|corners| corners.iter().map(|v| v + first).collect()).collect()
+            };
+            other.polygons().into_iter().for_each(|loops| set.push(&moved(loops)));
+        }
+        let weld = if random.below(2) == 0 { Weld::Position } else { Weld::Keep };
+        let whole = set.mesh(weld).expect("a mesh");
+        let cut = Mesh::from_polygons(&set.positions, set.loops(), weld).expect("a mesh");
+        let (triangles, _) = set.loops().triangulate(&set.positions, weld).expect("triangles");
+        if cut.faces() != triangles || cut.polygons().is_some() || cut.weld_counts() != whole.weld_counts() {
+            return Err(format!("seed {seed}: {:?}, but the triangles are {triangles:?}", cut.faces()));
+        }
+        let is_drawn = |face: &&[u32; 3]| face[0] != face[1] && face[1] != face[2] && face[2] != face[0];
+        let drawn = |mesh: &Mesh| mesh.faces().iter().filter(is_drawn).copied().collect::<Vec<_>>();
+        // Those of random polygons: none has the corners of another.
+        if drawn(&cut) != drawn(&whole) {
+            return Err(format!("seed {seed}: {:?}, but taken whole {:?}", cut.faces(), whole.faces()));
+        }
+        let without = whole.polygons().map_or(0, |all| (0..all.len()).filter(|&p| all.triangles(p).is_empty()).count());
+        if cut.face_count() != whole.faces().len() + without {
+            return Err(format!("seed {seed}: {} faces, and {without} polygons without a surface", cut.face_count()));
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn both_sides_of_a_polygon_have_the_same_triangles() {
+    // Not planar; cut by the one diagonal it is another surface than by the other.
+    let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.3], [1.0, 1.0, 0.0], [0.0, 1.0, 0.3], [0.5, 0.5, 1.0]];
+    let one_way = |face: &[u32; 3], is_turned: bool| {
+        let [a, b, c] = *face;
+        let [a, b, c] = if is_turned { [a, c, b] } else { [a, b, c] };
+        [[a, b, c], [b, c, a], [c, a, b]].into_iter().min()
+    };
+    for (corners, is_turned) in
+        [([3, 2, 1, 0], true), ([2, 1, 0, 3], true), ([1, 2, 3, 0], false), ([0, 1, 2, 3], false), ([0, 3, 2, 1], true)]
+    {
+        let mut set = PolygonSet { positions: positions.clone(), ..Default::default() };
+        set.push(&[vec![0, 1, 2, 3]]);
+        set.push(&[vec![0, 1, 4, 2]]);
+        set.push(&[corners.to_vec()]);
+        let mesh = Mesh::from_polygons(&set.positions, set.loops(), Weld::Keep).expect("a mesh");
+        let faces = mesh.faces();
+        assert_eq!(faces.len(), 6);
+        for (one, other) in faces[..2].iter().zip(&faces[4..]) {
+            assert_eq!(one_way(one, false), one_way(other, is_turned), "{corners:?}: {faces:?}");
+        }
+    }
+}
+
+#[test]
+fn polygons_without_a_surface_keep_a_row() {
+    let mut set = PolygonSet { positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], ..Default::default() };
+    set.push(&[vec![0, 1, 1, 0]]);
+    set.push(&[vec![0, 1, 2], vec![2, 1, 0]]);
+    set.push(&[vec![2, 2, 1]]);
+    let mesh = Mesh::from_polygons(&set.positions, set.loops(), Weld::Keep).expect("a mesh");
+    assert_eq!((mesh.face_count(), mesh.degenerate_faces(), mesh.edges().len()), (3, 3, 0));
+    let whole = set.mesh(Weld::Keep).expect("a mesh");
+    assert_eq!((whole.face_count(), whole.degenerate_faces(), whole.faces().len()), (3, 3, 0));
 }

@@ -4,9 +4,10 @@ mod depths;
 mod lights;
 mod query_stages;
 mod stages;
+mod zero;
 
 use rimline_measure::harness;
 
 fn main() {
-    harness::run(harness::gpu_trials(stages::TESTS.iter().chain(query_stages::TESTS).copied()));
+    harness::run(harness::gpu_trials(stages::TESTS.iter().chain(query_stages::TESTS).chain(zero::TESTS).copied()));
 }

@@ -37,6 +37,7 @@ fn outlines_are_seen_as_their_winding_numbers_say() -> Outcome {
     println!("seeds from {first}");
     let mut seen = BTreeMap::<String, usize>::new();
     let mut by_light = BTreeMap::<(&str, &str), usize>::new();
+    let mut told = 0;
     for seed in first..first + count {
         let mut random = Random::new(seed);
         // Large ones are the oracle's limit.
@@ -54,6 +55,11 @@ fn outlines_are_seen_as_their_winding_numbers_say() -> Outcome {
             compare(found, right).map_err(|error| format!("{what}: {error}, {edges:?}"))?;
             let by_pairs = outline.seen_by_pairs(light.to_array());
             compare(by_pairs, right).map_err(|error| format!("{what}, by pairs: {error}"))?;
+            let by_close_pairs = outline.seen_by_close_pairs(light.to_array());
+            if by_close_pairs.is_some_and(|found| found != by_pairs) {
+                return Err(format!("{what}: by close pairs {by_close_pairs:?}, by all pairs {by_pairs:?}"));
+            }
+            told += usize::from(by_close_pairs.is_some());
             *seen.entry(format!("{found:?}, {}", if is_general { "by pairs" } else { "cheap" })).or_default() += 1;
             *by_light.entry((of_light, if right.touches { "touches" } else { "clean" })).or_default() += 1;
             let other = match found {
@@ -67,7 +73,10 @@ fn outlines_are_seen_as_their_winding_numbers_say() -> Outcome {
             }
         }
     }
-    println!("{seen:#?}\n{by_light:#?}");
+    println!("{seen:#?}\n{by_light:#?}\nclose pairs tell {told}");
+    if told < 2 * count as usize {
+        return Err(format!("close pairs tell {told} only"));
+    }
     if seen.len() < 6 || seen.values().any(|&count| count < 12) {
         Err(format!("too few of a kind: {seen:?}"))
     } else {
@@ -257,5 +266,48 @@ fn convex_outlines_take_the_cheap_way() {
         assert_eq!(polygon_turns(&ring, light), by_turns, "seed {seed}, {count} corners");
         let expected = if turns == 1 { (Seen::Facing, false) } else { (Seen::Twisted, true) };
         assert_eq!(loops(&[&ring]).seen(light), expected, "seed {seed}, {count} corners");
+    }
+}
+
+/// Outlines of many corners, which all pairs of edges take minutes for: a circle that rounding dents, a comb, a spiral with
+/// bridges, each from above, from below and from beside.
+#[test]
+fn outlines_of_many_corners_take_no_time() {
+    const CORNERS: usize = 20_000;
+    let turn = |at: f64| at * std::f64::consts::TAU;
+    let circle: Vec<[f32; 3]> = (0..CORNERS)
+        .map(|at| turn(at as f64 / CORNERS as f64).sin_cos())
+        .map(|(sin, cos)| [cos as f32, sin as f32, 0.0])
+        .collect();
+    // Long teeth side by side, that lean.
+    let comb = (0..CORNERS).map(|at| {
+        let x = (at / 2) as f32 / CORNERS as f32;
+        if at % 2 == 0 { [x, 0.0, 0.0] } else { [x + 0.3, 1.0, 0.0] }
+    });
+    let comb: Vec<[f32; 3]> =
+        comb.chain([[2.0, 1.0, 0.0], [2.0, -1.0, 0.0], [-1.0, -1.0, 0.0], [-1.0, 0.0, 0.0]]).collect();
+    let ring = |radius: f64, at: usize| {
+        let (sin, cos) = turn(at as f64 * 40.0 / CORNERS as f64).sin_cos();
+        [(radius * cos) as f32, (radius * sin) as f32, 0.0]
+    };
+    let arm = |at: usize, lead: f64| ring(0.2 + (at as f64 * 40.0 / CORNERS as f64 + lead) * 0.1, at);
+    let out = (0..CORNERS / 2).map(|at| arm(at, 0.0));
+    let spiral: Vec<[f32; 3]> = out.chain((0..CORNERS / 2).rev().map(|at| arm(at, -0.4))).collect();
+    for (name, corners) in [("circle", circle), ("comb", comb), ("spiral", spiral)] {
+        let facing = |corners: &[[f32; 3]]| {
+            let area: f64 = corners
+                .iter()
+                .zip(corners.iter().cycle().skip(1))
+                .map(|(p, q)| f64::from(p[0]) * f64::from(q[1]) - f64::from(p[1]) * f64::from(q[0]))
+                .sum();
+            if area > 0.0 { [Seen::Facing, Seen::Averted] } else { [Seen::Averted, Seen::Facing] }
+        };
+        let (outline, expected) = (loops(&[&corners]), facing(&corners));
+        assert_eq!([seen(&outline, ABOVE), seen(&outline, BELOW)], expected, "{name}");
+        assert_eq!(seen(&outline, Light::directional([0.1, 0.2, 1.0])), expected[0], "{name}");
+        assert_eq!(seen(&outline, Light::directional([0.1, 0.2, 0.0])), Seen::InPlane, "{name}");
+        let mut crossed = corners;
+        crossed.swap(CORNERS / 3, CORNERS / 2);
+        assert_eq!(seen(&loops(&[&crossed]), ABOVE), Seen::Twisted, "{name}");
     }
 }

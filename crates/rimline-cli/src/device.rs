@@ -139,6 +139,19 @@ pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
     }
 }
 
+/// Opens what `--device` asks for, for what the CPU can do, too. `auto` takes no GPU that is software: it runs on the same
+/// cores, and compiles shaders first. A device that was made small stands for one that is none.
+pub(crate) fn open_fastest(wanted: &Wanted) -> Result<Device, Failure> {
+    if *wanted == Wanted::Auto && buffer_limit().is_none() {
+        let usable = |backends| adapters_of(backends).into_iter().find(|adapter| lacks(adapter).is_none());
+        let first = usable(Backends::all().difference(Backends::GL)).or_else(|| usable(Backends::GL));
+        if first.is_some_and(|adapter| adapter.get_info().device_type == DeviceType::Cpu) {
+            return Ok(Device::Cpu);
+        }
+    }
+    open(wanted)
+}
+
 /// Does the work on the device. Where `auto` chose a GPU that the work does not fit, the CPU does it, and a remark says
 /// so. Returns the device that did it.
 pub(crate) fn work<T>(

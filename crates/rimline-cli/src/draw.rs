@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use rimline::gpu::{Extractor, ExtractorOptions};
 use rimline::mesh::Bounds;
 use rimline::reference::cpu::is_finite;
-use rimline::{Light, wgpu};
+use rimline::{Light, Mesh, MeshError, wgpu};
 
 use crate::args::DrawArgs;
 use crate::device::{self, Wanted};
@@ -26,6 +26,7 @@ use crate::posed_input::PosedInput;
 use crate::positions::Positions;
 use crate::progress::Progress;
 use crate::render::camera::{Camera, elevation};
+use crate::render::coincident::{Coincident, corners};
 use crate::render::{centre, check_bounds, check_size, extent, normals, too_large};
 use frame::Frame;
 use outline_picture::DrawInputs;
@@ -68,17 +69,20 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
 
     progress.step("drawing");
     let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(world[v as usize]));
-    let faces: Vec<[u32; 3]> = scene.mesh.faces().iter().filter(is_drawn).copied().collect();
+    let mut faces: Vec<[u32; 3]> = scene.mesh.faces().iter().filter(is_drawn).copied().collect();
     let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
     let failed = Failure::input(&posed.input.file);
     let bounds = Bounds::of(corners()).ok_or_else(|| failed(InputError::NoFiniteFace))?;
-    check_bounds(&bounds).map_err(failed)?;
+    check_bounds(&bounds).map_err(&failed)?;
     let view = args.view.relative_to(posed.input.origin);
     let camera =
         Camera::new(&view, elevation(ELEVATION, &bounds), centre(&bounds), extent(&bounds), corners().copied())?;
 
+    let sheet = coincident_faces(&world, &mut faces, &camera).map_err(|error| failed(error.into()))?;
+    let outlined = sheet.as_ref().filter(|_| scene.mesh.polygons().is_none()).unwrap_or(&scene.mesh);
+
     let mut extractor =
-        Extractor::new(&gpu.pipelines, &scene.mesh, ExtractorOptions::default()).map_err(|error| fail(error.into()))?;
+        Extractor::new(&gpu.pipelines, outlined, ExtractorOptions::default()).map_err(|error| fail(error.into()))?;
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("draw") });
     let eye = Light::point(camera.eye.into());
     let extraction =
@@ -104,4 +108,17 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     output.finish(|file| picture.write_png(file))?;
     drop(progress);
     print(&format!("{}\n", wrote(&args.out, args.view.size)))
+}
+
+/// Where faces coincide with turned ones, leaves those that are turned away from the eye out of the faces to draw, and returns
+/// a mesh of the surface without its second side. Else an edge between the sides of one face would be on the outline.
+fn coincident_faces(world: &[[f32; 3]], faces: &mut Vec<[u32; 3]>, camera: &Camera) -> Result<Option<Mesh>, MeshError> {
+    let Some(found) = Coincident::of(corners(world, faces)) else { return Ok(None) };
+    let numbered = || faces.iter().copied().enumerate();
+    let one_sided = numbered().filter(|&(number, _)| found.is_first(number)).map(|(_, face)| face).collect();
+    let sheet = Mesh::from_faces(world.len(), one_sided)?;
+    let is_seen = |(number, corners)| found.seen_instead(number, corners, camera.eye).is_none();
+    let mut are_seen = corners(world, faces).enumerate().map(is_seen).collect::<Vec<_>>().into_iter();
+    faces.retain(|_| are_seen.next() != Some(false));
+    Ok(Some(sheet))
 }

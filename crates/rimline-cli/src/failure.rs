@@ -97,7 +97,9 @@ pub(crate) enum InputError {
     PosedMesh(#[from] rimline::PosedMeshError),
     #[error("its lights cannot be used: {0}")]
     Lights(LightError),
-    #[error("it has polygons, whose vertices cannot be displaced so far; cut its faces into triangles")]
+    #[error(
+        "it has polygons, whose vertices cannot be displaced so far; cut its faces into triangles, as those of an .obj are without --polygons"
+    )]
     PolygonsDisplaced,
     #[error(transparent)]
     Displacement(#[from] rimline::DisplaceError),
@@ -206,7 +208,8 @@ pub(crate) enum UsageError {
     )]
     CoveredMethod(String),
     #[error(
-        "--hide-covered takes triangles, and {} has polygons; cut its faces into triangles, or leave out --hide-covered",
+        "--hide-covered takes triangles, and {} has polygons; cut its faces into triangles, as those of an .obj are without \
+         --polygons, or leave out --hide-covered",
         .file.display()
     )]
     CoveredPolygons { file: PathBuf },

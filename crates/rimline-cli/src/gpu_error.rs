@@ -6,8 +6,9 @@ use rimline::LightError;
 use rimline::gpu::{
     DeformError, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapPipelinesError,
     DepthMapVolumesError, ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError,
-    MemoryError, MeshDepthError, PositionError, ReadError, SceneError, ShadowDrawError, ShadowEncodeError,
-    ShadowFormatError, ShadowQueryEncodeError, ShadowQueryError, ShadowVolumesError, StaleExtraction, TimerError,
+    MAX_OUTLINE_EDGES, MemoryError, MeshDepthError, PositionError, ReadError, SceneError, ShadowDrawError,
+    ShadowEncodeError, ShadowFormatError, ShadowQueryEncodeError, ShadowQueryError, ShadowVolumesError,
+    StaleExtraction, TimerError,
 };
 
 use crate::device::{Gpu, describe};
@@ -108,7 +109,7 @@ impl GpuError {
             Self::Shadow(ShadowEncodeError::Light(lights)) => return UsageError::Lights(*lights).into(),
             // The CPU would do.
             Self::Deform(DeformError::TooManyTerms { .. })
-            | Self::Extractor(ExtractorError::Polygons)
+            | Self::Extractor(ExtractorError::Polygons | ExtractorError::OutlineTooLarge { .. })
             | Self::DepthMapCube(DepthMapCubeError::Volumes(DepthMapVolumesError::Texture { .. })) => {
                 return self.too_small(gpu);
             }
@@ -123,7 +124,15 @@ impl GpuError {
 
     /// The device will not do.
     fn too_small(&self, gpu: &Gpu) -> Failure {
-        let (adapter, reason) = (describe(&gpu.info), self.to_string());
+        let reason = match self {
+            // Its advice is to give the options of the command.
+            Self::Extractor(ExtractorError::OutlineTooLarge { polygon, edges }) => format!(
+                "polygon {polygon} has an outline of {edges} edges, and one has at most {MAX_OUTLINE_EDGES} there; cut it, or \
+                 leave out --polygons"
+            ),
+            error => error.to_string(),
+        };
+        let adapter = describe(&gpu.info);
         NoDevice::TooSmall { adapter, reason, cpu_would_do: gpu.cpu_would_do }.into()
     }
 

@@ -17,6 +17,7 @@ use crate::args::InfoArgs;
 use crate::coordinates::{add_origin, origin_text};
 use crate::failure::Failure;
 use crate::input::{Input, Shape, Source};
+use crate::load_args::TakenPolygons;
 use crate::origin;
 use crate::output::print;
 use crate::shown::Line;
@@ -25,7 +26,11 @@ use report::MeshReport;
 use text::Text;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let mut input = Input::open(&args.model)?;
+    let taken = match args.model.polygons.taken() {
+        TakenPolygons::Triangles => TakenPolygons::Described,
+        taken => taken,
+    };
+    let mut input = Input::read(&args.model.file, args.model.options(), taken)?;
     origin::settle(std::slice::from_mut(&mut input), &[None], 0.0)?;
     let lights = input.lights(&args.lights, None, 0.0)?;
     let report = Report::new(&input, &lights)?;
@@ -38,7 +43,7 @@ struct Report {
     total: MeshReport,
     /// All instances at rest, in world space: what `extract` works on.
     placed: MeshReport,
-    /// Its polygons, if it has some.
+    /// The file's polygons, if it has some. Unless they are taken whole, `placed` has their triangles.
     polygons: Option<PolygonReport>,
 }
 
@@ -57,7 +62,10 @@ impl Report {
             Shape::Posed { model, pose } => Cow::Owned(cpu::deform(model, pose, 0.0, None, Threads::all())?),
         };
         let placed = MeshReport::of_mesh(&scene.mesh, &positions, input.origin);
-        let polygons = PolygonReport::of_mesh(&scene.mesh, &positions, lights);
+        let polygons = match input.described() {
+            Some(given) => PolygonReport::of_mesh(&given.mesh, &given.positions, lights),
+            None => PolygonReport::of_mesh(&scene.mesh, &positions, lights),
+        };
         Ok(Self { total: MeshReport::total(&meshes), meshes, placed, polygons })
     }
 
@@ -100,7 +108,7 @@ impl Report {
         text.heading("all instances, at rest in world space");
         text.mesh(&self.placed);
         if let Some(polygons) = &self.polygons {
-            polygons.text(&mut text);
+            polygons.text(&mut text, input.described().is_some());
         }
         Ok(text.finish())
     }

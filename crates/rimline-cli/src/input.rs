@@ -13,6 +13,7 @@ use rimline::{
 
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input_args::{ModelArgs, PoseArgs};
+use crate::load_args::TakenPolygons;
 use crate::npz;
 use crate::obj;
 use crate::output::note;
@@ -41,9 +42,17 @@ pub(crate) enum Source {
     World {
         model: Model,
         weld: WeldCounts,
-        /// The mesh, if the file has polygons. The model has their triangles.
+        /// The mesh, if polygons are taken whole. The model has their triangles.
         polygons: Option<Box<Mesh>>,
+        /// Polygons that are taken as triangles, as they are in the file, where a description is wanted.
+        described: Option<Box<GivenPolygons>>,
     },
+}
+
+/// Polygons as a file has them.
+pub(crate) struct GivenPolygons {
+    pub(crate) mesh: Mesh,
+    pub(crate) positions: Vec<[f32; 3]>,
 }
 
 /// The input at one posed.
@@ -62,11 +71,11 @@ pub(crate) enum Shape<'a> {
 
 impl Input {
     pub(crate) fn open(args: &ModelArgs) -> Result<Self, Failure> {
-        Self::read(&args.file, args.options())
+        Self::read(&args.file, args.options(), args.polygons.taken())
     }
 
-    pub(crate) fn read(file: &Path, options: LoadOptions) -> Result<Self, Failure> {
-        let (source, origin) = open(file, options).map_err(Failure::input(file))?;
+    pub(crate) fn read(file: &Path, options: LoadOptions, taken: TakenPolygons) -> Result<Self, Failure> {
+        let (source, origin) = open(file, options, taken).map_err(Failure::input(file))?;
         let input = Self { file: file.to_owned(), source, origin };
         input.note_non_finite();
         if let Weld::Distance(distance) = options.weld {
@@ -163,10 +172,18 @@ impl Input {
         Ok(Shape::Posed { model: self.model(), pose })
     }
 
-    /// The mesh, if the file has polygons.
+    /// The mesh, if the file has polygons that are taken whole.
     pub(crate) fn polygons(&self) -> Option<&Mesh> {
         match &self.source {
             Source::World { polygons, .. } => polygons.as_deref(),
+            Source::Gltf(_) => None,
+        }
+    }
+
+    /// The polygons of a file that are taken as triangles, if they were to be described.
+    pub(crate) fn described(&self) -> Option<&GivenPolygons> {
+        match &self.source {
+            Source::World { described, .. } => described.as_deref(),
             Source::Gltf(_) => None,
         }
     }
@@ -252,9 +269,9 @@ pub(crate) fn animation_name(index: usize, info: &AnimationInfo) -> String {
 }
 
 /// Opens a file by its ending, or, where that says nothing, by how it begins.
-fn open(file: &Path, options: LoadOptions) -> Result<(Source, Origin), InputError> {
+fn open(file: &Path, options: LoadOptions, taken: TakenPolygons) -> Result<(Source, Origin), InputError> {
     if source::is_stdin(file) {
-        return open_stdin(options);
+        return open_stdin(options, taken);
     }
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     let mut reader = source::open(file)?;
@@ -265,7 +282,7 @@ fn open(file: &Path, options: LoadOptions) -> Result<(Source, Origin), InputErro
         return open_npz(reader, options);
     }
     if ending.as_deref() == Some("obj") {
-        return of_arrays(obj::read(BufReader::new(reader), options.memory_limit)?, options);
+        return of_arrays(obj::read(BufReader::new(reader), options.memory_limit)?, options, taken);
     }
     let mut start = Vec::new();
     reader.by_ref().take(4).read_to_end(&mut start)?;
@@ -281,7 +298,7 @@ fn open(file: &Path, options: LoadOptions) -> Result<(Source, Origin), InputErro
 }
 
 /// Standard input, by how it begins.
-fn open_stdin(options: LoadOptions) -> Result<(Source, Origin), InputError> {
+fn open_stdin(options: LoadOptions, taken: TakenPolygons) -> Result<(Source, Origin), InputError> {
     let bytes = source::read(Path::new("-"))?;
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes).trim_ascii_start();
     match &*bytes {
@@ -290,7 +307,7 @@ fn open_stdin(options: LoadOptions) -> Result<(Source, Origin), InputError> {
             let asset = Asset::from_slice(&bytes, None, options);
             asset.map(of_asset).map_err(|error| of_gltf(Path::new("-"), error))
         }
-        _ if obj::begins_like(&bytes) => of_arrays(obj::read(&*bytes, options.memory_limit)?, options),
+        _ if obj::begins_like(&bytes) => of_arrays(obj::read(&*bytes, options.memory_limit)?, options, taken),
         _ => Err(InputError::Format { what: "a file of this format".to_owned() }),
     }
 }
@@ -319,23 +336,42 @@ fn of_gltf(file: &Path, error: GltfError) -> InputError {
 }
 
 fn open_npz(reader: impl Read + Seek, options: LoadOptions) -> Result<(Source, Origin), InputError> {
-    of_arrays(npz::read(reader, options.memory_limit)?, options)
+    of_arrays(npz::read(reader, options.memory_limit)?, options, TakenPolygons::Whole)
 }
 
 /// World-space positions, and triangles or polygons.
-fn of_arrays(arrays: npz::Arrays, options: LoadOptions) -> Result<(Source, Origin), InputError> {
-    let origin = arrays.origin;
-    if let Some(polygons) = arrays.polygons {
-        let mesh = Mesh::from_polygons(&arrays.positions, polygons.loops(), options.weld)?;
-        drop(polygons);
-        let geometry = Geometry::new(arrays.positions, mesh.faces().to_vec(), GeometryOptions::default())?;
-        let model = Model::new(vec![geometry], vec![Instance::new(0, None)])?;
-        return Ok((Source::World { model, weld: mesh.weld_counts(), polygons: Some(Box::new(mesh)) }, origin));
+fn of_arrays(
+    arrays: npz::Arrays,
+    options: LoadOptions,
+    taken: TakenPolygons,
+) -> Result<(Source, Origin), InputError> {
+    let npz::Arrays { positions, mut faces, polygons, origin } = arrays;
+    let by_loop =
+        |polygons: &npz::PolygonArrays| Mesh::from_polygons_by_loop(&positions, polygons.loops(), options.weld);
+    let (mut described, mut collapsed) = (None, 0);
+    match (polygons, taken) {
+        (None, _) => {}
+        (Some(polygons), TakenPolygons::Whole) => {
+            let mesh = by_loop(&polygons)?;
+            drop(polygons);
+            let geometry = Geometry::new(positions, mesh.faces().to_vec(), GeometryOptions::default())?;
+            let model = Model::new(vec![geometry], vec![Instance::new(0, None)])?;
+            let (weld, polygons) = (mesh.weld_counts(), Some(Box::new(mesh)));
+            return Ok((Source::World { model, weld, polygons, described }, origin));
+        }
+        (Some(polygons), taken) => {
+            if taken == TakenPolygons::Described {
+                described = Some(Box::new(GivenPolygons { mesh: by_loop(&polygons)?, positions: positions.clone() }));
+            }
+            let (triangles, counts) = polygons.loops().triangulate(&positions, options.weld)?;
+            (faces, collapsed) = (triangles, counts.collapsed);
+        }
     }
-    let geometry = Geometry::new(arrays.positions, arrays.faces, GeometryOptions::default())?;
-    let (geometry, weld) = geometry.welded(options.weld);
+    let geometry = Geometry::new(positions, faces, GeometryOptions::default())?;
+    let (geometry, mut weld) = geometry.welded(options.weld);
+    weld.collapsed += collapsed;
     let model = Model::new(vec![geometry], vec![Instance::new(0, None)])?;
-    Ok((Source::World { model, weld, polygons: None }, origin))
+    Ok((Source::World { model, weld, polygons: None, described }, origin))
 }
 
 /// Everything where it is.

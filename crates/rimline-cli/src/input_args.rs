@@ -8,7 +8,7 @@ use rimline::gltf::LoadOptions;
 use rimline::mesh::{Weld, WeldDistance};
 
 use crate::coordinates::{Coordinate, relative};
-use crate::load_args::LoadArgs;
+use crate::load_args::{LoadArgs, TakenPolygons};
 use crate::spec;
 /// The model and how its vertices are joined.
 #[derive(Args, Debug)]
@@ -22,7 +22,28 @@ pub(crate) struct ModelArgs {
     weld: WeldArgs,
 
     #[command(flatten)]
+    pub(crate) polygons: PolygonArgs,
+
+    #[command(flatten)]
     load: LoadArgs,
+}
+
+/// What polygons are.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct PolygonArgs {
+    /// Take each polygon of an .obj as one face, after Bergeron (1986): its outline decides whether it faces a light or the
+    /// eye, and its diagonals are no edges. By default polygons are cut into triangles, and what is drawn is what is decided.
+    /// Pictures show triangles in any case. With this option these pixels may not fit a polygon that is not planar: its own,
+    /// those of what is within its hull, and those from which an even number of its triangles hide the light: they are lit.
+    /// An .npz with `polygon_loops` is always taken so
+    #[arg(long = "polygons")]
+    whole: bool,
+}
+
+impl PolygonArgs {
+    pub(crate) fn taken(self) -> TakenPolygons {
+        if self.whole { TakenPolygons::Whole } else { TakenPolygons::Triangles }
+    }
 }
 
 #[derive(Args, Clone, Copy, Debug)]
@@ -84,8 +105,9 @@ pub(crate) struct PoseArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct DeviceArgs {
-    /// Where to compute: `auto` (a GPU if there is one, else the CPU), `gpu` (any GPU, software GPUs included), `cpu`, or a
-    /// part of a device's name or backend (`rimline devices` lists them)
+    /// Where to compute: `auto` (a GPU if there is one that is no software and takes the model, else the CPU, which is faster
+    /// than software GPUs), `gpu` (any GPU, software GPUs included), `cpu`, or a part of a device's name or backend (`rimline
+    /// devices` lists them)
     #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto")]
     pub(crate) device: String,
 }

@@ -27,6 +27,17 @@ impl LoadArgs {
     }
 }
 
+/// What is made of the polygons of an .obj. Those of an .npz are always taken whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TakenPolygons {
+    /// What is drawn: triangles.
+    Triangles,
+    /// Triangles, and polygons to describe.
+    Described,
+    /// Each is one face.
+    Whole,
+}
+
 /// Units of sizes, and how many bits to shift by.
 const UNITS: [(&str, u32); 4] = [("KiB", 10), ("MiB", 20), ("GiB", 30), ("TiB", 40)];
 

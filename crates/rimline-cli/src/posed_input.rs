@@ -58,12 +58,14 @@ impl<'a> PosedInput<'a> {
 
     /// Opens the device, which must be a GPU to displace vertices.
     fn device(&self) -> Result<Device, Failure> {
-        let mut device = device::open(&Wanted::parse(&self.args.device.device))?;
-        if self.displacement.is_some() {
-            match &mut device {
-                Device::Cpu => return Err(UsageError::DisplaceOnCpu.into()),
-                Device::Gpu(gpu) => gpu.cpu_would_do = false,
-            }
+        let wanted = Wanted::parse(&self.args.device.device);
+        if self.displacement.is_none() {
+            return device::open_fastest(&wanted);
+        }
+        let mut device = device::open(&wanted)?;
+        match &mut device {
+            Device::Cpu => return Err(UsageError::DisplaceOnCpu.into()),
+            Device::Gpu(gpu) => gpu.cpu_would_do = false,
         }
         Ok(device)
     }

@@ -92,7 +92,7 @@ fn read_points(file: &Path, memory_limit: u64) -> Result<npz::Points, Failure> {
 
 /// Points of one call or submission: few enough that no GPU is kept busy for long and no result takes much memory.
 fn slice(mesh: &Mesh, lights: usize) -> usize {
-    let pairs = ((1 << 36) / mesh.faces().len()).clamp(1 << 12, 1 << 22);
+    let pairs = ((1 << 36) / mesh.faces().len().max(1)).clamp(1 << 12, 1 << 22);
     (pairs / lights).max(64)
 }
 

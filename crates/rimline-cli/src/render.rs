@@ -1,6 +1,7 @@
 //! What the commands that make pictures share: camera, shading normals, a short way to pipelines.
 
 pub(crate) mod camera;
+pub(crate) mod coincident;
 pub(crate) mod normals;
 pub(crate) mod pipeline_factory;
 pub(crate) mod support;

@@ -45,7 +45,7 @@ pub(crate) fn shadow_stages(
     let Some(model) = triangle() else { return Ok(()) };
     let input = Input {
         file: PathBuf::from("triangle"),
-        source: Source::World { model, weld: WeldCounts::default(), polygons: None },
+        source: Source::World { model, weld: WeldCounts::default(), polygons: None, described: None },
         origin: Origin::ZERO,
     };
     let body = [PosedModel::new(gpu, &input, None, 0.0, None)?];

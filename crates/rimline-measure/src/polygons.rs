@@ -23,7 +23,7 @@ impl PolygonSet {
     }
 
     pub fn mesh(&self, weld: Weld) -> Result<Mesh, MeshError> {
-        Mesh::from_polygons(&self.positions, self.loops(), weld)
+        Mesh::from_polygons_by_loop(&self.positions, self.loops(), weld)
     }
 
     /// Adds a polygon of these loops of vertices.

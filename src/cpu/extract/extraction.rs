@@ -14,11 +14,12 @@ use crate::method::Method;
 use crate::method::Predicate;
 use crate::{Light, Mesh};
 
-/// The result of an extraction on the CPU. Masks have the layout of the GPU: ⌈N/32⌉ planes, each with all items in
-/// order.
+/// The result of an extraction on the CPU. Masks have ⌈N/32⌉ planes, each with all items in order. This is the layout of the
+/// GPU for triangles and edge records. For polygons there is one facing mask a polygon here; the GPU has one for each of their
+/// triangles, and the twisted masks behind them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extraction {
-    /// One facing mask for each face. Empty for the per-edge method.
+    /// One facing mask for each face, which is a polygon or a triangle: [`Mesh::face_count`]. Empty for the per-edge method.
     pub facing: Vec<u32>,
     /// For each polygon the lights for which it is L-twisted: its outline is not simple as seen from them. For these it
     /// faces nothing, and its edges are boundaries of its neighbours. Empty if all faces are triangles.

@@ -6,6 +6,7 @@ pub(crate) mod cut_edges;
 pub(crate) mod cut_quads;
 pub(crate) mod edge_pair;
 pub(crate) mod half_space;
+pub(crate) mod many_edges;
 pub(crate) mod outline;
 pub(crate) mod polygon_facing;
 pub(crate) mod polygon_masks;

@@ -2,6 +2,7 @@
 
 use super::edge_pair::{Edge, edge_pair};
 use super::half_space::fits_half_space;
+use super::many_edges::{MANY_EDGES, many_edges};
 use super::polygon_turns::polygon_turns;
 use super::seen::Seen;
 use super::turn::{turn, turn_as_given};
@@ -39,10 +40,17 @@ impl Outline {
 
     /// How the light `(l, w)` sees it, and whether this took more than the cheap way.
     pub fn seen(&self, light: [f32; 4]) -> (Seen, bool) {
-        match if self.is_loop { polygon_turns(&self.corners, light) } else { None } {
-            Some(seen) => (seen, false),
-            None => (self.seen_by_pairs(light), true),
+        if let Some(seen) = if self.is_loop { polygon_turns(&self.corners, light) } else { None } {
+            return (seen, false);
         }
+        let many = if self.edges.len() > MANY_EDGES { many_edges(&self.edges, light) } else { None };
+        (many.unwrap_or_else(|| self.seen_by_pairs(light)), true)
+    }
+
+    /// The same by pairs of edges that are close to each other, as for outlines of many edges. `None` where this way does not
+    /// tell.
+    pub fn seen_by_close_pairs(&self, light: [f32; 4]) -> Option<Seen> {
+        many_edges(&self.edges, light)
     }
 
     /// The same for every outline, by all pairs of edges.

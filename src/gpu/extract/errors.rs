@@ -37,7 +37,7 @@ pub enum ExtractorError {
     /// The mesh has polygons, and the options ask for something else than exact facing masks.
     #[error(
         "the mesh has faces of more than three corners, which only `Predicate::Exact` decides, by face masks; ask for \
-         that, or make a mesh of its triangles, `Mesh::faces`"
+         that, or make a mesh of its triangles by `Mesh::from_polygons`"
     )]
     Polygons,
     /// A polygon has too many edges.

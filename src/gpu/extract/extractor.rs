@@ -59,8 +59,10 @@ impl Extractor {
     /// device, or the [`Pipelines`] that many meshes share.
     ///
     /// # Errors
-    /// [`ExtractorError`] if the device lacks what extraction needs, the number of lights is impossible, the mesh has
-    /// polygons of more than three corners, or it does not fit the device's limits, the `memory_limit` or the device's memory.
+    /// [`ExtractorError`] if the device lacks what extraction needs, the number of lights is impossible, or the mesh does not
+    /// fit the device's limits, the `memory_limit` or the device's memory. Polygons of
+    /// [`Mesh::from_polygons_by_loop`](crate::Mesh::from_polygons_by_loop) are taken with exact facing masks only, and with
+    /// outlines of at most [`MAX_OUTLINE_EDGES`](crate::gpu::MAX_OUTLINE_EDGES) edges.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         mesh: &Mesh,

@@ -35,8 +35,8 @@ pub enum SceneError {
     Memory(#[from] MemoryError),
     /// The mesh has polygons, which scenes do not take so far.
     #[error(
-        "the mesh has faces of more than three corners, which a scene does not take; make a mesh of its triangles, \
-         `Mesh::faces`, or take `Extractor` and `ShadowVolumes`"
+        "the mesh has faces of more than three corners, which a scene does not take; make a mesh of its triangles by \
+         `Mesh::from_polygons`, or take `Extractor` and `ShadowVolumes`"
     )]
     Polygons,
     /// There are fewer positions than the mesh has vertices.

@@ -3,10 +3,12 @@
 mod check;
 mod fans;
 mod outline;
+mod surface;
 mod triangulate;
 
-use super::error::MeshError;
+use super::error::{MAX_FACES, MeshError};
 use super::topology::HalfEdges;
+use super::weld::{self, Weld, WeldCounts};
 
 /// Polygons as they are given: three flat arrays, which are also those of a `.npz` file.
 ///
@@ -23,10 +25,40 @@ pub struct PolygonLoops<'a> {
     pub loop_corners: &'a [u32],
 }
 
+impl PolygonLoops<'_> {
+    /// The triangles that the polygons are drawn as, one polygon's after the other's: the faces of
+    /// [`Mesh::from_polygons`](crate::Mesh::from_polygons), for other makers of geometry, and what welding did. Each welded
+    /// group goes by its lowest index, or by the vertex at its smallest position where vertices are welded by distance.
+    ///
+    /// A polygon of three corners is its own triangle. The boundary of a larger one's triangles is the polygon's outline, edge by edge.
+    /// Polygons with the same corners around, in either direction, have the same triangles, so both sides of one surface
+    /// coincide. A polygon without an outline walks all its edges both ways and has no surface. It becomes one triangle
+    /// that names a vertex twice, which is drawn nowhere.
+    ///
+    /// # Errors
+    /// As [`Mesh::from_polygons`](crate::Mesh::from_polygons).
+    pub fn triangulate(
+        self,
+        positions: &[[f32; 3]],
+        weld: Weld,
+    ) -> Result<(Vec<[u32; 3]>, WeldCounts), MeshError> {
+        let (groups, mut counts) = weld::weld_positions(positions, weld);
+        let (polygons, triangles) = Polygons::new(positions, self, &groups)?;
+        if counts.after < counts.before {
+            counts.collapsed = polygons.collapsed(self);
+        }
+        let triangles = polygons.surface(triangles);
+        if triangles.len() > MAX_FACES {
+            return Err(MeshError::TooManyFaces { faces: triangles.len() });
+        }
+        Ok((triangles, counts))
+    }
+}
+
 /// The largest number of corners of one polygon.
 pub const MAX_POLYGON_CORNERS: usize = 1 << 24;
 
-/// The polygons of a mesh that has faces other than triangles.
+/// The polygons of a mesh that takes each as one face.
 ///
 /// The **outline** of a polygon is its edges, without those that it walks both ways and without edges from a vertex to
 /// itself. Outlines are all that facing, edge records and shadows see. Loops say what was given.

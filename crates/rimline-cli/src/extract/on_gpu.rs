@@ -134,10 +134,14 @@ impl<'s> Job<'_, 's> {
             None => (read_planes(gpu, first.results().facing, triangles)?, Vec::new()),
             Some(polygons) => {
                 let planes: Vec<u32> = read_planes(gpu, first.results().facing, 2 * triangles)?;
+                let batches = self.lights.len().div_ceil(32);
                 let of_polygons = |at: usize| -> Vec<u32> {
-                    let planes = planes.chunks(2 * triangles).map(|plane| &plane[at..at + triangles]);
-                    planes
-                        .flat_map(|plane| (0..polygons.len()).map(|polygon| mask_of(polygons, plane, polygon)))
+                    // Without a triangle in the mesh, planes are empty, and no polygon has bits.
+                    let plane = |batch: usize| planes.get(2 * triangles * batch + at..).unwrap_or_default();
+                    (0..batches)
+                        .flat_map(|batch| {
+                            (0..polygons.len()).map(move |polygon| mask_of(polygons, plane(batch), polygon))
+                        })
                         .collect()
                 };
                 (of_polygons(0), of_polygons(triangles))

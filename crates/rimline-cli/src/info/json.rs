@@ -28,6 +28,7 @@ pub(super) fn mesh(report: &MeshReport) -> Value {
         "degenerate_faces": diagnostics.degenerate_faces,
         "collapsed_faces": collapsed,
         "duplicate_faces": diagnostics.duplicate_faces,
+        "flipped_faces": diagnostics.flipped_faces,
         "edges": { "consistent": consistent, "inconsistent": inconsistent, "boundary": boundary },
         "non_manifold_edges": diagnostics.non_manifold_edges,
         "components": diagnostics.components,

@@ -79,11 +79,15 @@ impl PolygonReport {
         })
     }
 
-    pub(super) fn text(&self, text: &mut Text) {
+    /// `are_cut`: the faces are their triangles.
+    pub(super) fn text(&self, text: &mut Text, are_cut: bool) {
         let Self { triangles, quadrilaterals, larger, most_corners, with_holes, nonplanar, non_finite, .. } = self;
         let up_to = if *larger > 0 { format!(", {larger} of up to {most_corners}") } else { String::new() };
         text.line("polygons", format_args!("{triangles} of 3 corners, {quadrilaterals} of 4{up_to}"));
         text.more(format_args!("{nonplanar} not planar, {with_holes} with holes"));
+        if are_cut {
+            text.more("cut into the triangles above; --polygons takes each as one face");
+        }
         if *non_finite > 0 {
             text.more(format_args!("{non_finite} with a corner that is not finite"));
         }

@@ -84,6 +84,7 @@ impl MeshReport {
             total.diagnostics.non_manifold_edges += mesh.diagnostics.non_manifold_edges;
             total.diagnostics.degenerate_faces += mesh.diagnostics.degenerate_faces;
             total.diagnostics.duplicate_faces += mesh.diagnostics.duplicate_faces;
+            total.diagnostics.flipped_faces += mesh.diagnostics.flipped_faces;
         }
         total
     }

@@ -45,6 +45,11 @@ impl Text {
         }
         self.line("vertices", vertices);
         let diagnostics = &report.diagnostics;
+        let (duplicate, flipped) = (diagnostics.duplicate_faces, diagnostics.flipped_faces);
+        let copies = match flipped {
+            0 => "duplicate".to_owned(),
+            _ => format!("duplicate ({flipped} flipped, so that both sides are fronts)"),
+        };
         self.line(
             "faces",
             counted(
@@ -52,7 +57,7 @@ impl Text {
                 &[
                     (diagnostics.degenerate_faces, "degenerate"),
                     (report.vertices.collapsed, "of them collapsed by welding"),
-                    (diagnostics.duplicate_faces, "duplicate"),
+                    (duplicate, &copies),
                 ],
             ),
         );

@@ -10,7 +10,7 @@ use rimline::{Counting, Origin};
 use crate::coordinates::Coordinate;
 use crate::failure::{Failure, UsageError};
 use crate::help::verbatim;
-use crate::input_args::{MomentArgs, ViewArgs, WeldArgs, drawing_device};
+use crate::input_args::{MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device};
 use crate::load_args::LoadArgs;
 use crate::shadow::from_depth::{FromDepth, MapSource, Reconstruction};
 use crate::shadow::given_map::GivenMap;
@@ -82,6 +82,9 @@ pub(crate) struct ShadowSceneArgs {
 
     #[command(flatten)]
     pub(crate) weld: WeldArgs,
+
+    #[command(flatten)]
+    pub(crate) polygons: PolygonArgs,
 
     #[command(flatten)]
     pub(crate) load: LoadArgs,

@@ -1,5 +1,6 @@
 //! The bodies on the GPU: they throw shadows, receive them and are drawn.
 
+use glam::Vec3;
 use rimline::gpu::{Extraction, StageTimer};
 use rimline::wgpu;
 
@@ -93,16 +94,17 @@ impl Casters {
         Ok(())
     }
 
-    /// Makes the bodies ready to be drawn where they are now. What was encoded must have been submitted.
+    /// Makes the bodies ready to be drawn where they are now, and seen from the eye. What was encoded must have been submitted.
     pub(super) fn bind(
         &mut self,
         gpu: &Gpu,
         factory: &PipelineFactory<'_>,
         layout: &wgpu::BindGroupLayout,
         bodies: &[PosedModel<'_>],
+        eye: Vec3,
     ) -> Result<(), GpuError> {
         let masks = self.shadows.facing(gpu, bodies)?;
-        let receiver = |(number, (body, masks))| Receiver::new(gpu, factory, layout, body, number, masks);
+        let receiver = |(number, (body, masks))| Receiver::new(gpu, factory, layout, body, number, masks, eye);
         self.receivers = bodies.iter().zip(&masks).enumerate().map(receiver).collect();
         Ok(())
     }

@@ -47,7 +47,7 @@ impl ShadowInputs {
         }
         let displacement = args.posed.displace.as_deref().map(displacement::read).transpose()?;
         let options = args.load.options(args.weld.weld());
-        let open = |file: &std::path::PathBuf| Input::read(file, options);
+        let open = |file: &std::path::PathBuf| Input::read(file, options, args.polygons.taken());
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let animations = animations(&inputs, &args.posed.pose)?;
         Ok(Self { inputs, animations, displacement })
@@ -232,7 +232,7 @@ impl<'a> ShadowScene<'a> {
             timer.resolve(&mut encoder);
         }
         gpu.queue.submit([encoder.finish()]);
-        casters.bind(gpu, &resources.factory, resources.geometry_layout(), &self.bodies)
+        casters.bind(gpu, &resources.factory, resources.geometry_layout(), &self.bodies, self.camera.eye)
     }
 
     /// Records the same for bodies that are where they were.

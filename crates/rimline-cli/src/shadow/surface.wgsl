@@ -11,17 +11,22 @@ struct Clay {
 @group(2) @binding(2) var<storage, read> faces: array<u32>;
 // A normal a corner, folded onto an octahedron.
 @group(2) @binding(3) var<storage, read> normals: array<u32>;
-// Where each face's masks are.
+// Where each face's masks are. With two flags: the face is turned away from the eye, and shown as the one that it coincides
+// with, which is not; and the masks are its own, whose opposites are that one's.
 @group(2) @binding(4) var<storage, read> slots: array<u32>;
 @group(2) @binding(5) var<storage, read> facing: array<u32>;
+
+const TURNED = 0x80000000u;
+const OPPOSITE = 0x40000000u;
 
 struct Surface {
   @invariant @builtin(position) clip: vec4<f32>,
   @location(0) normal: vec3<f32>,
   // From the eye, in units.
   @location(1) q: vec3<f32>,
-  // The face's side faces the light.
+  // Whether the face that is shown faces the light.
   @location(2) @interpolate(flat) faces_light: u32,
+  @location(3) @interpolate(flat) is_turned: u32,
 }
 
 fn unfold(word: u32) -> vec3<f32> {
@@ -49,10 +54,18 @@ fn is_finite(p: vec3<f32>) -> bool {
   let b = position(faces[3u * face + 1u]);
   let c = position(faces[3u * face + 2u]);
   if (!is_finite(a) || !is_finite(b) || !is_finite(c)) {
-    return Surface(vec4<f32>(0.0, 0.0, 0.0, 1.0), vec3<f32>(0.0), vec3<f32>(0.0), 0u);
+    return Surface(vec4<f32>(0.0, 0.0, 0.0, 1.0), vec3<f32>(0.0), vec3<f32>(0.0), 0u, 0u);
   }
   let p = position(faces[corner]);
-  return Surface(to_clip(p), unfold(normals[corner]), from_eye(p), (facing[slots[face]] >> shaded.bit) & 1u);
+  let slot = slots[face];
+  let mask = facing[slot & ~(TURNED | OPPOSITE)] >> shaded.bit;
+  let faces_light = (mask & 1u) ^ u32((slot & OPPOSITE) != 0u);
+  return Surface(to_clip(p), unfold(normals[corner]), from_eye(p), faces_light, u32((slot & TURNED) != 0u));
+}
+
+// Whether the front is seen of the face that is shown.
+fn shows_front(in: Surface, front: bool) -> bool {
+  return front != (in.is_turned != 0u);
 }
 
 // Towards the eye; interpolated normals may lean away from it at the rim.
@@ -65,7 +78,8 @@ fn albedo(front: bool) -> vec3<f32> {
   return select(clay.back, clay.front, front);
 }
 
-@fragment fn ambient_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+@fragment fn ambient_fragment(in: Surface, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
+  let front = shows_front(in, is_front);
   let to_eye = direction_of(-in.q);
   let n = shading_normal(in, front, to_eye);
   // More from above; and a little from the eye and its right, so that what is in shadow keeps its shape.
@@ -79,7 +93,8 @@ fn is_lit(in: Surface, front: bool) -> bool {
   return (in.faces_light != 0u) == front;
 }
 
-@fragment fn lit_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+@fragment fn lit_fragment(in: Surface, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
+  let front = shows_front(in, is_front);
   if (!is_lit(in, front)) {
     discard;
   }
@@ -95,7 +110,8 @@ fn is_lit(in: Surface, front: bool) -> bool {
 }
 
 // What turns its back on the light.
-@fragment fn averted_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+@fragment fn averted_fragment(in: Surface, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
+  let front = shows_front(in, is_front);
   if (is_lit(in, front)) {
     discard;
   }
@@ -115,7 +131,8 @@ fn is_lit(in: Surface, front: bool) -> bool {
   return vec4<f32>(0.0);
 }
 
-@fragment fn mask_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+@fragment fn mask_fragment(in: Surface, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
+  let front = shows_front(in, is_front);
   if (!is_lit(in, front) || !arriving(in.q).reached) {
     discard;
   }

@@ -14,6 +14,7 @@ use crate::device::{self, Device, Wanted};
 use crate::extract::{arrays, extract_exactly};
 use crate::failure::{Failure, InputError};
 use crate::input::{Input, Scene, Shape, Source};
+use crate::load_args::TakenPolygons;
 use crate::origin;
 use crate::output::{Folder, Output, print};
 use crate::progress::Progress;
@@ -39,7 +40,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     };
     for model in &args.models {
         progress.step(format!("reading {}", model.display()));
-        let mut input = Input::read(model, args.load.options(Weld::Data))?;
+        let mut input = Input::read(model, args.load.options(Weld::Data), TakenPolygons::Triangles)?;
         origin::settle(std::slice::from_mut(&mut input), &[None], 0.0)?;
         maker.pose(&input, None, 0.0, &stem(model))?;
         if let Source::Gltf(asset) = &input.source

@@ -36,6 +36,7 @@ mod outputs_unix;
 mod own_gltf;
 mod plot_labels;
 mod polygon_shadows;
+mod polygon_surface;
 mod query;
 mod run;
 mod schema;
@@ -88,6 +89,7 @@ fn main() {
         film::TESTS,
         plot_labels::TESTS,
         polygon_shadows::TESTS,
+        polygon_surface::TESTS,
         soft::TESTS,
         instances::TESTS,
         query::TESTS,

@@ -11,7 +11,7 @@ use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
     ("obj_input::every_way_to_write_a_model_reads_alike", ways),
-    ("obj_input::polygons_stay_whole", polygons),
+    ("obj_input::polygons_stay_whole_if_asked", polygons),
     ("obj_input::info_says_how_lights_see_polygons", seen),
     ("obj_input::gpu_and_cpu_extract_polygons_alike", on_gpu),
     ("obj_input::triangles_are_a_plain_mesh", triangles),
@@ -27,11 +27,16 @@ f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
 /// Extracts from these bytes on the CPU; the result's bytes, too.
 fn extract(model: &[u8]) -> Result<(Run, Vec<u8>), String> {
+    extract_with(model, &[])
+}
+
+fn extract_with(model: &[u8], options: &[&str]) -> Result<(Run, Vec<u8>), String> {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).into_os_string();
     std::fs::write(at("model.obj"), model).map_err(|error| error.to_string())?;
     let words = ["extract", "--device", "cpu", "--light", "point:2,3,4", "--light", "dir:-1,-2e-1,.5", "--out"];
-    let run = rimline(words.map(OsString::from).into_iter().chain([at("out.npz"), at("model.obj")]));
+    let options = options.iter().map(OsString::from);
+    let run = rimline(words.map(OsString::from).into_iter().chain([at("out.npz"), at("model.obj")]).chain(options));
     let result = std::fs::read(at("out.npz")).unwrap_or_default();
     std::fs::remove_file(at("model.obj")).map_err(|error| error.to_string())?;
     if run.code != 0 {
@@ -60,7 +65,11 @@ fn seen() -> Outcome {
         "non_finite": 0, "seen": [above, below],
     });
     ensure!(info["polygons"] == expected, "{}", info["polygons"]);
-    ensure!(info["placed"]["faces"] == 4, "{}", info["placed"]);
+    ensure!(info["placed"]["faces"] == 7, "triangles: {}", info["placed"]);
+    let whole =
+        words.map(OsString::from).into_iter().chain(["--polygons".into(), folder.path().join("model.obj").into()]);
+    let whole = rimline(whole).json()?;
+    ensure!(whole["polygons"] == expected && whole["placed"]["faces"] == 4, "{}", whole["placed"]);
     Ok(())
 }
 
@@ -68,12 +77,14 @@ fn seen() -> Outcome {
 fn on_gpu() -> Outcome {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).into_os_string();
-    for (number, model) in [CUBE, SEEN].into_iter().enumerate() {
+    let cases = [CUBE, SEEN].into_iter().flat_map(|model| [(model, None), (model, Some("--polygons".into()))]);
+    for (number, (model, option)) in cases.enumerate() {
         std::fs::write(at("model.obj"), model).map_err(|error| error.to_string())?;
         let found = ["cpu", "gpu"].map(|device| {
             let out = at(&format!("{device}{number}.npz"));
             let words = ["extract", "--device", device, "--light", "point:2,3,4", "--light", "dir:0,0,1", "--out"];
-            rimline(words.map(OsString::from).into_iter().chain([out.clone(), at("model.obj")])).expect(0, &[])?;
+            let words = words.map(OsString::from).into_iter().chain([out.clone(), at("model.obj")]);
+            rimline(words.chain(option.clone())).expect(0, &[])?;
             std::fs::read(out).map_err(|error| error.to_string())
         });
         let [cpu, gpu] = found;
@@ -138,12 +149,15 @@ fn ways() -> Outcome {
 }
 
 fn polygons() -> Outcome {
-    let (run, out) = extract(format!("{CUBE}f 1 2 3 4 5\n").as_bytes())?;
+    let (run, out) = extract_with(format!("{CUBE}f 1 2 3 4 5\n").as_bytes(), &["--polygons"])?;
     run.expect(0, &[])?;
     ensure!(words(&out, "loop_sizes")? == [4, 4, 4, 4, 4, 4, 5], "corners of polygons");
     ensure!(words(&out, "loop_corners")?[..4] == [0, 3, 2, 1], "corners as written");
-    let (_, out) = extract(CUBE.as_bytes())?;
+    let (_, out) = extract_with(CUBE.as_bytes(), &["--polygons"])?;
     ensure!(words(&out, "edges")?.len() == 2 * 12, "no diagonals among the edge records");
+    let (_, out) = extract(CUBE.as_bytes())?;
+    ensure!(words(&out, "edges")?.len() == 2 * 18 && words(&out, "faces")?.len() == 3 * 12, "triangles by default");
+    ensure!(words(&out, "loop_sizes").is_err(), "polygons without being asked");
     let folder = folder();
     let at = |name: &str| folder.path().join(name).into_os_string();
     std::fs::write(at("cube.obj"), CUBE).map_err(|error| error.to_string())?;

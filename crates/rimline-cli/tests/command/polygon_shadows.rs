@@ -75,7 +75,7 @@ fn ground() -> Outcome {
     let points = write_zip(&[array("points", "<f4", "False", &format!("({}, 3)", SIZE * SIZE), &data)]);
     std::fs::write(at("points.npz"), points).map_err(|error| error.to_string())?;
     let depths = |model: &str| -> Result<Vec<u32>, String> {
-        let line = format!("query @{model}.obj {LIGHTS} --points @points.npz --out @depths.npz");
+        let line = format!("query @{model}.obj --polygons {LIGHTS} --points @points.npz --out @depths.npz");
         run(folder.path(), &line).expect(0, &[])?;
         words(&std::fs::read(at("depths.npz")).map_err(|error| error.to_string())?, "depth")
     };
@@ -85,7 +85,7 @@ fn ground() -> Outcome {
         write(&at("triangles.obj"), seed, true)?;
         let (polygons, triangles) = (depths("polygons")?, depths("triangles")?);
         for method in ["auto", "z-fail", "zp+"] {
-            let line = format!("shadow @polygons.obj {VIEW} {LIGHTS} --method {method} --mask @m");
+            let line = format!("shadow @polygons.obj --polygons {VIEW} {LIGHTS} --method {method} --mask @m");
             run(folder.path(), &line).expect(0, &[])?;
             for light in 0..2 {
                 let mask = Image::mask(&at(&format!("m.{light}.png")))?;
@@ -103,13 +103,18 @@ fn ground() -> Outcome {
 fn refused() -> Outcome {
     let folder = folder();
     write(&folder.path().join("polygons.obj"), 0, false)?;
-    let line = format!("shadow @polygons.obj {VIEW} --hide-covered --mask @m");
+    let line = format!("shadow @polygons.obj --polygons {VIEW} --hide-covered --mask @m");
     run(folder.path(), &line).expect(2, &["--hide-covered", "polygons.obj"])?;
     std::fs::write(
         folder.path().join("up.wgsl"),
         "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }",
     )
     .map_err(|error| error.to_string())?;
-    let line = format!("shadow @polygons.obj {VIEW} --displace @up.wgsl --mask @m");
-    run(folder.path(), &line).expect(1, &["polygons.obj", "triangles"])
+    let line = format!("shadow @polygons.obj --polygons {VIEW} --displace @up.wgsl --mask @m");
+    run(folder.path(), &line).expect(1, &["polygons.obj", "--polygons"])?;
+    // Triangles have both.
+    for options in ["--hide-covered", "--displace @up.wgsl"] {
+        run(folder.path(), &format!("shadow @polygons.obj {VIEW} {options} --mask @m")).expect(0, &[])?;
+    }
+    Ok(())
 }

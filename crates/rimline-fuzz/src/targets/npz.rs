@@ -169,9 +169,20 @@ impl Seeds {
 /// Polygons make a mesh, or are refused: then it is false. The boundary of their triangles is their outline, and
 /// silhouettes can be extracted.
 pub(super) fn check_polygons(positions: &[[f32; 3]], loops: PolygonLoops<'_>, weld: Weld) -> Result<bool, String> {
-    let Ok(mesh) = Mesh::from_polygons(positions, loops, weld) else { return Ok(false) };
-    if mesh.faces().iter().flatten().any(|&vertex| vertex as usize >= positions.len()) {
-        return Err("a triangle names a vertex that is not there".to_owned());
+    let (by_loop, cut) =
+        (Mesh::from_polygons_by_loop(positions, loops, weld), Mesh::from_polygons(positions, loops, weld));
+    let (mesh, cut) = match (by_loop, cut) {
+        (Ok(mesh), Ok(cut)) => (mesh, cut),
+        (Err(one), Err(other)) if one == other => return Ok(false),
+        (one, other) => return Err(format!("one constructor says {:?}, the other {:?}", one.err(), other.err())),
+    };
+    for mesh in [&mesh, &cut] {
+        if mesh.faces().iter().flatten().any(|&vertex| vertex as usize >= positions.len()) {
+            return Err("a triangle names a vertex that is not there".to_owned());
+        }
+    }
+    if cut.polygons().is_some() || cut.face_count() < loops.polygon_loops.len() {
+        return Err("a polygon has no triangle".to_owned());
     }
     let Some(polygons) = mesh.polygons() else { return Ok(true) };
     let sum = |edges: &mut dyn Iterator<Item = [u32; 2]>| {

@@ -1,0 +1,136 @@
+//! Faces that coincide with a face of the opposite direction. Rasterisers give the two depths that differ in their last bits,
+//! so which of them is nearer changes from pixel to pixel. The one towards the eye is to be seen in any case.
+
+use std::collections::HashMap;
+
+use glam::{DVec3, Vec3};
+
+/// Positions of the corners of a face.
+type Corners = [[f32; 3]; 3];
+
+/// The corners of faces.
+pub(crate) fn corners<'a>(
+    positions: &'a [[f32; 3]],
+    faces: &'a [[u32; 3]],
+) -> impl Iterator<Item = Corners> + Clone + 'a {
+    faces.iter().map(|face| face.map(|v| positions[v as usize]))
+}
+
+/// Faces of which another one with the same corners runs the other way around.
+pub(crate) struct Coincident {
+    /// For each face the first one with its corners of either direction, where both are there.
+    firsts: Vec<Option<[u32; 2]>>,
+}
+
+impl Coincident {
+    /// `None` if no face coincides with a turned one.
+    pub(crate) fn of(faces: impl Iterator<Item = Corners> + Clone) -> Option<Self> {
+        // Most faces are alone at their bit, and need no closer look.
+        let bits = (8 * faces.clone().count()).next_power_of_two().max(64);
+        let (mut once, mut twice) = (vec![0_u64; bits / 64], vec![0_u64; bits / 64]);
+        let at = |face: Corners| {
+            let bit = mixed(sorted(face).0) as usize % bits;
+            (bit / 64, 1 << (bit % 64))
+        };
+        for (word, bit) in faces.clone().map(at) {
+            twice[word] |= once[word] & bit;
+            once[word] |= bit;
+        }
+        let is_near_another = |face: Corners| {
+            let (word, bit) = at(face);
+            twice[word] & bit != 0
+        };
+        let mut by_corners: HashMap<_, [Option<u32>; 2]> = HashMap::new();
+        for (number, face) in (0..).zip(faces.clone()).filter(|&(_, face)| is_near_another(face)) {
+            let (corners, is_odd) = sorted(face);
+            by_corners.entry(corners).or_default()[usize::from(is_odd)].get_or_insert(number);
+        }
+        by_corners.retain(|_, firsts| firsts.iter().all(Option::is_some));
+        if by_corners.is_empty() {
+            return None;
+        }
+        let firsts = |face: Corners| match by_corners.get(&sorted(face).0) {
+            Some(&[Some(even), Some(odd)]) => Some([even, odd]),
+            _ => None,
+        };
+        Some(Self { firsts: faces.map(firsts).collect() })
+    }
+
+    /// Whether a face is the first with its corners, or coincides with no turned one.
+    pub(crate) fn is_first(&self, number: usize) -> bool {
+        self.firsts.get(number).copied().flatten().is_none_or(|[even, odd]| even.min(odd) as usize == number)
+    }
+
+    /// The face that is seen in the place of this one: the turned one if that is towards the eye and this is not.
+    pub(crate) fn seen_instead(&self, number: usize, face: Corners, eye: Vec3) -> Option<usize> {
+        let firsts = self.firsts.get(number).copied().flatten()?;
+        let (corners, is_odd) = sorted(face);
+        is_averted(corners, is_odd, eye).then(|| firsts[usize::from(!is_odd)] as usize)
+    }
+}
+
+/// The bits of a face's corners in order, where −0 is 0, and whether this turns it around.
+fn sorted(face: Corners) -> ([[u32; 3]; 3], bool) {
+    let [mut a, mut b, mut c] = face.map(|corner| corner.map(|c| (c + 0.0).to_bits()));
+    let mut is_odd = false;
+    let mut order = |p: &mut [u32; 3], q: &mut [u32; 3]| {
+        if *q < *p {
+            std::mem::swap(p, q);
+            is_odd = !is_odd;
+        }
+    };
+    order(&mut a, &mut b);
+    order(&mut b, &mut c);
+    order(&mut a, &mut b);
+    ([a, b, c], is_odd)
+}
+
+/// A number for corners.
+fn mixed(corners: [[u32; 3]; 3]) -> u64 {
+    corners.as_flattened().iter().fold(0, |sum: u64, &word| {
+        let mixed = (sum ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        mixed ^ (mixed >> 32)
+    })
+}
+
+/// Whether the eye is behind a face. Of two that coincide it is behind one, unless it is in their plane as far as rounding
+/// tells: their corners are taken in the same order.
+fn is_averted(corners: [[u32; 3]; 3], is_odd: bool, eye: Vec3) -> bool {
+    let [a, b, c] = corners.map(|bits| DVec3::from(bits.map(|bits| f64::from(f32::from_bits(bits)))) - eye.as_dvec3());
+    // An eye on the front side sees the corners counter-clockwise.
+    let volume = a.dot((b - a).cross(c - a));
+    if is_odd { volume < 0.0 } else { volume > 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POSITIONS: [[f32; 3]; 5] =
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+
+    fn instead(faces: &[[u32; 3]], eye: [f32; 3]) -> Option<Vec<Option<usize>>> {
+        let all = || corners(&POSITIONS, faces);
+        let found = Coincident::of(all())?;
+        Some(all().enumerate().map(|(number, face)| found.seen_instead(number, face, eye.into())).collect())
+    }
+
+    #[test]
+    fn of_two_that_coincide_the_one_towards_the_eye_is_seen() {
+        // The second names another vertex at the same place, and begins elsewhere.
+        let faces = [[0, 1, 2], [2, 1, 3], [0, 1, 4], [1, 2, 0]];
+        assert_eq!(instead(&faces, [0.2, 0.2, 3.0]), Some(vec![None, Some(0), None, None]));
+        assert_eq!(instead(&faces, [0.2, 0.2, -3.0]), Some(vec![Some(1), None, None, Some(1)]));
+        assert_eq!(instead(&faces, [5.0, 5.0, 0.0]), Some(vec![None; 4]), "in the plane");
+        let found = Coincident::of(corners(&POSITIONS, &faces)).expect("two coincide");
+        assert_eq!([0, 1, 2, 3].map(|number| found.is_first(number)), [true, false, true, false]);
+    }
+
+    #[test]
+    fn faces_that_are_not_turned_copies_are_seen_themselves() {
+        // A copy that is not turned, another face at an edge, and nothing.
+        for faces in [&[[0, 1, 2], [1, 2, 0]][..], &[[0, 1, 2], [1, 0, 4]], &[]] {
+            assert_eq!(instead(faces, [0.2, 0.2, -3.0]), None);
+        }
+    }
+}
