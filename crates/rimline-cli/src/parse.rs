@@ -26,7 +26,13 @@ fn joined(arguments: Vec<OsString>) -> Vec<OsString> {
             option.get_action().takes_values() && names.contains(&name)
         })
     };
-    let is_negative = |argument: &OsString| matches!(argument.as_encoded_bytes(), [b'-', second, ..] if second.is_ascii_digit() || *second == b'.');
+    let is_negative = |argument: &OsString| {
+        let Some(number) = argument.as_encoded_bytes().strip_prefix(b"-") else { return false };
+        let is_named = |name: &[u8]| number.get(..name.len()).is_some_and(|start| start.eq_ignore_ascii_case(name));
+        number.first().is_some_and(|first| first.is_ascii_digit() || *first == b'.')
+            || is_named(b"inf")
+            || is_named(b"nan")
+    };
     let mut joined: Vec<OsString> = Vec::with_capacity(arguments.len());
     let mut are_options = true;
     for argument in arguments {
@@ -55,6 +61,7 @@ mod tests {
         assert_eq!(joined("rimline shadow a --dangling -1,3 --json"), "rimline shadow a --dangling=-1,3 --json");
         assert_eq!(joined("rimline shadow a --near -.5"), "rimline shadow a --near=-.5");
         assert_eq!(joined("rimline bench --scene -1"), "rimline bench --scene=-1");
+        assert_eq!(joined("rimline shadow a --samples -Inf"), "rimline shadow a --samples=-Inf");
         for line in [
             "rimline",
             "rimline nothing --near -1",
