@@ -355,7 +355,7 @@ fn polygons_are_cut_into_the_triangles_that_are_drawn() -> Outcome {
     for seed in 0..count {
         let mut random = Random::new(seed);
         let mut set = PolygonSet::default();
-        for _ in 0..1 + random.below(3) {
+        for _ in 0..=random.below(3) {
             let (_, other) = random_polygon(&mut random, 24);
             let first = set.positions.len() as u32;
             set.positions.extend(&other.positions);

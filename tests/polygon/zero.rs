@@ -32,7 +32,7 @@ fn without_triangles() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let buffers = [gpu.storage(&CORNERS), gpu.storage(&[[0.2_f32, 0.2, -1.0]])];
     let [positions, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
-    let view_projection = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.1], [0.0, 0.0, -1.0, 0.0]];
+    let view_projection = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, -1.0], [0.0, 0.0, 0.1, 0.0]];
     let camera = ShadowCamera { view_projection, origin: [0.0, 0.0, 4.0], depth: DepthDirection::Reversed };
     let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
     for (number, mesh) in meshes()?.iter().enumerate() {
