@@ -12,6 +12,7 @@ use rimline::gpu::{
 
 use crate::device::{Gpu, describe};
 use crate::failure::{Failure, NoDevice, UsageError};
+use crate::load_args::size;
 use crate::shadow::given_map_error::GivenMapError;
 
 /// Any of them.
@@ -123,8 +124,23 @@ impl GpuError {
 
     /// The device will not do.
     fn too_small(&self, gpu: &Gpu) -> Failure {
-        let (adapter, reason) = (describe(&gpu.info), self.to_string());
+        let (adapter, reason) = (describe(&gpu.info), self.reason());
         NoDevice::TooSmall { adapter, reason, cpu_would_do: gpu.cpu_would_do }.into()
+    }
+
+    /// What does not fit, in words for who cannot change the device's limits.
+    fn reason(&self) -> String {
+        let of_scene =
+            if let Self::Scene(_) = self { "; it may fit with fewer instances, joined to fewer meshes" } else { "" };
+        match self.memory() {
+            Some(MemoryError::Binding { what, bytes, limit } | MemoryError::Gathered { what, bytes, limit }) => {
+                format!("{what}: {} at once, and the device reads at most {}{of_scene}", size(*bytes), size(*limit))
+            }
+            Some(MemoryError::Buffer { label, bytes, limit }) => {
+                format!("{label}: {} in one buffer, and the device allows {}{of_scene}", size(*bytes), size(*limit))
+            }
+            _ => self.to_string(),
+        }
     }
 
     fn memory(&self) -> Option<&MemoryError> {
