@@ -5,6 +5,7 @@ mod frame;
 mod outline_picture;
 mod passes;
 mod survey;
+mod veils;
 
 use std::borrow::Cow;
 
@@ -27,7 +28,7 @@ use crate::positions::Positions;
 use crate::progress::Progress;
 use crate::render::camera::{Camera, elevation};
 use crate::render::coincident::{Coincident, corners};
-use crate::render::{centre, check_bounds, check_size, extent, normals, too_large};
+use crate::render::{centre, check_bounds, check_model, check_size, extent, normals, too_large};
 use frame::Frame;
 use outline_picture::DrawInputs;
 
@@ -54,6 +55,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let gpu = device::open_gpu(&wanted)?;
     check_size(&gpu, args.view.size)?;
     let fail = |error: GpuError| error.on(&gpu);
+    check_model(&gpu, scene.mesh.faces().len(), scene.mesh.vertex_count() as usize).map_err(fail)?;
     let positions = Positions::new(&gpu, &scene.shape, posed.displacement.as_ref()).map_err(fail)?;
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     positions.encode(&mut encoder, &scene.shape, posed.time_s(), None).map_err(fail)?;

@@ -83,6 +83,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         set.pose(&gpu, time(frame))?;
         casters.place(&gpu, &set.bodies)?;
         set.cast(&gpu, &resources, &mut casters, None).map_err(fail)?;
+        set.count_layers(&gpu, &mut casters)?;
         let picture = shadow::picture(&gpu, &resources, &pictures, &mut set, &mut casters).map_err(fail)?;
         let statistics = casters.shadows.statistics(&gpu).map_err(|error| fail(error.into()))?;
         bound = bound.max(statistics.into());

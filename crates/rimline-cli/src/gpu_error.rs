@@ -13,6 +13,7 @@ use rimline::gpu::{
 
 use crate::device::{Gpu, describe};
 use crate::failure::{Failure, NoDevice, UsageError};
+use crate::load_args::size;
 use crate::shadow::given_map_error::GivenMapError;
 
 /// Any of them.
@@ -124,16 +125,30 @@ impl GpuError {
 
     /// The device will not do.
     fn too_small(&self, gpu: &Gpu) -> Failure {
-        let reason = match self {
-            // Its advice is to give the options of the command.
-            Self::Extractor(ExtractorError::OutlineTooLarge { polygon, edges }) => format!(
+        let (adapter, reason) = (describe(&gpu.info), self.reason());
+        NoDevice::TooSmall { adapter, reason, cpu_would_do: gpu.cpu_would_do }.into()
+    }
+
+    /// What does not fit, in words for who cannot change the device's limits.
+    fn reason(&self) -> String {
+        let of_scene =
+            if let Self::Scene(_) = self { "; it may fit with fewer instances, joined to fewer meshes" } else { "" };
+        // Its advice is to give the options of the command.
+        if let Self::Extractor(ExtractorError::OutlineTooLarge { polygon, edges }) = self {
+            return format!(
                 "polygon {polygon} has an outline of {edges} edges, and one has at most {MAX_OUTLINE_EDGES} there; cut it, or \
                  leave out --polygons"
-            ),
-            error => error.to_string(),
-        };
-        let adapter = describe(&gpu.info);
-        NoDevice::TooSmall { adapter, reason, cpu_would_do: gpu.cpu_would_do }.into()
+            );
+        }
+        match self.memory() {
+            Some(MemoryError::Binding { what, bytes, limit } | MemoryError::Gathered { what, bytes, limit }) => {
+                format!("{what}: {} at once, and the device reads at most {}{of_scene}", size(*bytes), size(*limit))
+            }
+            Some(MemoryError::Buffer { label, bytes, limit }) => {
+                format!("{label}: {} in one buffer, and the device allows {}{of_scene}", size(*bytes), size(*limit))
+            }
+            _ => self.to_string(),
+        }
     }
 
     fn memory(&self) -> Option<&MemoryError> {

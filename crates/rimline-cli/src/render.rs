@@ -6,10 +6,12 @@ pub(crate) mod normals;
 pub(crate) mod pipeline_factory;
 pub(crate) mod support;
 
+use rimline::gpu::MemoryError;
 use rimline::mesh::Bounds;
 
 use crate::device::{self, Gpu};
 use crate::failure::{InputError, UsageError};
+use crate::gpu_error::GpuError;
 
 /// The largest side of the bounds, or 1 for a single point.
 pub(crate) fn extent(bounds: &Bounds) -> f32 {
@@ -48,6 +50,19 @@ pub(crate) fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), Usa
     if width.max(height) > limit {
         let adapter = device::describe(&gpu.info);
         return Err(UsageError::Size { width, height, limit, adapter });
+    }
+    Ok(())
+}
+
+/// Refuses models of which the device cannot read all faces and vertices at once, as pictures do.
+pub(crate) fn check_model(gpu: &Gpu, faces: usize, vertices: usize) -> Result<(), GpuError> {
+    const BYTES: u64 = 12;
+    let limit = gpu.device.limits().max_storage_buffer_binding_size;
+    for (what, count) in [("the model's array of faces", faces), ("its array of positions", vertices)] {
+        let bytes = BYTES * count as u64;
+        if bytes > limit {
+            return Err(MemoryError::Binding { what, bytes, limit }.into());
+        }
     }
     Ok(())
 }

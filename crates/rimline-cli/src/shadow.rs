@@ -15,6 +15,7 @@ pub(crate) mod from_depth;
 mod given_lights;
 mod given_map;
 pub(crate) mod given_map_error;
+mod layers;
 mod light_depths;
 mod light_maps;
 mod masks;
@@ -130,6 +131,13 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
     set.cast(&gpu, &resources, &mut casters, timer.as_mut()).map_err(fail)?;
     gpu.wait()?;
+    set.count_layers(&gpu, &mut casters)?;
+    if let Some(busy) =
+        casters.shadows.depth_found(&gpu).map_err(|error| fail(error.into()))?.and_then(|found| found.busy())
+    {
+        progress.aside(|| busy.warn());
+        progress.step(busy.step());
+    }
     let stages = timer.as_ref().map(|timer| timer.read(&gpu.device, &gpu.queue)).transpose();
     for (stage, milliseconds) in stages.map_err(|error| fail(error.into()))?.into_iter().flatten() {
         times.add(stage, milliseconds);

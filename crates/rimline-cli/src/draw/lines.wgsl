@@ -2,11 +2,14 @@
 //
 // Hidden lines: a fragment belongs to the nearest point of its edge, and it is that point that is seen or not. The survey
 // knows the faces that are seen around the point; the point is hidden where one of them covers it and lies strictly in
-// front. A face that holds the point, as the edge's own do and those that touch it there, hides nothing.
+// front. A face that holds the point, as the edge's own do and those that touch it there, hides nothing. Veils, made of the
+// survey, tell most hidden lines as a whole, and most hidden points, at a glance.
 
 @group(1) @binding(0) var seen: texture_2d<u32>;
 @group(1) @binding(1) var<storage, read> positions: array<f32>;
 @group(1) @binding(2) var<storage, read> faces: array<u32>;
+// As `veil.wgsl` makes it; each level has squares twice as large.
+@group(3) @binding(0) var veils: texture_2d<u32>;
 
 struct Line {
   @builtin(position) clip: vec4<f32>,
@@ -32,6 +35,49 @@ fn is_finite(p: vec3<f32>) -> bool {
 fn to_pixels(view: vec3<f32>) -> vec2<f32> {
   let ndc = view.xy * vec2<f32>(frame.scale_x, frame.scale_y) / view.z;
   return (ndc * vec2<f32>(0.5, -0.5) + 0.5) * frame.size;
+}
+
+// Squares of the finest level are two to this places wide.
+const SQUARE_BITS = 3u;
+
+fn last_place() -> vec2<i32> {
+  return frame.places * vec2<i32>(frame.size) - 1;
+}
+
+// How far places may be from a point's own that are looked at for it.
+fn reach() -> i32 {
+  return 3 * frame.places / 2;
+}
+
+// Less than the distance ahead, by more than rounding: `size` is that of what it was computed from.
+fn certainly_ahead(ahead: f32, size: vec3<f32>) -> f32 {
+  return ahead - 1e-5 * (size.x + size.y + size.z);
+}
+
+// All faces around the places from `low` to `high` are far in front of what is `ahead`: all points there are hidden.
+fn is_veiled(low: vec2<i32>, high: vec2<i32>, ahead: f32) -> bool {
+  let from_place = max(low - reach(), vec2<i32>(0));
+  let to_place = min(high + reach(), last_place());
+  let span = max(to_place.x - from_place.x, to_place.y - from_place.y);
+  var level = 0u;
+  while (level < 16u && (span >> (SQUARE_BITS + level)) > 3) {
+    level++;
+  }
+  let shift = vec2<u32>(SQUARE_BITS + level);
+  let last = to_place >> shift;
+  for (var y = from_place.y >> shift.y; y <= last.y; y++) {
+    for (var x = from_place.x >> shift.x; x <= last.x; x++) {
+      if (!(ahead > bitcast<f32>(textureLoad(veils, vec2<i32>(x, y), i32(level)).r))) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+// The place of the survey at a position in pixels, or the nearest one in the picture.
+fn place_at(at: vec2<f32>) -> vec2<i32> {
+  return vec2<i32>(clamp(floor(f32(frame.places) * at), vec2<f32>(0.0), vec2<f32>(last_place())));
 }
 
 @vertex fn lines_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Line {
@@ -62,6 +108,12 @@ fn to_pixels(view: vec3<f32>) -> vec2<f32> {
   }
   let start = to_pixels(a);
   let stop = to_pixels(b);
+  // A place more, for rounding.
+  let low = place_at(min(start, stop)) - 1;
+  let high = place_at(max(start, stop)) + 1;
+  if (is_veiled(low, high, certainly_ahead(min(a.z, b.z), abs(p) + abs(q)))) {
+    return nothing();
+  }
   let span = stop - start;
   let along = select(vec2<f32>(1.0, 0.0), normalize(span), dot(span, span) > 1e-12);
   // A pixel of room for the soft edge.
@@ -124,32 +176,57 @@ fn verdict(face: u32, point: vec3<f32>) -> u32 {
   return select(BEYOND, BESIDE, is_behind || is_far_behind);
 }
 
+// Faces that are looked at together.
+const GATHERED = 8u;
+
+// The number of the face that is seen at a place, plus 1.
+fn face_at(place: vec2<i32>) -> u32 {
+  let halves = textureLoad(seen, place, 0).rg;
+  return halves.x | (halves.y << 16u);
+}
+
 // Of the faces seen a pixel or so around the point one hides it; or all are in front, as where faces are smaller than pixels,
 // or meet as exactly over the point as rounding can tell.
 fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
-  let last = frame.places * vec2<i32>(frame.size) - 1;
-  let middle = clamp(vec2<i32>(floor(f32(frame.places) * at)), vec2<i32>(0), last);
-  let reach = 3 * frame.places / 2;
-  var known = 0u;
-  var is_open = false;
-  for (var y = -reach; y <= reach; y++) {
-    for (var x = -reach; x <= reach; x++) {
-      let place = middle + vec2<i32>(x, y);
-      if (any(place < vec2<i32>(0)) || any(place > last)) {
-        continue;
+  let middle = place_at(at);
+  if (is_veiled(middle, middle, certainly_ahead(dot(point, frame.forward), abs(point)))) {
+    return true;
+  }
+  // What hides a point is mostly seen at it. No order of the faces changes what comes out.
+  let own = face_at(middle);
+  var is_open = own == 0u;
+  if (!is_open) {
+    let verdict = verdict(own - 1u, point);
+    if (verdict == HIDES) {
+      return true;
+    }
+    is_open = verdict == BEYOND;
+  }
+  let first = max(middle - reach(), vec2<i32>(0));
+  let last = min(middle + reach(), last_place());
+  // Faces are gathered before they are looked at: neighbouring points then look at theirs together.
+  var last_faces = vec4<u32>(own, 0u, 0u, 0u);
+  var place = first;
+  while (place.y <= last.y) {
+    var gathered: array<u32, GATHERED>;
+    var count = 0u;
+    while (place.y <= last.y && count < GATHERED) {
+      let face = face_at(place);
+      let is_end = place.x == last.x;
+      place = vec2<i32>(select(place.x + 1, first.x, is_end), place.y + i32(is_end));
+      is_open = is_open || face == 0u;
+      if (face != 0u && !any(last_faces == vec4<u32>(face))) {
+        last_faces = vec4<u32>(face, last_faces.xyz);
+        gathered[count] = face;
+        count++;
       }
-      let halves = textureLoad(seen, place, 0).rg;
-      let face = halves.x | (halves.y << 16u);
-      if (face == 0u) {
-        is_open = true;
-      } else if (face != known) {
-        known = face;
-        let verdict = verdict(face - 1u, point);
-        if (verdict == HIDES) {
-          return true;
-        }
-        is_open = is_open || verdict == BEYOND;
+    }
+    for (var number = 0u; number < count; number++) {
+      let verdict = verdict(gathered[number] - 1u, point);
+      if (verdict == HIDES) {
+        return true;
       }
+      is_open = is_open || verdict == BEYOND;
     }
   }
   return !is_open;
@@ -160,15 +237,17 @@ fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
   let t = saturate(dot(in.clip.xy - in.a, span) / max(dot(span, span), 1e-12));
   let nearest = in.a + t * span;
   let coverage = saturate(frame.half_line + 0.5 - distance(in.clip.xy, nearest));
-  if (coverage == 0.0) {
-    discard;
-  }
   // Not at the very ends: an end alone, where the rest is hidden, would be drawn as a dot.
   let inset = min(0.5, frame.half_line / max(length(span), 1e-6));
   let seen_at = clamp(t, inset, 1.0 - inset);
   // One over the distance is linear on the screen.
   let along = seen_at * in.nearness.y / mix(in.nearness.x, in.nearness.y, seen_at);
-  if (is_hidden(in.from_a + along * (in.from_b - in.from_a), in.a + seen_at * span)) {
+  var is_drawn = coverage > 0.0;
+  // An invocation that is discarded may go on until the end, so it is not asked before.
+  if (is_drawn) {
+    is_drawn = !is_hidden(in.from_a + along * (in.from_b - in.from_a), in.a + seen_at * span);
+  }
+  if (!is_drawn) {
     discard;
   }
   let ink = select(vec3<f32>(0.014, 0.011, 0.016), vec3<f32>(0.80, 0.12, 0.01), in.boundary == 1u);

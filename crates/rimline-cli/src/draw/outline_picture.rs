@@ -8,6 +8,7 @@ use super::contact_shadow;
 use super::frame::Frame;
 use super::passes::{color_pass, depth_test};
 use super::survey::{SEEN, Survey};
+use super::veils;
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::render::pipeline_factory::{Pass, PipelineFactory};
@@ -39,7 +40,7 @@ pub(super) fn record(
     let canvas = Canvas::new(gpu, frame, size);
     let faces = canvas.model(gpu, encoder, frame, subject);
     canvas.occlusion(encoder);
-    canvas.lines(gpu, encoder, subject, &faces)?;
+    canvas.lines(gpu, encoder, frame, subject, &faces)?;
     Ok(canvas.finished)
 }
 
@@ -152,6 +153,7 @@ impl<'a> Canvas<'a> {
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
         subject: &DrawInputs<'_>,
         faces: &wgpu::Buffer,
     ) -> Result<(), GpuError> {
@@ -171,11 +173,13 @@ impl<'a> Canvas<'a> {
         let results_layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
         let results = extraction.bind_group(&results_layout, 0)?;
         let (lines_layout, lines_group) = self.survey.group(factory, subject.positions.buffer, faces);
+        let places = [self.finished.width(), self.finished.height()].map(|pixels| frame.places() * pixels);
+        let veils = veils::record(factory, encoder, (&lines_layout, &lines_group), places);
         let lines = onto_picture(
             factory,
             "lines",
             &format!("{}\n{}", include_wgsl(2), include_str!("lines.wgsl")),
-            &[&lines_layout, &results_layout],
+            &[&lines_layout, &results_layout, &veils::layout(factory)],
             PrimitiveTopology::TriangleStrip,
             Some(BlendState::ALPHA_BLENDING),
             None,
@@ -190,6 +194,7 @@ impl<'a> Canvas<'a> {
         pass.set_pipeline(&lines);
         pass.set_bind_group(1, &lines_group, &[]);
         pass.set_bind_group(2, &results, &[]);
+        pass.set_bind_group(3, &veils, &[]);
         // As many lines as the GPU found; the CPU never learns how many.
         extraction.draw(&mut pass, 0)?;
         Ok(())

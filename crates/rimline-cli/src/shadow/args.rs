@@ -296,7 +296,7 @@ World space is right-handed with +Y up. The ground is visible from above only: a
 
 Keys of --json: adapter, method, mode, origin (only where it is not zero), files, faces, samples (of a light), count_bound (an upper bound of the stencil \
 counts of all files together), may_wrap (the number of lights or samples whose counts may exceed 255, the most that \
-the stencil holds: places in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
+the stencil holds, and are not made in batches: places in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
 file, casting, counting, silhouette_edges, each with one value a sample with --area; casting and counting are the \
 most that any instance in the file needs; with --hide-covered also covered: tried, hidden, undecided, without_room and left_out \
 count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth or --depth \

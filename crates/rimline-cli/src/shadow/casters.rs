@@ -13,6 +13,7 @@ use super::shadows::{Shadows, VolumePipelines};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
+use crate::render::check_model;
 use crate::render::pipeline_factory::PipelineFactory;
 
 /// What all bodies need to be drawn and to throw shadows.
@@ -41,6 +42,9 @@ impl Casters {
 
     /// Takes the bodies with the faces that they have now.
     pub(crate) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+        for body in bodies {
+            check_model(gpu, body.faces.len(), body.world.len()).map_err(|error| error.on(gpu))?;
+        }
         self.shadows.place(gpu, bodies)?;
         let Some(shown) = &mut self.shown else { return Ok(()) };
         for (number, body) in bodies.iter().enumerate() {

@@ -10,6 +10,7 @@ use super::light_maps::LightCameras;
 use super::posed_model::PosedModel;
 use crate::failure::UsageError;
 use crate::gpu_error::GpuError;
+use crate::output::note;
 
 /// Floats tell the same part of any distance apart with reversed depth.
 pub(super) const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -154,10 +155,74 @@ impl DepthFound {
     }
 }
 
+/// Cells with a border of shadow from which on drawing takes long on any device: maps of bodies have some thousands.
+const BUSY: u64 = 1 << 20;
+
+/// Maps that are borders all over, such as noise: each cell bounds a volume as long as the shadow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct BusyMaps {
+    /// Cells, or walls, that are drawn.
+    drawn: u64,
+    /// All cells of the maps.
+    cells: u64,
+}
+
+impl BusyMaps {
+    /// What is done, for a line of progress.
+    pub(crate) fn step(self) -> String {
+        format!("drawing {} borders of shadow, which takes long", self.drawn)
+    }
+
+    /// Tells the user why it takes long, and what would help.
+    pub(crate) fn warn(self) {
+        let Self { drawn, cells } = self;
+        note(&format!(
+            "warning: {drawn} of the {cells} cells of the depth maps hold a border of the shadow, as if they were noise, and each is \
+             drawn through all of the picture, which may take minutes; a smaller map, a --detector that tells surfaces from noise, \
+             such as differences=T, or a smaller --size takes less"
+        ));
+    }
+}
+
+impl DepthsFound {
+    /// What takes long to draw, if anything does.
+    pub(crate) fn busy(&self) -> Option<BusyMaps> {
+        // Cells lie between texels, and around the outermost.
+        let of_map = self.size.map(|side| u64::from(side) + 1).into_iter().product::<u64>();
+        let cells: u64 = self.lights.iter().map(|found| found.maps as u64 * of_map).sum();
+        let drawn = self.lights.iter().map(|found| {
+            // Where the list has no room, every cell is drawn.
+            if found.is_overflowed() { found.maps as u64 * of_map } else { found.listed.into() }
+        });
+        let drawn = drawn.sum();
+        (drawn > BUSY).then_some(BusyMaps { drawn, cells })
+    }
+}
+
 /// What was found in the maps of all lights.
 pub(crate) struct DepthsFound {
     /// Texels of a map across and down.
     pub(crate) size: [u32; 2],
     pub(crate) reconstruction: Reconstruction,
     pub(crate) lights: Vec<DepthFound>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_that_are_borders_all_over_are_busy() {
+        let found = |listed, capacity, side| DepthsFound {
+            size: [side; 2],
+            reconstruction: Reconstruction::Template,
+            lights: vec![DepthFound { maps: 1, listed, capacity }],
+        };
+        assert_eq!(found(50_000, 100_000, 4096).busy(), None);
+        assert_eq!(found(1000, 500, 512).busy(), None);
+        for (listed, capacity, drawn) in [(12_000_000, 16_000_000, 12_000_000), (12_000_000, 500_000, 4097 * 4097)] {
+            let busy = found(listed, capacity, 4096).busy();
+            assert_eq!(busy, Some(BusyMaps { drawn, cells: 4097 * 4097 }));
+        }
+    }
 }

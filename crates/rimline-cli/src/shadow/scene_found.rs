@@ -11,6 +11,7 @@ use rimline::{Counting, wgpu};
 
 use super::counts;
 use super::found::{FacingMasks, FacingRun, Found};
+use super::layers::Layers;
 use super::posed_model::PosedModel;
 use super::scene_shadows::{File, SceneShadows};
 use crate::device::Gpu;
@@ -106,7 +107,14 @@ impl SceneShadows {
     /// The statistics of all files.
     pub(super) fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, ReadError> {
         let buffer = self.frame().ok().and_then(SceneFrame::shadow_statistics);
-        buffer.map_or(Ok(bytemuck::Zeroable::zeroed()), |buffer| counts::read(gpu, buffer))
+        let found = buffer.map_or(Ok(bytemuck::Zeroable::zeroed()), |buffer| counts::read(gpu, buffer))?;
+        Ok(match self.layers {
+            Some(Layers::Few(most)) => {
+                ShadowStatistics { count_bound: found.count_bound.min(most), may_wrap: 0, ..found }
+            }
+            Some(Layers::Batched(_)) => ShadowStatistics { may_wrap: 0, ..found },
+            Some(Layers::Many) | None => found,
+        })
     }
 }
 

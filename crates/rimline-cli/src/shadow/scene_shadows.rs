@@ -12,6 +12,7 @@ use rimline::{Counting, Light, wgpu};
 
 use super::cast_inputs::CastInputs;
 use super::covered::{CoveredFaces, VERSION};
+use super::layers::{BatchPipelines, Layers};
 use super::posed_model::{PosedModel, Topology};
 use crate::device::Gpu;
 use crate::failure::Failure;
@@ -26,6 +27,9 @@ pub(crate) struct SceneShadows {
     pub(super) files: Vec<File>,
     /// What the last encode left.
     frame: Option<SceneFrame>,
+    max_lights: usize,
+    /// If the bound of the stages leaves it open whether the stencil counts to what lies over each other.
+    pub(super) layers: Option<Layers>,
 }
 
 /// What a file has in the scene.
@@ -40,11 +44,12 @@ impl SceneShadows {
     pub(super) fn new(gpu: &Gpu, counting: Counting, max_lights: usize) -> Result<Self, GpuError> {
         let options = SceneOptions { max_lights, counting, bound_counts: true, ..SceneOptions::default() };
         let scene = Scene::new(&gpu.pipelines, &gpu.queue, options)?;
-        Ok(Self { scene, counting, lights: Vec::new(), files: Vec::new(), frame: None })
+        Ok(Self { scene, counting, lights: Vec::new(), files: Vec::new(), frame: None, max_lights, layers: None })
     }
 
     /// Adds the instances of all files. An instance that is mirrored anew has other faces, so another caster takes its place.
     pub(super) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+        self.layers = None;
         let Self { scene, files, .. } = self;
         let failed = |error: SceneError| GpuError::from(error).on(gpu);
         files.resize_with(bodies.len(), File::default);
@@ -78,11 +83,31 @@ impl SceneShadows {
     pub(super) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        CastInputs { camera, lights, .. }: CastInputs<'_>,
+        inputs: CastInputs<'_>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        self.set_lights(lights)?;
-        self.frame = Some(self.scene.encode(encoder, &[*camera], timer)?);
+        self.set_lights(inputs.lights)?;
+        self.frame = Some(self.scene.encode(encoder, &[*inputs.camera], timer)?);
+        if let Some(layers) = &mut self.layers {
+            layers.encode(encoder, &inputs)?;
+        }
+        Ok(())
+    }
+
+    /// Where the bound of what was encoded and submitted is above what the stencil counts, looks at the layers for `all` lights that
+    /// are drawn before bodies are placed anew. Waits for the device.
+    pub(super) fn count_layers(&mut self, inputs: CastInputs<'_>, all: &[Light]) -> Result<(), Failure> {
+        let CastInputs { gpu, bodies, .. } = inputs;
+        self.layers = None;
+        let failed = |error: GpuError| error.on(gpu);
+        if self.statistics(gpu).map_err(|error| failed(error.into()))?.may_wrap == 0 {
+            return Ok(());
+        }
+        let mut layers = Layers::new(gpu, bodies, self.counting, self.max_lights, all)?;
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("batches") });
+        layers.encode(&mut encoder, &inputs).map_err(|error| failed(error.into()))?;
+        gpu.queue.submit([encoder.finish()]);
+        self.layers = Some(layers);
         Ok(())
     }
 
@@ -115,11 +140,16 @@ impl SceneShadows {
     pub(super) fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
-        pipelines: &ScenePipelines,
+        (pipelines, batches): (&ScenePipelines, &BatchPipelines),
         light: usize,
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), GpuError> {
+        if let Some(layers) = &self.layers
+            && layers.draw(pass, batches, light)?
+        {
+            return Ok(());
+        }
         let handle = *self.lights.get(light).ok_or(SceneError::NotEncoded)?;
-        self.frame()?.draw(pass, pipelines, 0, handle)
+        Ok(self.frame()?.draw(pass, pipelines, 0, handle)?)
     }
 
     /// What the last encode left.

@@ -235,6 +235,20 @@ impl<'a> ShadowScene<'a> {
         casters.bind(gpu, &resources.factory, resources.geometry_layout(), &self.bodies, self.camera.eye)
     }
 
+    /// Sees to it that what lies over each other is counted, after [`Self::cast`]. Waits for the device.
+    pub(crate) fn count_layers(&mut self, gpu: &Gpu, casters: &mut Casters) -> Result<(), Failure> {
+        let mut all = self.ranged();
+        if self.is_in_parts() {
+            for part in 0..PARTS {
+                self.take_part(Some(part));
+                all.extend(self.ranged());
+            }
+            self.take_part(None);
+        }
+        let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
+        casters.shadows.count_layers(CastInputs { gpu, bodies: &self.bodies, camera: &camera, lights: &lights }, &all)
+    }
+
     /// Records the same for bodies that are where they were.
     pub(crate) fn encode_lights(
         &self,

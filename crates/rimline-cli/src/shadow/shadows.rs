@@ -6,13 +6,14 @@ use rimline::gpu::{
     DepthMapPipelines, ReadError, ScenePipelines, ShadowDrawError, ShadowFormat, ShadowPipelines, StageTimer,
 };
 use rimline::reference::layout::ShadowStatistics;
-use rimline::{Counting, Origin, wgpu};
+use rimline::{Counting, Light, Origin, wgpu};
 
 use super::cast_inputs::{CastInputs, parity};
 use super::covered::CoveredFaces;
 use super::depth_shadows::DepthShadows;
 use super::found::{FacingMasks, Found};
 use super::from_depth::{DepthsFound, FromDepth};
+use super::layers::BatchPipelines;
 use super::posed_model::PosedModel;
 use super::scene_shadows::SceneShadows;
 use super::shown_maps::ShownDepths;
@@ -59,7 +60,7 @@ impl ShadowMethod {
 /// What draws volumes into attachments of one format.
 #[derive(Clone)]
 pub(crate) enum VolumePipelines {
-    Scene(Arc<ScenePipelines>),
+    Scene(Arc<ScenePipelines>, BatchPipelines),
     Single(Arc<ShadowPipelines>),
     /// Maps of the lights cast.
     Depth(Arc<DepthMapPipelines>, FromDepth),
@@ -81,13 +82,14 @@ impl VolumePipelines {
         Ok(if method.is_single {
             Self::Single(Arc::new(ShadowPipelines::new(shared, format, counting)?))
         } else {
-            Self::Scene(Arc::new(ScenePipelines::new(shared, format, counting)?))
+            let batches = BatchPipelines::new(shared, format, counting);
+            Self::Scene(Arc::new(ScenePipelines::new(shared, format, counting)?), batches)
         })
     }
 
     fn counting(&self) -> Counting {
         match self {
-            Self::Scene(pipelines) => pipelines.counting(),
+            Self::Scene(pipelines, _) => pipelines.counting(),
             Self::Single(pipelines) => pipelines.counting(),
             Self::Depth(..) => NO_COUNTING,
         }
@@ -102,7 +104,7 @@ impl VolumePipelines {
 impl Shadows {
     pub(crate) fn new(gpu: &Gpu, pipelines: &VolumePipelines, max_lights: usize) -> Result<Self, GpuError> {
         Ok(match pipelines {
-            VolumePipelines::Scene(pipelines) => {
+            VolumePipelines::Scene(pipelines, _) => {
                 Self::Scene(Box::new(SceneShadows::new(gpu, pipelines.counting(), max_lights)?))
             }
             VolumePipelines::Single(pipelines) => Self::Single(SingleCasters::new(pipelines, max_lights)),
@@ -149,6 +151,15 @@ impl Shadows {
         }
     }
 
+    /// Where more may lie over each other than the stencil counts, as was encoded and submitted, looks at it for `all` lights that
+    /// are drawn before bodies are placed anew. Waits for the device.
+    pub(crate) fn count_layers(&mut self, inputs: CastInputs<'_>, all: &[Light]) -> Result<(), Failure> {
+        match self {
+            Self::Scene(scene) => scene.count_layers(inputs, all),
+            Self::Single(_) | Self::Depth(..) => Ok(()),
+        }
+    }
+
     /// Draws the volumes of a light into the stencil, as they were encoded.
     pub(crate) fn draw(
         &self,
@@ -157,7 +168,9 @@ impl Shadows {
         light: usize,
     ) -> Result<(), GpuError> {
         match (self, pipelines) {
-            (Self::Scene(scene), VolumePipelines::Scene(pipelines)) => Ok(scene.draw(pass, pipelines, light)?),
+            (Self::Scene(scene), VolumePipelines::Scene(pipelines, batches)) => {
+                scene.draw(pass, (pipelines, batches), light)
+            }
             (Self::Single(single), VolumePipelines::Single(pipelines)) => Ok(single.draw(pass, pipelines, light)?),
             (Self::Depth(maps), VolumePipelines::Depth(pipelines, _)) => maps.draw(pass, pipelines, light),
             (_, pipelines) => {

@@ -10,6 +10,7 @@ use super::{Outcome, Test, ensure};
 pub(crate) const TESTS: &[Test] = &[
     ("fallback::auto_takes_the_cpu_for_a_model_that_does_not_fit", model),
     ("fallback::a_picture_that_does_not_fit_has_advice", picture),
+    ("fallback::a_model_that_pictures_cannot_take_has_advice", large),
 ];
 
 /// Makes a small device of any.
@@ -84,6 +85,35 @@ fn picture() -> Outcome {
         let sides: Vec<u32> = advice.trim().split('x').filter_map(|side| side.parse().ok()).collect();
         ensure!(matches!(sides[..], [w, h] if w == h && (1..=8192).contains(&w)), "{command}: {}", run.stderr);
         ensure!(!Path::new(&at("out.png")).exists(), "there is a picture");
+    }
+    Ok(())
+}
+
+/// What is too large to be drawn is said in words of the command, before anything is drawn.
+fn large() -> Outcome {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    // More faces than a binding holds, and more vertices.
+    let faces: Vec<u8> =
+        (0..60_000_u32).flat_map(|f| [f % 90, f % 90 + 1, f % 90 + 2]).flat_map(u32::to_le_bytes).collect();
+    let corners: Vec<u8> =
+        (0..92_u8).flat_map(|v| [f32::from(v / 2), f32::from(v % 2), 0.0]).flat_map(f32::to_le_bytes).collect();
+    let file = write_zip(&[
+        array("positions", "<f4", "False", "(92, 3)", &corners),
+        array("faces", "<u4", "False", "(60000, 3)", &faces),
+    ]);
+    fs::write(at("faces.npz"), file).map_err(|error| error.to_string())?;
+    fs::write(at("vertices.npz"), strip(60_000)).map_err(|error| error.to_string())?;
+    for (model, what) in [("faces.npz", "faces"), ("vertices.npz", "positions")] {
+        for command in ["draw", "shadow"] {
+            let line = [command, &at(model), "--no-weld", "--size", "32x32", "--out", &at("out.png")];
+            let run = rimline_with(line, &[("RIMLINE_BUFFER_LIMIT", "524288")]);
+            run.expect(3, &["does not fit the device", what, "KiB", "a smaller model or another device"])?;
+            for foreign in ["request a larger limit", "wgpu", "alidation", "panicked"] {
+                ensure!(!run.stderr.contains(foreign), "{command} {model}: {}", run.stderr);
+            }
+            ensure!(!Path::new(&at("out.png")).exists(), "there is a picture");
+        }
     }
     Ok(())
 }

@@ -1,0 +1,82 @@
+//! How far away what lies behind everything seen in a part of the picture is hidden. Lines ask it before they ask the survey.
+
+use rimline::wgpu;
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, PrimitiveTopology, TextureFormat, TextureUsages};
+
+use super::passes::color_pass;
+use super::survey::SEEN;
+use crate::render::pipeline_factory::{Pass, PipelineFactory};
+
+/// Bits of floats, as OpenGL need not draw onto floats.
+const FORMAT: TextureFormat = TextureFormat::R32Uint;
+
+/// Places of the survey each way in a square of the finest level; as in `veil.wgsl`.
+const SQUARE: u32 = 8;
+
+/// The layout of one texture that vertices and fragments see.
+pub(super) fn layout(factory: &PipelineFactory<'_>) -> BindGroupLayout {
+    factory.layout(&[SEEN])
+}
+
+/// Records the veils of a survey with so many places each way, which `survey` is the group of, as `lines.wgsl` reads it. Returns
+/// the group that lines read the veils with.
+pub(super) fn record(
+    factory: &PipelineFactory<'_>,
+    encoder: &mut wgpu::CommandEncoder,
+    survey: (&BindGroupLayout, &BindGroup),
+    places: [u32; 2],
+) -> BindGroup {
+    // Each level has half of the squares of the finer one, and none is left over.
+    let [width, height] = places.map(|places| places.div_ceil(SQUARE).next_power_of_two());
+    let levels = width.max(height).ilog2() + 1;
+    let texture = factory.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("veils"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: levels,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: FORMAT,
+        usage: TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    let level = |level| {
+        texture.create_view(&wgpu::TextureViewDescriptor {
+            base_mip_level: level,
+            mip_level_count: Some(1),
+            ..Default::default()
+        })
+    };
+    let squares = layout(factory);
+    let group = |view: &wgpu::TextureView| factory.group(&squares, &[BindingResource::TextureView(view)]);
+    let [finest, coarser] =
+        [("veil", include_str!("veil.wgsl"), survey.0), ("veil_level", include_str!("veil.wgsl"), &squares)].map(
+            |(name, source, layout)| {
+                factory.pipeline(&Pass {
+                    name,
+                    vertex: name,
+                    source,
+                    groups: &[layout],
+                    topology: PrimitiveTopology::TriangleList,
+                    format: FORMAT,
+                    blend: None,
+                    samples: 1,
+                    write: wgpu::ColorWrites::ALL,
+                    depth: None,
+                    constants: &[],
+                })
+            },
+        );
+    let mut draw = |pipeline: &wgpu::RenderPipeline, target: u32, source: &BindGroup| {
+        let load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+        let mut pass = color_pass(encoder, "veils", &level(target), None, load, None);
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &factory.frame_group, &[]);
+        pass.set_bind_group(1, source, &[]);
+        pass.draw(0..3, 0..1);
+    };
+    draw(&finest, 0, survey.1);
+    for target in 1..levels {
+        draw(&coarser, target, &group(&level(target - 1)));
+    }
+    group(&texture.create_view(&wgpu::TextureViewDescriptor::default()))
+}

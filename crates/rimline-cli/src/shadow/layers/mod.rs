@@ -1,0 +1,162 @@
+//! Casters whose faces lie over each other more often than the stencil counts: they are drawn in batches of few layers, each of
+//! which darkens what it covers before the next is counted.
+
+mod batch_pipelines;
+mod batches;
+mod deepest;
+mod rays;
+
+use rimline::gpu::{Caster, LightHandle, Scene, SceneError, SceneFrame, SceneOptions};
+use rimline::{Counting, Light, Mesh, MeshError, ShadowCamera, wgpu};
+
+use super::cast_inputs::CastInputs;
+use super::counts::MOST;
+use super::posed_model::PosedModel;
+use crate::device::Gpu;
+use crate::failure::Failure;
+use crate::gpu_error::GpuError;
+pub(crate) use batch_pipelines::BatchPipelines;
+use batch_pipelines::{COUNT_BITS, MOST_OF_BATCH};
+
+/// What is known of the layers of all models.
+pub(super) enum Layers {
+    /// At most so many faces lie over each other, and the stencil counts them.
+    Few(u32),
+    /// More may lie over each other, so they are drawn in batches.
+    Batched(Vec<Batch>),
+    /// More may lie over each other, and no reasonable number of batches would do.
+    Many,
+}
+
+/// A scene of some faces of all models.
+pub(super) struct Batch {
+    scene: Scene,
+    lights: Vec<LightHandle>,
+    frame: Option<SceneFrame>,
+}
+
+impl Layers {
+    /// Counts what lies over each other for these lights, and makes batches for up to `max_lights` at a time where the stencil would
+    /// not do. They are to be encoded before they are drawn.
+    pub(super) fn new(
+        gpu: &Gpu,
+        bodies: &[PosedModel<'_>],
+        counting: Counting,
+        max_lights: usize,
+        lights: &[Light],
+    ) -> Result<Self, Failure> {
+        let mut positions: Vec<[f32; 3]> = Vec::new();
+        let mut faces: Vec<[u32; 3]> = Vec::new();
+        for body in bodies {
+            let first = positions.len() as u32;
+            positions.extend(&body.world);
+            faces.extend(body.faces.iter().map(|face| face.map(|v| first + v)));
+        }
+        let mut most = 0;
+        let deep: Vec<Light> = lights
+            .iter()
+            .copied()
+            .filter(|&light| {
+                let found = deepest::deepest(light, &positions, &faces, MOST);
+                most = most.max(found);
+                found > MOST
+            })
+            .collect();
+        if deep.is_empty() {
+            return Ok(Self::Few(most));
+        }
+        // The others are counted in the same batches.
+        let Some(found) = batches::batches(&deep, &positions, &faces, MOST_OF_BATCH) else { return Ok(Self::Many) };
+        let batch = |of: &Vec<u32>| Batch::new(gpu, bodies, counting, max_lights, of);
+        Ok(Self::Batched(found.iter().map(batch).collect::<Result<_, _>>()?))
+    }
+
+    pub(super) fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        CastInputs { camera, lights, .. }: &CastInputs<'_>,
+    ) -> Result<(), SceneError> {
+        match self {
+            Self::Batched(batches) => batches.iter_mut().try_for_each(|batch| batch.encode(encoder, camera, lights)),
+            Self::Few(_) | Self::Many => Ok(()),
+        }
+    }
+
+    /// Draws the batches of a light, if there are any. Returns whether there are.
+    pub(super) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipelines: &BatchPipelines,
+        light: usize,
+    ) -> Result<bool, GpuError> {
+        let Self::Batched(batches) = self else { return Ok(false) };
+        let made = pipelines.get()?;
+        for (number, batch) in batches.iter().enumerate() {
+            if number > 0 {
+                made.resolve(pass);
+            }
+            let frame = batch.frame.as_ref().ok_or(SceneError::NotEncoded)?;
+            let handle = *batch.lights.get(light).ok_or(SceneError::NotEncoded)?;
+            frame.draw(pass, &made.counting, 0, handle)?;
+        }
+        Ok(true)
+    }
+}
+
+impl Batch {
+    /// These faces of all bodies, by number.
+    fn new(
+        gpu: &Gpu,
+        bodies: &[PosedModel<'_>],
+        counting: Counting,
+        max_lights: usize,
+        of: &[u32],
+    ) -> Result<Self, Failure> {
+        let failed = |error: SceneError| GpuError::from(error).on(gpu);
+        let options = SceneOptions { max_lights, counting, count_bits: COUNT_BITS, ..SceneOptions::default() };
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(failed)?;
+        let mut of = of.to_vec();
+        of.sort_unstable();
+        let mut of = of.as_slice();
+        let mut first_face = 0;
+        for body in bodies {
+            let mut first_vertex = 0;
+            let mut end = first_face;
+            for (instance, topology) in body.topologies.iter().enumerate() {
+                let geometry = &body.input.model().geometries()[topology.geometry];
+                let rest = geometry.positions();
+                end += geometry.faces().len() as u32;
+                let (own, others) = of.split_at(of.partition_point(|&face| face < end));
+                of = others;
+                let corners = |&face: &u32| body.faces[(face - first_face) as usize].map(|v| v - first_vertex);
+                let mesh = match Mesh::from_faces(rest.len(), own.iter().map(corners).collect()) {
+                    Ok(mesh) => Some(mesh),
+                    Err(MeshError::NoFaces) => None,
+                    Err(error) => return Err(Failure::input(&body.input.file)(error.into())),
+                };
+                first_vertex += rest.len() as u32;
+                let (Some(mesh), Some(positions)) = (mesh, body.positions.of_instance(instance)) else { continue };
+                let mesh = scene.add_mesh(&mesh, rest).map_err(failed)?;
+                scene.insert(Caster::in_buffer(mesh, positions)).map_err(failed)?;
+            }
+            first_face = end;
+        }
+        Ok(Self { scene, lights: Vec::new(), frame: None })
+    }
+
+    fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        camera: &ShadowCamera,
+        lights: &[Light],
+    ) -> Result<(), SceneError> {
+        for (number, &light) in lights.iter().enumerate() {
+            match self.lights.get(number) {
+                Some(&handle) => self.scene.set_light(handle, light)?,
+                None => self.lights.push(self.scene.add_light(light)?),
+            }
+        }
+        self.frame = Some(self.scene.encode(encoder, &[*camera], None)?);
+        Ok(())
+    }
+}
