@@ -46,8 +46,8 @@ fn oracle(positions: &[[f32; 3]], distance: f32, may: impl Fn(usize, usize) -> b
         numbers.then(signs).then(a.cmp(&b)).is_lt()
     };
     let mut first: BTreeMap<usize, usize> = BTreeMap::new();
-    for v in 0..positions.len() {
-        let of = first.entry(set[v]).or_insert(v);
+    for (v, &set) in set.iter().enumerate() {
+        let of = first.entry(set).or_insert(v);
         if before(v, *of) {
             *of = v;
         }
@@ -264,7 +264,7 @@ fn hostile_clouds_weld_in_time() {
         .collect();
     let circle: Vec<[f32; 3]> = (0..count)
         .map(|v| {
-            let turn = random.between(0.0, 6.2831);
+            let turn = random.between(0.0, std::f32::consts::TAU);
             if v % 2 == 0 {
                 [1.000_001 * turn.cos(), 1.000_001 * turn.sin(), 0.0]
             } else {

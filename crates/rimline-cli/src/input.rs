@@ -340,11 +340,7 @@ fn open_npz(reader: impl Read + Seek, options: LoadOptions) -> Result<(Source, O
 }
 
 /// World-space positions, and triangles or polygons.
-fn of_arrays(
-    arrays: npz::Arrays,
-    options: LoadOptions,
-    taken: TakenPolygons,
-) -> Result<(Source, Origin), InputError> {
+fn of_arrays(arrays: npz::Arrays, options: LoadOptions, taken: TakenPolygons) -> Result<(Source, Origin), InputError> {
     let npz::Arrays { positions, mut faces, polygons, origin } = arrays;
     let by_loop =
         |polygons: &npz::PolygonArrays| Mesh::from_polygons_by_loop(&positions, polygons.loops(), options.weld);

@@ -37,11 +37,7 @@ impl PolygonLoops<'_> {
     ///
     /// # Errors
     /// As [`Mesh::from_polygons`](crate::Mesh::from_polygons).
-    pub fn triangulate(
-        self,
-        positions: &[[f32; 3]],
-        weld: Weld,
-    ) -> Result<(Vec<[u32; 3]>, WeldCounts), MeshError> {
+    pub fn triangulate(self, positions: &[[f32; 3]], weld: Weld) -> Result<(Vec<[u32; 3]>, WeldCounts), MeshError> {
         let (groups, mut counts) = weld::weld_positions(positions, weld);
         let (polygons, triangles) = Polygons::new(positions, self, &groups)?;
         if counts.after < counts.before {

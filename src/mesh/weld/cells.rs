@@ -124,6 +124,7 @@ struct Cell {
 }
 
 /// The cells in order, and which of them are joined.
+#[expect(clippy::struct_field_names, reason = "they are the cells")]
 struct Cells {
     cells: Vec<Cell>,
     points: Vec<[f32; 3]>,
@@ -233,9 +234,9 @@ impl Group {
             self.first = vertex;
         }
         let position = positions[vertex as usize];
-        for axis in 0..3 {
-            self.low[axis] = self.low[axis].min(position[axis]);
-            self.high[axis] = self.high[axis].max(position[axis]);
+        for (axis, c) in position.into_iter().enumerate() {
+            self.low[axis] = self.low[axis].min(c);
+            self.high[axis] = self.high[axis].max(c);
         }
     }
 }

@@ -5,8 +5,8 @@ use rimline::mesh::{Bounds, EdgeCounts, WeldCounts};
 use serde_json::{Value, json};
 
 use super::report::{MeshReport, kind_name};
-use crate::coordinates::point;
 use super::seams::Seams;
+use crate::coordinates::point;
 
 pub(super) fn mesh(report: &MeshReport) -> Value {
     let WeldCounts { before, after, apart, collapsed, .. } = report.vertices;

@@ -246,7 +246,8 @@ impl<'a> ShadowScene<'a> {
             self.take_part(None);
         }
         let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
-        casters.shadows.count_layers(CastInputs { gpu, bodies: &self.bodies, camera: &camera, lights: &lights }, &all)
+        let (bodies, seen) = (&self.bodies[..], &self.bodies[..]);
+        casters.shadows.count_layers(CastInputs { gpu, bodies, seen, camera: &camera, lights: &lights }, &all)
     }
 
     /// Records the same for bodies that are where they were.
