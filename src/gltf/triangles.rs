@@ -7,6 +7,7 @@ use super::document::Primitive;
 use super::error::GltfError;
 use super::formats;
 use super::reader::Reader;
+use super::warning::GltfWarning;
 
 /// The place of the triangles, for errors.
 #[derive(Clone, Copy)]
@@ -21,7 +22,8 @@ pub(super) fn has_triangles(mode: Mode) -> bool {
 }
 
 /// Counter-clockwise triangles as indices below `vertices`, in the order and with the corners of the specification. A
-/// strip or fan of fewer than three corners has none. Triangles that name a vertex twice are kept.
+/// strip or fan of fewer than three corners has none. Triangles that name a vertex twice are kept. An index that restarts
+/// strips begins a new one.
 pub(super) fn read(
     reader: &Reader<'_>,
     primitive: &Primitive,
@@ -30,35 +32,51 @@ pub(super) fn read(
 ) -> Result<Vec<[u32; 3]>, GltfError> {
     let Place { mesh, primitive: p } = at;
     let place = format!("meshes[{mesh}].primitives[{p}].indices");
-    let count = primitive.indices.map_or(vertices, |accessor| reader.count(accessor));
+    let count = primitive.indices.map_or(Ok(vertices), |accessor| reader.count(accessor))?;
     if primitive.mode == Mode::Triangles && !count.is_multiple_of(3) {
-        return Err(GltfError::CornerCount { mesh, primitive: p, corners: count });
+        reader.warnings.push(GltfWarning::CornerCount { mesh, primitive: p, corners: count })?;
     }
-    let faces = match primitive.mode {
-        Mode::Triangles => count / 3,
-        _ => count.saturating_sub(2),
-    };
+    let faces = face_count(primitive.mode, count);
     // Once alone, and once in the mesh's list, which may double.
     reader.charge(faces as u64, 48, &|| place.clone())?;
     let Some(accessor) = primitive.indices else {
         return Ok(faces_of(primitive.mode, faces, |corner| corner as u32));
     };
     let indices = reader.integers(accessor, formats::INDICES, &place)?;
-    let restart = match reader.document.accessors[accessor].component {
+    let restart = match reader.accessor(accessor)?.component {
         ComponentType::U8 => u32::from(u8::MAX),
         ComponentType::U16 => u32::from(u16::MAX),
         _ => u32::MAX,
     };
-    let bad = |&index: &u32| index == restart || index as usize >= vertices;
+    // Only strips and fans restart on every device. A list restarts where nothing else can be meant.
+    let is_vertex = primitive.mode == Mode::Triangles && (restart as usize) < vertices;
+    let restarts = |index: u32| index == restart && !is_vertex;
+    let bad = |&index: &u32| index as usize >= vertices && !restarts(index);
     if let Some(position) = indices.iter().position(bad) {
         let index = indices[position];
-        if index == restart {
-            return Err(GltfError::PrimitiveRestart { mesh, primitive: p, position, index });
-        }
         let (face, corner) = first_use(primitive.mode, position);
         return Err(GltfError::IndexOutOfRange { mesh, primitive: p, position, face, corner, index, vertices });
     }
-    Ok(faces_of(primitive.mode, faces, |corner| indices[corner]))
+    let Some(position) = indices.iter().position(|&index| index == restart) else {
+        return Ok(faces_of(primitive.mode, faces, |corner| indices[corner]));
+    };
+    let index = restart;
+    reader.warnings.push(GltfWarning::PrimitiveRestart { mesh, primitive: p, position, index, is_vertex })?;
+    if is_vertex {
+        return Ok(faces_of(primitive.mode, faces, |corner| indices[corner]));
+    }
+    let parts = indices.split(|&index| restarts(index));
+    let faces =
+        parts.flat_map(|part| faces_of(primitive.mode, face_count(primitive.mode, part.len()), |corner| part[corner]));
+    Ok(faces.collect())
+}
+
+/// The number of whole faces of so many corners.
+fn face_count(mode: Mode, corners: usize) -> usize {
+    match mode {
+        Mode::Triangles => corners / 3,
+        _ => corners.saturating_sub(2),
+    }
 }
 
 fn faces_of(mode: Mode, faces: usize, vertex: impl Fn(usize) -> u32) -> Vec<[u32; 3]> {

@@ -23,7 +23,7 @@ use text::Text;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let input = Input::open(&args.model)?;
-    let lights = input.lights(&args.lights, None, 0.0)?;
+    let lights = input.lights(&args.lights, &[], 0.0)?;
     let report = Report::new(&input, &lights)?;
     print(&if args.json { format!("{:#}\n", report.json(&input)?) } else { report.text(&input)? })
 }
@@ -45,7 +45,7 @@ impl Report {
             .map(|(index, geometry)| MeshReport::of_geometry(geometry, input.weld_counts(index)))
             .collect::<Result<Vec<_>, _>>()
             .map_err(|error| Failure::input(&input.file)(error.into()))?;
-        let scene = input.scene(None, 0.0, false)?;
+        let scene = input.scene(&[], 0.0, false)?;
         let positions = match &scene.shape {
             Shape::World(positions) => Cow::Borrowed(*positions),
             Shape::Posed { model, pose } => Cow::Owned(cpu::deform(model, pose, 0.0, None, Threads::all())?),
@@ -67,6 +67,9 @@ impl Report {
         });
         if let (Source::Gltf(asset), Value::Object(value)) = (&input.source, &mut value) {
             asset::json(asset, &asset::lights(asset, input)?, value);
+            let warnings: Vec<String> = asset.warnings().iter().map(ToString::to_string).collect();
+            value.insert("hidden_nodes".into(), asset.hidden_nodes().into());
+            value.insert("warnings".into(), warnings.into());
         }
         Ok(value)
     }

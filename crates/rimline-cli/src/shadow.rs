@@ -74,8 +74,8 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let mut times = Times::default();
     progress.step("reading the models");
     let props = times.measure("load", || ShadowInputs::read(scene))?;
-    for &animation in &props.animations {
-        displacement::note_idle_time(&scene.posed.pose, animation, props.displacement.as_ref());
+    for animations in &props.animations {
+        displacement::note_idle_time(&scene.posed.pose, animations, props.displacement.as_ref());
     }
     let from_depth = times.measure("load", || args.depth_maps())?;
     let given = from_depth.as_ref().and_then(FromDepth::given);

@@ -46,7 +46,7 @@ pub(crate) fn shadow_stages(
         file: PathBuf::from("triangle"),
         source: Source::World { model, weld: WeldCounts::default(), polygons: None },
     };
-    let body = [PosedModel::new(gpu, &input, None, 0.0, None)?];
+    let body = [PosedModel::new(gpu, &input, &[], 0.0, None)?];
     let mut shadows = Shadows::new(gpu, pipelines, lights.len()).map_err(|error| error.on(gpu))?;
     shadows.place(gpu, &body)?;
     let label = Some("warm up");

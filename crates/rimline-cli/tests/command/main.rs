@@ -29,6 +29,7 @@ mod outputs;
 #[cfg(unix)]
 mod outputs_unix;
 mod own_gltf;
+mod parts;
 mod plot_labels;
 mod polygon_shadows;
 mod query;
@@ -97,6 +98,7 @@ fn main() {
         #[cfg(unix)]
         signals::TESTS,
         load::TESTS,
+        parts::TESTS,
     ];
     let mut trials: Vec<Trial> = always
         .concat()
