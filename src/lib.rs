@@ -103,6 +103,7 @@ pub mod model;
 pub mod reference;
 mod shadow;
 mod stages;
+mod turns;
 
 pub use area::{AreaLight, AreaShape};
 pub use displace::{DisplaceError, Displacement};
