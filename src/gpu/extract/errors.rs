@@ -1,6 +1,7 @@
 //! Why extractions cannot be made, recorded, read or drawn.
 
 use super::options::MAX_OUTLINE_EDGES;
+use crate::turns::POLYGON_TRIANGLES;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
@@ -50,6 +51,16 @@ pub enum ExtractorError {
         polygon: usize,
         /// The number of edges of its outline.
         edges: usize,
+    },
+    /// A polygon has too many triangles, though its outline has few edges: it walks others both ways.
+    #[error(
+        "polygon {polygon} has {triangles} triangles, more than {POLYGON_TRIANGLES}; cut it, or extract it by `cpu::extract`"
+    )]
+    PolygonTooLarge {
+        /// The polygon.
+        polygon: usize,
+        /// The number of its triangles.
+        triangles: usize,
     },
 }
 
