@@ -15,7 +15,9 @@ fn found(stage: &Stage) -> Result<Vec<(String, u64)>, String> {
     for lights in lights {
         let items = if is_scene { scene_exact_items(lights) } else { EXACT_ITEMS };
         let each = turns(&composed_stage(stage), &limits(lights, items));
-        for (at, (name, turns)) in each.map_err(|error| format!("{}: {error}", stage.module_name()))?.into_iter().enumerate() {
+        for (at, (name, turns)) in
+            each.map_err(|error| format!("{}: {error}", stage.module_name()))?.into_iter().enumerate()
+        {
             match most.get_mut(at) {
                 Some((_, before)) => *before = turns.max(*before),
                 None => most.push((name, turns)),
@@ -56,7 +58,8 @@ fn check(table: &[(&str, &str, u32)]) -> Outcome {
 /// Each entry point has a bound below the turns that a driver allows, and its loops have no more.
 pub(crate) fn stated() -> Outcome {
     check(TURNS)?;
-    let less: Vec<_> = TURNS.iter().map(|&(module, entry, turns)| (module, entry, turns.saturating_sub(turns / 2))).collect();
+    let less: Vec<_> =
+        TURNS.iter().map(|&(module, entry, turns)| (module, entry, turns.saturating_sub(turns / 2))).collect();
     match check(&less) {
         Ok(()) => Err("negative control: half the turns went unnoticed".to_owned()),
         Err(_) => Ok(()),
@@ -90,9 +93,12 @@ pub(crate) fn of_command() -> Outcome {
             let entries = std::fs::read_dir(&path).map_err(|error| error.to_string())?;
             left.extend(entries.filter_map(|entry| Some(entry.ok()?.path())));
         } else if path.extension().is_some_and(|ending| ending == "wgsl") {
-            let name = path.strip_prefix(&folder).map_err(|error| error.to_string())?.to_string_lossy().replace('\\', "/");
+            let name =
+                path.strip_prefix(&folder).map_err(|error| error.to_string())?.to_string_lossy().replace('\\', "/");
             let text = read(&name)?;
-            let loops = text.lines().any(|line| ["for (", "while (", "loop {"].iter().any(|head| line.trim().starts_with(head)));
+            let loops = text
+                .lines()
+                .any(|line| ["for (", "while (", "loop {"].iter().any(|head| line.trim().starts_with(head)));
             if loops && !modules.concat().contains(&name.as_str()) {
                 return Err(format!("{name} has loops that are in no module of this test"));
             }

@@ -38,7 +38,11 @@ fn large_set(random: &mut Random, corners: usize) -> PolygonSet {
     set
 }
 
-pub(crate) const TESTS: &[Test] = &[("depths_equal_their_twin", depths), ("depths_of_large_polygons", large), ("depths_of_tangled_polygons", tangled)];
+pub(crate) const TESTS: &[Test] = &[
+    ("depths_equal_their_twin", depths),
+    ("depths_of_large_polygons", large),
+    ("depths_of_tangled_polygons", tangled),
+];
 
 fn found(gpu: &Gpu, case: &DepthCase, work_per_dispatch: u64) -> Result<Vec<i32>, String> {
     let DepthCase { set, mesh, points, lights } = case;
@@ -118,7 +122,8 @@ fn tangled() -> Result<(), String> {
         set.push_points(&[second]);
         let points = if places == 0 { ring(8) } else { (0..8).map(|at| [at as f32 / 2.0 - 2.0, -4.0, 0.5]).collect() };
         let mesh = set.mesh(Weld::Position).map_err(text)?;
-        let lights = vec![Light::directional([0.0, 1.0, 0.0]), Light::point([0.5, 9.0, 0.5]), Light::point([0.25, 0.5, 0.125])];
+        let lights =
+            vec![Light::directional([0.0, 1.0, 0.0]), Light::point([0.5, 9.0, 0.5]), Light::point([0.25, 0.5, 0.125])];
         let case = DepthCase { set, mesh, points, lights };
         let right = expected(&case)?;
         most = most.max(right.iter().copied().max().unwrap_or(0));

@@ -1,11 +1,11 @@
 //! Why extractions cannot be made, recorded, read or drawn.
 
 use super::options::MAX_OUTLINE_EDGES;
-use crate::turns::POLYGON_TRIANGLES;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
 use crate::light::LightError;
+use crate::turns::POLYGON_TRIANGLES;
 
 /// Why an extraction cannot be recorded.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

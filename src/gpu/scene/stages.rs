@@ -12,8 +12,8 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
 use crate::layout::{DrawShape, ExtractionStatistics, LANES, SceneDispatch};
 use crate::method::Predicate;
-use crate::turns::{SCENE_ITEMS, scene_exact_items};
 use crate::stages::{ARGUMENTS, CHUNKS, CLUSTERS, REACH, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING, Stage};
+use crate::turns::{SCENE_ITEMS, scene_exact_items};
 
 /// The number of invocations in a workgroup of `reach` and of exact facing.
 const SMALL_WORKGROUP: u64 = 64;

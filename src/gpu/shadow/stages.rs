@@ -14,11 +14,11 @@ use crate::gpu::common::pipelines::{Pipeline, Pipelines, group};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::layout::{CHUNK, LANES, PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape};
-use crate::turns::{BOUND_CHUNKS, LISTED_ITEMS};
 use crate::stages::{
     BOUNDS, CAPS, CHOOSE, LIST_SIDES, PIECE_ARGUMENTS, PIECE_CROSSINGS, RELIST, SHADOW_ARGUMENTS, STENCIL_BOUND,
     STENCIL_CROSSINGS, STENCIL_PENCIL, Stage, ZP_PLUS_2005_CASES,
 };
+use crate::turns::{BOUND_CHUNKS, LISTED_ITEMS};
 
 /// The pipelines of these stages.
 #[derive(Clone, Debug)]
@@ -286,7 +286,8 @@ impl<'a> Binder<'a> {
         let mut passes: Vec<Pass> = relist.iter().map(|relist| self.for_each(relist, |_, _| [1, 1])).collect();
         passes.extend([Pass { pipeline: bounds.clone(), dispatches: boxed.collect() }, self.choose(choose)]);
         if let Some(cases) = zp_plus_2005_cases {
-            passes.push(self.for_each(cases, |size, room| [size.edges.div_ceil(64 * LISTED_ITEMS).max(1), room.lights]));
+            passes
+                .push(self.for_each(cases, |size, room| [size.edges.div_ceil(64 * LISTED_ITEMS).max(1), room.lights]));
         }
         passes.push(self.for_each(caps, |size, _| {
             let items = if *is_scene { size.faces.div_ceil(CHUNK) * LANES } else { size.faces };

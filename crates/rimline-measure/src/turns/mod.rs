@@ -26,7 +26,9 @@ pub fn turns(source: &str, limits: &Limits<'_>) -> Result<Vec<(String, u64)>, St
     let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
     let walk = Walk { source, module: &module, names: names(&module, limits) };
     let entries = module.entry_points.iter();
-    entries.map(|entry| Ok((entry.name.clone(), walk.function(&entry.function, Arrivals { active: 1, idle: 0 })?))).collect()
+    entries
+        .map(|entry| Ok((entry.name.clone(), walk.function(&entry.function, Arrivals { active: 1, idle: 0 })?)))
+        .collect()
 }
 
 /// The entry points of the compute stage among [`turns`], or of the others.
@@ -71,9 +73,9 @@ impl Walk<'_> {
     }
 
     fn block(&self, block: &Block, at: Arrivals) -> Result<u64, String> {
-        block.span_iter().try_fold(0_u64, |sum, (statement, span)| {
-            Ok(sum.saturating_add(self.statement(statement, *span, at)?))
-        })
+        block
+            .span_iter()
+            .try_fold(0_u64, |sum, (statement, span)| Ok(sum.saturating_add(self.statement(statement, *span, at)?)))
     }
 
     fn statement(&self, statement: &Statement, span: Span, at: Arrivals) -> Result<u64, String> {
