@@ -42,7 +42,7 @@ pub(crate) fn clusters(mesh: &Mesh, run: usize) -> Vec<FaceCluster> {
         let cluster = &mut clusters[place / CLUSTER];
         cluster.corners[place % CLUSTER * 3..][..3].copy_from_slice(&face);
         cluster.continues |= u32::from(place > head) << (place % CLUSTER);
-        if place % CLUSTER == 0 && place > head {
+        if place.is_multiple_of(CLUSTER) && place > head {
             cluster.head = (head % (run * CLUSTER)) as u32;
         }
     };

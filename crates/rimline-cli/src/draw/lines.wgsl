@@ -132,10 +132,10 @@ fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
   let reach = 3 * frame.places / 2;
   var known = 0u;
   var is_open = false;
-  // With up to 4 places a pixel, each way.
-  // Turns: 13.
+  // With up to 2 places a pixel, each way.
+  // Turns: 7.
   for (var y = -reach; y <= reach; y++) {
-    // Turns: 13.
+    // Turns: 7.
     for (var x = -reach; x <= reach; x++) {
       let place = middle + vec2<i32>(x, y);
       if (any(place < vec2<i32>(0)) || any(place > last)) {

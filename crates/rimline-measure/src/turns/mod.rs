@@ -24,7 +24,7 @@ pub type Limits<'a> = BTreeMap<&'a str, u64>;
 /// For WGSL that does not parse, and for a loop of which neither head nor comment tells the turns.
 pub fn turns(source: &str, limits: &Limits<'_>) -> Result<Vec<(String, u64)>, String> {
     let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
-    let walk = Walk { source, module: &module, names: names(&module, limits) };
+    let walk = Walk { source, module: &module, names: names(source, limits) };
     let entries = module.entry_points.iter();
     entries
         .map(|entry| Ok((entry.name.clone(), walk.function(&entry.function, Arrivals { active: 1, idle: 0 })?)))
@@ -38,20 +38,18 @@ pub fn is_compute(source: &str, entry_point: &str) -> bool {
     })
 }
 
-/// The integer constants of a module, with the limits.
-fn names(module: &Module, limits: &Limits<'_>) -> BTreeMap<String, i64> {
-    use naga::{Expression::Literal, Literal as Of};
-    let constants = module.constants.iter().filter_map(|(_, constant)| {
-        let value = match module.global_expressions[constant.init] {
-            Literal(Of::U32(value)) => i64::from(value),
-            Literal(Of::I32(value)) => i64::from(value),
-            Literal(Of::AbstractInt(value)) => value,
-            _ => return None,
-        };
-        Some((constant.name.clone()?, value))
-    });
-    let limits = limits.iter().map(|(&name, &value)| (name.to_owned(), value as i64));
-    constants.chain(limits).collect()
+/// The integer constants of a module, as far as they follow from numbers and constants above, with the limits.
+fn names(source: &str, limits: &Limits<'_>) -> BTreeMap<String, i64> {
+    let mut names: BTreeMap<_, _> = limits.iter().map(|(&name, &value)| (name.to_owned(), value as i64)).collect();
+    for line in source.lines() {
+        let constant = line.trim().strip_prefix("const ").and_then(|line| line.strip_suffix(';'));
+        let Some((name, text)) = constant.and_then(|line| line.split_once('=')) else { continue };
+        let name = name.split(':').next().unwrap_or(name).trim();
+        if let Some(value) = value(text, &names) {
+            names.insert(name.to_owned(), value);
+        }
+    }
+    names
 }
 
 /// How often something is come to: with a lane that takes it, and without.
