@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use gltf::json::mesh::Mode;
 
 use super::budget::{self, Budget};
-use super::document::{Document, Mesh, Node};
+use super::document::{Accessor, Document, Mesh, Node};
 use super::error::GltfError;
 use super::graph::Graph;
 use super::triangles;
@@ -59,8 +59,21 @@ pub(super) fn check(document: &Document, graph: &Graph, files: u64, budget: &Bud
     budget.refuse(needed, &|| what.clone())
 }
 
+/// The elements of an accessor, if its view can hold them. Else reading it says what is wrong. Zeros without a view take no
+/// time to read, and are charged then.
 fn count(document: &Document, accessor: usize) -> u64 {
-    document.accessors.get(accessor).map_or(0, |accessor| accessor.count)
+    let fits = |accessor: &&Accessor| {
+        let view = accessor.view.and_then(|view| document.views.get(view));
+        let size = (accessor.kind.multiplicity() * accessor.component.size()) as u64;
+        view.is_some_and(|view| {
+            let steps = accessor.count.saturating_sub(1).saturating_mul(view.stride.unwrap_or(size));
+            let data = if accessor.count == 0 { 0 } else { steps.saturating_add(size) };
+            let end = view.offset.saturating_add(view.bytes);
+            let has_room = document.buffers.get(view.buffer).is_some_and(|buffer| end <= buffer.bytes);
+            has_room && data.saturating_add(accessor.offset) <= view.bytes
+        })
+    };
+    document.accessors.get(accessor).filter(fits).map_or(0, |accessor| accessor.count)
 }
 
 /// Primitives with the same positions mostly share their vertices.

@@ -85,8 +85,8 @@ const BOMBS: &[Bomb] = &[
     ("morph_weights_of_instances", morph_weights, "meshes[0] (its instances)"),
     ("palettes", palettes, "meshes[0] (its instances)"),
     ("instances_without_faces", instances_without_faces, "EXT_mesh_gpu_instancing"),
-    ("zero_positions", || zeros(1 << 30), "meshes[0]"),
-    ("zero_targets", zero_targets, "meshes[0]"),
+    ("zero_positions", || zeros(1 << 30), "accessors[0], used as meshes[0].primitives[0].attributes.POSITION"),
+    ("zero_targets", zero_targets, "meshes[0].primitives[0].targets["),
     ("meshes_of_one_accessor", meshes_of_one_accessor, "meshes["),
     ("primitives_of_one_accessor", primitives_of_one_accessor, "meshes[0]"),
     ("points_of_one_accessor", points_of_one_accessor, "meshes[0].primitives["),
@@ -234,7 +234,7 @@ fn sparse() -> Maker {
         "indices": { "bufferView": at, "componentType": U8 },
         "values": { "bufferView": to },
     });
-    maker.json["meshes"] = json!(vec![maker.json["meshes"][0].clone(); 50]);
+    maker.json["meshes"] = json!(vec![maker.json["meshes"][0].clone(); 200]);
     maker
 }
 

@@ -56,7 +56,7 @@ fn wrong_options() -> Outcome {
     let film = [
         ("", "--frames"),
         ("--frames 0", "0"),
-        ("--fps 0", "more than 0"),
+        ("--fps 0", "0.001 to 100000"),
         ("--seconds 1e9", "100000"),
         ("--frames 2 --seconds 1", "--seconds"),
     ];
