@@ -37,6 +37,7 @@ const POSITIVE: &[&str] = &["1", "0.5"];
 const NOT_POSITIVE: &[&str] = &["0", "-1", "-0.5"];
 
 const NUMBERS: &[Number] = &[
+    number("weld-distance", "{}", &["0", "1e-6"], &["-1"]),
     number("light", "point:{},1,1", ANY, &[]),
     number("light", "dir:1,{},1", ANY, &[]),
     number("light", "hom:1,1,1,{}", &["0", "1", "0.5"], &[]),
