@@ -492,7 +492,8 @@ fn cameras_refused() -> Result<(), String> {
     let place = [1.0, 2.0, 3.0];
     let far_away = [1e30, 0.0, 0.0];
     let sides = [0, 1, 2, 3].map(|side| refused(place, 0.1, Some(50.0), side));
-    let nears = [0.0, -0.1, inf, nan, f32::MIN_POSITIVE].map(|near| refused(place, near, None, 16));
+    let nears = [0.0, -0.1, inf, nan, 1e-33].map(|near| refused(place, near, None, 16));
+    let tiny = [f32::MIN_POSITIVE, 1e-33].map(|near| refused(place, near, None, 16));
     let fars = [0.1, 0.05, -1.0, inf, nan, 0.2].map(|far| refused(place, 0.1, Some(far), 16));
     let places = [[nan, 0.0, 0.0], [0.0, inf, 0.0], far_away].map(|place| refused(place, 0.1, None, 16));
     let is_told = |errors: &[Option<String>], part: &str| {
@@ -502,6 +503,7 @@ fn cameras_refused() -> Result<(), String> {
     };
     is_told(&sides, "at least 3 texels a side")?;
     is_told(&nears, "`near` is ")?;
+    is_told(&tiny, "leave the normal range")?;
     is_told(&fars, "`near` 0.1; take a finite distance above `near`")?;
     is_told(&places, "take finite coordinates")
 }

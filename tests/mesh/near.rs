@@ -228,9 +228,13 @@ fn a_polygon_may_collapse() {
         loop_sizes: &[4, 4, 3],
         loop_corners: &[0, 1, 2, 3, 1, 4, 5, 2, 4, 6, 5],
     };
-    let mesh = Mesh::from_polygons(&positions, polygons, Weld::Distance(by(0.01))).expect("a mesh");
-    assert_eq!((mesh.weld_counts().collapsed, mesh.degenerate_faces(), mesh.weld_counts().after), (1, 1, 5));
-    assert_eq!(mesh.edges().counts().consistent, 1, "the sliver between the others is gone");
+    // Cut into triangles, the first polygon has a diagonal, too.
+    let makers = [Mesh::from_polygons_by_loop, Mesh::from_polygons];
+    for (make, consistent) in makers.into_iter().zip([1, 2]) {
+        let mesh = make(&positions, polygons, Weld::Distance(by(0.01))).expect("a mesh");
+        assert_eq!((mesh.weld_counts().collapsed, mesh.degenerate_faces(), mesh.weld_counts().after), (1, 1, 5));
+        assert_eq!(mesh.edges().counts().consistent, consistent, "the sliver between the others is gone");
+    }
 }
 
 /// Two sheets across each other, a little more than the distance apart, whose points are so near each other that no box
