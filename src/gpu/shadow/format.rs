@@ -45,7 +45,7 @@ pub struct ShadowFormat {
     /// [`SceneOptions`](crate::gpu::SceneOptions::bound_counts).
     pub count_bits: u32,
     /// Whether vertex shaders cut sides and caps at the frustum. Default: false, the device clips them. Set it for a driver
-    /// that clips slivers wrongly, such as SwiftShader: there shadows have lone wrong pixels where volumes leave the picture.
+    /// that clips slivers wrongly, such as `SwiftShader`: there shadows have lone wrong pixels where volumes leave the picture.
     /// `rimline devices` names such drivers. Each polygon then takes four to seven draws, so volumes take several times as
     /// long. Light caps of z-fail stay as they are, and so does ZP+ as published; so z-fail may keep a few such pixels.
     pub trim: bool,
