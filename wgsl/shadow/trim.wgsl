@@ -44,7 +44,9 @@ fn inner_height(plane: u32, clip: vec4<f32>) -> f32 {
 // Where an edge meets a plane: exactly on it, so that nothing is left for the driver to clip.
 fn meet_plane(plane: u32, inner: vec4<f32>, outer: vec4<f32>) -> vec4<f32> {
   let height = inner_height(plane, inner);
-  var meeting = inner + (outer - inner) * (height / (height - inner_height(plane, outer)));
+  let depth = -inner_height(plane, outer);
+  // Ends may differ by many orders of magnitude, since they are homogeneous. No difference of them is taken, so neither is lost.
+  var meeting = inner * (depth / (height + depth)) + outer * (height / (height + depth));
   meeting[plane / 2u] = select(select(-meeting.w, 0.0, plane == 4u), meeting.w, (plane & 1u) != 0u);
   return meeting;
 }

@@ -70,7 +70,7 @@ pub enum DepthEdges {
     /// surface that goes on as it slopes has no edge within. Beside marked edges, triangles are drawn for one more edge, as
     /// with [`Self::SecondDifferences`]. In the trials it was as right as [`Self::EveryCell`] (none of 995,350 pixels was wrong in
     /// either), with a fifth of its triangles.
-    /// Open sheets may turn single pixels round that the eye sees past their rims, 36 of 6.4 million in a trial: take
+    /// Open sheets may turn single pixels round that the eye sees past their rims, 34 of 6.4 million in a trial: take
     /// [`Self::EveryCell`] for cloth and leaves where that matters.
     /// What is lost: a step between slopes on both sides that are each at least half as large, such as that of equal stairs,
     /// each one texel wide. Bodies that are thinner than a texel may leave streaks. Take [`Self::EveryCell`] where the eye's near
