@@ -186,8 +186,11 @@ shared_structs! {
         corners: [u32; 96],
         /// A bit for each face, set if it belongs to the same polygon as the face before it.
         continues: u32,
+        /// If the first face continues a polygon, the place of the first triangle of that. Places count faces from the first
+        /// cluster of the run that one binding holds.
+        head: u32,
         /// 0.
-        padding: [u32; 3],
+        padding: [u32; 2],
     }
 
     /// The points of one dispatch of the shadow depth query.
@@ -212,13 +215,19 @@ shared_structs! {
         end: u32,
         /// 1 if these are the first clusters of the mesh, so the depths begin at 0.
         is_first: u32,
+        /// The first cluster of the range before. The same as `first` if these are the first clusters of the binding.
+        before: u32,
     }
 
     /// The undecided faces of a pair of point and light.
     struct UndecidedFaces {
-        /// Number of undecided faces.
-        count: u32,
-        /// First undecided face.
+        /// Number of undecided faces, at most 4. Bits 3 to 5, one for each of the first three, are set if an odd number of the
+        /// decided triangles of its polygon are between, and bit 6 if an odd number of triangles are, of the polygon of the last
+        /// face of the range.
+        state: u32,
+        /// First undecided face. If there are more than three: bits of polygons that go on behind their group of clusters, set if
+        /// an odd number of their triangles are between. Bit 0 is that of one that began before the range, and bit 1 + n that of
+        /// one that began in group n of the range.
         face_0: u32,
         /// Second undecided face.
         face_1: u32,

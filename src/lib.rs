@@ -105,6 +105,7 @@ mod origin;
 pub mod reference;
 mod shadow;
 mod stages;
+mod turns;
 
 pub use area::{AreaLight, AreaShape};
 pub use displace::{DisplaceError, Displacement};

@@ -10,6 +10,11 @@ pub mod layout {
     pub use crate::layout::*;
 }
 
+/// How many turns the loops of each entry point have.
+pub mod turns {
+    pub use crate::turns::{EXACT_ITEMS, MOST_TURNS, TURNS, UNBOUNDED, limits, scene_exact_items};
+}
+
 /// Cameras and lights as the GPU sees them, and the codes of the choices that the GPU makes.
 pub mod shadow {
     use crate::layout::{ShadowLight, ShadowView};

@@ -1,6 +1,7 @@
 //! The WGSL by itself: files and stages, validity for naga and tint, struct layouts.
 
 mod layouts;
+mod turns;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -22,7 +23,7 @@ const VERTEX_STAGES: [Stage; 6] = [SIDES, CAP_FACES, PIECES, DEPTH_SURFACE, DEPT
 type Test = (&'static str, fn() -> Outcome);
 
 fn main() {
-    let tests: [Test; 8] = [
+    let tests: [Test; 11] = [
         ("every_file_is_a_stage_or_an_include", files),
         ("stages_have_twins_and_entry_points_of_their_name", names),
         ("vertex_shaders_have_twins", vertex_shaders),
@@ -31,6 +32,9 @@ fn main() {
         ("layouts_are_those_of_rust", layouts::layouts),
         ("layouts_cover_every_bound_struct", layouts::bound_structs),
         ("perturbed_layouts_are_noticed", layouts::perturbed_layouts),
+        ("loops_have_as_many_turns_as_stated", turns::stated),
+        ("loops_of_the_command_are_short", turns::of_command),
+        ("a_loop_without_a_bound_is_noticed", turns::unstated),
     ];
     let mut trials: Vec<_> =
         tests.into_iter().map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from))).collect();

@@ -38,7 +38,11 @@ fn large_set(random: &mut Random, corners: usize) -> PolygonSet {
     set
 }
 
-pub(crate) const TESTS: &[Test] = &[("depths_equal_their_twin", depths), ("depths_of_large_polygons", large)];
+pub(crate) const TESTS: &[Test] = &[
+    ("depths_equal_their_twin", depths),
+    ("depths_of_large_polygons", large),
+    ("depths_of_tangled_polygons", tangled),
+];
 
 fn found(gpu: &Gpu, case: &DepthCase, work_per_dispatch: u64) -> Result<Vec<i32>, String> {
     let DepthCase { set, mesh, points, lights } = case;
@@ -92,6 +96,43 @@ fn depths() -> Result<(), String> {
     }
     println!("{sum} polygons between");
     if sum > 500 { Ok(()) } else { Err(format!("{sum} polygons between")) }
+}
+
+/// Polygons of random corners. Their triangles lie across each other, so a pair may have hundreds of one polygon between, over
+/// several groups and dispatches. On whole numbers many of these are undecided, and more than a pair may note. Last, many triangles
+/// beside polygons, so that a dispatch of few pairs is full.
+fn tangled() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(235);
+    let mut most = 0;
+    for (corners, places, small) in [(1000, 0, 0), (1500, 9, 0), (400, 5, 3), (600, 0, 35_000)] {
+        let mut set = PolygonSet::default();
+        let mut place = || match places {
+            0 => random.direction().map(|c| 1.5 * c),
+            _ => [0; 3].map(|_| random.below(places) as f32 - 2.0),
+        };
+        let mut ring = |count: usize| (0..count).map(|_| place()).collect::<Vec<_>>();
+        let ring_of_all = ring(corners);
+        set.push_points(&[ring_of_all]);
+        for _ in 0..small {
+            let triangle = ring(3);
+            set.push_points(&[triangle]);
+        }
+        let second = ring(corners / 2);
+        set.push_points(&[second]);
+        let points = if places == 0 { ring(8) } else { (0..8).map(|at| [at as f32 / 2.0 - 2.0, -4.0, 0.5]).collect() };
+        let mesh = set.mesh(Weld::Position).map_err(text)?;
+        let lights =
+            vec![Light::directional([0.0, 1.0, 0.0]), Light::point([0.5, 9.0, 0.5]), Light::point([0.25, 0.5, 0.125])];
+        let case = DepthCase { set, mesh, points, lights };
+        let right = expected(&case)?;
+        most = most.max(right.iter().copied().max().unwrap_or(0));
+        for work in [1 << 28, 1] {
+            let what = format!("{corners} corners, {places} places, {small} triangles, {work} a dispatch");
+            same(&what, &found(gpu, &case, work)?, &right)?;
+        }
+    }
+    if most > 1000 { Ok(()) } else { Err(format!("at most {most} between")) }
 }
 
 /// Polygons of more triangles than a group, over dispatches and bindings that end within them, and one that no binding holds.

@@ -29,6 +29,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("shadow_depth_of_an_extraction", extractions),
     ("exact_shadow_depth_counts_anew_within_its_range", recount),
     ("shadow_depth_finds_faces_of_subnormal_extent", subnormal),
+    ("shadow_depth_of_as_many_faces_as_a_dispatch_takes", many_faces),
 ];
 
 /// Where points and positions lie: offset and stride.
@@ -318,7 +319,7 @@ fn recount() -> Result<(), String> {
     let word = uniform(gpu, &LightBatch::new(&[light], 0, 3));
     let chunk = uniform(gpu, &PointChunk { count: 1, offset: 0, stride: 3, lights: 1, first_light: 0 });
     for (first, end) in [(0, 40), (32, 64), (0, 64), (32, 33), (0, 1)] {
-        let range = uniform(gpu, &FaceRange { first, end, is_first: u32::from(first == 0) });
+        let range = uniform(gpu, &FaceRange { first, end, is_first: u32::from(first == 0), before: first });
         let depths = gpu.storage(&[0_i32]);
         // One pair is listed: that of the first point and light.
         let pairs = gpu.storage(&[1_u32, 1, 0, 0, 0, 0, 0]);
@@ -328,6 +329,36 @@ fn recount() -> Result<(), String> {
         stage.run_bound(gpu, &[&buffers], 4)?;
         let found: Vec<i32> = gpu.read(&depths, 1)?;
         same(&format!("clusters {first} to {end}"), &found, &[32 * (end - first) as i32])?;
+    }
+    Ok(())
+}
+
+/// Faces that fill the dispatches of a query of few pairs: all of them between, in all lanes, and a soup through which each pair
+/// goes elsewhere. llvmpipe ends an invocation's loops after 65,535 turns without a word.
+fn many_faces() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(161);
+    let count = 40_000;
+    let stack = |at: u32| {
+        let height = 1.0 + at as f32 / 4096.0;
+        [[-4.0, height, -4.0], [4.0, height, -4.0], [0.0, height, 6.0]]
+    };
+    let soup = (0..count).map(|_| [0; 3].map(|_| random.direction().map(|c| 1.5 * c))).collect::<Vec<_>>();
+    for (name, corners) in [("a stack", (0..count).map(stack).collect()), ("a soup", soup)] {
+        let case = ShadowCase {
+            name: name.to_owned(),
+            shape: Shape {
+                positions: corners.concat(),
+                faces: (0..count).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(),
+            },
+            points: vec![[0.0, -1.0, 0.0], [0.1, 0.2, 0.3], [0.0, 2.0, 0.0], [0.3, -5.0, 0.1]],
+            lights: vec![Light::point([0.1, 100.0, 0.2]), Light::directional([0.01, 1.0, 0.02])],
+        };
+        let right = expected(&case)?;
+        if name == "a stack" {
+            same("a stack on the CPU", &right[..2], &[count as i32; 2])?;
+        }
+        same(name, &found(gpu, &case, room(&case), TIGHT)?, &right)?;
     }
     Ok(())
 }

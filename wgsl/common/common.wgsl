@@ -108,7 +108,9 @@ struct FaceCluster {
   corners: array<u32, 96>,
   // A bit for each face, set if it belongs to the same polygon as the face before it.
   continues: u32,
-  padding: array<u32, 3>,
+  // If the first face continues a polygon, the place of the first triangle of that.
+  head: u32,
+  padding: array<u32, 2>,
 }
 
 // The points of one dispatch of the shadow depth query.
@@ -128,13 +130,19 @@ struct FaceRange {
   end: u32,
   // 1 if these are the first clusters of the mesh, so the depths begin at 0.
   is_first: u32,
+  // The first cluster of the range before. The same as `first` if these are the first clusters of the binding.
+  before: u32,
 }
 
 // The undecided faces of a pair of point and light.
 struct UndecidedFaces {
-  // The number of undecided faces, and the first three of them.
-  count: u32,
-  face_0: u32,
+  // The number of undecided faces, at most 4. Bits 3 to 5, one for each of the first three, are set if an odd number of the decided
+  // triangles of its polygon are between, and bit 6 if an odd number of triangles are, of the polygon of the last face of the range.
+  state: u32,
+  // The first three of them. If there are more, the first word has bits of polygons that go on behind their group of clusters, set
+  // if an odd number of their triangles are between. Bit 0 is that of one that began before the range, and bit 1 + n that of one
+  // that began in group n of the range.
+  face_0: atomic<u32>,
   face_1: u32,
   face_2: u32,
   // An entry of another list: a pair of point and light that had more, and is counted again.

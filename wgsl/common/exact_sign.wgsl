@@ -91,6 +91,7 @@ fn exact_sign(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light: vec4<u32>) -> i32
     }
   }
   var sweep = Sweep(0, 0);
+  // Turns: 13.
   for (var at = lowest; at <= highest; at += 4u) {
     sweep = take_digit(take_digit(take_digit(take_digit(sweep, at), at + 1u), at + 2u), at + 3u);
   }

@@ -58,6 +58,7 @@ fn deform(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation
   }
   let at = chunk.rest + 3u * vertex;
   var p = vec3<f32>(rest[at], rest[at + 1u], rest[at + 2u]);
+  // Turns: DEFORM_TERMS in all.
   for (var active_target = 0u; active_target < chunk.target_count; active_target++) {
     let word = chunk.morph + 3u * (pose[chunk.targets + 2u * active_target] * chunk.count + vertex);
     let weight = bitcast<f32>(pose[chunk.targets + 2u * active_target + 1u]);
@@ -70,6 +71,8 @@ fn deform(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation
     p = vec3<f32>(0.0);
     let first = skin[chunk.skin + vertex];
     let end = skin[chunk.skin + vertex + 1u];
+    // They count among those of the loop above.
+    // Turns: 0.
     for (var at = first; at < end; at++) {
       let influence = chunk.skin + chunk.count + 1u + 2u * at;
       p += bitcast<f32>(skin[influence + 1u]) * transform(skin[influence], morphed);

@@ -38,11 +38,11 @@ fn may_be_in(quad: u32, cell: vec2<i32>) -> bool {
   let first = 4u + 12u * quad;
   var low = vec2<u32>(cells[first], cells[first + 1u]);
   var high = low;
-  for (var word = first + 3u; word < first + 12u; word += 3u) {
-    let own = vec2<u32>(cells[word], cells[word + 1u]);
-    low = min(low, own);
-    high = max(high, own);
-  }
+  let second = vec2<u32>(cells[first + 3u], cells[first + 4u]);
+  let third = vec2<u32>(cells[first + 6u], cells[first + 7u]);
+  let fourth = vec2<u32>(cells[first + 9u], cells[first + 10u]);
+  low = min(min(low, second), min(third, fourth));
+  high = max(max(high, second), max(third, fourth));
   let from_cell = vec4<i32>(vec4<u32>(low, high)) - (cell * TEXEL).xyxy;
   return all(from_cell.xy <= vec2<i32>(TEXEL)) && all(from_cell.zw >= vec2<i32>(0));
 }
@@ -66,6 +66,7 @@ fn number_of_tile(tile: u32) -> u32 {
   let count = counts[list + contour.tiles.y];
   var low = 0u;
   var high = count;
+  // Turns: 22.
   while (low < high) {
     let middle = (low + high) / 2u;
     if (counts[list + middle] < tile) {
@@ -85,7 +86,9 @@ fn flaps_change(cell: vec2<i32>, part: vec2<f32>, depth: f32, is_behind: bool) -
   let last = min(vec2<u32>((cell + REACH) / TILE), tiles - 1u);
   let count = counts[contour.tiles.y * (2u + WALKERS)];
   var changes = false;
+  // Turns: 2.
   for (var y = first.y; y <= last.y; y++) {
+    // Turns: 2.
     for (var x = first.x; x <= last.x; x++) {
       let number = number_of_tile(y * across + x);
       if (number == count) {
@@ -95,17 +98,16 @@ fn flaps_change(cell: vec2<i32>, part: vec2<f32>, depth: f32, is_behind: bool) -
       if (number + 1u < count) {
         end = counts[number + 1u];
       }
+      // Turns: TILE_WALLS.
       for (var quad = counts[number]; quad < end; quad++) {
         if (!may_be_in(quad, cell)) {
           continue;
         }
         let a = flap_vertex(quad, 0u, cell, part);
         let c = flap_vertex(quad, 2u, cell, part);
-        for (var half = 0u; half < 2u; half++) {
-          // Vertices 0, 1, 2 and 0, 2, 3.
-          let b = flap_vertex(quad, 1u + 2u * half, cell, part);
-          changes = changes != triangle_changes(a, b, c, depth, is_behind);
-        }
+        // Vertices 0, 1, 2 and 0, 2, 3.
+        changes = changes != triangle_changes(a, flap_vertex(quad, 1u, cell, part), c, depth, is_behind);
+        changes = changes != triangle_changes(a, flap_vertex(quad, 3u, cell, part), c, depth, is_behind);
       }
     }
   }

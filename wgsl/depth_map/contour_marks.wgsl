@@ -57,6 +57,7 @@ fn contour_marks(
   let lattice = vec2<i32>(depth_map.size) + 2;
   let count = contour.words * u32(lattice.y);
   let blocks = (count + BLOCK - 1u) / BLOCK;
+  // Turns: 1.
   for (var block = group.x + groups.x * group.y; block < blocks; block += groups.x * groups.y) {
     let word = block * BLOCK + local;
     if (word < count) {
@@ -84,6 +85,7 @@ fn contour_marks(
         }
       }
       // One after another, because some devices execute a loop's body for all invocations if one needs it.
+      // Turns: 32.
       for (; open != 0u; open &= open - 1u) {
         let number = firstTrailingBit(open);
         let at = first + vec2<i32>(i32(number / 2u), 0);

@@ -45,6 +45,7 @@ fn fitted_place(count: i32, is_line: bool, axis: u32) -> i32 {
   var sums = vec2<i32>();
   var firsts = vec2<i32>();
   var seconds = vec2<i32>();
+  // Turns: 2 * REACH + 1.
   for (var number = -count; number <= count; number++) {
     let own = crossed[REACH + number].xy;
     sums += own;
@@ -63,6 +64,7 @@ fn fitted_place(count: i32, is_line: bool, axis: u32) -> i32 {
     bend = (edges * seconds - squares * sums) * (TEXEL * 32) / whole;
   }
   let way = firsts * (TEXEL / 2) / squares;
+  // Turns: 2 * REACH + 1.
   for (var number = -count; number <= count; number++) {
     let edge = crossed[REACH + number];
     let off = edge.xy * (TEXEL / 2) - middle - number * way - number * number * bend / 64;
@@ -89,6 +91,7 @@ fn run_place(at: vec2<i32>, axis: u32) -> i32 {
   var place = UNTOLD;
   // First a line over all of them, then parabolas over fewer and fewer. Three edges have a line.
   let bent = min(most, BENT);
+  // Turns: BENT + 1.
   for (var count = select(bent, bent + 1, most >= LINE); count > 0 && place == UNTOLD; count--) {
     let is_line = count > bent;
     place = fitted_place(select(count, most, is_line), is_line || count == 1, axis);
@@ -119,6 +122,7 @@ fn contour_places(
   let list = tiles * (1u + WALKERS);
   let rows = counts[list + tiles] * u32(TILE);
   let blocks = (rows + BLOCK - 1u) / BLOCK;
+  // Turns: 1.
   for (var block = group.x + groups.x * group.y; block < blocks; block += groups.x * groups.y) {
     let row = block * BLOCK + local;
     if (row < rows) {
@@ -128,6 +132,7 @@ fn contour_places(
       if (first.y < depth_map.size.y + 2u) {
         left = marks[first.y * contour.words + first.x / u32(TILE)];
       }
+      // Turns: 32.
       for (; left != 0u; left &= left - 1u) {
         let bit = countTrailingZeros(left);
         let at = first + vec2<u32>(bit / 2u, 0u);

@@ -10,8 +10,8 @@
 const BLOCK: u32 = 256u;
 // Tiles of a workgroup of `contour_places`: it has an invocation for each of their rows.
 const TILES_OF_ROWS: u32 = BLOCK / u32(TILE);
-// Tiles of a workgroup that walks. Each takes an invocation up to some 17,000 turns of loops: ARCHITECTURE.md, "Limits of devices".
-const TILES_OF_WALKERS: u32 = 3u;
+// Tiles of a workgroup that walks. Each takes an invocation up to some 17,000 turns of loops: src/turns.rs.
+const TILES_OF_WALKERS: u32 = 2u;
 // Workgroups across or down that a device has. With fewer than all, workgroups take further tiles in turn.
 override MOST_WORKGROUPS: u32 = 65535u;
 
@@ -25,6 +25,7 @@ fn contour_tiles_find(
 ) {
   let tiles = contour.tiles.y;
   let blocks = (tiles + BLOCK - 1u) / BLOCK;
+  // Turns: 1.
   for (var block = group.x + groups.x * group.y; block < blocks; block += groups.x * groups.y) {
     let tile = block * BLOCK + local;
     if (tile < tiles) {
@@ -32,6 +33,7 @@ fn contour_tiles_find(
       let first = tile / contour.tiles.x * u32(TILE);
       let rows = min(u32(TILE), depth_map.size.y + 2u - first);
       var found = 0u;
+      // Turns: TILE.
       for (var row = 0u; row < rows; row++) {
         let word = (first + row) * contour.words + column;
         found |= marks[word];
@@ -57,6 +59,7 @@ fn contour_tiles_list(@builtin(local_invocation_index) local: u32) {
   let begin = min(local * run, tiles);
   let end = min(begin + run, tiles);
   var total = 0u;
+  // Turns: MAP_TILES / BLOCK.
   for (var tile = begin; tile < end; tile++) {
     total += counts[tile];
   }
@@ -72,6 +75,7 @@ fn contour_tiles_list(@builtin(local_invocation_index) local: u32) {
   }
   var next = sums[local] - total;
   let list = tiles * (1u + WALKERS);
+  // Turns: MAP_TILES / BLOCK.
   for (var tile = begin; tile < end; tile++) {
     if (counts[tile] != 0u) {
       counts[list + next] = tile;

@@ -91,6 +91,7 @@ const NO_END: u32 = 0xffffffffu;
 // Walks to the end, and gives its number. With `least`: 0 if the walk comes back and meets no smaller cell before, else no end.
 fn end_of(start: Step, least: bool) -> u32 {
   var step = start;
+  // Turns: TILE_CELLS + 1.
   for (var steps = 0u; steps <= TILE_CELLS; steps++) {
     if (is_border(step)) {
       return select(number_of(step.cell, step.bit, false), NO_END, least);
@@ -113,40 +114,49 @@ fn end_of(start: Step, least: bool) -> u32 {
   return 0u;
 }
 
-// The distance in the middle of a star, of the surface that has a corner of the cell: the mean of those of its samples.
+// Corners of a surface, and those next to one over an edge that is not marked.
+fn spread(samples: u32, code: u32) -> u32 {
+  let after = ((samples & ~code) << 1u) & 15u;
+  let first = select(0u, 1u, (samples & ~code & 8u) != 0u);
+  let before = ((samples >> 1u) & ~code) & 7u;
+  let last = select(0u, 8u, (samples & 1u) != 0u && (code & 8u) == 0u);
+  return samples | after | first | before | last;
+}
+
+// A sum with the distance of a corner, if it is among the samples.
+fn with_corner(total: i32, cell: vec2<i32>, number: u32, samples: u32, shift: u32) -> i32 {
+  if (((samples >> number) & 1u) == 0u) {
+    return total;
+  }
+  let own = moved_distance(cell + turn(number));
+  return select(total + (own >> shift), FAR, total == FAR || own == FAR);
+}
+
+// The distance in the middle of a star, of the surface that has a corner of the cell: the mean of those of its samples. Without
+// loops, whose turns would count for every node and segment.
 fn middle_distance(cell: vec2<i32>, code: u32, corner: u32) -> i32 {
-  var samples = 1u << (corner & 3u);
-  for (var number = 0u; number < 3u; number++) {
-    // Corners next to one of the surface, over an edge that is not marked.
-    let after = ((samples & ~code) << 1u) & 15u;
-    let first = select(0u, 1u, (samples & ~code & 8u) != 0u);
-    let before = ((samples >> 1u) & ~code) & 7u;
-    let last = select(0u, 8u, (samples & 1u) != 0u && (code & 8u) == 0u);
-    samples |= after | first | before | last;
-  }
+  let samples = spread(spread(spread(1u << (corner & 3u), code), code), code);
   let shift = countOneBits(samples) / 2u;
-  var total = 0;
-  for (var number = 0u; number < 4u; number++) {
-    if (((samples >> number) & 1u) == 1u) {
-      let own = moved_distance(cell + turn(number));
-      total = select(total + (own >> shift), FAR, total == FAR || own == FAR);
-    }
-  }
-  return total;
+  let two = with_corner(with_corner(0, cell, 0u, samples, shift), cell, 1u, samples, shift);
+  return with_corner(with_corner(two, cell, 2u, samples, shift), cell, 3u, samples, shift);
+}
+
+// The nearer of two distances on the way from one: that of a corner, if it is between.
+fn nearer_copy(cell: vec2<i32>, code: u32, corner: u32, here: i32, next: i32) -> i32 {
+  let own = middle_distance(cell, code, corner);
+  return select(next, own, min(here, next) < own && own < max(here, next));
 }
 
 // The next distance at a node from one to another, where other surfaces meet in a star. Else the other.
 fn next_copy(edge: vec3<i32>, here: i32, to: i32) -> i32 {
-  var next = to;
-  if (edge.z == 2) {
-    let code = code_of_cell(edge.xy);
-    for (var corner = 0u; corner < 4u; corner++) {
-      let own = middle_distance(edge.xy, code, corner);
-      let is_between = min(here, next) < own && own < max(here, next);
-      next = select(next, own, is_between);
-    }
+  if (edge.z != 2) {
+    return to;
   }
-  return next;
+  let code = code_of_cell(edge.xy);
+  let one = nearer_copy(edge.xy, code, 0u, here, to);
+  let two = nearer_copy(edge.xy, code, 1u, here, one);
+  let three = nearer_copy(edge.xy, code, 2u, here, two);
+  return nearer_copy(edge.xy, code, 3u, here, three);
 }
 
 // Puts a node at the end of the window.
@@ -157,10 +167,8 @@ fn add_node(count: u32, kind: u32, step: Step) {
   let axis = step.bit & 1u;
   if (!is_edge) {
     let code = code_of_cell(step.cell);
-    var own = vec2<i32>();
-    for (var side = 0u; side < 2u; side++) {
-      own[side] = middle_distance(step.cell, code, step.bit + side);
-    }
+    let own = vec2<i32>(
+      middle_distance(step.cell, code, step.bit), middle_distance(step.cell, code, step.bit + 1u));
     ends[at] = vec4<i32>(step.cell * TEXEL + TEXEL / 2, select(own, own.yx, kind == ENTERED_STAR));
     edges[at] = vec4<i32>(step.cell, 2, 0);
     inners[at] = vec4<i32>(0, 0, 0, 2);
@@ -233,6 +241,7 @@ fn fits(last: u32) -> bool {
   let length = abs(way[axis]);
   let first_surfaces = surfaces_of(0u);
   let last_surfaces = surfaces_of(last);
+  // Turns: 36 * TILE_NODES in all.
   for (var node = 1u; node < last; node++) {
     let at = slot(node);
     let left = limits[at].xy - start.xy;
@@ -249,15 +258,19 @@ fn fits(last: u32) -> bool {
   return true;
 }
 
+fn write_vertex(word: u32, vertex: vec3<i32>) {
+  walls[word] = bitcast<u32>(vertex.x);
+  walls[word + 1u] = bitcast<u32>(vertex.y);
+  walls[word + 2u] = bitcast<u32>(vertex.z);
+}
+
 fn add_wall(p: vec3<i32>, q: vec3<i32>, r: vec3<i32>, s: vec3<i32>) {
   if (LISTS && place < contour.capacity) {
-    var vertices = array<vec3<i32>, 4>(p, q, r, s);
-    for (var part = 0u; part < 4u; part++) {
-      let word = 4u + 12u * place + 3u * part;
-      walls[word] = bitcast<u32>(vertices[part].x);
-      walls[word + 1u] = bitcast<u32>(vertices[part].y);
-      walls[word + 2u] = bitcast<u32>(vertices[part].z);
-    }
+    let word = 4u + 12u * place;
+    write_vertex(word, p);
+    write_vertex(word + 3u, q);
+    write_vertex(word + 6u, r);
+    write_vertex(word + 9u, s);
   }
   place++;
 }
@@ -271,6 +284,8 @@ fn add_walls(last: u32) {
   // The pairs of distances at both ends that a wall has: the first of both, then those of one end with the other's last.
   var at_a = vec2<i32>(a.z, a.z);
   var at_b = vec2<i32>(b.z, b.z);
+  // More than one only where a walk ends in a star: at both ends of 32 walks that the lanes begin together.
+  // Turns: TILE_NODES + 5 * 64 in all.
   for (var number = 0u; number < 6u; number++) {
     let is_first = number == 0u;
     let moves_a = is_first || at_a.y != a.w;
@@ -297,6 +312,7 @@ fn add_walls(last: u32) {
 fn move_places(last: u32) {
   let start = ends[head].xy;
   let end = ends[slot(last)].xy;
+  // Turns: TILE_NODES in all.
   for (var node = 1u; node < last; node++) {
     let edge = edges[slot(node)];
     let first = edge.xy;
@@ -323,7 +339,9 @@ fn trace(start_kind: u32, start: Step, first: Step, is_loop: bool) {
   var is_start = true;
   var count = 0u;
   // A walk has at most as many nodes as a tile has cells, and two.
+  // Turns: TILE_NODES in all.
   for (var segments = 0u; segments < TILE_CELLS + 2u; segments++) {
+    // Turns: TILE_NODES in all.
     while (count < WINDOW && kind != NOTHING) {
       add_node(count, kind, step);
       count++;
@@ -347,6 +365,7 @@ fn trace(start_kind: u32, start: Step, first: Step, is_loop: bool) {
       }
     }
     var best = 1u;
+    // Turns: 9 * TILE_NODES in all.
     for (var last = 2u; last < count && last <= best + TRIES; last++) {
       if (fits(last)) {
         best = last;
@@ -417,12 +436,14 @@ fn contour_walls_take(
   let tiles = contour.tiles.y;
   let list = tiles * (1u + WALKERS);
   let count = counts[list + tiles];
+  // Turns: WALKER_TILES.
   for (var number = group.x + groups.x * group.y; number < count; number += groups.x * groups.y) {
     let tile = counts[list + number];
     place = 0u;
     let own = tiles + number * WALKERS;
     if (LISTS) {
       place = counts[number];
+      // Turns: WALKERS.
       for (var walker = 0u; walker < local; walker++) {
         place += counts[own + walker];
       }
@@ -438,6 +459,7 @@ fn contour_walls_take(
         begins |= begins_at(cell) << u32(4 * at);
       }
     }
+    // Turns: 4 * WALKER_CELLS.
     for (; begins != 0u; begins &= begins - 1u) {
       let at = countTrailingZeros(begins);
       take(start + vec2<i32>(i32(at / 4u), 0), at & 3u);
@@ -460,10 +482,13 @@ fn contour_walls_places(@builtin(local_invocation_index) local: u32) {
   let begin = min(local * run, count);
   let end = min(begin + run, count);
   var total = 0u;
+  // Turns: MAP_TILES / SCANNERS.
   for (var tile = begin; tile < end; tile++) {
     var own = 0u;
-    for (var walker = 0u; walker < WALKERS; walker++) {
-      own += counts[tiles + tile * WALKERS + walker];
+    for (var walker = 0u; walker < WALKERS; walker += 8u) {
+      let at = tiles + tile * WALKERS + walker;
+      own += counts[at] + counts[at + 1u] + counts[at + 2u] + counts[at + 3u];
+      own += counts[at + 4u] + counts[at + 5u] + counts[at + 6u] + counts[at + 7u];
     }
     counts[tile] = own;
     total += own;
@@ -479,6 +504,7 @@ fn contour_walls_places(@builtin(local_invocation_index) local: u32) {
     sums[local] += before;
   }
   var before = sums[local] - total;
+  // Turns: MAP_TILES / SCANNERS.
   for (var tile = begin; tile < end; tile++) {
     let own = counts[tile];
     counts[tile] = before;

@@ -15,7 +15,9 @@ const ENTRY_BITS: u32 = 29u;
 // As `decided`, for each cell by itself.
 fn decided_by_cells(own: CellsOfStrip) -> vec4<u32> {
   var words = vec4<u32>(0u);
+  // Turns: STRIP in all.
   for (var row = 0u; row < own.count.y; row++) {
+    // Turns: STRIP * WORD_CELLS in all.
     for (var cell = 0u; cell < own.count.x; cell++) {
       words[row] |= (templates(own.corner + vec2<u32>(cell, row)) >> ENTRY_BITS) << (4u * cell);
     }
@@ -57,6 +59,7 @@ fn state_of_each(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
 fn settled(corner: vec2<u32>, open: vec4<u32>) -> vec4<u32> {
   var marked = vec4<u32>(0u);
   var left = open;
+  // Turns: WORLD_BLOCKS * 4 * 25 in all.
   while (any(left != vec4<u32>(0u))) {
     let row = select(select(select(3u, 2u, left.z != 0u), 1u, left.y != 0u), 0u, left.x != 0u);
     let bit = firstTrailingBit(left[row]);
@@ -148,6 +151,7 @@ fn depth_cells_count(
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
+  // Turns: ITEMS.
   for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
     let strip = block * BLOCK_STRIPS + local;
     write_total(block, local, write_strip(strip, decided(strip)));
@@ -164,6 +168,7 @@ fn depth_cells_places(@builtin(local_invocation_index) local: u32) {
   let begin = min(local * run, depth_map.blocks);
   let end = min(begin + run, depth_map.blocks);
   var total = 0u;
+  // Turns: MAP_BLOCKS / BLOCK.
   for (var block = begin; block < end; block++) {
     total += places[block];
   }
@@ -178,6 +183,7 @@ fn depth_cells_places(@builtin(local_invocation_index) local: u32) {
     sums[local] += before;
   }
   var place = sums[local] - total;
+  // Turns: MAP_BLOCKS / BLOCK.
   for (var block = begin; block < end; block++) {
     let count = places[block];
     places[block] = place;
@@ -204,6 +210,7 @@ fn depth_cells_list(
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
+  // Turns: ITEMS.
   for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
     let strips = block * BLOCK_STRIPS + local * RUN;
     var own = 0u;
@@ -223,11 +230,14 @@ fn depth_cells_list(
     workgroupBarrier();
     var place = before[local];
     // An invocation that has nothing to list ends at once.
+    // Turns: RUN.
     for (var number = select(RUN, 0u, own > 0u); number < RUN; number++) {
       let at = places_of_strip(strips + number);
       let strip = cells_of_strip(strips + number);
+      // Turns: STRIP.
       for (var row = select(STRIP, 0u, places[at.x] > 0u); row < STRIP; row++) {
         let bits = places[at.y + row];
+        // Turns: WORD_CELLS.
         for (var left = listed_cells(bits); left != 0u && place < depth_map.capacity; left &= left - 1u) {
           let shift = firstTrailingBit(left);
           cells[1u + place] = ((bits >> shift) << ENTRY_BITS) | (strip.number + row * strip.row + shift / 4u);

@@ -83,6 +83,7 @@ fn depth_cube(
   @builtin(local_invocation_index) local: u32,
 ) {
   let side = depth_map.size.x;
+  // Turns: 1.
   for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
     let texel = block * BLOCK + local;
     let at = vec2<u32>(texel % (3u * side), texel / (3u * side));

@@ -137,6 +137,7 @@ fn mark_strip(strip: u32) {
   if (CONTINUES) {
     faint.marked |= settled(corner, faint.open, 1u);
   }
+  // Turns: STRIP.
   for (var row = 0u; row < min(STRIP, edge_rule.words.y - word.y); row++) {
     let index = (word.y + row) * edge_rule.words.x + word.x;
     edges[index] = own.marked[row];
@@ -152,6 +153,7 @@ fn mark_strip(strip: u32) {
 fn settled(corner: vec2<u32>, open: vec4<u32>, level: u32) -> vec4<u32> {
   var marked = vec4<u32>(0u);
   var left = open;
+  // Turns: 4 * 2 * WORD_SAMPLES.
   while (any(left != vec4<u32>(0u))) {
     let row = select(select(select(3u, 2u, left.z != 0u), 1u, left.y != 0u), 0u, left.x != 0u);
     let edge = firstTrailingBit(left[row]);
@@ -170,6 +172,7 @@ fn depth_edges_mark(
 ) {
   let strips = edge_rule.words.x * ((edge_rule.words.y + STRIP - 1u) / STRIP);
   let first = (group.x + groups.x * group.y) * MARKERS + local;
+  // Turns: 1.
   for (var strip = first; strip < strips; strip += groups.x * groups.y * MARKERS) {
     mark_strip(strip);
   }
@@ -182,6 +185,7 @@ fn depth_edges_continue(
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
+  // Turns: 1.
   for (var block = group.x + groups.x * group.y; block < edge_rule.blocks; block += groups.x * groups.y) {
     let word = block * BLOCK + local;
     if (word >= edge_rule.words.x * edge_rule.words.y) {
@@ -280,6 +284,7 @@ fn depth_edges_count(
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
+  // Turns: ITEMS.
   for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
     let strip = block * BLOCK_STRIPS + local;
     write_total(block, local, write_strip(strip, decided_by_marks(strip)));

@@ -13,6 +13,7 @@ fn depth_merge(
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
+  // Turns: 1.
   for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
     let texel = block * BLOCK + local;
     let at = vec2<u32>(texel % depth_map.size.x, texel / depth_map.size.x);

@@ -11,6 +11,7 @@ fn nearing(at: vec2<i32>, own: i32, step: vec2<i32>) -> i32 {
 @compute @workgroup_size(INVOCATIONS)
 fn depth_near_walls(@builtin(local_invocation_index) local: u32) {
   var nearest = FAR;
+  // Turns: NEAR_SAMPLES / INVOCATIONS.
   for (var number = local; number < near.size.x * near.size.y; number += INVOCATIONS) {
     let at = vec2<i32>(sample_of_box(number));
     let own = distance_at(at);

@@ -115,12 +115,17 @@ fn told(keys: vec4<u32>, level: u32) -> u32 {
 // As `told`, where it does not tell.
 fn exactly(keys: vec4<u32>, level: u32) -> bool {
   let ends = vec2<u32>(depth_bits(keys.y), depth_bits(keys.z));
+  var is_step = false;
+  // The ratio is the same for all invocations.
+  // Turns: of one branch.
   if (WORLD && edge_rule.ratio[level] != 0u) {
-    return exact_world_step(ends.x, ends.y, edge_rule.ratio[level], edge_rule.at_infinity);
+    is_step = exact_world_step(ends.x, ends.y, edge_rule.ratio[level], edge_rule.at_infinity);
+  } else {
+    var count = 0u;
+    for (var side = 0u; side < opaque(2u); side++) {
+      count += select(0u, 1u, bends(ends, step_beside(keys, side == 1u), edge_rule.slopes[level]));
+    }
+    is_step = count >= select(1u, 2u, SECOND == 1u);
   }
-  var count = 0u;
-  for (var side = 0u; side < opaque(2u); side++) {
-    count += select(0u, 1u, bends(ends, step_beside(keys, side == 1u), edge_rule.slopes[level]));
-  }
-  return count >= select(1u, 2u, SECOND == 1u);
+  return is_step;
 }

@@ -122,6 +122,7 @@ fn view_of(at: vec2<u32>) -> vec3<i32> {
   var own = cube_sample(at);
   if (is_on_border(own.at)) {
     let direction = direction_of(own.face, own.at);
+    // Turns: 5.
     for (var face = 0u; face < own.face; face++) {
       if (has_direction(face, direction)) {
         own = CubeSample(face, sample_of(face, direction));
@@ -185,6 +186,7 @@ fn near_place(place: vec2<f32>) -> NearPlace {
   // The map along which the place is farthest away from the light. w counts the distance, in the same units for all.
   var point = near_point(0u, place);
   var face = 0u;
+  // Turns: 5.
   for (var other = 1u; other < depth_map.faces; other++) {
     let there = near_point(other, place);
     if (there.w > point.w) {

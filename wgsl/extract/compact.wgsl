@@ -35,6 +35,7 @@ fn compact_count(
   gather_members(silhouette_of(id.x).silhouette, local);
   if (local < 32u) {
     var total = 0u;
+    // Turns: BLOCK / 32.
     for (var at = 0u; at < BLOCK_WORDS; at++) {
       total += countOneBits(atomicLoad(&members[local * BLOCK_WORDS + at]));
     }
@@ -50,6 +51,7 @@ fn scan_light(light: u32, local: u32) {
   let begin = min(local * run, chunk.blocks);
   let end = min(begin + run, chunk.blocks);
   var total = 0u;
+  // Turns: SCAN_BLOCKS.
   for (var block = begin; block < end; block++) {
     total += places[light * chunk.blocks + block];
   }
@@ -64,6 +66,7 @@ fn scan_light(light: u32, local: u32) {
     sums[local] += before;
   }
   var place = sums[local] - total;
+  // Turns: SCAN_BLOCKS.
   for (var block = begin; block < end; block++) {
     let count = places[light * chunk.blocks + block];
     places[light * chunk.blocks + block] = place;
@@ -82,6 +85,7 @@ fn compact_scan(
   @builtin(local_invocation_index) local: u32,
 ) {
   let lights = min(arrayLength(&counts) - chunk.first_light, 32u);
+  // Turns: 1.
   for (var light = group.x; light < lights; light += groups.x) {
     scan_light(light, local);
   }
@@ -99,6 +103,7 @@ fn compact_scatter(
     let light = firstTrailingBit(rest);
     let own = light * BLOCK_WORDS + local / 32u;
     var place = places[light * chunk.blocks + chunk.first / BLOCK + group.x];
+    // Turns: BLOCK / 32.
     for (var at = light * BLOCK_WORDS; at < own; at++) {
       place += countOneBits(atomicLoad(&members[at]));
     }

@@ -48,6 +48,7 @@ fn filter_lights(face: Face) -> Decision {
     abs(u.x) * abs(v.y) + abs(u.y) * abs(v.x),
   );
   let underflow = underflow_bound(bitcast<f32>(largest));
+  // Turns: LIGHTS.
   for (var rest = decision.undecided; rest != 0u; rest &= rest - 1u) {
     let place = firstTrailingBit(rest);
     let l = scaled_light(place);
@@ -71,6 +72,7 @@ fn settle(undecided: u32, face: Face) -> Signs {
   let fixed = fixed_face(face.a, face.b, face.c);
   var signs = Signs(0u, 0u);
   var beyond_fixed = 0u;
+  // Turns: LIGHTS.
   for (var rest = undecided; rest != 0u; rest &= rest - 1u) {
     let place = firstTrailingBit(rest);
     let sign = fixed_sign(fixed, given_light(place));
@@ -78,6 +80,7 @@ fn settle(undecided: u32, face: Face) -> Signs {
     signs.excluded |= select(0u, 1u, sign == 0) << place;
     beyond_fixed |= select(0u, 1u, sign == 2) << place;
   }
+  // Turns: LIGHTS.
   for (var rest = beyond_fixed; rest != 0u; rest &= rest - 1u) {
     let place = firstTrailingBit(rest);
     let sign = exact_sign(face.a, face.b, face.c, given_light(place));
@@ -122,6 +125,7 @@ fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
   let undecided = atomicLoad(&record.undecided_count);
   let overflowed = undecided > arrayLength(&record.undecided);
   let items = select(undecided, face_slots(), overflowed);
+  // Turns: EXACT_ITEMS.
   for (var index = id.x; index < items; index += 64u * groups.x) {
     var slot = index;
     if (!overflowed) {

@@ -33,6 +33,7 @@ struct Signs {
 // repeat the last light.
 fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
   var signs = Signs(0u, 0x1p127);
+  // Turns: 8.
   for (var place = 0u; place < light_places(); place += 4u) {
     if (((tested_places() >> place) & 15u) == 0u) {
       continue;

@@ -28,6 +28,7 @@ fn is_in_front(side: Side, light: u32) -> bool {
 
 fn mask_of(side: Side) -> u32 {
   var mask = 0u;
+  // Turns: 8.
   for (var light = 0u; light < batch.count; light += 4u) {
     mask |= select(0u, 1u, is_in_front(side, light)) << light;
     mask |= select(0u, 2u, is_in_front(side, light + 1u)) << light;

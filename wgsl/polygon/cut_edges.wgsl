@@ -16,6 +16,11 @@ var<workgroup> cutting: array<u32, 64>;
 var<workgroup> touching: array<u32, 64>;
 var<workgroup> touching_second: array<u32, 64>;
 var<workgroup> odd: array<atomic<u32>, 64>;
+// The edges that cut the edge of a large outline, one after another, and the places in order that are taken.
+var<workgroup> listed: array<u32, OUTLINE_EDGES>;
+var<workgroup> taken: array<atomic<u32>, 32>;
+// Edges of the largest outline.
+const OUTLINE_EDGES: u32 = 1024u;
 
 // Whether a point comes before another on a line, in the direction in which coordinates grow: the first that differs.
 fn is_below(p: vec3<u32>, q: vec3<u32>) -> bool {
@@ -91,6 +96,7 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) {
   let is_up = is_below(e.a, e.b);
   let triangles = outline.end_triangle - outline.first_triangle;
   let end = select(0u, outline.count + triangles, work.exists);
+  // Turns: CUT_ITEMS.
   for (var item = select(0u, lane, work.is_large); item < end; item += step) {
     let is_edge = item < outline.count;
     var corners: array<vec3<u32>, 3>;
@@ -107,6 +113,7 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) {
     }
     // Of an edge, the sides of a and b, and those of its ends. Of a triangle its own turn, and the sides of b and a at its edges.
     var signs: array<i32, 7>;
+    // Turns: 7.
     for (var test = 0u; test < select(7u, 4u, is_edge); test++) {
       var p = corners[0];
       var q = corners[1];
@@ -241,20 +248,22 @@ struct Three {
 // How far along each of three edges the two others cut it, in their order: along edge 0 by 1 and 2, along 1 by 0 and 2, along 2 by 0 and 1.
 fn places_of(three: Three, light: u32) -> array<vec2<f32>, 3> {
   var places: array<vec2<f32>, 3>;
-  for (var cut = 0u; cut < 3u; cut++) {
-    for (var number = 0u; number < 2u; number++) {
-      let cutting = select(number, number + 1u, number >= cut);
-      let f = three.edges[cutting];
-      var ends: array<TurnValue, 2>;
-      for (var end = 0u; end < 2u; end++) {
-        let point = select(three.edges[cut].a, three.edges[cut].b, vec3<bool>(end == 1u));
-        ends[end] = turn_value(f.a, f.b, point, given_light(light));
-      }
-      places[cut][number] = share_of_turns(ends[0], ends[1]);
-      if (!ends[0].fits || !ends[1].fits) {
+  var before: TurnValue;
+  // One loop over both ends of both parts of each edge.
+  for (var part = 0u; part < 12u; part++) {
+    let cut = part / 4u;
+    let number = (part / 2u) % 2u;
+    let is_second = part % 2u == 1u;
+    let f = three.edges[select(number, number + 1u, number >= cut)];
+    let point = select(three.edges[cut].a, three.edges[cut].b, vec3<bool>(is_second));
+    let own = turn_value(f.a, f.b, point, given_light(light));
+    if (is_second) {
+      places[cut][number] = share_of_turns(before, own);
+      if (!before.fits || !own.fits) {
         places[cut][number] = cut_at(f, three.edges[cut], light);
       }
     }
+    before = own;
   }
   return places;
 }
@@ -293,12 +302,12 @@ fn foremost(three: Three, in_line: vec3<bool>) -> u32 {
 // three cross each other. If they seem to do so in one point, each is moved to its left a little, and the foremost one farther than
 // the others, out of their crossing. Else how far along the earliest of the three the others cut it decides for all three, so that
 // what is found for them fits together. NUMERICS.md, "Shadows of twisted polygons", "Order".
-fn is_before(outline: OutlineRange, work: Work, lane: u32, j: u32, i: u32, by_turns: bool) -> bool {
+fn is_before(outline: OutlineRange, work: Work, lane: u32, j: u32, i: u32) -> bool {
   let e = work.edge;
   let touch_j = touch_of(outline, work, lane, j);
   let touch_i = touch_of(outline, work, lane, i);
   let is_up = is_below(e.a, e.b);
-  if (by_turns && touch_j.w + touch_i.w == 2u && any(touch_j != touch_i)) {
+  if (touch_j.w + touch_i.w == 2u && any(touch_j != touch_i)) {
     return is_below(touch_j.xyz, touch_i.xyz) == is_up;
   }
   let f = edge_at(outline.first + i);
@@ -308,7 +317,7 @@ fn is_before(outline: OutlineRange, work: Work, lane: u32, j: u32, i: u32, by_tu
   // Whether e and g, e and f, and g and f are seen in line.
   var in_line = vec3<bool>(true);
   var crosses = false;
-  for (var test = 0u; test < select(0u, 10u, by_turns); test++) {
+  for (var test = 0u; test < 10u; test++) {
     if (test == 6u) {
       let of_g = vec2<i32>(signs[2], signs[3]);
       let of_f = vec2<i32>(signs[4], signs[5]);
@@ -364,9 +373,7 @@ fn is_before(outline: OutlineRange, work: Work, lane: u32, j: u32, i: u32, by_tu
     }
   }
   if (!crosses) {
-    var places = vec2<f32>(cut_at(g, e, work.place), cut_at(f, e, work.place));
-    places.x = select(places.x, along_edge(e, touch_j.xyz), touch_j.w == 1u);
-    places.y = select(places.y, along_edge(e, touch_i.xyz), touch_i.w == 1u);
+    let places = vec2<f32>(place_along(outline, work, lane, j), place_along(outline, work, lane, i));
     return places.x < places.y || (places.x == places.y && j < i);
   }
   let three = Three(array<Edge, 3>(e, g, f), vec3<u32>(work.index, j, i));
@@ -396,18 +403,69 @@ fn cutting_edge(work: Work, word: u32, bit: u32) -> u32 {
   return select(bit, OUTLINE_LANES * bit + word, work.is_large);
 }
 
+// Lists the cuts of a large outline one after another, word by word, so that all invocations take as many.
+fn list_cuts(work: Work, lane: u32) {
+  var place = 0u;
+  // Turns: OUTLINE_LANES.
+  for (var word = 0u; word < select(0u, lane, work.is_large); word++) {
+    place += countOneBits(cutting[word]);
+  }
+  for (var rest = select(0u, cutting[lane], work.is_large); rest != 0u; rest &= rest - 1u) {
+    listed[place] = cutting_edge(work, lane, firstTrailingBit(rest));
+    place++;
+  }
+}
+
+// A cut by its number, where `rest` has the bits of those from it on in a small outline.
+fn cut_of(work: Work, number: u32, rest: u32) -> u32 {
+  return select(firstTrailingBit(rest), listed[number % OUTLINE_EDGES], work.is_large);
+}
+
+// How far along the work's edge another cuts it.
+fn place_along(outline: OutlineRange, work: Work, lane: u32, index: u32) -> f32 {
+  let touch = touch_of(outline, work, lane, index);
+  let crossing = cut_at(edge_at(outline.first + index), work.edge, work.place);
+  return select(crossing, along_edge(work.edge, touch.xyz), touch.w == 1u);
+}
+
 // Finds the places in order of the cuts of an invocation.
 fn rank_cuts(outline: OutlineRange, work: Work, lane: u32, by_turns: bool) {
   let ranks_at = select(SMALL_OUTLINE * lane, 0u, work.is_large);
-  for (var own = select(0u, cutting[lane], work.exists); own != 0u; own &= own - 1u) {
-    let i = cutting_edge(work, lane, firstTrailingBit(own));
+  let count = select(0u, atomicLoad(&cut_counts[select(lane, 0u, work.is_large)]), work.exists);
+  let first = select(0u, lane, work.is_large);
+  let step = select(1u, OUTLINE_LANES, work.is_large);
+  let bits = cutting[lane];
+  var own = bits;
+  // Turns: SMALL_OUTLINE.
+  for (var number = first; number < select(0u, count, by_turns); number += step) {
+    let i = cut_of(work, number, own);
+    own &= own - 1u;
     var rank = 0u;
-    for (var word = 0u; word < select(1u, OUTLINE_LANES, work.is_large); word++) {
-      for (var rest = cutting[select(lane, word, work.is_large)]; rest != 0u; rest &= rest - 1u) {
-        let j = cutting_edge(work, word, firstTrailingBit(rest));
-        if (j != i && is_before(outline, work, lane, j, i, by_turns)) {
-          rank++;
-        }
+    var rest = bits;
+    // Turns: MOST_ORDERED.
+    for (var other = 0u; other < count; other++) {
+      let j = cut_of(work, other, rest);
+      rest &= rest - 1u;
+      if (j != i && is_before(outline, work, lane, j, i)) {
+        rank++;
+      }
+    }
+    ranks[ranks_at + i] = rank;
+  }
+  // Turns: OUTLINE_EDGES / OUTLINE_LANES.
+  for (var number = first; number < select(count, 0u, by_turns); number += step) {
+    let i = cut_of(work, number, own);
+    own &= own - 1u;
+    let place = place_along(outline, work, lane, i);
+    var rank = 0u;
+    var rest = bits;
+    // Turns: OUTLINE_EDGES.
+    for (var other = 0u; other < count; other++) {
+      let j = cut_of(work, other, rest);
+      rest &= rest - 1u;
+      let there = place_along(outline, work, lane, j);
+      if (j != i && (there < place || (there == place && j < i))) {
+        rank++;
       }
     }
     ranks[ranks_at + i] = rank;
@@ -417,15 +475,17 @@ fn rank_cuts(outline: OutlineRange, work: Work, lane: u32, by_turns: bool) {
 // Finds whether two cuts have one place.
 fn note_tangles(work: Work, lane: u32) {
   let ranks_at = select(SMALL_OUTLINE * lane, 0u, work.is_large);
+  var of_small = 0u;
   for (var own = select(0u, cutting[lane], work.exists); own != 0u; own &= own - 1u) {
-    let i = cutting_edge(work, lane, firstTrailingBit(own));
-    for (var word = 0u; word < select(1u, OUTLINE_LANES, work.is_large); word++) {
-      for (var rest = cutting[select(lane, word, work.is_large)]; rest != 0u; rest &= rest - 1u) {
-        let j = cutting_edge(work, word, firstTrailingBit(rest));
-        if (j != i && ranks[ranks_at + j] == ranks[ranks_at + i]) {
-          atomicOr(&is_tangled[select(lane, 0u, work.is_large)], 1u);
-        }
-      }
+    let rank = ranks[ranks_at + cutting_edge(work, lane, firstTrailingBit(own))];
+    let bit = 1u << (rank % 32u);
+    var before = of_small;
+    if (work.is_large) {
+      before = atomicOr(&taken[(rank / 32u) % 32u], bit);
+    }
+    of_small |= bit;
+    if ((before & bit) != 0u) {
+      atomicOr(&is_tangled[select(lane, 0u, work.is_large)], 1u);
     }
   }
 }
@@ -440,12 +500,13 @@ fn list_before(outline: OutlineRange, work: Work, lane: u32, last: u32) {
     earlier = ranks[ranks_at + last];
   }
   var before = CORNER;
-  for (var word = 0u; word < select(1u, OUTLINE_LANES, work.is_large); word++) {
-    for (var rest = cutting[select(lane, word, work.is_large)]; rest != 0u; rest &= rest - 1u) {
-      let edge = cutting_edge(work, word, firstTrailingBit(rest));
-      if (ranks[ranks_at + edge] + 1u == earlier) {
-        before = edge;
-      }
+  var rest = cutting[lane];
+  // Turns: OUTLINE_EDGES.
+  for (var number = 0u; number < cuts; number++) {
+    let edge = cut_of(work, number, rest);
+    rest &= rest - 1u;
+    if (ranks[ranks_at + edge] + 1u == earlier) {
+      before = edge;
     }
   }
   // The last piece ends at the end of the edge, and each cut exchanges the sides.
@@ -481,6 +542,8 @@ fn cut_edges(
   }
   take_cuts(own, work, lane);
   workgroupBarrier();
+  list_cuts(work, lane);
+  workgroupBarrier();
   let slot = select(lane, 0u, work.is_large);
   // By turns first, then by rounded places where these do not fit together.
   for (var attempt = 0u; attempt < 2u; attempt++) {
@@ -499,6 +562,7 @@ fn cut_edges(
   }
   // Each of its cuts ends a piece, and so does the end of the edge.
   var rest = cutting[lane];
+  // Turns: 17.
   for (var left = countOneBits(rest) + select(0u, 1u, !work.is_large || lane == 0u); left > 0u; left--) {
     var last = CORNER;
     if (rest != 0u) {

@@ -25,11 +25,14 @@ fn cut_quad(outline: OutlineRange, light: u32, first: u32, is_positive: bool) {
 @compute @workgroup_size(64)
 fn cut_quads(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   let records = atomicLoad(&undecided[RECORD_COUNT]);
-  for (var number = id.x; number < records; number += 64u * groups.x) {
+  let row = OUTLINE_LANES * groups.x;
+  // Turns: 1.
+  for (var number = id.y * row + id.x; number < records; number += groups.y * row) {
     let at = record_at(number);
     let outline = outline_of(polygon_of(at));
     let turn_0 = atomicLoad(&undecided[at + TURN_0]);
     let turn_1 = atomicLoad(&undecided[at + TURN_1]);
+    // Turns: 32.
     for (var rest = atomicLoad(&undecided[at + TWISTED_QUAD]); rest != 0u; rest &= rest - 1u) {
       let light = firstTrailingBit(rest);
       let is_positive = ((turn_0 >> light) & 1u) != 0u;

@@ -68,6 +68,7 @@ fn seen_by_pairs(outline: OutlineRange, work: Work, lane: u32) {
       end = select(0u, 1u, work.is_large && lane < half);
     }
     end = select(0u, end, work.exists);
+    // Turns: 2 * SMALL_OUTLINE + 6 in all.
     for (var other = first; other < end; other += step) {
       var f: Edge;
       var is_corner = true;
@@ -84,6 +85,7 @@ fn seen_by_pairs(outline: OutlineRange, work: Work, lane: u32) {
       }
       var of_e = vec2<i32>(0);
       var of_f = vec2<i32>(0);
+      // Turns: 6 * SMALL_OUTLINE + 6 in all.
       for (var test = select(4u, 0u, is_pairs); test < 5u; test++) {
         var p = work.edge.a;
         var q = work.edge.b;

@@ -87,6 +87,7 @@ fn list_work(number: u32, edges: u32, lights: u32, count_at: u32, workgroups_at:
   if (edges > SMALL_OUTLINE) {
     var place = allot(count_at, workgroups_at, edges * countOneBits(lights));
     for (var rest = lights; rest != 0u; rest &= rest - 1u) {
+      // Turns: OUTLINE_EDGES.
       for (var edge = 0u; edge < edges; edge++) {
         write_entry(place, number, edge | (firstTrailingBit(rest) << 16u));
         place++;
@@ -97,6 +98,7 @@ fn list_work(number: u32, edges: u32, lights: u32, count_at: u32, workgroups_at:
   let runs = (edges + ENTRY_EDGES - 1u) / ENTRY_EDGES;
   let halves = vec2<bool>((lights & 0xffffu) != 0u, lights > 0xffffu);
   let place = allot(count_at, workgroups_at, runs * (select(0u, 1u, halves.x) + select(0u, 1u, halves.y)));
+  // Turns: SMALL_OUTLINE / ENTRY_EDGES.
   for (var run = 0u; run < runs; run++) {
     if (halves.x) {
       write_entry(place + run, number, ENTRY_EDGES * run);

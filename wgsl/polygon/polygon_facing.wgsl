@@ -15,6 +15,7 @@ fn convex_quad(outline: OutlineRange) -> Convex {
   var convex = Convex(0u, 0u);
   let quad = quad_of(outline);
   let bound = vec4<f32>(quad.bound);
+  // Turns: 8.
   for (var place = 0u; place < light_places(); place += 4u) {
     let turns = turns_of(quad, place);
     let low = min(min(turns[0], turns[1]), min(turns[2], turns[3]));
@@ -41,12 +42,15 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
   if (outline.is_loop && (outline.count == 3u || outline.count == 4u)) {
     convex = convex_quad(outline);
   }
+  // Turns: POLYGON_TRIANGLES.
   for (var triangle = outline.first_triangle; triangle < outline.end_triangle; triangle++) {
     facing_masks[triangle] = convex.facing & live_lights();
   }
   if ((live_lights() & ~(convex.facing | convex.averted)) != 0u) {
     let number = atomicAdd(&undecided[RECORD_COUNT], 1u);
     atomicStore(&undecided[record_at(number) + POLYGON], id.x);
-    atomicMax(&undecided[RECORD_WORKGROUPS], min(number / OUTLINE_LANES + 1u, ENTRY_ROW));
+    let workgroup = number / OUTLINE_LANES;
+    atomicMax(&undecided[RECORD_WORKGROUPS], min(workgroup + 1u, ENTRY_ROW));
+    atomicMax(&undecided[RECORD_WORKGROUPS + 1u], workgroup / ENTRY_ROW + 1u);
   }
 }

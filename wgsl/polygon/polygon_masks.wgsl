@@ -28,11 +28,14 @@ fn masks_of_record(at: u32) -> PolygonMasks {
 @compute @workgroup_size(64)
 fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   let records = atomicLoad(&undecided[RECORD_COUNT]);
-  for (var number = id.x; number < records; number += 64u * groups.x) {
+  let row = OUTLINE_LANES * groups.x;
+  // Turns: 1.
+  for (var number = id.y * row + id.x; number < records; number += groups.y * row) {
     let at = record_at(number);
     let masks = masks_of_record(at);
     let outline = outline_of(polygon_of(at));
     let triangles = arrayLength(&facing_masks) / 2u;
+    // Turns: POLYGON_TRIANGLES.
     for (var triangle = outline.first_triangle; triangle < outline.end_triangle; triangle++) {
       facing_masks[triangle] |= masks.facing;
       facing_masks[triangles + triangle] = masks.twisted;

@@ -22,6 +22,7 @@ fn with_turns(turns: Turns, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, largest: f
   let bound = vec4<f32>(face_bound(size, largest, lights_reach()));
   var positive = 0u;
   var negative = 0u;
+  // Turns: 8.
   for (var place = 0u; place < light_places(); place += 4u) {
     let d = vec4<f32>(
       local_form(n, a, scaled_light(place)),
@@ -55,6 +56,7 @@ fn convex_turns(outline: OutlineRange) -> Turns {
   } else if (outline.count > 4u) {
     turn_count = outline.count + 2u * (outline.count - 4u);
   }
+  // Turns: 3 * MOST_CONVEX.
   for (var number = 0u; number < turn_count && (turns.positive | turns.negative) != 0u; number++) {
     let corners = turn_corners(number, outline.count);
     let a = vertex_of(outline.first + corners.x);
@@ -89,6 +91,7 @@ fn decided_quad(outline: OutlineRange) -> Decided {
     return decided;
   }
   let bound = vec4<f32>(quad.bound);
+  // Turns: 8.
   for (var place = 0u; place < light_places(); place += 4u) {
     let turns = turns_of(quad, place);
     let up_0 = bits_of(turns[0] > bound);
@@ -127,6 +130,7 @@ fn decided_outline(outline: OutlineRange) -> Decided {
 }
 
 fn is_outline_finite(outline: OutlineRange) -> bool {
+  // Turns: OUTLINE_EDGES.
   for (var edge = 0u; edge < outline.count; edge++) {
     if (!is_finite(vertex_of(outline.first + edge))) {
       return false;
@@ -138,11 +142,14 @@ fn is_outline_finite(outline: OutlineRange) -> bool {
 @compute @workgroup_size(64)
 fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   let records = atomicLoad(&undecided[RECORD_COUNT]);
-  for (var number = id.x; number < records; number += OUTLINE_LANES * groups.x) {
+  let row = OUTLINE_LANES * groups.x;
+  // Turns: 1.
+  for (var number = id.y * row + id.x; number < records; number += groups.y * row) {
     let at = record_at(number);
     let polygon = atomicLoad(&undecided[at + POLYGON]);
     let outline = outline_of(polygon);
     let decided = decided_outline(outline);
+    // Turns: POLYGON_TRIANGLES.
     for (var triangle = outline.first_triangle; triangle < outline.end_triangle; triangle++) {
       facing_masks[triangle] = decided.facing & live_lights();
     }

@@ -42,6 +42,7 @@ fn turn(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, place: u32) -> Turn {
     return found;
   }
   let fixed = fixed_face(a, b, c);
+  // Turns: 4.
   for (var tie = 0u; tie < 4u && found.moved == 0; tie++) {
     let light = light_or_axis(place, tie);
     var sign = fixed_sign(fixed, light);

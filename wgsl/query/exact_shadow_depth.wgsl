@@ -33,6 +33,7 @@ fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
     let towards = select(light, vec4<u32>(p, ONE), test == 0u);
     let ties = select(1u, 4u, test >= 2u);
     var sign = 0;
+    // Turns: 4.
     for (var tie = 0u; tie < ties && sign == 0; tie++) {
       let at = light_at(towards, tie);
       sign = fixed_sign(fixed, at);
@@ -59,27 +60,33 @@ fn is_between(segment: Segment, index: u32) -> bool {
     (decision == UNDECIDED && exactly_between(face, segment.p_bits, batch.light_bits[segment.light]));
 }
 
-// What a face counts: 0 if it is not between, else 1, or -1 after an odd number of triangles of the same polygon.
-fn count_of(segment: Segment, index: u32) -> i32 {
-  var count = 0;
-  var at = index;
-  var is_going = true;
-  // Loops in loops, because llvmpipe silently ends a loop after 65,535 turns.
-  while (is_going) {
-    for (var run = 0u; run < 1024u && is_going; run++) {
-      if (is_between(segment, at)) {
-        count = select(-count, 1, at == index);
-      }
-      is_going = count != 0 && continues(at);
-      at--;
-    }
-  }
-  return count;
-}
+// For each of 1,024 places whether an odd number of triangles are between, of the polygon that begins there and ends in the group.
+// It is cleared before use: SwiftShader was seen to leave what workgroups before had in it.
+var<workgroup> odd_polygons: array<atomic<u32>, CLUSTER>;
 
-// A face of a pair, as it was noted.
-fn noted_face(noted: UndecidedFaces, at: u32) -> u32 {
-  return select(select(noted.face_2, noted.face_1, at == 1u), noted.face_0, at == 0u);
+// What a face that is between counts, among the faces of the group that begins with `first`: 1, or -1 after an odd number of
+// triangles of the same polygon, in whatever order the invocations come.
+fn turn_in_group(pair: u32, index: u32, first: u32) -> i32 {
+  if (!POLYGONS) {
+    return 1;
+  }
+  let head = head_of(index);
+  let begin = CLUSTER * first;
+  let end = begin + CLUSTER * CLUSTER;
+  var goes_on = false;
+  if (first + CLUSTER < arrayLength(&clusters)) {
+    goes_on = head_of(end) == head;
+  }
+  var bit = odd_bit(head, range.first);
+  var before = 0u;
+  // What other groups have triangles of, is the pair's.
+  if (head < begin || goes_on) {
+    before = atomicXor(&undecided_pairs.pairs[pair].face_0, bit);
+  } else {
+    bit = 1u << (head % CLUSTER);
+    before = atomicXor(&odd_polygons[(head - begin) / CLUSTER], bit);
+  }
+  return select(1, -1, (before & bit) != 0u);
 }
 
 // Settles the noted faces of each pair of point and light.
@@ -89,17 +96,34 @@ fn exact_shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
   if (pair >= chunk.count * batch.count) {
     return;
   }
-  let noted = undecided_pairs.pairs[pair];
-  if (noted.count > MOST_UNDECIDED) {
+  var state = undecided_pairs.pairs[pair].state;
+  let count = state & COUNT_MASK;
+  if (count > MOST_UNDECIDED) {
     return;
   }
   let query = query_of(pair);
   let segment = segment_of(query);
-  for (var at = 0u; at < noted.count; at++) {
-    let count = count_of(segment, noted_face(noted, at));
-    if (count != 0) {
-      atomicAdd(&depths[query.at], count);
+  let face_0 = atomicLoad(&undecided_pairs.pairs[pair].face_0);
+  let face_1 = undecided_pairs.pairs[pair].face_1;
+  let face_2 = undecided_pairs.pairs[pair].face_2;
+  // Turns: MOST_UNDECIDED.
+  for (var at = 0u; at < count; at++) {
+    let face = select(select(face_2, face_1, at == 1u), face_0, at == 0u);
+    if (!is_between(segment, face)) {
+      continue;
     }
+    var turn = 1;
+    if (POLYGONS) {
+      turn = select(1, -1, ((state >> (ODD_FACES + at)) & 1u) != 0u);
+      // The other noted faces of the polygon come after one more, and so does what the next range has of it.
+      let head = head_of(face);
+      state ^= select(0u, 2u << ODD_FACES, head_of(face_1) == head) | select(0u, 4u << ODD_FACES, head_of(face_2) == head) |
+        select(0u, ODD_AT_END, head_of(CLUSTER * range.end - 1u) == head);
+    }
+    atomicAdd(&depths[query.at], turn);
+  }
+  if (POLYGONS) {
+    undecided_pairs.pairs[pair].state = state;
   }
 }
 
@@ -110,25 +134,32 @@ fn exact_shadow_depth_recount(
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
+  if (POLYGONS) {
+    if (local < CLUSTER) {
+      atomicStore(&odd_polygons[local], 0u);
+    }
+    workgroupBarrier();
+  }
   let range_groups = (range.end - range.first + CLUSTER - 1u) / CLUSTER;
   let item = group.y * groups.x + group.x;
   if (item / range_groups >= undecided_pairs.recounts) {
     return;
   }
-  let query = query_of(undecided_pairs.pairs[item / range_groups].recount);
+  let pair = undecided_pairs.pairs[item / range_groups].recount;
+  let query = query_of(pair);
   let segment = segment_of(query);
   let first = range.first + CLUSTER * (item % range_groups);
   if (misses(segment, clusters[first].group_low, clusters[first].group_high)) {
     return;
   }
   let end = min(first + CLUSTER, range.end) * CLUSTER;
+  // Turns: CLUSTER * CLUSTER / 64.
   for (var at = first * CLUSTER + local; at < end; at += 64u) {
     if (misses(segment, clusters[at / CLUSTER].low, clusters[at / CLUSTER].high)) {
       continue;
     }
-    let count = count_of(segment, at);
-    if (count != 0) {
-      atomicAdd(&depths[query.at], count);
+    if (is_between(segment, at)) {
+      atomicAdd(&depths[query.at], turn_in_group(pair, at, first));
     }
   }
 }

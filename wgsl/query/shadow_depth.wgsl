@@ -1,36 +1,45 @@
 // Shadow depth: counts the faces strictly between each point and each light. The triangles of a polygon count 1 and -1 in turn, so
-// that it counts once if an odd number of them lie between. One invocation takes one pair of point and light. It notes undecided faces for exact_shadow_depth.wgsl. A pair with too many of them is listed, and
-// exact_shadow_depth.wgsl counts it again.
+// that it counts once if an odd number of them lie between. One invocation takes one pair of point and light. It notes undecided
+// faces for exact_shadow_depth.wgsl. A pair with too many of them is listed, and exact_shadow_depth.wgsl counts it again.
 
-var<private> undecided: UndecidedFaces;
+// The number of undecided faces, the first three of them, and where their polygons begin.
+var<private> undecided: u32;
+var<private> noted: vec3<u32>;
+var<private> noted_heads: vec3<u32>;
+// For each of these faces, whether an odd number of the decided triangles of its polygon are between so far.
+var<private> noted_odd: vec3<bool>;
+// The polygon at hand, by where it begins, and the same of it. Faces come in order, so one polygon is at hand at a time.
+var<private> head: u32;
+var<private> is_odd: bool;
 
-fn note(face: u32) {
-  switch (undecided.count) {
-    case 0u: { undecided.face_0 = face; }
-    case 1u: { undecided.face_1 = face; }
-    case 2u: { undecided.face_2 = face; }
-    default: {}
-  }
-  undecided.count++;
+// Takes the polygon of a face at hand.
+fn go_to(face: u32) {
+  let own = head_of(face);
+  is_odd = is_odd && own == head;
+  head = own;
 }
 
-// What a face that lies between counts: 1, or -1 after an odd number of triangles of the same polygon. It is 0 where one of those is
-// undecided.
-fn turn_of(segment: Segment, index: u32) -> i32 {
-  var turn = 1;
-  var at = index;
-  // Loops in loops, because llvmpipe silently ends a loop after 65,535 turns.
-  while (continues(at) && turn != 0) {
-    for (var run = 0u; run < 1024u && continues(at) && turn != 0; run++) {
-      at--;
-      let decision = decide(segment, face_of(at));
-      if (decision == BETWEEN) {
-        turn = -turn;
-      } else if (decision == UNDECIDED) {
-        turn = 0;
-      }
-    }
+fn note(face: u32) {
+  let is_own = vec3<bool>(undecided == 0u, undecided == 1u, undecided == 2u);
+  noted = select(noted, vec3<u32>(face), is_own);
+  if (POLYGONS) {
+    go_to(face);
+    noted_heads = select(noted_heads, vec3<u32>(head), is_own);
+    noted_odd = select(noted_odd, vec3<bool>(is_odd), is_own);
   }
+  undecided++;
+}
+
+// What a face that lies between counts: 1, or -1 after an odd number of triangles of the same polygon. Undecided ones do not count
+// here: what they change, exact_shadow_depth.wgsl adds.
+fn turn_of(face: u32) -> i32 {
+  if (!POLYGONS) {
+    return 1;
+  }
+  go_to(face);
+  let turn = select(1, -1, is_odd);
+  is_odd = !is_odd;
+  noted_odd = select(noted_odd, !noted_odd, noted_heads == vec3<u32>(head));
   return turn;
 }
 
@@ -65,12 +74,9 @@ fn count_cluster(segment: Segment, cluster: u32) -> i32 {
     if (decision == NOT_BETWEEN) {
       continue;
     }
-    var turn = 0;
     if (decision == BETWEEN) {
-      turn = turn_of(segment, CLUSTER * cluster + at);
-      count += turn;
-    }
-    if (turn == 0) {
+      count += turn_of(CLUSTER * cluster + at);
+    } else {
       note(CLUSTER * cluster + at);
     }
   }
@@ -80,14 +86,16 @@ fn count_cluster(segment: Segment, cluster: u32) -> i32 {
 // What the faces of the range that lie between count.
 fn count_range(segment: Segment) -> i32 {
   var count = 0;
+  // Turns: QUERY_GROUPS.
   for (var group = range.first; group < range.end; group += CLUSTER) {
     if (misses(segment, clusters[group].group_low, clusters[group].group_high)) {
       continue;
     }
+    // Turns: CLUSTER.
     for (var cluster = group; cluster < min(group + CLUSTER, range.end); cluster++) {
       count += count_cluster(segment, cluster);
     }
-    if (undecided.count > MOST_UNDECIDED) {
+    if (undecided > MOST_UNDECIDED) {
       break;
     }
   }
@@ -99,6 +107,18 @@ fn list(pair: u32) {
   undecided_pairs.pairs[place].recount = pair;
 }
 
+// Whether an odd number of triangles in earlier ranges are between, of a polygon that goes on in this range.
+fn was_odd(pair: u32) -> bool {
+  let begins = head_of(CLUSTER * range.first);
+  if (range.before == range.first || begins == CLUSTER * range.first) {
+    return false;
+  }
+  let state = undecided_pairs.pairs[pair].state;
+  let bits = atomicLoad(&undecided_pairs.pairs[pair].face_0);
+  let was_counted_again = (state & COUNT_MASK) > MOST_UNDECIDED;
+  return select(state & ODD_AT_END, bits & odd_bit(begins, range.before), was_counted_again) != 0u;
+}
+
 @compute @workgroup_size(64)
 fn shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
   let pair = id.x;
@@ -107,11 +127,26 @@ fn shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
   }
   let query = query_of(pair);
   var counted = 0;
+  var state = 0u;
   if (is_finite(query.p_bits)) {
+    var begins_odd = false;
+    if (POLYGONS) {
+      head = head_of(CLUSTER * range.first);
+      is_odd = was_odd(pair);
+      begins_odd = is_odd;
+      noted_heads = vec3<u32>(0xffffffffu);
+    }
     counted = count_range(segment_of(query));
-    if (undecided.count > MOST_UNDECIDED) {
+    state = min(undecided, MOST_UNDECIDED + 1u);
+    if (undecided > MOST_UNDECIDED) {
       counted = 0;
+      noted.x = select(0u, 1u, begins_odd);
       list(pair);
+    } else if (POLYGONS) {
+      // Only the polygon of the last face may go on.
+      go_to(CLUSTER * range.end - 1u);
+      let bits = select(vec3<u32>(0u), vec3<u32>(1u, 2u, 4u), noted_odd);
+      state |= ((bits.x | bits.y | bits.z) << ODD_FACES) | select(0u, ODD_AT_END, is_odd);
     }
     if (range.is_first == 0u) {
       counted += atomicLoad(&depths[query.at]);
@@ -120,8 +155,8 @@ fn shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
     counted = -1;
   }
   atomicStore(&depths[query.at], counted);
-  undecided_pairs.pairs[pair].count = undecided.count;
-  undecided_pairs.pairs[pair].face_0 = undecided.face_0;
-  undecided_pairs.pairs[pair].face_1 = undecided.face_1;
-  undecided_pairs.pairs[pair].face_2 = undecided.face_2;
+  undecided_pairs.pairs[pair].state = state;
+  atomicStore(&undecided_pairs.pairs[pair].face_0, noted.x);
+  undecided_pairs.pairs[pair].face_1 = noted.y;
+  undecided_pairs.pairs[pair].face_2 = noted.z;
 }

@@ -3,6 +3,10 @@
 
 // The largest number of undecided faces that are noted for a pair of point and light.
 const MOST_UNDECIDED: u32 = 3u;
+// Bits of `UndecidedFaces.state`.
+const COUNT_MASK: u32 = 7u;
+const ODD_FACES: u32 = 3u;
+const ODD_AT_END: u32 = 64u;
 
 // The sign of d = det[u, v, t], given |u|1 |v|1 and the largest |t|. It is 0 if the sign is not certain.
 fn certain_sign(d: f32, uv: f32, t: f32, underflow: f32) -> i32 {
@@ -32,9 +36,26 @@ fn face_of(index: u32) -> Face {
   return face;
 }
 
-// Whether a face belongs to the same polygon as the face before it.
-fn continues(index: u32) -> bool {
-  return ((clusters[index / CLUSTER].continues >> (index % CLUSTER)) & 1u) != 0u;
+// Whether a polygon of the mesh has several triangles. The triangles of a polygon that are between count 1 and -1 in turn, so that
+// it counts once if they are odd in number.
+override POLYGONS: bool = false;
+
+// The place of the first triangle of the polygon of a face. It has no loop: a polygon may have any number of triangles.
+fn head_of(index: u32) -> u32 {
+  let cluster = index / CLUSTER;
+  // The faces of the cluster, up to this one, with which a polygon begins.
+  let begins = ~clusters[cluster].continues & (0xffffffffu >> (CLUSTER - 1u - index % CLUSTER));
+  if (begins == 0u) {
+    return clusters[cluster].head;
+  }
+  return CLUSTER * cluster + firstLeadingBit(begins);
+}
+
+// The bit, in `UndecidedFaces.face_0`, of the polygon that begins at `head` and goes on behind its group of clusters. At most one
+// polygon that begins in a group does. `first` is the first cluster of the range.
+fn odd_bit(head: u32, first: u32) -> u32 {
+  let begin = CLUSTER * first;
+  return select(1u, 2u << ((max(head, begin) - begin) / (CLUSTER * CLUSTER)), head >= begin);
 }
 
 const NOT_BETWEEN: u32 = 0u;

@@ -50,6 +50,7 @@ fn is_spared(caster: u32, chunk: u32, wanted: u32) -> bool {
   let end = clusters + (cluster_words[at + 1u] & places);
   var facing = 0u;
   var averted = 0u;
+  // Turns: 2 * CHUNK.
   for (var name = clusters + (begin & places); name < end; name++) {
     let cluster = kept_cluster_at(faces.x / CHUNK + CLUSTER_CHUNKS * cluster_words[name]);
     if ((wanted & ~kept[cluster]) != 0u) {
@@ -83,6 +84,7 @@ fn chunks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
     prepare(id.x);
   }
   let is_still = atomicLoad(&work[group.work_count + 2u]) == 0u;
+  // Turns: SCENE_ITEMS.
   for (var chunk = id.x; chunk < select(group.edge_chunks, 0u, is_still); chunk += 256u * groups.x) {
     take_edges(chunk);
   }

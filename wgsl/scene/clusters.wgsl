@@ -90,6 +90,7 @@ fn take_cluster(chunk: u32, number: u32) {
   let is_known = (matter & ~(decision.decided & before.decided)) == 0u &&
     ((decision.facing ^ before.facing) & matter) == 0u;
   let end = min(chunk + CLUSTER_CHUNKS, (of_faces.x + of_faces.y + CHUNK - 1u) / CHUNK);
+  // Turns: CLUSTER_CHUNKS.
   for (var each = chunk; each < end; each++) {
     if (is_known) {
       atomicAdd(&statistics.spared_faces, select(0u, faces_in(each), matter != 0u));
@@ -117,6 +118,7 @@ fn take_chunk(chunk: u32) {
 fn clusters(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   // Where no list is made anew, no bit is.
   let is_still = atomicLoad(&work[group.work_count + 2u]) == 0u;
+  // Turns: SCENE_ITEMS.
   for (var chunk = id.x; chunk < select(group.face_chunks, 0u, is_still); chunk += 256u * groups.x) {
     take_chunk(chunk);
   }

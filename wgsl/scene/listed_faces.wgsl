@@ -5,6 +5,7 @@
 
 fn take_items(first: u32, step: u32) {
   let items = LANES * work[group.work_count];
+  // Turns: SCENE_ITEMS.
   for (var number = first; number < items; number += step) {
     take_lane(number);
   }
@@ -18,6 +19,7 @@ fn take_lane(number: u32) {
   decided_facing = work[entry + 2u];
   tested = work[entry + 3u];
   let end = min(CHUNK * (chunk + 1u), of_faces.x + of_faces.y);
+  // Turns: CHUNK / LANES.
   for (var slot = CHUNK * chunk + number % LANES; slot < end; slot += LANES) {
     take_item(slot, of_faces.z + slot - of_faces.x);
   }

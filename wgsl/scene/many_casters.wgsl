@@ -53,6 +53,7 @@ fn face_in_slot(slot: u32) -> Item {
 
 // Whether faces that are not finite are counted here: in the first batch that takes a light of the caster.
 fn counts_non_finite() -> bool {
+  // Turns: 31.
   for (var batch = 0u; batch < group.batch; batch++) {
     if (taken[batch * group.casters + caster] != 0u) {
       return false;
@@ -132,6 +133,7 @@ fn live_places() -> u32 {
 fn places_of(bits: u32) -> u32 {
   var places = 0u;
   var place = 0u;
+  // Turns: LIGHTS.
   for (var rest = lights.allowed; rest != 0u; rest &= rest - 1u) {
     places |= ((bits >> firstTrailingBit(rest)) & 1u) << place;
     place++;
@@ -147,6 +149,7 @@ fn lights_at(places: u32) -> u32 {
   }
   var bits = 0u;
   var left = places;
+  // Turns: LIGHTS.
   for (var rest = lights.allowed; rest != 0u; rest &= rest - 1u) {
     bits |= (left & 1u) << firstTrailingBit(rest);
     left >>= 1u;

@@ -40,10 +40,12 @@ fn is_needed(figure: u32) -> bool {
   if (frame.all != 0u || figures[at].w == 0u) {
     return true;
   }
+  // Turns: NEEDS_BOXES / 2.
   for (var view = 0u; view < frame.views; view++) {
     if (!box_is_unseen(seen[view * frame.lights].view, low, high)) {
       return true;
     }
+    // Turns: NEEDS_BOXES in all.
     for (var number = 0u; number < frame.lights; number++) {
       let word = number / 32u;
       let has_light = ((figures[at + 2u + word / 4u][word % 4u] >> (number % 32u)) & 1u) != 0u;

@@ -3,6 +3,8 @@
 
 // The most corners of an occluder.
 const MOST_CORNERS: u32 = 8u;
+// Occluders that are tried.
+const MOST_OCCLUDERS: u32 = 128u;
 // Above this size products may overflow, and nothing is said.
 const TOO_LARGE_TO_HIDE: f32 = 0x1p36;
 // What is lost where small numbers are flushed.
@@ -63,6 +65,7 @@ fn corner_of(at: u32, number: u32) -> vec3<f32> {
 fn is_behind(box: TurnedBox, at: u32, light: vec4<f32>, side: f32) -> bool {
   let count = min(table[at].w, MOST_CORNERS);
   let first = corner_of(at, 0u);
+  // Turns: MOST_CORNERS.
   for (var number = 0u; number < count; number++) {
     let a = corner_of(at, number);
     let b = corner_of(at, select(number + 1u, 0u, number + 1u == count));
@@ -107,11 +110,14 @@ fn occluded(caster: u32, batch: u32, lights: u32) -> u32 {
   }
   let box = turned_box(caster);
   var hidden = 0u;
-  for (var number = 0u; number < group.occluders; number++) {
+  // Others hide nothing: what is said to be hidden is never more than what is.
+  // Turns: MOST_OCCLUDERS.
+  for (var number = 0u; number < min(group.occluders, MOST_OCCLUDERS); number++) {
     let occluder = table[group.occluders_at + batch * group.occluders + number];
     if (occluder.z == caster) {
       continue;
     }
+    // Turns: 32.
     for (var rest = occluder.x & lights & ~hidden; rest != 0u; rest &= rest - 1u) {
       let light = firstTrailingBit(rest);
       let scaled = bitcast<vec4<f32>>(table[group.world_lights_at + 32u * batch + light]);

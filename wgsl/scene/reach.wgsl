@@ -131,7 +131,9 @@ fn take_pair(pair: u32, caster: u32, batch: u32) {
 
 @compute @workgroup_size(64)
 fn reach(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  for (var pair = id.x; pair < group.casters * group.batches; pair += 64u * groups.x) {
+  let row = 64u * groups.x;
+  // Turns: 1.
+  for (var pair = id.y * row + id.x; pair < group.casters * group.batches; pair += groups.y * row) {
     take_pair(pair, pair % group.casters, pair / group.casters);
   }
 }

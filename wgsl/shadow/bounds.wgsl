@@ -15,6 +15,7 @@
 // Whether any box of the group is read.
 fn is_needed() -> bool {
   var fresh = shape.needs_boxes;
+  // Turns: BOUND_PLACES.
   for (var place = 0u; place < shape.views * shape.batches; place++) {
     fresh |= choices[CHOICE_WORDS * (place * shape.casters + shape.first_caster) + FRESH];
   }
@@ -24,6 +25,7 @@ fn is_needed() -> bool {
 // Whether any light matters to a caster of a scene. If not, nothing reads its box.
 fn has_light(caster: u32) -> bool {
   var matter = 0u;
+  // Turns: 32.
   for (var batch = 0u; batch < shape.batches; batch++) {
     matter |= lit[batch * shape.casters + caster];
   }
@@ -40,6 +42,7 @@ fn bound_faces(caster: u32, first: u32, end: u32, step: u32) {
   var low = vec3<u32>(0xffffffffu);
   var high = vec3<u32>(0u);
   var has_holes = false;
+  // Turns: BOUND_CHUNKS * CHUNK in all.
   for (var face = first; face < end; face += step) {
     let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
     let a = vertex_bits(caster, corners.x);
@@ -73,6 +76,7 @@ fn bounds(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
   if (!is_needed()) {
     return;
   }
+  // Turns: BOUND_CHUNKS.
   for (var chunk = id.x; chunk * CHUNK < shape.faces; chunk += 64u * groups.x) {
     let caster = caster_of(shape.face_chunks_at, chunk * CHUNK);
     let run = face_run(caster);

@@ -84,6 +84,7 @@ fn list_face(caster: u32, slot: u32, needs: Needs) {
   let facing_mask = facing_masks[slot];
   let excluded_mask = excluded_masks[slot] & needs.excludes;
   let mirrored = (needs.flags & MIRRORED) != 0u;
+  // Turns: 32.
   for (var rest = needs.lights & ~excluded_mask; rest != 0u; rest &= rest - 1u) {
     let bit = firstTrailingBit(rest);
     let number = draw.first_light + bit;
@@ -114,6 +115,7 @@ fn caps(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
   if (!MANY) {
     let needs = needs_of(0u);
     if (needs.lights != 0u) {
+      // Turns: ITEMS.
       for (var slot = id.x; slot < shape.faces; slot += 256u * groups.x) {
         list_face(0u, slot, needs);
       }
@@ -124,12 +126,14 @@ fn caps(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     return;
   }
   // Invocations share a chunk, and take its slots in turn.
+  // Turns: ITEMS.
   for (var item = id.x; item < shape.faces / CHUNK * LANES; item += 256u * groups.x) {
     let first = item / LANES * CHUNK;
     let caster = caster_of(shape.face_chunks_at, first);
     let needs = needs_of(caster);
     if (needs.lights != 0u) {
       let end = min(first + CHUNK, face_run(caster).x + face_run(caster).y);
+      // Turns: CHUNK / LANES.
       for (var slot = first + item % LANES; slot < end; slot += LANES) {
         list_face(caster, slot, needs);
       }

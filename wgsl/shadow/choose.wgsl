@@ -155,6 +155,7 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   let is_fresh = !MANY || (atomicLoad(&choices[first + FRESH]) & bit) != 0u;
   // What was chosen before goes. Of what does not cast nothing is set.
   if (MANY && is_fresh && (atomicLoad(&choices[at + CASTS]) & bit) != 0u) {
+    // Turns: 8.
     for (var word = CASTS; word <= EXCLUDES; word++) {
       atomicAnd(&choices[at + word], ~bit);
     }
@@ -222,6 +223,7 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
 
 @compute @workgroup_size(64)
 fn choose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  // Turns: ITEMS.
   for (var pair = id.x; pair < shape.casters * shape.used_lights; pair += 64u * groups.x) {
     // Neighbours have the same light, which many casters have or none.
     choose_light(pair % shape.casters, pair / shape.casters, id.y);

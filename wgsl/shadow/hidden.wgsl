@@ -109,6 +109,7 @@ fn farthest_through(low: vec2<f32>, high: vec2<f32>, at: u32) -> u32 {
   var last = vec2<u32>(clamp(end, vec2<f32>(0.0), pixels - 1.0)) / TILE;
   var cells = vec2<u32>(receivers[at], receivers[at + 1u]);
   var level = at + RECEIVERS_HEAD;
+  // Turns: RECEIVER_LEVELS.
   while (any(last - first > vec2<u32>(3u))) {
     level += cells.x * cells.y;
     cells = (cells + 1u) / 2u;
@@ -116,7 +117,9 @@ fn farthest_through(low: vec2<f32>, high: vec2<f32>, at: u32) -> u32 {
     last /= 2u;
   }
   var key = 0u;
+  // Turns: 4.
   for (var y = first.y; y <= last.y; y++) {
+    // Turns: 4.
     for (var x = first.x; x <= last.x; x++) {
       key = max(key, receivers[level + y * cells.x + x]);
     }

@@ -29,6 +29,7 @@ fn list_edge(slot: u32, bit: u32) {
   }
   let kind = side_kind(light);
   let place = atomicAdd(&sides[2u * bit + kind], side.weight);
+  // Turns: 2.
   for (var entry = place; entry < min(place + side.weight, shape.side_capacity); entry++) {
     atomicStore(&sides[side_place(bit, kind, entry)], slot | select(0u, WINDING, side.winding));
   }
@@ -64,6 +65,7 @@ fn list_sides(
   }
   let suffices = silhouettes_suffice(bit);
   let items = select(shape.edges, silhouettes_of(bit), suffices);
+  // Turns: LISTED_ITEMS.
   for (var item = group.x * 64u + thread; item < items; item += 64u * groups.x) {
     var slot = item;
     if (suffices) {

@@ -41,6 +41,7 @@ fn piece_crossings(
     }
     return;
   }
+  // Turns: LISTED_ITEMS.
   for (var piece = group.x * 64u + thread; piece < pieces[bit]; piece += 64u * groups.x) {
     let at = PIECE_COUNTS + PIECE_WORDS * (bit * capacity + piece);
     cross_edge(by, row, place_at(at), place_at(at + 3u), 1u);

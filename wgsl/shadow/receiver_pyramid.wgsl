@@ -78,10 +78,12 @@ fn receiver_pyramid(@builtin(local_invocation_index) thread: u32) {
   var size = TILE;
   var first = head + RECEIVERS_HEAD;
   var is_boxed = false;
+  // Turns: RECEIVER_LEVELS.
   while (true) {
     let count = cells.x * cells.y;
     if (!is_boxed && count <= MOST_BOXED) {
       is_boxed = true;
+      // Turns: MOST_BOXED / 256 in all.
       for (var cell = thread; cell < count; cell += 256u) {
         take_cell(vec2<u32>(cell % cells.x, cell / cells.x), size, receivers[first + cell]);
       }
@@ -90,6 +92,7 @@ fn receiver_pyramid(@builtin(local_invocation_index) thread: u32) {
       break;
     }
     let next = (cells + 1u) / 2u;
+    // Turns: RECEIVER_CELLS in all.
     for (var cell = thread; cell < next.x * next.y; cell += 256u) {
       let begin = 2u * vec2<u32>(cell % next.x, cell / next.x);
       let end = min(begin + 1u, cells - 1u);

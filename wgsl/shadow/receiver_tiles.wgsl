@@ -8,8 +8,11 @@ fn farthest_in(tile: vec2<u32>) -> u32 {
   let end = min(first + TILE, receiver_view.pixels);
   let sky = 1.0 - receiver_view.near_z;
   var key = 0u;
+  // Turns: TILE.
   for (var y = first.y; y < end.y; y++) {
+    // Turns: TILE.
     for (var x = first.x; x < end.x; x++) {
+      // Turns: 64.
       for (var sample = 0u; sample < samples(); sample++) {
         let depth = depth_at(vec2<u32>(x, y), sample);
         if (depth != sky || receiver_view.sky_receives != 0u) {

@@ -30,6 +30,7 @@ fn relist(@builtin(local_invocation_index) bit: u32) {
     listed[at] = made_from;
     sides[2u * bit] = 0u;
     sides[2u * bit + 1u] = 0u;
+    // Turns: 4.
     for (var kind = 0u; kind < 4u; kind++) {
       caps_listed[4u * bit + kind] = 0u;
     }

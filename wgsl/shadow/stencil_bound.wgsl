@@ -11,18 +11,34 @@
 // The largest bound of a batch of casters.
 var<workgroup> largest: atomic<u32>;
 
+// The sum and the largest of all sums, after four more bins.
+fn after_four(sums: vec2<u32>, at: u32) -> vec2<u32> {
+  let one = sums.x + crossings[at];
+  let two = one + crossings[at + 1u];
+  let three = two + crossings[at + 2u];
+  let four = three + crossings[at + 3u];
+  return vec2<u32>(four, max(max(sums.y, one), max(two, max(three, four))));
+}
+
+fn after_eight(sums: vec2<u32>, at: u32) -> vec2<u32> {
+  return after_four(after_four(sums, at), at + 4u);
+}
+
 fn bound_of_row(row: u32) -> u32 {
   var crossed = 0u;
   var most = 0u;
-  for (var bin = 0u; bin < BINS; bin++) {
-    crossed += crossings[row + bin];
-    most = max(most, crossed);
+  // Sixteen at a time, since a loop of a thousand turns for each batch would be long.
+  for (var bin = 0u; bin < BINS; bin += 16u) {
+    let sums = after_eight(after_eight(vec2<u32>(crossed, most), row + bin), row + bin + 8u);
+    crossed = sums.x;
+    most = sums.y;
   }
   return min(crossings[row + ALL_FACES], (most + 1u) / 2u + crossings[row + MET_FACES]);
 }
 
 @compute @workgroup_size(64)
 fn stencil_bound(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+  // Turns: COUNT_BATCHES / 64.
   for (var count_batch = thread; count_batch < shape.count_batches; count_batch += 64u) {
     atomicMax(&largest, bound_of_row(row_of(draw.view, draw.first_light + group.x, count_batch)));
   }

@@ -58,6 +58,7 @@ fn stencil_crossings(
   let clipped = sides[2u * bit + 1u];
   let is_listed = plain + clipped <= shape.side_capacity;
   let items = select(shape.edges, plain + clipped, is_listed);
+  // Turns: LISTED_ITEMS.
   for (var item = group.x * 64u + thread; item < items; item += 64u * groups.x) {
     var slot = item;
     if (is_listed) {

@@ -11,7 +11,7 @@
 // The rows of the pencils. They are zeros before.
 @group(0) @binding(6) var<storage, read_write> crossings: array<atomic<u32>>;
 
-const THREADS: u32 = 64u;
+const THREADS: u32 = 256u;
 
 // The box of all casters, as integers of the same order: the lowest corner, inverted, and the highest.
 var<workgroup> corners: array<atomic<u32>, 6>;
@@ -82,17 +82,20 @@ fn around(place: vec3<f32>) -> StencilPencil {
   return by;
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(THREADS)
 fn stencil_pencil(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
   let light = draw.first_light + group.x;
   let view = draw.view;
+  // Turns: PENCIL_CASTERS.
   for (var caster = thread; caster < shape.casters; caster += THREADS) {
     if (does_cast(caster, light, view)) {
       let own = world_box(caster);
-      for (var axis = 0u; axis < 3u; axis++) {
-        atomicMax(&corners[axis], ~ordered(own.low[axis]));
-        atomicMax(&corners[3u + axis], ordered(own.high[axis]));
-      }
+      atomicMax(&corners[0], ~ordered(own.low.x));
+      atomicMax(&corners[1], ~ordered(own.low.y));
+      atomicMax(&corners[2], ~ordered(own.low.z));
+      atomicMax(&corners[3], ordered(own.high.x));
+      atomicMax(&corners[4], ordered(own.high.y));
+      atomicMax(&corners[5], ordered(own.high.z));
       atomicAdd(&crossings[row_of(view, light, caster % shape.count_batches) + ALL_FACES], face_run(caster).y);
     }
   }
@@ -101,14 +104,14 @@ fn stencil_pencil(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
   let high = unordered(vec3<u32>(atomicLoad(&corners[3]), atomicLoad(&corners[4]), atomicLoad(&corners[5])));
   // Where nothing casts, the box has no meaning, and nothing is counted.
   var by = fan(seen[view * shape.lights + light].light.light, low, high);
+  // Turns: PENCIL_CASTERS.
   for (var caster = thread; by.kind == AROUND && caster < shape.casters; caster += THREADS) {
     if (does_cast(caster, light, view)) {
       let own = world_box(caster);
-      for (var axis = 0u; axis < 3u; axis++) {
-        if (axis_meets(by.place, axis, own.low, own.high)) {
-          atomicAdd(&met[axis], face_run(caster).y);
-        }
-      }
+      let faces = face_run(caster).y;
+      atomicAdd(&met[0], select(0u, faces, axis_meets(by.place, 0u, own.low, own.high)));
+      atomicAdd(&met[1], select(0u, faces, axis_meets(by.place, 1u, own.low, own.high)));
+      atomicAdd(&met[2], select(0u, faces, axis_meets(by.place, 2u, own.low, own.high)));
     }
   }
   workgroupBarrier();
@@ -116,6 +119,7 @@ fn stencil_pencil(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
     by = around(by.place);
   }
   let axis = axis_of(by);
+  // Turns: PENCIL_CASTERS.
   for (var caster = thread; by.kind == AROUND && caster < shape.casters; caster += THREADS) {
     if (does_cast(caster, light, view)) {
       let own = world_box(caster);

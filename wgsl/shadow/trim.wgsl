@@ -55,8 +55,10 @@ fn meet_plane(plane: u32, inner: vec4<f32>, outer: vec4<f32>) -> vec4<f32> {
 fn trimmed(outline: Outline) -> Outline {
   var polygon = outline;
   let planes = select(6u, 4u, UNCLIPPED);
+  // Turns: 6.
   for (var plane = 0u; plane < planes; plane++) {
     var next: Outline;
+    // Turns: 11.
     for (var corner = 0u; corner < polygon.count; corner++) {
       let here = polygon.corners[corner];
       let there = polygon.corners[select(corner + 1u, 0u, corner + 1u == polygon.count)];

@@ -23,8 +23,12 @@ fn is_case_d(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f32>) -
 }
 
 @compute @workgroup_size(64)
-fn zp_plus_2005_cases(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-  let bit = group.x;
+fn zp_plus_2005_cases(
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(num_workgroups) groups: vec3<u32>,
+  @builtin(local_invocation_index) thread: u32,
+) {
+  let bit = group.y;
   let number = draw.first_light + bit;
   let own = seen[draw.view * shape.lights + number];
   let near = CHOICE_WORDS * choices_of(0u, draw.first_light / 32u, draw.view) + NEAR;
@@ -35,7 +39,8 @@ fn zp_plus_2005_cases(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_in
   if (((atomicLoad(&choices[near]) >> bit) & 1u) == 0u) {
     edges = 0u;
   }
-  for (var entry = thread; entry < edges; entry += 64u) {
+  // Turns: LISTED_ITEMS.
+  for (var entry = group.x * 64u + thread; entry < edges; entry += 64u * groups.x) {
     var edge = entry;
     if (!overflowed) {
       edge = silhouettes[bit * shape.capacity + entry] & ~WINDING;

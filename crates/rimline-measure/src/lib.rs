@@ -8,7 +8,7 @@
 //! * [`poser`]: where a posed model's vertices are, in `f64`, from the glTF 2.0 specification;
 //! * [`rays`]: triangles and rays in `f64`;
 //! * [`slivers`]: whether a driver rasterises triangles that leave the picture rightly;
-//! * [`pipelines`], [`dispatch`]: short ways to pipelines;
+//! * [`pipelines`], [`dispatch`]: short ways to pipelines; [`turns`]: how many turns the loops of a shader have;
 //! * [`device`], `harness`: the device that GPU tests run on, and how they are run.
 #![allow(clippy::missing_errors_doc, clippy::missing_panics_doc, reason = "comparators fail and panic by design")]
 #![allow(missing_docs, reason = "fields of fixtures say by their names what they are")]
@@ -37,6 +37,7 @@ pub mod shadow_oracle;
 pub mod shapes;
 pub mod slivers;
 pub mod stress;
+pub mod turns;
 
 use std::path::PathBuf;
 

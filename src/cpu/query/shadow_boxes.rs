@@ -38,14 +38,17 @@ const ANY_RUN: usize = usize::MAX / CLUSTER;
 /// empty. One with more faces than a run lies in several all the same, see [`largest_polygon`].
 pub(crate) fn clusters(mesh: &Mesh, run: usize) -> Vec<FaceCluster> {
     let mut clusters = vec![FaceCluster::zeroed(); cluster_count(mesh, run)];
-    let mut put = |place: usize, face: [u32; 3], continues: bool| {
+    let mut put = |place: usize, face: [u32; 3], head: usize| {
         let cluster = &mut clusters[place / CLUSTER];
         cluster.corners[place % CLUSTER * 3..][..3].copy_from_slice(&face);
-        cluster.continues |= u32::from(continues) << (place % CLUSTER);
+        cluster.continues |= u32::from(place > head) << (place % CLUSTER);
+        if place.is_multiple_of(CLUSTER) && place > head {
+            cluster.head = (head % (run * CLUSTER)) as u32;
+        }
     };
     let Some(polygons) = mesh.polygons() else {
         for (place, &face) in mesh.faces().iter().enumerate() {
-            put(place, face, false);
+            put(place, face, place);
         }
         return clusters;
     };
@@ -54,7 +57,7 @@ pub(crate) fn clusters(mesh: &Mesh, run: usize) -> Vec<FaceCluster> {
         let triangles = &mesh.faces()[polygons.triangles(polygon)];
         let first = first_place(end, triangles.len(), run);
         for (at, &face) in triangles.iter().enumerate() {
-            put(first + at, face, at > 0);
+            put(first + at, face, first);
         }
         end = first + triangles.len();
     }

@@ -65,6 +65,8 @@ impl Segment {
 
     fn depth(&self, positions: &[[f32; 3]], clusters: &[FaceCluster]) -> i32 {
         let mut depth = 0;
+        // The polygon at hand, by the place where it begins, and whether an odd number of its triangles are between so far.
+        let mut odd = (0, false);
         for (group_at, group) in clusters.chunks(CLUSTER).enumerate() {
             if self.misses(group[0].group_low, group[0].group_high) {
                 continue;
@@ -76,23 +78,16 @@ impl Segment {
                 let bound = self.edge_bound(cluster);
                 for place in 0..CLUSTER {
                     if self.crosses(positions, corners_of(cluster, place), bound) {
-                        depth += self.turn(positions, clusters, (group_at * CLUSTER + at) * CLUSTER + place);
+                        let head = head_of(cluster, group_at * CLUSTER + at, place);
+                        odd = (head, odd.0 == head && odd.1);
+                        // 1, or −1 after an odd number of triangles of the same polygon.
+                        depth += if odd.1 { -1 } else { 1 };
+                        odd.1 = !odd.1;
                     }
                 }
             }
         }
         depth
-    }
-
-    /// What a face that lies between counts: 1, or −1 after an odd number of triangles of the same polygon.
-    fn turn(&self, positions: &[[f32; 3]], clusters: &[FaceCluster], face: usize) -> i32 {
-        let continues = |at: &usize| clusters[at / CLUSTER].continues >> (at % CLUSTER) & 1 != 0;
-        let others = (1..=face).rev().take_while(continues).map(|at| at - 1);
-        let is_between = |at: &usize| {
-            let cluster = &clusters[at / CLUSTER];
-            self.crosses(positions, corners_of(cluster, at % CLUSTER), self.edge_bound(cluster))
-        };
-        1 - 2 * (others.filter(is_between).count() % 2) as i32
     }
 
     /// Whether the segment certainly crosses no face in this box.
@@ -168,6 +163,12 @@ const MARGIN: f64 = 1e-14;
 /// A corner of a box.
 fn corner_of([x, y, z, _]: [u32; 4]) -> [f64; 3] {
     [x, y, z].map(|bits| f64::from(f32::from_bits(bits)))
+}
+
+/// Where the polygon of a face begins. `at` is the cluster, and `place` the face in it.
+fn head_of(cluster: &FaceCluster, at: usize, place: usize) -> usize {
+    let begins = !cluster.continues & (u32::MAX >> (CLUSTER - 1 - place));
+    begins.checked_ilog2().map_or(cluster.head as usize, |begin| CLUSTER * at + begin as usize)
 }
 
 /// The vertices of a face of a cluster.

@@ -14,6 +14,9 @@ const LEAST: f32 = f32::from_bits((127 - 100) << 23);
 /// 32 units in the last place: the part of sizes by which a box must be behind.
 pub const SLACK: f32 = f32::from_bits((127 - 18) << 23);
 
+/// Occluders that are tried. Others hide nothing.
+const MOST_OCCLUDERS: u32 = 128;
+
 /// Those of some lights for which a caster is hidden. A GPU may decide pairs at the very end of what is proven differently,
 /// because WGSL leaves it some freedom in rounding. So `slack` may be given, which is [`SLACK`].
 pub fn occluded(table: SceneTable<'_>, group: &SceneDispatch, caster: u32, batch: u32, lights: u32, slack: f32) -> u32 {
@@ -23,7 +26,7 @@ pub fn occluded(table: SceneTable<'_>, group: &SceneDispatch, caster: u32, batch
     }
     let body = Body::new(&own, f32::from_bits(table.word(group.ranges_at + 16 * group.batches, 2)));
     let hides = |light: &u32| {
-        (0..group.occluders).any(|number| {
+        (0..group.occluders.min(MOST_OCCLUDERS)).any(|number| {
             let [usable, facing, of, at] = table.part(group.occluders_at + batch * group.occluders + number);
             let place = group.world_lights_at + 32 * batch + light;
             of != caster && usable >> light & 1 != 0 && {

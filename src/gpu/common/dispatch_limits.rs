@@ -4,17 +4,21 @@
 use std::ops::Range;
 
 use super::memory::MemoryError;
+use crate::turns::ITEMS;
 
 /// The number of invocations of a workgroup, in every stage that works item by item.
 pub(crate) const WORKGROUP: u32 = 256;
-/// The number of items that an invocation takes at most. Its loops never end early: ARCHITECTURE.md, "Limits of devices".
-const TURNS: u32 = 128;
 
 /// The number of workgroups whose invocations take `items` in turn. A CPU executes invocations without work one after another,
 /// so it gets few.
 pub(crate) fn loops(device: &wgpu::Device, items: u32) -> u32 {
+    loops_of(device, items, ITEMS)
+}
+
+/// The same with at most `turns` items for each invocation.
+pub(crate) fn loops_of(device: &wgpu::Device, items: u32, turns: u32) -> u32 {
     let few = if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 64 } else { 4096 };
-    items.div_ceil(WORKGROUP).clamp(1, few).max(items.div_ceil(WORKGROUP * TURNS))
+    items.div_ceil(WORKGROUP).clamp(1, few).max(items.div_ceil(WORKGROUP * turns))
 }
 
 /// The number of bindings that a gathered array may span.

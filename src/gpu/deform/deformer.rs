@@ -15,6 +15,7 @@ use crate::gpu::common::uniforms::{UniformTable, entry, upload};
 use crate::gpu::scene::needs::SceneNeeds;
 use crate::layout::{DeformChunk, DeformDispatch};
 use crate::model::{Geometry, Model, Pose, PoseMismatch};
+use crate::turns::DEFORM_TERMS;
 
 /// What a [`Deformer`] computes besides morph targets and skins, and its memory limit.
 #[derive(Clone, Copy, Debug, Default)]
@@ -81,11 +82,6 @@ pub enum DeformError {
         message: String,
     },
 }
-
-/// The largest number of turns of the stage's loops in one invocation: morph targets and influences together. llvmpipe
-/// (Mesa 22.3) silently ends an invocation's loops after 65,535 turns in total. The rest is left for the displacement's
-/// own loops.
-const MOST_TERMS: u32 = 60_000;
 
 /// Deforms a model every frame into its own position buffer. The buffer holds all instances in the vertex order of
 /// [`Model::mesh`]: three tightly packed `f32` for each vertex, in world space.
@@ -347,8 +343,8 @@ fn instance_offsets(model: &Model) -> Vec<u64> {
 /// targets.
 fn check_terms(instance: usize, targets: u32, layout: &PoseLayout) -> Result<(), DeformError> {
     let influences = layout.influences;
-    if targets.saturating_add(influences) > MOST_TERMS {
-        return Err(DeformError::TooManyTerms { instance, targets, influences, limit: MOST_TERMS });
+    if targets.saturating_add(influences) > DEFORM_TERMS {
+        return Err(DeformError::TooManyTerms { instance, targets, influences, limit: DEFORM_TERMS });
     }
     Ok(())
 }

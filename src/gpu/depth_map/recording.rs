@@ -20,10 +20,7 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
 use crate::layout::{ContourShape, DepthEdgeRule, DepthMapShape, DepthMapView, DepthNearBox};
 use crate::shadow::DepthDirection;
-
-/// Blocks that a workgroup takes in turn at most, where integers may have to decide about all edges: an invocation then has up to
-/// 11,000 turns of loops for each. ARCHITECTURE.md, "Limits of devices".
-const BLOCKS_OF_WORLD_STEPS: u32 = 4;
+use crate::turns::WORLD_BLOCKS;
 
 /// A camera and, for each bit, the views of the maps as it sees them.
 pub(super) type Eye<'a> = (&'a ShadowCamera, Vec<Vec<DepthMapView>>);
@@ -183,7 +180,7 @@ impl DepthMapVolumes {
         let few = over(loops(device, shape.blocks.saturating_mul(WORKGROUP)));
         let count = match (shape.spread, self.world) {
             (0, None) => few,
-            (0, Some(_)) => over(shape.blocks.div_ceil(BLOCKS_OF_WORLD_STEPS)),
+            (0, Some(_)) => over(shape.blocks.div_ceil(WORLD_BLOCKS)),
             _ => every,
         };
         // Marks are counted by a stage of their own.

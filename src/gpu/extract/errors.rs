@@ -5,6 +5,7 @@ use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
 use crate::light::LightError;
+use crate::turns::POLYGON_TRIANGLES;
 
 /// Why an extraction cannot be recorded.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -50,6 +51,16 @@ pub enum ExtractorError {
         polygon: usize,
         /// The number of edges of its outline.
         edges: usize,
+    },
+    /// A polygon has too many triangles, though its outline has few edges: it walks others both ways.
+    #[error(
+        "polygon {polygon} has {triangles} triangles, more than {POLYGON_TRIANGLES}; cut it, or extract it by `cpu::extract`"
+    )]
+    PolygonTooLarge {
+        /// The polygon.
+        polygon: usize,
+        /// The number of its triangles.
+        triangles: usize,
     },
 }
 

@@ -22,6 +22,7 @@ use crate::layout::{Chunk, LightBatch};
 use crate::light::{self, check_lights};
 use crate::method::Predicate;
 use crate::stages::ARGUMENTS;
+use crate::turns::EXACT_ITEMS;
 use crate::{Light, Mesh};
 
 /// Extracts the silhouettes of one mesh every frame, for up to `max_lights` lights. It records compute passes into the
@@ -51,7 +52,7 @@ const EXACT_WORKGROUP: u32 = 64;
 /// ARCHITECTURE.md, "Exact facing is a direct dispatch". From 4 on, a dispatch has no more workgroups than one of
 /// facing.
 fn exact_turns(device: &wgpu::Device) -> u32 {
-    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 48 } else { 4 }
+    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { EXACT_ITEMS } else { 4 }
 }
 
 impl Extractor {

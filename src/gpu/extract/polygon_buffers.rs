@@ -7,6 +7,7 @@ use super::options::MAX_OUTLINE_EDGES;
 use crate::Mesh;
 use crate::gpu::common::memory::{buffer, filled};
 use crate::mesh::Polygons;
+use crate::turns::POLYGON_TRIANGLES;
 
 /// The largest number of edges of an outline that is decided by an invocation for each edge and light, as in
 /// `outlines.wgsl`. The other constants are there, too.
@@ -56,6 +57,10 @@ impl PolygonShape {
             let edges = polygons.outline(polygon).len();
             if edges > MAX_OUTLINE_EDGES {
                 return Err(ExtractorError::OutlineTooLarge { polygon, edges });
+            }
+            let triangles = polygons.triangles(polygon).len();
+            if triangles > POLYGON_TRIANGLES {
+                return Err(ExtractorError::PolygonTooLarge { polygon, triangles });
             }
             outline_edges += edges;
             let small = edges.div_ceil(ENTRY_EDGES) * lights.div_ceil(ENTRY_LIGHTS);

@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::MemoryError;
 use crate::layout::{FaceCluster, UndecidedFaces};
+use crate::turns::QUERY_GROUPS;
 
 /// The number of clusters in a group. Dispatches begin at whole groups, whose offset in bytes suits any binding.
 pub(super) const GROUP: usize = 32;
@@ -15,9 +16,9 @@ const WORKGROUP: u64 = 64;
 /// The largest number of pairs of point and light in one dispatch, where bindings allow it. It is enough for the
 /// largest GPUs.
 const MOST_QUERIES: u64 = 1 << 17;
-/// The largest number of groups that one dispatch goes over, even for few points. A single invocation must end, and
-/// llvmpipe silently ends its loops after 65,535 turns.
-const MOST_GROUPS: u64 = 32;
+/// The largest number of groups that one dispatch goes over, even for few points. A single invocation must end; `turns` says
+/// how many turns its loops have. With 31 groups, a word of `UndecidedFaces` also has a bit for each and one more.
+const MOST_GROUPS: u64 = QUERY_GROUPS as u64;
 /// The number of points in a run is a multiple of this, so that the depths can be bound at its first point.
 const POINTS: u64 = 64;
 /// Bytes before the undecided pairs.

@@ -47,6 +47,8 @@ pub struct ShadowQuery {
     most_queries: u64,
     pipelines: Pipelines,
     passes: Passes,
+    /// Whether a polygon has several triangles.
+    has_polygons: bool,
     options: ShadowQueryOptions,
 }
 
@@ -61,11 +63,12 @@ struct Passes {
 }
 
 impl Passes {
-    fn new(pipelines: &Pipelines, skip_by_boxes: bool, window_words: u32) -> Self {
+    fn new(pipelines: &Pipelines, skip_by_boxes: bool, has_polygons: bool, window_words: u32) -> Self {
         let windows = ("WINDOW_WORDS", f64::from(window_words));
         let skip = ("SKIP", f64::from(u8::from(skip_by_boxes)));
+        let polygons = ("POLYGONS", f64::from(u8::from(has_polygons)));
         let pair = |stage: &Stage, entry_point: usize| {
-            pipelines.compute(stage, stage.entry_points[entry_point], &[windows, skip])
+            pipelines.compute(stage, stage.entry_points[entry_point], &[windows, skip, polygons])
         };
         let (boxes, arguments) = (&SHADOW_BOXES, &DEPTH_ARGUMENTS);
         let most = [("MOST_WORKGROUPS", f64::from(pipelines.device().limits().max_compute_workgroups_per_dimension))];
@@ -138,7 +141,8 @@ impl ShadowQuery {
             undecided_pairs,
             recount_dispatch,
             most_queries,
-            passes: Passes::new(&pipelines, skip_by_boxes, 0),
+            passes: Passes::new(&pipelines, skip_by_boxes, faces > 1, 0),
+            has_polygons: faces > 1,
             pipelines,
             options,
         })
@@ -199,7 +203,8 @@ impl ShadowQuery {
         let chunks = point_chunks(&self.split, self.most_queries, point_count, lights.len(), points.stride)
             .map_err(|error| ShadowQueryEncodeError::Points(error.into()))?;
         if self.passes.depth.window_words != bound.windows.words {
-            self.passes = Passes::new(&self.pipelines, self.options.skip_by_boxes, bound.windows.words);
+            let skip = self.options.skip_by_boxes;
+            self.passes = Passes::new(&self.pipelines, skip, self.has_polygons, bound.windows.words);
         }
         let Some(most) = chunks.first().map(ExactSizeIterator::len) else { return Ok(()) };
         let batch_lights = lights.len().min(32) as u64;
@@ -353,7 +358,8 @@ impl Tables {
         }
         let mut ranges = UniformTable::default();
         let mut push = |first: usize, end: usize, is_first: bool| {
-            ranges.push(&FaceRange { first: first as u32, end: end as u32, is_first: u32::from(is_first) })
+            let before = first.saturating_sub(range) as u32;
+            ranges.push(&FaceRange { first: first as u32, end: end as u32, is_first: u32::from(is_first), before })
         };
         let whole_ranges = clusters.iter().map(|chunk| push(0, chunk.len(), false)).collect();
         let sub_ranges = clusters

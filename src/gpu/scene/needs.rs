@@ -18,11 +18,10 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::layout::{LightCone, NeedsDispatch, SeenLight, ShadowLight, ShadowView};
 use crate::stages::NEEDS;
+use crate::turns::NEEDS_BOXES;
 
 /// Invocations of a workgroup, which take a figure each.
 const WORKGROUP: u64 = 64;
-/// The most boxes that an invocation may look at, with up to 17 turns of loops each: software devices silently end longer loops.
-const MOST_BOXES: usize = 3500;
 
 /// Which casters a frame needs, once the encoder was submitted: the result of [`Scene::encode_needs`].
 ///
@@ -119,7 +118,7 @@ impl Scene {
         self.needs += 1;
         let (seen, figures) = (self.seen_for_needs(cameras, &views), self.figures(&keys));
         let lights = if views.is_empty() { 1 } else { seen.len() / views.len() };
-        let is_short = views.len() * (lights + 1) <= MOST_BOXES;
+        let is_short = views.len() * (lights + 1) <= NEEDS_BOXES;
         let frame = NeedsDispatch {
             figures: keys.len() as u32,
             views: views.len() as u32,

@@ -4,7 +4,7 @@ use wgpu::BindingResource;
 
 use super::buffers::{Buffers, GroupBuffers, LISTS_HEAD, WORK_WORDS};
 use super::structure::{GroupBatch, Making, Structure};
-use crate::gpu::common::dispatch_limits::{DispatchLimits, binding, loops};
+use crate::gpu::common::dispatch_limits::{DispatchLimits, binding, loops_of};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::{PositionError, bound};
@@ -13,16 +13,15 @@ use crate::gpu::common::uniforms::entry;
 use crate::layout::{DrawShape, ExtractionStatistics, LANES, SceneDispatch};
 use crate::method::Predicate;
 use crate::stages::{ARGUMENTS, CHUNKS, CLUSTERS, REACH, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING, Stage};
+use crate::turns::{SCENE_ITEMS, scene_exact_items};
 
 /// The number of invocations in a workgroup of `reach` and of exact facing.
 const SMALL_WORKGROUP: u64 = 64;
 
 /// The number of faces that an invocation of exact facing takes in turn if every face is undecided. See
-/// ARCHITECTURE.md, "Exact facing is a direct dispatch". Lights of scenes take further turns, so there are fewer faces
-/// than for a single mesh.
+/// ARCHITECTURE.md, "Exact facing is a direct dispatch".
 fn exact_turns(device: &wgpu::Device, lights: u32) -> u64 {
-    let most = u64::from(32 * 40 / lights.max(1));
-    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { most.min(400) } else { 4 }
+    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { scene_exact_items(lights).into() } else { 4 }
 }
 
 /// The passes of a scene, in order. There are none without casters or lights.
@@ -124,8 +123,10 @@ impl<'a> Binder<'a> {
         let pairs = self.structure.layout.order.len() * self.structure.batches;
         let Buffers { lit, taken, .. } = &self.structure.buffers;
         let resources = self.versions(&[("lit", lit), ("taken", taken)]);
-        let dispatches = vec![self.dispatch(&pipeline, &resources, 0, (pairs as u64).div_ceil(SMALL_WORKGROUP))];
-        Pass { pipeline, dispatches }
+        let workgroups = (pairs as u64).div_ceil(SMALL_WORKGROUP);
+        let rows = workgroups.div_ceil(self.limits.workgroups).clamp(1, self.limits.workgroups) as u32;
+        let dispatch = self.dispatch(&pipeline, &resources, 0, workgroups);
+        Pass { pipeline, dispatches: vec![Dispatch { rows, ..dispatch }] }
     }
 
     /// A dispatch of a stage for each group and batch.
@@ -140,7 +141,7 @@ impl<'a> Binder<'a> {
                 Items::Edges => LANES * group.edge_chunks,
             };
             let Some(resources) = resources(part) else { continue };
-            let workgroups = loops(self.pipelines.device(), count);
+            let workgroups = loops_of(self.pipelines.device(), count, SCENE_ITEMS);
             dispatches.push(self.dispatch(&pipeline, &resources, part.offset, workgroups.into()));
         }
         Pass { pipeline, dispatches }

@@ -18,6 +18,7 @@ use crate::stages::{
     BOUNDS, CAPS, CHOOSE, LIST_SIDES, PIECE_ARGUMENTS, PIECE_CROSSINGS, RELIST, SHADOW_ARGUMENTS, STENCIL_BOUND,
     STENCIL_CROSSINGS, STENCIL_PENCIL, Stage, ZP_PLUS_2005_CASES,
 };
+use crate::turns::{BOUND_CHUNKS, LISTED_ITEMS};
 
 /// The pipelines of these stages.
 #[derive(Clone, Debug)]
@@ -278,13 +279,15 @@ impl<'a> Binder<'a> {
         let without_boxes = self.sizes.groups.iter().zip(&self.source.groups).enumerate();
         let boxed = without_boxes.filter(|(_, (_, source))| !source.has_boxes).map(|(group, (size, _))| {
             // An invocation takes some 64 faces. So there are few atomics, and all cores have work.
-            let workgroups = [size.faces.div_ceil(CHUNK).div_ceil(64).clamp(1, 1024), 1];
+            let chunks = size.faces.div_ceil(CHUNK);
+            let workgroups = [chunks.div_ceil(64).clamp(1, 1024).max(chunks.div_ceil(64 * BOUND_CHUNKS)), 1];
             self.dispatch(bounds, Place { group, ..Place::default() }, workgroups)
         });
         let mut passes: Vec<Pass> = relist.iter().map(|relist| self.for_each(relist, |_, _| [1, 1])).collect();
         passes.extend([Pass { pipeline: bounds.clone(), dispatches: boxed.collect() }, self.choose(choose)]);
         if let Some(cases) = zp_plus_2005_cases {
-            passes.push(self.for_all(cases));
+            passes
+                .push(self.for_each(cases, |size, room| [size.edges.div_ceil(64 * LISTED_ITEMS).max(1), room.lights]));
         }
         passes.push(self.for_each(caps, |size, _| {
             let items = if *is_scene { size.faces.div_ceil(CHUNK) * LANES } else { size.faces };
@@ -301,7 +304,7 @@ impl<'a> Binder<'a> {
         let is_cpu = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let over_sides = |size: &GroupSize, room: &Room| {
             // An invocation takes some sixteen sides of a list that is full, and all edges take few turns.
-            let fewest = size.edges.div_ceil(CHUNK).div_ceil(8192);
+            let fewest = size.edges.div_ceil(64 * LISTED_ITEMS);
             let most = if is_cpu { 64_u32.div_ceil(room.lights).max(4) } else { 256 };
             [room.silhouettes.div_ceil(16 * 64).clamp(1, most).max(fewest), room.lights]
         };
@@ -309,8 +312,16 @@ impl<'a> Binder<'a> {
         listing.extend(piece_arguments.iter().map(|stage| self.for_each(stage, |_, _| [1, 1])));
         if let Some([pencil, crossings, bound]) = bound {
             listing.extend([self.for_all(pencil), self.for_each(crossings, over_sides)]);
-            // An invocation takes few pieces of many.
-            let over_pieces = |_: &GroupSize, room: &Room| [if is_cpu { 4 } else { 64 }, room.lights];
+            // An invocation takes few pieces of many. Each has nine words.
+            let bytes = self.source.groups.iter().flat_map(|group| &group.batches).map(|batch| match &batch.pieces {
+                Some(BindingResource::Buffer(pieces)) => pieces.buffer.size(),
+                _ => 0,
+            });
+            let most_pieces = u32::try_from(bytes.max().unwrap_or(0) / 36).unwrap_or(u32::MAX);
+            let over_pieces = |_: &GroupSize, room: &Room| {
+                let fewest = (most_pieces / room.lights.max(1)).div_ceil(64 * LISTED_ITEMS);
+                [if is_cpu { 4 } else { 64 }.max(fewest), room.lights]
+            };
             listing.extend(piece_crossings.iter().map(|stage| self.for_each(stage, over_pieces)));
             listing.push(self.for_all(bound));
         }

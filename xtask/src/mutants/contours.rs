@@ -59,7 +59,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "contours: an invocation has too many tiles for software Vulkan",
         changes: &[(
             "wgsl/depth_map/contour_tiles.wgsl",
-            "const TILES_OF_WALKERS: u32 = 3u;",
+            "const TILES_OF_WALKERS: u32 = 2u;",
             "const TILES_OF_WALKERS: u32 = 16u;",
         )],
         tests: &["--test depth_map_gpu contours_through_every_cell"],

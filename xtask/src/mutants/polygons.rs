@@ -168,20 +168,30 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         changes: &[
             (
                 "wgsl/query/shadow_pairs.wgsl",
-                "(index % CLUSTER)) & 1u) != 0u",
-                "(index % CLUSTER)) & min(index % CLUSTER, 1u)) != 0u",
+                "let begins = ~clusters[cluster].continues &",
+                "let begins = (~clusters[cluster].continues | 1u) &",
             ),
             (
                 "src/cpu/query/shadow_depth.rs",
-                "(at % CLUSTER) & 1 != 0",
-                "(at % CLUSTER) & (at % CLUSTER).min(1) as u32 != 0",
+                "let begins = !cluster.continues &",
+                "let begins = (!cluster.continues | 1) &",
             ),
         ],
         tests: &["--test polygon_gpu depths", "--test polygon_cpu query"],
     },
     Mutation {
-        name: "polygon depths: an undecided triangle is not between",
-        changes: &[("wgsl/query/shadow_depth.wgsl", "        turn = 0;\n", "        turn = turn;\n")],
+        name: "polygon depths: an undecided triangle comes before all others of its polygon",
+        changes: &[("wgsl/query/shadow_depth.wgsl", "!noted_odd, noted_heads ==", "noted_odd, noted_heads ==")],
+        tests: &["--test polygon_gpu depths"],
+    },
+    Mutation {
+        name: "polygon depths: a polygon begins anew with each dispatch",
+        changes: &[("wgsl/query/shadow_depth.wgsl", "select(state & ODD_AT_END, bits", "select(0u, bits")],
+        tests: &["--test polygon_gpu depths"],
+    },
+    Mutation {
+        name: "polygon depths: what is counted anew does not know the dispatch before",
+        changes: &[("wgsl/query/shadow_depth.wgsl", "noted.x = select(0u, 1u, begins_odd);", "noted.x = 0u;")],
         tests: &["--test polygon_gpu depths"],
     },
     Mutation {

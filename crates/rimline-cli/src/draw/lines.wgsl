@@ -60,12 +60,15 @@ fn is_veiled(low: vec2<i32>, high: vec2<i32>, ahead: f32) -> bool {
   let to_place = min(high + reach(), last_place());
   let span = max(to_place.x - from_place.x, to_place.y - from_place.y);
   var level = 0u;
+  // Turns: 16.
   while (level < 16u && (span >> (SQUARE_BITS + level)) > 3) {
     level++;
   }
   let shift = vec2<u32>(SQUARE_BITS + level);
   let last = to_place >> shift;
+  // Turns: 5.
   for (var y = from_place.y >> shift.y; y <= last.y; y++) {
+    // Turns: 5.
     for (var x = from_place.x >> shift.x; x <= last.x; x++) {
       if (!(ahead > bitcast<f32>(textureLoad(veils, vec2<i32>(x, y), i32(level)).r))) {
         return false;
@@ -207,9 +210,12 @@ fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
   // Faces are gathered before they are looked at: neighbouring points then look at theirs together.
   var last_faces = vec4<u32>(own, 0u, 0u, 0u);
   var place = first;
+  // Each turn but the last takes as many places as there are faces to gather, of 49.
+  // Turns: 7.
   while (place.y <= last.y) {
     var gathered: array<u32, GATHERED>;
     var count = 0u;
+    // Turns: 49.
     while (place.y <= last.y && count < GATHERED) {
       let face = face_at(place);
       let is_end = place.x == last.x;
@@ -221,6 +227,7 @@ fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
         count++;
       }
     }
+    // Turns: GATHERED.
     for (var number = 0u; number < count; number++) {
       let verdict = verdict(gathered[number] - 1u, point);
       if (verdict == HIDES) {

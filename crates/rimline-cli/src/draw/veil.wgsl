@@ -42,7 +42,9 @@ fn veil_of(face: u32) -> f32 {
   let end = min(first + SQUARE, frame.places * vec2<i32>(frame.size));
   var known = 0u;
   var largest = 0.0;
+  // Turns: SQUARE.
   for (var y = first.y; y < end.y; y++) {
+    // Turns: SQUARE.
     for (var x = first.x; x < end.x; x++) {
       let halves = textureLoad(seen, vec2<i32>(x, y), 0).rg;
       let face = halves.x | (halves.y << 16u);

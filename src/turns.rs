@@ -1,0 +1,152 @@
+//! How many turns the loops of each entry point have. llvmpipe silently ends all loops of an invocation after 65,535 turns
+//! together, and drivers stop what runs long. NUMERICS.md, "Turns of loops", says how turns count. A comment above each loop says
+//! how many it has, and a test adds them up: a new loop without one, or one above the bound, fails it.
+
+/// The turns after which llvmpipe ends the loops of an invocation.
+#[cfg(feature = "reference")]
+pub const MOST_TURNS: u32 = 65_535;
+
+/// Groups of 1,024 faces that one dispatch of a query goes over. With 31, a word also has a bit for each and one more.
+pub(crate) const QUERY_GROUPS: u32 = 31;
+/// Items that an invocation takes in turn at most, where each takes few turns.
+pub(crate) const ITEMS: u32 = 128;
+/// The same for chunks of the casters of a scene, where masks are put together light by light.
+pub(crate) const SCENE_ITEMS: u32 = 96;
+/// Sides, edges or pieces that an invocation takes in turn at most.
+pub(crate) const LISTED_ITEMS: u32 = 4096;
+/// Chunks of faces that an invocation of `bounds` takes in turn at most.
+pub(crate) const BOUND_CHUNKS: u32 = 128;
+/// Undecided faces that an invocation of exact facing takes in turn at most, of a single mesh with 32 lights.
+pub const EXACT_ITEMS: u32 = 44;
+/// Morph targets and influences of a vertex together. What is left of the turns is the displacement's.
+pub(crate) const DEFORM_TERMS: u32 = 60_000;
+/// Boxes that an invocation of `needs` looks at: views times lights and one more.
+pub(crate) const NEEDS_BOXES: usize = 2500;
+/// Triangles of a polygon that is extracted on the GPU.
+pub(crate) const POLYGON_TRIANGLES: usize = 2048;
+/// Blocks of a depth map that an invocation takes in turn at most, where integers may have to decide about all edges.
+pub(crate) const WORLD_BLOCKS: u32 = 4;
+
+/// Undecided faces that an invocation of exact facing takes in turn at most, of a scene with so many lights in a batch. Each has
+/// some 42 turns for each light, and some 40 besides.
+pub fn scene_exact_items(lights: u32) -> u32 {
+    (60_000 / (50 + 45 * lights.clamp(1, 32))).min(400)
+}
+
+/// The names that the comments above loops use, besides constants of the WGSL. Those of sizes follow from what one binding of
+/// llvmpipe holds, 128 MiB, and from its largest texture, 16,384 texels a side.
+#[cfg(feature = "reference")]
+pub fn limits(lights: u32, exact_items: u32) -> std::collections::BTreeMap<&'static str, u64> {
+    std::collections::BTreeMap::from([
+        ("LIGHTS", lights.into()),
+        ("EXACT_ITEMS", exact_items.into()),
+        ("QUERY_GROUPS", QUERY_GROUPS.into()),
+        ("ITEMS", ITEMS.into()),
+        ("SCENE_ITEMS", SCENE_ITEMS.into()),
+        ("LISTED_ITEMS", LISTED_ITEMS.into()),
+        ("BOUND_CHUNKS", BOUND_CHUNKS.into()),
+        ("DEFORM_TERMS", DEFORM_TERMS.into()),
+        ("NEEDS_BOXES", NEEDS_BOXES as u64),
+        ("POLYGON_TRIANGLES", POLYGON_TRIANGLES as u64),
+        ("WORLD_BLOCKS", WORLD_BLOCKS.into()),
+        // Two thousand million edges in blocks of 256, which 256 invocations share.
+        ("SCAN_BLOCKS", 32_000),
+        // A light of a view has 64 bytes at least, and 32 of them share a place.
+        ("BOUND_PLACES", 1 << 14),
+        // A caster has 128 bytes of the table, and 256 invocations share them.
+        ("PENCIL_CASTERS", 1 << 12),
+        // Each has half planes of 4 KiB.
+        ("COUNT_BATCHES", 1 << 15),
+        // From tiles of 8 pixels to one cell; all but the first, which 256 invocations share.
+        ("RECEIVER_LEVELS", 12),
+        ("RECEIVER_CELLS", 5500),
+        // Tiles of 16 cells, and blocks of 2,048 cells.
+        ("MAP_TILES", 1025 * 1025),
+        ("MAP_BLOCKS", 1 << 17),
+        ("NEAR_SAMPLES", 1 << 16),
+        ("WALKER_TILES", 2),
+        // What the walks of a subgroup go over in all, for two tiles: each cell through which a contour goes once, and both ends
+        // of 16 walks that the lanes begin together.
+        ("TILE_NODES", 2 * (256 + 32)),
+        ("TILE_WALLS", 2048),
+        ("OUTLINE_EDGES", 1024),
+        // A workgroup of 64 shares the edges and triangles of a large outline.
+        ("CUT_ITEMS", (1024 + POLYGON_TRIANGLES as u64) / 64),
+    ])
+}
+
+/// For each entry point with loops, by its module, the turns that these have at most.
+#[cfg(feature = "reference")]
+pub const TURNS: &[(&str, &str, u32)] = &[
+    ("needs", "needs", 63_755),
+    ("deform", "deform", 60_002),
+    ("facing", "facing", 9),
+    ("exact_facing", "exact_facing", 59_406),
+    ("polygon_facing", "polygon_facing", 2_058),
+    ("polygon_turns", "polygon_turns", 43_625),
+    ("outline", "outline", 32_876),
+    ("polygon_masks", "polygon_masks", 34_898),
+    ("edges", "edges", 66),
+    ("cut_quads", "cut_quads", 1_328),
+    ("per_edge", "per_edge", 60),
+    ("compact", "compact_count", 42),
+    ("compact", "compact_scan", 64_016),
+    ("compact", "compact_scatter", 355),
+    ("arguments", "arguments", 17),
+    ("reach", "reach", 41_715),
+    ("clusters", "clusters", 13_157),
+    ("chunks", "chunks", 12_482),
+    ("scene_facing", "facing", 58_085),
+    ("scene_exact_facing", "exact_facing", 59_476),
+    ("scene_edges", "edges", 51_844),
+    ("receiver_depth", "receiver_depth", 4_251),
+    ("receiver_samples", "receiver_samples", 4_251),
+    ("receiver_pyramid", "receiver_pyramid", 5_661),
+    ("relist", "relist", 5),
+    ("bounds", "bounds", 37_770),
+    ("choose", "choose", 14_734),
+    ("zp_plus_2005_cases", "zp_plus_2005_cases", 4_097),
+    ("caps", "caps", 40_074),
+    ("list_sides", "list_sides", 16_386),
+    ("stencil_pencil", "stencil_pencil", 61_454),
+    ("stencil_crossings", "stencil_crossings", 53_252),
+    ("piece_crossings", "piece_crossings", 4_101),
+    ("stencil_bound", "stencil_bound", 33_794),
+    ("sides", "side", 85),
+    ("sides", "side_clipped", 86),
+    ("cap_faces", "seen_light_cap", 86),
+    ("cap_faces", "dark_cap", 84),
+    ("cap_faces", "near_cap", 86),
+    ("pieces", "piece_side", 85),
+    ("pieces", "piece_side_clipped", 86),
+    ("pieces", "piece_near_cap", 86),
+    ("pieces", "piece_light_cap", 86),
+    ("pieces", "piece_dark_cap", 84),
+    ("shadow_boxes", "shadow_boxes", 65),
+    ("shadow_depth", "shadow_depth", 33_824),
+    ("exact_shadow_depth", "exact_shadow_depth", 2_480),
+    ("exact_shadow_depth", "exact_shadow_depth_recount", 13_205),
+    ("depth_near", "depth_near", 257),
+    ("depth_near_walls", "depth_near_walls", 257),
+    ("depth_metric", "depth_metric", 2),
+    ("depth_merge", "depth_merge", 2),
+    ("depth_cube", "depth_cube", 10),
+    ("depth_edges", "depth_edges_mark", 60_747),
+    ("depth_edges", "depth_edges_continue", 40),
+    ("depth_edges", "depth_edges_count", 1_539),
+    ("depth_cells", "depth_cells_count", 55_069),
+    ("depth_cells", "depth_cells_places", 1_035),
+    ("depth_cells", "depth_cells_list", 16_134),
+    ("contour_marks", "contour_marks", 232),
+    ("contour_tiles", "contour_tiles_find", 20),
+    ("contour_tiles", "contour_tiles_list", 8_222),
+    ("contour_places", "contour_places", 17_012),
+    ("contour_walls", "contour_walls_take", 49_935),
+    ("contour_walls", "contour_walls_places", 45_156),
+    ("depth_surface", "depth_surface", 31),
+    ("depth_surface", "depth_near_cap_fragment", 83),
+    ("depth_walls", "depth_walls_near_cap_fragment", 8_477),
+];
+/// Entry points of which the turns have no bound.
+#[cfg(feature = "reference")]
+pub const UNBOUNDED: &[&str] = &["cut_edges"];
