@@ -1,6 +1,6 @@
 //! The model file, whatever its format, and the mesh it makes at one posed.
 
-use std::io::{BufReader, Cursor, Read, Seek};
+use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use rimline::MAX_LIGHTS;
@@ -282,7 +282,7 @@ fn open(file: &Path, options: LoadOptions, taken: TakenPolygons) -> Result<(Sour
         return open_npz(reader, options);
     }
     if ending.as_deref() == Some("obj") {
-        return of_arrays(obj::read(BufReader::new(reader), options.memory_limit)?, options, taken);
+        return of_arrays(read_obj(BufReader::new(reader), options, taken)?, options, taken);
     }
     let mut start = Vec::new();
     reader.by_ref().take(4).read_to_end(&mut start)?;
@@ -307,7 +307,7 @@ fn open_stdin(options: LoadOptions, taken: TakenPolygons) -> Result<(Source, Ori
             let asset = Asset::from_slice(&bytes, None, options);
             asset.map(of_asset).map_err(|error| of_gltf(Path::new("-"), error))
         }
-        _ if obj::begins_like(&bytes) => of_arrays(obj::read(&*bytes, options.memory_limit)?, options, taken),
+        _ if obj::begins_like(&bytes) => of_arrays(read_obj(&*bytes, options, taken)?, options, taken),
         _ => Err(InputError::Format { what: "a file of this format".to_owned() }),
     }
 }
@@ -333,6 +333,10 @@ fn of_gltf(file: &Path, error: GltfError) -> InputError {
         GltfError::Outside { place, uri, path } => InputError::Outside { place, uri, path },
         error => error.into(),
     }
+}
+
+fn read_obj(reader: impl BufRead, options: LoadOptions, taken: TakenPolygons) -> Result<npz::Arrays, InputError> {
+    Ok(obj::read(reader, options.memory_limit, taken != TakenPolygons::Triangles)?)
 }
 
 fn open_npz(reader: impl Read + Seek, options: LoadOptions) -> Result<(Source, Origin), InputError> {

@@ -103,6 +103,10 @@ const DRAWING: &str = "
 /// # Errors
 /// The device fails.
 pub fn coverage(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Triangle]) -> Result<Vec<[u8; 2]>, String> {
+    let (needed, most) = (size_of_val(triangles) as u64, device.limits().max_buffer_size);
+    if needed > most {
+        return Err(format!("the trial needs a buffer of {needed} bytes, and the device has at most {most}"));
+    }
     let format = wgpu::TextureFormat::Rgba8Unorm;
     let add = wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::One,

@@ -59,11 +59,12 @@ pub fn begins_like(bytes: &[u8]) -> bool {
     false
 }
 
-/// Reads positions and faces, relative to an origin near them; faces of triangles alone come as triangles, others as polygons. Everything else is skipped.
-/// What takes more than `memory_limit` bytes, with the mesh that is made of it, is refused before it is kept.
-pub fn read(reader: impl BufRead, memory_limit: u64) -> Result<Arrays, ObjError> {
+/// Reads positions and faces, relative to an origin near them; faces of triangles alone come as triangles, others as polygons.
+/// Everything else is skipped. What takes more than `memory_limit` bytes, with the mesh that is made of it, is refused before it
+/// is kept: a mesh of polygons where these `are_whole`, else of their triangles.
+pub fn read(reader: impl BufRead, memory_limit: u64, are_whole: bool) -> Result<Arrays, ObjError> {
     let mut lines = Lines::new(reader);
-    let mut model = Obj { limit: memory_limit, ..Obj::default() };
+    let mut model = Obj { limit: memory_limit, are_whole, ..Obj::default() };
     loop {
         // The line and its copy while it grows.
         let room = (memory_limit - model.used) / 3;
@@ -95,6 +96,8 @@ struct Obj {
     highest: (i64, usize),
     /// The faces so far, as long as all of them are triangles.
     triangles: usize,
+    /// Whether a mesh of polygons is made of polygons.
+    are_whole: bool,
     used: u64,
     limit: u64,
 }
@@ -158,6 +161,10 @@ impl Obj {
         self.sizes.push(size as u32);
         let polygon = |corners: usize| charge::POLYGON + charge::LOOP + charge::CORNER * corners as u64;
         let listed = |corners: usize| LISTED_FACE + LISTED_CORNER * corners as u64;
+        if !self.are_whole {
+            let triangles = (size as u64 - 2) * charge::FACE;
+            return self.charge(line, triangles.saturating_sub(listed(size)));
+        }
         if size == 3 && self.triangles + 1 == self.sizes.len() {
             self.triangles += 1;
             return self.charge(line, charge::FACE.saturating_sub(listed(3)));

@@ -45,7 +45,7 @@ pub(crate) fn case(random: &mut Random) -> Vec<u8> {
 
 pub(crate) fn run(bytes: &[u8]) -> Result<bool, String> {
     obj::begins_like(bytes);
-    let model = match obj::read(Cursor::new(bytes), MEMORY_LIMIT) {
+    let model = match obj::read(Cursor::new(bytes), MEMORY_LIMIT, true) {
         Ok(model) => model,
         Err(error) if error.to_string().len() > 1000 => return Err(format!("a long message: {error}")),
         Err(_) => return Ok(false),
