@@ -3,12 +3,13 @@
 use gltf::json::animation::Property;
 
 use super::curve::Curve;
-use super::document::{ChannelTarget, Document, Transform};
+use super::document::{ChannelTarget, Document, Part, Transform};
 use super::error::GltfError;
 use super::formats;
 use super::info::AnimationInfo;
 use super::reader::Reader;
 use super::transforms::unit;
+use super::warning::GltfWarning;
 
 /// The curves of an animation.
 #[derive(Debug)]
@@ -24,24 +25,35 @@ pub(super) struct Channel {
     pub(super) curve: Curve,
 }
 
-/// Reads all animations of the document.
-pub(super) fn load(reader: &Reader<'_>) -> Result<(Vec<LoadedAnimation>, Vec<AnimationInfo>), GltfError> {
+/// Reads all animations of the document, each with its fault.
+pub(super) fn load(reader: &Reader<'_>) -> Result<(Vec<Part<LoadedAnimation>>, Vec<AnimationInfo>), GltfError> {
     let mut loaded = Vec::new();
     let mut infos = Vec::new();
     for (a, animation) in reader.document.animations.iter().enumerate() {
-        let mut channels = Vec::new();
-        for target in &animation.channels {
-            channels.extend(channel(reader, a, target)?);
-        }
+        let found = reader.warnings.keep(load_one(reader, a))?;
+        let channels = found.as_ref().map_or(&[][..], |found| &found.channels[..]);
         let last_key = |channel: &Channel| channel.curve.times.last().copied();
         infos.push(AnimationInfo {
             name: animation.name.clone(),
             duration_s: channels.iter().filter_map(last_key).fold(0.0, f32::max),
             channels: channels.len(),
+            fault: found.as_ref().err().map(|fault| GltfError::clone(fault)),
         });
-        loaded.push(LoadedAnimation { channels });
+        loaded.push(found);
     }
     Ok((loaded, infos))
+}
+
+fn load_one(reader: &Reader<'_>, index: usize) -> Result<LoadedAnimation, GltfError> {
+    let animation = &reader.document.animations[index];
+    if let Some(fault) = &animation.fault {
+        return Err(GltfError::clone(fault));
+    }
+    let mut channels = Vec::new();
+    for target in &animation.channels {
+        channels.extend(channel(reader, index, target)?);
+    }
+    Ok(LoadedAnimation { channels })
 }
 
 /// Reads a channel. Returns `None` where the target has nothing to move.
@@ -58,7 +70,8 @@ fn channel(reader: &Reader<'_>, animation: usize, target: &ChannelTarget) -> Res
         _ => 3,
     };
     if width == 0 {
-        log::warn!("{place} animates morph weights of nodes[{node}], which has no morph targets: ignored");
+        let problem = format!("nodes[{node}] has no morph targets");
+        reader.warnings.push(GltfWarning::Channel { place, problem })?;
         return Ok(None);
     }
     // Charges the channel, in a list that doubles, and a key's values while it is read and when it is sampled.
@@ -79,13 +92,14 @@ fn curve(reader: &Reader<'_>, animation: usize, target: &ChannelTarget, width: u
     if times.is_empty() {
         return Err(bad("there are no keyframes".to_owned()));
     }
-    let unordered = |pair: &[f32]| pair[0] >= pair[1];
+    // Equal times make a step.
+    let unordered = |pair: &[f32]| pair[0] > pair[1];
     if let Some(key) = times.iter().position(|t| !t.is_finite()) {
         return Err(bad(format!("the time of key {key} is not finite")));
     }
     if let Some(key) = times.windows(2).position(unordered) {
         let (a, b) = (times[key], times[key + 1]);
-        return Err(bad(format!("key {} is at {b} s, not after key {key} at {a} s", key + 1)));
+        return Err(bad(format!("key {} is at {b} s, before key {key} at {a} s", key + 1)));
     }
     let format = match target.property {
         Property::MorphTargetWeights => formats::MORPH_WEIGHTS,

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use gltf::json::Value;
 
 use super::animation::{self, LoadedAnimation};
 use super::budget::Budget;
-use super::document::{self, Document};
+use super::buffers::Bytes;
+use super::document::{self, Document, Part};
 use super::error::GltfError;
 use super::files::{self, Folder};
 use super::graph::Graph;
@@ -17,6 +18,7 @@ use super::instances::{self, Built};
 use super::options::LoadOptions;
 use super::reader::Reader;
 use super::skin::{self, LoadedSkin};
+use super::warning::{GltfWarning, Warnings};
 use super::{buffers, container, estimate, named_files, parse};
 use crate::mesh::WeldCounts;
 use crate::model::{Geometry, Influences, Model};
@@ -41,8 +43,8 @@ pub struct Asset {
     /// The document without buffers, views and accessors, which are no longer needed.
     pub(super) document: Document,
     pub(super) graph: Graph,
-    pub(super) skins: Vec<LoadedSkin>,
-    pub(super) animations: Vec<LoadedAnimation>,
+    pub(super) skins: Vec<Part<LoadedSkin>>,
+    pub(super) animations: Vec<Part<LoadedAnimation>>,
     pub(super) animation_infos: Vec<AnimationInfo>,
     pub(super) skin_infos: Vec<SkinInfo>,
     pub(super) mesh_infos: Vec<MeshInfo>,
@@ -55,6 +57,7 @@ pub struct Asset {
     pub(super) origin: Origin,
     /// The box of each geometry in its own space, once it was asked for.
     pub(super) boxes: OnceLock<Vec<Option<[[f64; 3]; 2]>>>,
+    pub(super) warnings: Vec<GltfWarning>,
 }
 
 impl Asset {
@@ -105,21 +108,27 @@ impl Asset {
     }
 
     fn load(
-        header: Header,
+        header: Header<'_>,
         binary: Option<&[u8]>,
         (base, options): (Option<&Path>, LoadOptions),
         budget: &Budget,
     ) -> Result<Self, GltfError> {
-        let Header { mut document, graph, named_files } = header;
+        let Header { mut document, graph, named_files, warnings } = header;
         let folder = Folder { path: base, allow_outside: options.allow_outside };
-        let buffers = buffers::load(&document, binary, folder, budget)?;
-        let reader = Reader::new(&document, &buffers, budget);
+        let buffers = buffers::load(&document.buffers, binary, folder, budget, &warnings)?;
+        let reader = Reader::new(&document, &buffers, budget, &warnings);
         let skins = skin::load(&reader)?;
         let built = instances::build(&reader, &graph, &skins, options.weld)?;
         instances::Draft::charge_lights(&reader, &graph)?;
         let (animations, animation_infos) = animation::load(&reader)?;
         let skipped = SkippedPrimitives::count(&document);
-        skipped.warn();
+        if skipped != SkippedPrimitives::default() {
+            warnings.push(GltfWarning::Skipped(skipped))?;
+        }
+        warnings.damaged(skins.iter().filter_map(|skin| skin.as_ref().err()))?;
+        warnings.damaged(animations.iter().filter_map(|animation| animation.as_ref().err()))?;
+        warn_of_the_rest(&document, &graph, &buffers, &warnings)?;
+        let warnings = warnings.finish();
         document.buffers = Vec::new();
         document.views = Vec::new();
         document.accessors = Vec::new();
@@ -137,6 +146,7 @@ impl Asset {
             named_files,
             origin: Origin::ZERO,
             boxes: OnceLock::new(),
+            warnings,
         })
     }
 
@@ -144,6 +154,21 @@ impl Asset {
     /// extensions. They need not exist. The list is empty without a folder to look in.
     pub fn named_files(&self) -> &[PathBuf] {
         &self.named_files
+    }
+
+    /// What was left out of the file, or read in another way than it is written. The command prints all of them.
+    ///
+    /// A damaged part of the file is refused only where the scene needs it. Such parts are animations, lights that are
+    /// not asked for, and meshes, skins, nodes and data that the chosen scene does not show. Every other one is a
+    /// [`GltfWarning::Damaged`].
+    pub fn warnings(&self) -> &[GltfWarning] {
+        &self.warnings
+    }
+
+    /// The number of nodes of the chosen scene that are hidden (`KHR_node_visibility`), those below hidden ones included.
+    /// They have no instances and no lights.
+    pub fn hidden_nodes(&self) -> usize {
+        self.graph.hidden
     }
 
     /// The model: the geometries of every mesh and the instances of the chosen scene. Only geometries with faces have
@@ -186,24 +211,50 @@ impl Asset {
 }
 
 /// What a glTF says of itself, before its buffers are read.
-struct Header {
+struct Header<'a> {
     document: Document,
     graph: Graph,
     named_files: Vec<PathBuf>,
+    warnings: Warnings<'a>,
 }
 
-impl Header {
-    fn read(json: &[u8], base: Option<&Path>, budget: &Budget) -> Result<Self, GltfError> {
+impl<'a> Header<'a> {
+    fn read(json: &[u8], base: Option<&Path>, budget: &'a Budget) -> Result<Self, GltfError> {
+        let warnings = Warnings::new(budget);
         // A byte order mark is not allowed, but harmless.
         let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+        let (json, zeros) = container::unpadded(json);
+        if zeros > 0 {
+            warnings.push(GltfWarning::Padding { bytes: zeros })?;
+        }
         budget.charge_json(json)?;
-        let value: Value = gltf::json::deserialize::from_slice(json).map_err(GltfError::Json)?;
-        let document = parse::document(&value, budget)?;
+        let parsed = gltf::json::deserialize::from_slice(json);
+        let value: Value = parsed.map_err(|error| GltfError::Json(Arc::new(error)))?;
+        let document = parse::document(&value, budget, &warnings)?;
         let named_files = named_files::find(&value, base);
         drop(value);
-        let graph = Graph::new(&document)?;
-        Ok(Self { document, graph, named_files })
+        let graph = Graph::new(&document, &warnings)?;
+        Ok(Self { document, graph, named_files, warnings })
     }
+}
+
+/// Warns of faults that nothing asked for. What the scene needs was refused before.
+fn warn_of_the_rest(
+    document: &Document,
+    graph: &Graph,
+    buffers: &[Part<Bytes<'_>>],
+    warnings: &Warnings<'_>,
+) -> Result<(), GltfError> {
+    for fault in graph.faults(document) {
+        warnings.leave_out::<()>(Err(fault))?;
+    }
+    let nodes = document.nodes.iter().filter_map(|node| node.light.as_ref()?.as_ref().err());
+    let lights = document.lights.iter().filter_map(|light| light.light.as_ref().err());
+    warnings.damaged(nodes.chain(lights))?;
+    warnings.damaged(document.scenes.iter().filter_map(|scene| scene.as_ref().err()))?;
+    warnings.damaged(buffers.iter().filter_map(|buffer| buffer.as_ref().err()))?;
+    warnings.damaged(document.views.iter().filter_map(|view| view.as_ref().err()))?;
+    warnings.damaged(document.accessors.iter().filter_map(|accessor| accessor.as_ref().err()))
 }
 
 fn skin_infos(document: &Document) -> Vec<SkinInfo> {

@@ -14,6 +14,8 @@ pub(super) struct Budget {
     limit: u64,
     /// Bytes in use.
     used: Cell<u64>,
+    /// Those of `used` that are never given back: see [`Budget::charge_lasting`].
+    lasting: Cell<u64>,
     /// Those of `used` that are gone once the asset is made: the content of files.
     files: Cell<u64>,
     /// Bytes that the mesh of all instances takes while it is made, beside the asset.
@@ -24,7 +26,10 @@ pub(super) struct Budget {
 
 /// What is in use at some time, to give back all that was charged later.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Mark(u64);
+pub(super) struct Mark {
+    used: u64,
+    lasting: u64,
+}
 
 /// How many times the limit all charges together may be. Ordinary files charge each byte a few times.
 const MOST_WORK: u64 = 8;
@@ -69,7 +74,7 @@ const WELD_BY_DISTANCE: u64 = 256;
 impl Budget {
     pub(super) fn new(limit: u64) -> Self {
         let zero = || Cell::new(0);
-        Self { limit, used: zero(), files: zero(), placed: zero(), charged: zero() }
+        Self { limit, used: zero(), lasting: zero(), files: zero(), placed: zero(), charged: zero() }
     }
 
     /// Charges `count` elements of `size` bytes that are about to be allocated.
@@ -80,6 +85,13 @@ impl Budget {
         self.refuse(charged.div_ceil(MOST_WORK), what)?;
         self.charged.set(charged);
         self.used.set(self.used.get() + bytes);
+        Ok(())
+    }
+
+    /// The same for what is kept, whatever is freed around it.
+    pub(super) fn charge_lasting(&self, bytes: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
+        self.charge(bytes, 1, what)?;
+        self.lasting.set(self.lasting.get() + bytes);
         Ok(())
     }
 
@@ -111,12 +123,13 @@ impl Budget {
     }
 
     pub(super) fn mark(&self) -> Mark {
-        Mark(self.used.get())
+        Mark { used: self.used.get(), lasting: self.lasting.get() }
     }
 
-    /// Gives back all that was charged since the mark, but for `kept` bytes, which are still in use.
+    /// Gives back all that was charged since the mark, but for what lasts and for `kept` bytes, which are still in use.
     pub(super) fn settle(&self, mark: Mark, kept: u64) {
-        self.used.set(self.used.get().min(mark.0.saturating_add(kept)));
+        let lasting = self.lasting.get() - mark.lasting;
+        self.used.set(self.used.get().min(mark.used.saturating_add(lasting).saturating_add(kept)));
     }
 
     /// Charges the values that a JSON text can hold, by its punctuation.
@@ -205,4 +218,23 @@ pub(super) fn grown<T>(list: &Vec<T>, more: usize) -> u64 {
         return 0;
     }
     (length.max(2 * list.capacity()) as u64).saturating_mul(size_of::<T>() as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_lasts_is_not_given_back() {
+        let (budget, what) = (Budget::new(1000), || "a test".to_owned());
+        let outer = budget.mark();
+        budget.charge(100, 1, &what).expect("there is room");
+        let inner = budget.mark();
+        budget.charge_lasting(20, &what).expect("there is room");
+        budget.charge(300, 1, &what).expect("there is room");
+        budget.settle(inner, 7);
+        assert_eq!(budget.needed(0, 0), 127);
+        budget.settle(outer, 0);
+        assert_eq!(budget.needed(0, 0), 20);
+    }
 }

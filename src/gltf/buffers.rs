@@ -8,11 +8,12 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
 
 use super::budget::Budget;
-use super::document::{Buffer, Document};
+use super::document::{Buffer, Part};
 use super::error::GltfError;
 use super::files;
 use super::files::Folder;
 use super::json::shorten;
+use super::warning::Warnings;
 
 /// Some exporters omit the padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -20,47 +21,44 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// Loads all buffers. A buffer without data is `None`; it matters only where something uses it. Then checks that every
-/// buffer view lies within the stated length of its buffer.
+/// The bytes of a buffer. One without data is `None`; it matters only where something uses it.
+pub(super) type Bytes<'a> = Option<Cow<'a, [u8]>>;
+
+/// Loads all buffers. One that cannot be read matters only where something uses it, too.
 pub(super) fn load<'a>(
-    document: &Document,
+    buffers: &[Part<Buffer>],
     binary: Option<&'a [u8]>,
     folder: Folder<'_>,
     budget: &Budget,
-) -> Result<Vec<Option<Cow<'a, [u8]>>>, GltfError> {
-    let buffers = document
-        .buffers
-        .iter()
-        .enumerate()
-        .map(|(index, buffer)| match (&buffer.uri, binary) {
-            (Some(uri), _) => resolve(uri, index, buffer, folder, budget).map(|bytes| Some(Cow::Owned(bytes))),
-            (None, Some(binary)) if index == 0 => Ok(Some(Cow::Borrowed(binary))),
-            _ => Ok(None),
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    for (index, (buffer, bytes)) in document.buffers.iter().zip(&buffers).enumerate() {
-        if let Some(bytes) = bytes
-            && (bytes.len() as u64) < buffer.bytes
-        {
-            return Err(GltfError::TooShort {
-                place: format!("buffers[{index}].byteLength"),
-                needed: buffer.bytes,
-                available: bytes.len() as u64,
-            });
-        }
+    warnings: &Warnings<'_>,
+) -> Result<Vec<Part<Bytes<'a>>>, GltfError> {
+    let load = |(index, buffer): (usize, &Part<Buffer>)| match buffer {
+        Ok(buffer) => warnings.keep(load_one(buffer, index, binary, folder, budget)),
+        Err(fault) => Ok(Err(fault.clone())),
+    };
+    buffers.iter().enumerate().map(load).collect()
+}
+
+fn load_one<'a>(
+    buffer: &Buffer,
+    index: usize,
+    binary: Option<&'a [u8]>,
+    folder: Folder<'_>,
+    budget: &Budget,
+) -> Result<Bytes<'a>, GltfError> {
+    let bytes = match (&buffer.uri, binary) {
+        (Some(uri), _) => Cow::Owned(resolve(uri, index, buffer, folder, budget)?),
+        (None, Some(binary)) if index == 0 => Cow::Borrowed(binary),
+        _ => return Ok(None),
+    };
+    if (bytes.len() as u64) < buffer.bytes {
+        return Err(GltfError::TooShort {
+            place: format!("buffers[{index}].byteLength"),
+            needed: buffer.bytes,
+            available: bytes.len() as u64,
+        });
     }
-    for (index, view) in document.views.iter().enumerate() {
-        let available = document.buffers[view.buffer].bytes;
-        let needed = view.offset.saturating_add(view.bytes);
-        if needed > available {
-            return Err(GltfError::TooShort {
-                place: format!("bufferViews[{index}] (byteOffset and byteLength)"),
-                needed,
-                available,
-            });
-        }
-    }
-    Ok(buffers)
+    Ok(Some(bytes))
 }
 
 fn resolve(

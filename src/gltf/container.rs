@@ -46,6 +46,15 @@ pub(super) fn json_bytes(start: &[u8; START_BYTES]) -> Option<u64> {
     is_known.then(|| word(start, HEADER_BYTES).ok().map(u64::from)).flatten()
 }
 
+/// The text without zero bytes at its end, and their number. Some exporters pad with them instead of spaces.
+pub(super) fn unpadded(json: &[u8]) -> (&[u8], usize) {
+    let is_space = |byte: &u8| matches!(byte, 0 | b' ' | b'\t' | b'\r' | b'\n');
+    let end = json.iter().rposition(|byte| !is_space(byte)).map_or(0, |last| last + 1);
+    let (text, padding) = json.split_at(end);
+    let zeros = padding.split(|byte| *byte == 0).count() - 1;
+    if zeros == 0 { (json, 0) } else { (text, zeros) }
+}
+
 /// The type and data of a chunk, and the offset of the next chunk.
 fn chunk(content: &[u8], offset: usize) -> Result<([u8; 4], &[u8], usize), GltfError> {
     let length = word(content, offset)? as usize;

@@ -4,7 +4,8 @@ use gltf::json::animation::Interpolation;
 
 use super::transforms::unit;
 
-/// Values over time. There is at least one key, and times increase strictly.
+/// Values over time. There is at least one key, and times never decrease. Keys of one time are a step: before it the first
+/// counts, at it and after it the last.
 #[derive(Debug)]
 pub(super) struct Curve {
     pub(super) times: Vec<f32>,

@@ -8,20 +8,26 @@ use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::animation::{Interpolation, Property};
 use gltf::json::mesh::Mode;
 
-/// A document. Every index in it is in range of the list it points into.
+use super::error::GltfError;
+
+/// A part of the file, or what it is refused for once somebody asks for it.
+pub(super) type Part<T> = Result<T, Box<GltfError>>;
+
+/// A document. Every index in it is in range of the list it points into. A part with a `fault` has no content beside its
+/// name.
 #[derive(Debug, Default)]
 pub(super) struct Document {
-    pub(super) buffers: Vec<Buffer>,
-    pub(super) views: Vec<View>,
-    pub(super) accessors: Vec<Accessor>,
+    pub(super) buffers: Vec<Part<Buffer>>,
+    pub(super) views: Vec<Part<View>>,
+    pub(super) accessors: Vec<Part<Accessor>>,
     pub(super) meshes: Vec<Mesh>,
     pub(super) skins: Vec<Skin>,
     pub(super) nodes: Vec<Node>,
     /// The root nodes of each scene.
-    pub(super) scenes: Vec<Vec<usize>>,
+    pub(super) scenes: Vec<Part<Vec<usize>>>,
     pub(super) scene: Option<usize>,
     pub(super) animations: Vec<Animation>,
-    pub(super) lights: Vec<PunctualLight>,
+    pub(super) lights: Vec<NamedLight>,
     /// Whether positions may be of an integer type.
     pub(super) quantized: bool,
     /// The center of `CESIUM_RTC`, or zero: where the scene's own zero is in the world.
@@ -62,13 +68,14 @@ pub(super) struct Sparse {
     pub(super) values: (usize, u64),
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Mesh {
     pub(super) name: Option<String>,
     pub(super) primitives: Vec<Primitive>,
     pub(super) weights: Option<Vec<f64>>,
     /// The number of morph targets of each primitive.
     pub(super) targets: usize,
+    pub(super) fault: Option<Box<GltfError>>,
 }
 
 #[derive(Debug)]
@@ -78,6 +85,8 @@ pub(super) struct Primitive {
     pub(super) position: Option<usize>,
     /// The accessors of `JOINTS_n` and `WEIGHTS_n`, by n.
     pub(super) influences: Vec<InfluenceSet>,
+    /// What is wrong with `JOINTS_n` and `WEIGHTS_n`, which only a skin needs.
+    pub(super) influences_fault: Option<Box<GltfError>>,
     /// The accessor of each target's POSITION. `None`: the target moves nothing here.
     pub(super) targets: Vec<Option<usize>>,
     /// Whether it has Draco-compressed data, too.
@@ -91,14 +100,15 @@ pub(super) struct InfluenceSet {
     pub(super) weights: usize,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Skin {
     pub(super) name: Option<String>,
     pub(super) joints: Vec<usize>,
     pub(super) inverse_binds: Option<usize>,
+    pub(super) fault: Option<Box<GltfError>>,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Node {
     pub(super) name: Option<String>,
     pub(super) children: Vec<usize>,
@@ -106,8 +116,11 @@ pub(super) struct Node {
     pub(super) mesh: Option<usize>,
     pub(super) skin: Option<usize>,
     pub(super) weights: Option<Vec<f64>>,
-    pub(super) light: Option<usize>,
+    pub(super) light: Option<Part<usize>>,
     pub(super) instancing: Option<Instancing>,
+    /// Whether the node and what is below it are hidden (`KHR_node_visibility`).
+    pub(super) is_hidden: bool,
+    pub(super) fault: Option<Box<GltfError>>,
 }
 
 /// The accessors of the attributes of `EXT_mesh_gpu_instancing`.
@@ -125,6 +138,12 @@ pub(super) enum Transform {
     Trs(Trs),
 }
 
+impl Default for Transform {
+    fn default() -> Self {
+        Self::Trs(Trs::IDENTITY)
+    }
+}
+
 /// Scale, then rotation, then translation. The rotation has length 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trs {
@@ -133,12 +152,13 @@ pub(super) struct Trs {
     pub(super) scale: DVec3,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Animation {
     pub(super) name: Option<String>,
     pub(super) samplers: Vec<Sampler>,
     /// The channels whose target glTF defines.
     pub(super) channels: Vec<ChannelTarget>,
+    pub(super) fault: Option<Box<GltfError>>,
 }
 
 #[derive(Debug)]
@@ -158,8 +178,13 @@ pub(super) struct ChannelTarget {
 }
 
 #[derive(Debug)]
-pub(super) struct PunctualLight {
+pub(super) struct NamedLight {
     pub(super) name: Option<String>,
+    pub(super) light: Part<PunctualLight>,
+}
+
+#[derive(Debug)]
+pub(super) struct PunctualLight {
     pub(super) kind: super::scene_light::SceneLightKind,
     pub(super) color: [f32; 3],
     pub(super) intensity: f32,

@@ -1,9 +1,11 @@
 //! Why a glTF file or a pose of it is refused.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
-/// Why a glTF file is refused. Places are JSON paths into the file, such as `meshes[0].primitives[2].attributes`.
-#[derive(Debug, thiserror::Error)]
+/// Why a glTF file, or a part of it, is refused. Places are JSON paths into the file, such as
+/// `meshes[0].primitives[2].attributes`. Two errors are equal if they say the same.
+#[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GltfError {
     /// The file, or a file that it names, cannot be read.
@@ -12,7 +14,7 @@ pub enum GltfError {
         /// The file.
         path: PathBuf,
         /// The error of the system.
-        source: std::io::Error,
+        source: Arc<std::io::Error>,
     },
     /// The binary container is damaged.
     #[error("GLB, byte {offset}: {problem}; the file is cut short or damaged, export it again")]
@@ -24,7 +26,7 @@ pub enum GltfError {
     },
     /// The text is not JSON.
     #[error("the glTF JSON cannot be parsed: {0}")]
-    Json(#[source] gltf::json::Error),
+    Json(#[source] Arc<gltf::json::Error>),
     /// A property has the wrong type or an impossible value.
     #[error("{place}: expected {expected}, found {found}")]
     Property {
@@ -149,16 +151,6 @@ pub enum GltfError {
         /// Elements that it must have.
         expected: usize,
     },
-    /// The number of corners is not a multiple of three.
-    #[error("meshes[{mesh}].primitives[{primitive}]: {corners} corners are no whole number of triangles")]
-    CornerCount {
-        /// Index of the mesh.
-        mesh: usize,
-        /// Index of the primitive in it.
-        primitive: usize,
-        /// Indices, or vertices if there are no indices.
-        corners: usize,
-    },
     /// An index is past the last vertex.
     #[error(
         "meshes[{mesh}].primitives[{primitive}]: index {position} (face {face}, corner {corner}) is {index}, but \
@@ -179,28 +171,6 @@ pub enum GltfError {
         index: u32,
         /// Vertices of the primitive.
         vertices: usize,
-    },
-    /// An index has the value that restarts a strip, which glTF forbids.
-    #[error("meshes[{mesh}].primitives[{primitive}]: index {position} is the primitive restart value {index}")]
-    PrimitiveRestart {
-        /// Index of the mesh.
-        mesh: usize,
-        /// Index of the primitive in it.
-        primitive: usize,
-        /// Position in the index accessor.
-        position: usize,
-        /// The index: the largest value of its type.
-        index: u32,
-    },
-    /// A position or an offset of a position is infinite or NaN.
-    #[error("{place}, vertex {vertex} is ({}, {}, {}), and every position must be finite", .value[0], .value[1], .value[2])]
-    NonFinitePosition {
-        /// JSON path of the attribute.
-        place: String,
-        /// Index of the vertex in the attribute.
-        vertex: usize,
-        /// The position or offset.
-        value: [f32; 3],
     },
     /// A skin weight is negative, infinite or NaN.
     #[error("{place}, vertex {vertex}: weight {weight} is not a finite number of 0 or more")]
@@ -258,16 +228,6 @@ pub enum GltfError {
         /// Index of a node in the cycle or below it.
         node: usize,
     },
-    /// Two nodes list the same child, or one node lists it twice.
-    #[error("nodes[{node}] is a child of nodes[{first}] and again of nodes[{second}]; nodes must form trees")]
-    TwoParents {
-        /// Index of the child.
-        node: usize,
-        /// Index of the first parent, which is the lower one.
-        first: usize,
-        /// Index of the second parent, or of the same one again.
-        second: usize,
-    },
     /// The keyframes of an animation do not make a curve.
     #[error("{place}: {problem}")]
     Keyframes {
@@ -284,6 +244,12 @@ pub enum GltfError {
         /// Index of the node.
         node: usize,
     },
+}
+
+impl PartialEq for GltfError {
+    fn eq(&self, other: &Self) -> bool {
+        self.to_string() == other.to_string()
+    }
 }
 
 /// Why an accessor cannot be read.
@@ -355,6 +321,34 @@ pub enum AnimationError {
         index: usize,
         /// Animations in the file.
         count: usize,
+    },
+    /// The animation is damaged. The rest of the file can be used.
+    #[error("animation {index} cannot be played: {source}")]
+    Damaged {
+        /// The index that was asked for.
+        index: usize,
+        /// What is wrong, and where.
+        source: Box<GltfError>,
+    },
+    /// Two of the animations move the same property of a node, so they cannot play together.
+    #[error("animations {first} and {second} both move the {property} of nodes[{node}]; leave one of them out")]
+    SameProperty {
+        /// Index of an animation.
+        first: usize,
+        /// Index of another animation, asked for later.
+        second: usize,
+        /// Index of the node.
+        node: usize,
+        /// `translation`, `rotation`, `scale` or `weights`.
+        property: &'static str,
+    },
+    /// A light is damaged. The rest of the file can be used.
+    #[error("the light of nodes[{node}] cannot be used: {source}")]
+    DamagedLight {
+        /// Index of the light's node.
+        node: usize,
+        /// What is wrong, and where.
+        source: Box<GltfError>,
     },
     /// The time is NaN.
     #[error("the time is not a number; give seconds")]

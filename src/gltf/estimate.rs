@@ -2,8 +2,6 @@
 
 use std::collections::HashSet;
 
-use gltf::json::mesh::Mode;
-
 use super::budget::{self, Budget};
 use super::document::{Accessor, Document, Mesh, Node};
 use super::error::GltfError;
@@ -22,7 +20,7 @@ struct Size {
 /// is charged when it is made; this only knows earlier.
 pub(super) fn check(document: &Document, graph: &Graph, files: u64, budget: &Budget) -> Result<(), GltfError> {
     let sizes: Vec<Size> = document.meshes.iter().map(|mesh| size(document, mesh)).collect();
-    let buffers = document.buffers.iter().filter(|buffer| buffer.uri.is_some());
+    let buffers = document.buffers.iter().flatten().filter(|buffer| buffer.uri.is_some());
     let files = buffers.fold(files, |sum, buffer| sum.saturating_add(buffer.bytes));
     // The most that is in use at one time, and what for: the error is to name what is enough for all.
     let mut most = (0, String::new());
@@ -63,17 +61,25 @@ pub(super) fn check(document: &Document, graph: &Graph, files: u64, budget: &Bud
 /// time to read, and are charged then.
 fn count(document: &Document, accessor: usize) -> u64 {
     let fits = |accessor: &&Accessor| {
-        let view = accessor.view.and_then(|view| document.views.get(view));
+        let view = accessor.view.and_then(|view| document.views.get(view)?.as_ref().ok());
         let size = (accessor.kind.multiplicity() * accessor.component.size()) as u64;
         view.is_some_and(|view| {
             let steps = accessor.count.saturating_sub(1).saturating_mul(view.stride.unwrap_or(size));
             let data = if accessor.count == 0 { 0 } else { steps.saturating_add(size) };
             let end = view.offset.saturating_add(view.bytes);
-            let has_room = document.buffers.get(view.buffer).is_some_and(|buffer| end <= buffer.bytes);
+            let has_room = document
+                .buffers
+                .get(view.buffer)
+                .is_some_and(|buffer| buffer.as_ref().is_ok_and(|buffer| end <= buffer.bytes));
             has_room && data.saturating_add(accessor.offset) <= view.bytes
         })
     };
-    document.accessors.get(accessor).filter(fits).map_or(0, |accessor| accessor.count)
+    document
+        .accessors
+        .get(accessor)
+        .and_then(|accessor| accessor.as_ref().ok())
+        .filter(fits)
+        .map_or(0, |accessor| accessor.count)
 }
 
 /// Primitives with the same positions mostly share their vertices.
@@ -86,14 +92,13 @@ fn size(document: &Document, mesh: &Mesh) -> Size {
             size.vertices = size.vertices.saturating_add(count(document, position));
         }
         let corners = count(document, primitive.indices.unwrap_or(position));
-        let faces = if primitive.mode == Mode::Triangles { corners / 3 } else { corners.saturating_sub(2) };
-        size.faces = size.faces.saturating_add(faces);
+        size.faces = size.faces.saturating_add(triangles::face_count(primitive.mode, corners));
     }
     size
 }
 
 /// The instances that a node makes of its mesh.
 fn instances(document: &Document, node: &Node) -> u64 {
-    let attributes = node.instancing.map(|i| [i.translation, i.rotation, i.scale]);
+    let attributes = node.instancing.as_ref().map(|i| [i.translation, i.rotation, i.scale]);
     attributes.map_or(1, |all| all.into_iter().flatten().map(|accessor| count(document, accessor)).min().unwrap_or(0))
 }

@@ -1,7 +1,8 @@
-//! The required extensions that a file may have.
+//! The extensions that a file may require, and those that it may use without a warning.
 
 use super::error::GltfError;
 use super::json::{Json, shorten};
+use super::warning::{GltfWarning, Warnings};
 
 /// Extensions for compressed buffer views. The loader reads such a file if the plain data is there too.
 pub(super) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
@@ -16,13 +17,34 @@ pub(super) const DRACO_ADVICE: &str =
 /// The name of the Draco extension.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
-/// The extensions that the loader reads.
-const READ: &[&str] = &["KHR_mesh_quantization", "KHR_lights_punctual", "EXT_mesh_gpu_instancing", "CESIUM_RTC"];
+/// The extensions that the loader reads. Each channel of an animation that names a pointer gets a warning of its own.
+const READ: &[&str] = &[
+    "KHR_mesh_quantization",
+    "KHR_lights_punctual",
+    "KHR_node_visibility",
+    "KHR_animation_pointer",
+    "EXT_mesh_gpu_instancing",
+    "CESIUM_RTC",
+];
 
-/// Extensions of surfaces and of descriptions. They do not change where triangles are.
-const HARMLESS_PREFIXES: &[&str] =
-    &["KHR_materials_", "KHR_texture_", "EXT_texture_", "ADOBE_materials_", "MSFT_packing_"];
+/// Extensions of surfaces, sounds and descriptions. They do not change where triangles are.
+const HARMLESS_PREFIXES: &[&str] = &[
+    "KHR_materials_",
+    "KHR_texture_",
+    "KHR_audio",
+    "KHR_node_hoverability",
+    "KHR_node_selectability",
+    "EXT_materials_",
+    "EXT_texture_",
+    "ADOBE_materials_",
+    "MSFT_audio_",
+    "MSFT_packing_",
+    "NV_materials_",
+    "OMI_audio_",
+    "VRMC_materials_",
+];
 const HARMLESS: &[&str] = &[
+    "KHR_techniques_webgl",
     "KHR_xmp",
     "KHR_xmp_json_ld",
     "EXT_lights_image_based",
@@ -34,19 +56,25 @@ const HARMLESS: &[&str] = &[
     "CESIUM_primitive_outline",
     "MSFT_texture_dds",
     "FB_geometry_metadata",
+    "FB_ngon_encoding",
+    "GRIFFEL_bim_data",
     "AGI_articulations",
     "AGI_stk_metadata",
 ];
 
-/// Refuses required extensions that are not supported. Returns all that the file uses.
-pub(super) fn check(root: &Json<'_>) -> Result<Vec<String>, GltfError> {
+fn is_harmless(name: &str) -> bool {
+    READ.contains(&name)
+        || MESHOPT.contains(&name)
+        || HARMLESS.contains(&name)
+        || HARMLESS_PREFIXES.iter().any(|prefix| name.starts_with(prefix))
+}
+
+/// Refuses required extensions that are not supported, and warns of others that may matter. Returns all that the file
+/// uses.
+pub(super) fn check(root: &Json<'_>, warnings: &Warnings<'_>) -> Result<Vec<String>, GltfError> {
     let required = root.strings("extensionsRequired")?;
     for &name in &required {
-        let harmless = READ.contains(&name)
-            || MESHOPT.contains(&name)
-            || HARMLESS.contains(&name)
-            || HARMLESS_PREFIXES.iter().any(|prefix| name.starts_with(prefix));
-        if !harmless {
+        if !is_harmless(name) {
             return Err(GltfError::Extension {
                 name: shorten(name),
                 place: "the file (extensionsRequired)".to_owned(),
@@ -54,6 +82,12 @@ pub(super) fn check(root: &Json<'_>) -> Result<Vec<String>, GltfError> {
             });
         }
     }
-    let used = root.strings("extensionsUsed")?;
+    let used = warnings.leave_out(root.strings("extensionsUsed"))?.unwrap_or_default();
+    for &name in &used {
+        // Where the plain data beside Draco data is missing, the mesh is refused.
+        if !is_harmless(name) && name != DRACO {
+            warnings.push(GltfWarning::Extension { name: shorten(name) })?;
+        }
+    }
     Ok(used.into_iter().chain(required).map(str::to_owned).collect())
 }

@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 use percent_encoding::percent_decode_str;
 
@@ -39,8 +40,9 @@ impl Folder<'_> {
         if self.allow_outside {
             return Ok(named);
         }
-        let resolve =
-            |path: &Path| path.canonicalize().map_err(|source| GltfError::Read { path: path.to_owned(), source });
+        let resolve = |path: &Path| {
+            path.canonicalize().map_err(|source| GltfError::Read { path: path.to_owned(), source: Arc::new(source) })
+        };
         let resolved = resolve(&named)?;
         if resolved.starts_with(resolve(folder)?) { Ok(resolved) } else { outside(resolved) }
     }
@@ -95,7 +97,7 @@ pub(super) fn glb_json(path: &Path, budget: &Budget) -> Result<Option<(Vec<u8>, 
 
 /// Reads at most `most` bytes of a regular file. It never reads a device or a pipe, which may have no end.
 pub(super) fn read(path: &Path, most: u64, budget: &Budget) -> Result<Vec<u8>, GltfError> {
-    let failed = |source| GltfError::Read { path: path.to_owned(), source };
+    let failed = |source| GltfError::Read { path: path.to_owned(), source: Arc::new(source) };
     let metadata = std::fs::metadata(path).map_err(failed)?;
     if !metadata.is_file() {
         return Err(failed(Error::other("it is not a regular file")));

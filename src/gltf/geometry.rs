@@ -15,7 +15,7 @@ use crate::model::{Geometry, GeometryOptions, Influences, ModelError};
 #[derive(Debug)]
 pub(super) struct Merged {
     pub(super) geometry: Geometry,
-    /// The highest joint of each primitive that has joints, also of primitives that are skipped.
+    /// The highest joint of each primitive that has joints.
     pub(super) highest_joints: Vec<HighestJoint>,
 }
 
@@ -28,10 +28,13 @@ struct Key<'a> {
 }
 
 /// Merges all triangle primitives of mesh `index`. Vertices of the other primitives are read too, so that their errors
-/// are found, and then dropped. `skinned_by` is a node that gives the mesh a skin. Without such a node the joints are
+/// are told, and then dropped. `skinned_by` is a node that gives the mesh a skin. Without such a node the joints are
 /// dropped.
 pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>) -> Result<Merged, GltfError> {
     let mesh = &reader.document.meshes[index];
+    if let Some(fault) = &mesh.fault {
+        return Err(GltfError::clone(fault));
+    }
     let mut draft = Draft::new(mesh, skinned_by.is_some());
     let mut highest_joints = Vec::new();
     let mut blocks = HashMap::new();
@@ -43,29 +46,30 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
             continue;
         };
         let place = format!("meshes[{index}].primitives[{p}]");
-        check_compression(reader, primitive, &place)?;
-        let drawn = triangles::has_triangles(primitive.mode);
+        let read = || vertices::read(reader, primitive, position, skinned_by.is_some(), &place);
+        let checked = check_compression(reader, primitive, &place);
+        if !triangles::has_triangles(primitive.mode) {
+            reader.warnings.leave_out(checked.and_then(|()| read()))?;
+            continue;
+        }
+        checked?;
         if let Some(node) = skinned_by
-            && drawn
             && primitive.influences.is_empty()
+            && primitive.influences_fault.is_none()
         {
             return Err(GltfError::NotSkinned { node, mesh: index, primitive: p });
         }
-        let first = match blocks.get(&key(primitive, position)) {
-            Some(&first) if drawn => first,
-            _ => {
-                let vertices = vertices::read(reader, primitive, position, &place)?;
-                highest_joints.extend(vertices.bindings.highest.clone());
-                if !drawn {
-                    continue;
-                }
-                let first = draft.append(&vertices, reader, &place)?;
-                blocks.insert(key(primitive, position), first);
-                first
-            }
+        let first = if let Some(&first) = blocks.get(&key(primitive, position)) {
+            first
+        } else {
+            let vertices = read()?;
+            highest_joints.extend(vertices.bindings.highest.clone());
+            let first = draft.append(&vertices, reader, &place)?;
+            blocks.insert(key(primitive, position), first);
+            first
         };
         let at = Place { mesh: index, primitive: p };
-        let faces = triangles::read(reader, primitive, reader.count(position), at)?;
+        let faces = triangles::read(reader, primitive, reader.count(position)?, at)?;
         reader.charge(grown(&draft.faces, faces.len()), 1, &|| place.clone())?;
         let faces = faces.into_iter().map(|face| face.map(|v| v + first));
         draft.faces.extend(faces);
@@ -84,8 +88,7 @@ fn key(primitive: &Primitive, position: usize) -> Key<'_> {
 /// Refuses a primitive whose plain data was left out in compression. It would read as zeros.
 fn check_compression(reader: &Reader<'_>, primitive: &Primitive, place: &str) -> Result<(), GltfError> {
     let empty = |accessor: usize| {
-        let accessor = &reader.document.accessors[accessor];
-        accessor.view.is_none() && accessor.sparse.is_none()
+        reader.accessor(accessor).is_ok_and(|accessor| accessor.view.is_none() && accessor.sparse.is_none())
     };
     if primitive.draco && primitive.position.into_iter().chain(primitive.indices).any(empty) {
         return Err(GltfError::Extension {

@@ -4,6 +4,7 @@ use glam::DAffine3;
 
 use super::document::Document;
 use super::error::GltfError;
+use super::warning::{GltfWarning, Warnings};
 
 /// The forest that the nodes of a document form.
 #[derive(Debug)]
@@ -11,37 +12,62 @@ pub(super) struct Graph {
     parents: Vec<Option<usize>>,
     /// All nodes, parents first.
     order: Vec<usize>,
-    /// Nodes of the chosen scene, parents first.
+    /// Nodes of the chosen scene that are not hidden, parents first.
     pub(super) scene: Vec<usize>,
+    /// The number of nodes of the chosen scene that are hidden.
+    pub(super) hidden: usize,
+    /// For each node: the node at or above it that is at fault, so that its place is not known.
+    spoilt_by: Vec<Option<usize>>,
 }
 
+/// The children of each node.
+type Children = Vec<Vec<usize>>;
+
 impl Graph {
-    pub(super) fn new(document: &Document) -> Result<Self, GltfError> {
-        let count = document.nodes.len();
-        let mut parents = vec![None; count];
-        for (parent, node) in document.nodes.iter().enumerate() {
-            for &child in &node.children {
-                if let Some(first) = parents[child].replace(parent) {
-                    return Err(GltfError::TwoParents { node: child, first, second: parent });
-                }
-            }
-        }
-        let roots: Vec<usize> = (0..count).filter(|&node| parents[node].is_none()).collect();
-        let order = preorder(document, &roots);
-        if order.len() < count {
-            // Every node has at most one parent. So a node that no root reaches is in a cycle or below one.
-            let mut reached = vec![false; count];
-            for &node in &order {
-                reached[node] = true;
-            }
-            let node = reached.iter().position(|&reached| !reached).unwrap_or(0);
-            return Err(GltfError::NodeCycle { node });
-        }
+    pub(super) fn new(document: &Document, warnings: &Warnings<'_>) -> Result<Self, GltfError> {
+        let nodes = &document.nodes;
         let scene = match document.scene.or((!document.scenes.is_empty()).then_some(0)) {
-            Some(scene) => preorder(document, &document.scenes[scene]),
-            None => order.clone(),
+            Some(scene) => Some(document.scenes[scene].as_ref().map_err(|fault| GltfError::clone(fault))?),
+            None => None,
         };
-        Ok(Self { parents, order, scene })
+        let (parents, children) = trees(document, scene.map_or(&[][..], Vec::as_slice), warnings)?;
+        let roots: Vec<usize> = (0..nodes.len()).filter(|&node| parents[node].is_none()).collect();
+        let order = preorder(&children, &roots, |_| true);
+        let mut spoilt_by: Vec<Option<usize>> = (0..nodes.len()).map(Some).collect();
+        for &node in &order {
+            let above: Option<usize> = parents[node].and_then(|parent| spoilt_by[parent]);
+            spoilt_by[node] = nodes[node].fault.as_ref().map(|_| node).or(above);
+        }
+        // Every node has at most one parent. So a node that no root reaches is in a cycle or below one. A file without
+        // scenes has all nodes.
+        let all: Vec<usize> = (0..nodes.len()).collect();
+        let is_shown = |node: usize| !nodes[node].is_hidden;
+        let (count, scene) = match scene {
+            Some(roots) => (preorder(&children, roots, |_| true).len(), preorder(&children, roots, is_shown)),
+            None if order.len() < nodes.len() => (nodes.len(), all),
+            None => (nodes.len(), preorder(&children, &roots, is_shown)),
+        };
+        Ok(Self { parents, order, hidden: count - scene.len(), scene, spoilt_by })
+    }
+
+    /// Checks that the place of a node is known.
+    pub(super) fn check(&self, document: &Document, node: usize) -> Result<(), GltfError> {
+        match self.spoilt_by[node] {
+            Some(by) => Err(fault(document, by)),
+            None => Ok(()),
+        }
+    }
+
+    /// What is wrong with nodes that spoil a place.
+    pub(super) fn faults(&self, document: &Document) -> impl Iterator<Item = GltfError> {
+        let is_at_fault = |&node: &usize| self.spoilt_by[node] == Some(node);
+        // All nodes of cycles together are one fault.
+        let mut cycles = 0;
+        (0..self.parents.len()).filter(is_at_fault).filter_map(move |node| {
+            let fault = fault(document, node);
+            cycles += usize::from(matches!(fault, GltfError::NodeCycle { .. }));
+            (cycles < 2 || !matches!(fault, GltfError::NodeCycle { .. })).then_some(fault)
+        })
     }
 
     /// The world matrix of every node. `local` gives the matrix of a node to its parent's space.
@@ -58,15 +84,59 @@ impl Graph {
     }
 }
 
-/// The nodes at and below `roots`, each once, in depth-first order.
-fn preorder(document: &Document, roots: &[usize]) -> Vec<usize> {
-    let mut seen = vec![false; document.nodes.len()];
+/// What is wrong with a node that spoils a place. One without a fault is in a cycle or below one.
+fn fault(document: &Document, node: usize) -> GltfError {
+    match &document.nodes[node].fault {
+        Some(fault) => GltfError::clone(fault),
+        None => GltfError::NodeCycle { node },
+    }
+}
+
+/// The parent and the children of each node. A child of two nodes stays with the first that a walk from `roots` meets, or
+/// else with the first in the file.
+fn trees(
+    document: &Document,
+    roots: &[usize],
+    warnings: &Warnings<'_>,
+) -> Result<(Vec<Option<usize>>, Children), GltfError> {
+    let listed: Children = document.nodes.iter().map(|node| node.children.clone()).collect();
+    let count = listed.len();
+    let mut is_listed = vec![false; count];
+    let mut is_tree = true;
+    for &child in listed.iter().flatten() {
+        is_tree &= !std::mem::replace(&mut is_listed[child], true);
+    }
+    let walk = if is_tree { Vec::new() } else { preorder(&listed, roots, |_| true) };
+    let (mut parents, mut children) = (vec![None; count], vec![Vec::new(); count]);
+    let mut is_met = vec![false; count];
+    for parent in walk.into_iter().chain(0..count) {
+        if std::mem::replace(&mut is_met[parent], true) {
+            continue;
+        }
+        for &node in &listed[parent] {
+            match parents[node] {
+                None => {
+                    parents[node] = Some(parent);
+                    children[parent].push(node);
+                }
+                Some(first) => {
+                    warnings.push(GltfWarning::SharedChild { node, parent: first, other: parent })?;
+                }
+            }
+        }
+    }
+    Ok((parents, children))
+}
+
+/// The nodes at and below `roots`, each once, in depth-first order, without those below and at nodes that `enters` refuses.
+fn preorder(children: &Children, roots: &[usize], enters: impl Fn(usize) -> bool) -> Vec<usize> {
+    let mut seen = vec![false; children.len()];
     let mut order = Vec::new();
     let mut pending: Vec<usize> = roots.iter().rev().copied().collect();
     while let Some(node) = pending.pop() {
-        if !std::mem::replace(&mut seen[node], true) {
+        if enters(node) && !std::mem::replace(&mut seen[node], true) {
             order.push(node);
-            pending.extend(document.nodes[node].children.iter().rev());
+            pending.extend(children[node].iter().rev());
         }
     }
     order

@@ -3,6 +3,7 @@
 use gltf::json::mesh::Mode;
 
 use super::document::Document;
+use super::error::GltfError;
 
 /// An animation of the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +14,8 @@ pub struct AnimationInfo {
     pub duration_s: f32,
     /// The number of channels that move something.
     pub channels: usize,
+    /// Why it cannot be played, if it is damaged. It then has no channels.
+    pub fault: Option<GltfError>,
 }
 
 /// A skin of the file.
@@ -61,15 +64,5 @@ impl SkippedPrimitives {
             }
         }
         skipped
-    }
-
-    pub(super) fn warn(self) {
-        if self != Self::default() {
-            let Self { points, lines, without_position } = self;
-            log::warn!(
-                "skipped {points} point primitives, {lines} line primitives and {without_position} primitives \
-                 without positions"
-            );
-        }
     }
 }

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::budget;
-use super::document::{Document, Instancing, Node, Trs};
+use super::document::{Document, Instancing, Node, Part, Trs};
 use super::error::GltfError;
 use super::formats;
 use super::geometry::{self, Merged};
@@ -13,8 +13,9 @@ use super::reader::Reader;
 use super::scene_light::SceneLight;
 use super::skin::LoadedSkin;
 use super::transforms::unit;
+use super::warning::GltfWarning;
 use crate::mesh::{Weld, WeldCounts};
-use crate::model::{Geometry, Instance, Model};
+use crate::model::{Geometry, GeometryOptions, Instance, Model};
 
 /// A model with the data that its poses and reports need.
 #[derive(Debug)]
@@ -39,18 +40,31 @@ pub(super) struct Draft {
 }
 
 /// Merges and welds every mesh of the file, then places those of the chosen scene.
-pub(super) fn build(reader: &Reader<'_>, graph: &Graph, skins: &[LoadedSkin], weld: Weld) -> Result<Built, GltfError> {
+pub(super) fn build(
+    reader: &Reader<'_>,
+    graph: &Graph,
+    skins: &[Part<LoadedSkin>],
+    weld: Weld,
+) -> Result<Built, GltfError> {
     let document = reader.document;
     let mut draft = Draft::default();
     let mut rigid_variants = vec![None; document.meshes.len()];
     let mut extra = Vec::new();
-    let users = users(document);
+    let users = users(document, graph);
     for (mesh, users) in users.iter().enumerate() {
         let mark = reader.budget.mark();
-        let merged = geometry::merge(reader, mesh, users.skinned.first().copied())?;
-        check_joints(document, &users.skinned, &merged, skins)?;
-        let kept = draft.push(reader, mesh, &merged.geometry, weld)?;
-        drop(merged);
+        let merged = geometry::merge(reader, mesh, users.skinned.first().copied());
+        let is_needed = users.is_shown(!users.skinned.is_empty(), document);
+        let geometry = match merged {
+            Ok(merged) => {
+                check_joints(reader, &users.skinned, users.skinned_shown, &merged, skins)?;
+                merged.geometry
+            }
+            Err(fault) if is_needed => return Err(fault),
+            Err(fault) => left_out(reader, mesh, fault)?,
+        };
+        let kept = draft.push(reader, mesh, &geometry, weld)?;
+        drop(geometry);
         reader.budget.settle(mark, kept);
         if !users.skinned.is_empty() && users.rigid {
             extra.push(mesh);
@@ -59,25 +73,29 @@ pub(super) fn build(reader: &Reader<'_>, graph: &Graph, skins: &[LoadedSkin], we
     for mesh in extra {
         rigid_variants[mesh] = Some(draft.geometries.len());
         let mark = reader.budget.mark();
-        let merged = geometry::merge(reader, mesh, None)?;
-        let kept = draft.push(reader, mesh, &merged.geometry, weld)?;
-        drop(merged);
+        let geometry = match geometry::merge(reader, mesh, None) {
+            Ok(merged) => merged.geometry,
+            Err(fault) if users[mesh].is_shown(false, document) => return Err(fault),
+            Err(fault) => left_out(reader, mesh, fault)?,
+        };
+        let kept = draft.push(reader, mesh, &geometry, weld)?;
+        drop(geometry);
         reader.budget.settle(mark, kept);
     }
     let geometry_of = |mesh: usize, node: &Node| match node.skin {
         Some(_) => mesh,
         None => rigid_variants[mesh].unwrap_or(mesh),
     };
-    for (n, node) in document.nodes.iter().enumerate() {
-        if let Some(mesh) = node.mesh {
-            check_weights(document, n, node, mesh)?;
-        }
-    }
     for &n in &graph.scene {
+        graph.check(document, n)?;
         let node = &document.nodes[n];
         let Some(mesh) = node.mesh else {
             continue;
         };
+        if let Some(skin) = node.skin {
+            let skin = skins[skin].as_ref().map_err(|fault| GltfError::clone(fault))?;
+            skin.joints.iter().try_for_each(|&joint| graph.check(document, joint))?;
+        }
         for frame in frames(reader, n, node)? {
             let placement = Placement { mesh, node: Some(n), frame };
             draft.place(reader, geometry_of(mesh, node), node.name.as_ref(), placement, skins)?;
@@ -96,65 +114,91 @@ pub(super) fn build(reader: &Reader<'_>, graph: &Graph, skins: &[LoadedSkin], we
     Ok(Built { model, placements, meshes, weld_counts })
 }
 
+/// An empty geometry for a mesh that is at fault, and that nothing shows.
+fn left_out(reader: &Reader<'_>, mesh: usize, fault: GltfError) -> Result<Geometry, GltfError> {
+    reader.warnings.leave_out::<()>(Err(fault))?;
+    let options = GeometryOptions { name: reader.document.meshes[mesh].name.clone(), ..GeometryOptions::default() };
+    let empty = Geometry::new(Vec::new(), Vec::new(), options);
+    empty.map_err(|source| GltfError::Model { place: format!("meshes[{mesh}]"), source })
+}
+
 /// The nodes that use a mesh, in any scene.
 #[derive(Clone, Debug, Default)]
 struct Users {
-    /// Nodes with a skin.
+    /// Nodes with a skin. Those that are shown come first.
     skinned: Vec<usize>,
+    /// How many of them are shown.
+    skinned_shown: usize,
     /// Whether nodes without a skin use it.
     rigid: bool,
+    /// Whether one of these is shown.
+    rigid_shown: bool,
 }
 
 impl Users {
     fn none(&self) -> bool {
         self.skinned.is_empty() && !self.rigid
     }
+
+    /// Whether the mesh is shown, with a skin or without.
+    fn is_shown(&self, skinned: bool, document: &Document) -> bool {
+        // A file without scenes shows meshes that no node names.
+        let is_alone = self.none() && document.scenes.is_empty();
+        if skinned { self.skinned_shown > 0 } else { self.rigid_shown || is_alone }
+    }
 }
 
-fn users(document: &Document) -> Vec<Users> {
+fn users(document: &Document, graph: &Graph) -> Vec<Users> {
     let mut users = vec![Users::default(); document.meshes.len()];
-    for (n, node) in document.nodes.iter().enumerate() {
-        match (node.mesh, node.skin) {
-            (Some(mesh), Some(_)) => users[mesh].skinned.push(n),
-            (Some(mesh), None) => users[mesh].rigid = true,
-            (None, _) => {}
+    let mut is_shown = vec![false; document.nodes.len()];
+    graph.scene.iter().for_each(|&n| is_shown[n] = true);
+    let shown = (0..is_shown.len()).filter(|&n| is_shown[n]);
+    for n in shown.chain((0..is_shown.len()).filter(|&n| !is_shown[n])) {
+        let node = &document.nodes[n];
+        let Some(users) = node.mesh.map(|mesh| &mut users[mesh]) else { continue };
+        if node.skin.is_some() {
+            users.skinned.push(n);
+            users.skinned_shown += usize::from(is_shown[n]);
+        } else {
+            users.rigid = true;
+            users.rigid_shown |= is_shown[n];
         }
     }
     users
 }
 
-/// Checks that every joint that a vertex follows is in each skin that is used with the mesh.
-fn check_joints(document: &Document, users: &[usize], merged: &Merged, skins: &[LoadedSkin]) -> Result<(), GltfError> {
+/// Checks that every joint that a vertex follows is in each skin that is used with the mesh. It is an error for the first
+/// `shown` of the mesh's users.
+fn check_joints(
+    reader: &Reader<'_>,
+    users: &[usize],
+    shown: usize,
+    merged: &Merged,
+    skins: &[Part<LoadedSkin>],
+) -> Result<(), GltfError> {
     let Some(highest) = merged.highest_joints.iter().max_by_key(|highest| highest.joint) else {
         return Ok(());
     };
-    for &node in users {
-        let Some(skin) = document.nodes[node].skin else {
-            continue;
-        };
-        let joints = skins[skin].joints.len();
+    for (number, &node) in users.iter().enumerate() {
+        let Some(skin) = reader.document.nodes[node].skin else { continue };
+        let Ok(loaded) = &skins[skin] else { continue };
+        let joints = loaded.joints.len();
         if highest.joint as usize >= joints {
-            return Err(GltfError::JointOutOfRange {
+            let fault = GltfError::JointOutOfRange {
                 place: highest.place.clone(),
                 vertex: highest.vertex,
                 joint: highest.joint,
                 node,
                 skin,
                 joints,
-            });
+            };
+            if number < shown {
+                return Err(fault);
+            }
+            reader.warnings.leave_out::<()>(Err(fault))?;
         }
     }
     Ok(())
-}
-
-fn check_weights(document: &Document, n: usize, node: &Node, mesh: usize) -> Result<(), GltfError> {
-    let expected = document.meshes[mesh].targets;
-    match &node.weights {
-        Some(weights) if weights.len() != expected => {
-            Err(GltfError::Count { place: format!("nodes[{n}].weights"), count: weights.len(), expected })
-        }
-        _ => Ok(()),
-    }
 }
 
 /// The frames of a node's mesh: one, or one for each of its GPU instances.
@@ -176,7 +220,7 @@ fn instanced(reader: &Reader<'_>, n: usize, instancing: &Instancing) -> Result<V
         let Some(accessor) = accessor else {
             continue;
         };
-        let found = reader.count(accessor);
+        let found = reader.count(accessor)?;
         let expected = *count.get_or_insert(found);
         if found != expected {
             return Err(GltfError::Count { place: format!("{place}.{name}"), count: found, expected });
@@ -193,6 +237,11 @@ fn instanced(reader: &Reader<'_>, n: usize, instancing: &Instancing) -> Result<V
         Some(accessor) => Some(reader.vectors::<4>(accessor, formats::ROTATIONS, &format!("{place}.ROTATION"))?),
         None => None,
     };
+    let is_zero = |rotation: &[f32; 4]| *rotation == [0.0; 4];
+    if let Some(first) = rotations.iter().flatten().position(is_zero) {
+        let place = format!("{place}.ROTATION, instance {first}");
+        reader.warnings.push(GltfWarning::Rotation { place })?;
+    }
     reader.charge(count as u64, 3 * size_of::<Frame>() as u64, &|| place.clone())?;
     let vector = |vectors: &Option<Vec<[f32; 3]>>, i: usize| {
         vectors.as_ref().map(|vectors| DVec3::from_array(vectors[i].map(f64::from)))
@@ -203,9 +252,10 @@ fn instanced(reader: &Reader<'_>, n: usize, instancing: &Instancing) -> Result<V
             trs.translation = vector(&translations, i).unwrap_or(trs.translation);
             trs.scale = vector(&scales, i).unwrap_or(trs.scale);
             if let Some(rotations) = &rotations {
-                trs.rotation = unit(rotations[i].map(f64::from)).ok_or_else(|| GltfError::Transform {
+                let given = if is_zero(&rotations[i]) { [0.0, 0.0, 0.0, 1.0] } else { rotations[i] };
+                trs.rotation = unit(given.map(f64::from)).ok_or_else(|| GltfError::Transform {
                     place: format!("{place}.ROTATION, instance {i}"),
-                    problem: "the quaternion has no direction; write (0, 0, 0, 1) for no rotation",
+                    problem: "the quaternion is not finite",
                 })?;
             }
             Ok(Frame::Node(trs.matrix()))
@@ -230,7 +280,7 @@ impl Draft {
         let document = reader.document;
         for &n in &graph.scene {
             let node = &document.nodes[n];
-            let Some(light) = node.light else {
+            let Some(Ok(light)) = node.light else {
                 continue;
             };
             let name = document.lights[light].name.as_ref().or(node.name.as_ref()).map_or(0, String::len);
@@ -248,7 +298,7 @@ impl Draft {
         geometry: usize,
         name: Option<&String>,
         placement: Placement,
-        skins: &[LoadedSkin],
+        skins: &[Part<LoadedSkin>],
     ) -> Result<(), GltfError> {
         let shape = &self.geometries[geometry];
         if shape.faces().is_empty() {
@@ -256,7 +306,7 @@ impl Draft {
         }
         let matrices = match placement.frame {
             Frame::Node(_) => 1,
-            Frame::Skin(skin) => skins[skin].joints.len(),
+            Frame::Skin(skin) => skins[skin].as_ref().map_or(0, |skin| skin.joints.len()),
         };
         let what = || format!("meshes[{}] (its instances)", placement.mesh);
         reader.budget.charge_instance(shape, matrices, name, &what)?;

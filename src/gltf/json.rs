@@ -3,6 +3,7 @@
 use gltf::json::Value;
 
 use super::error::GltfError;
+use super::warning::Warnings;
 
 /// A JSON object and its path.
 #[derive(Clone, Debug)]
@@ -70,6 +71,16 @@ impl<'a> Json<'a> {
         self.values(key)?.iter().enumerate().map(|(i, v)| Self::new(v, format!("{}[{i}]", self.at(key)))).collect()
     }
 
+    /// The elements of an array, or none if it is missing. Each that is no object is a fault of its own.
+    pub(super) fn elements(
+        &self,
+        key: &str,
+    ) -> Result<impl Iterator<Item = Result<Self, GltfError>> + use<'a>, GltfError> {
+        let list = self.at(key);
+        let element = move |(i, v): (usize, &'a Value)| Self::new(v, format!("{list}[{i}]"));
+        Ok(self.values(key)?.iter().enumerate().map(element))
+    }
+
     pub(super) fn strings(&self, key: &str) -> Result<Vec<&'a str>, GltfError> {
         let text = |(i, v): (usize, &'a Value)| {
             v.as_str().ok_or_else(|| wrong(format!("{}[{i}]", self.at(key)), "a string", v))
@@ -81,8 +92,9 @@ impl<'a> Json<'a> {
         self.value(key).map(|v| v.as_str().ok_or_else(|| wrong(self.at(key), "a string", v))).transpose()
     }
 
-    pub(super) fn name(&self) -> Result<Option<String>, GltfError> {
-        Ok(self.string("name")?.map(str::to_owned))
+    /// The name. One that is no text is left out.
+    pub(super) fn name(&self, warnings: &Warnings<'_>) -> Result<Option<String>, GltfError> {
+        Ok(warnings.leave_out(self.string("name"))?.flatten().map(str::to_owned))
     }
 
     pub(super) fn flag(&self, key: &str) -> Result<bool, GltfError> {

@@ -3,20 +3,33 @@
 //! This is what is read, in the order of the glTF 2.0 specification, and what is decided where it leaves a choice:
 //!
 //! * **Scene.** All nodes of the default scene are loaded, or of the first scene if none is marked as default. A file
-//!   without scenes gives all nodes, and then the meshes that no node names, without a transform. Every mesh, skin and
-//!   animation of the file is read and checked, whatever the scene holds.
+//!   without scenes gives all nodes, and then the meshes that no node names, without a transform. Nodes that
+//!   `KHR_node_visibility` hides, and those below them, have no instances and no lights. Animations do not show or hide
+//!   nodes.
+//! * **Damage.** What the scene needs is read and checked, and so is every mesh, skin and animation of the file. A
+//!   fault is an error where the scene needs the part, or where somebody asks for it: an animation by [`Asset::pose`], a
+//!   light by [`Asset::lights`]. It is a warning everywhere else, see [`Asset::warnings`]. Cameras and materials are not
+//!   read.
 //! * **Primitives.** All triangle primitives of a mesh make one [`Geometry`](crate::Geometry). Points, lines, and
 //!   primitives without positions are skipped and counted, see [`Asset::skipped`]. So a file may have no faces at all.
 //! * **Large coordinates.** Transforms of nodes are composed in `f64`. [`Asset::set_origin`] subtracts a point near the
 //!   scene there, before anything becomes `f32`. The center of `CESIUM_RTC` is added to the places of all nodes.
+//! * **Shared children.** A child of two nodes is placed below the first of them, with a warning.
+//! * **Corners.** One or two corners that are left over in a list of triangles are ignored, with a warning. An index must
+//!   not be the largest of its type. One that is gets a warning: in a list of triangles it names a vertex, if there is
+//!   one. Elsewhere it begins a new triangle, strip or fan.
+//! * **Positions** may be infinite or NaN, with a warning. Their faces are kept; they face no light.
 //! * **Joints.** A vertex follows the joints whose weight is not zero. Weights are scaled to the sum 1. If all are
 //!   zero, the vertex follows the first joint listed. A joint of weight zero may have any index. A mesh that is used
 //!   both with and without a skin gives two geometries.
 //! * **Matrices.** The last row of a matrix may differ from (0, 0, 0, 1) by 10⁻⁵, and is then taken as that. Rotations
-//!   are scaled to length 1.
-//! * **Animations.** If several channels of an animation move the same property, the last one applies. Channels are
-//!   ignored with a warning if they have no target node or an unknown path, or move the morph weights of a node without
-//!   morph targets.
+//!   are scaled to length 1; one of length 0 is no rotation, with a warning.
+//! * **Animations.** Several play together unless two move the same property of a node. If several channels of one
+//!   animation do, the last one applies. Keys of the same time are a step. Channels are ignored with a warning if they
+//!   have no target node, a pointer (`KHR_animation_pointer`) or an unknown path, or move the morph weights of a node
+//!   without morph targets.
+//! * **Extensions.** A required extension that is not known refuses the file. One that is used, and that is known neither
+//!   to be read nor to leave triangles where they are, is a warning.
 //! * **Accessors.** A quantised attribute is accepted if the file says that it uses `KHR_mesh_quantization`. Draco and
 //!   meshopt data are never read; a file is refused where the plain data beside them is missing. Alignment is not
 //!   checked.
@@ -58,6 +71,7 @@ mod skin;
 mod transforms;
 mod triangles;
 mod vertices;
+mod warning;
 
 pub use asset::Asset;
 pub use error::{AccessorProblem, AnimationError, GltfError};
@@ -65,3 +79,4 @@ pub use info::{AnimationInfo, MeshInfo, SkinInfo, SkippedPrimitives};
 pub use options::LoadOptions;
 pub use origin::SceneExtent;
 pub use scene_light::{SceneLight, SceneLightKind, SpotCone};
+pub use warning::GltfWarning;

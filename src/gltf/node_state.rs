@@ -28,7 +28,7 @@ pub(super) fn apply(
         weights.insert(channel.node, value);
         return;
     }
-    // Loading refused channels of nodes with a matrix.
+    // An animation that moves a node with a matrix is at fault, and is not played.
     let Transform::Trs(trs) = &mut transforms[channel.node] else {
         return;
     };
@@ -37,6 +37,16 @@ pub(super) fn apply(
         (Property::Scale, &[x, y, z]) => trs.scale = DVec3::new(x, y, z),
         (Property::Rotation, &[x, y, z, w]) => trs.rotation = DQuat::from_xyzw(x, y, z, w),
         _ => {}
+    }
+}
+
+/// The name of a property, as a channel's path has it.
+pub(super) fn property_name(property: Property) -> &'static str {
+    match property {
+        Property::Translation => "translation",
+        Property::Rotation => "rotation",
+        Property::Scale => "scale",
+        Property::MorphTargetWeights => "weights",
     }
 }
 

@@ -55,8 +55,12 @@ impl Asset {
     ///
     /// # Errors
     /// [`AnimationError`] as for [`Asset::pose`].
-    pub fn suggested_origin(&self, animation: Option<usize>, time_s: f32) -> Result<Origin, AnimationError> {
-        let state = self.state(animation, time_s)?;
+    pub fn suggested_origin(
+        &self,
+        animations: impl IntoIterator<Item = usize>,
+        time_s: f32,
+    ) -> Result<Origin, AnimationError> {
+        let state = self.state(animations, time_s)?;
         let extent = self.extent_of(&state);
         Ok(extent.map_or(Origin::ZERO, |extent| Origin::near(extent.bounds, || self.smallest_edge_of(&state))))
     }
@@ -65,8 +69,12 @@ impl Asset {
     ///
     /// # Errors
     /// [`AnimationError`] as for [`Asset::pose`].
-    pub fn extent(&self, animation: Option<usize>, time_s: f32) -> Result<Option<SceneExtent>, AnimationError> {
-        Ok(self.extent_of(&self.state(animation, time_s)?))
+    pub fn extent(
+        &self,
+        animations: impl IntoIterator<Item = usize>,
+        time_s: f32,
+    ) -> Result<Option<SceneExtent>, AnimationError> {
+        Ok(self.extent_of(&self.state(animations, time_s)?))
     }
 
     /// The length of the smallest edge of all instances at one time, of those that have one; else infinity. It is what
@@ -74,8 +82,12 @@ impl Asset {
     ///
     /// # Errors
     /// [`AnimationError`] as for [`Asset::pose`].
-    pub fn smallest_edge(&self, animation: Option<usize>, time_s: f32) -> Result<f64, AnimationError> {
-        Ok(self.smallest_edge_of(&self.state(animation, time_s)?))
+    pub fn smallest_edge(
+        &self,
+        animations: impl IntoIterator<Item = usize>,
+        time_s: f32,
+    ) -> Result<f64, AnimationError> {
+        Ok(self.smallest_edge_of(&self.state(animations, time_s)?))
     }
 
     fn smallest_edge_of(&self, state: &State) -> f64 {

@@ -7,50 +7,98 @@ use gltf::json::Value;
 use gltf::json::accessor::{ComponentType, Type};
 
 use super::budget::Budget;
-use super::document::{Accessor, Buffer, Document, Sparse, View};
+use super::document::{Accessor, Buffer, Document, Node, Part, Sparse, View};
 use super::error::GltfError;
 use super::json::{Json, whole, wrong};
 use super::lengths::Lengths;
+use super::warning::Warnings;
 use super::{extensions, parse_mesh, parse_scene};
 
 const COMPONENT: &str = "a component type (5120, 5121, 5122, 5123, 5125 or 5126)";
 
-/// Reads a document and checks its version, its required extensions, and every index that is used.
-pub(super) fn document(value: &Value, budget: &Budget) -> Result<Document, GltfError> {
+/// Reads a document and checks its version, its required extensions, and every index that is used. What is wrong with a
+/// part that the scene may not need is kept as the part's fault.
+pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) -> Result<Document, GltfError> {
     let root = Json::new(value, String::new())?;
     version(&root)?;
-    let used = extensions::check(&root)?;
-    texture_indices(value, &mut String::new())?;
-    let punctual = root.extension("KHR_lights_punctual")?;
+    let used = extensions::check(&root, warnings)?;
+    warnings.leave_out(texture_indices(value, &mut String::new()))?;
+    let punctual = warnings.leave_out(root.extension("KHR_lights_punctual"))?.flatten();
+    // A list that is none leaves out what it was to hold.
+    let count = |json: &Json<'_>, key: &str| warnings.leave_out(json.count(key)).map(Option::unwrap_or_default);
     let lengths = Lengths {
         buffers: root.count("buffers")?,
         views: root.count("bufferViews")?,
         accessors: root.count("accessors")?,
         meshes: root.count("meshes")?,
-        skins: root.count("skins")?,
+        skins: count(&root, "skins")?,
         nodes: root.count("nodes")?,
         scenes: root.count("scenes")?,
-        lights: punctual.as_ref().map_or(Ok(0), |lights| lights.count("lights"))?,
+        lights: punctual.as_ref().map_or(Ok(0), |lights| count(lights, "lights"))?,
     };
     budget.charge_nodes(lengths.nodes)?;
-    let all = |key: &str| root.objects(key);
-    Ok(Document {
-        buffers: all("buffers")?.iter().map(buffer).collect::<Result<_, _>>()?,
-        accessors: all("accessors")?.iter().map(|a| accessor(a, lengths)).collect::<Result<_, _>>()?,
-        views: all("bufferViews")?.iter().map(|v| view(v, lengths)).collect::<Result<_, _>>()?,
-        meshes: all("meshes")?.iter().map(|m| parse_mesh::mesh(m, lengths)).collect::<Result<_, _>>()?,
-        skins: all("skins")?.iter().map(|s| parse_mesh::skin(s, lengths)).collect::<Result<_, _>>()?,
-        nodes: all("nodes")?.iter().map(|n| parse_scene::node(n, lengths)).collect::<Result<_, _>>()?,
-        scenes: all("scenes")?.iter().map(|s| s.indices("nodes", "nodes", lengths.nodes)).collect::<Result<_, _>>()?,
+    let animations = count(&root, "animations")?;
+    let mut document = Document {
+        buffers: parts(&root, "buffers", warnings, buffer)?,
+        accessors: parts(&root, "accessors", warnings, |a| accessor(a, lengths))?,
+        views: Vec::new(),
+        meshes: all(&root, "meshes", lengths.meshes, |mesh| parse_mesh::mesh(mesh, lengths, warnings))?,
+        skins: all(&root, "skins", lengths.skins, |skin| parse_mesh::skin(skin, lengths, warnings))?,
+        nodes: all(&root, "nodes", lengths.nodes, |node| parse_scene::node(node, lengths, warnings))?,
+        scenes: parts(&root, "scenes", warnings, |scene| scene.indices("nodes", "nodes", lengths.nodes))?,
         scene: root.index("scene", "scenes", lengths.scenes)?,
-        animations: all("animations")?.iter().map(|a| parse_scene::animation(a, lengths)).collect::<Result<_, _>>()?,
+        animations: all(&root, "animations", animations, |json| parse_scene::animation(json, lengths, warnings))?,
         lights: match &punctual {
-            Some(lights) => lights.objects("lights")?.iter().map(parse_scene::light).collect::<Result<_, _>>()?,
+            Some(lights) => all(lights, "lights", lengths.lights, |light| parse_scene::light(light, warnings))?,
             None => Vec::new(),
         },
         quantized: used.iter().any(|name| name == "KHR_mesh_quantization"),
         center: center(&root)?,
-    })
+    };
+    for (index, json) in root.elements("bufferViews")?.enumerate() {
+        let read = json.and_then(|json| view(&json, index, lengths, &document.buffers));
+        document.views.push(warnings.keep(read)?);
+    }
+    check_weights(&mut document, warnings)?;
+    Ok(document)
+}
+
+/// The elements of a list, each with its fault.
+fn parts<T>(
+    root: &Json<'_>,
+    key: &str,
+    warnings: &Warnings<'_>,
+    read: impl Fn(&Json<'_>) -> Result<T, GltfError>,
+) -> Result<Vec<Part<T>>, GltfError> {
+    root.elements(key)?.map(|json| warnings.keep(json.and_then(|json| read(&json)))).collect()
+}
+
+/// The elements of a list, which know their faults themselves. There are none where the list is none.
+fn all<'a, T>(
+    root: &Json<'a>,
+    key: &str,
+    count: usize,
+    read: impl Fn(Result<Json<'a>, GltfError>) -> Result<T, GltfError>,
+) -> Result<Vec<T>, GltfError> {
+    if count == 0 { Ok(Vec::new()) } else { root.elements(key)?.map(read).collect() }
+}
+
+/// Checks that each node has as many morph weights as its mesh has targets.
+fn check_weights(document: &mut Document, warnings: &Warnings<'_>) -> Result<(), GltfError> {
+    let Document { nodes, meshes, .. } = document;
+    for (n, node) in nodes.iter_mut().enumerate() {
+        let Node { weights, mesh, fault, .. } = node;
+        let (Some(given), targets) = (weights.take(), mesh.map_or(0, |mesh| meshes[mesh].targets)) else { continue };
+        if mesh.is_some_and(|mesh| meshes[mesh].fault.is_some()) {
+            continue;
+        }
+        let checked = parse_mesh::checked_weights(given, targets, || format!("nodes[{n}].weights"), warnings);
+        match warnings.keep(checked)? {
+            Ok(checked) => *weights = checked,
+            Err(wrong) => *fault = fault.take().or(Some(wrong)),
+        }
+    }
+    Ok(())
 }
 
 /// The center of `CESIUM_RTC`. The file's list of used extensions may lack it.
@@ -118,20 +166,28 @@ fn buffer(json: &Json<'_>) -> Result<Buffer, GltfError> {
     })
 }
 
-fn view(json: &Json<'_>, lengths: Lengths) -> Result<View, GltfError> {
+fn view(json: &Json<'_>, index: usize, lengths: Lengths, buffers: &[Part<Buffer>]) -> Result<View, GltfError> {
     let mut compressed = None;
     for name in extensions::MESHOPT {
         if json.extension(name)?.is_some() {
             compressed = Some(name);
         }
     }
-    Ok(View {
+    let view = View {
         buffer: json.required("buffer", json.index("buffer", "buffers", lengths.buffers)?)?,
         offset: json.whole("byteOffset")?.unwrap_or(0),
         bytes: json.required("byteLength", json.whole("byteLength")?)?,
         stride: json.whole("byteStride")?,
         compressed,
-    })
+    };
+    // A buffer that cannot be read is refused where it is read.
+    let available = buffers[view.buffer].as_ref().map_or(u64::MAX, |buffer| buffer.bytes);
+    let needed = view.offset.saturating_add(view.bytes);
+    if needed > available {
+        let place = format!("bufferViews[{index}] (byteOffset and byteLength)");
+        return Err(GltfError::TooShort { place, needed, available });
+    }
+    Ok(view)
 }
 
 fn accessor(json: &Json<'_>, lengths: Lengths) -> Result<Accessor, GltfError> {

@@ -6,10 +6,28 @@ use super::document::{InfluenceSet, Mesh, Primitive, Skin};
 use super::error::GltfError;
 use super::json::Json;
 use super::lengths::Lengths;
+use super::warning::{GltfWarning, Warnings};
 
-pub(super) fn mesh(json: &Json<'_>, lengths: Lengths) -> Result<Mesh, GltfError> {
+/// Reads a mesh. What is wrong with it is its fault.
+pub(super) fn mesh(
+    json: Result<Json<'_>, GltfError>,
+    lengths: Lengths,
+    warnings: &Warnings<'_>,
+) -> Result<Mesh, GltfError> {
+    let json = match warnings.keep(json)? {
+        Ok(json) => json,
+        Err(fault) => return Ok(Mesh { fault: Some(fault), ..Mesh::default() }),
+    };
+    let name = json.name(warnings)?;
+    Ok(match warnings.keep(mesh_content(&json, lengths, warnings))? {
+        Ok(mesh) => Mesh { name, ..mesh },
+        Err(fault) => Mesh { name, fault: Some(fault), ..Mesh::default() },
+    })
+}
+
+fn mesh_content(json: &Json<'_>, lengths: Lengths, warnings: &Warnings<'_>) -> Result<Mesh, GltfError> {
     let primitives =
-        json.objects("primitives")?.iter().map(|p| primitive(p, lengths)).collect::<Result<Vec<_>, _>>()?;
+        json.objects("primitives")?.iter().map(|p| primitive(p, lengths, warnings)).collect::<Result<Vec<_>, _>>()?;
     let targets = primitives.first().map_or(0, |p| p.targets.len());
     if let Some(other) = primitives.iter().position(|p| p.targets.len() != targets) {
         return Err(GltfError::Count {
@@ -18,22 +36,31 @@ pub(super) fn mesh(json: &Json<'_>, lengths: Lengths) -> Result<Mesh, GltfError>
             expected: targets,
         });
     }
-    let weights = json.numbers("weights")?;
-    check_weights(json, weights.as_ref(), targets)?;
-    Ok(Mesh { name: json.name()?, primitives, weights, targets })
+    let weights = match json.numbers("weights")? {
+        Some(weights) => checked_weights(weights, targets, || json.at("weights"), warnings)?,
+        None => None,
+    };
+    Ok(Mesh { name: None, primitives, weights, targets, fault: None })
 }
 
-/// Checks that there are as many default morph weights as targets.
-fn check_weights(json: &Json<'_>, weights: Option<&Vec<f64>>, targets: usize) -> Result<(), GltfError> {
-    match weights {
-        Some(weights) if weights.len() != targets => {
-            Err(GltfError::Count { place: json.at("weights"), count: weights.len(), expected: targets })
-        }
-        _ => Ok(()),
+/// Checks that there are as many morph weights as targets. Weights without any target are left out.
+pub(super) fn checked_weights(
+    weights: Vec<f64>,
+    targets: usize,
+    place: impl Fn() -> String,
+    warnings: &Warnings<'_>,
+) -> Result<Option<Vec<f64>>, GltfError> {
+    if targets == 0 && !weights.is_empty() {
+        warnings.push(GltfWarning::MorphWeights { place: place(), weights: weights.len() })?;
+        return Ok(None);
     }
+    if weights.len() != targets {
+        return Err(GltfError::Count { place: place(), count: weights.len(), expected: targets });
+    }
+    Ok(Some(weights))
 }
 
-fn primitive(json: &Json<'_>, lengths: Lengths) -> Result<Primitive, GltfError> {
+fn primitive(json: &Json<'_>, lengths: Lengths, warnings: &Warnings<'_>) -> Result<Primitive, GltfError> {
     let mode = match json.whole("mode")? {
         Some(0) => Mode::Points,
         Some(1) => Mode::Lines,
@@ -50,11 +77,16 @@ fn primitive(json: &Json<'_>, lengths: Lengths) -> Result<Primitive, GltfError> 
         .iter()
         .map(|target| target.index("POSITION", "accessors", lengths.accessors))
         .collect::<Result<_, _>>()?;
+    let (influences, influences_fault) = match warnings.keep(influences(&attributes, lengths))? {
+        Ok(influences) => (influences, None),
+        Err(fault) => (Vec::new(), Some(fault)),
+    };
     Ok(Primitive {
         mode,
         indices: json.index("indices", "accessors", lengths.accessors)?,
         position: attributes.index("POSITION", "accessors", lengths.accessors)?,
-        influences: influences(&attributes, lengths)?,
+        influences,
+        influences_fault,
         targets,
         draco: json.extension("KHR_draco_mesh_compression")?.is_some(),
     })
@@ -81,14 +113,28 @@ fn influences(attributes: &Json<'_>, lengths: Lengths) -> Result<Vec<InfluenceSe
     Ok(sets)
 }
 
-pub(super) fn skin(json: &Json<'_>, lengths: Lengths) -> Result<Skin, GltfError> {
+/// Reads a skin. What is wrong with it is its fault.
+pub(super) fn skin(
+    json: Result<Json<'_>, GltfError>,
+    lengths: Lengths,
+    warnings: &Warnings<'_>,
+) -> Result<Skin, GltfError> {
+    let json = match warnings.keep(json)? {
+        Ok(json) => json,
+        Err(fault) => return Ok(Skin { fault: Some(fault), ..Skin::default() }),
+    };
+    let name = json.name(warnings)?;
+    Ok(match warnings.keep(skin_content(&json, lengths))? {
+        Ok(skin) => Skin { name, ..skin },
+        Err(fault) => Skin { name, fault: Some(fault), ..Skin::default() },
+    })
+}
+
+fn skin_content(json: &Json<'_>, lengths: Lengths) -> Result<Skin, GltfError> {
     let joints = json.indices("joints", "nodes", lengths.nodes)?;
     if joints.is_empty() {
         return Err(GltfError::Missing { place: json.at("joints") });
     }
-    Ok(Skin {
-        name: json.name()?,
-        joints,
-        inverse_binds: json.index("inverseBindMatrices", "accessors", lengths.accessors)?,
-    })
+    let inverse_binds = json.index("inverseBindMatrices", "accessors", lengths.accessors)?;
+    Ok(Skin { name: None, joints, inverse_binds, fault: None })
 }

@@ -5,43 +5,75 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use glam::{DQuat, DVec3};
 use gltf::json::animation::{Interpolation, Property};
 
-use super::document::{Animation, ChannelTarget, Instancing, Node, PunctualLight, Sampler, Transform, Trs};
+use super::document::{
+    Animation, ChannelTarget, Instancing, NamedLight, Node, Part, PunctualLight, Sampler, Transform, Trs,
+};
 use super::error::GltfError;
-use super::json::Json;
+use super::json::{Json, shorten};
 use super::lengths::Lengths;
 use super::scene_light::SceneLightKind;
 use super::transforms::{affine, unit};
+use super::warning::{GltfWarning, Warnings};
 
-pub(super) fn node(json: &Json<'_>, lengths: Lengths) -> Result<Node, GltfError> {
-    let light = match json.extension("KHR_lights_punctual")? {
-        Some(light) => light.required("light", light.index("light", "lights", lengths.lights)?).map(Some)?,
-        None => None,
+/// Reads a node. What is wrong with what it places is its fault.
+pub(super) fn node(
+    json: Result<Json<'_>, GltfError>,
+    lengths: Lengths,
+    warnings: &Warnings<'_>,
+) -> Result<Node, GltfError> {
+    let json = match warnings.keep(json)? {
+        Ok(json) => json,
+        Err(fault) => return Ok(Node { fault: Some(fault), ..Node::default() }),
     };
-    let instancing =
-        json.extension("EXT_mesh_gpu_instancing")?.map(|extension| instancing(&extension, lengths)).transpose()?;
-    Ok(Node {
-        name: json.name()?,
-        children: json.indices("children", "nodes", lengths.nodes)?,
-        transform: transform(json)?,
-        mesh: json.index("mesh", "meshes", lengths.meshes)?,
-        skin: json.index("skin", "skins", lengths.skins)?,
-        weights: json.numbers("weights")?,
-        light,
-        instancing,
+    let (name, light) = (json.name(warnings)?, light_index(&json, lengths, warnings)?);
+    Ok(match warnings.keep(node_content(&json, lengths, warnings))? {
+        Ok(node) => Node { name, light, ..node },
+        Err(fault) => Node { name, light, fault: Some(fault), ..Node::default() },
     })
 }
 
-fn transform(json: &Json<'_>) -> Result<Transform, GltfError> {
+fn light_index(json: &Json<'_>, lengths: Lengths, warnings: &Warnings<'_>) -> Result<Option<Part<usize>>, GltfError> {
+    let index = || match json.extension("KHR_lights_punctual")? {
+        Some(light) => light.required("light", light.index("light", "lights", lengths.lights)?).map(Some),
+        None => Ok(None),
+    };
+    Ok(warnings.keep(index())?.transpose())
+}
+
+fn node_content(json: &Json<'_>, lengths: Lengths, warnings: &Warnings<'_>) -> Result<Node, GltfError> {
+    let children = json.indices("children", "nodes", lengths.nodes)?;
+    let transform = transform(json, warnings)?;
+    let is_hidden = match json.extension("KHR_node_visibility")? {
+        Some(visibility) => visibility.value("visible").is_some() && !visibility.flag("visible")?,
+        None => false,
+    };
+    let mesh = json.index("mesh", "meshes", lengths.meshes)?;
+    let skin = json.index("skin", "skins", lengths.skins);
+    let weights = json.numbers("weights");
+    let instancing =
+        || json.extension("EXT_mesh_gpu_instancing")?.map(|extension| instancing(&extension, lengths)).transpose();
+    let (skin, weights, instancing) = if mesh.is_some() {
+        (skin?, weights?, instancing()?)
+    } else {
+        // Without a mesh they do nothing.
+        let skin = warnings.leave_out(skin)?.flatten();
+        (skin, warnings.leave_out(weights)?.flatten(), warnings.leave_out(instancing())?.flatten())
+    };
+    Ok(Node { name: None, children, transform, mesh, skin, weights, light: None, instancing, is_hidden, fault: None })
+}
+
+fn transform(json: &Json<'_>, warnings: &Warnings<'_>) -> Result<Transform, GltfError> {
     if let Some(matrix) = json.vector::<16>("matrix")? {
         return affine(matrix, || json.at("matrix")).map(Transform::Matrix);
     }
-    let rotation = match json.vector::<4>("rotation")? {
-        Some(rotation) => unit(rotation).ok_or_else(|| GltfError::Transform {
-            place: json.at("rotation"),
-            problem: "the quaternion has no direction; write (0, 0, 0, 1) for no rotation",
-        })?,
-        None => DQuat::IDENTITY,
-    };
+    let mut rotation = DQuat::IDENTITY;
+    if let Some(given) = json.vector::<4>("rotation")? {
+        match unit(given) {
+            Some(unit) => rotation = unit,
+            // Numbers of JSON are finite, so the length is 0.
+            None => warnings.push(GltfWarning::Rotation { place: json.at("rotation") })?,
+        }
+    }
     Ok(Transform::Trs(Trs {
         translation: json.vector("translation")?.map_or(DVec3::ZERO, DVec3::from_array),
         rotation,
@@ -55,7 +87,16 @@ fn instancing(json: &Json<'_>, lengths: Lengths) -> Result<Instancing, GltfError
     Ok(Instancing { translation: index("TRANSLATION")?, rotation: index("ROTATION")?, scale: index("SCALE")? })
 }
 
-pub(super) fn light(json: &Json<'_>) -> Result<PunctualLight, GltfError> {
+/// Reads a light. What is wrong with it is its fault.
+pub(super) fn light(json: Result<Json<'_>, GltfError>, warnings: &Warnings<'_>) -> Result<NamedLight, GltfError> {
+    let json = match warnings.keep(json)? {
+        Ok(json) => json,
+        Err(fault) => return Ok(NamedLight { name: None, light: Err(fault) }),
+    };
+    Ok(NamedLight { name: json.name(warnings)?, light: warnings.keep(light_content(&json))? })
+}
+
+fn light_content(json: &Json<'_>) -> Result<PunctualLight, GltfError> {
     let kind = match json.required("type", json.string("type")?)? {
         "directional" => SceneLightKind::Directional,
         "point" => SceneLightKind::Point,
@@ -76,7 +117,6 @@ pub(super) fn light(json: &Json<'_>) -> Result<PunctualLight, GltfError> {
     }
     let single = |value: f64| (value as f32).min(f32::MAX);
     Ok(PunctualLight {
-        name: json.name()?,
         kind,
         color: color.map(single),
         intensity: single(intensity),
@@ -103,31 +143,60 @@ fn cone(json: &Json<'_>) -> Result<[f32; 2], GltfError> {
     Ok([inner, outer].map(|angle| angle.min(FRAC_PI_2) as f32))
 }
 
-pub(super) fn animation(json: &Json<'_>, lengths: Lengths) -> Result<Animation, GltfError> {
+/// Reads an animation. What is wrong with it is its fault.
+pub(super) fn animation(
+    json: Result<Json<'_>, GltfError>,
+    lengths: Lengths,
+    warnings: &Warnings<'_>,
+) -> Result<Animation, GltfError> {
+    let json = match warnings.keep(json)? {
+        Ok(json) => json,
+        Err(fault) => return Ok(Animation { fault: Some(fault), ..Animation::default() }),
+    };
+    let name = json.name(warnings)?;
+    Ok(match warnings.keep(animation_content(&json, lengths, warnings))? {
+        Ok(animation) => Animation { name, ..animation },
+        Err(fault) => Animation { name, fault: Some(fault), ..Animation::default() },
+    })
+}
+
+fn animation_content(json: &Json<'_>, lengths: Lengths, warnings: &Warnings<'_>) -> Result<Animation, GltfError> {
     let samplers = json.objects("samplers")?.iter().map(|s| sampler(s, lengths)).collect::<Result<Vec<_>, _>>()?;
     let mut channels = Vec::new();
     for (channel, json) in json.objects("channels")?.iter().enumerate() {
         let sampler = json.required("sampler", json.index("sampler", "samplers", samplers.len())?)?;
         let target = json.required("target", json.object("target")?)?;
-        let path = target.required("path", target.string("path")?)?;
-        let Some(node) = target.index("node", "nodes", lengths.nodes)? else {
-            log::warn!("{}: no target node, so the channel moves nothing", target.path());
-            continue;
-        };
-        let property = match path {
-            "translation" => Property::Translation,
-            "rotation" => Property::Rotation,
-            "scale" => Property::Scale,
-            "weights" => Property::MorphTargetWeights,
-            other => {
-                let path = super::json::shorten(other);
-                log::warn!("{}: the path {path:?} is not supported, so the channel moves nothing", target.path());
-                continue;
-            }
-        };
-        channels.push(ChannelTarget { channel, sampler, node, property });
+        match channel_target(&target, lengths)? {
+            Ok((node, property)) => channels.push(ChannelTarget { channel, sampler, node, property }),
+            Err(problem) => warnings.push(GltfWarning::Channel { place: json.path().to_owned(), problem })?,
+        }
     }
-    Ok(Animation { name: json.name()?, samplers, channels })
+    Ok(Animation { name: None, samplers, channels, fault: None })
+}
+
+/// What a channel moves, or why it moves nothing.
+fn channel_target(target: &Json<'_>, lengths: Lengths) -> Result<Result<(usize, Property), String>, GltfError> {
+    let path = target.required("path", target.string("path")?)?;
+    if let Ok(Some(extension)) = target.extension("KHR_animation_pointer")
+        && let Ok(Some(pointer)) = extension.string("pointer")
+    {
+        return Ok(Err(format!("the pointer {:?} is not read", shorten(pointer))));
+    }
+    let Some(node) = target.index("node", "nodes", lengths.nodes)? else {
+        return Ok(Err("it has no target node".to_owned()));
+    };
+    let property = property(path).map(|property| (node, property));
+    Ok(property.ok_or_else(|| format!("the path {:?} is not supported", shorten(path))))
+}
+
+fn property(path: &str) -> Option<Property> {
+    Some(match path {
+        "translation" => Property::Translation,
+        "rotation" => Property::Rotation,
+        "scale" => Property::Scale,
+        "weights" => Property::MorphTargetWeights,
+        _ => return None,
+    })
 }
 
 fn sampler(json: &Json<'_>, lengths: Lengths) -> Result<Sampler, GltfError> {

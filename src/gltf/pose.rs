@@ -1,27 +1,29 @@
 //! Poses and lights at one time.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use glam::{DAffine3, DVec3};
 
+use super::animation::LoadedAnimation;
 use super::asset::Asset;
-use super::document::Transform;
-use super::error::AnimationError;
-use super::node_state::{State, apply, rows};
+use super::document::{NamedLight, Part, Transform};
+use super::error::{AnimationError, GltfError};
+use super::node_state::{State, apply, property_name, rows};
 use super::placement::{Frame, Placement};
 use super::scene_light::{SceneLight, SceneLightKind, SpotCone};
 use crate::light::Light;
 use crate::model::{Geometry, InstancePose, ModelError, Pose};
 
 impl Asset {
-    /// The state of the model at a time of one animation, in seconds. Without an animation it is the state of the file,
-    /// whatever the time. Before the first key and after the last one, the nearest key applies. It is relative to
-    /// [`Asset::origin`].
+    /// The state of the model at a time of its animations, in seconds. Several animations play together from the same
+    /// start: `pose(0..2, 0.5)`. `None`, or an empty list, gives the state of the file, whatever the time. Before the
+    /// first key and after the last one, the nearest key applies. It is relative to [`Asset::origin`].
     ///
     /// # Errors
-    /// [`AnimationError`] for an animation that does not exist, a time that is NaN, or a result that is not finite.
-    pub fn pose(&self, animation: Option<usize>, time_s: f32) -> Result<Pose, AnimationError> {
-        let state = self.state(animation, time_s)?;
+    /// [`AnimationError`] for an animation that does not exist or is damaged, two that move the same property of a node,
+    /// a time that is NaN, or a result that is not finite.
+    pub fn pose(&self, animations: impl IntoIterator<Item = usize>, time_s: f32) -> Result<Pose, AnimationError> {
+        let state = self.state(animations, time_s)?;
         let (mut instances, mut mixed_determinants) = (Vec::with_capacity(self.built.placements.len()), 0);
         for (placement, instance) in self.built.placements.iter().zip(self.built.model.instances()) {
             let geometry = &self.built.model.geometries()[instance.geometry()];
@@ -40,56 +42,94 @@ impl Asset {
     }
 
     /// The lights of the chosen scene (`KHR_lights_punctual`) at a time in seconds, in world space, in the order of its
-    /// nodes. Their places are relative to [`Asset::origin`].
+    /// nodes. Their places are relative to [`Asset::origin`]. Lights of hidden nodes are none.
+    ///
+    /// # Errors
+    /// [`AnimationError`] as for [`Asset::pose`], and for a light that is damaged. [`Asset::each_light`] gives the others.
+    pub fn lights(
+        &self,
+        animations: impl IntoIterator<Item = usize>,
+        time_s: f32,
+    ) -> Result<Vec<SceneLight>, AnimationError> {
+        self.each_light(animations, time_s)?.into_iter().collect()
+    }
+
+    /// The same as [`Asset::lights`], where a light that is damaged does not refuse the others.
     ///
     /// # Errors
     /// [`AnimationError`] as for [`Asset::pose`].
-    pub fn lights(&self, animation: Option<usize>, time_s: f32) -> Result<Vec<SceneLight>, AnimationError> {
-        let world = self.state(animation, time_s)?.world;
-        let mut lights = Vec::new();
-        for &n in &self.graph.scene {
-            let node = &self.document.nodes[n];
-            let Some(light) = node.light.map(|light| &self.document.lights[light]) else {
-                continue;
-            };
-            let (w, xyz) = match light.kind {
-                SceneLightKind::Directional => (0.0, world[n].matrix3.z_axis.normalize()),
-                SceneLightKind::Point | SceneLightKind::Spot => (1.0, world[n].translation),
-            };
-            let [x, y, z] = xyz.as_vec3().to_array();
-            if ![x, y, z].iter().all(|c| c.is_finite()) {
-                let place = format!("nodes[{n}]");
-                return Err(AnimationError::NotFinite { place, time_s });
-            }
-            let direction = (-world[n].matrix3.z_axis.normalize()).as_vec3();
-            let spot = |[inner_angle, outer_angle]: [f32; 2]| {
-                let direction = direction.to_array();
-                SpotCone { direction, inner_angle, outer_angle }
-            };
-            // A node without extent along Z gives its light no direction.
-            let cone = light.cone.filter(|_| direction.is_finite()).map(spot);
-            lights.push(SceneLight {
-                name: light.name.clone().or_else(|| node.name.clone()),
-                light: Light::homogeneous([x, y, z, w]),
-                kind: light.kind,
-                color: light.color,
-                intensity: light.intensity,
-                range: light.range,
-                cone,
-            });
-        }
-        Ok(lights)
+    pub fn each_light(
+        &self,
+        animations: impl IntoIterator<Item = usize>,
+        time_s: f32,
+    ) -> Result<Vec<Result<SceneLight, AnimationError>>, AnimationError> {
+        let world = self.state(animations, time_s)?.world;
+        Ok(self.light_nodes().map(|(n, light)| self.light(n, light, &world[n], time_s)).collect())
     }
 
-    pub(super) fn state(&self, animation: Option<usize>, time_s: f32) -> Result<State, AnimationError> {
+    /// The name of each of [`Asset::lights`], or that of its node.
+    pub fn light_names(&self) -> Vec<Option<&str>> {
+        let name = |(n, light): (usize, &Part<usize>)| {
+            let own = light.as_ref().ok().and_then(|&light| self.document.lights[light].name.as_ref());
+            own.or(self.document.nodes[n].name.as_ref()).map(String::as_str)
+        };
+        self.light_nodes().map(name).collect()
+    }
+
+    /// The nodes of the scene's lights.
+    fn light_nodes(&self) -> impl Iterator<Item = (usize, &Part<usize>)> {
+        self.graph.scene.iter().filter_map(|&n| Some((n, self.document.nodes[n].light.as_ref()?)))
+    }
+
+    /// The light of node `n`, whose world matrix is given.
+    fn light(
+        &self,
+        n: usize,
+        light: &Part<usize>,
+        world: &DAffine3,
+        time_s: f32,
+    ) -> Result<SceneLight, AnimationError> {
+        let damaged = |fault: &GltfError| AnimationError::DamagedLight { node: n, source: Box::new(fault.clone()) };
+        let NamedLight { name, light } = &self.document.lights[*light.as_ref().map_err(|fault| damaged(fault))?];
+        let light = light.as_ref().map_err(|fault| damaged(fault))?;
+        let (w, xyz) = match light.kind {
+            SceneLightKind::Directional => (0.0, world.matrix3.z_axis.normalize()),
+            SceneLightKind::Point | SceneLightKind::Spot => (1.0, world.translation),
+        };
+        let [x, y, z] = xyz.as_vec3().to_array();
+        if ![x, y, z].iter().all(|c| c.is_finite()) {
+            let place = format!("nodes[{n}]");
+            return Err(AnimationError::NotFinite { place, time_s });
+        }
+        let direction = (-world.matrix3.z_axis.normalize()).as_vec3();
+        let spot = |[inner_angle, outer_angle]: [f32; 2]| {
+            let direction = direction.to_array();
+            SpotCone { direction, inner_angle, outer_angle }
+        };
+        // A node without extent along Z gives its light no direction.
+        let cone = light.cone.filter(|_| direction.is_finite()).map(spot);
+        Ok(SceneLight {
+            name: name.clone().or_else(|| self.document.nodes[n].name.clone()),
+            light: Light::homogeneous([x, y, z, w]),
+            kind: light.kind,
+            color: light.color,
+            intensity: light.intensity,
+            range: light.range,
+            cone,
+        })
+    }
+
+    pub(super) fn state(
+        &self,
+        animations: impl IntoIterator<Item = usize>,
+        time_s: f32,
+    ) -> Result<State, AnimationError> {
         if time_s.is_nan() {
             return Err(AnimationError::Time);
         }
         let mut transforms: Vec<Transform> = self.document.nodes.iter().map(|node| node.transform).collect();
         let mut weights = HashMap::new();
-        if let Some(index) = animation {
-            let count = self.animations.len();
-            let animation = self.animations.get(index).ok_or(AnimationError::NoAnimation { index, count })?;
+        for animation in self.playing(animations)? {
             for channel in &animation.channels {
                 apply(channel, f64::from(time_s), &mut transforms, &mut weights);
             }
@@ -105,6 +145,29 @@ impl Asset {
         Ok(State { world, weights })
     }
 
+    /// The animations, each once. No two move the same property of a node.
+    fn playing(&self, animations: impl IntoIterator<Item = usize>) -> Result<Vec<&LoadedAnimation>, AnimationError> {
+        let count = self.animations.len();
+        let (mut playing, mut taken, mut moved) = (Vec::new(), BTreeSet::new(), HashMap::new());
+        for index in animations {
+            let animation = self.animations.get(index).ok_or(AnimationError::NoAnimation { index, count })?;
+            let animation =
+                animation.as_ref().map_err(|fault| AnimationError::Damaged { index, source: fault.clone() })?;
+            if !taken.insert(index) {
+                continue;
+            }
+            for channel in &animation.channels {
+                let (node, property) = (channel.node, property_name(channel.property));
+                let first = *moved.entry((node, property)).or_insert(index);
+                if first != index {
+                    return Err(AnimationError::SameProperty { first, second: index, node, property });
+                }
+            }
+            playing.push(animation);
+        }
+        Ok(playing)
+    }
+
     /// How far the scene is moved: from its own zero into the world, and from there to the origin.
     fn shift(&self) -> DVec3 {
         self.document.center - DVec3::from_array(self.origin.to_array())
@@ -118,8 +181,10 @@ impl Asset {
                 vec![world * local]
             }
             Frame::Skin(skin) => {
-                let skin = &self.skins[skin];
-                let joints = skin.joints.iter().zip(&skin.inverse_binds);
+                // Loading refused a skin that is at fault and that an instance needs.
+                let skin = self.skins[skin].as_ref().ok();
+                let (joints, inverse_binds) = skin.map_or((&[][..], &[][..]), |s| (&s.joints, &s.inverse_binds));
+                let joints = joints.iter().zip(inverse_binds);
                 joints.map(|(&joint, inverse_bind)| state.world[joint] * *inverse_bind).collect()
             }
         }
@@ -162,11 +227,10 @@ impl Asset {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gltf::GltfError;
     use crate::mesh::Weld;
 
     /// The lights of a file with one light, on a node that is turned about X by half a turn and stretched.
-    fn lights(light: &str) -> Result<Vec<SceneLight>, GltfError> {
+    fn lights(light: &str) -> Result<Vec<SceneLight>, AnimationError> {
         let json = format!(
             r#"{{ "asset": {{ "version": "2.0" }}, "extensionsUsed": ["KHR_lights_punctual"],
                 "extensions": {{ "KHR_lights_punctual": {{ "lights": [{light}] }} }},
@@ -174,7 +238,7 @@ mod tests {
                     "extensions": {{ "KHR_lights_punctual": {{ "light": 0 }} }} }}],
                 "scenes": [{{ "nodes": [0] }}], "scene": 0 }}"#
         );
-        Ok(Asset::from_slice(json.as_bytes(), None, Weld::Data)?.lights(None, 0.0).expect("time 0 is a time"))
+        Asset::from_slice(json.as_bytes(), None, Weld::Data).expect("a good file beside the light").lights(None, 0.0)
     }
 
     #[test]

@@ -1,25 +1,31 @@
 //! Reads accessors: checks them against the data, puts sparse elements in, converts components.
 
-use std::borrow::Cow;
-
 use gltf::json::accessor::ComponentType;
 
 use super::budget::Budget;
-use super::document::{Accessor, Document, Sparse};
+use super::buffers::Bytes;
+use super::document::{Accessor, Document, Part, Sparse};
 use super::error::{AccessorProblem, GltfError};
 use super::extensions;
 use super::formats::{Component, Format};
+use super::warning::Warnings;
 
 /// Reads a document's accessors.
 pub(super) struct Reader<'a> {
     pub(super) document: &'a Document,
-    buffers: &'a [Option<Cow<'a, [u8]>>],
+    buffers: &'a [Part<Bytes<'a>>],
     pub(super) budget: &'a Budget,
+    pub(super) warnings: &'a Warnings<'a>,
 }
 
 impl<'a> Reader<'a> {
-    pub(super) fn new(document: &'a Document, buffers: &'a [Option<Cow<'a, [u8]>>], budget: &'a Budget) -> Self {
-        Self { document, buffers, budget }
+    pub(super) fn new(
+        document: &'a Document,
+        buffers: &'a [Part<Bytes<'a>>],
+        budget: &'a Budget,
+        warnings: &'a Warnings<'a>,
+    ) -> Self {
+        Self { document, buffers, budget, warnings }
     }
 
     /// Charges `count` elements of `size` bytes that are about to be allocated.
@@ -27,9 +33,13 @@ impl<'a> Reader<'a> {
         self.budget.charge(count, size, what)
     }
 
+    pub(super) fn accessor(&self, index: usize) -> Result<&'a Accessor, GltfError> {
+        self.document.accessors[index].as_ref().map_err(|fault| GltfError::clone(fault))
+    }
+
     /// The number of elements of an accessor, without checks.
-    pub(super) fn count(&self, accessor: usize) -> usize {
-        usize::try_from(self.document.accessors[accessor].count).unwrap_or(usize::MAX)
+    pub(super) fn count(&self, accessor: usize) -> Result<usize, GltfError> {
+        Ok(usize::try_from(self.accessor(accessor)?.count).unwrap_or(usize::MAX))
     }
 
     /// Vectors of floats. Normalised integers are dequantised, others are converted.
@@ -50,7 +60,7 @@ impl<'a> Reader<'a> {
     /// All components as floats, element after element.
     pub(super) fn floats(&self, accessor: usize, format: Format, user: &str) -> Result<Vec<f32>, GltfError> {
         let bytes = self.raw(accessor, format, user)?;
-        let &Accessor { component, normalized, .. } = &self.document.accessors[accessor];
+        let &Accessor { component, normalized, .. } = self.accessor(accessor)?;
         let scale = |largest: f32| if normalized { largest } else { 1.0 };
         let signed = |value: f32, largest: f32| (value / scale(largest)).max(if normalized { -1.0 } else { f32::MIN });
         Ok(match component {
@@ -67,7 +77,7 @@ impl<'a> Reader<'a> {
     pub(super) fn integers(&self, accessor: usize, format: Format, user: &str) -> Result<Vec<u32>, GltfError> {
         let mark = self.budget.mark();
         let bytes = self.raw(accessor, format, user)?;
-        let integers = unsigned(&bytes, self.document.accessors[accessor].component);
+        let integers = unsigned(&bytes, self.accessor(accessor)?.component);
         drop(bytes);
         self.budget.settle(mark, size_of_val(&*integers) as u64);
         Ok(integers)
@@ -75,7 +85,7 @@ impl<'a> Reader<'a> {
 
     /// The bytes of the elements without gaps, in the accessor's own component type.
     fn raw(&self, index: usize, format: Format, user: &str) -> Result<Vec<u8>, GltfError> {
-        let accessor = &self.document.accessors[index];
+        let accessor = self.accessor(index)?;
         self.elements(accessor, format, &|| format!("accessors[{index}], used as {user}"))
             .map_err(|failure| failure.at(index, user))
     }
@@ -110,7 +120,7 @@ impl<'a> Reader<'a> {
 
     /// The bytes from the first to the last of `count` elements, and the distance between two elements.
     fn strided(&self, view_index: usize, offset: u64, count: u64, size: u64) -> Result<(&'a [u8], usize), Failure> {
-        let view = &self.document.views[view_index];
+        let view = self.document.views[view_index].as_ref().map_err(|fault| GltfError::clone(fault))?;
         let stride = view.stride.unwrap_or(size);
         if stride < size {
             let view = view_index;
@@ -128,7 +138,8 @@ impl<'a> Reader<'a> {
             Some(name) => Failure::Compressed(name, view_index),
             None => AccessorProblem::NoData { buffer: view.buffer }.into(),
         };
-        let buffer = self.buffers[view.buffer].as_deref().ok_or_else(no_data)?;
+        let buffer = self.buffers[view.buffer].as_ref().map_err(|fault| GltfError::clone(fault))?;
+        let buffer = buffer.as_deref().ok_or_else(no_data)?;
         let start = (view.offset + offset) as usize;
         let data = buffer.get(start..start + length.unwrap_or(0) as usize).ok_or_else(no_data)?;
         Ok((data, stride as usize))

@@ -2,7 +2,7 @@
 
 use glam::DAffine3;
 
-use super::document::Skin;
+use super::document::{Part, Skin};
 use super::error::GltfError;
 use super::formats;
 use super::reader::Reader;
@@ -17,16 +17,10 @@ pub(super) struct LoadedSkin {
     pub(super) inverse_binds: Vec<DAffine3>,
 }
 
-/// Reads all skins of the document, after the counts of all were checked.
-pub(super) fn load(reader: &Reader<'_>) -> Result<Vec<LoadedSkin>, GltfError> {
-    let skins = &reader.document.skins;
-    for (index, skin) in skins.iter().enumerate() {
-        let (count, expected) = (skin.inverse_binds.map(|a| reader.count(a)), skin.joints.len());
-        if let Some(count) = count.filter(|&count| count < expected) {
-            return Err(GltfError::Count { place: place(index), count, expected });
-        }
-    }
-    skins.iter().enumerate().map(|(index, skin)| load_one(reader, index, skin)).collect()
+/// Reads all skins of the document, each with its fault.
+pub(super) fn load(reader: &Reader<'_>) -> Result<Vec<Part<LoadedSkin>>, GltfError> {
+    let skins = reader.document.skins.iter().enumerate();
+    skins.map(|(index, skin)| reader.warnings.keep(load_one(reader, index, skin))).collect()
 }
 
 fn place(skin: usize) -> String {
@@ -34,6 +28,13 @@ fn place(skin: usize) -> String {
 }
 
 fn load_one(reader: &Reader<'_>, index: usize, skin: &Skin) -> Result<LoadedSkin, GltfError> {
+    if let Some(fault) = &skin.fault {
+        return Err(GltfError::clone(fault));
+    }
+    let (count, expected) = (skin.inverse_binds.map(|a| reader.count(a)).transpose()?, skin.joints.len());
+    if let Some(count) = count.filter(|&count| count < expected) {
+        return Err(GltfError::Count { place: place(index), count, expected });
+    }
     // A list that doubles.
     reader.charge(skin.joints.len() as u64, 3 * size_of::<DAffine3>() as u64, &|| format!("skins[{index}].joints"))?;
     let inverse_binds = match skin.inverse_binds {

@@ -7,6 +7,7 @@ use super::document::Primitive;
 use super::error::GltfError;
 use super::formats;
 use super::reader::Reader;
+use super::warning::GltfWarning;
 
 /// The place of the triangles, for errors.
 #[derive(Clone, Copy)]
@@ -21,7 +22,8 @@ pub(super) fn has_triangles(mode: Mode) -> bool {
 }
 
 /// Counter-clockwise triangles as indices below `vertices`, in the order and with the corners of the specification. A
-/// strip or fan of fewer than three corners has none. Triangles that name a vertex twice are kept.
+/// strip or fan of fewer than three corners has none. Triangles that name a vertex twice are kept. An index that restarts
+/// strips begins a new one.
 pub(super) fn read(
     reader: &Reader<'_>,
     primitive: &Primitive,
@@ -30,14 +32,11 @@ pub(super) fn read(
 ) -> Result<Vec<[u32; 3]>, GltfError> {
     let Place { mesh, primitive: p } = at;
     let place = format!("meshes[{mesh}].primitives[{p}].indices");
-    let count = primitive.indices.map_or(vertices, |accessor| reader.count(accessor));
+    let count = primitive.indices.map_or(Ok(vertices), |accessor| reader.count(accessor))?;
     if primitive.mode == Mode::Triangles && !count.is_multiple_of(3) {
-        return Err(GltfError::CornerCount { mesh, primitive: p, corners: count });
+        reader.warnings.push(GltfWarning::CornerCount { mesh, primitive: p, corners: count })?;
     }
-    let faces = match primitive.mode {
-        Mode::Triangles => count / 3,
-        _ => count.saturating_sub(2),
-    };
+    let faces = face_count(primitive.mode, count as u64) as usize;
     let charge_faces = || reader.charge(faces as u64, size_of::<[u32; 3]>() as u64, &|| place.clone());
     let mark = reader.budget.mark();
     let Some(accessor) = primitive.indices else {
@@ -45,25 +44,46 @@ pub(super) fn read(
         return Ok(faces_of(primitive.mode, faces, |corner| corner as u32));
     };
     let indices = reader.integers(accessor, formats::INDICES, &place)?;
-    let restart = match reader.document.accessors[accessor].component {
+    let restart = match reader.accessor(accessor)?.component {
         ComponentType::U8 => u32::from(u8::MAX),
         ComponentType::U16 => u32::from(u16::MAX),
         _ => u32::MAX,
     };
-    let bad = |&index: &u32| index == restart || index as usize >= vertices;
+    // Only strips and fans restart on every device. A list restarts where nothing else can be meant.
+    let is_vertex = primitive.mode == Mode::Triangles && (restart as usize) < vertices;
+    let restarts = |index: u32| index == restart && !is_vertex;
+    let bad = |&index: &u32| index as usize >= vertices && !restarts(index);
     if let Some(position) = indices.iter().position(bad) {
         let index = indices[position];
-        if index == restart {
-            return Err(GltfError::PrimitiveRestart { mesh, primitive: p, position, index });
-        }
         let (face, corner) = first_use(primitive.mode, position);
         return Err(GltfError::IndexOutOfRange { mesh, primitive: p, position, face, corner, index, vertices });
     }
     charge_faces()?;
-    let faces = faces_of(primitive.mode, faces, |corner| indices[corner]);
+    let faces = match indices.iter().position(|&index| index == restart) {
+        None => faces_of(primitive.mode, faces, |corner| indices[corner]),
+        Some(position) => {
+            let index = restart;
+            reader.warnings.push(GltfWarning::PrimitiveRestart { mesh, primitive: p, position, index, is_vertex })?;
+            // No more faces than without restarts.
+            let mut all = Vec::with_capacity(faces);
+            for part in indices.split(|&index| restarts(index)) {
+                let faces = 0..face_count(primitive.mode, part.len() as u64) as usize;
+                all.extend(faces.map(|face| corners(primitive.mode, face).map(|corner| part[corner])));
+            }
+            all
+        }
+    };
     drop(indices);
-    reader.budget.settle(mark, size_of_val(&*faces) as u64);
+    reader.budget.settle(mark, (faces.capacity() * size_of::<[u32; 3]>()) as u64);
     Ok(faces)
+}
+
+/// The number of whole faces of so many corners.
+pub(super) fn face_count(mode: Mode, corners: u64) -> u64 {
+    match mode {
+        Mode::Triangles => corners / 3,
+        _ => corners.saturating_sub(2),
+    }
 }
 
 fn faces_of(mode: Mode, faces: usize, vertex: impl Fn(usize) -> u32) -> Vec<[u32; 3]> {

@@ -4,6 +4,7 @@ use super::document::Primitive;
 use super::error::GltfError;
 use super::formats;
 use super::reader::Reader;
+use super::warning::GltfWarning;
 
 /// Vertices that primitives with the same accessors share.
 #[derive(Debug)]
@@ -32,36 +33,57 @@ pub(super) struct HighestJoint {
     pub(super) place: String,
 }
 
-/// Reads a primitive's vertices; `place` is its JSON path.
+/// Reads a primitive's vertices; `place` is its JSON path. `skinned`: a skin moves them.
 pub(super) fn read(
     reader: &Reader<'_>,
     primitive: &Primitive,
     position: usize,
+    skinned: bool,
     place: &str,
 ) -> Result<Vertices, GltfError> {
-    let positions = offsets(reader, position, format!("{place}.attributes.POSITION"))?;
+    let (positions, bad) = offsets(reader, position, &format!("{place}.attributes.POSITION"))?;
+    if let Some(NonFinite { count: vertices, first }) = bad {
+        let place = format!("{place}.attributes.POSITION");
+        reader.warnings.push(GltfWarning::NonFinitePositions { place, vertices, first })?;
+    }
     let mut targets = Vec::new();
     for (t, &target) in primitive.targets.iter().enumerate() {
         let place = format!("{place}.targets[{t}].POSITION");
         targets.push(if let Some(target) = target {
-            same_count(reader.count(target), positions.len(), &place)?;
-            offsets(reader, target, place)?
+            same_count(reader.count(target)?, positions.len(), &place)?;
+            let (offsets, bad) = offsets(reader, target, &place)?;
+            if let Some(NonFinite { count: vertices, first }) = bad {
+                reader.warnings.push(GltfWarning::NonFiniteOffsets { place, vertices, first })?;
+            }
+            offsets
         } else {
             reader.charge(positions.len() as u64, 12, &|| place.clone())?;
             vec![[0.0; 3]; positions.len()]
         });
     }
-    let bindings = bindings(reader, primitive, positions.len(), place)?;
+    let bindings = match &primitive.influences_fault {
+        Some(fault) => Err(GltfError::clone(fault)),
+        None => bindings(reader, primitive, positions.len(), place),
+    };
+    // Without a skin nobody asks for joints.
+    let bindings = if skinned { bindings? } else { reader.warnings.leave_out(bindings)?.unwrap_or_default() };
     Ok(Vertices { positions, targets, bindings })
 }
 
-fn offsets(reader: &Reader<'_>, accessor: usize, place: String) -> Result<Vec<[f32; 3]>, GltfError> {
+/// Vectors that are not finite.
+struct NonFinite {
+    count: usize,
+    first: usize,
+}
+
+/// Vectors, and those of them that are not finite.
+fn offsets(reader: &Reader<'_>, accessor: usize, place: &str) -> Result<(Vec<[f32; 3]>, Option<NonFinite>), GltfError> {
     let format = if reader.document.quantized { formats::POSITION_QUANTIZED } else { formats::POSITION };
-    let vectors = reader.vectors(accessor, format, &place)?;
-    match vectors.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
-        Some(vertex) => Err(GltfError::NonFinitePosition { place, vertex, value: vectors[vertex] }),
-        None => Ok(vectors),
-    }
+    let vectors = reader.vectors(accessor, format, place)?;
+    let mut bad = (0..vectors.len()).filter(|&v| !vectors[v].iter().all(|c: &f32| c.is_finite()));
+    let first = bad.next();
+    let count = 1 + bad.count();
+    Ok((vectors, first.map(|first| NonFinite { count, first })))
 }
 
 fn same_count(count: usize, expected: usize, place: &str) -> Result<(), GltfError> {
@@ -83,8 +105,8 @@ fn bindings(reader: &Reader<'_>, primitive: &Primitive, vertices: usize, place: 
     for set in &primitive.influences {
         let joints_place = format!("{place}.attributes.JOINTS_{}", set.set);
         let weights_place = format!("{place}.attributes.WEIGHTS_{}", set.set);
-        same_count(reader.count(set.joints), vertices, &joints_place)?;
-        same_count(reader.count(set.weights), vertices, &weights_place)?;
+        same_count(reader.count(set.joints)?, vertices, &joints_place)?;
+        same_count(reader.count(set.weights)?, vertices, &weights_place)?;
         let joints = reader.integers(set.joints, formats::JOINTS, &joints_place)?;
         let weights: Vec<[f32; 4]> = reader.vectors(set.weights, formats::WEIGHTS, &weights_place)?;
         let bad = |w: &f32| !(w.is_finite() && *w >= 0.0);

@@ -12,26 +12,29 @@ use crate::{Outcome, asset_test, assets, ensure};
 /// File, and what its error must say.
 const ROWS: &[(&str, &[&str])] = &[
     ("BoxDraco.gltf", &["KHR_draco_mesh_compression", "decompress"]),
-    ("BoxWithInfinites.glb", &["meshes[0].primitives[0].attributes.POSITION", "inf"]),
     ("IndexOutOfRange.gltf", &["meshes[0].primitives[0]", "is 255", "24 vertices"]),
-    ("badUint.gltf", &["materials[0].pbrMetallicRoughness.baseColorTexture.index", "found -1"]),
-    ("bufferview_invalid_length.gltf", &["bufferViews[0]", "5 bytes", "only 4"]),
     ("chunk_too_big.glb", &["byte 12", "ends inside a header"]),
-    ("ibm_invalid_count.gltf", &["skins[2].inverseBindMatrices", "2 elements, expected 3"]),
     ("index_buffer_oob.gltf", &["meshes[0].primitives[0]", "4 vertices"]),
-    ("index_buffer_primitive_restart.gltf", &["meshes[0].primitives[0]", "primitive restart value 255"]),
     ("indices_invalid_format.gltf", &["accessors[1]", "meshes[0].primitives[0].indices", "F32 Scalar"]),
-    ("invalid-buffer-view-index.gltf", &["accessors[0].bufferView is 1", "1 bufferViews"]),
     ("invalid_json_chunk.glb", &["JSON"]),
-    ("joints_weights_complex.gltf", &["meshes[0].primitives[0].attributes.WEIGHTS_", "weight -"]),
     ("missing_bin/missing_bin.gltf", &["cannot read", "BoxTextured0.bin"]),
     ("morph_attribute_invalid_count.gltf", &["meshes[0].primitives[0].targets[0].POSITION", "4 elements, expected 3"]),
     ("node_loop.gltf", &["nodes[0]", "ancestor"]),
-    ("own_box_nan_position.glb", &["meshes[0].primitives[0].attributes.POSITION", "NaN"]),
     ("own_box_truncated.glb", &["byte 8", "1664 bytes, there are 1564"]),
     ("position_accessor_invalid_format.gltf", &["accessors[0]", "attributes.POSITION", "F32 Vec4"]),
     ("truncated_chunk_data.glb", &["byte 8", "48 bytes, there are 47"]),
     ("unresolved_positions.gltf", &["meshes[0].primitives[0].attributes.POSITION is 0", "0 accessors"]),
+];
+/// File, and what one of its warnings must say: nothing that is shown needs what is wrong, or it can be read all the same.
+const WARNED: &[(&str, &[&str])] = &[
+    ("BoxWithInfinites.glb", &["meshes[0].primitives[0].attributes.POSITION", "infinite or NaN"]),
+    ("badUint.gltf", &["materials[0].pbrMetallicRoughness.baseColorTexture.index", "found -1"]),
+    ("bufferview_invalid_length.gltf", &["bufferViews[0]", "5 bytes", "only 4"]),
+    ("ibm_invalid_count.gltf", &["skins[2].inverseBindMatrices", "2 elements, expected 3"]),
+    ("index_buffer_primitive_restart.gltf", &["meshes[0].primitives[0]", "restart value 255", "read as a vertex"]),
+    ("invalid-buffer-view-index.gltf", &["accessors[0].bufferView is 1", "1 bufferViews"]),
+    ("joints_weights_complex.gltf", &["meshes[0].primitives[0].attributes.WEIGHTS_", "weight -"]),
+    ("own_box_nan_position.glb", &["meshes[0].primitives[0].attributes.POSITION", "infinite or NaN"]),
 ];
 /// Legal: nothing to draw.
 const LEGAL: &str = "primitive_no_position.gltf";
@@ -42,6 +45,7 @@ pub(crate) fn tests() -> Vec<Trial> {
         asset_test("bad::table_is_complete", table_is_complete),
         asset_test("bad::control", control),
     ];
+    tests.extend(WARNED.iter().map(|&(name, says)| asset_test(format!("bad::{name}"), move || warned(name, says))));
     tests.extend(ROWS.iter().map(|&(name, says)| asset_test(format!("bad::{name}"), move || refused(name, says))));
     tests
 }
@@ -54,6 +58,14 @@ fn refused(name: &str, says: &[&str]) -> Outcome {
     };
     let missing: Vec<_> = says.iter().filter(|part| !message.contains(**part)).collect();
     ensure(missing.is_empty(), || format!("{name}: {message:?} does not say {missing:?}"))
+}
+
+fn warned(name: &str, says: &[&str]) -> Outcome {
+    let asset = Asset::open(assets().join("bad").join(name), Weld::Data)?;
+    crate::check::asset(&asset, 0, false)?;
+    let warnings: Vec<String> = asset.warnings().iter().map(ToString::to_string).collect();
+    let one = warnings.iter().any(|warning| says.iter().all(|part| warning.contains(part)));
+    ensure(one, || format!("{name}: {warnings:?} do not say {says:?}"))
 }
 
 fn no_position() -> Outcome {
@@ -72,7 +84,7 @@ fn control() -> Outcome {
 fn table_is_complete() -> Outcome {
     for entry in std::fs::read_dir(assets().join("bad"))? {
         let name = entry?.file_name().to_string_lossy().into_owned();
-        let known = name == LEGAL || ROWS.iter().any(|row| row.0.split('/').next() == Some(&name));
+        let known = name == LEGAL || ROWS.iter().chain(WARNED).any(|row| row.0.split('/').next() == Some(&name));
         ensure(known || Path::new(&name).extension() == Some("bin".as_ref()), || format!("no row for {name}"))?;
     }
     Ok(())

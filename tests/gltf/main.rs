@@ -5,6 +5,7 @@
 
 mod animate;
 mod bad;
+mod cases;
 mod check;
 mod details;
 mod good;
@@ -17,6 +18,10 @@ mod refuse;
 mod refuse_moving;
 mod refuse_square;
 mod shape;
+mod together;
+mod visible;
+mod warned;
+mod warned_rows;
 
 use std::path::PathBuf;
 
@@ -35,6 +40,10 @@ fn main() {
         shape::tests,
         place::tests,
         animate::tests,
+        together::tests,
+        visible::tests,
+        warned::tests,
+        cases::tests,
         refuse::tests,
         outside::tests,
         details::tests,

@@ -46,7 +46,7 @@ impl Place {
         uri(&mut maker, name);
         let path = self.model().join("model.gltf");
         std::fs::write(&path, maker.json.to_string())
-            .map_err(|source| GltfError::Read { path: path.clone(), source })?;
+            .map_err(|source| GltfError::Read { path: path.clone(), source: source.into() })?;
         Asset::open(&path, LoadOptions { allow_outside, ..Weld::Keep.into() })
     }
 

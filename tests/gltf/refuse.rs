@@ -1,7 +1,7 @@
 //! Hand-made bad files: each is refused, with its place.
 
 use libtest_mimic::Trial;
-use rimline::gltf::{Asset, GltfError, LoadOptions};
+use rimline::gltf::{AnimationError, Asset, GltfError, GltfWarning, LoadOptions};
 use rimline::mesh::Weld;
 use serde_json::{Value, json};
 
@@ -23,10 +23,12 @@ pub(crate) fn tests() -> Vec<Trial> {
         test("refuse::not_gltf", not_gltf),
         test("refuse::every_truncation", truncations),
     ];
-    let bases: [(_, _, fn() -> Maker); 3] = [
+    for &(name, spoil, says) in ANIMATED {
+        tests.push(test(format!("refuse::animated::{name}"), move || not_played(spoil, says)));
+    }
+    let bases: [(_, _, fn() -> Maker); 2] = [
         ("square", SQUARE, Maker::square),
         ("skinned", SKINNED, || Maker::skinned([0, 1, 0, 0], [0.5, 0.5, 0.0, 0.0])),
-        ("animated", ANIMATED, everything),
     ];
     for (base, rows, make) in bases {
         for &(name, spoil, says) in rows {
@@ -46,6 +48,27 @@ fn refused(make: fn() -> Maker, spoil: fn(&mut Maker), says: &[&str]) -> Outcome
     };
     let missing: Vec<_> = says.iter().filter(|part| !message.contains(**part)).collect();
     ensure(missing.is_empty(), || format!("{message:?} does not say {missing:?}"))
+}
+
+/// The file loads with a warning and has its pose at rest. The animation is refused once it is asked for.
+fn not_played(spoil: fn(&mut Maker), says: &[&str]) -> Outcome {
+    let mut maker = everything();
+    let rest = maker.load()?.pose(None, 0.0)?;
+    spoil(&mut maker);
+    let asset = maker.load()?;
+    // A row may spoil a node, too.
+    let at_rest = asset.pose(None, 0.0)?;
+    ensure(at_rest.instances().len() == rest.instances().len(), || "instances".to_owned())?;
+    let error = asset.pose(Some(0), 0.0);
+    let Err(AnimationError::Damaged { index: 0, source }) = error else {
+        return Err(format!("asked for: {error:?}").into());
+    };
+    says_all(&source.to_string(), says)?;
+    let info = &asset.animations()[0];
+    ensure(info.fault.as_ref() == Some(&*source) && info.channels == 0, || format!("{info:?}"))?;
+    ensure(asset.lights(Some(0), 0.0).is_err(), || "lights of a damaged animation".to_owned())?;
+    let warning = GltfWarning::Damaged { fault: source };
+    ensure(asset.warnings().contains(&warning), || format!("{:?}", asset.warnings()))
 }
 
 fn control() -> Outcome {

@@ -88,8 +88,8 @@ pub(crate) struct ExtractArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
 
-    /// A light: point:x,y,z, dir:x,y,z (the direction towards the light), hom:x,y,z,w (homogeneous), file:NAME or file:all
-    /// (lights of the model file). The option can be repeated
+    /// A light: point:x,y,z, dir:x,y,z (the direction towards the light), hom:x,y,z,w (homogeneous), file:NAME,
+    /// file:INDEX (from 0) or file:all (lights of the model file, as `info` lists them). The option can be repeated
     #[arg(long = "light", value_name = "SPEC", required = true, allow_hyphen_values = true, value_parser = spec::light)]
     pub(crate) lights: Vec<LightSpec>,
 
@@ -203,7 +203,8 @@ gap, weld_distance, closes, collapses, across_data), t_junctions, joints_per_ver
 max); polygons (null where all faces are triangles; triangles, quadrilaterals, larger, most_corners, with_holes, \
 nonplanar, non_finite, seen: for each light facing, averted, in_plane, twisted); and of a glTF file skins (name, joints), \
 animations (name, duration_seconds, channels), lights \
-(name, kind, xyzw), skipped_primitives (points, lines, without_position).";
+(name, kind, xyzw; the last two null for a damaged light), skipped_primitives (points, lines, without_position), \
+hidden_nodes (with all below them), warnings (texts).";
 
 #[derive(Args, Debug)]
 #[command(after_help = DEVICES_KEYS)]

@@ -67,7 +67,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     };
     let progress = Progress::rows(results.rows_planned());
     if !results.machine.is_optimised {
-        note("this build is not optimised: its times of the CPU mean nothing, its errors do");
+        note("warning: this build is not optimised: its times of the CPU mean nothing, its errors do");
     }
     print(&heading(&results))?;
     // What was measured before a failure is worth writing, too.

@@ -22,8 +22,8 @@ pub(crate) fn read(file: &Path) -> Result<Displacement, Failure> {
 }
 
 /// Tells whoever gives a time that nothing moves with it.
-pub(crate) fn note_idle_time(pose: &PoseArgs, animation: Option<usize>, displacement: Option<&Displacement>) {
-    if pose.time != 0.0 && animation.is_none() && displacement.is_none() {
-        note("--time has no effect without --animation or --displace");
+pub(crate) fn note_idle_time(pose: &PoseArgs, animations: &[usize], displacement: Option<&Displacement>) {
+    if pose.time != 0.0 && animations.is_empty() && displacement.is_none() {
+        note("warning: --time has no effect without --animation or --displace");
     }
 }

@@ -132,8 +132,10 @@ pub(crate) enum UsageError {
     Animation { wanted: String, there: String },
     #[error("the file has no lights; give some with `--light point:x,y,z` or `--light dir:x,y,z`")]
     NoFileLights,
-    #[error("the file has no light `{wanted}`; it has {}", listed(.there))]
-    FileLight { wanted: String, there: Vec<String> },
+    #[error("{}: {error}", .file.display())]
+    Together { file: PathBuf, error: rimline::gltf::AnimationError },
+    #[error("the file has no light `{wanted}`; it has {there}")]
+    FileLight { wanted: String, there: String },
     #[error(transparent)]
     Lights(LightError),
     #[error("{0}; change --eye, --target, --fov or --near")]
@@ -289,13 +291,6 @@ fn remedy(cpu_would_do: bool) -> &'static str {
         "`--device cpu` or another device (`rimline devices` lists them)"
     } else {
         "a smaller model or another device (`rimline devices` lists them)"
-    }
-}
-
-fn listed(names: &[String]) -> String {
-    match names {
-        [] => "none".into(),
-        names => names.join(", "),
     }
 }
 

@@ -33,7 +33,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let progress = Progress::start();
     progress.step("reading the models");
     let mut props = ShadowInputs::read(scene)?;
-    if scene.posed.pose.animation.is_none() && props.displacement.is_none() {
+    if scene.posed.pose.animations.is_empty() && props.displacement.is_none() {
         props.take_first_animations();
     }
     props.settle(scene.posed.pose.time)?;
@@ -108,9 +108,12 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 
 /// How many pictures are asked for, or make up the longest animation.
 fn frames(args: &FilmArgs, props: &ShadowInputs) -> Result<u32, Failure> {
-    let duration = |(input, animation): (&Input, &Option<usize>)| match (&input.source, animation) {
-        (Source::Gltf(asset), Some(index)) => asset.animations().get(*index).map(|info| info.duration_s),
-        _ => None,
+    let duration = |(input, animations): (&Input, &Vec<usize>)| match &input.source {
+        Source::Gltf(asset) => {
+            let lasts = animations.iter().filter_map(|&index| Some(asset.animations().get(index)?.duration_s));
+            lasts.reduce(f32::max)
+        }
+        Source::World { .. } => None,
     };
     let lasts = props
         .inputs

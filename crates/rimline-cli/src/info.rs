@@ -31,8 +31,8 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
         taken => taken,
     };
     let mut input = Input::read(&args.model.file, args.model.options(), taken)?;
-    origin::settle(std::slice::from_mut(&mut input), &[None], 0.0)?;
-    let lights = input.lights(&args.lights, None, 0.0)?;
+    origin::settle(std::slice::from_mut(&mut input), &[Vec::new()], 0.0)?;
+    let lights = input.lights(&args.lights, &[], 0.0)?;
     let report = Report::new(&input, &lights)?;
     print(&if args.json { format!("{:#}\n", report.json(&input)?) } else { report.text(&input)? })
 }
@@ -56,7 +56,7 @@ impl Report {
             .map(|(index, geometry)| MeshReport::of_geometry(geometry, input.weld_counts(index), own))
             .collect::<Result<Vec<_>, _>>()
             .map_err(|error| Failure::input(&input.file)(error.into()))?;
-        let scene = input.scene(None, 0.0, false)?;
+        let scene = input.scene(&[], 0.0, false)?;
         let positions = match &scene.shape {
             Shape::World(positions) => Cow::Borrowed(*positions),
             Shape::Posed { model, pose } => Cow::Owned(cpu::deform(model, pose, 0.0, None, Threads::all())?),
@@ -82,6 +82,9 @@ impl Report {
         add_origin(&mut value, input.origin);
         if let (Source::Gltf(asset), Value::Object(value)) = (&input.source, &mut value) {
             asset::json(asset, &asset::lights(asset, input)?, value);
+            let warnings: Vec<String> = asset.warnings().iter().map(ToString::to_string).collect();
+            value.insert("hidden_nodes".into(), asset.hidden_nodes().into());
+            value.insert("warnings".into(), warnings.into());
         }
         Ok(value)
     }

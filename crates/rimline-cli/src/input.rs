@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use rimline::MAX_LIGHTS;
-use rimline::gltf::{AnimationInfo, Asset, GltfError, LoadOptions, SceneLight};
+use rimline::gltf::{AnimationError, Asset, GltfError, GltfWarning, LoadOptions, SceneLight};
 use rimline::mesh::{Weld, WeldCounts, WeldDistance};
 use rimline::reference::light::check_lights;
 use rimline::{
@@ -12,7 +12,8 @@ use rimline::{
 };
 
 use crate::failure::{Failure, InputError, UsageError};
-use crate::input_args::{ModelArgs, PoseArgs};
+use crate::input_args::ModelArgs;
+use crate::listed::listed;
 use crate::load_args::TakenPolygons;
 use crate::npz;
 use crate::obj;
@@ -77,6 +78,7 @@ impl Input {
     pub(crate) fn read(file: &Path, options: LoadOptions, taken: TakenPolygons) -> Result<Self, Failure> {
         let (source, origin) = open(file, options, taken).map_err(Failure::input(file))?;
         let input = Self { file: file.to_owned(), source, origin };
+        input.note_warnings();
         input.note_non_finite();
         if let Weld::Distance(distance) = options.weld {
             input.note_wide_groups(distance);
@@ -96,6 +98,25 @@ impl Input {
                  {theirs} in chains; each is one point now, so give a smaller distance if that is not meant",
                 self.file.display(),
                 distance.get()
+            ));
+        }
+    }
+
+    /// What the file has that is not read, or read otherwise.
+    fn note_warnings(&self) {
+        const SHOWN: usize = 20;
+        let Source::Gltf(asset) = &self.source else { return };
+        // Positions that are not finite are told for every format.
+        let is_told = |warning: &&GltfWarning| !matches!(warning, GltfWarning::NonFinitePositions { .. });
+        let file = self.file.display();
+        let warnings: Vec<&GltfWarning> = asset.warnings().iter().filter(is_told).collect();
+        for warning in warnings.iter().take(SHOWN) {
+            note(&format!("warning: {file}: {warning}"));
+        }
+        if warnings.len() > SHOWN {
+            note(&format!(
+                "warning: {file}: {} more warnings; `rimline info --json` lists them",
+                warnings.len() - SHOWN
             ));
         }
     }
@@ -140,30 +161,29 @@ impl Input {
         }
     }
 
-    /// The animation that `--animation` names, by its number.
-    pub(crate) fn animation(&self, args: &PoseArgs) -> Result<Option<usize>, Failure> {
-        let Some(wanted) = &args.animation else {
-            return Ok(None);
-        };
-        let (found, there) = match &self.source {
-            Source::Gltf(asset) => (asset.animation_index(wanted), listed_animations(asset)),
-            Source::World { .. } => (None, "the file has none".to_owned()),
-        };
-        let wanted = wanted.clone();
-        let missing = || UsageError::Animation { wanted, there }.into();
-        found.map(Some).ok_or_else(missing)
+    /// Why there is no pose: the file is damaged, or the command line asks for what cannot be.
+    pub(crate) fn not_posed(&self, error: AnimationError) -> Failure {
+        match error {
+            AnimationError::SameProperty { .. } => UsageError::Together { file: self.file.clone(), error }.into(),
+            error => Failure::input(&self.file)(error.into()),
+        }
     }
 
     /// The mesh and its shape at one posed. `displaced` shapes always come as a model, so that `displace` can run.
-    pub(crate) fn scene(&self, animation: Option<usize>, time_s: f32, displaced: bool) -> Result<Scene<'_>, Failure> {
-        let shape = self.shape(animation, time_s, displaced)?;
+    pub(crate) fn scene(&self, animations: &[usize], time_s: f32, displaced: bool) -> Result<Scene<'_>, Failure> {
+        let shape = self.shape(animations, time_s, displaced)?;
         Ok(Scene { mesh: self.mesh(&shape)?, shape })
     }
 
     /// The shape at one posed, without a mesh of all instances.
-    pub(crate) fn shape(&self, animation: Option<usize>, time_s: f32, displaced: bool) -> Result<Shape<'_>, Failure> {
+    pub(crate) fn shape(&self, animations: &[usize], time_s: f32, displaced: bool) -> Result<Shape<'_>, Failure> {
         let pose = match &self.source {
-            Source::Gltf(asset) => asset.pose(animation, time_s).map_err(InputError::from),
+            Source::Gltf(asset) => {
+                return match asset.pose(animations.iter().copied(), time_s) {
+                    Ok(pose) => Ok(Shape::Posed { model: asset.model(), pose }),
+                    Err(error) => Err(self.not_posed(error)),
+                };
+            }
             Source::World { polygons: Some(_), .. } if displaced => Err(InputError::PolygonsDisplaced),
             Source::World { model, .. } if !displaced => return Ok(Shape::World(model.geometries()[0].positions())),
             Source::World { .. } => resting().map_err(InputError::from),
@@ -201,43 +221,48 @@ impl Input {
     }
 
     /// The lights asked for, in the order asked for, fit for an extraction.
-    pub(crate) fn lights(
-        &self,
-        specs: &[LightSpec],
-        animation: Option<usize>,
-        time_s: f32,
-    ) -> Result<Vec<Light>, Failure> {
-        Ok(self.chosen_lights(specs, animation, time_s)?.into_iter().map(|chosen| chosen.light).collect())
+    pub(crate) fn lights(&self, specs: &[LightSpec], animations: &[usize], time_s: f32) -> Result<Vec<Light>, Failure> {
+        Ok(self.chosen_lights(specs, animations, time_s)?.into_iter().map(|chosen| chosen.light).collect())
     }
 
     /// The same, with what the file says of its own.
     pub(crate) fn chosen_lights(
         &self,
         specs: &[LightSpec],
-        animation: Option<usize>,
+        animations: &[usize],
         time_s: f32,
     ) -> Result<Vec<ChosenLight>, Failure> {
         let own = match &self.source {
             Source::Gltf(asset) if specs.iter().any(|spec| !matches!(spec, LightSpec::Given(_))) => {
-                asset.lights(animation, time_s).map_err(|error| Failure::input(&self.file)(error.into()))?
+                let lights = asset.each_light(animations.iter().copied(), time_s);
+                let names = asset.light_names().into_iter().map(|name| name.map(str::to_owned));
+                names.zip(lights.map_err(|error| self.not_posed(error))?).collect()
             }
             _ => Vec::new(),
         };
-        let (origin, of_file) =
-            (self.origin, |own: &SceneLight| ChosenLight { light: own.light, own: Some(own.clone()) });
+        let origin = self.origin;
+        let of_file = |(_, own): &(Option<String>, Result<SceneLight, AnimationError>)| match own {
+            Ok(own) => Ok(ChosenLight { light: own.light, own: Some(own.clone()) }),
+            Err(error) => Err(self.not_posed(error.clone())),
+        };
         let mut chosen = Vec::with_capacity(specs.len());
         for spec in specs {
             match spec {
                 LightSpec::Given(given) => chosen.push(ChosenLight { light: given.relative_to(origin), own: None }),
                 LightSpec::All if own.is_empty() => return Err(UsageError::NoFileLights.into()),
-                LightSpec::All => chosen.extend(own.iter().map(of_file)),
+                LightSpec::All => {
+                    for own in &own {
+                        chosen.push(of_file(own)?);
+                    }
+                }
                 LightSpec::Named(wanted) => {
-                    let named = own.iter().find(|own| own.name.as_ref() == Some(wanted));
+                    let named = own.iter().find(|(name, _)| name.as_ref() == Some(wanted));
+                    let numbered = || wanted.parse().ok().and_then(|index: usize| own.get(index));
                     let missing = || UsageError::FileLight {
                         wanted: wanted.clone(),
-                        there: own.iter().filter_map(|own| own.name.clone()).collect(),
+                        there: listed("light", own.iter().map(|(name, _)| name.as_deref())),
                     };
-                    chosen.push(of_file(named.ok_or_else(missing)?));
+                    chosen.push(of_file(named.or_else(numbered).ok_or_else(missing)?)?);
                 }
             }
         }
@@ -249,23 +274,6 @@ impl Input {
             Err(error) => Err(Failure::input(&self.file)(InputError::Lights(error))),
         }
     }
-}
-
-/// The file's animations, for a message.
-pub(crate) fn listed_animations(asset: &Asset) -> String {
-    const SHOWN: usize = 20;
-    let infos = asset.animations();
-    if infos.is_empty() {
-        return "the file has none".into();
-    }
-    let shown: Vec<String> = infos.iter().enumerate().take(SHOWN).map(|(at, info)| animation_name(at, info)).collect();
-    let more = if infos.len() > SHOWN { ", …" } else { "" };
-    format!("the file has {}{more}", shown.join(", "))
-}
-
-/// An animation's number, and its name if it has one.
-pub(crate) fn animation_name(index: usize, info: &AnimationInfo) -> String {
-    info.name.as_ref().map_or_else(|| index.to_string(), |name| format!("{index} `{name}`"))
 }
 
 /// Opens a file by its ending, or, where that says nothing, by how it begins.
@@ -324,7 +332,9 @@ fn of_asset(asset: Asset) -> (Source, Origin) {
 fn of_gltf(file: &Path, error: GltfError) -> InputError {
     match error {
         // The file is named already; only other files that it names need to be.
-        GltfError::Read { path, source } if path == file => InputError::Read(source),
+        GltfError::Read { path, source } if path == file => {
+            InputError::Read(std::io::Error::new(source.kind(), source))
+        }
         // The advice is to give the options of the command.
         GltfError::TooLarge { what, needed, limit } => {
             let is_whole = Path::new(&what) == file;

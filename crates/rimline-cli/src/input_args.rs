@@ -94,9 +94,10 @@ pub(crate) struct MomentArgs {
 /// The posed.
 #[derive(Args, Debug)]
 pub(crate) struct PoseArgs {
-    /// The animation that poses the model, by name or by number from 0. Without it the model is at rest
-    #[arg(long, value_name = "NAME|INDEX", allow_hyphen_values = true)]
-    pub(crate) animation: Option<String>,
+    /// The animation that poses the model, by name or by number from 0, or `all`. Without it the model is at rest. The
+    /// option can be repeated: the animations play together, unless two move the same property of a node
+    #[arg(long = "animation", value_name = "NAME|INDEX|all", allow_hyphen_values = true)]
+    pub(crate) animations: Vec<String>,
 
     /// The time in seconds, for the animation and for `displace`
     #[arg(long, value_name = "S", default_value = "0", allow_hyphen_values = true, value_parser = spec::seconds)]

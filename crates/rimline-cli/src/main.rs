@@ -4,6 +4,7 @@
 mod args;
 mod bench;
 mod chart;
+mod chosen_animations;
 mod claim;
 mod coordinates;
 mod device;
@@ -21,6 +22,7 @@ mod info;
 mod input;
 mod input_args;
 mod interrupt;
+mod listed;
 mod load_args;
 mod origin;
 mod output;
@@ -45,6 +47,7 @@ mod warm_up;
 use std::io::Write as _;
 use std::process::ExitCode;
 
+use log::Level;
 use rimline_cli::{npz, obj};
 
 use crate::args::Command;
@@ -54,7 +57,11 @@ use crate::shown::{Line, Text};
 fn main() -> ExitCode {
     // Drivers and wgpu talk a lot; whoever wants to hear them sets RUST_LOG.
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("off,rimline=warn"))
-        .format(|to, record| writeln!(to, "[{:<5} {}] {}", record.level(), record.target(), Text(record.args())))
+        .format(|to, record| match record.level() {
+            // The command's own words, as those of `output::note`.
+            Level::Warn => writeln!(to, "rimline: warning: {}", Text(record.args())),
+            level => writeln!(to, "[{level:<5} {}] {}", record.target(), Text(record.args())),
+        })
         .init();
     let cli = parse::parse(std::env::args_os()).unwrap_or_else(|error| refuse(&error));
     quiet::run_again_quietly(&cli.command);

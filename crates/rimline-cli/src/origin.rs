@@ -3,7 +3,7 @@
 use rimline::reference::origin::bounds;
 use rimline::{Geometry, GeometryOptions, Instance, Model, ModelError, Origin};
 
-use crate::failure::{Failure, InputError};
+use crate::failure::Failure;
 use crate::input::{Input, Source};
 use crate::output::note;
 use crate::shown::Line;
@@ -20,24 +20,24 @@ struct Extent {
     rounding: f64,
 }
 
-/// Moves the files to one origin, and warns where `f32` still loses much. `animations` has one for each. It is the origin
+/// Moves the files to one origin, and warns where `f32` still loses much. `animations` has those of each. It is the origin
 /// that the model of the smallest size needs of those that need one: what is far from it is large, too.
-pub(crate) fn settle(inputs: &mut [Input], animations: &[Option<usize>], time_s: f32) -> Result<Origin, Failure> {
-    let of = |(input, &animation): (&Input, &Option<usize>)| input.extent(animation, time_s);
+pub(crate) fn settle(inputs: &mut [Input], animations: &[Vec<usize>], time_s: f32) -> Result<Origin, Failure> {
+    let of = |(input, animations): (&Input, &Vec<usize>)| input.extent(animations, time_s);
     let extents = inputs.iter().zip(animations).map(of).collect::<Result<Vec<_>, _>>()?;
     let mut chosen: Option<(f64, Origin)> = None;
-    for ((input, &animation), extent) in inputs.iter().zip(animations).zip(&extents) {
+    for ((input, playing), extent) in inputs.iter().zip(animations).zip(&extents) {
         let Some(extent) = extent else { continue };
-        let origin = input.suggested_origin(extent, animation, time_s)?;
+        let origin = input.suggested_origin(extent, playing, time_s)?;
         if !origin.is_zero() && chosen.is_none_or(|(smallest, _)| extent.size() < smallest) {
             chosen = Some((extent.size(), origin));
         }
     }
     let origin = chosen.map_or(Origin::ZERO, |(_, origin)| origin);
-    for ((input, &animation), before) in inputs.iter_mut().zip(animations).zip(extents) {
+    for ((input, playing), before) in inputs.iter_mut().zip(animations).zip(extents) {
         let is_there = input.origin == origin;
         input.move_to(origin)?;
-        let extent = if is_there { before } else { input.extent(animation, time_s)? };
+        let extent = if is_there { before } else { input.extent(playing, time_s)? };
         if let Some(extent) = extent {
             extent.warn(input);
         }
@@ -72,12 +72,12 @@ impl Extent {
 
 impl Input {
     /// The origin that the file needs. That of arrays is known since they were read.
-    fn suggested_origin(&self, extent: &Extent, animation: Option<usize>, time_s: f32) -> Result<Origin, Failure> {
+    fn suggested_origin(&self, extent: &Extent, animations: &[usize], time_s: f32) -> Result<Origin, Failure> {
         let Source::Gltf(asset) = &self.source else { return Ok(self.origin) };
         let mut failure = None;
         let smallest_edge = || {
-            asset.smallest_edge(animation, time_s).unwrap_or_else(|error| {
-                failure = Some(self.failed(error));
+            asset.smallest_edge(animations.iter().copied(), time_s).unwrap_or_else(|error| {
+                failure = Some(self.not_posed(error));
                 f64::INFINITY
             })
         };
@@ -85,10 +85,11 @@ impl Input {
         failure.map_or(Ok(origin), Err)
     }
 
-    fn extent(&self, animation: Option<usize>, time_s: f32) -> Result<Option<Extent>, Failure> {
+    fn extent(&self, animations: &[usize], time_s: f32) -> Result<Option<Extent>, Failure> {
         match &self.source {
             Source::Gltf(asset) => {
-                let extent = asset.extent(animation, time_s).map_err(|error| self.failed(error))?;
+                let extent = asset.extent(animations.iter().copied(), time_s);
+                let extent = extent.map_err(|error| self.not_posed(error))?;
                 Ok(extent.map(|extent| Extent { bounds: extent.bounds, rounding: extent.rounding }))
             }
             Source::World { model, .. } => {
@@ -96,10 +97,6 @@ impl Input {
                 Ok(extent(geometry, self.origin))
             }
         }
-    }
-
-    fn failed(&self, error: rimline::gltf::AnimationError) -> Failure {
-        Failure::input(&self.file)(InputError::from(error))
     }
 
     fn move_to(&mut self, origin: Origin) -> Result<(), Failure> {

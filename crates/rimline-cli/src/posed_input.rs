@@ -4,6 +4,7 @@ use std::path::Path;
 
 use rimline::{Displacement, Light};
 
+use crate::chosen_animations;
 use crate::device::{self, Device, Wanted};
 use crate::displacement;
 use crate::failure::{Failure, UsageError};
@@ -15,7 +16,7 @@ use crate::spec::LightSpec;
 pub(crate) struct PosedInput<'a> {
     args: &'a MomentArgs,
     pub(crate) input: Input,
-    animation: Option<usize>,
+    animations: Vec<usize>,
     pub(crate) displacement: Option<Displacement>,
 }
 
@@ -27,10 +28,11 @@ impl<'a> PosedInput<'a> {
         }
         let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
         let mut input = Input::open(model)?;
-        let animation = input.animation(&args.pose)?;
-        origin::settle(std::slice::from_mut(&mut input), &[animation], args.pose.time)?;
-        displacement::note_idle_time(&args.pose, animation, displacement.as_ref());
-        Ok(Self { args, input, animation, displacement })
+        let chosen = chosen_animations::animations(std::slice::from_ref(&input), &args.pose)?;
+        origin::settle(std::slice::from_mut(&mut input), &chosen, args.pose.time)?;
+        let animations = chosen.concat();
+        displacement::note_idle_time(&args.pose, &animations, displacement.as_ref());
+        Ok(Self { args, input, animations, displacement })
     }
 
     /// The files that were read, and those that the model names.
@@ -43,12 +45,12 @@ impl<'a> PosedInput<'a> {
     }
 
     pub(crate) fn lights(&self, specs: &[LightSpec]) -> Result<Vec<Light>, Failure> {
-        self.input.lights(specs, self.animation, self.time_s())
+        self.input.lights(specs, &self.animations, self.time_s())
     }
 
     /// The mesh, its edge records, and where its vertices are.
     pub(crate) fn scene(&self) -> Result<Scene<'_>, Failure> {
-        self.input.scene(self.animation, self.time_s(), self.displacement.is_some())
+        self.input.scene(&self.animations, self.time_s(), self.displacement.is_some())
     }
 
     /// Does the work on the device that was asked for, or on the CPU where that may be and must be. Returns the device.

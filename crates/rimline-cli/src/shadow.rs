@@ -76,8 +76,8 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("reading the models");
     let mut props = times.measure("load", || ShadowInputs::read(scene))?;
     let origin = times.measure("load", || props.settle(scene.posed.pose.time))?;
-    for &animation in &props.animations {
-        displacement::note_idle_time(&scene.posed.pose, animation, props.displacement.as_ref());
+    for animations in &props.animations {
+        displacement::note_idle_time(&scene.posed.pose, animations, props.displacement.as_ref());
     }
     let from_depth = times.measure("load", || args.depth_maps(origin))?;
     let given = from_depth.as_ref().and_then(FromDepth::given);

@@ -11,7 +11,7 @@ use crate::coordinates::{Coordinate, GivenLight};
 pub(crate) enum LightSpec {
     /// Given by its components.
     Given(GivenLight),
-    /// The file's light of this name.
+    /// The file's light of this name, or else of this number.
     Named(String),
     /// Every light of the file, in its order.
     All,
@@ -48,9 +48,11 @@ pub(crate) enum AreaKind {
 /// Why a value of the command line is refused; clap says which option it was given to.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(crate) enum SpecError {
-    #[error("there is no kind of light `{0}`; write point:x,y,z, dir:x,y,z, hom:x,y,z,w, file:NAME or file:all")]
+    #[error(
+        "there is no kind of light `{0}`; write point:x,y,z, dir:x,y,z, hom:x,y,z,w, file:NAME, file:INDEX or file:all"
+    )]
     Kind(String),
-    #[error("a name must follow `file:`, or `all` for every light of the file")]
+    #[error("a name or a number must follow `file:`, or `all` for every light of the file")]
     NoName,
     #[error("{wanted} numbers are needed, separated by commas, but {given} are given")]
     Count { wanted: usize, given: usize },

@@ -48,7 +48,7 @@ pub(crate) fn shadow_stages(
         source: Source::World { model, weld: WeldCounts::default(), polygons: None, described: None },
         origin: Origin::ZERO,
     };
-    let body = [PosedModel::new(gpu, &input, None, 0.0, None)?];
+    let body = [PosedModel::new(gpu, &input, &[], 0.0, None)?];
     let mut shadows = Shadows::new(gpu, pipelines, lights.len()).map_err(|error| error.on(gpu))?;
     shadows.place(gpu, &body)?;
     let label = Some("warm up");

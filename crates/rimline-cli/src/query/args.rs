@@ -20,7 +20,7 @@ pub(crate) struct QueryArgs {
     pub(crate) points: PathBuf,
 
     /// A light: point:x,y,z, dir:x,y,z (the direction towards the light), hom:x,y,z,w (homogeneous, w not negative),
-    /// file:NAME or file:all (lights of the model file). The option can be repeated
+    /// file:NAME, file:INDEX (from 0) or file:all (lights of the model file, as `info` lists them). The option can be repeated
     #[arg(long = "light", value_name = "SPEC", required = true, allow_hyphen_values = true, value_parser = spec::light)]
     pub(crate) lights: Vec<LightSpec>,
 

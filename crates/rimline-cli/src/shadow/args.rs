@@ -89,8 +89,8 @@ pub(crate) struct ShadowSceneArgs {
     #[command(flatten)]
     pub(crate) load: LoadArgs,
 
-    /// A light: point:x,y,z, dir:x,y,z (the direction towards the light), hom:x,y,z,w (homogeneous), file:NAME or file:all
-    /// (lights of the first file). Options can follow, see below. The option can be repeated. By default there is one light,
+    /// A light: point:x,y,z, dir:x,y,z (the direction towards the light), hom:x,y,z,w (homogeneous), file:NAME,
+    /// file:INDEX (from 0) or file:all (lights of the first file, as `info` lists them). Options can follow, see below. The option can be repeated. By default there is one light,
     /// above the eye and to its left
     #[arg(long = "light", value_name = "SPEC[,OPTION]...", allow_hyphen_values = true, value_parser = spec::shaded)]
     pub(crate) lights: Vec<ShadedLightSpec>,
@@ -317,7 +317,7 @@ stages).";
     help_template = verbatim(FILM_EXAMPLES),
     after_help = FILM_REMARKS,
     mut_arg("device", drawing_device),
-    mut_arg("animation", film_animation),
+    mut_arg("animations", film_animation),
 )]
 pub(crate) struct FilmArgs {
     #[command(flatten)]
@@ -327,7 +327,7 @@ pub(crate) struct FilmArgs {
     #[arg(long, value_name = "N", default_value = "25", allow_hyphen_values = true, value_parser = spec::pictures_a_second)]
     pub(crate) fps: f32,
 
-    /// The number of pictures. By default the film lasts as long as the animation
+    /// The number of pictures. By default the film lasts as long as the longest animation
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES))]
     pub(crate) frames: Option<u32>,
 
@@ -343,8 +343,9 @@ pub(crate) struct FilmArgs {
 /// Help of `--animation` where something should move.
 fn film_animation(arg: clap::Arg) -> clap::Arg {
     arg.help(
-        "The animation to play, by name or by number from 0. By default it is the first animation of each file, or none with \
-         --displace",
+        "The animation to play, by name or by number from 0, or `all`. By default it is the first animation of each file, or \
+         none with --displace. The option can be repeated: the animations play together, unless two move the same property \
+         of a node",
     )
 }
 

@@ -36,7 +36,7 @@ impl CountBound {
         let Self { count_bound, may_wrap } = self;
         if may_wrap > 0 {
             note(&format!(
-                "shadows may be wrong where 256 or more faces overlap as seen from the eye: the stencil has 8 bits, and \
+                "warning: shadows may be wrong where 256 or more faces overlap as seen from the eye: the stencil has 8 bits, and \
                  the models may overlap up to {count_bound} times. Draw fewer files at once, or models with fewer \
                  layers; `rimline query` counts without this limit"
             ));

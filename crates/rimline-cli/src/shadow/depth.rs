@@ -44,7 +44,7 @@ impl Seen {
 
     pub(crate) fn warn(self, format: TextureFormat) {
         if let Some(warning) = self.warning(format) {
-            note(&warning);
+            note(&format!("warning: {warning}"));
         }
     }
 }

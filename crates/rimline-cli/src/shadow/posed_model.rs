@@ -8,7 +8,6 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
 use crate::input::{Input, Shape};
-use crate::input_args::PoseArgs;
 use crate::positions::Positions;
 
 /// The faces of an instance: those of a geometry, turned if its pose mirrors it. Instances of the same topology share a
@@ -22,7 +21,7 @@ pub(crate) struct Topology {
 /// A model and where its vertices are.
 pub(crate) struct PosedModel<'a> {
     pub(crate) input: &'a Input,
-    animation: Option<usize>,
+    animations: &'a [usize],
     displaced: bool,
     shape: Shape<'a>,
     pub(crate) positions: Positions,
@@ -38,17 +37,17 @@ impl<'a> PosedModel<'a> {
     pub(crate) fn new(
         gpu: &Gpu,
         input: &'a Input,
-        animation: Option<usize>,
+        animations: &'a [usize],
         time_s: f32,
         displacement: Option<&Displacement>,
     ) -> Result<Self, Failure> {
         let displaced = displacement.is_some();
-        let shape = input.shape(animation, time_s, displaced)?;
+        let shape = input.shape(animations, time_s, displaced)?;
         let failed = |error: MeshError| Failure::input(&input.file)(error.into());
         check_faces(input.model().placed_geometries()).map_err(failed)?;
         let positions = Positions::new(gpu, &shape, displacement).map_err(|error| error.on(gpu))?;
         let (topologies, faces, world) = (Vec::new(), Vec::new(), Vec::new());
-        let mut body = Self { input, animation, displaced, shape, positions, topologies, faces, world };
+        let mut body = Self { input, animations, displaced, shape, positions, topologies, faces, world };
         body.place(gpu, time_s).map_err(|error| error.on(gpu))?;
         Ok(body)
     }
@@ -56,7 +55,7 @@ impl<'a> PosedModel<'a> {
     /// Moves to another posed.
     pub(crate) fn pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), Failure> {
         if let Shape::Posed { .. } = self.shape {
-            self.shape = self.input.shape(self.animation, time_s, self.displaced)?;
+            self.shape = self.input.shape(self.animations, time_s, self.displaced)?;
             self.place(gpu, time_s).map_err(|error| error.on(gpu))?;
         }
         Ok(())
@@ -117,8 +116,8 @@ impl<'a> PosedModel<'a> {
         triangles.map_err(|error| Failure::input(&self.input.file)(error.into()))
     }
 
-    pub(crate) fn animation(&self) -> Option<usize> {
-        self.animation
+    pub(crate) fn animations(&self) -> &[usize] {
+        self.animations
     }
 
     /// The vertices of the faces that are drawn, those with finite positions; each once.
@@ -160,11 +159,4 @@ fn check_faces<'a>(geometries: impl Iterator<Item = &'a Geometry>) -> Result<(),
         faces if faces > MAX_FACES => Err(MeshError::TooManyFaces { faces }),
         _ => Ok(()),
     }
-}
-
-/// Which animation of each file `--animation` names: of those that have it, as at least one must.
-pub(crate) fn animations(inputs: &[Input], args: &PoseArgs) -> Result<Vec<Option<usize>>, Failure> {
-    let found: Vec<Result<Option<usize>, Failure>> = inputs.iter().map(|input| input.animation(args)).collect();
-    let has_one = found.iter().any(Result::is_ok);
-    found.into_iter().map(|animation| if has_one { Ok(animation.unwrap_or(None)) } else { animation }).collect()
 }

@@ -71,7 +71,7 @@ impl ShadedLight {
         let mut chosen = Vec::new();
         for spec in &args.lights {
             let wanted = std::slice::from_ref(&spec.light);
-            let lights = first.input.chosen_lights(wanted, first.animation(), args.posed.pose.time)?;
+            let lights = first.input.chosen_lights(wanted, first.animations(), args.posed.pose.time)?;
             check_options(spec, &lights)?;
             chosen.extend(lights.into_iter().map(|light| (spec, light)));
         }

@@ -12,14 +12,16 @@ use super::casters::Casters;
 use super::depth::{Seen, depth_format};
 use super::frame::{Frame, part_camera, unit};
 use super::part::{PARTS, Part};
-use super::posed_model::{PosedModel, animations};
+use super::posed_model::PosedModel;
 use super::render_resources::{DrawInputs, RenderResources};
 use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
+use crate::chosen_animations::animations;
 use crate::device::{self, Gpu, Wanted};
 use crate::displacement;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
-use crate::input::{Input, Source, animation_name, listed_animations};
+use crate::input::{Input, Source};
+use crate::listed::{animation_name, listed_animations};
 use crate::origin;
 use crate::output::note;
 use crate::render::camera::{Camera, elevation};
@@ -33,7 +35,8 @@ const ELEVATION: f64 = 24.0;
 /// What was read before any device is opened.
 pub(crate) struct ShadowInputs {
     pub(crate) inputs: Vec<Input>,
-    pub(crate) animations: Vec<Option<usize>>,
+    /// Of each input.
+    pub(crate) animations: Vec<Vec<usize>>,
     pub(crate) displacement: Option<Displacement>,
 }
 
@@ -63,21 +66,25 @@ impl ShadowInputs {
         self.inputs.iter().flat_map(Input::files).chain(args.posed.displace.as_deref())
     }
 
-    /// Plays each file's first animation, and says which that is.
+    /// Plays each file's first animation that is not damaged, and says which that is.
     pub(crate) fn take_first_animations(&mut self) {
-        for (input, animation) in self.inputs.iter().zip(&mut self.animations) {
+        for (input, animations) in self.inputs.iter().zip(&mut self.animations) {
             let Source::Gltf(asset) = &input.source else { continue };
-            let Some(first) = asset.animations().first() else { continue };
-            *animation = Some(0);
-            let (file, name) = (input.file.display(), animation_name(0, first));
+            // A damaged one is taken where there is no other, and then says what is wrong with it.
+            let index = asset.animations().iter().position(|info| info.fault.is_none()).unwrap_or(0);
+            let Some(first) = asset.animations().get(index) else { continue };
+            *animations = vec![index];
+            let (file, name) = (input.file.display(), animation_name(index, first));
             let there = if asset.animations().len() > 1 { listed_animations(asset) } else { "it has no other".into() };
             note(&format!("{file}: using animation {name}, because no --animation is given; {there}"));
         }
     }
 
     pub(crate) fn bodies(&self, gpu: &Gpu, time_s: f32) -> Result<Vec<PosedModel<'_>>, Failure> {
-        let body = |(input, &animation)| PosedModel::new(gpu, input, animation, time_s, self.displacement.as_ref());
-        self.inputs.iter().zip(&self.animations).map(body).collect()
+        let inputs = self.inputs.iter().zip(&self.animations);
+        inputs
+            .map(|(input, animations)| PosedModel::new(gpu, input, animations, time_s, self.displacement.as_ref()))
+            .collect()
     }
 }
 

@@ -41,12 +41,13 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     for model in &args.models {
         progress.step(format!("reading {}", model.display()));
         let mut input = Input::read(model, args.load.options(Weld::Data), TakenPolygons::Triangles)?;
-        origin::settle(std::slice::from_mut(&mut input), &[None], 0.0)?;
-        maker.pose(&input, None, 0.0, &stem(model))?;
+        origin::settle(std::slice::from_mut(&mut input), &[Vec::new()], 0.0)?;
+        maker.pose(&input, &[], 0.0, &stem(model))?;
         if let Source::Gltf(asset) = &input.source
-            && let [animation, ..] = asset.animations()
+            && let mut animations = asset.animations().iter().enumerate()
+            && let Some((index, animation)) = animations.find(|(_, info)| info.fault.is_none())
         {
-            maker.pose(&input, Some(0), MOMENT * animation.duration_s, &posed(model))?;
+            maker.pose(&input, &[index], MOMENT * animation.duration_s, &posed(model))?;
         }
     }
     for scene in stress::scenes(args.faces as usize) {
@@ -97,8 +98,8 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    fn pose(&self, input: &Input, animation: Option<usize>, time_s: f32, name: &str) -> Result<(), Failure> {
-        let Scene { mesh, shape } = input.scene(animation, time_s, false)?;
+    fn pose(&self, input: &Input, animations: &[usize], time_s: f32, name: &str) -> Result<(), Failure> {
+        let Scene { mesh, shape } = input.scene(animations, time_s, false)?;
         let positions = match &shape {
             Shape::World(positions) => positions.to_vec(),
             Shape::Posed { model, pose } => cpu::deform(model, pose, time_s, None, Threads::all())?,

@@ -34,6 +34,7 @@ mod outputs;
 #[cfg(unix)]
 mod outputs_unix;
 mod own_gltf;
+mod parts;
 mod plot_labels;
 mod polygon_shadows;
 mod polygon_surface;
@@ -110,6 +111,7 @@ fn main() {
         warm_up::TESTS,
         #[cfg(target_os = "linux")]
         memory::TESTS,
+        parts::TESTS,
     ];
     let mut trials: Vec<Trial> = always
         .concat()

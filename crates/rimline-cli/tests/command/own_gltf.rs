@@ -30,6 +30,11 @@ pub(crate) fn buffer() -> Vec<u8> {
 
 /// Its JSON text.
 pub(crate) fn text(names: &Names<'_>) -> String {
+    value(names).to_string()
+}
+
+/// Its JSON.
+pub(crate) fn value(names: &Names<'_>) -> serde_json::Value {
     let view =
         |offset: usize, length: usize| serde_json::json!({ "buffer": 0, "byteOffset": offset, "byteLength": length });
     let accessor = |view: usize, component: u32, count: usize, kind: &str| {
@@ -63,7 +68,7 @@ pub(crate) fn text(names: &Names<'_>) -> String {
             accessor.retain(|_, value| !value.is_null());
         }
     }
-    value.to_string()
+    value
 }
 
 /// Writes `body.gltf`, its buffer and something that stands for its texture.

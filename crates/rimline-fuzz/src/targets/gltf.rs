@@ -29,6 +29,7 @@ impl Seeds {
             instanced(),
             sparse(),
             strip(),
+            hidden(),
         ];
         Self(makers.into_iter().map(|maker| split(&maker.glb())).collect())
     }
@@ -122,6 +123,18 @@ fn strip() -> Maker {
     maker
 }
 
+/// Hidden and shared nodes, and two animations.
+fn hidden() -> Maker {
+    let mut maker = animated();
+    maker.json["nodes"][0]["extensions"] = json!({ "KHR_node_visibility": { "visible": true } });
+    maker.push("nodes", json!({ "children": [0], "extensions": { "KHR_node_visibility": { "visible": false } } }));
+    maker.push("nodes", json!({ "children": [0], "rotation": [0, 0, 0, 0] }));
+    maker.json["scenes"] = json!([{ "nodes": [2] }, { "nodes": [1] }]);
+    let again = maker.json["animations"][0].clone();
+    maker.push("animations", again);
+    maker
+}
+
 pub(crate) fn run(bytes: &[u8]) -> Result<bool, String> {
     let weld = [Weld::Data, Weld::Position, Weld::Keep][bytes.len() % 3];
     let options = LoadOptions { memory_limit: MEMORY_LIMIT, ..weld.into() };
@@ -130,12 +143,23 @@ pub(crate) fn run(bytes: &[u8]) -> Result<bool, String> {
         Err(error) if error.to_string().len() > 2000 => return Err(format!("a long message: {error}")),
         Err(_) => return Ok(false),
     };
+    if let Some(warning) = asset.warnings().iter().map(ToString::to_string).find(|warning| warning.len() > 2000) {
+        return Err(format!("a long warning: {warning}"));
+    }
     let animations = asset.animations().len().min(2);
-    for animation in std::iter::once(None).chain((0..animations).map(Some)) {
+    // None, each alone, and all together.
+    for playing in
+        std::iter::once(0..0).chain((0..animations).map(|one| one..one + 1)).chain(std::iter::once(0..animations))
+    {
         for time in [0.0, 0.3, 1e30, -1.0] {
             // Lights and poses may be refused; what is made must be sound.
-            drop(asset.lights(animation, time));
-            let Ok(pose) = asset.pose(animation, time) else { continue };
+            match asset.each_light(playing.clone(), time) {
+                Ok(lights) if lights.len() != asset.light_names().len() => {
+                    return Err("lights without names".to_owned());
+                }
+                _ => {}
+            }
+            let Ok(pose) = asset.pose(playing.clone(), time) else { continue };
             let Ok(mesh) = asset.model().mesh(&pose) else { continue };
             let vertices = asset.model().vertex_count();
             if mesh.faces().iter().flatten().any(|&vertex| vertex as usize >= vertices) {

@@ -1,0 +1,95 @@
+//! Small files after public reports, and what is right for each.
+//!
+//! They are in `../shared/cases` beside the crate. The tests are ignored, by name, where the folder is not there.
+
+use std::path::PathBuf;
+
+use libtest_mimic::Trial;
+use rimline::gltf::{AnimationError, Asset, GltfWarning};
+use rimline::mesh::Weld;
+
+use crate::shape::same;
+use crate::{Outcome, check, ensure};
+
+/// File, what its only warning must say, and the faces that are shown.
+const WARNED: &[(&str, &str, usize)] = &[
+    ("n4_skin.glb", "skins[0].inverseBindMatrices, matrix 0", 12),
+    ("n4_light.glb", "extensions.KHR_lights_punctual.lights[0].type", 12),
+    ("j7_matrix_animated.glb", "nodes[0], which has a matrix", 12),
+    ("j17_zero_quat.glb", "nodes[0].rotation", 12),
+    ("j18_weights_no_targets.glb", "meshes[0].weights has 1 morph weights", 12),
+    ("k_nan.glb", "attributes.POSITION: 1 positions are infinite or NaN", 12),
+    ("k_inf.glb", "attributes.POSITION: 1 positions are infinite or NaN", 12),
+    ("k_unused.glb", "attributes.POSITION: 1 positions are infinite or NaN", 12),
+    ("k_not_in_scene.glb", "attributes.POSITION: 1 positions are infinite or NaN", 0),
+];
+
+pub(crate) fn tests() -> Vec<Trial> {
+    let mut tests = vec![
+        case("cases::n4_keys.glb", keys),
+        case("cases::j7_is_refused_once_it_is_asked_for", animated_matrix),
+        case("cases::b10_hidden.glb", hidden),
+        case("cases::n2_per_object.glb", per_object),
+        case("cases::j13_unnamed_lights.glb", unnamed_lights),
+    ];
+    tests.extend(
+        WARNED.iter().map(|&(name, says, faces)| case(&format!("cases::{name}"), move || warned(name, says, faces))),
+    );
+    tests
+}
+
+fn folder() -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/cases"))
+}
+
+fn case(name: &str, run: impl FnOnce() -> Outcome + Send + 'static) -> Trial {
+    Trial::test(name, run).with_ignored_flag(!folder().is_dir())
+}
+
+fn open(name: &str) -> Result<Asset, String> {
+    Asset::open(folder().join(name), Weld::Data).map_err(|error| format!("{name}: {error}"))
+}
+
+fn warned(name: &str, says: &str, faces: usize) -> Outcome {
+    let asset = open(name)?;
+    check::asset(&asset, usize::MAX, false)?;
+    let warnings: Vec<String> = asset.warnings().iter().map(ToString::to_string).collect();
+    ensure(warnings.len() == 1 && warnings[0].contains(says), || format!("{name}: {warnings:?}"))?;
+    same(&asset.model().placed_geometries().map(|g| g.faces().len()).sum(), &faces, "faces that are shown")
+}
+
+/// Two neighbouring keys have one time: a step, and no fault.
+fn keys() -> Outcome {
+    let asset = open("n4_keys.glb")?;
+    same(&asset.warnings().len(), &0, "warnings")?;
+    check::asset(&asset, usize::MAX, false)
+}
+
+fn animated_matrix() -> Outcome {
+    let found = open("j7_matrix_animated.glb")?.pose(Some(0), 0.5);
+    ensure(matches!(found, Err(AnimationError::Damaged { index: 0, .. })), || format!("{found:?}"))
+}
+
+fn hidden() -> Outcome {
+    let asset = open("b10_hidden.glb")?;
+    same(&(asset.model().instances().len(), asset.hidden_nodes()), &(1, 1), "instances and hidden nodes")?;
+    same(&asset.warnings().len(), &0, "warnings")
+}
+
+fn per_object() -> Outcome {
+    let asset = open("n2_per_object.glb")?;
+    let places = |pose: rimline::Pose| -> Vec<[f64; 3]> {
+        pose.instances().iter().map(|instance| check::map(&instance.palette()[0], [0.0; 3])).collect()
+    };
+    let found = places(asset.pose(0..2, 1.0)?);
+    same(&found, &vec![[0.0, 0.0, 4.0], [3.0, 5.0, 0.0]], "both move")?;
+    same(&places(asset.pose(Some(0), 1.0)?), &vec![[0.0, 0.0, 4.0], [3.0, 0.0, 0.0]], "one moves")
+}
+
+fn unnamed_lights() -> Outcome {
+    let asset = open("j13_unnamed_lights.glb")?;
+    same(&asset.light_names(), &vec![None, None], "names")?;
+    let warnings: Vec<&GltfWarning> = asset.warnings().iter().collect();
+    ensure(warnings.is_empty(), || format!("{warnings:?}"))?;
+    same(&asset.lights(None, 0.0)?.len(), &2, "lights")
+}

@@ -1,0 +1,87 @@
+//! `KHR_node_visibility`: what is hidden has no instances and no lights.
+
+use libtest_mimic::Trial;
+use rimline::gltf::GltfWarning;
+use serde_json::{Value, json};
+
+use crate::maker::Maker;
+use crate::shape::same;
+use crate::{Outcome, ensure, test};
+
+pub(crate) fn tests() -> Vec<Trial> {
+    vec![
+        test("visible::hidden_subtrees", subtrees),
+        test("visible::faults_below_hidden_nodes_are_warnings", faults),
+        test("visible::joints_may_be_hidden", joints),
+        test("visible::animated_visibility_is_a_warning", animated),
+    ]
+}
+
+fn visible(visible: &Value) -> Value {
+    json!({ "KHR_node_visibility": { "visible": visible }, "KHR_lights_punctual": { "light": 0 } })
+}
+
+/// Node 0 is shown, 1 is hidden, 2 is below it and says that it is shown, 3 says nothing.
+fn forest() -> Maker {
+    let mut maker = Maker::square();
+    maker.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "point" }] } });
+    maker.json["nodes"] = json!([
+        { "name": "a", "mesh": 0, "extensions": visible(&json!(true)) },
+        { "name": "b", "mesh": 0, "extensions": visible(&json!(false)), "children": [2] },
+        { "name": "c", "mesh": 0, "extensions": visible(&json!(true)) },
+        { "name": "d", "mesh": 0, "extensions": { "KHR_node_visibility": {}, "KHR_lights_punctual": { "light": 0 } } },
+    ]);
+    maker
+}
+
+fn subtrees() -> Outcome {
+    for scenes in [json!([]), json!([{ "nodes": [0, 1, 3] }])] {
+        let mut maker = forest();
+        maker.json["scenes"] = scenes;
+        let asset = maker.load()?;
+        let names: Vec<_> = asset.model().instances().iter().filter_map(|instance| instance.name()).collect();
+        same(&names, &vec!["a", "d"], "instances")?;
+        same(&asset.light_names(), &vec![Some("a"), Some("d")], "lights")?;
+        same(&asset.lights(None, 0.0)?.len(), &2, "lights")?;
+        same(&asset.hidden_nodes(), &2, "hidden nodes")?;
+        same(&asset.warnings().len(), &0, "warnings")?;
+        same(&asset.pose(None, 0.0)?.instances().len(), &2, "poses")?;
+    }
+    Ok(())
+}
+
+fn faults() -> Outcome {
+    let mut maker = forest();
+    maker.mesh(&json!({ "attributes": { "POSITION": 1 } }));
+    maker.json["nodes"][2]["mesh"] = json!(1);
+    let asset = maker.load()?;
+    ensure(matches!(asset.warnings(), [GltfWarning::Damaged { .. }]), || format!("{:?}", asset.warnings()))?;
+    maker.json["nodes"][1]["extensions"] = json!({});
+    ensure(maker.load().is_err(), || "it is shown now".to_owned())
+}
+
+/// A skin moves with nodes that are hidden themselves.
+fn joints() -> Outcome {
+    let mut maker = Maker::skinned([0, 1, 0, 0], [0.5, 0.5, 0.0, 0.0]);
+    maker.json["nodes"][1]["translation"] = json!([2, 0, 0]);
+    let shown = maker.load()?.pose(None, 0.0)?;
+    maker.json["nodes"][1]["extensions"] = json!({ "KHR_node_visibility": { "visible": false } });
+    same(&maker.load()?.pose(None, 0.0)?, &shown, "pose")
+}
+
+fn animated() -> Outcome {
+    let mut maker = forest();
+    let input = maker.floats("SCALAR", &[0.0, 1.0]);
+    let output = maker.accessor(5121, "SCALAR", 2, &[0, 1]);
+    let pointer = json!({ "pointer": "/nodes/1/extensions/KHR_node_visibility/visible" });
+    let target = json!({ "path": "pointer", "extensions": { "KHR_animation_pointer": pointer } });
+    let sampler = json!({ "input": input, "output": output, "interpolation": "STEP" });
+    maker.push("animations", json!({ "samplers": [sampler], "channels": [{ "sampler": 0, "target": target }] }));
+    let asset = maker.load()?;
+    let [GltfWarning::Channel { place, problem }] = asset.warnings() else {
+        return Err(format!("{:?}", asset.warnings()).into());
+    };
+    ensure(place == "animations[0].channels[0]", || place.clone())?;
+    ensure(problem.contains("KHR_node_visibility/visible"), || problem.clone())?;
+    same(&asset.pose(Some(0), 0.5)?.instances().len(), &2, "instances")
+}
