@@ -136,6 +136,8 @@ pub(crate) enum UsageError {
     FileLight { wanted: String, there: Vec<String> },
     #[error(transparent)]
     Lights(LightError),
+    #[error(transparent)]
+    Arguments(#[from] rimline::cpu::ArgumentError),
     #[error("{0}; change --eye, --target, --fov or --near")]
     Camera(CameraError),
     #[error(

@@ -115,7 +115,7 @@ fn on_cpu(
     times.measure("shadow_depth", || {
         for points in points.chunks(slice(&scene.mesh, lights.len())) {
             let found = cpu::shadow_depth(positions, &scene.mesh, points, lights, threads);
-            depths.extend(found.map_err(UsageError::Lights)?);
+            depths.extend(found.map_err(UsageError::Arguments)?);
         }
         Ok(())
     })
