@@ -8,6 +8,7 @@ pub(crate) mod common;
 pub(crate) mod deform;
 #[cfg(feature = "reference")]
 pub(crate) mod depth_map;
+pub(crate) mod error;
 pub(crate) mod extract;
 pub(crate) mod hidden;
 pub(crate) mod polygon;
@@ -20,6 +21,7 @@ pub(crate) mod shadow;
 pub use crate::layout::EdgeMasks;
 pub use common::parallel::Threads;
 pub use deform::deform::{Displace, deform};
+pub use error::ArgumentError;
 pub use extract::extraction::{Extraction, extract};
 pub use extract::facing::FacingStatistics;
 pub use hidden::hidden_faces::{HiddenCaster, HiddenError, HiddenFaces, HiddenStatistics};

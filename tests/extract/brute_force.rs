@@ -1,10 +1,10 @@
 //! The CPU twins against brute force written apart from them.
 
-use rimline::mesh::{EdgeKind, Weld};
+use rimline::mesh::{EdgeKind, PolygonLoops, Weld};
 use rimline::reference::Method;
-use rimline::reference::cpu::{self, Threads};
+use rimline::reference::cpu::{self, ArgumentError, Threads};
 use rimline::reference::layout::EdgeMasks;
-use rimline::{Light, Mesh, Predicate};
+use rimline::{Light, LightError, Mesh, Predicate};
 use rimline_measure::cases::{self, hard_positions, random_soup, topologies};
 use rimline_measure::random::Random;
 use rimline_measure::shapes;
@@ -35,6 +35,39 @@ fn exact_signs_are_those_of_cases_worked_by_hand() {
     let huge = up.map(|c| c.map(|c| c * f32::MAX));
     assert_eq!(sign(huge, Light::point([0.0, 0.0, f32::MIN_POSITIVE])), 1);
     assert_eq!(sign([up[0], up[2], up[1]], Light::point([0.0, 0.0, 1.0])), -1);
+}
+
+/// They had their silhouettes from NaN instead: right bits of a wrong shape.
+#[test]
+fn missing_positions_and_bad_lights_are_refused() {
+    let shape = shapes::torus(8, 6, 1.0, 0.4);
+    let (needed, positions) = (shape.positions.len(), &shape.positions);
+    let loops = PolygonLoops { polygon_loops: &[1], loop_sizes: &[4], loop_corners: &[0, 1, 2, 3] };
+    let quad = Mesh::from_polygons_by_loop(&positions[..4], loops, Weld::Keep).expect("a polygon");
+    let torus = Mesh::from_faces(needed, shape.faces.clone()).expect("a mesh");
+    let good = [Light::point([2.0, 3.0, 4.0])];
+    for (mesh, needed) in [(&torus, needed), (&quad, 4)] {
+        for method in [Method::FaceMask, Method::PerEdge] {
+            let mut kept =
+                cpu::extract_by(positions, mesh, &good, method, Predicate::Exact, Threads::ONE).expect("good");
+            let before = kept.clone();
+            let mut refused = |positions: &[[f32; 3]], lights: &[Light]| {
+                let error = kept.update_by(positions, mesh, lights, method, Predicate::Exact, Threads::ONE).err();
+                assert_eq!(kept, before, "changed by what is refused");
+                error
+            };
+            for given in [0, 1, needed - 1] {
+                let few = ArgumentError::TooFewPositions { given, needed: needed as u32 };
+                assert_eq!(refused(&positions[..given], &good), Some(few), "{method:?}");
+                assert_eq!(refused(&positions[..given], &[]), Some(few), "{method:?}, without lights");
+            }
+            let zero = ArgumentError::Light(LightError::Zero { index: 1 });
+            assert_eq!(refused(positions, &[good[0], Light::homogeneous([0.0; 4])]), Some(zero), "{method:?}");
+            let more = [&positions[..], &[[f32::NAN; 3]]].concat();
+            let found = cpu::extract_by(&more, mesh, &good, method, Predicate::Exact, Threads::ONE);
+            assert_eq!(found.as_ref(), Ok(&before), "{method:?}: more than needed");
+        }
+    }
 }
 
 #[test]

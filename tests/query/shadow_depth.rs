@@ -1,6 +1,6 @@
 //! The shadow depth query's CPU twin: against brute force, and what must hold of any such count.
 
-use rimline::reference::cpu::{self, Threads};
+use rimline::reference::cpu::{self, ArgumentError, Threads};
 use rimline::{Light, LightError, Mesh};
 use rimline_measure::random::Random;
 use rimline_measure::shadow_cases::{ShadowCase, lattice, shadow_cases};
@@ -45,10 +45,15 @@ fn cases_worked_by_hand() {
 }
 
 #[test]
-fn refused_lights() {
-    let refused = |lights: &[Light]| {
-        let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).expect("a mesh");
-        cpu::shadow_depth(&[[0.0; 3]], &mesh, &[[0.0; 3]], lights, Threads::ONE).expect_err("a bad light")
+fn refused_arguments() {
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).expect("a mesh");
+    let with = |positions: &[[f32; 3]], lights: &[Light]| {
+        cpu::shadow_depth(positions, &mesh, &[[0.0; 3]], lights, Threads::ONE)
+    };
+    let refused = |lights: &[Light]| match with(&corners, lights) {
+        Err(ArgumentError::Light(error)) => error,
+        found => panic!("a bad light: {found:?}"),
     };
     let good = Light::point([1.0, 2.0, 3.0]);
     assert_eq!(refused(&[good, Light::homogeneous([0.0; 4])]), LightError::Zero { index: 1 });
@@ -56,6 +61,12 @@ fn refused_lights() {
     assert_eq!(negative, LightError::NegativeWeight { index: 2, w: -2.0 });
     assert!(matches!(refused(&[Light::point([f32::NAN; 3])]), LightError::NotFinite { index: 0, .. }));
     assert!(matches!(refused(&vec![good; 1025]), LightError::TooMany { count: 1025, .. }));
+    for given in 0..3 {
+        let few = ArgumentError::TooFewPositions { given, needed: 3 };
+        assert_eq!(with(&corners[..given], &[good]), Err(few));
+        assert_eq!(with(&corners[..given], &[]), Err(few), "without lights, too");
+    }
+    assert_eq!(with(&[corners, corners].concat(), &[good]), Ok(vec![0]), "more than needed");
 }
 
 #[test]

@@ -6,9 +6,10 @@ use super::facing::facing_into;
 #[cfg(feature = "reference")]
 use super::per_edge::per_edge;
 use crate::cpu::common::parallel::Threads;
+use crate::cpu::error::{ArgumentError, check_positions};
 use crate::cpu::polygon::polygon_facing::polygon_facing;
 use crate::layout::EdgeMasks;
-use crate::light::{LightError, MAX_LIGHTS, check_lights};
+use crate::light::{MAX_LIGHTS, check_lights};
 #[cfg(feature = "reference")]
 use crate::method::Method;
 use crate::method::Predicate;
@@ -35,8 +36,8 @@ impl Extraction {
     /// The memory of an earlier call is reused. No lights are allowed. Polygons are decided exactly by any predicate.
     ///
     /// # Errors
-    /// [`LightError`] for more lights than [`MAX_LIGHTS`], or a light that is non-finite, all zeros or has an
-    /// impossible range.
+    /// [`ArgumentError`] for fewer positions than the mesh has vertices, more lights than [`MAX_LIGHTS`], or a light that
+    /// is non-finite, all zeros or has an impossible range. Nothing is changed then.
     pub fn update(
         &mut self,
         positions: &[[f32; 3]],
@@ -44,8 +45,9 @@ impl Extraction {
         lights: &[Light],
         predicate: Predicate,
         threads: Threads,
-    ) -> Result<(), LightError> {
+    ) -> Result<(), ArgumentError> {
         check_lights(lights, MAX_LIGHTS)?;
+        check_positions(positions, mesh)?;
         self.twisted.clear();
         if let Some(polygons) = mesh.polygons() {
             let (masks, statistics) = polygon_facing(positions, polygons, lights, threads);
@@ -74,11 +76,12 @@ impl Extraction {
         method: Method,
         predicate: Predicate,
         threads: Threads,
-    ) -> Result<(), LightError> {
+    ) -> Result<(), ArgumentError> {
         if method == Method::FaceMask {
             return self.update(positions, mesh, lights, predicate, threads);
         }
         check_lights(lights, MAX_LIGHTS)?;
+        check_positions(positions, mesh)?;
         self.facing.clear();
         self.twisted.clear();
         self.statistics = FacingStatistics::default();
@@ -98,7 +101,7 @@ pub fn extract(
     lights: &[Light],
     predicate: Predicate,
     threads: Threads,
-) -> Result<Extraction, LightError> {
+) -> Result<Extraction, ArgumentError> {
     let mut extraction = Extraction::default();
     extraction.update(positions, mesh, lights, predicate, threads)?;
     Ok(extraction)
@@ -116,7 +119,7 @@ pub fn extract_by(
     method: Method,
     predicate: Predicate,
     threads: Threads,
-) -> Result<Extraction, LightError> {
+) -> Result<Extraction, ArgumentError> {
     let mut extraction = Extraction::default();
     extraction.update_by(positions, mesh, lights, method, predicate, threads)?;
     Ok(extraction)

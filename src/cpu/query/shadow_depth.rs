@@ -6,8 +6,9 @@ use crate::Light;
 use crate::cpu::common::double_sign::{RELATIVE, certain_sign, cross, difference, dot, sum_of_sizes, to_light};
 use crate::cpu::common::parallel::Threads;
 use crate::cpu::common::positions::{is_finite, position};
+use crate::cpu::error::{ArgumentError, check_positions};
 use crate::layout::FaceCluster;
-use crate::light::{LightError, MAX_LIGHTS, check_shadow_lights};
+use crate::light::{MAX_LIGHTS, check_shadow_lights};
 use crate::mesh::{Mesh, is_degenerate};
 
 /// The depths of `points` for `lights`: the number of faces of `mesh` strictly between point and light. Each face counts once,
@@ -15,23 +16,23 @@ use crate::mesh::{Mesh, is_degenerate};
 /// where it is folded, it darkens what its outline does, L-twisted or not. All inputs are in one space. Points follow each
 /// other in the result, with one number for each light. A point that is infinite or NaN has −1.
 ///
-/// Three kinds of faces do not count: those with an infinite or NaN vertex, those with a vertex that `positions` lacks,
-/// and those that name a vertex twice. A face that contains the point or the light does not lie between them. Other
+/// Two kinds of faces do not count: those with an infinite or NaN vertex, and those that name a vertex twice. A face that contains the point or the light does not lie between them. Other
 /// ties are broken as if the light were moved by `(ε, ε², ε³)`; see NUMERICS.md, "Shadow depth".
 ///
 /// The GPU gives the same integers. Here `f64` decides where a bound allows it, else integers do.
 ///
 /// # Errors
-/// [`LightError`] for more lights than [`MAX_LIGHTS`], or a light that is non-finite, all zeros, has an impossible range
-/// or a negative `w`.
+/// [`ArgumentError`] for fewer positions than the mesh has vertices, more lights than [`MAX_LIGHTS`], or a light that is
+/// non-finite, all zeros, has an impossible range or a negative `w`.
 pub fn shadow_depth(
     positions: &[[f32; 3]],
     mesh: &Mesh,
     points: &[[f32; 3]],
     lights: &[Light],
     threads: Threads,
-) -> Result<Vec<i32>, LightError> {
+) -> Result<Vec<i32>, ArgumentError> {
     check_shadow_lights(lights, MAX_LIGHTS)?;
+    check_positions(positions, mesh)?;
     let clusters = shadow_boxes(positions, mesh, threads);
     let mut depths = vec![0; points.len() * lights.len()];
     // A point costs about as much as the mesh has faces, so a few points are enough for a thread.

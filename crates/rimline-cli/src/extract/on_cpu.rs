@@ -28,7 +28,7 @@ pub(super) fn extract<'a>(
     if mesh.polygons().is_some() {
         let extract = |method| {
             let found = cpu::extract_by(&positions, mesh, lights, method, predicate, threads);
-            found.map_err(|error| Failure::from(UsageError::Lights(error)))
+            found.map_err(|error| Failure::from(UsageError::Arguments(error)))
         };
         let Extraction { facing, twisted, mut masks, statistics } =
             times.measure("facing", || extract(Method::FaceMask))?;

@@ -1,6 +1,6 @@
-//! Statements of an OBJ file: lines joined where they end in a backslash.
+//! Statements of an OBJ file: lines joined where they end in a backslash. A line ends in LF, CR LF or CR.
 
-use std::io::{self, BufRead, Read as _};
+use std::io::{self, BufRead, ErrorKind};
 
 /// The statements of a reader, one after the other.
 pub(super) struct Lines<R> {
@@ -40,16 +40,13 @@ impl<R: BufRead> Lines<R> {
         loop {
             let start = self.text.len();
             let room = most.saturating_sub(self.text.len() as u64);
-            let read = self.reader.by_ref().take(room.saturating_add(1)).read_until(b'\n', &mut self.text)?;
+            let read = self.line(room)?;
             if read == 0 {
                 break;
             }
             self.count += 1;
-            if read as u64 > room {
+            if read > room {
                 return Ok(Next::TooLong { line });
-            }
-            while let Some(b'\n' | b'\r') = self.text.last() {
-                self.text.pop();
             }
             // Only what is new is searched, since a statement may go on for a million lines.
             is_comment |= self.text.get(start..).is_some_and(|new| new.contains(&b'#'));
@@ -63,6 +60,69 @@ impl<R: BufRead> Lines<R> {
         }
         Ok(if self.text.is_empty() { Next::End } else { Next::Statement(Statement { line, text: &self.text }) })
     }
+
+    /// Appends the next line without its end. Returns its bytes with the end, and stops where they are more than `room`.
+    fn line(&mut self, room: u64) -> io::Result<u64> {
+        let mut read = 0_u64;
+        while read <= room {
+            let chunk = filled(&mut self.reader)?;
+            let most = usize::try_from(room.saturating_sub(read).saturating_add(1)).unwrap_or(usize::MAX);
+            let chunk = &chunk[..chunk.len().min(most)];
+            let end = end_of_line(chunk);
+            let own = &chunk[..end.unwrap_or(chunk.len())];
+            self.text.extend_from_slice(own);
+            let is_return = chunk.get(own.len()) == Some(&b'\r');
+            let used = own.len() + usize::from(end.is_some());
+            self.reader.consume(used);
+            read += used as u64;
+            if is_return {
+                return Ok(read + self.rest_of_end()?);
+            }
+            if end.is_some() || used == 0 {
+                break;
+            }
+        }
+        Ok(read)
+    }
+
+    /// What follows a CR: the LF of the same end, or other CRs. These end empty lines, unless a LF follows: some programs
+    /// write CR CR LF. Returns 1 for a LF.
+    fn rest_of_end(&mut self) -> io::Result<u64> {
+        let mut empty = 0;
+        loop {
+            let next = filled(&mut self.reader)?.first().copied();
+            if let Some(b'\r' | b'\n') = next {
+                self.reader.consume(1);
+            }
+            match next {
+                Some(b'\n') => return Ok(1),
+                Some(b'\r') => empty += 1,
+                _ => {
+                    self.count += empty;
+                    return Ok(0);
+                }
+            }
+        }
+    }
+}
+
+/// What the reader holds, as `BufRead::read_until` asks for it.
+fn filled(reader: &mut impl BufRead) -> io::Result<&[u8]> {
+    while let Err(error) = reader.fill_buf() {
+        if error.kind() != ErrorKind::Interrupted {
+            return Err(error);
+        }
+    }
+    reader.fill_buf()
+}
+
+/// The first CR or LF. Blocks are searched as a whole, which compilers make short.
+fn end_of_line(bytes: &[u8]) -> Option<usize> {
+    let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
+    let (blocks, _) = bytes.as_chunks::<16>();
+    let has_none = |block: &&[u8; 16]| !block.iter().fold(false, |found, byte| found | is_end(byte));
+    let start = 16 * blocks.iter().take_while(has_none).count();
+    Some(start + bytes[start..].iter().position(is_end)?)
 }
 
 impl<'a> Statement<'a> {

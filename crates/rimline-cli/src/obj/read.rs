@@ -33,6 +33,15 @@ pub enum ObjError {
     #[error("line {line}: `{statement}` is part of a curved surface, which is not read; export the model as polygons")]
     Curved { line: usize, statement: &'static str },
     #[error(
+        "line {line}: `call` stands for the lines of another file, which is not read; put them here, or export the model as \
+         one file"
+    )]
+    Call { line: usize },
+    #[error(
+        "line {line}: `csh` asks to run a program, which is never done; leave the line out if the model has all its faces without"
+    )]
+    Program { line: usize },
+    #[error(
         "line {line}: what is read so far takes {needed} bytes of memory with what is made of it, more than the limit of \
          {limit}; if it is meant to be that large, give a larger --memory-limit"
     )]
@@ -109,6 +118,8 @@ impl Obj {
         match words.next() {
             Some(b"v") => self.vertex(line, words),
             Some(b"f" | b"fo") => self.face(line, words),
+            Some(b"call") => Err(ObjError::Call { line }),
+            Some(b"csh") => Err(ObjError::Program { line }),
             Some(word) => match CURVED.into_iter().find(|curved| curved.as_bytes() == word) {
                 Some(statement) => Err(ObjError::Curved { line, statement }),
                 None => Ok(()),

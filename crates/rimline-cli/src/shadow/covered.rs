@@ -70,7 +70,7 @@ impl CoveredFaces {
             (of.first..).zip(of.casters(body).zip(&of.instances))
         {
             let extracted = cpu::extract(positions, mesh, &[light], Predicate::Exact, Threads::default());
-            let facing = extracted.map_err(UsageError::Lights)?.facing;
+            let facing = extracted.map_err(UsageError::Arguments)?.facing;
             let covered = found.faces(number);
             for ((face, corners), mask) in (0_u32..).zip(mesh.faces()).zip(facing) {
                 let casts = mask & 1 == 0 || !mesh.is_closed();

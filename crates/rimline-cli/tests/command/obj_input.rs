@@ -119,8 +119,11 @@ fn ways() -> Outcome {
         .concat();
     let mut latin = b"# caf\xe9 C:\\models\\\no \xfc # x\n".to_vec();
     latin.extend(CUBE.bytes());
-    let cases: [(&str, Vec<u8>); 15] = [
+    let cases: [(&str, Vec<u8>); 18] = [
         ("CRLF", CUBE.replace('\n', "\r\n").into()),
+        ("CR", CUBE.replace('\n', "\r").into()),
+        ("CR CR LF, continued", CUBE.replace("4 3 2", "4 \\\n3 2").replace('\n', "\r\r\n").into()),
+        ("CR, continued, and all ends mixed", CUBE.replace("4 3 2", "4 \\\r3 2").replacen('\n', "\r", 5).into()),
         ("a mark of the byte order", format!("\u{feff}{CUBE}").into()),
         ("no last line end", CUBE.trim_end().into()),
         ("tabs and spaces", CUBE.replace(' ', " \t ").replace('f', "  f").into()),
@@ -180,7 +183,10 @@ fn bad() -> Outcome {
         ("v 0 0\nf 1 1 1\n".to_owned(), "line 1: the vertex has 2 coordinates"),
         ("v 0 0 zero\n".to_owned(), "line 1: \"zero\" is no number"),
         ("v 0 0 0 red\n".to_owned(), "line 1: \"red\" is no number"),
-        (four.replace('\n', "\r"), "line 1: \"v\" is no number"),
+        (four.replace('\n', "\r"), "it has no faces"),
+        (format!("{four}\rf 1 2\r\r\nf 1 2 3\r").replace('\n', "\r"), "line 6: the face has 2 corners"),
+        (format!("{four}f 1 2 3\ncall rest.obj 1\n"), "line 6: `call` stands for the lines of another file"),
+        (format!("{four}csh -touch x\nf 1 2 3\n"), "line 5: `csh` asks to run a program"),
         (format!("{four}f 1 2\n"), "line 5: the face has 2 corners"),
         (format!("{four}\\\n\nf\n"), "line 7: the face has 0 corners"),
         (format!("{four}f 1 2 3 5\nf 1 2 3\n"), "line 5: a face names vertex 5, but there are 4 vertices"),
