@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use rimline::{CameraError, LightError, MeshError};
 
+use crate::begins::FormatError;
 use crate::load_args::size;
 use crate::npz::NpzError;
 use crate::obj::ObjError;
@@ -65,8 +66,12 @@ pub(crate) enum Failure {
 pub(crate) enum InputError {
     #[error("cannot be read: {0}")]
     Read(#[from] std::io::Error),
-    #[error("cannot read {what}: use .glb, .gltf, .obj or .npz")]
+    #[error(
+        "cannot read {what}: use .glb, .gltf, .obj or .npz; Blender and `assimp export IN OUT.glb` convert most others"
+    )]
     Format { what: String },
+    #[error(transparent)]
+    Foreign(#[from] FormatError),
     #[error(transparent)]
     Gltf(#[from] rimline::gltf::GltfError),
     #[error(

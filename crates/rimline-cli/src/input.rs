@@ -11,6 +11,7 @@ use rimline::{
     Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, Mesh, Model, ModelError, Origin, Pose,
 };
 
+use crate::begins::{Begins, begins};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input_args::{ModelArgs, PoseArgs};
 use crate::load_args::TakenPolygons;
@@ -268,29 +269,22 @@ pub(crate) fn animation_name(index: usize, info: &AnimationInfo) -> String {
     info.name.as_ref().map_or_else(|| index.to_string(), |name| format!("{index} `{name}`"))
 }
 
-/// Opens a file by its ending, or, where that says nothing, by how it begins.
+/// Opens a file by how it begins, or, where that says nothing, by its ending.
 fn open(file: &Path, options: LoadOptions, taken: TakenPolygons) -> Result<(Source, Origin), InputError> {
     if source::is_stdin(file) {
         return open_stdin(options, taken);
     }
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     let mut reader = source::open(file)?;
-    if let Some("gltf" | "glb") = ending.as_deref() {
-        return open_gltf(file, options);
-    }
-    if ending.as_deref() == Some("npz") {
-        return open_npz(reader, options);
-    }
-    if ending.as_deref() == Some("obj") {
-        return of_arrays(obj::read(BufReader::new(reader), options.memory_limit)?, options, taken);
-    }
-    let mut start = Vec::new();
-    reader.by_ref().take(4).read_to_end(&mut start)?;
-    reader.rewind()?;
-    match start.as_slice() {
-        b"glTF" => open_gltf(file, options),
-        b"PK\x03\x04" => open_npz(reader, options),
-        _ => {
+    match (begins(&mut reader)?, ending.as_deref()) {
+        (Begins::Archive, _) | (Begins::Unknown, Some("npz")) => open_npz(reader, options),
+        (Begins::Glb, _) | (Begins::Json, Some("obj" | "npz")) => open_gltf(file, options),
+        (Begins::Obj, Some("gltf" | "glb" | "npz")) | (_, Some("obj")) => {
+            of_arrays(obj::read(BufReader::new(reader), options.memory_limit)?, options, taken)
+        }
+        (_, Some("gltf" | "glb")) => open_gltf(file, options),
+        // Any text may begin like an OBJ.
+        (_, _) => {
             let what = ending.map_or_else(|| "a file of this format".to_owned(), |ending| format!(".{ending}"));
             Err(InputError::Format { what })
         }
@@ -300,15 +294,14 @@ fn open(file: &Path, options: LoadOptions, taken: TakenPolygons) -> Result<(Sour
 /// Standard input, by how it begins.
 fn open_stdin(options: LoadOptions, taken: TakenPolygons) -> Result<(Source, Origin), InputError> {
     let bytes = source::read(Path::new("-"))?;
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes).trim_ascii_start();
-    match &*bytes {
-        [b'P', b'K', 3, 4, ..] => open_npz(Cursor::new(bytes), options),
-        _ if bytes.starts_with(b"glTF") || text.starts_with(b"{") => {
+    match begins(&mut Cursor::new(&bytes))? {
+        Begins::Archive => open_npz(Cursor::new(bytes), options),
+        Begins::Glb | Begins::Json => {
             let asset = Asset::from_slice(&bytes, None, options);
             asset.map(of_asset).map_err(|error| of_gltf(Path::new("-"), error))
         }
-        _ if obj::begins_like(&bytes) => of_arrays(obj::read(&*bytes, options.memory_limit)?, options, taken),
-        _ => Err(InputError::Format { what: "a file of this format".to_owned() }),
+        Begins::Obj => of_arrays(obj::read(&*bytes, options.memory_limit)?, options, taken),
+        Begins::Unknown => Err(InputError::Format { what: "a file of this format".to_owned() }),
     }
 }
 

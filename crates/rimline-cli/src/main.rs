@@ -2,6 +2,7 @@
 #![allow(clippy::doc_markdown, reason = "clap prints doc comments as they are")]
 
 mod args;
+mod begins;
 mod bench;
 mod chart;
 mod claim;

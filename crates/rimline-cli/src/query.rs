@@ -13,6 +13,7 @@ use rimline::reference::cpu::{self, Threads};
 use rimline::reference::light::check_shadow_lights;
 use rimline::{Light, Mesh, Origin};
 
+use crate::begins;
 use crate::device::Device;
 use crate::ending::{self, Written};
 use crate::failure::{Failure, InputError, UsageError};
@@ -86,7 +87,8 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
 }
 
 fn read_points(file: &Path, memory_limit: u64) -> Result<npz::Points, Failure> {
-    let read = || -> Result<_, InputError> { Ok(npz::read_points(source::open(file)?, memory_limit)?) };
+    let read =
+        || -> Result<_, InputError> { Ok(npz::read_points(begins::archive(source::open(file)?)?, memory_limit)?) };
     read().map_err(Failure::input(file))
 }
 

@@ -7,6 +7,7 @@ use rimline::{CameraError, DepthDirection, Light, Origin, ShadowCamera, wgpu};
 
 use super::given_map_error::GivenMapError;
 use super::light_maps::LightCameras;
+use crate::begins;
 use crate::device::Gpu;
 use crate::failure::{Failure, InputError};
 use crate::npz::{self, DepthMapArrays, Depths, Metric};
@@ -32,7 +33,7 @@ impl GivenMap {
     pub(super) fn read(file: &Path, edges: DepthEdges, memory_limit: u64, origin: Origin) -> Result<Self, Failure> {
         let (takes, needs) = (edges != DepthEdges::EveryCell, edges == DepthEdges::Outlines);
         let read = || -> Result<_, InputError> {
-            let arrays = npz::read_depth_map(source::open(file)?, memory_limit, takes, needs)?;
+            let arrays = npz::read_depth_map(begins::archive(source::open(file)?)?, memory_limit, takes, needs)?;
             Ok(Self::new(file, arrays, origin)?)
         };
         read().map_err(Failure::input(file))

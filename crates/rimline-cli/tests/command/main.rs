@@ -13,6 +13,7 @@ mod depth_shadows;
 mod draw;
 mod fallback;
 mod film;
+mod foreign;
 mod given_depth;
 mod given_depth_wrong;
 mod info;
@@ -107,6 +108,7 @@ fn main() {
         signals::TESTS,
         load::TESTS,
         messages::TESTS,
+        foreign::TESTS,
         warm_up::TESTS,
         #[cfg(target_os = "linux")]
         memory::TESTS,
