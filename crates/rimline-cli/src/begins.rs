@@ -4,7 +4,6 @@ use std::io::{self, Read, Seek};
 
 use zip::ZipArchive;
 
-use crate::failure::InputError;
 use crate::obj;
 
 /// Formats that are read, where the file says which one it has.
@@ -25,6 +24,15 @@ pub(crate) enum Begins {
 pub(crate) struct Foreign {
     what: &'static str,
     advice: &'static str,
+}
+
+/// Why a format is not read.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum FormatError {
+    #[error("cannot be read: {0}")]
+    Read(#[from] io::Error),
+    #[error(transparent)]
+    Foreign(#[from] Foreign),
 }
 
 /// Bytes that are looked at.
@@ -80,8 +88,8 @@ const FIRST_WORDS: &[(&[u8], &str, &str)] = &[
 /// What a file is by its first bytes. The reader stands at its start then.
 ///
 /// # Errors
-/// [`InputError::Foreign`] for a file that is certainly of another kind.
-pub(crate) fn begins(reader: &mut (impl Read + Seek)) -> Result<Begins, InputError> {
+/// [`FormatError::Foreign`] for a file that is certainly of another kind.
+pub(crate) fn begins(reader: &mut (impl Read + Seek)) -> Result<Begins, FormatError> {
     let start = first_bytes(reader)?;
     if start.starts_with(b"glTF") {
         return Ok(Begins::Glb);
@@ -99,9 +107,9 @@ pub(crate) fn begins(reader: &mut (impl Read + Seek)) -> Result<Begins, InputErr
 }
 
 /// Refuses what is certainly no archive of arrays, where nothing else is read.
-pub(crate) fn archive<R: Read + Seek>(mut reader: R) -> Result<R, InputError> {
+pub(crate) fn archive<R: Read + Seek>(mut reader: R) -> Result<R, FormatError> {
     match begins(&mut reader) {
-        Err(InputError::Foreign(foreign)) if [SURFACE, SCENE, BLENDER, NO_MODEL].contains(&foreign.advice) => {
+        Err(FormatError::Foreign(foreign)) if [SURFACE, SCENE, BLENDER, NO_MODEL].contains(&foreign.advice) => {
             Err(Foreign { advice: ARCHIVE, ..foreign }.into())
         }
         Ok(Begins::Glb | Begins::Json) => Err(Foreign { what: "a glTF", advice: ARCHIVE }.into()),
@@ -182,7 +190,7 @@ fn is_utf16(start: &[u8]) -> bool {
 
 /// What an archive is that has no arrays, if its entries tell. Others, and those that cannot be read, are left to the reader of
 /// arrays, which says what it misses.
-fn in_zip(reader: &mut (impl Read + Seek)) -> Result<Option<Foreign>, InputError> {
+fn in_zip(reader: &mut (impl Read + Seek)) -> Result<Option<Foreign>, FormatError> {
     let archive = ZipArchive::new(&mut *reader);
     let of = |what, advice| Some(Foreign { what, advice });
     let found = archive.ok().and_then(|archive| {

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use rimline::{CameraError, LightError, MeshError};
 
-use crate::begins::Foreign;
+use crate::begins::FormatError;
 use crate::load_args::size;
 use crate::npz::NpzError;
 use crate::obj::ObjError;
@@ -71,7 +71,7 @@ pub(crate) enum InputError {
     )]
     Format { what: String },
     #[error(transparent)]
-    Foreign(#[from] Foreign),
+    Foreign(#[from] FormatError),
     #[error(transparent)]
     Gltf(#[from] rimline::gltf::GltfError),
     #[error(
