@@ -19,6 +19,8 @@ struct Face {
   a: vec3<u32>,
   b: vec3<u32>,
   c: vec3<u32>,
+  // What the mesh counts it as.
+  number: u32,
 }
 
 fn face_of(index: u32) -> Face {
@@ -33,6 +35,7 @@ fn face_of(index: u32) -> Face {
   face.a = position_bits(face.corners.x, batch.position_offset, batch.position_stride);
   face.b = position_bits(face.corners.y, batch.position_offset, batch.position_stride);
   face.c = position_bits(face.corners.z, batch.position_offset, batch.position_stride);
+  face.number = clusters[cluster].first_face + index % CLUSTER;
   return face;
 }
 
@@ -133,7 +136,7 @@ fn decide(segment: Segment, face: Face) -> u32 {
   let largest = largest_magnitude(face.a, face.b, face.c);
   let is_degenerate =
     face.corners.x == face.corners.y || face.corners.y == face.corners.z || face.corners.z == face.corners.x;
-  if (is_degenerate || largest >= INFINITE) {
+  if (is_degenerate || largest >= INFINITE || face.number == segment.on_face) {
     return NOT_BETWEEN;
   }
   var decision = UNDECIDED;

@@ -10,6 +10,7 @@ use super::plan::{
     CLUSTER, GROUP, cluster_chunks, cluster_run, most_queries, point_chunks, range_clusters, undecided_bytes,
     workgroups,
 };
+use super::points::QueryPoints;
 use crate::cpu::query::shadow_boxes::{self, cluster_count, largest_polygon};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
@@ -28,7 +29,8 @@ use crate::{Light, Mesh};
 /// Counts the faces of one mesh that lie strictly between points and lights. Each face counts once, whatever its
 /// orientation and whatever the mesh. A polygon counts once if an odd number of its triangles lie between. On a closed mesh the
 /// parity tells inside from outside. A point in shadow has a depth above 0. The depths equal those of
-/// [`crate::cpu::shadow_depth`] on every device; that function describes how ties are broken.
+/// [`crate::cpu::shadow_depth`] on every device; that function describes how ties are broken. Points on the surface may name
+/// their face ([`QueryPoints`]), or be moved off it before ([`Light::lift`]).
 ///
 /// The query records compute passes into the caller's encoder. Every face is tested against every pair of point and
 /// light, except for faces that the boxes leave out.
@@ -154,11 +156,11 @@ impl ShadowQuery {
     /// # Errors
     /// [`ShadowQueryEncodeError`] if the extraction belongs to another mesh or is out of date, or if lights or points
     /// are refused. Nothing is recorded then.
-    pub fn encode(
+    pub fn encode<'p>(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         extraction: &Extraction,
-        points: PositionBuffer<'_>,
+        points: impl Into<QueryPoints<'p>>,
         point_count: u32,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), ShadowQueryEncodeError> {
@@ -171,16 +173,17 @@ impl ShadowQuery {
 
     /// Records the query for the first `point_count` of `points` and for `lights`, all in the space of the positions.
     /// Several encodes in one encoder are allowed; each overwrites the depths of the one before. No lights or no points
-    /// are allowed; there are no depths then. `timer` takes a timestamp around each stage.
+    /// are allowed; there are no depths then. `points` is a [`PositionBuffer`], or [`QueryPoints`] that name the faces that they are
+    /// on. `timer` takes a timestamp around each stage.
     ///
     /// # Errors
     /// [`ShadowQueryEncodeError`] if lights, positions or points are refused, or the device is lost or not the timer's.
     /// Nothing is recorded then.
-    pub fn encode_at(
+    pub fn encode_at<'p>(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         positions: PositionBuffer<'_>,
-        points: PositionBuffer<'_>,
+        points: impl Into<QueryPoints<'p>>,
         point_count: u32,
         lights: &[Light],
         mut timer: Option<&mut StageTimer>,
@@ -191,7 +194,9 @@ impl ShadowQuery {
             return Err(ShadowQueryEncodeError::TooManyPoints { count: point_count, limit });
         }
         let bound = positions.bind(self.vertices, &self.split)?;
-        points.end(point_count).map_err(ShadowQueryEncodeError::Points)?;
+        let given: QueryPoints<'p> = points.into();
+        given.check(point_count)?;
+        let points = given.points;
         check_timer(timer.as_deref(), self.pipelines.device())?;
         check_alive(self.pipelines.device())?;
         self.pipelines.check_bindable(positions.buffer)?;
@@ -209,7 +214,7 @@ impl ShadowQuery {
         let Some(most) = chunks.first().map(ExactSizeIterator::len) else { return Ok(()) };
         let batch_lights = lights.len().min(32) as u64;
         let range = range_clusters(&self.split, self.options.work_per_dispatch, most as u64 * batch_lights);
-        let tables = Tables::new(self, &bound, points, &chunks, &clusters, lights, range);
+        let tables = Tables::new(self, &bound, given, &chunks, &clusters, lights, range);
 
         let mut pass = begin(encoder, SHADOW_BOXES.name, timer.as_deref_mut());
         pass.set_pipeline(&self.passes.boxes.compute);
@@ -335,7 +340,7 @@ impl Tables {
     fn new(
         query: &ShadowQuery,
         bound: &BoundPositions,
-        points: PositionBuffer<'_>,
+        QueryPoints { points, on_face }: QueryPoints<'_>,
         chunks: &[Range<u32>],
         clusters: &[Range<usize>],
         lights: &[Light],
@@ -353,6 +358,7 @@ impl Tables {
                     stride: (points.stride / 4) as u32,
                     lights: lights.len() as u32,
                     first_light,
+                    on_face: on_face.map_or(0, |bytes| (bytes / 4) as u32),
                 });
             }
         }
