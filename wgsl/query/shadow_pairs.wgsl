@@ -19,8 +19,6 @@ struct Face {
   a: vec3<u32>,
   b: vec3<u32>,
   c: vec3<u32>,
-  // What the mesh counts it as.
-  number: u32,
 }
 
 fn face_of(index: u32) -> Face {
@@ -35,8 +33,12 @@ fn face_of(index: u32) -> Face {
   face.a = position_bits(face.corners.x, batch.position_offset, batch.position_stride);
   face.b = position_bits(face.corners.y, batch.position_offset, batch.position_stride);
   face.c = position_bits(face.corners.z, batch.position_offset, batch.position_stride);
-  face.number = clusters[cluster].first_face + index % CLUSTER;
   return face;
+}
+
+// Whether the point names this face as the one that it is on. It does not count then.
+fn is_named(segment: Segment, index: u32) -> bool {
+  return NAMES_FACES && clusters[index / CLUSTER].first_face + index % CLUSTER == segment.on_face;
 }
 
 // Whether a polygon of the mesh has several triangles. The triangles of a polygon that are between count 1 and -1 in turn, so that
@@ -136,7 +138,7 @@ fn decide(segment: Segment, face: Face) -> u32 {
   let largest = largest_magnitude(face.a, face.b, face.c);
   let is_degenerate =
     face.corners.x == face.corners.y || face.corners.y == face.corners.z || face.corners.z == face.corners.x;
-  if (is_degenerate || largest >= INFINITE || face.number == segment.on_face) {
+  if (is_degenerate || largest >= INFINITE) {
     return NOT_BETWEEN;
   }
   var decision = UNDECIDED;

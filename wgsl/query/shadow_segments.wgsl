@@ -13,6 +13,9 @@
 // Whether groups and clusters are skipped if the segment misses their box.
 override SKIP: bool = true;
 
+// Whether points name the face that they are on.
+override NAMES_FACES: bool = false;
+
 // The segment from a point to a light, or the whole ray if the light is a direction.
 struct Segment {
   p_bits: vec3<u32>,
@@ -50,7 +53,7 @@ fn query_of(index: u32) -> Query {
   let from_word = chunk.offset + point * chunk.stride;
   let bits = vec3<u32>(points[from_word], points[from_word + 1u], points[from_word + 2u]);
   var on_face = NO_FACE;
-  if (chunk.on_face != 0u) {
+  if (NAMES_FACES) {
     on_face = points[from_word + chunk.on_face];
   }
   return Query(point * chunk.lights + chunk.first_light + light, bits, light, on_face);

@@ -49,14 +49,13 @@ pub struct ShadowQuery {
     most_queries: u64,
     pipelines: Pipelines,
     passes: Passes,
-    /// Whether a polygon has several triangles.
-    has_polygons: bool,
     options: ShadowQueryOptions,
 }
 
-/// The pipelines for windows of one size.
+/// The pipelines for one kind of query.
 #[derive(Debug)]
 struct Passes {
+    kind: PassKind,
     boxes: Pipeline,
     depth: Pipeline,
     exact: Pipeline,
@@ -64,13 +63,26 @@ struct Passes {
     recount: Pipeline,
 }
 
+/// What shaders are specialised for. Where points name no face, the inner loop has no test of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PassKind {
+    skip_by_boxes: bool,
+    /// Whether a polygon has several triangles.
+    has_polygons: bool,
+    /// Whether points name their faces.
+    names_faces: bool,
+    window_words: u32,
+}
+
 impl Passes {
-    fn new(pipelines: &Pipelines, skip_by_boxes: bool, has_polygons: bool, window_words: u32) -> Self {
+    fn new(pipelines: &Pipelines, kind: PassKind) -> Self {
+        let PassKind { skip_by_boxes, has_polygons, names_faces, window_words } = kind;
         let windows = ("WINDOW_WORDS", f64::from(window_words));
         let skip = ("SKIP", f64::from(u8::from(skip_by_boxes)));
         let polygons = ("POLYGONS", f64::from(u8::from(has_polygons)));
+        let names = ("NAMES_FACES", f64::from(u8::from(names_faces)));
         let pair = |stage: &Stage, entry_point: usize| {
-            pipelines.compute(stage, stage.entry_points[entry_point], &[windows, skip, polygons])
+            pipelines.compute(stage, stage.entry_points[entry_point], &[windows, skip, polygons, names])
         };
         let (boxes, arguments) = (&SHADOW_BOXES, &DEPTH_ARGUMENTS);
         let most = [("MOST_WORKGROUPS", f64::from(pipelines.device().limits().max_compute_workgroups_per_dimension))];
@@ -80,6 +92,7 @@ impl Passes {
             exact: pair(&EXACT_SHADOW_DEPTH, 0),
             arguments: pipelines.compute(arguments, arguments.name, &most),
             recount: pair(&EXACT_SHADOW_DEPTH, 1),
+            kind,
         }
     }
 }
@@ -124,6 +137,7 @@ impl ShadowQuery {
             split.buffer,
             memory_limit,
         )?;
+        let kind = PassKind { skip_by_boxes, has_polygons: faces > 1, names_faces: false, window_words: 0 };
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let [cluster_buffer, depths, undecided_pairs, recount_dispatch] = guarded(device, bytes, || {
             [
@@ -143,8 +157,7 @@ impl ShadowQuery {
             undecided_pairs,
             recount_dispatch,
             most_queries,
-            passes: Passes::new(&pipelines, skip_by_boxes, faces > 1, 0),
-            has_polygons: faces > 1,
+            passes: Passes::new(&pipelines, kind),
             pipelines,
             options,
         })
@@ -207,9 +220,10 @@ impl ShadowQuery {
         let clusters = cluster_chunks(&self.split, self.clusters).map_err(PositionError::from)?;
         let chunks = point_chunks(&self.split, self.most_queries, point_count, lights.len(), points.stride)
             .map_err(|error| ShadowQueryEncodeError::Points(error.into()))?;
-        if self.passes.depth.window_words != bound.windows.words {
-            let skip = self.options.skip_by_boxes;
-            self.passes = Passes::new(&self.pipelines, skip, self.has_polygons, bound.windows.words);
+        let (names_faces, window_words) = (given.on_face.is_some(), bound.windows.words);
+        let kind = PassKind { names_faces, window_words, ..self.passes.kind };
+        if self.passes.kind != kind {
+            self.passes = Passes::new(&self.pipelines, kind);
         }
         let Some(most) = chunks.first().map(ExactSizeIterator::len) else { return Ok(()) };
         let batch_lights = lights.len().min(32) as u64;

@@ -25,10 +25,10 @@ impl Job<'_, '_> {
     /// Compiles the shaders before the stages run and are timed.
     pub(super) fn run_warm(&self, gpu: &Gpu, depths: &mut Vec<i32>, times: &mut Times) -> Result<(), Failure> {
         let is_posed = matches!(self.scene.shape, Shape::Posed { .. });
-        let Self { asked: Asked { lights, lift, .. }, displacement, time_s, .. } = *self;
+        let Self { asked, displacement, time_s, .. } = *self;
         times.measure("compile", || {
             with_triangle(is_posed, |scene| {
-                let asked = Asked { points: &[[0.0; 3]], on_face: None, lights, lift };
+                let asked = Asked { points: &[[0.0; 3]], on_face: asked.on_face.map(|_| &[NO_FACE][..]), ..asked };
                 let job = Job { scene, asked, displacement, time_s };
                 job.run(gpu, &mut Vec::new(), &mut Times::default())
             })
@@ -89,7 +89,8 @@ fn count(
     let words: Vec<[u32; 4]> = points.iter().enumerate().map(words).collect();
     gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(&words));
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("query") });
-    let bound = QueryPoints { points: PositionBuffer { buffer, offset: 0, stride: POINT }, on_face: Some(12) };
+    let points_at = PositionBuffer { buffer, offset: 0, stride: POINT };
+    let bound = QueryPoints { points: points_at, on_face: on_face.map(|_| POINT - 4) };
     query.encode_at(&mut encoder, placed.buffer(), bound, points.len() as u32, lights, None)?;
     gpu.queue.submit([encoder.finish()]);
     let mut found = read_back_vec(&gpu.device, &gpu.queue, query.depths())?;
