@@ -189,8 +189,10 @@ shared_structs! {
         /// If the first face continues a polygon, the place of the first triangle of that. Places count faces from the first
         /// cluster of the run that one binding holds.
         head: u32,
+        /// The number that the mesh has for the first face. Those of the others follow it.
+        first_face: u32,
         /// 0.
-        padding: [u32; 2],
+        padding: u32,
     }
 
     /// The points of one dispatch of the shadow depth query.
@@ -205,6 +207,8 @@ shared_structs! {
         lights: u32,
         /// First light of the batch.
         first_light: u32,
+        /// Words from a point to the number of the face that it is on. 0 if points name no face.
+        on_face: u32,
     }
 
     /// The clusters of faces that one dispatch goes over.

@@ -96,6 +96,7 @@ pub mod displace;
 pub mod gltf;
 pub mod gpu;
 mod layout;
+mod lift;
 mod light;
 pub mod mesh;
 mod method;

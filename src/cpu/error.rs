@@ -1,10 +1,11 @@
 //! Why functions of the CPU refuse what they are given.
 
 use crate::light::LightError;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, NO_FACE};
 
 /// Why [`cpu::extract`](crate::cpu::extract()), [`cpu::Extraction`](crate::cpu::Extraction) or
-/// [`cpu::shadow_depth`](crate::cpu::shadow_depth) refuses what it is given. On the GPU the same is refused.
+/// [`cpu::shadow_depth`](crate::cpu::shadow_depth) refuses what it is given. On the GPU the same is refused, but for faces of points,
+/// which are in a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ArgumentError {
@@ -19,6 +20,26 @@ pub enum ArgumentError {
         /// Vertices of the mesh.
         needed: u32,
     },
+    /// Points name their faces, and there are not as many of these as points.
+    #[error("{given} faces given for {points} points; give one for each, `NO_FACE` for a point that is on none")]
+    FaceForEachPoint {
+        /// Faces given.
+        given: usize,
+        /// Points given.
+        points: usize,
+    },
+    /// A point names a face that the mesh lacks.
+    #[error(
+        "point {point} is on face {face}, and the mesh has {faces}; give a number in `Mesh::faces`, or `NO_FACE` for none"
+    )]
+    NoSuchFace {
+        /// The point's index.
+        point: usize,
+        /// The face that it names.
+        face: u32,
+        /// Faces of the mesh.
+        faces: usize,
+    },
 }
 
 /// Checks that each vertex of the mesh has a position. There may be more.
@@ -28,4 +49,19 @@ pub enum ArgumentError {
 pub(crate) fn check_positions(positions: &[[f32; 3]], mesh: &Mesh) -> Result<(), ArgumentError> {
     let (given, needed) = (positions.len(), mesh.vertex_count());
     if given < needed as usize { Err(ArgumentError::TooFewPositions { given, needed }) } else { Ok(()) }
+}
+
+/// Checks the faces that points name: one for each point, and each a face of the mesh or [`NO_FACE`].
+///
+/// # Errors
+/// [`ArgumentError::FaceForEachPoint`] or [`ArgumentError::NoSuchFace`] otherwise.
+pub(crate) fn check_on_face(on_face: Option<&[u32]>, points: usize, faces: usize) -> Result<(), ArgumentError> {
+    let Some(given) = on_face else { return Ok(()) };
+    if given.len() != points {
+        return Err(ArgumentError::FaceForEachPoint { given: given.len(), points });
+    }
+    match given.iter().position(|&face| face != NO_FACE && face as usize >= faces) {
+        Some(point) => Err(ArgumentError::NoSuchFace { point, face: given[point], faces }),
+        None => Ok(()),
+    }
 }

@@ -26,4 +26,4 @@ pub use extract::extraction::{Extraction, extract};
 pub use extract::facing::FacingStatistics;
 pub use hidden::hidden_faces::{HiddenCaster, HiddenError, HiddenFaces, HiddenStatistics};
 pub use hidden::options::HiddenOptions;
-pub use query::shadow_depth::shadow_depth;
+pub use query::shadow_depth::{shadow_depth, shadow_depth_on_faces};

@@ -35,6 +35,7 @@ pub use extract::options::{ExtractorOptions, ListOptions, MAX_OUTLINE_EDGES};
 pub use extract::results::ExtractionResults;
 pub use query::errors::{ShadowQueryEncodeError, ShadowQueryError};
 pub use query::options::ShadowQueryOptions;
+pub use query::points::QueryPoints;
 pub use query::shadow_query::ShadowQuery;
 pub use scene::caster::{Caster, CasterPositions};
 pub use scene::depths::SceneDepthCasters;

@@ -3,6 +3,7 @@
 use rimline::Mesh;
 use rimline::reference::cpu::{self, Threads};
 use rimline_measure::random::Random;
+use rimline_measure::shadow_cases::put_on_faces;
 use rimline_measure::{is_long, must_fail, same, shadow_oracle};
 
 use crate::depths::DepthCase;
@@ -47,4 +48,45 @@ fn a_polygon_counts_once_where_an_odd_number_of_its_triangles_lie_between() -> R
     }
     println!("{queries} depths, the deepest {deepest}; {folds} sets where triangles count otherwise");
     if folds * 2 > count && deepest > 3 { Ok(()) } else { Err("too few folds".to_owned()) }
+}
+
+/// The triangle that a point names does not count, and the others of its polygon do.
+#[test]
+fn the_triangle_that_a_point_is_on_does_not_count() -> Result<(), String> {
+    let first = 235_000;
+    let count = if is_long() { 600 } else { 16 };
+    println!("seeds from {first}");
+    let (mut changed, mut by_polygon) = (0, 0);
+    for seed in first..first + count {
+        let mut random = Random::new(seed);
+        let DepthCase { set, mesh, mut points, lights } = DepthCase::random(&mut random);
+        let Some(polygons) = mesh.polygons().filter(|_| !mesh.faces().is_empty()) else { continue };
+        let on_face = put_on_faces(&mut random, &set.positions, mesh.faces(), &mut points);
+        let mut expected = vec![0; points.len() * lights.len()];
+        let mut without_polygon = expected.clone();
+        for range in (0..polygons.len()).map(|polygon| polygons.triangles(polygon)) {
+            for (at, (point, &face)) in points.iter().zip(&on_face).enumerate() {
+                let is_own = range.contains(&(face as usize));
+                let others: Vec<_> =
+                    range.clone().filter(|&other| other != face as usize).map(|other| mesh.faces()[other]).collect();
+                let of_one = shadow_oracle::shadow_depth(&set.positions, &others, &[*point], &lights);
+                for (light, depth) in of_one.into_iter().enumerate() {
+                    expected[at * lights.len() + light] += depth.rem_euclid(2);
+                    without_polygon[at * lights.len() + light] += if is_own { 0 } else { depth.rem_euclid(2) };
+                }
+            }
+        }
+        let found = cpu::shadow_depth_on_faces(&set.positions, &mesh, &points, Some(&on_face), &lights, Threads::all())
+            .map_err(|error| error.to_string())?;
+        same(&format!("seed {seed}"), &found, &expected)?;
+        let plain = cpu::shadow_depth(&set.positions, &mesh, &points, &lights, Threads::all())
+            .map_err(|error| error.to_string())?;
+        if plain != expected {
+            changed += 1;
+            must_fail("no face named", &same("no face named", &plain, &expected))?;
+        }
+        by_polygon += usize::from(without_polygon != expected);
+    }
+    println!("{changed} sets where the triangle matters, {by_polygon} where the rest of its polygon does");
+    if changed > 5 && by_polygon > 5 { Ok(()) } else { Err("too few sets where it matters".to_owned()) }
 }

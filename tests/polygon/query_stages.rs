@@ -1,8 +1,8 @@
 //! Shadow depths of polygons on the GPU: those of the twin, however the faces are cut into runs.
 
 use rimline::Light;
-use rimline::gpu::{MemoryError, PositionBuffer, ShadowQuery, ShadowQueryError, ShadowQueryOptions};
-use rimline::mesh::Weld;
+use rimline::gpu::{MemoryError, PositionBuffer, QueryPoints, ShadowQuery, ShadowQueryError, ShadowQueryOptions};
+use rimline::mesh::{NO_FACE, Weld};
 use rimline::reference::cpu::{self, Threads};
 
 use rimline_measure::device::Gpu;
@@ -10,6 +10,7 @@ use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::{limited, text};
 use rimline_measure::polygons::{PolygonSet, random_polygon, random_set};
 use rimline_measure::random::Random;
+use rimline_measure::shadow_cases::put_on_faces;
 use rimline_measure::{is_long, must_fail, same};
 
 use crate::depths::DepthCase;
@@ -41,10 +42,16 @@ fn large_set(random: &mut Random, corners: usize) -> PolygonSet {
 pub(crate) const TESTS: &[Test] = &[
     ("depths_equal_their_twin", depths),
     ("depths_of_large_polygons", large),
+    ("depths_of_points_on_polygons", on_polygons),
     ("depths_of_tangled_polygons", tangled),
 ];
 
 fn found(gpu: &Gpu, case: &DepthCase, work_per_dispatch: u64) -> Result<Vec<i32>, String> {
+    found_on(gpu, case, &vec![NO_FACE; case.points.len()], work_per_dispatch)
+}
+
+/// The depths of points that are on faces.
+fn found_on(gpu: &Gpu, case: &DepthCase, on_face: &[u32], work_per_dispatch: u64) -> Result<Vec<i32>, String> {
     let DepthCase { set, mesh, points, lights } = case;
     let options = ShadowQueryOptions {
         max_points: points.len() as u32,
@@ -53,10 +60,18 @@ fn found(gpu: &Gpu, case: &DepthCase, work_per_dispatch: u64) -> Result<Vec<i32>
         ..ShadowQueryOptions::default()
     };
     let mut query = ShadowQuery::new(&gpu.pipelines, mesh, options).map_err(text)?;
-    let buffers = [gpu.storage(&set.positions), gpu.storage(points)];
-    let [positions, asked] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
+    let words: Vec<_> = points.iter().zip(on_face).map(|(&[x, y, z], &face)| [x, y, z, f32::from_bits(face)]).collect();
+    let buffers = [gpu.storage(&set.positions), gpu.storage(&words)];
+    let positions = PositionBuffer { buffer: &buffers[0], offset: 0, stride: 12 };
+    let asked =
+        QueryPoints { points: PositionBuffer { buffer: &buffers[1], offset: 0, stride: 16 }, on_face: Some(12) };
     gpu.submit(|encoder| query.encode_at(encoder, positions, asked, points.len() as u32, lights, None).map_err(text))?;
     gpu.read(query.depths(), points.len() * lights.len())
+}
+
+fn expected_on(case: &DepthCase, on_face: &[u32]) -> Result<Vec<i32>, String> {
+    let DepthCase { set, mesh, points, lights } = case;
+    cpu::shadow_depth_on_faces(&set.positions, mesh, points, Some(on_face), lights, Threads::all()).map_err(text)
 }
 
 fn expected(case: &DepthCase) -> Result<Vec<i32>, String> {
@@ -155,4 +170,36 @@ fn large() -> Result<(), String> {
         Err(ShadowQueryError::Memory(MemoryError::Binding { what: "the triangles of a polygon", .. })) => Ok(()),
         other => Err(format!("{:?}", other.err())),
     }
+}
+
+/// Points on triangles of polygons, small and large, and of polygons before which places of clusters stay empty.
+fn on_polygons() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let first = 236_000;
+    println!("seeds from {first}");
+    let mut changed = 0;
+    for seed in first..first + if is_long() { 100 } else { 5 } {
+        let mut random = Random::new(seed);
+        let mut case = DepthCase::random(&mut random);
+        if case.mesh.faces().is_empty() {
+            continue;
+        }
+        let on_face = put_on_faces(&mut random, &case.set.positions, case.mesh.faces(), &mut case.points);
+        let right = expected_on(&case, &on_face)?;
+        same(&format!("seed {seed}"), &found_on(gpu, &case, &on_face, 1 << 28)?, &right)?;
+        changed += usize::from(expected(&case)? != right);
+    }
+    let mut random = Random::new(237);
+    let set = large_set(&mut random, 1600);
+    let mut case = DepthCase::new(&mut random, set, 128, 4);
+    let on_face = put_on_faces(&mut random, &case.set.positions, case.mesh.faces(), &mut case.points);
+    let right = expected_on(&case, &on_face)?;
+    must_fail("no face named", &same("large", &expected(&case)?, &right))?;
+    same("large", &found_on(gpu, &case, &on_face, 1)?, &right)?;
+    for binding in [32 << 10, 48 << 10] {
+        let found = found_on(&limited(binding, 2 << 20, 64)?, &case, &on_face, 1 << 28)?;
+        same(&format!("{binding} bytes"), &found, &right)?;
+    }
+    println!("{changed} sets where faces matter");
+    if changed > 2 { Ok(()) } else { Err(format!("{changed} sets where faces matter")) }
 }

@@ -317,7 +317,7 @@ fn recount() -> Result<(), String> {
     let clusters = gpu.storage(&cpu::shadow_boxes(&positions, &mesh, Threads::all()));
     let (positions, points) = (gpu.storage(&positions), gpu.storage(&[[0.0_f32, -1.0, 0.0]]));
     let word = uniform(gpu, &LightBatch::new(&[light], 0, 3));
-    let chunk = uniform(gpu, &PointChunk { count: 1, offset: 0, stride: 3, lights: 1, first_light: 0 });
+    let chunk = uniform(gpu, &PointChunk { count: 1, offset: 0, stride: 3, lights: 1, first_light: 0, on_face: 0 });
     for (first, end) in [(0, 40), (32, 64), (0, 64), (32, 33), (0, 1)] {
         let range = uniform(gpu, &FaceRange { first, end, is_first: u32::from(first == 0), before: first });
         let depths = gpu.storage(&[0_i32]);

@@ -110,7 +110,9 @@ struct FaceCluster {
   continues: u32,
   // If the first face continues a polygon, the place of the first triangle of that.
   head: u32,
-  padding: array<u32, 2>,
+  // The number that the mesh has for the first face. The others follow it.
+  first_face: u32,
+  padding: u32,
 }
 
 // The points of one dispatch of the shadow depth query.
@@ -122,6 +124,8 @@ struct PointChunk {
   // The number of lights in all batches, and the first light of the batch.
   lights: u32,
   first_light: u32,
+  // The words from a point to the number of the face that it is on. 0 if points name no face.
+  on_face: u32,
 }
 
 // The clusters that one dispatch goes over, from the first cluster of a group on.

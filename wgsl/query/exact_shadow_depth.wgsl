@@ -55,7 +55,7 @@ fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
 
 fn is_between(segment: Segment, index: u32) -> bool {
   let face = face_of(index);
-  let decision = decide(segment, face);
+  let decision = select(decide(segment, face), NOT_BETWEEN, is_named(segment, index));
   return decision == BETWEEN ||
     (decision == UNDECIDED && exactly_between(face, segment.p_bits, batch.light_bits[segment.light]));
 }

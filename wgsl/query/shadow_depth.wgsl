@@ -71,7 +71,7 @@ fn count_cluster(segment: Segment, cluster: u32) -> i32 {
       continue;
     }
     let decision = decide(segment, face);
-    if (decision == NOT_BETWEEN) {
+    if (decision == NOT_BETWEEN || is_named(segment, CLUSTER * cluster + at)) {
       continue;
     }
     if (decision == BETWEEN) {

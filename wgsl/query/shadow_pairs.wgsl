@@ -36,6 +36,11 @@ fn face_of(index: u32) -> Face {
   return face;
 }
 
+// Whether the point names this face as the one that it is on. It does not count then.
+fn is_named(segment: Segment, index: u32) -> bool {
+  return NAMES_FACES && clusters[index / CLUSTER].first_face + index % CLUSTER == segment.on_face;
+}
+
 // Whether a polygon of the mesh has several triangles. The triangles of a polygon that are between count 1 and -1 in turn, so that
 // it counts once if they are odd in number.
 override POLYGONS: bool = false;

@@ -13,6 +13,9 @@
 // Whether groups and clusters are skipped if the segment misses their box.
 override SKIP: bool = true;
 
+// Whether points name the face that they are on.
+override NAMES_FACES: bool = false;
+
 // The segment from a point to a light, or the whole ray if the light is a direction.
 struct Segment {
   p_bits: vec3<u32>,
@@ -31,6 +34,8 @@ struct Segment {
   is_certain: bool,
   // |w|, or the value that replaces it in the bounds.
   w_size: f32,
+  // The face that the point is on, which does not count, or NO_FACE.
+  on_face: u32,
 }
 
 struct Query {
@@ -38,6 +43,8 @@ struct Query {
   at: u32,
   p_bits: vec3<u32>,
   light: u32,
+  // The face that the point is on, or NO_FACE.
+  on_face: u32,
 }
 
 fn query_of(index: u32) -> Query {
@@ -45,7 +52,11 @@ fn query_of(index: u32) -> Query {
   let light = index % batch.count;
   let from_word = chunk.offset + point * chunk.stride;
   let bits = vec3<u32>(points[from_word], points[from_word + 1u], points[from_word + 2u]);
-  return Query(point * chunk.lights + chunk.first_light + light, bits, light);
+  var on_face = NO_FACE;
+  if (NAMES_FACES) {
+    on_face = points[from_word + chunk.on_face];
+  }
+  return Query(point * chunk.lights + chunk.first_light + light, bits, light, on_face);
 }
 
 fn segment_of(query: Query) -> Segment {
@@ -57,7 +68,7 @@ fn segment_of(query: Query) -> Segment {
   let largest = largest_magnitude(query.p_bits, query.p_bits, query.p_bits);
   let size = max(max(sizes.x, sizes.y), sizes.z);
   let w_size = max(abs(light.w), inexact_w);
-  return Segment(query.p_bits, query.light, p, largest, d, size, sizes, largest < LARGE, w_size);
+  return Segment(query.p_bits, query.light, p, largest, d, size, sizes, largest < LARGE, w_size, query.on_face);
 }
 
 // The most that rounding adds in a box test, and the most that underflow adds.

@@ -1,6 +1,7 @@
 //! `rimline query`: how many faces lie between points and lights, as NumPy arrays.
 
 pub(crate) mod args;
+mod asked;
 mod on_gpu;
 mod report;
 
@@ -11,7 +12,7 @@ use std::time::Instant;
 use rimline::MAX_LIGHTS;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::light::check_shadow_lights;
-use rimline::{Light, Mesh, Origin};
+use rimline::{Light, Origin};
 
 use crate::begins;
 use crate::device::Device;
@@ -26,6 +27,7 @@ use crate::progress::Progress;
 use crate::source;
 use crate::times::Times;
 use args::QueryArgs;
+use asked::Asked;
 use report::Report;
 
 pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
@@ -38,8 +40,12 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     check_shadow_lights(&lights, MAX_LIGHTS).map_err(UsageError::Lights)?;
     progress.step("reading the points");
     let (limit, origin) = (args.model.options().memory_limit, posed.input.origin);
-    let points = times.measure("points", || read_points(&args.points, limit))?.relative_to(origin);
+    let given = times.measure("points", || read_points(&args.points, limit))?;
     let scene = times.measure("topology", || posed.scene())?;
+    given.check_faces(scene.mesh.faces().len()).map_err(|error| Failure::input(&args.points)(error.into()))?;
+    let npz::PointArrays { points, on_face } = given;
+    let points = points.relative_to(origin);
+    let asked = Asked { points: &points, on_face: on_face.as_deref(), lights: &lights, lift: args.lift };
     Inputs::new(posed.files().chain([&*args.points])).spare(&args.out)?;
     let output = Output::create(&args.out)?;
     // Asked for before any long work.
@@ -52,6 +58,7 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     let too_many = |_| InputError::Depths { points: points.len(), lights: lights.len() };
     depths.try_reserve_exact(count).map_err(too_many).map_err(Failure::input(&args.points))?;
 
+    asked.note_swallowed();
     progress.step("opening the device");
     let begin = Instant::now();
     let (device, mut times) = posed.work(|device| {
@@ -60,12 +67,11 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
         times.add("device", begin.elapsed().as_secs_f64() * 1e3);
         depths.clear();
         match device {
-            Device::Cpu => on_cpu(&scene, &points, &lights, &mut depths, &mut times)?,
+            Device::Cpu => on_cpu(&scene, asked, &mut depths, &mut times)?,
             Device::Gpu(gpu) => {
                 let job = on_gpu::Job {
                     scene: &scene,
-                    points: &points,
-                    lights: &lights,
+                    asked,
                     displacement: posed.displacement.as_ref(),
                     time_s: posed.time_s(),
                 };
@@ -81,30 +87,18 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     })?;
     progress.step("writing");
     times.measure("write", || output.finish(|file| write(file, (&points, &lights), &depths, origin)))?;
-    let report = Report::new(&scene.mesh, lights.len(), &depths, origin, device.name(), times);
+    let report = Report::new(&scene.mesh, &asked, &depths, origin, device.name(), times);
     drop(progress);
     print(&if args.json { report.json() } else { report.text(&args.out) })
 }
 
-fn read_points(file: &Path, memory_limit: u64) -> Result<npz::Points, Failure> {
+fn read_points(file: &Path, memory_limit: u64) -> Result<npz::PointArrays, Failure> {
     let read =
         || -> Result<_, InputError> { Ok(npz::read_points(begins::archive(source::open(file)?)?, memory_limit)?) };
     read().map_err(Failure::input(file))
 }
 
-/// Points of one call or submission: few enough that no GPU is kept busy for long and no result takes much memory.
-fn slice(mesh: &Mesh, lights: usize) -> usize {
-    let pairs = ((1 << 36) / mesh.faces().len().max(1)).clamp(1 << 12, 1 << 22);
-    (pairs / lights).max(64)
-}
-
-fn on_cpu(
-    scene: &Scene<'_>,
-    points: &[[f32; 3]],
-    lights: &[Light],
-    depths: &mut Vec<i32>,
-    times: &mut Times,
-) -> Result<(), Failure> {
+fn on_cpu(scene: &Scene<'_>, asked: Asked<'_>, depths: &mut Vec<i32>, times: &mut Times) -> Result<(), Failure> {
     let threads = Threads::all();
     let deformed;
     let positions: &[[f32; 3]] = match &scene.shape {
@@ -115,11 +109,10 @@ fn on_cpu(
         }
     };
     times.measure("shadow_depth", || {
-        for points in points.chunks(slice(&scene.mesh, lights.len())) {
-            let found = cpu::shadow_depth(positions, &scene.mesh, points, lights, threads);
-            depths.extend(found.map_err(UsageError::Arguments)?);
-        }
-        Ok(())
+        asked.each_slice(asked.slice(&scene.mesh), depths, |Asked { points, on_face, lights, .. }| {
+            let found = cpu::shadow_depth_on_faces(positions, &scene.mesh, points, on_face, lights, threads);
+            Ok(found.map_err(UsageError::Arguments)?)
+        })
     })
 }
 

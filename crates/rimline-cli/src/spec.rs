@@ -70,6 +70,8 @@ pub(crate) enum SpecError {
     NoPixels,
     #[error("a picture has at most {limit} pixels each way, not {given}")]
     Pixels { given: u32, limit: u32 },
+    #[error("it is {0:e}, and a distance above 0 is needed, 1e30 at most; without a distance leave the option out")]
+    Lift(f64),
     #[error("it is {given}, and may be {least} to {most}")]
     Range { given: f32, least: f32, most: f32 },
     #[error("there is no light option `{0}`; there are range=R, begin=R, exponent=E, color=R,G,B and intensity=I")]
@@ -243,6 +245,8 @@ pub(crate) fn area(text: &str) -> Result<AreaSpec, SpecError> {
 const MOST_LAMP: f32 = 1e9;
 /// The largest size of a light's shape, so that places on it stay finite.
 const MOST_AREA_SIZE: f32 = 1e30;
+/// The largest distance that points are lifted.
+const MOST_LIFT: f64 = 1e30;
 /// The largest width and height of a picture. Devices have limits of their own, which are lower.
 const MOST_PIXELS: u32 = 1 << 16;
 /// The largest time in seconds, before and after 0.
@@ -268,6 +272,12 @@ pub(crate) fn samples(text: &str) -> Result<usize, SpecError> {
 pub(crate) fn near(text: &str) -> Result<f32, SpecError> {
     let distance = number(text)?;
     if distance > 0.0 { Ok(distance) } else { Err(SpecError::Near) }
+}
+
+/// How far points are lifted.
+pub(crate) fn lift(text: &str) -> Result<f64, SpecError> {
+    let distance = coordinate(text)?.double;
+    if distance > 0.0 && distance <= MOST_LIFT { Ok(distance) } else { Err(SpecError::Lift(distance)) }
 }
 
 /// A height.

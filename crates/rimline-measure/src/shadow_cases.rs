@@ -2,6 +2,7 @@
 
 use crate::shapes::{self, Shape};
 use rimline::Light;
+use rimline::mesh::NO_FACE;
 
 use super::cases::{hard_positions, random_soup, topologies};
 use super::random::Random;
@@ -27,6 +28,33 @@ fn on_face(random: &mut Random, shape: &Shape) -> [f32; 3] {
         _ => (random.between(-2.0, 2.0), random.between(-2.0, 2.0)),
     };
     std::array::from_fn(|i| a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i]))
+}
+
+/// Puts half of the points on faces, as rounding lets them be, and names a face for most: the one that the point is on, or any.
+pub fn put_on_faces(
+    random: &mut Random,
+    positions: &[[f32; 3]],
+    faces: &[[u32; 3]],
+    points: &mut [[f32; 3]],
+) -> Vec<u32> {
+    let mut name = |point: &mut [f32; 3]| {
+        let kind = random.below(8);
+        if kind == 0 {
+            return NO_FACE;
+        }
+        let face = random.below(faces.len());
+        if kind > 3 {
+            *point = centre(faces[face].map(|vertex| positions[vertex as usize]));
+        }
+        face as u32
+    };
+    points.iter_mut().map(&mut name).collect()
+}
+
+/// The centre of a face in `f32`, which is seldom in it exactly.
+#[must_use]
+pub fn centre([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
+    [0, 1, 2].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0)
 }
 
 /// Points and lights about a shape of size `scale` at `offset`, every other one on the shape.

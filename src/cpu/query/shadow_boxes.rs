@@ -34,12 +34,15 @@ pub fn shadow_boxes(positions: &[[f32; 3]], mesh: &Mesh, threads: Threads) -> Ve
 /// A run of clusters that holds every mesh.
 const ANY_RUN: usize = usize::MAX / CLUSTER;
 
-/// The clusters of a mesh without their boxes. No polygon lies in two runs of `run` clusters: before one that would, places stay
+/// The clusters of a mesh without their boxes, with its faces in order. No polygon lies in two runs of `run` clusters: before one that would, places stay
 /// empty. One with more faces than a run lies in several all the same, see [`largest_polygon`].
 pub(crate) fn clusters(mesh: &Mesh, run: usize) -> Vec<FaceCluster> {
     let mut clusters = vec![FaceCluster::zeroed(); cluster_count(mesh, run)];
-    let mut put = |place: usize, face: [u32; 3], head: usize| {
-        let cluster = &mut clusters[place / CLUSTER];
+    let mut put = |place: usize, number: usize, head: usize| {
+        let (cluster, face) = (&mut clusters[place / CLUSTER], mesh.faces()[number]);
+        if place.is_multiple_of(CLUSTER) {
+            cluster.first_face = number as u32;
+        }
         cluster.corners[place % CLUSTER * 3..][..3].copy_from_slice(&face);
         cluster.continues |= u32::from(place > head) << (place % CLUSTER);
         if place.is_multiple_of(CLUSTER) && place > head {
@@ -47,17 +50,17 @@ pub(crate) fn clusters(mesh: &Mesh, run: usize) -> Vec<FaceCluster> {
         }
     };
     let Some(polygons) = mesh.polygons() else {
-        for (place, &face) in mesh.faces().iter().enumerate() {
-            put(place, face, place);
+        for face in 0..mesh.faces().len() {
+            put(face, face, face);
         }
         return clusters;
     };
     let mut end = 0;
     for polygon in 0..polygons.len() {
-        let triangles = &mesh.faces()[polygons.triangles(polygon)];
+        let triangles = polygons.triangles(polygon);
         let first = first_place(end, triangles.len(), run);
-        for (at, &face) in triangles.iter().enumerate() {
-            put(first + at, face, first);
+        for (place, face) in (first..).zip(triangles.clone()) {
+            put(place, face, first);
         }
         end = first + triangles.len();
     }

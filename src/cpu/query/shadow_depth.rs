@@ -6,10 +6,10 @@ use crate::Light;
 use crate::cpu::common::double_sign::{RELATIVE, certain_sign, cross, difference, dot, sum_of_sizes, to_light};
 use crate::cpu::common::parallel::Threads;
 use crate::cpu::common::positions::{is_finite, position};
-use crate::cpu::error::{ArgumentError, check_positions};
+use crate::cpu::error::{ArgumentError, check_on_face, check_positions};
 use crate::layout::FaceCluster;
 use crate::light::{MAX_LIGHTS, check_shadow_lights};
-use crate::mesh::{Mesh, is_degenerate};
+use crate::mesh::{Mesh, NO_FACE, is_degenerate};
 
 /// The depths of `points` for `lights`: the number of faces of `mesh` strictly between point and light. Each face counts once,
 /// whatever its orientation. A polygon counts once if an odd number of its triangles lie between, and not at all otherwise:
@@ -18,6 +18,9 @@ use crate::mesh::{Mesh, is_degenerate};
 ///
 /// Two kinds of faces do not count: those with an infinite or NaN vertex, and those that name a vertex twice. A face that contains the point or the light does not lie between them. Other
 /// ties are broken as if the light were moved by `(ε, ε², ε³)`; see NUMERICS.md, "Shadow depth".
+///
+/// A point that is on a face may lie before or behind it after rounding: [`shadow_depth_on_faces`] leaves that face out, and
+/// [`Light::lift`] moves points off all faces.
 ///
 /// The GPU gives the same integers. Here `f64` decides where a bound allows it, else integers do.
 ///
@@ -31,15 +34,37 @@ pub fn shadow_depth(
     lights: &[Light],
     threads: Threads,
 ) -> Result<Vec<i32>, ArgumentError> {
+    shadow_depth_on_faces(positions, mesh, points, None, lights, threads)
+}
+
+/// As [`shadow_depth`], for points on the surface. `on_face` has an entry for each point: the face that it is on, or [`NO_FACE`].
+/// That face does not count for that point, as if the point were exactly in it, wherever rounding put it. Faces are numbers in
+/// [`Mesh::faces`]. Of a mesh with polygons that is a triangle; the other triangles of its polygon count, as where the point is in
+/// the triangle.
+///
+/// # Errors
+/// Those of [`shadow_depth`], and [`ArgumentError`] if `on_face` has not an entry for each point, or names a face that the mesh
+/// lacks.
+pub fn shadow_depth_on_faces(
+    positions: &[[f32; 3]],
+    mesh: &Mesh,
+    points: &[[f32; 3]],
+    on_face: Option<&[u32]>,
+    lights: &[Light],
+    threads: Threads,
+) -> Result<Vec<i32>, ArgumentError> {
     check_shadow_lights(lights, MAX_LIGHTS)?;
     check_positions(positions, mesh)?;
+    check_on_face(on_face, points.len(), mesh.faces().len())?;
     let clusters = shadow_boxes(positions, mesh, threads);
     let mut depths = vec![0; points.len() * lights.len()];
     // A point costs about as much as the mesh has faces, so a few points are enough for a thread.
     threads.share_runs_of(16, &mut depths, |first, depths| {
         for (query, depth) in (first..).zip(depths) {
             let (point, light) = (points[query / lights.len()], lights[query % lights.len()]);
-            *depth = if is_finite(point) { Segment::new(point, light).depth(positions, &clusters) } else { -1 };
+            let on_face = on_face.and_then(|faces| faces.get(query / lights.len())).copied().unwrap_or(NO_FACE);
+            let segment = || Segment::new(point, light, on_face);
+            *depth = if is_finite(point) { segment().depth(positions, &clusters) } else { -1 };
         }
     });
     Ok(depths)
@@ -54,14 +79,16 @@ struct Segment {
     w: f64,
     /// `l − w·p`, from the point towards the light.
     towards: [f64; 3],
+    /// The face that the point is on, which does not count, or [`NO_FACE`].
+    on_face: u32,
 }
 
 impl Segment {
-    fn new(point: [f32; 3], light: Light) -> Self {
+    fn new(point: [f32; 3], light: Light, on_face: u32) -> Self {
         let light = light.to_array();
         let [p, l] = [point, light_xyz(light)].map(|v| v.map(f64::from));
         let w = f64::from(light[3]);
-        Self { point, light, p, l, w, towards: to_light(p, l, w) }
+        Self { point, light, p, l, w, towards: to_light(p, l, w), on_face }
     }
 
     fn depth(&self, positions: &[[f32; 3]], clusters: &[FaceCluster]) -> i32 {
@@ -78,6 +105,9 @@ impl Segment {
                 }
                 let bound = self.edge_bound(cluster);
                 for place in 0..CLUSTER {
+                    if cluster.first_face.wrapping_add(place as u32) == self.on_face {
+                        continue;
+                    }
                     if self.crosses(positions, corners_of(cluster, place), bound) {
                         let head = head_of(cluster, group_at * CLUSTER + at, place);
                         odd = (head, odd.0 == head && odd.1);

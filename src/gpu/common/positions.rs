@@ -70,6 +70,11 @@ pub(crate) struct BoundPositions {
 impl PositionBuffer<'_> {
     /// The end in the buffer of the last of `vertices`, in bytes.
     pub(crate) fn end(&self, vertices: u32) -> Result<u64, PositionError> {
+        self.end_of(vertices, 12)
+    }
+
+    /// The same if each takes so many bytes from its x on.
+    pub(crate) fn end_of(&self, vertices: u32, bytes: u64) -> Result<u64, PositionError> {
         let Self { buffer, offset, stride } = *self;
         if offset % 4 != 0 || stride % 4 != 0 || stride < 12 {
             return Err(PositionError::Alignment { offset, stride });
@@ -77,7 +82,7 @@ impl PositionBuffer<'_> {
         if !buffer.usage().contains(wgpu::BufferUsages::STORAGE) {
             return Err(PositionError::NotStorage);
         }
-        let span = u128::from(vertices.max(1) - 1) * u128::from(stride) + 12 + u128::from(offset);
+        let span = u128::from(vertices.max(1) - 1) * u128::from(stride) + u128::from(bytes) + u128::from(offset);
         if span > u128::from(buffer.size()) {
             let needed = u64::try_from(span).unwrap_or(u64::MAX);
             return Err(PositionError::TooShort { vertices, offset, stride, needed, bytes: buffer.size() });

@@ -43,6 +43,16 @@ pub enum ShadowQueryEncodeError {
     /// The buffer of points is refused.
     #[error("points: {0}")]
     Points(PositionError),
+    /// The faces that points are on lie in the points or behind them.
+    #[error(
+        "faces of points at offset {offset}, stride {stride}: the offset must be a multiple of 4 from 12 to the stride less 4"
+    )]
+    FaceOffset {
+        /// The offset given.
+        offset: u64,
+        /// The stride of the points.
+        stride: u64,
+    },
     /// There are more points than the query has room for.
     #[error("{count} points given, at most {limit} fit (`max_points`); query them in several encodes")]
     TooManyPoints {

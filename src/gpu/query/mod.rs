@@ -3,4 +3,5 @@
 pub(crate) mod errors;
 pub(crate) mod options;
 mod plan;
+pub(crate) mod points;
 pub(crate) mod shadow_query;

@@ -10,6 +10,7 @@ use super::plan::{
     CLUSTER, GROUP, cluster_chunks, cluster_run, most_queries, point_chunks, range_clusters, undecided_bytes,
     workgroups,
 };
+use super::points::QueryPoints;
 use crate::cpu::query::shadow_boxes::{self, cluster_count, largest_polygon};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
@@ -28,7 +29,8 @@ use crate::{Light, Mesh};
 /// Counts the faces of one mesh that lie strictly between points and lights. Each face counts once, whatever its
 /// orientation and whatever the mesh. A polygon counts once if an odd number of its triangles lie between. On a closed mesh the
 /// parity tells inside from outside. A point in shadow has a depth above 0. The depths equal those of
-/// [`crate::cpu::shadow_depth`] on every device; that function describes how ties are broken.
+/// [`crate::cpu::shadow_depth`] on every device; that function describes how ties are broken. Points on the surface may name
+/// their face ([`QueryPoints`]), or be moved off it before ([`Light::lift`]).
 ///
 /// The query records compute passes into the caller's encoder. Every face is tested against every pair of point and
 /// light, except for faces that the boxes leave out.
@@ -47,14 +49,13 @@ pub struct ShadowQuery {
     most_queries: u64,
     pipelines: Pipelines,
     passes: Passes,
-    /// Whether a polygon has several triangles.
-    has_polygons: bool,
     options: ShadowQueryOptions,
 }
 
-/// The pipelines for windows of one size.
+/// The pipelines for one kind of query.
 #[derive(Debug)]
 struct Passes {
+    kind: PassKind,
     boxes: Pipeline,
     depth: Pipeline,
     exact: Pipeline,
@@ -62,13 +63,26 @@ struct Passes {
     recount: Pipeline,
 }
 
+/// What shaders are specialised for. Where points name no face, the inner loop has no test of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PassKind {
+    skip_by_boxes: bool,
+    /// Whether a polygon has several triangles.
+    has_polygons: bool,
+    /// Whether points name their faces.
+    names_faces: bool,
+    window_words: u32,
+}
+
 impl Passes {
-    fn new(pipelines: &Pipelines, skip_by_boxes: bool, has_polygons: bool, window_words: u32) -> Self {
+    fn new(pipelines: &Pipelines, kind: PassKind) -> Self {
+        let PassKind { skip_by_boxes, has_polygons, names_faces, window_words } = kind;
         let windows = ("WINDOW_WORDS", f64::from(window_words));
         let skip = ("SKIP", f64::from(u8::from(skip_by_boxes)));
         let polygons = ("POLYGONS", f64::from(u8::from(has_polygons)));
+        let names = ("NAMES_FACES", f64::from(u8::from(names_faces)));
         let pair = |stage: &Stage, entry_point: usize| {
-            pipelines.compute(stage, stage.entry_points[entry_point], &[windows, skip, polygons])
+            pipelines.compute(stage, stage.entry_points[entry_point], &[windows, skip, polygons, names])
         };
         let (boxes, arguments) = (&SHADOW_BOXES, &DEPTH_ARGUMENTS);
         let most = [("MOST_WORKGROUPS", f64::from(pipelines.device().limits().max_compute_workgroups_per_dimension))];
@@ -78,6 +92,7 @@ impl Passes {
             exact: pair(&EXACT_SHADOW_DEPTH, 0),
             arguments: pipelines.compute(arguments, arguments.name, &most),
             recount: pair(&EXACT_SHADOW_DEPTH, 1),
+            kind,
         }
     }
 }
@@ -122,6 +137,7 @@ impl ShadowQuery {
             split.buffer,
             memory_limit,
         )?;
+        let kind = PassKind { skip_by_boxes, has_polygons: faces > 1, names_faces: false, window_words: 0 };
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let [cluster_buffer, depths, undecided_pairs, recount_dispatch] = guarded(device, bytes, || {
             [
@@ -141,8 +157,7 @@ impl ShadowQuery {
             undecided_pairs,
             recount_dispatch,
             most_queries,
-            passes: Passes::new(&pipelines, skip_by_boxes, faces > 1, 0),
-            has_polygons: faces > 1,
+            passes: Passes::new(&pipelines, kind),
             pipelines,
             options,
         })
@@ -154,11 +169,11 @@ impl ShadowQuery {
     /// # Errors
     /// [`ShadowQueryEncodeError`] if the extraction belongs to another mesh or is out of date, or if lights or points
     /// are refused. Nothing is recorded then.
-    pub fn encode(
+    pub fn encode<'p>(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         extraction: &Extraction,
-        points: PositionBuffer<'_>,
+        points: impl Into<QueryPoints<'p>>,
         point_count: u32,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), ShadowQueryEncodeError> {
@@ -171,16 +186,17 @@ impl ShadowQuery {
 
     /// Records the query for the first `point_count` of `points` and for `lights`, all in the space of the positions.
     /// Several encodes in one encoder are allowed; each overwrites the depths of the one before. No lights or no points
-    /// are allowed; there are no depths then. `timer` takes a timestamp around each stage.
+    /// are allowed; there are no depths then. `points` is a [`PositionBuffer`], or [`QueryPoints`] that name the faces that they are
+    /// on. `timer` takes a timestamp around each stage.
     ///
     /// # Errors
     /// [`ShadowQueryEncodeError`] if lights, positions or points are refused, or the device is lost or not the timer's.
     /// Nothing is recorded then.
-    pub fn encode_at(
+    pub fn encode_at<'p>(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         positions: PositionBuffer<'_>,
-        points: PositionBuffer<'_>,
+        points: impl Into<QueryPoints<'p>>,
         point_count: u32,
         lights: &[Light],
         mut timer: Option<&mut StageTimer>,
@@ -191,7 +207,9 @@ impl ShadowQuery {
             return Err(ShadowQueryEncodeError::TooManyPoints { count: point_count, limit });
         }
         let bound = positions.bind(self.vertices, &self.split)?;
-        points.end(point_count).map_err(ShadowQueryEncodeError::Points)?;
+        let given: QueryPoints<'p> = points.into();
+        given.check(point_count)?;
+        let points = given.points;
         check_timer(timer.as_deref(), self.pipelines.device())?;
         check_alive(self.pipelines.device())?;
         self.pipelines.check_bindable(positions.buffer)?;
@@ -202,14 +220,15 @@ impl ShadowQuery {
         let clusters = cluster_chunks(&self.split, self.clusters).map_err(PositionError::from)?;
         let chunks = point_chunks(&self.split, self.most_queries, point_count, lights.len(), points.stride)
             .map_err(|error| ShadowQueryEncodeError::Points(error.into()))?;
-        if self.passes.depth.window_words != bound.windows.words {
-            let skip = self.options.skip_by_boxes;
-            self.passes = Passes::new(&self.pipelines, skip, self.has_polygons, bound.windows.words);
+        let (names_faces, window_words) = (given.on_face.is_some(), bound.windows.words);
+        let kind = PassKind { names_faces, window_words, ..self.passes.kind };
+        if self.passes.kind != kind {
+            self.passes = Passes::new(&self.pipelines, kind);
         }
         let Some(most) = chunks.first().map(ExactSizeIterator::len) else { return Ok(()) };
         let batch_lights = lights.len().min(32) as u64;
         let range = range_clusters(&self.split, self.options.work_per_dispatch, most as u64 * batch_lights);
-        let tables = Tables::new(self, &bound, points, &chunks, &clusters, lights, range);
+        let tables = Tables::new(self, &bound, given, &chunks, &clusters, lights, range);
 
         let mut pass = begin(encoder, SHADOW_BOXES.name, timer.as_deref_mut());
         pass.set_pipeline(&self.passes.boxes.compute);
@@ -335,7 +354,7 @@ impl Tables {
     fn new(
         query: &ShadowQuery,
         bound: &BoundPositions,
-        points: PositionBuffer<'_>,
+        QueryPoints { points, on_face }: QueryPoints<'_>,
         chunks: &[Range<u32>],
         clusters: &[Range<usize>],
         lights: &[Light],
@@ -353,6 +372,7 @@ impl Tables {
                     stride: (points.stride / 4) as u32,
                     lights: lights.len() as u32,
                     first_light,
+                    on_face: on_face.map_or(0, |bytes| (bytes / 4) as u32),
                 });
             }
         }

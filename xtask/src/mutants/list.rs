@@ -591,6 +591,20 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: &["--test rounding"],
     },
     Mutation {
+        name: "query: the face that a point names counts",
+        changes: &[("wgsl/query/shadow_pairs.wgsl", "return NAMES_FACES &&", "return false &&")],
+        tests: &["--test query_gpu", "--test polygon_gpu depths"],
+    },
+    Mutation {
+        name: "query: faces have the numbers of their places",
+        changes: &[(
+            "src/cpu/query/shadow_boxes.rs",
+            "cluster.first_face = number as u32;",
+            "cluster.first_face = place as u32;",
+        )],
+        tests: &["--test polygon_gpu depths"],
+    },
+    Mutation {
         name: "query: the recount reads past its range",
         changes: &[(
             "wgsl/query/exact_shadow_depth.wgsl",

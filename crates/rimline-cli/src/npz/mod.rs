@@ -11,6 +11,6 @@ mod write;
 pub use compare::{Difference, compare};
 pub use depth_map::{DepthMapArrays, Depths, MAX_SIDE, Metric, read_depth_map};
 pub use header::ElementType;
-pub use points::{Points, read_points};
+pub use points::{PointArrays, Points, read_points};
 pub use read::{Arrays, NpzError, PolygonArrays, read, read_with_lights};
 pub use write::{NpzWriter, write_origin};

@@ -78,6 +78,15 @@ pub enum NpzError {
     Value { array: &'static str, found: String, wanted: &'static str },
     #[error("array `{array}`, row {row}, has the number {index}; numbers from 0 to 4294967295 can be read")]
     Index { array: &'static str, row: usize, index: i128 },
+    #[error(
+        "array `on_face`, row {row}, has the number {index}; faces have numbers from 0 on, and -1 is for a point that is on none"
+    )]
+    FaceNumber { row: usize, index: i128 },
+    #[error(
+        "array `on_face`, row {row}, names face {face}, but the model has {faces}: rows of `faces` as `rimline extract` writes them; \
+         -1 is for a point that is on none"
+    )]
+    NoSuchFace { row: usize, face: u32, faces: usize },
     #[error("array `faces`, row {row}, names vertex {index}, but `positions` has {vertices} rows")]
     OutOfRange { row: usize, index: u32, vertices: usize },
     #[error(

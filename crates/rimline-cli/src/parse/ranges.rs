@@ -52,6 +52,7 @@ const NUMBERS: &[Number] = &[
     number("size", "{}x4", &["1", "65536"], &["0", "-1", "65537", "4294967296"]),
     number("size", "4x{}", &["1", "65536"], &["0", "-1", "65537", "4294967296"]),
     number("near", "{}", POSITIVE, NOT_POSITIVE),
+    number("lift", "{}", &["1e-6", "1", "1e30"], &["0", "-1", "2e30"]),
     number("ground", "{}", ANY, &[]),
     number("area", "rect:{},1", POSITIVE, &["0", "-1", "3e38"]),
     number("area", "rect:1,{}", POSITIVE, &["0", "-1", "3e38"]),

@@ -3,9 +3,11 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use rimline::mesh::NO_FACE;
 use rimline::{Mesh, Origin};
 use serde_json::json;
 
+use super::asked::Asked;
 use crate::coordinates::{add_origin, origin_text};
 use crate::extract::report::per_light;
 use crate::shown::Line;
@@ -16,6 +18,7 @@ pub(super) struct Report {
     vertices: u32,
     faces: usize,
     points: usize,
+    points_on_faces: usize,
     non_finite_points: usize,
     /// One a light.
     points_in_shadow: Vec<usize>,
@@ -28,12 +31,14 @@ pub(super) struct Report {
 impl Report {
     pub(super) fn new(
         mesh: &Mesh,
-        lights: usize,
+        asked: &Asked<'_>,
         depths: &[i32],
         origin: Origin,
         adapter: String,
         times: Times,
     ) -> Self {
+        let lights = asked.lights.len();
+        let points_on_faces = asked.on_face.map_or(0, |faces| faces.iter().filter(|&&face| face != NO_FACE).count());
         let (mut points_in_shadow, mut deepest) = (vec![0; lights], vec![0; lights]);
         let mut non_finite_points = 0;
         for point in depths.chunks(lights) {
@@ -45,7 +50,18 @@ impl Report {
         }
         let points = depths.len() / lights;
         let (vertices, faces) = (mesh.vertex_count(), mesh.faces().len());
-        Self { vertices, faces, points, non_finite_points, points_in_shadow, deepest, origin, adapter, times }
+        Self {
+            vertices,
+            faces,
+            points,
+            points_on_faces,
+            non_finite_points,
+            points_in_shadow,
+            deepest,
+            origin,
+            adapter,
+            times,
+        }
     }
 
     /// Keys are stable: they are only ever added to. Lists have an entry a light, in the order given.
@@ -56,6 +72,7 @@ impl Report {
             "vertices": self.vertices,
             "faces": self.faces,
             "points": self.points,
+            "points_on_faces": self.points_on_faces,
             "non_finite_points": self.non_finite_points,
             "lights": self.deepest.len(),
             "points_in_shadow": self.points_in_shadow,
@@ -80,6 +97,9 @@ impl Report {
             line("origin", &origin);
         }
         line("points", &self.points.to_string());
+        if self.points_on_faces > 0 {
+            line("", &format!("{} name their face", self.points_on_faces));
+        }
         if self.non_finite_points > 0 {
             line("", &format!("{} not finite: their depth is -1", self.non_finite_points));
         }

@@ -40,6 +40,7 @@ mod plot_labels;
 mod polygon_shadows;
 mod polygon_surface;
 mod query;
+mod query_on_faces;
 mod run;
 mod schema;
 mod shadow;
@@ -95,6 +96,7 @@ fn main() {
         soft::TESTS,
         instances::TESTS,
         query::TESTS,
+        query_on_faces::TESTS,
         verify_wrong::TESTS,
         schema::TESTS,
         words::TESTS,

@@ -87,6 +87,31 @@ pub fn torus(rings: u32, segments: u32, major: f32, minor: f32) -> Shape {
     shape
 }
 
+/// A closed unit sphere of meridians and parallels around the Z axis, as modelling tools make it: `2·segments·(rings − 1)` faces, at
+/// least 3 segments and 2 rings.
+#[must_use]
+pub fn globe(segments: u32, rings: u32) -> Shape {
+    let (segments, rings) = (segments.clamp(3, MAX_COUNT), rings.clamp(2, MAX_COUNT));
+    let mut shape = Shape { positions: vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]], faces: Vec::new() };
+    for ring in 1..rings {
+        let (sin_v, cos_v) = turn(ring, 2 * rings);
+        for segment in 0..segments {
+            let (sin_u, cos_u) = turn(segment, segments);
+            shape.positions.push([sin_v * cos_u, sin_v * sin_u, cos_v]);
+        }
+    }
+    for u in 0..segments {
+        let w = (u + 1) % segments;
+        let at = |ring: u32, segment: u32| 2 + (ring - 1) * segments + segment;
+        shape.faces.push([0, at(1, u), at(1, w)]);
+        for ring in 1..rings - 1 {
+            shape.quad([at(ring, u), at(ring + 1, u), at(ring + 1, w), at(ring, w)]);
+        }
+        shape.faces.push([1, at(rings - 1, w), at(rings - 1, u)]);
+    }
+    shape
+}
+
 /// A closed unit sphere: an octahedron whose faces are split into `subdivisions²` triangles each (at least 1), moved
 /// out to radius 1. `8·subdivisions²` faces of much the same size, and no poles.
 #[must_use]

@@ -1,0 +1,38 @@
+//! The points of a shadow depth query, and the faces that they are on.
+
+use super::errors::ShadowQueryEncodeError;
+use crate::gpu::common::positions::PositionBuffer;
+
+/// Points of a [`ShadowQuery`](crate::gpu::ShadowQuery). A [`PositionBuffer`] becomes points that name no face.
+#[derive(Clone, Copy, Debug)]
+pub struct QueryPoints<'a> {
+    /// Where the points are.
+    pub points: PositionBuffer<'a>,
+    /// Bytes from the x of a point to the number of the face that it is on, a `u32` in the same buffer. A multiple of 4 from 12
+    /// on, with the number before the next point: 12 where the stride is 16. `None`: points name no face.
+    ///
+    /// That face does not count for that point, as if the point were exactly in it. It is a number in
+    /// [`Mesh::faces`](crate::Mesh::faces), a triangle where the mesh has polygons. [`NO_FACE`](crate::mesh::NO_FACE) is none. A number
+    /// that the mesh lacks is none, too, since nothing reads the buffer back; [`crate::cpu::shadow_depth_on_faces`] refuses it.
+    pub on_face: Option<u64>,
+}
+
+impl<'a> From<PositionBuffer<'a>> for QueryPoints<'a> {
+    fn from(points: PositionBuffer<'a>) -> Self {
+        Self { points, on_face: None }
+    }
+}
+
+impl QueryPoints<'_> {
+    /// Checks that the buffer has `count` points with their faces.
+    pub(super) fn check(&self, count: u32) -> Result<(), ShadowQueryEncodeError> {
+        let Self { points, on_face } = *self;
+        points.end(count).map_err(ShadowQueryEncodeError::Points)?;
+        let Some(offset) = on_face else { return Ok(()) };
+        if !offset.is_multiple_of(4) || offset < 12 || offset > points.stride - 4 {
+            return Err(ShadowQueryEncodeError::FaceOffset { offset, stride: points.stride });
+        }
+        points.end_of(count, offset + 4).map_err(ShadowQueryEncodeError::Points)?;
+        Ok(())
+    }
+}
