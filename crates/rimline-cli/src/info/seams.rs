@@ -114,15 +114,71 @@ pub(super) fn t_junctions(mesh: &Mesh, positions: &[[f32; 3]]) -> usize {
     let mut points: Vec<[f64; 3]> = edges.iter().flatten().copied().collect();
     points.sort_unstable_by(|p, q| p.partial_cmp(q).unwrap_or(std::cmp::Ordering::Equal));
     points.dedup();
-    let mut on_edge = vec![false; points.len()];
-    for [a, b] in edges {
-        let (low, high) = (a[0].min(b[0]) - tolerance, a[0].max(b[0]) + tolerance);
-        let (first, end) = (points.partition_point(|p| p[0] < low), points.partition_point(|p| p[0] <= high));
-        for at in first..end {
-            on_edge[at] = on_edge[at] || is_between(points[at], a, b, tolerance);
-        }
+    let Some(mut tree) = Points::of(&mut points) else { return 0 };
+    edges.into_iter().map(|[a, b]| tree.take(a, b, tolerance)).sum()
+}
+
+/// Points that lie on no edge yet, halved by place: edges that lie over each other ask none of them twice.
+struct Points {
+    low: [f64; 3],
+    high: [f64; 3],
+    left: usize,
+    /// At a leaf, which holds one point.
+    halves: Option<Box<[Points; 2]>>,
+}
+
+impl Points {
+    fn of(points: &mut [[f64; 3]]) -> Option<Self> {
+        let (&first, others) = points.split_first()?;
+        let extent = |bounds: [[f64; 3]; 2], p: &[f64; 3]| {
+            [0, 1].map(|end| {
+                std::array::from_fn(|c| if end == 0 { bounds[0][c].min(p[c]) } else { bounds[1][c].max(p[c]) })
+            })
+        };
+        let [low, high] = others.iter().fold([first; 2], extent);
+        let widest = (1..3).fold(0, |best, c| if high[c] - low[c] > high[best] - low[best] { c } else { best });
+        let (left, middle) = (points.len(), points.len() / 2);
+        let halves = if left == 1 {
+            None
+        } else {
+            points.select_nth_unstable_by(middle, |p, q| p[widest].total_cmp(&q[widest]));
+            let (before, after) = points.split_at_mut(middle);
+            Some(Box::new([Self::of(before)?, Self::of(after)?]))
+        };
+        Some(Self { low, high, left, halves })
     }
-    on_edge.into_iter().filter(|&is_on| is_on).count()
+
+    /// Takes out those between the ends of an edge, and says how many.
+    fn take(&mut self, a: [f64; 3], b: [f64; 3], tolerance: f64) -> usize {
+        if self.left == 0 || !self.may_meet(a, b, tolerance) {
+            return 0;
+        }
+        let taken = match &mut self.halves {
+            Some(halves) => halves.iter_mut().map(|half| half.take(a, b, tolerance)).sum(),
+            None => usize::from(is_between(self.low, a, b, tolerance)),
+        };
+        self.left -= taken;
+        taken
+    }
+
+    /// Whether the edge comes so near the box of them: the part of it between all pairs of opposite sides is not empty.
+    fn may_meet(&self, a: [f64; 3], b: [f64; 3], tolerance: f64) -> bool {
+        let (mut from, mut to) = (0.0_f64, 1.0_f64);
+        for c in 0..3 {
+            // Twice as far, so that rounding leaves none out.
+            let (low, high) = (self.low[c] - 2.0 * tolerance, self.high[c] + 2.0 * tolerance);
+            let step = b[c] - a[c];
+            if step == 0.0 {
+                if a[c] < low || a[c] > high {
+                    return false;
+                }
+                continue;
+            }
+            let (t, u) = ((low - a[c]) / step, (high - a[c]) / step);
+            (from, to) = (from.max(t.min(u)), to.min(t.max(u)));
+        }
+        from <= to
+    }
 }
 
 fn is_between(p: [f64; 3], a: [f64; 3], b: [f64; 3], tolerance: f64) -> bool {

@@ -53,7 +53,7 @@ pub(crate) fn is_ink(pixel: [u8; 3]) -> bool {
     pixel.iter().all(|&c| c < 60)
 }
 
-fn is_orange([red, _, blue]: [u8; 3]) -> bool {
+pub(crate) fn is_orange([red, _, blue]: [u8; 3]) -> bool {
     red > 120 && red > blue.saturating_add(80)
 }
 

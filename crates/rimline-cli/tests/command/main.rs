@@ -6,6 +6,7 @@
 mod archive;
 mod bad_input;
 mod bench;
+mod cases;
 mod clipping;
 mod contract;
 mod covered;
@@ -43,6 +44,7 @@ mod query;
 mod query_on_faces;
 mod run;
 mod schema;
+mod seams;
 mod shadow;
 mod shadow_wrong;
 #[cfg(unix)]
@@ -116,6 +118,7 @@ fn main() {
         #[cfg(target_os = "linux")]
         memory::TESTS,
         parts::TESTS,
+        seams::TESTS,
     ];
     let mut trials: Vec<Trial> = always
         .concat()
@@ -127,6 +130,8 @@ fn main() {
     trials.extend(outlines::trials());
     trials.extend(info::trials());
     trials.extend(origin::trials());
+    trials.extend(seams::trials());
+    trials.extend(cases::trials());
     trials.extend(shadow::trials());
     trials.extend(clipping::trials());
     trials.extend(film::trials());

@@ -1,0 +1,204 @@
+//! Seams that rounding leaves open: what `info` says of them, the distance that closes them, what is drawn. T-junctions.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use rimline_measure::random::Random;
+use serde_json::Value;
+
+use super::draw::{is_ink, is_orange, png};
+use super::run::{folder, on_case};
+use super::shadow::run;
+use super::{Outcome, Test, ensure};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("seams::bodies_of_revolution_are_closed_by_the_distance_that_is_named", revolved),
+    ("seams::the_distance_reaches_every_command", every_command),
+    ("seams::a_gap_that_is_meant_stays", meant),
+    ("seams::t_junctions_are_those_of_the_definition", t_junctions),
+    ("seams::edges_over_each_other_are_asked_once", stacked),
+];
+
+/// The same on the shared cases.
+pub(crate) fn trials() -> Vec<libtest_mimic::Trial> {
+    let file = |file| on_case("seams::cases", file, |file| closes(file, &file.to_string_lossy()));
+    vec![file("h_cylinder.glb"), file("h_torus.glb")]
+}
+
+/// Rings of a profile turned about the y axis, by the angles that a full turn ends with: the last ring is the first but for
+/// rounding.
+fn lathe(profile: &[[f64; 2]], steps: usize, size: f64) -> String {
+    let mut text = String::new();
+    for step in 0..=steps {
+        let (sin, cos) = (std::f64::consts::TAU * step as f64 / steps as f64).sin_cos();
+        for [radius, height] in profile {
+            let _ = writeln!(text, "v {:e} {:e} {:e}", size * radius * cos, size * height, size * radius * sin);
+        }
+    }
+    let rings = profile.len();
+    for step in 0..steps {
+        for ring in 1..rings {
+            let [a, b, c, d] = [
+                step * rings + ring,
+                step * rings + ring + 1,
+                (step + 1) * rings + ring + 1,
+                (step + 1) * rings + ring,
+            ];
+            let _ = writeln!(text, "f {a} {b} {c}\nf {a} {c} {d}");
+        }
+    }
+    text
+}
+
+/// Of a cone, a vase and a ring. Points on the axis are one each, whatever the angle.
+const PROFILES: [&[[f64; 2]]; 3] = [
+    &[[0.0, -1.0], [1.0, -1.0], [0.0, 1.0]],
+    &[[0.0, -1.0], [0.7, -1.0], [1.0, 0.0], [0.5, 0.8], [0.6, 1.0], [0.0, 1.0]],
+    &[[1.0, -0.3], [1.3, 0.0], [1.0, 0.3], [0.7, 0.0], [1.0, -0.3]],
+];
+
+/// An open model that `info` names a distance for, is closed by it, and is drawn without a seam in any case.
+fn closes(model: &Path, name: &str) -> Outcome {
+    let folder = folder();
+    let copy = format!("m.{}", model.extension().and_then(|ending| ending.to_str()).unwrap_or_default());
+    std::fs::copy(model, folder.path().join(&copy)).map_err(|error| error.to_string())?;
+    let info = |options: &str| run(folder.path(), &format!("info @{copy} {options} --json")).json();
+    let open = info("")?;
+    let seams = &open["meshes"][0]["near_boundary"];
+    ensure!(open["placed"]["closed"] == false && seams["edges"].as_u64() > Some(0), "{name}: {}", open["meshes"]);
+    ensure!(seams["closes"] == seams["edges"], "{name}: {seams}");
+    let distance = seams["weld_distance"].as_f64().ok_or_else(|| format!("{name}: {seams}"))?;
+    let gap = seams["gap"].as_f64().ok_or_else(|| format!("{name}: {seams}"))?;
+    ensure!(gap > 0.0 && gap <= distance, "{name}: {seams}");
+    let text = run(folder.path(), &format!("info @{copy}"));
+    let said = format!("boundary edges lie within {gap:.0e} of each other: ");
+    ensure!(text.stdout.contains(&said), "{name}: no `{said}` in {}", text.stdout);
+    let weld = format!("--weld-distance {distance:e}");
+    ensure!(text.stdout.contains(&format!("{weld} closes them")), "{name}: {}", text.stdout);
+    let closed = info(&weld)?;
+    ensure!(closed["placed"]["closed"] == true, "{name}: {}", closed["placed"]);
+    let closed = &closed["meshes"][0];
+    ensure!(closed["near_boundary"].is_null(), "{name}: {closed}");
+    let [before, after] = [&open["meshes"][0], closed].map(|mesh| mesh["degenerate_faces"].as_u64());
+    let collapsed = after.zip(before).map(|(after, before)| after - before);
+    ensure!(collapsed == seams["collapses"].as_u64(), "{name}: {collapsed:?} faces collapse, {seams}");
+    for (options, has_orange) in [("", false), ("--show-boundary", true), (&format!("{weld} --show-boundary"), false)] {
+        run(folder.path(), &format!("draw @{copy} {options} --size 200x150 --out @p.png")).expect(0, &[])?;
+        let pixels = png(&folder.path().join("p.png"))?.pixels;
+        let orange = pixels.iter().filter(|pixel| is_orange(**pixel)).count();
+        ensure!(
+            (orange > 20) == has_orange && (orange == 0) != has_orange,
+            "{name}, {options}: {orange} orange pixels"
+        );
+        ensure!(pixels.iter().filter(|pixel| is_ink(**pixel)).count() > 60, "{name}, {options}: no outline");
+    }
+    Ok(())
+}
+
+fn revolved() -> Outcome {
+    let folder = folder();
+    let file = folder.path().join("lathe.obj");
+    for profile in PROFILES {
+        for (steps, size) in [(12, 1.0), (96, 1.0), (32, 1000.0), (32, 0.001)] {
+            std::fs::write(&file, lathe(profile, steps, size)).map_err(|error| error.to_string())?;
+            closes(&file, &format!("{} rings, {steps} steps, size {size}", profile.len()))?;
+        }
+    }
+    Ok(())
+}
+
+/// The welded surface is what is extracted, and casts without a leak by any method.
+fn every_command() -> Outcome {
+    let folder = folder();
+    std::fs::write(folder.path().join("m.obj"), lathe(PROFILES[1], 32, 1.0)).map_err(|error| error.to_string())?;
+    for (options, boundary) in [("", 10), ("--weld-distance 1e-6", 0)] {
+        let line = format!("extract @m.obj --light point:3,4,2 {options} --json --out @m.npz");
+        let json = run(folder.path(), &line).json()?;
+        ensure!(json["edges"]["boundary"] == boundary, "{options}: {json}");
+    }
+    let mut masks = Vec::new();
+    for method in ["z-pass", "z-fail"] {
+        let view = "--size 96x72 --light point:3,4,2";
+        let line = format!("shadow @m.obj --weld-distance 1e-6 --method {method} {view} --mask @{method}");
+        run(folder.path(), &line).expect(0, &[])?;
+        masks.push(std::fs::read(folder.path().join(format!("{method}.0.png"))).map_err(|error| error.to_string())?);
+    }
+    ensure!(masks[0] == masks[1], "the methods differ");
+    for wrong in ["-1", "nan", "inf", "-inf", "1e39"] {
+        let line = format!("info @m.obj --weld-distance={wrong}");
+        run(folder.path(), &line).expect(2, &["--weld-distance"])?;
+    }
+    // Rings of the vase become a point each: far wider than the distance.
+    std::fs::write(folder.path().join("m.obj"), lathe(PROFILES[1], 96, 1.0)).map_err(|error| error.to_string())?;
+    run(folder.path(), "info @m.obj --weld-distance 0.08").expect(0, &["warning: ", "--weld-distance"])
+}
+
+/// A box without its top, and a slit that is wider than rounding: nothing is offered.
+fn meant() -> Outcome {
+    let folder = folder();
+    let slit = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1.01 0 0\nv 2 0 0\nv 1.01 1 0\nf 1 2 3\nf 1 3 4\nf 5 6 7\n";
+    std::fs::write(folder.path().join("slit.obj"), slit).map_err(|error| error.to_string())?;
+    let json = run(folder.path(), "info @slit.obj --json").json()?;
+    ensure!(json["placed"]["closed"] == false && json["meshes"][0]["near_boundary"].is_null(), "{json}");
+    Ok(())
+}
+
+fn count(folder: &Path, text: &str) -> Result<Value, String> {
+    std::fs::write(folder.join("t.obj"), text).map_err(|error| error.to_string())?;
+    Ok(run(folder, "info @t.obj --json").json()?["placed"]["t_junctions"].clone())
+}
+
+/// Triangles on a small lattice, all whose edges are boundaries, held against whole numbers.
+fn t_junctions() -> Outcome {
+    let folder = folder();
+    let seed = 32;
+    let mut random = Random::new(seed);
+    let mut counts = [0; 2];
+    for round in 0..40 {
+        let side = 3 + round % 4;
+        let mut edges = std::collections::BTreeSet::new();
+        let mut text = String::new();
+        for _ in 0..2 + 2 * round {
+            let corners: [[i32; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| random.below(side) as i32));
+            let [a, b, c] = corners;
+            let sides = [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)]);
+            if cross(a, b, c) == [0; 3] || sides.iter().any(|side| edges.contains(side)) {
+                continue;
+            }
+            edges.extend(sides);
+            for [x, y, z] in corners {
+                let _ = writeln!(text, "v {x} {y} {z}");
+            }
+            text += "f -3 -2 -1\n";
+        }
+        let points: std::collections::BTreeSet<[i32; 3]> = edges.iter().flatten().copied().collect();
+        let is_between = |p: [i32; 3], [a, b]: [[i32; 3]; 2]| {
+            let along = |q: [i32; 3]| (0..3).map(|c| (q[c] - a[c]) * (b[c] - a[c])).sum::<i32>();
+            cross(a, b, p) == [0; 3] && along(p) > 0 && along(p) < along(b)
+        };
+        let right = points.iter().filter(|p| edges.iter().any(|edge| is_between(**p, *edge))).count();
+        let found = count(folder.path(), &text)?;
+        ensure!(found == right, "seed {seed}, round {round}: {found} instead of {right}:\n{text}");
+        counts[usize::from(right == 0)] += 1;
+    }
+    ensure!(counts[0] > 20, "hardly any junctions: {counts:?}");
+    Ok(())
+}
+
+fn cross(a: [i32; 3], b: [i32; 3], c: [i32; 3]) -> [i32; 3] {
+    let [u, v] = [b, c].map(|q| [0, 1, 2].map(|axis| q[axis] - a[axis]));
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
+
+/// Strips whose long edges all lie on one line, one over the other, each ending within all larger ones.
+fn stacked() -> Outcome {
+    const STRIPS: usize = 40_000;
+    let folder = folder();
+    let mut text = String::new();
+    for strip in 1..=STRIPS {
+        let _ = writeln!(text, "v {} 0 0\nv {strip} 0 0\nv 0 1 {strip}\nf -3 -2 -1", -(strip as i64));
+    }
+    let found = count(folder.path(), &text)?;
+    ensure!(found == 2 * (STRIPS - 1), "{found}");
+    Ok(())
+}
