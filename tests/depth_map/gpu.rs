@@ -40,6 +40,7 @@ mod scene;
 mod scene_depth;
 mod scene_depth_choices;
 mod shadow_classes;
+mod sheets;
 #[path = "../shadow/shells.rs"]
 #[allow(dead_code, reason = "only its frames are used here")]
 mod shells;
@@ -89,6 +90,7 @@ fn main() {
         hostile::TESTS,
         large_picture::TESTS,
         contact::TESTS,
+        sheets::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

@@ -27,18 +27,19 @@ pub(crate) const TESTS: &[Test] = &[
     ("stairs_without_an_edge_are_traced_to_missed_edges", of_stairs),
 ];
 
-/// The stencil of a picture, and the triangles that were drawn.
-fn drawn(
+/// The stencil of a square picture, and the triangles that were drawn.
+pub(crate) fn drawn(
     gpu: &Gpu,
     (map, light): (&wgpu::Texture, ShadowCamera),
     (eye, depths): (&ShadowCamera, &[f32]),
     edges: DepthEdges,
+    side: u32,
 ) -> Result<(Vec<u8>, HashSet<Name>), String> {
     let format = ShadowFormat { depth: eye.depth, ..Default::default() };
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
     let options = DepthMapOptions { edges, ..Default::default() };
     let mut volumes = DepthMapVolumes::new(&pipelines, [map.width(), map.height()], options).map_err(text)?;
-    let stencil = stencil_of(gpu, &pipelines, (SIDE, depths), |encoder| {
+    let stencil = stencil_of(gpu, &pipelines, (side, depths), |encoder| {
         volumes.encode(encoder, &DepthMap { texture: &depth_view(map), light }, eye, None).map_err(text)
     })?;
     let list: Vec<u32> = gpu.read(volumes.cells(), usize::MAX)?;
@@ -78,8 +79,8 @@ struct Tally {
 impl Tally {
     fn add(&mut self, gpu: &Gpu, given: &Given<'_>, edges: DepthEdges, share: usize) -> Result<(), String> {
         let Given { light, at, map: texture, eye, depths, pixels } = *given;
-        let every = drawn(gpu, (texture, light), (&eye, depths), DepthEdges::EveryCell)?;
-        let found = drawn(gpu, (texture, light), (&eye, depths), edges)?;
+        let every = drawn(gpu, (texture, light), (&eye, depths), DepthEdges::EveryCell, SIDE)?;
+        let found = drawn(gpu, (texture, light), (&eye, depths), edges, SIDE)?;
         let missed: HashSet<Name> = every.1.difference(&found.1).copied().collect();
         let size = [texture.width(), texture.height()];
         let is_reversed = light.depth == DepthDirection::Reversed;

@@ -70,8 +70,9 @@ pub enum DepthEdges {
     /// surface that goes on as it slopes has no edge within. Beside marked edges, triangles are drawn for one more edge, as
     /// with [`Self::SecondDifferences`]. In the trials it was as right as [`Self::EveryCell`] (none of 995,350 pixels was wrong in
     /// either), with a fifth of its triangles.
-    /// Open sheets may turn single pixels round that the eye sees past their rims, 34 of 6.4 million in a trial: take
-    /// [`Self::EveryCell`] for cloth and leaves where that matters.
+    /// Open sheets may turn single pixels round that the eye sees past their rims, along rays that graze a sheet from behind: 34 of
+    /// 6.4 million with maps of 1,024² texels, and 47 of 968,394 pixels of open ground with maps of 256². Take [`Self::EveryCell`]
+    /// for cloth and leaves where that matters: it had none.
     /// What is lost: a step between slopes on both sides that are each at least half as large, such as that of equal stairs,
     /// each one texel wide. Bodies that are thinner than a texel may leave streaks. Take [`Self::EveryCell`] where the eye's near
     /// plane cuts into bodies, or where the light is within one or shines into it through holes, so that it sees a shell from
