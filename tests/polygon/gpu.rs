@@ -2,6 +2,7 @@
 
 mod depths;
 mod lights;
+mod limits;
 mod query_stages;
 mod stages;
 mod zero;
@@ -9,5 +10,6 @@ mod zero;
 use rimline_measure::harness;
 
 fn main() {
-    harness::run(harness::gpu_trials(stages::TESTS.iter().chain(query_stages::TESTS).chain(zero::TESTS).copied()));
+    let tests = [stages::TESTS, query_stages::TESTS, zero::TESTS, limits::TESTS];
+    harness::run(harness::gpu_trials(tests.into_iter().flatten().copied()));
 }

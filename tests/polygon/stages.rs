@@ -23,18 +23,23 @@ fn random_lights(random: &mut Random, set: &PolygonSet, count: usize) -> Vec<Lig
     any.filter(|light| light.to_array() != [0.0; 4]).take(count).collect()
 }
 
-/// What is found for triangles, against the masks of their polygons.
+/// What is found for triangles, against the facing and twisted bits of their polygons.
+pub(crate) fn check_facing(mesh: &Mesh, found: &Found, masks: &[PolygonMasks]) -> Result<(), String> {
+    same("facing", &found.facing, &of_triangles(mesh, masks, |masks| masks.facing)?)?;
+    same("twisted", &found.twisted, &of_triangles(mesh, masks, |masks| masks.twisted)?)
+}
+
 fn check_masks(mesh: &Mesh, found: &Found, masks: &[PolygonMasks]) -> Result<(), String> {
+    check_facing(mesh, found, masks)?;
+    same("excluded", &found.excluded, &of_triangles(mesh, masks, |masks| masks.excluded)?)
+}
+
+fn of_triangles(mesh: &Mesh, masks: &[PolygonMasks], of: fn(&PolygonMasks) -> u32) -> Result<Vec<u32>, String> {
     let polygons = mesh.polygons().ok_or("no polygons")?;
-    let of = |triangles: &[u32], of_polygon: fn(&PolygonMasks) -> u32, what: &str| {
-        let expected = masks.chunks(polygons.len()).flat_map(|plane| {
-            polygons.triangle_polygons().into_iter().map(move |polygon| of_polygon(&plane[polygon as usize]))
-        });
-        same(what, triangles, &expected.collect::<Vec<_>>())
+    let plane = |plane: &[PolygonMasks]| {
+        polygons.triangle_polygons().into_iter().map(|polygon| of(&plane[polygon as usize])).collect::<Vec<_>>()
     };
-    of(&found.facing, |masks| masks.facing, "facing")?;
-    of(&found.twisted, |masks| masks.twisted, "twisted")?;
-    of(&found.excluded, |masks| masks.excluded, "excluded")
+    Ok(masks.chunks(polygons.len()).flat_map(plane).collect())
 }
 
 fn masks() -> Result<(), String> {

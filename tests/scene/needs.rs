@@ -17,6 +17,7 @@ use crate::histories::{Volumes, buffers, volumes};
 
 pub(crate) const TESTS: &[Test] = &[
     ("needs_equal_their_twin_and_hide_nothing", twins),
+    ("needs_of_as_many_views_as_are_looked_at", most_views),
     ("figures_walk_out_of_need_and_back", histories),
     ("needs_are_switched_off", off),
     ("needs_that_do_not_fit_are_typed_errors", refusals),
@@ -25,6 +26,9 @@ pub(crate) const TESTS: &[Test] = &[
 fn options() -> SceneOptions {
     SceneOptions { list_capacity: Some(u32::MAX), cap_capacity: Some(u32::MAX), ..SceneOptions::default() }
 }
+
+/// Boxes that an invocation looks at: views times lights and one more. With more, all figures are needed.
+const MOST_BOXES: usize = 2500;
 
 /// What the stage is given, made anew.
 fn twin(boxes: &[Option<Box3>], masks: &[u32], lights: &[Light], cameras: &[ShadowCamera]) -> Result<Vec<u32>, String> {
@@ -121,6 +125,36 @@ fn check_positions(found: &[[u32; 3]], all: &[[u32; 3]], unneeded: &[u32]) -> Re
 }
 
 /// Random boxes, masks, lights and cameras, and figures without a box.
+/// A view many times over: what it does not need is known only after the last of them, so that loops have all turns that they may
+/// have. llvmpipe ends an invocation's loops after 65,535 turns without a word.
+fn most_views() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(4601);
+    let crowd = Crowd::new(60)?;
+    let lights = lights(&mut random);
+    let mut stage = Stage::new(gpu, &crowd, &lights, options())?;
+    let (mut boxes, masks) = (Vec::new(), vec![63; stage.casters.len()]);
+    for &caster in &stage.casters {
+        let at = place(&mut random);
+        let own = Some([(at - 0.5).to_array(), (at + 0.5).to_array()]);
+        stage.scene.set_bounds(caster, own).map_err(text)?;
+        boxes.push(own);
+    }
+    let most = MOST_BOXES / (lights.len() + 1);
+    let view = camera(&mut random);
+    let of_one = twin(&boxes, &masks, &lights, &[view])?;
+    for views in [most, most + 1] {
+        let cameras = vec![view; views];
+        let casters = &stage.casters;
+        let needs = gpu.submit(|encoder| stage.scene.encode_needs(encoder, casters, &cameras, None).map_err(text))?;
+        let expected = if views > most { vec![0; of_one.len()] } else { of_one.clone() };
+        same(&format!("{views} views"), &words(gpu, &needs)?, &expected)?;
+    }
+    let unneeded = of_one.iter().filter(|&&word| word != 0).count();
+    println!("{most} views, {unneeded} of {} figures not needed", of_one.len());
+    if unneeded > 5 && unneeded < of_one.len() { Ok(()) } else { Err("not as meant".to_owned()) }
+}
+
 fn twins() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (mut unneeded, mut needed, mut noticed) = (0, 0, 0);
