@@ -124,7 +124,6 @@ fn check_positions(found: &[[u32; 3]], all: &[[u32; 3]], unneeded: &[u32]) -> Re
     Ok(())
 }
 
-/// Random boxes, masks, lights and cameras, and figures without a box.
 /// A view many times over: what it does not need is known only after the last of them, so that loops have all turns that they may
 /// have. llvmpipe ends an invocation's loops after 65,535 turns without a word.
 fn most_views() -> Result<(), String> {
@@ -155,6 +154,7 @@ fn most_views() -> Result<(), String> {
     if unneeded > 5 && unneeded < of_one.len() { Ok(()) } else { Err("not as meant".to_owned()) }
 }
 
+/// Random boxes, masks, lights and cameras, and figures without a box.
 fn twins() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (mut unneeded, mut needed, mut noticed) = (0, 0, 0);

@@ -50,7 +50,7 @@ fn lathe(profile: &[[f64; 2]], steps: usize, size: f64) -> String {
     text
 }
 
-/// Of a cone, a vase and a ring. Points on the axis are one each, whatever the angle.
+/// A cone, a vase and a ring. Points on the axis are one each, whatever the angle.
 const PROFILES: [&[[f64; 2]]; 3] = [
     &[[0.0, -1.0], [1.0, -1.0], [0.0, 1.0]],
     &[[0.0, -1.0], [0.7, -1.0], [1.0, 0.0], [0.5, 0.8], [0.6, 1.0], [0.0, 1.0]],
@@ -133,7 +133,7 @@ fn every_command() -> Outcome {
     run(folder.path(), "info @m.obj --weld-distance 0.08").expect(0, &["warning: ", "--weld-distance"])
 }
 
-/// A box without its top, and a slit that is wider than rounding: nothing is offered.
+/// A slit that is wider than rounding: nothing is offered.
 fn meant() -> Outcome {
     let folder = folder();
     let slit = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1.01 0 0\nv 2 0 0\nv 1.01 1 0\nf 1 2 3\nf 1 3 4\nf 5 6 7\n";
