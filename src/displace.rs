@@ -8,7 +8,7 @@ use naga::back::pipeline_constants::process_overrides;
 use naga::valid::ModuleInfo;
 use naga::{Binding, Module, Span, TypeInner, VectorSize};
 
-use crate::stages::DEFORM;
+use crate::stages::DISPLACED_DEFORM;
 
 /// The index of the bind group that a displacement may use.
 pub const DISPLACE_GROUP: u32 = 1;
@@ -159,7 +159,7 @@ impl Displacement {
 
     /// The WGSL of the deform stage with this displacement. The caller's source comes first, so its line numbers hold.
     pub(crate) fn deform_wgsl(&self) -> String {
-        format!("{}\n{}", self.source, DEFORM.wgsl())
+        format!("{}\n{}", self.source, DISPLACED_DEFORM.wgsl())
     }
 }
 

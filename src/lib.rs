@@ -90,6 +90,7 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod area;
+mod compose;
 pub mod cpu;
 pub mod displace;
 #[cfg(feature = "gltf")]

@@ -111,6 +111,7 @@ pub mod light {
 
 /// The list of stages, with their WGSL.
 pub mod stages {
+    pub use crate::compose::Composed;
     pub use crate::stages::*;
 }
 

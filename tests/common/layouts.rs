@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use naga::{AddressSpace, ArraySize, Module, ScalarKind, TypeInner};
 use rimline::reference::layout::{FieldLayout, LAYOUTS, StructLayout};
 
-use crate::{Outcome, modules, validated};
+use crate::{Outcome, modules, modules_with, validated};
 
 /// A WGSL type as Rust writes its twin. An atomic counts as its scalar.
 fn rust_type(module: &Module, ty: naga::Handle<naga::Type>) -> String {
@@ -57,9 +57,14 @@ fn check_layouts(module: &Module, listed: &[StructLayout]) -> Result<Vec<String>
     Ok(found)
 }
 
+/// The names of all structs of the list. Some are in no module, for their words are read one by one.
+fn names() -> String {
+    LAYOUTS.iter().map(|layout| layout.name).collect::<Vec<_>>().join(" ")
+}
+
 pub(crate) fn layouts() -> Outcome {
     let mut found = BTreeSet::new();
-    for (name, source) in modules()? {
+    for (name, source) in modules_with(&names())? {
         let (module, _) = validated(&source)?;
         found.extend(check_layouts(&module, LAYOUTS).map_err(|error| format!("{name}: {error}"))?);
     }
@@ -115,7 +120,7 @@ fn element(module: &Module, ty: naga::Handle<naga::Type>) -> String {
 /// Moves, resizes, retypes and renames one field of every struct, and drops one: each must be noticed.
 pub(crate) fn perturbed_layouts() -> Outcome {
     for layout in LAYOUTS {
-        let wgsl = modules()?.into_iter().map(|(_, source)| validated(&source));
+        let wgsl = modules_with(layout.name)?.into_iter().map(|(_, source)| validated(&source));
         let holding = wgsl.map(|module| module.map(|(module, _)| module)).find(|module| {
             let layouts = module.as_ref().map(|module| check_layouts(module, &[*layout]));
             matches!(layouts, Ok(Ok(found)) if !found.is_empty())

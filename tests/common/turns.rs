@@ -1,23 +1,21 @@
 //! The turns of loops, as comments in the WGSL tell them, against the bound of each entry point.
 
 use rimline::gpu::include_wgsl;
-use rimline::reference::stages::{DEFORM, EXACT_FACING, SCENE_EXACT_FACING, STAGES, Stage};
+use rimline::reference::stages::{DEFORM, DRAWN, EXACT_FACING, SCENE_EXACT_FACING, STAGES, Stage};
 use rimline::reference::turns::{EXACT_ITEMS, MOST_TURNS, TURNS, UNBOUNDED, limits, scene_exact_items};
 use rimline_measure::turns::turns;
 
-use crate::{Outcome, VERTEX_STAGES, composed_stage};
+use crate::Outcome;
 
 /// The turns of the entry points of a stage. Those of exact facing depend on the number of lights: the most of all numbers.
 fn found(stage: &Stage) -> Result<Vec<(String, u64)>, String> {
-    let is_scene = stage.module_name() == SCENE_EXACT_FACING.module_name();
+    let is_scene = *stage == SCENE_EXACT_FACING;
     let lights = if is_scene { 1..=32 } else { 32..=32 };
     let mut most: Vec<(String, u64)> = Vec::new();
     for lights in lights {
         let items = if is_scene { scene_exact_items(lights) } else { EXACT_ITEMS };
-        let each = turns(&composed_stage(stage), &limits(lights, items));
-        for (at, (name, turns)) in
-            each.map_err(|error| format!("{}: {error}", stage.module_name()))?.into_iter().enumerate()
-        {
+        let each = turns(&stage.wgsl(), &limits(lights, items));
+        for (at, (name, turns)) in each.map_err(|error| format!("{}: {error}", stage.module))?.into_iter().enumerate() {
             match most.get_mut(at) {
                 Some((_, before)) => *before = turns.max(*before),
                 None => most.push((name, turns)),
@@ -30,8 +28,8 @@ fn found(stage: &Stage) -> Result<Vec<(String, u64)>, String> {
 fn check(table: &[(&str, &str, u32)]) -> Outcome {
     let mut listed: Vec<_> = table.to_vec();
     let mut wrong = Vec::new();
-    for stage in STAGES.iter().chain(&VERTEX_STAGES) {
-        let module = stage.module_name();
+    for stage in STAGES.iter().chain(DRAWN) {
+        let module = stage.module;
         let found = match found(stage) {
             Ok(found) => found,
             Err(error) => {
@@ -136,7 +134,7 @@ pub(crate) fn unstated() -> Outcome {
     }
     // The stages themselves, without their comments.
     for stage in [EXACT_FACING, DEFORM] {
-        let bare = composed_stage(&stage).replace("// Turns: ", "// ");
+        let bare = stage.wgsl().replace("// Turns: ", "// ");
         if turns(&bare, &limits).is_ok() {
             return Err(format!("{}: loops without a bound went unnoticed", stage.name));
         }

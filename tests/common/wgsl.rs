@@ -11,14 +11,9 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use naga::Module;
 use rimline::Displacement;
 use rimline::reference::displace::deform_wgsl;
-use rimline::reference::stages::{
-    CAP_FACES, DEFORM, DEPTH_SURFACE, DEPTH_WALLS, INCLUDES, MESH_DEPTH, PIECES, SCENE_FACING, SIDES, STAGES, Stage,
-};
+use rimline::reference::stages::{DRAWN, FILES, SCENE_FACING, SIDES, STAGES, Stage, source};
 
 type Outcome = Result<(), String>;
-/// Modules of vertex shaders, which no compute pipeline is made of.
-const VERTEX_STAGES: [Stage; 6] = [SIDES, CAP_FACES, PIECES, DEPTH_SURFACE, DEPTH_WALLS, MESH_DEPTH];
-
 /// A test's name and body.
 type Test = (&'static str, fn() -> Outcome);
 
@@ -53,9 +48,7 @@ fn text<E: std::fmt::Display>(error: E) -> String {
 }
 
 fn check_files(found: &BTreeSet<String>) -> Outcome {
-    let in_stages = STAGES.iter().chain(&VERTEX_STAGES).flat_map(|stage| stage.files).map(|(name, _)| *name);
-    let known: BTreeSet<String> =
-        in_stages.chain(INCLUDES.iter().map(|(name, _)| *name)).map(|name| format!("{name}.wgsl")).collect();
+    let known: BTreeSet<String> = FILES.iter().map(|(name, _)| format!("{name}.wgsl")).collect();
     if *found == known {
         return Ok(());
     }
@@ -86,7 +79,7 @@ fn files() -> Outcome {
 
 fn names() -> Outcome {
     for stage in STAGES {
-        let (module, _) = validated(&composed_stage(&stage))?;
+        let (module, _) = validated(&stage.wgsl())?;
         let found: Vec<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
         if found != stage.entry_points {
             return Err(format!("{}: entry points {found:?}, listed {:?}", stage.name, stage.entry_points));
@@ -95,10 +88,10 @@ fn names() -> Outcome {
         if !found.iter().all(carries_name) {
             return Err(format!("{}: entry points {found:?} do not carry the name", stage.name));
         }
-        let twin = twin(&stage)?;
+        let twin = twin(stage);
         let twin = std::fs::read_to_string(&twin).map_err(|error| format!("{}: {error}", twin.display()))?;
         // The stage's own name, or that of a function in its WGSL file.
-        let own = stage.files.last().map_or("", |(_, source)| source);
+        let own = source(stage.file).unwrap_or_default();
         let functions = own.lines().filter_map(|line| line.strip_prefix("fn ")?.split('(').next());
         let mut shared = functions.chain([stage.name]);
         if !shared.any(|name| twin.contains(&format!("pub fn {name}("))) {
@@ -108,24 +101,13 @@ fn names() -> Outcome {
     Ok(())
 }
 
-/// The twin's file: in `src/cpu` where the stage's own file, the last of its module, is in `wgsl`.
-fn twin(stage: &Stage) -> Result<PathBuf, String> {
-    let own = stage.files.last().map_or("", |(name, _)| name);
-    if own.split('/').next_back() != Some(stage.name) {
-        return Err(format!("{}: its own file comes last", stage.name));
-    }
-    Ok(root().join("src/cpu").join(format!("{own}.rs")))
-}
-
-fn composed_stage(stage: &Stage) -> String {
-    match *stage {
-        DEFORM => rimline::reference::stages::plain_deform_wgsl(),
-        _ => stage.wgsl(),
-    }
+/// The twin's file: in `src/cpu` where the stage's own file is in `wgsl`.
+fn twin(stage: &Stage) -> PathBuf {
+    root().join("src/cpu").join(format!("{}.rs", stage.file))
 }
 
 fn check_vertex_shaders(stage: &Stage, twin: &str) -> Outcome {
-    let (module, _) = validated(&composed_stage(stage))?;
+    let (module, _) = validated(&stage.wgsl())?;
     let entry_points = module.entry_points.iter().filter(|entry| entry.stage == naga::ShaderStage::Vertex);
     let found: Vec<_> = entry_points.map(|entry| entry.name.as_str()).collect();
     if found != stage.entry_points {
@@ -139,13 +121,13 @@ fn check_vertex_shaders(stage: &Stage, twin: &str) -> Outcome {
 
 /// A vertex shader's twin is a function of its name, in the file of its module's.
 fn vertex_shaders() -> Outcome {
-    for stage in VERTEX_STAGES {
-        let twin = twin(&stage)?;
+    for stage in DRAWN {
+        let twin = twin(stage);
         let twin = std::fs::read_to_string(&twin).map_err(|error| format!("{}: {error}", twin.display()))?;
-        check_vertex_shaders(&stage, &twin)?;
+        check_vertex_shaders(stage, &twin)?;
         let last = stage.entry_points[stage.entry_points.len() - 1];
         let other = twin.replace(&format!("pub fn {last}("), "pub fn other(");
-        if check_vertex_shaders(&stage, &other).is_ok() {
+        if check_vertex_shaders(stage, &other).is_ok() {
             return Err(format!("negative control: {last} without a twin went unnoticed"));
         }
     }
@@ -178,9 +160,9 @@ fn constants() -> Outcome {
         ("COUNT_AUTO", COUNT_AUTO),
         ("COUNT_ZP_PLUS_2005", COUNT_ZP_PLUS_2005),
     ];
-    let (module, _) = validated(&composed_stage(&SCENE_FACING))?;
+    let (module, _) = validated(&SCENE_FACING.wgsl())?;
     check_constants(&module, &[("CHUNK", CHUNK), ("LANES", LANES)])?;
-    let (module, _) = validated(&composed_stage(&SIDES))?;
+    let (module, _) = validated(&SIDES.composed_for(&listed.map(|(name, _)| name).join(" "))?.wgsl)?;
     check_constants(&module, &listed)?;
     match check_constants(&module, &[("COUNT_AUTO", COUNT_Z_FAIL)]) {
         Ok(()) => Err("negative control: a wrong constant went unnoticed".to_owned()),
@@ -209,8 +191,13 @@ fn user(@builtin(global_invocation_id) id: vec3<u32>) {
 
 /// Every module that a pipeline may be made of, by name.
 fn modules() -> Result<Vec<(String, String)>, String> {
-    let mut modules: Vec<_> =
-        STAGES.iter().chain(&VERTEX_STAGES).map(|stage| (stage.module_name(), composed_stage(stage))).collect();
+    modules_with("")
+}
+
+/// The same, with the items that `further` names where a stage's files have them.
+fn modules_with(further: &str) -> Result<Vec<(String, String)>, String> {
+    let module = |stage: &Stage| Ok((stage.module.to_owned(), stage.composed_for(further)?.wgsl));
+    let mut modules = STAGES.iter().chain(DRAWN).map(module).collect::<Result<Vec<_>, String>>()?;
     let displaced = deform_wgsl(&Displacement::new(DISPLACE).map_err(text)?);
     modules.push(("deform_displaced".to_owned(), displaced));
     let include = rimline::gpu::include_wgsl(0);

@@ -1,5 +1,7 @@
 // The cones of spot lights. NUMERICS.md, "Cones of lights".
 
+#import common/common
+
 // What is larger or smaller may overflow or underflow, and nothing is said.
 const CONE_LARGEST: f32 = 0x1p60;
 const CONE_LEAST: f32 = 0x1p-30;

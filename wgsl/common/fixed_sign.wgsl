@@ -1,6 +1,8 @@
 // The sign of det[b - a, c - a, l - w a] in fixed point, for faces and lights whose numbers lie in a window of bits.
 // The integers have limbs of 12 bits in i32. No compiler can round, fuse or flush them. NUMERICS.md, "Exact facing".
 
+#import common/exact_sign
+
 // The largest number of bits from the lowest to the highest set bit of a face's nine coordinates, and of l and w a.
 const FACE_BITS: i32 = 46;
 const LIGHT_BITS: i32 = 48;

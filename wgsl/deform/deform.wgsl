@@ -1,6 +1,12 @@
 // Deform: computes morph targets, skin and displacement for the vertices of many instances, from mesh space to world
 // space. A workgroup takes vertices of one instance. Instances that are not needed are left out.
 
+#import common/common
+#if DISPLACED
+#else
+#import deform/displace
+#endif
+
 @group(0) @binding(0) var<uniform> dispatch: DeformDispatch;
 @group(0) @binding(1) var<storage, read> rest: array<f32>;
 // For each chunk three words for each vertex, target by target.

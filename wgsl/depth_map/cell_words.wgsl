@@ -2,6 +2,8 @@
 // follow each other row by row, and map by map in a cube; the last of a row, and those of the last row, may have fewer cells. A
 // block has 64 strips.
 
+#import depth_map/samples
+
 // For each block its listed cells, then those of all blocks before it. After them those of each strip. After them the words of
 // strips that have any: for each cell three bits of its entry.
 @group(0) @binding(2) var<storage, read_write> places: array<u32>;

@@ -1,6 +1,8 @@
 // The contours of a depth map: depths as integers, marked edges, and the distances of surfaces beside them. NUMERICS.md,
 // "Contours".
 
+#import depth_map/samples
+
 struct ContourShape {
   // Tiles of 16 × 16 cells across, and all of them.
   tiles: vec2<u32>,

@@ -1,5 +1,9 @@
 // Contour marks: which edges of the lattice a contour crosses.
 
+#import depth_map/contour
+#import depth_map/edge_code
+#import depth_map/samples
+
 // For each sample two bits, for the edges to its right and below it, 16 samples a word. A row has words of its own.
 @group(0) @binding(2) var<storage, read_write> marks: array<u32>;
 

@@ -1,6 +1,10 @@
 // Contour places: where on a marked edge the contour crosses it. Near a smooth rim the depths beside the edge tell. Elsewhere the
 // run of the contour does: a line or a parabola through the edges that it crosses before and after.
 
+#import depth_map/contour
+#import depth_map/contour_rim
+#import depth_map/samples
+
 // For each sample of the lattice the places on the edges to its right and below it, 16 bits each, in parts of 65,536 of a texel.
 // Only those of marked edges are written.
 @group(0) @binding(3) var<storage, read_write> places: array<u32>;

@@ -1,5 +1,9 @@
 // Contour tiles: lists the tiles that a contour crosses, in their order. It has two passes: find them, list them.
 
+#import depth_map/contour
+#import depth_map/contour_rim
+#import depth_map/samples
+
 // First whether a contour crosses each tile. `contour_walls` has counts there. The list follows the counts of its invocations,
 // and the list's length follows it.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;

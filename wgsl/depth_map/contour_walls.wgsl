@@ -1,6 +1,10 @@
 // Contour walls: walks along the contours of each tile, fits segments to them, and lists a wall over each segment. It has three
 // passes: count the walls of each tile that has any, turn the counts into places, list them. `contour_tiles` lists the tiles.
 
+#import depth_map/contour
+#import depth_map/contour_rim
+#import depth_map/samples
+
 // As `contour_places` writes them. Listing moves those between the ends of a segment onto it. Only one invocation has an edge
 // within a tile, but edges of two tiles may share a word.
 @group(0) @binding(3) var<storage, read_write> places: array<atomic<u32>>;

@@ -1,5 +1,7 @@
 // A cube of six maps: which samples of two or three maps lie on the same ray. Directions are integers, so this is exact.
 
+#import depth_map/samples
+
 // A face of the cube looks along an axis, and has one to its right and one up.
 struct CubeFace {
   forward: vec3<i32>,

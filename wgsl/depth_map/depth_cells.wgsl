@@ -1,6 +1,10 @@
 // Depth cells: lists the cells of a depth map that have a triangle to draw, in the order of cell_words.wgsl. It has three passes: decide about the
 // cells and count those of each block, turn the counts into places, list them.
 
+#import depth_map/cell_words
+#import depth_map/edge_code
+#import depth_map/samples
+
 // The number of cells, then their entries.
 @group(0) @binding(3) var<storage, read_write> cells: array<u32>;
 // The indirect draw.

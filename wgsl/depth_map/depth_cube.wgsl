@@ -2,6 +2,9 @@
 // their depths, so maps that meet have the same samples where they do. A map of another size, such as one texel, casts nothing.
 // Each sample has the object of the map that its depth is from, the first of those with this depth.
 
+#import depth_map/cube
+#import depth_map/samples
+
 @group(0) @binding(2) var texture_1: texture_2d<f32>;
 @group(0) @binding(3) var texture_2: texture_2d<f32>;
 @group(0) @binding(4) var texture_3: texture_2d<f32>;

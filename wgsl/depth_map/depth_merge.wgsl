@@ -1,6 +1,8 @@
 // Depth merge: for each texel the nearer of two depths, of one light. Texels of the result have the depths of keys: from 0 to 1,
 // none subnormal, and the far end where nothing casts.
 
+#import depth_map/samples
+
 @group(0) @binding(2) var second_texture: texture_2d<f32>;
 @group(0) @binding(3) var merged_texture: texture_storage_2d<r32float, write>;
 

@@ -1,6 +1,8 @@
 // Depth metric: a depth map from a map of distances. Texels of the result have the depths of keys: from 0 to 1, none subnormal,
 // and the far end where nothing casts. NUMERICS.md, "Maps of distances".
 
+#import depth_map/samples
+
 struct DepthMetricView {
   // How the ray through a texel changes for each step across, and for each step down: a step is half a texel. Its component along
   // the light's axis is 1. w: how much the depth at infinity changes.

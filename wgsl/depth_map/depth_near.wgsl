@@ -1,6 +1,9 @@
 // Depth near: whether a near rectangle may be in shadow. It is, only if a surface among the samples around it is nearer to the
 // light. If none is, its cap is not drawn.
 
+#import depth_map/near_box
+#import depth_map/samples
+
 // Triangles between samples: none is nearer than its nearest sample.
 @compute @workgroup_size(INVOCATIONS)
 fn depth_near(@builtin(local_invocation_index) local: u32) {

@@ -1,5 +1,8 @@
 // Depth near walls: as depth near, for surfaces that go on beyond their samples, up to contours.
 
+#import depth_map/contour
+#import depth_map/near_box
+
 // By how much a surface may come nearer within a texel of a sample along a step: as much as it does from the sample on the other
 // side.
 fn nearing(at: vec2<i32>, own: i32, step: vec2<i32>) -> i32 {

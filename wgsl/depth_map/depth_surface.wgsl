@@ -1,5 +1,9 @@
 // Depth surface: the vertices of the boundary between light and shadow, and where the near rectangle is in shadow.
 
+#import depth_map/edge_code
+#import depth_map/samples
+#import depth_map/surface
+
 @vertex
 fn depth_surface(@builtin(vertex_index) index: u32) -> SurfaceVertex {
   let number = index / 6u;

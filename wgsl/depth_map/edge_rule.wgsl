@@ -1,6 +1,9 @@
 // The rule by which an edge between two samples is marked: from first differences, or from these and those beside them. Both are
 // decided exactly. NUMERICS.md, "Volumes from depth maps".
 
+#import depth_map/edge_code
+#import depth_map/samples
+
 // How edges are marked. Of two values, the second is that next to the end of a marked edge.
 struct DepthEdgeRule {
   // Words of a row, and rows.

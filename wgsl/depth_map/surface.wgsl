@@ -1,5 +1,9 @@
 // The boundary between light and shadow as triangles between samples: their vertices, and what is behind them.
 
+#import depth_map/cube
+#import depth_map/edge_code
+#import depth_map/samples
+
 struct DepthMapView {
   // Columns of the matrix to the eye's clip space, of twice the place on the lattice from its middle, and of the depth.
   across: vec4<f32>,

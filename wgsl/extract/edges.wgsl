@@ -3,6 +3,10 @@
 // single mesh and a scene; `facing_mask` and `emit` are in facing_windows.wgsl and emit.wgsl, or in
 // scene/scene_lists.wgsl.
 
+#import common/common
+#import interface/caster
+#import interface/edge_lists
+
 @group(0) @binding(6) var<storage, read> edge_faces: array<vec2<u32>>;
 // Where the twisted masks lie behind the facing masks, for polygons. 0: no face is twisted.
 override TWISTED_AT: u32 = 0u;
@@ -49,5 +53,5 @@ fn masks_beside_twisted(faces: vec2<u32>) -> EdgeMasks {
 
 @compute @workgroup_size(256)
 fn edges(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  take_items(id.x, 256u * groups.x);
+  take_edges(id.x, 256u * groups.x);
 }

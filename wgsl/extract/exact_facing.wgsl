@@ -4,6 +4,12 @@
 
 // As in facing.wgsl, one text serves a single mesh and a scene, and lights go by their places.
 
+#import common/common
+#import common/determinant
+#import common/exact_sign
+#import common/fixed_sign
+#import interface/caster
+
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;

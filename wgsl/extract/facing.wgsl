@@ -6,6 +6,10 @@
 // of the positions, and one_item.wgsl or scene/listed_faces.wgsl calls `take_item`. A light's place is its bit for a
 // single mesh. In a scene it is its number among the lights of the caster.
 
+#import common/common
+#import common/determinant
+#import interface/caster
+
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
@@ -104,5 +108,5 @@ fn take_item(slot: u32, index: u32) {
 
 @compute @workgroup_size(256)
 fn facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  take_items(id.x, 256u * groups.x);
+  take_faces(id.x, 256u * groups.x);
 }

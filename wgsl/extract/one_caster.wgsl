@@ -1,5 +1,9 @@
 // What facing, exact facing and edges know of a single mesh: the faces, the lights, the layout of the positions.
 // scene/many_casters.wgsl has the same functions for scenes.
+//
+// Expects: `take_item(slot, index)`, where faces or edge records are taken.
+
+#import common/common
 
 @group(0) @binding(0) var<uniform> batch: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
@@ -86,4 +90,15 @@ fn excluded_are_old() -> bool {
 // The bits of the lights at some places.
 fn lights_at(places: u32) -> u32 {
   return places & batch.live;
+}
+
+// Takes the face or edge record `first`, if there is one. The importing file has `take_item`.
+fn take_faces(first: u32, step: u32) {
+  if (first < chunk.count) {
+    take_item(first, first);
+  }
+}
+
+fn take_edges(first: u32, step: u32) {
+  take_faces(first, step);
 }

@@ -2,6 +2,12 @@
 // gathers four positions and tests both faces against every light. It uses the plane equations, as published, or the
 // local form. A face's side is decided again at each of its edges, so loops may fail to close.
 
+#import common/common
+#import common/determinant
+#import common/positions
+#import extract/edge_lists
+#import extract/one_caster
+
 // (a, b, c, d): face 0 is (a, b, c); face 1 is (b, a, d), or (a, b, d) where bit 31 of a is set; no face 1: d is NO_FACE.
 @group(0) @binding(6) var<storage, read> edge_corners: array<vec4<u32>>;
 

@@ -1,6 +1,11 @@
 // Cut edges: the border of what L-twisted polygons darken, in pieces of their edges. A workgroup takes an entry, as in
 // outline.wgsl. NUMERICS.md, "Shadows of twisted polygons".
 
+#import extract/one_caster
+#import polygon/list_pieces
+#import polygon/outlines
+#import polygon/turn
+
 @group(0) @binding(8) var<storage, read> faces: array<u32>;
 // The end of an edge, in the place of an edge that cuts it.
 const CORNER: u32 = 0xffffffffu;

@@ -2,6 +2,9 @@
 // the left, and the others to the right. So the two edges between them cross each other, and each lobe has the sense of its
 // corners. NUMERICS.md, "Shadows of twisted polygons".
 
+#import polygon/list_pieces
+#import polygon/outlines
+
 // A quadrilateral and a light. `first` is the corner after which one comes that turns alike.
 fn cut_quad(outline: OutlineRange, light: u32, first: u32, is_positive: bool) {
   var corners: array<vec3<u32>, 4>;

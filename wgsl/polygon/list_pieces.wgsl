@@ -1,5 +1,9 @@
 // Lists pieces of L-twisted polygons, and finds where edges cross as seen from a light.
 
+#import common/determinant
+#import extract/one_caster
+#import polygon/outlines
+
 struct Pieces {
   // For each light of the batch the number of its pieces.
   counts: array<atomic<u32>, 32>,

@@ -2,6 +2,9 @@
 // entry. It has some edges and lights of a small outline, an invocation for each, or one edge and light of a large one, which
 // all invocations share. NUMERICS.md, "Outlines".
 
+#import polygon/outlines
+#import polygon/turn
+
 // What is found for an edge and a light. A small outline has one for each invocation, a large one the first.
 var<workgroup> windings: array<atomic<i32>, 64>;
 var<workgroup> found: array<atomic<u32>, 64>;

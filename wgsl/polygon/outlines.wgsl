@@ -1,5 +1,8 @@
 // Outlines of polygons, and the lists of those that `f32` leaves undecided. NUMERICS.md, "Outlines".
 
+#import common/positions
+#import extract/one_caster
+
 // For each polygon, and once more at the end, where its outline begins and where its triangles begin; then the directed
 // edges of all outlines. The highest bit of the first word is set if the outline is one loop, whose edges follow each other.
 @group(0) @binding(6) var<storage, read> outlines: array<vec2<u32>>;
@@ -111,4 +114,56 @@ fn list_work(number: u32, edges: u32, lights: u32, count_at: u32, workgroups_at:
 
 fn entry_at(number: u32) -> u32 {
   return UNDECIDED_HEAD + RECORD_WORDS * chunk.count + 2u * number;
+}
+
+// ==== polygon/places
+// Edges of outlines at their places.
+
+// The bits of a position. Both zeros are one, so that equal bits are equal places.
+fn place_of(vertex: u32) -> vec3<u32> {
+  let bits = position_bits(vertex, position_offset(), position_stride());
+  return select(bits, vec3<u32>(0u), bits == vec3<u32>(0x80000000u));
+}
+
+// The directed edge of an outline.
+struct Edge {
+  a: vec3<u32>,
+  b: vec3<u32>,
+  has_length: bool,
+}
+
+fn edge_at(index: u32) -> Edge {
+  let ends = outlines[index];
+  let a = place_of(ends.x);
+  let b = place_of(ends.y);
+  return Edge(a, b, any(a != b));
+}
+
+// ==== polygon/work
+// The work of an invocation: an edge of an outline and a light, from an entry.
+
+// The edge that an invocation decides, for a light. The invocations of a large outline share one.
+struct Work {
+  exists: bool,
+  is_large: bool,
+  edge: Edge,
+  index: u32,
+  place: u32,
+}
+
+fn work_of(outline: OutlineRange, part: u32, lights: u32, lane: u32) -> Work {
+  var work: Work;
+  work.is_large = outline.count > SMALL_OUTLINE;
+  work.index = part & 0xffffu;
+  work.place = part >> 16u;
+  if (!work.is_large) {
+    work.index += lane % ENTRY_EDGES;
+    work.place = ENTRY_LIGHTS * work.place + lane / ENTRY_EDGES;
+  }
+  work.exists = work.index < outline.count && ((lights >> (work.place % 32u)) & 1u) != 0u;
+  if (work.exists) {
+    work.edge = edge_at(outline.first + work.index);
+    work.exists = work.edge.has_length;
+  }
+  return work;
 }

@@ -2,6 +2,10 @@
 // turns at all corners are certain and alike is decided here (NUMERICS.md, "Outlines", "The cheap way"). Others are listed for
 // polygon_turns.wgsl: at most a few, where surfaces are smooth. Each triangle of a polygon has the polygon's bits.
 
+#import extract/one_caster
+#import polygon/outlines
+#import polygon/quads
+
 // Facing masks of all triangles, and after them their twisted masks.
 @group(0) @binding(8) var<storage, read_write> facing_masks: array<u32>;
 

@@ -2,6 +2,10 @@
 // is twisted or in a plane with the light counts nowhere. What is twisted is listed for `cut_edges`, but for the quadrilaterals
 // that `cut_quads` takes. NUMERICS.md, "Outlines".
 
+#import common/common
+#import extract/one_caster
+#import polygon/outlines
+
 @group(0) @binding(8) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
 @group(0) @binding(2) var<storage, read_write> record: FacingRecord;

@@ -2,6 +2,12 @@
 // certain of all four, twisted ones, too. Outlines that are strictly convex as seen from a light need the turns at their corners
 // only. What is left then is listed for outline.wgsl. NUMERICS.md, "Outlines", "The cheap way".
 
+#import common/determinant
+#import common/positions
+#import extract/one_caster
+#import polygon/outlines
+#import polygon/quads
+
 @group(0) @binding(8) var<storage, read_write> facing_masks: array<u32>;
 
 // Larger outlines are not tried.

@@ -1,5 +1,10 @@
 // The turns at the corners of quadrilaterals and triangles. NUMERICS.md, "Outlines", "The cheap way".
 
+#import common/determinant
+#import common/positions
+#import extract/one_caster
+#import polygon/outlines
+
 fn vertex_of(edge: u32) -> vec3<u32> {
   return position_bits(outlines[edge].x, position_offset(), position_stride());
 }

@@ -1,6 +1,8 @@
 // Depth arguments: computes the indirect dispatch that counts pairs of point and light again, from the length of their
 // list. Then it empties the list.
 
+#import common/common
+
 @group(0) @binding(0) var<uniform> range: FaceRange;
 @group(0) @binding(1) var<storage, read_write> undecided_pairs: UndecidedPairs;
 @group(0) @binding(2) var<storage, read_write> dispatch: array<u32, 3>;

@@ -2,6 +2,12 @@
 // point where the numbers fit. Where the line from point to light meets an edge, the tie is broken as if the light were
 // moved by (e, e^2, e^3). NUMERICS.md, "Shadow depth".
 
+#import common/common
+#import common/exact_sign
+#import common/fixed_sign
+#import query/shadow_pairs
+#import query/shadow_segments
+
 // The light, or the axis along which it moves in a tie.
 fn light_at(light: vec4<u32>, tie: u32) -> vec4<u32> {
   switch (tie) {

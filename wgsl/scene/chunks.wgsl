@@ -1,6 +1,9 @@
 // Chunks: lists the chunks of edges of the casters with a light whose list is made anew, in no particular order, but for
 // those without a silhouette for such a light. And notes beside the bits what they are computed from.
 
+#import common/common
+#import scene/table
+
 @group(0) @binding(3) var<storage, read> lit: array<u32>;
 // For each group and batch four words, then the chunks, where SceneDispatch says.
 @group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;

@@ -1,6 +1,10 @@
 // Clusters: decides whether all faces of a cluster face a light, or none does, for the lights that are taken. Lists the chunks
 // of faces with a bit that is to be tested or changed, in no particular order. NUMERICS.md, "Clusters".
 
+#import common/common
+#import scene/many_casters
+#import scene/table
+
 @group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> kept: array<u32>;
 @group(0) @binding(7) var<storage, read_write> statistics: SceneStatistics;

@@ -2,6 +2,9 @@
 // for a single mesh. A caster has its lights one after the other, in the order of their bits: a light's place is its
 // number among them.
 
+#import common/common
+#import scene/table
+
 // For each batch and caster the lights that the stage takes; `reach` writes it.
 @group(0) @binding(3) var<storage, read> taken: array<u32>;
 
@@ -37,7 +40,6 @@ fn take_caster(index: u32) {
   decided_facing = 0u;
   tested = 0xffffffffu;
 }
-
 
 // The number of slots of faces.
 fn face_slots() -> u32 {

@@ -1,6 +1,11 @@
 // Bounds: computes the box of each caster's finite faces, for `choose`, and whether it has other faces. Floats are compared
 // as integers of the same order.
 
+#import common/common
+#import shadow/caster
+#import shadow/choices
+#import shadow/shadow
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read> positions: array<u32>;

@@ -3,6 +3,13 @@
 // projected from the light onto that plane. z-fail has light and dark caps. z-pass and ZP+ have light caps of casters that
 // are not in the depth buffer, and dark caps where volumes end; their lists are the same.
 
+#import common/common
+#import shadow/caster
+#import shadow/choices
+#import shadow/polygon
+#import shadow/shadow
+#import shadow/zp_plus_2005
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 // Those of the draw.

@@ -2,6 +2,12 @@
 // rectangle. With z-fail, where volumes end at the range, and for casters that are not in the depth buffer, caps come from
 // every face that casts. Excluded faces have no caps.
 
+#import common/common
+#import shadow/caster
+#import shadow/choices
+#import shadow/pyramid
+#import shadow/shadow
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;

@@ -1,5 +1,10 @@
 // Casters, as the stages of shadow volumes find them in the table. It begins with the casters, eight vec4s each
 // (`SceneCaster`).
+//
+// Expects: `shape`, and as far as functions are used `table`, the table of casters; `boxes`, the boxes of casters; `positions`.
+
+#import common/common
+#import shadow/shadow
 
 // Whether there may be several casters. If not, all slots are those of the first caster, which is in world space.
 override MANY: bool = false;
@@ -65,5 +70,83 @@ fn light_of(caster: u32, light: ShadowLight, number: u32) -> ShadowLight {
   let given = bitcast<vec4<f32>>(table[lights.y + 2u * place]);
   var own = light;
   own.light = vec4<f32>(given.xyz * light.scale, light.light.w);
+  return own;
+}
+
+// ==== shadow/boxes
+// Boxes of casters. `bounds` computes those of casters in world space. A rigid caster has its box in the table, in mesh
+// space.
+
+struct CasterBox {
+  low: vec3<f32>,
+  high: vec3<f32>,
+  // There is no finite face.
+  is_empty: bool,
+  // Some face is not finite.
+  has_holes: bool,
+}
+
+fn unordered(bits: vec3<u32>) -> vec3<f32> {
+  return bitcast<vec3<f32>>(select(~bits, bits & vec3<u32>(0x7fffffffu), bits >= vec3<u32>(0x80000000u)));
+}
+
+fn is_in_mesh_space(caster: u32) -> bool {
+  return MANY && (caster_flags(caster) & RIGID) != 0u;
+}
+
+// The box of a caster, in the space of its positions.
+fn box_of(caster: u32) -> CasterBox {
+  if (is_in_mesh_space(caster)) {
+    let low = bitcast<vec3<f32>>(caster_part(caster, 3u).xyz);
+    let high = bitcast<vec3<f32>>(caster_part(caster, 4u).xyz);
+    return CasterBox(low, high, low.x > high.x, (caster_flags(caster) & HOLED) != 0u);
+  }
+  let at = 7u * caster;
+  let low = unordered(~vec3<u32>(boxes[at], boxes[at + 1u], boxes[at + 2u]));
+  let high = unordered(vec3<u32>(boxes[at + 3u], boxes[at + 4u], boxes[at + 5u]));
+  return CasterBox(low, high, boxes[at + 3u] == 0u, boxes[at + 6u] != 0u);
+}
+
+// ==== shadow/positions
+// Positions of casters, as the stage binds them: `positions`, with the layout in the table.
+
+fn vertex_bits(caster: u32, vertex: u32) -> vec3<u32> {
+  let word = face_run(caster).w + vertex * edge_run(caster).w;
+  return vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]);
+}
+
+fn vertex_position(caster: u32, vertex: u32) -> vec3<f32> {
+  return bitcast<vec3<f32>>(vertex_bits(caster, vertex));
+}
+
+// ==== shadow/world
+// Casters in world space.
+
+// A position of a caster in world space.
+fn in_world(caster: u32, position: vec3<f32>) -> vec3<f32> {
+  if (!is_in_mesh_space(caster)) {
+    return position;
+  }
+  var world: vec3<f32>;
+  for (var axis = 0u; axis < 3u; axis++) {
+    let row = bitcast<vec4<f32>>(caster_part(caster, axis));
+    world[axis] = dot_3(row.xyz, position) + row.w;
+  }
+  return world;
+}
+
+// A caster's box in world space.
+fn world_box(caster: u32) -> CasterBox {
+  var own = box_of(caster);
+  if (!is_in_mesh_space(caster)) {
+    return own;
+  }
+  let low = own.low;
+  let high = own.high;
+  for (var axis = 0u; axis < 3u; axis++) {
+    let row = bitcast<vec4<f32>>(caster_part(caster, axis));
+    own.low[axis] = dot_3(min(row.xyz * low, row.xyz * high), vec3<f32>(1.0)) + row.w;
+    own.high[axis] = dot_3(max(row.xyz * low, row.xyz * high), vec3<f32>(1.0)) + row.w;
+  }
   return own;
 }

@@ -1,6 +1,12 @@
 // Choose: chooses for each caster and light the faces of the caster that cast and the counting method, from the caster's box
 // alone. This is cheap and settles most casters. `caps` takes those that may need caps.
 
+#import common/common
+#import shadow/caster
+#import shadow/choices
+#import shadow/pyramid
+#import shadow/shadow
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> seen: array<SeenLight>;
 @group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
@@ -49,24 +55,6 @@ fn misses_pyramid(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: ve
     beyond = beyond && is_out(planes.depth, planes.depth_size);
   }
   return any(out) || beyond;
-}
-
-// A lower bound of the distance from the light to the box.
-fn distance_below(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> f32 {
-  let place = light.light.xyz / light.light.w;
-  let slack = SLACK * max(max(abs(low), abs(high)), abs(place));
-  let d = max(max(low - place, place - high) - slack, vec3<f32>(0.0));
-  return length_of(d) * (1.0 - SLACK);
-}
-
-// The largest side is factored out, because squares may overflow.
-fn length_of(d: vec3<f32>) -> f32 {
-  let size = max(max(d.x, d.y), d.z);
-  if (size <= 0.0) {
-    return 0.0;
-  }
-  let e = d / size;
-  return size * sqrt(dot_3(e, e));
 }
 
 // The near end of the light's frustum in ZP+ as published. Nothing of the caster lies before it. For a point light it

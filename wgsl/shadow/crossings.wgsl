@@ -1,5 +1,7 @@
 // Rows of weights that cross the half planes of a pencil.
 
+#import shadow/pencil
+
 @group(0) @binding(8) var<storage, read_write> crossings: array<atomic<u32>>;
 
 // Adds the weight to the bins from `first` to `last`.

@@ -1,6 +1,12 @@
 // List sides: lists the edges whose sides are drawn, for each light, with the winding of the side. It goes over the light's
 // silhouettes. Where their list overflowed, or faces may be excluded, it goes over all edges.
 
+#import common/common
+#import shadow/caster
+#import shadow/choices
+#import shadow/shadow
+#import shadow/side_lists
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;

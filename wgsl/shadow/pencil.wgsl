@@ -1,5 +1,9 @@
 // Pencils of half planes, which bound stencil counts: NUMERICS.md, "Stencil bound". The half planes of a pencil begin at a
 // line through the light, its axis. Each is told by one number.
+//
+// Expects: `shape`.
+
+#import shadow/shadow
 
 struct StencilPencil {
   // The position of the light. 0 if it is at infinity.

@@ -1,5 +1,10 @@
 // Piece arguments: computes the indirect draws of the pieces of L-twisted polygons, from what was chosen for their caster.
 
+#import common/common
+#import shadow/choices
+#import shadow/piece_lists
+#import shadow/shadow
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;

@@ -1,6 +1,13 @@
 // Piece crossings: adds the sides of pieces of L-twisted polygons to the bins of half planes that they cross. Each has the weight 1. Where
 // a list overflowed, all of them cross every half plane.
 
+#import shadow/caster
+#import shadow/choices
+#import shadow/crossings
+#import shadow/pencil
+#import shadow/piece_lists
+#import shadow/shadow
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;

@@ -2,6 +2,12 @@
 // an edge of the face that it makes with the middle of its polygon, and that face faces the light. Faces of other pieces
 // meet it at its other edges, and count there with the contrary sign.
 
+#import shadow/caster
+#import shadow/choices
+#import shadow/piece_lists
+#import shadow/polygon
+#import shadow/shadow
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 // Those of the draw.

@@ -1,5 +1,7 @@
 // Draws polygons that clipping made as triangle strips of five vertices.
 
+#import shadow/shadow
+
 const NOTHING = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 
 // Picks one vertex of a polygon. The vertices are offered one after another. A place past the last vertex repeats it.
@@ -24,4 +26,268 @@ fn offer(picked: Picked, clip: vec4<f32>, is_there: bool) -> Picked {
     next.offered++;
   }
   return next;
+}
+
+// ==== shadow/trim
+// Trim: cuts polygons of volumes at the frustum, for drivers that clip slivers wrongly. It goes from one plane to the next, and
+// cuts an edge from its inner to its outer end. So an edge that two polygons share is cut to the same bits. NUMERICS.md,
+// "Triangles that leave the picture".
+
+// Whether polygons are trimmed. A draw has as many vertices as without, so each polygon is drawn in parts, by draws of their own:
+// two triangles of its fan as a strip, or one in a list.
+override TRIM: bool = false;
+override PART: u32 = 0u;
+// Whether near and far plane do not clip.
+override UNCLIPPED: bool = false;
+
+// Five corners, and one more for each plane.
+const MOST_CORNERS: u32 = 11u;
+
+struct Outline {
+  corners: array<vec4<f32>, MOST_CORNERS>,
+  count: u32,
+}
+
+fn with_corner(outline: Outline, clip: vec4<f32>) -> Outline {
+  var next = outline;
+  if (next.count < MOST_CORNERS) {
+    next.corners[next.count] = clip;
+    next.count++;
+  }
+  return next;
+}
+
+// The place of a corner in a strip of up to five vertices, as `pick` has them.
+fn strip_place(corner: u32) -> u32 {
+  let order = vec4<u32>(0u, 1u, 3u, 4u);
+  return select(order[min(corner, 3u)], 2u, corner == 4u);
+}
+
+// Positive on the inner side of a plane of the frustum.
+fn inner_height(plane: u32, clip: vec4<f32>) -> f32 {
+  let along = clip[plane / 2u];
+  if (plane == 4u) {
+    return along;
+  }
+  return clip.w + select(along, -along, (plane & 1u) != 0u);
+}
+
+// Where an edge meets a plane: exactly on it, so that nothing is left for the driver to clip.
+fn meet_plane(plane: u32, inner: vec4<f32>, outer: vec4<f32>) -> vec4<f32> {
+  let height = inner_height(plane, inner);
+  let depth = -inner_height(plane, outer);
+  // Ends may differ by many orders of magnitude, since they are homogeneous. No difference of them is taken, so neither is lost.
+  var meeting = inner * (depth / (height + depth)) + outer * (height / (height + depth));
+  meeting[plane / 2u] = select(select(-meeting.w, 0.0, plane == 4u), meeting.w, (plane & 1u) != 0u);
+  return meeting;
+}
+
+// At most 66 turns: six planes, eleven corners.
+fn trimmed(outline: Outline) -> Outline {
+  var polygon = outline;
+  let planes = select(6u, 4u, UNCLIPPED);
+  // Turns: 6.
+  for (var plane = 0u; plane < planes; plane++) {
+    var next: Outline;
+    // Turns: 11.
+    for (var corner = 0u; corner < polygon.count; corner++) {
+      let here = polygon.corners[corner];
+      let there = polygon.corners[select(corner + 1u, 0u, corner + 1u == polygon.count)];
+      let is_in = inner_height(plane, here) >= 0.0;
+      if (is_in) {
+        next = with_corner(next, here);
+      }
+      if (is_in != (inner_height(plane, there) >= 0.0)) {
+        if (is_in) {
+          next = with_corner(next, meet_plane(plane, here, there));
+        } else {
+          next = with_corner(next, meet_plane(plane, there, here));
+        }
+      }
+    }
+    polygon = next;
+  }
+  return polygon;
+}
+
+// A vertex of the part that is drawn.
+fn vertex_of_part(polygon: Outline, is_list: bool, vertex: u32) -> vec4<f32> {
+  let first = select(2u, 1u, is_list) * PART;
+  if (first + 2u >= polygon.count) {
+    return NOTHING;
+  }
+  if (vertex == 0u) {
+    return polygon.corners[0];
+  }
+  // Corners 0, 1, 3, 2 of a quad are a strip. What a strip has beyond them repeats the last.
+  let corner = select(select(vertex, 3u, vertex == 2u), 2u, vertex > 2u);
+  return polygon.corners[min(first + select(corner, vertex, is_list), polygon.count - 1u)];
+}
+
+// ==== shadow/cap_vertices
+// Computes the vertices of caps from a face, in clip space.
+
+// The corners of a face. Of two corners the one of lower order comes first, so that what meets at an edge has equal bits.
+struct CapFace {
+  a: vec3<f32>,
+  b: vec3<f32>,
+  c: vec3<f32>,
+  order: vec3<u32>,
+}
+
+// Offers the vertices from `a` on, up to where the edge to `b` meets the near plane.
+fn offer_clipped(picked: Picked, view: ShadowView, a: Corner, b: Corner, is_ordered: bool) -> Picked {
+  var next = offer(picked, behind_near_plane(view, a.near), a.height >= 0.0);
+  let meets_plane = (a.height >= 0.0) != (b.height >= 0.0);
+  if (is_ordered) {
+    return offer(next, on_near_plane(view, a, b), meets_plane);
+  }
+  return offer(next, on_near_plane(view, b, a), meets_plane);
+}
+
+// The light cap of a caster that is not in the depth buffer, as a strip of four vertices. With ZP+ it ends on the near plane
+// with the bits of near cap and sides.
+fn seen_light_cap_vertex(view: ShadowView, light: ShadowLight, face: CapFace, ends_at_near_plane: bool, vertex: u32) -> vec4<f32> {
+  var picked = pick(vertex);
+  if (ends_at_near_plane) {
+    let a = corner(view, light, face.a);
+    let b = corner(view, light, face.b);
+    let c = corner(view, light, face.c);
+    picked = offer_clipped(picked, view, a, b, face.order.x < face.order.y);
+    picked = offer_clipped(picked, view, b, c, face.order.y < face.order.z);
+    picked = offer_clipped(picked, view, c, a, face.order.z < face.order.x);
+  } else {
+    picked = offer(picked, to_clip(view, face.a), true);
+    picked = offer(picked, to_clip(view, face.b), true);
+    picked = offer(picked, to_clip(view, face.c), true);
+  }
+  return picked.clip;
+}
+
+// Whether the camera's direction is left of the edge between two far vertices, as seen from the light. The vertex of
+// lower index comes first, so that the faces on both sides of the edge agree.
+fn is_left(a: vec2<f32>, b: vec2<f32>, is_ordered: bool) -> bool {
+  if (is_ordered) {
+    return a.x * b.y - a.y * b.x >= 0.0;
+  }
+  return !(b.x * a.y - b.y * a.x >= 0.0);
+}
+
+// A face at infinity, as an orthographic camera sees it. It covers the whole picture if the camera's direction is
+// within the face as seen from the light, else nothing. NUMERICS.md, "Dark caps of orthographic cameras".
+fn all_or_nothing(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u32) -> vec4<f32> {
+  let a = extrusion(view, light, face.a);
+  let b = extrusion(view, light, face.b);
+  let c = extrusion(view, light, face.c);
+  let p = direction_to_clip(view, a).xy;
+  let q = direction_to_clip(view, b).xy;
+  let r = direction_to_clip(view, c).xy;
+  let left = is_left(p, q, face.order.x < face.order.y);
+  let left_of_second = is_left(q, r, face.order.y < face.order.z);
+  let left_of_third = is_left(r, p, face.order.z < face.order.x);
+  if (left != left_of_second || left != left_of_third) {
+    return NOTHING;
+  }
+  // The direction, or its opposite, is this sum of the three vectors.
+  let along = a * (q.x * r.y - q.y * r.x) + b * (r.x * p.y - r.y * p.x) + c * (p.x * q.y - p.y * q.x);
+  if ((dot_3(view.near_plane.xyz, along) > 0.0) != left) {
+    return NOTHING;
+  }
+  // It has the orientation of the face on the screen.
+  let x = select(-1.0, 3.0, vertex == select(2u, 1u, left));
+  let y = select(-1.0, 3.0, vertex == select(1u, 2u, left));
+  return vec4<f32>(x, y, 1.0 - view.near_z, 1.0);
+}
+
+fn dark_cap_vertex(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u32) -> vec4<f32> {
+  if (is_orthographic(view) && light.end == 0.0) {
+    return all_or_nothing(view, light, face, vertex);
+  }
+  return far_end(view, light, select(select(face.a, face.b, vertex == 1u), face.c, vertex == 2u));
+}
+
+// Offers the vertices from `a` on, up to where the edge to `b` leaves or enters the slab between light and near plane.
+fn offer_edge(picked: Picked, view: ShadowView, light: ShadowLight, a: Corner, b: Corner, is_ordered: bool) -> Picked {
+  let a_above = a.height >= 0.0;
+  let a_rises = a.far_height >= 0.0;
+  let meets_plane = a_above != (b.height >= 0.0);
+  let turns = a_rises != (b.far_height >= 0.0);
+  var meeting = NOTHING;
+  var turning = NOTHING;
+  if (is_ordered) {
+    meeting = on_near_plane(view, a, b);
+    turning = parallel_to_near_plane(a, b);
+  } else {
+    meeting = on_near_plane(view, b, a);
+    turning = parallel_to_near_plane(b, a);
+  }
+  let turns_first = a_above == (light_side(light) > 0.0);
+  var next = offer(picked, project_to_near_plane(view, light, a), a_above != a_rises);
+  next = offer(next, turning, turns && turns_first);
+  next = offer(next, meeting, meets_plane);
+  return offer(next, turning, turns && !turns_first);
+}
+
+// The near cap as a strip of five vertices.
+fn near_cap_vertex(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u32) -> vec4<f32> {
+  let a = corner(view, light, face.a);
+  let b = corner(view, light, face.b);
+  let c = corner(view, light, face.c);
+  var picked = pick(vertex);
+  picked = offer_edge(picked, view, light, a, b, face.order.x < face.order.y);
+  picked = offer_edge(picked, view, light, b, c, face.order.y < face.order.z);
+  picked = offer_edge(picked, view, light, c, a, face.order.z < face.order.x);
+  return picked.clip;
+}
+
+// ==== shadow/side_vertices
+// Computes the vertices of a side, as it is and clipped at the near plane. A side is the quad from an edge away from
+// the light.
+
+// A strip of four vertices: the first and the second, then their far vertices.
+fn side_vertex(view: ShadowView, light: ShadowLight, first: vec3<f32>, second: vec3<f32>, vertex: u32) -> vec4<f32> {
+  let position = select(first, second, (vertex & 1u) != 0u);
+  if (vertex < 2u) {
+    return to_clip(view, position);
+  }
+  return far_end(view, light, position);
+}
+
+// A strip of five vertices. `is_ordered`: the first end has the lower vertex index.
+fn clipped_side_vertex(
+  view: ShadowView,
+  light: ShadowLight,
+  first: vec3<f32>,
+  second: vec3<f32>,
+  is_ordered: bool,
+  vertex: u32,
+) -> vec4<f32> {
+  let p = corner(view, light, first);
+  let q = corner(view, light, second);
+  let p_near = p.height >= 0.0;
+  let q_near = q.height >= 0.0;
+  let p_far = p.far_height >= 0.0;
+  let q_far = q.far_height >= 0.0;
+  var picked = pick(vertex);
+  picked = offer(picked, behind_near_plane(view, p.near), p_near);
+  if (p_near != q_near) {
+    if (is_ordered) {
+      picked = offer(picked, on_near_plane(view, p, q), true);
+    } else {
+      picked = offer(picked, on_near_plane(view, q, p), true);
+    }
+  }
+  picked = offer(picked, behind_near_plane(view, q.near), q_near);
+  picked = offer(picked, project_to_near_plane(view, light, q), q_near != q_far);
+  picked = offer(picked, q.far, q_far);
+  if (p_far != q_far) {
+    if (is_ordered) {
+      picked = offer(picked, parallel_to_near_plane(p, q), true);
+    } else {
+      picked = offer(picked, parallel_to_near_plane(q, p), true);
+    }
+  }
+  picked = offer(picked, p.far, p_far);
+  picked = offer(picked, project_to_near_plane(view, light, p), p_near != p_far);
+  return picked.clip;
 }

@@ -1,5 +1,7 @@
 // Receiver depth: the farthest receiver of each tile, of a texture with a sample for each pixel.
 
+#import shadow/receiver_tiles
+
 @group(0) @binding(1) var depth_texture: texture_depth_2d;
 
 fn samples() -> u32 {

@@ -1,5 +1,7 @@
 // Receiver pyramid: the levels above the tiles, by one workgroup, and the box of all places that receivers may be seen at.
 
+#import shadow/receivers
+
 @group(0) @binding(0) var<uniform> receiver_view: ReceiverView;
 @group(0) @binding(1) var<storage, read_write> receivers: array<u32>;
 

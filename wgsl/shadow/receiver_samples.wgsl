@@ -1,5 +1,7 @@
 // Receiver samples: the farthest receiver of each tile, of a texture with several samples for each pixel. All enter.
 
+#import shadow/receiver_tiles
+
 @group(0) @binding(1) var depth_texture: texture_depth_multisampled_2d;
 
 fn samples() -> u32 {

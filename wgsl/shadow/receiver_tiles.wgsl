@@ -1,4 +1,8 @@
 // The first level of the receivers: an invocation takes the pixels of a tile. The files that follow have the texture.
+//
+// Expects: `depth_at(pixel, sample)`, and `samples()`, their number.
+
+#import shadow/receivers
 
 @group(0) @binding(0) var<uniform> receiver_view: ReceiverView;
 @group(0) @binding(2) var<storage, read_write> receivers: array<u32>;

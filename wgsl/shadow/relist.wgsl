@@ -1,6 +1,10 @@
 // Relist: finds the lights of a group of casters whose lists for a view are made anew, because the silhouettes or the camera
 // changed since, and empties these lists. It writes what the lists will be made from.
 
+#import common/common
+#import shadow/choices
+#import shadow/shadow
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of the batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;

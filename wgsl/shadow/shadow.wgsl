@@ -2,6 +2,8 @@
 // are V itself, its far vertex at infinity, and its projection from the light onto the near plane. NUMERICS.md, "Shadow
 // volumes".
 
+#import common/common
+
 // The caller's camera, as a caster sees it. The camera's frame has the world's axes and the camera's origin at 0.
 struct ShadowView {
   // Columns of the matrix from the camera's frame to clip space.

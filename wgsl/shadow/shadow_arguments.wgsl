@@ -1,6 +1,9 @@
 // Shadow arguments: computes the indirect draws of each light's volumes. The draws of lists that overflowed go over all
 // edges or faces. The vertex shader then rejects those that do not belong.
 
+#import common/common
+#import shadow/shadow
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;

@@ -2,6 +2,14 @@
 // leaves clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with the near cap has
 // equal bits. `zp_plus_2005_side` is the side as published in 2005. The first two may be trimmed.
 
+#import common/common
+#import shadow/caster
+#import shadow/choices
+#import shadow/polygon
+#import shadow/shadow
+#import shadow/side_lists
+#import shadow/zp_plus_2005
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 // Those of the draw.

@@ -2,6 +2,10 @@
 // that count may not suffice. No count exceeds half of the weights that its half plane crosses, plus the faces of casters that the axis of
 // the pencil may meet. A workgroup takes a light of a batch in a view.
 
+#import common/common
+#import shadow/pencil
+#import shadow/shadow
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;

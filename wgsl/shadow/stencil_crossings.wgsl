@@ -2,6 +2,14 @@
 // of sides of a batch of lights in a view. Where the lists of a light overflowed, it goes over all edges, with the largest
 // weight that each may have.
 
+#import common/common
+#import shadow/caster
+#import shadow/choices
+#import shadow/crossings
+#import shadow/pencil
+#import shadow/shadow
+#import shadow/side_lists
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;

@@ -1,6 +1,11 @@
 // Stencil pencil: finds for each light and view the pencil of half planes that bounds its stencil counts, from the boxes of
 // the casters, and counts their faces. A workgroup takes a light of a batch in a view.
 
+#import shadow/caster
+#import shadow/choices
+#import shadow/pencil
+#import shadow/shadow
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;

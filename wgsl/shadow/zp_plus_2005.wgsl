@@ -1,6 +1,8 @@
 // ZP+ as published (Hornus et al. 2005), for comparison: the light's frustum, whose far rectangle is the near
 // rectangle, and the vertices that the near plane clips.
 
+#import shadow/shadow
+
 // A position transformed by the matrix of the light's frustum: x, y and w.
 fn in_frustum(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
   let q = placed(view, position);

@@ -2,6 +2,12 @@
 // D). The published method leaves such a caster and light to z-fail. A workgroup takes one light of the batch. It is for a
 // single caster, the first.
 
+#import common/common
+#import shadow/caster
+#import shadow/choices
+#import shadow/shadow
+#import shadow/zp_plus_2005
+
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;

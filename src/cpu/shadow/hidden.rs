@@ -1,4 +1,4 @@
-//! Hidden volumes: whether no receiver can be in the shadow volume of a box. The WGSL is `wgsl/shadow/hidden.wgsl`.
+//! Hidden volumes: whether no receiver can be in the shadow volume of a box. The WGSL is `wgsl/shadow/pyramid.wgsl`.
 
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 

@@ -1,4 +1,4 @@
-//! The bindings of a stage, as its WGSL declares them: the layout of its bind group, and the number of each name.
+//! The bindings of a stage, as its WGSL declares them: the layout of its bind group, and the number of each name. And its constants.
 
 use naga::{AddressSpace, StorageAccess};
 
@@ -7,6 +7,8 @@ use naga::{AddressSpace, StorageAccess};
 pub(crate) struct Bindings {
     names: Vec<String>,
     entries: Vec<wgpu::BindGroupLayoutEntry>,
+    /// The names of the constants that a pipeline may set.
+    constants: Vec<String>,
 }
 
 impl Bindings {
@@ -36,7 +38,13 @@ impl Bindings {
         }
         found.sort_by_key(|(_, entry)| entry.binding);
         let (names, entries) = found.into_iter().unzip();
-        Self { names, entries }
+        let constants = module.overrides.iter().filter_map(|(_, constant)| constant.name.clone()).collect();
+        Self { names, entries, constants }
+    }
+
+    /// Whether the module has a constant.
+    pub(crate) fn has_constant(&self, name: &str) -> bool {
+        self.constants.iter().any(|own| own == name)
     }
 
     pub(crate) fn entries(&self) -> &[wgpu::BindGroupLayoutEntry] {
@@ -47,21 +55,18 @@ impl Bindings {
         &self.names
     }
 
-    /// Numbers the resources by their names. If a name is not declared or is missing, the device refuses the bind
-    /// group. Tests bind every stage.
+    /// Numbers the resources by their names. Those that the module does not use are left out: a module has what its entry
+    /// points reach. If one that it uses is missing, the device refuses the bind group. Tests bind every stage.
     pub(crate) fn numbered<'a>(
         &self,
         resources: &[(&str, wgpu::BindingResource<'a>)],
     ) -> Vec<wgpu::BindGroupEntry<'a>> {
-        let number = |name: &str| {
-            let at = self.names.iter().position(|own| own == name);
-            at.and_then(|at| self.entries.get(at)).map_or(u32::MAX, |entry| entry.binding)
+        let entry = |(name, resource): &(&str, wgpu::BindingResource<'a>)| {
+            let at = self.names.iter().position(|own| own == name)?;
+            let binding = self.entries.get(at)?.binding;
+            Some(wgpu::BindGroupEntry { binding, resource: resource.clone() })
         };
-        let entry = |(name, resource): &(&str, wgpu::BindingResource<'a>)| wgpu::BindGroupEntry {
-            binding: number(name),
-            resource: resource.clone(),
-        };
-        resources.iter().map(entry).collect()
+        resources.iter().filter_map(entry).collect()
     }
 }
 

@@ -12,7 +12,7 @@ use super::positions::{PositionError, bound};
 use super::requirements::{DeviceError, Subject, check_alive, check_device};
 use crate::displace::Displacement;
 use crate::gpu::shadow::format::VolumeKey;
-use crate::stages::{DEFORM, Stage, plain_deform_wgsl};
+use crate::stages::{DEFORM, Stage};
 
 /// The pipelines of one device. Each is compiled when it is first needed and then shared by everything that is made
 /// with the same `Pipelines` or a clone of it, on any thread. A scene of many meshes makes one `Pipelines` and gives it
@@ -64,7 +64,7 @@ type LayoutKey = (&'static str, Vec<wgpu::BindGroupLayoutEntry>);
 struct ComputeKey {
     /// The name of the stage, and of its module.
     stage: &'static str,
-    module: String,
+    module: &'static str,
     entry_point: &'static str,
     /// Names and bits of the constants.
     constants: Vec<(&'static str, u64)>,
@@ -124,8 +124,8 @@ impl Pipelines {
         constants: &[(&'static str, f64)],
     ) -> Pipeline {
         let constants = constants.iter().map(|&(name, value)| (name, value.to_bits())).collect();
-        let (stage_name, module) = (stage.name, stage.module_name());
-        let key = ComputeKey { stage: stage_name, module, entry_point, constants, displacement: None, further: None };
+        let Stage { name, module, .. } = *stage;
+        let key = ComputeKey { stage: name, module, entry_point, constants, displacement: None, further: None };
         self.made(&key, || stage.wgsl())
     }
 
@@ -137,13 +137,13 @@ impl Pipelines {
     ) -> Pipeline {
         let key = ComputeKey {
             stage: DEFORM.name,
-            module: DEFORM.module_name(),
+            module: DEFORM.module,
             entry_point: DEFORM.name,
             constants: Vec::new(),
             displacement: displacement.cloned(),
             further: further.cloned(),
         };
-        self.made(&key, || displacement.map_or_else(plain_deform_wgsl, Displacement::deform_wgsl))
+        self.made(&key, || displacement.map_or_else(|| DEFORM.wgsl(), Displacement::deform_wgsl))
     }
 
     fn made(&self, key: &ComputeKey, wgsl: impl Fn() -> String) -> Pipeline {
@@ -230,11 +230,14 @@ pub(crate) struct Pipeline {
 impl Pipeline {
     fn new(pipelines: &Pipelines, key: &ComputeKey, wgsl: &str) -> Self {
         let ComputeKey { stage, entry_point, ref constants, ref further, .. } = *key;
-        let module_name = &*key.module;
-        let constants: Vec<_> = constants.iter().map(|&(name, bits)| (name, f64::from_bits(bits))).collect();
-        let windows = constants.iter().find(|(name, _)| *name == "WINDOW_WORDS");
+        let module_name = key.module;
+        let mut constants: Vec<_> = constants.iter().map(|&(name, bits)| (name, f64::from_bits(bits))).collect();
+        let windows = constants.iter().find(|(name, _)| name.ends_with("WINDOW_WORDS"));
+        let window_words = windows.map_or(0, |(_, words)| *words as u32);
         let module = pipelines.module(module_name, wgsl);
         let bindings = pipelines.bindings(module_name, wgsl);
+        // A device refuses what a module does not have, and a module has what its entry points reach.
+        constants.retain(|(name, _)| bindings.has_constant(name));
         let layout = pipelines.layout(stage, bindings.entries().to_vec());
         let mut groups = vec![Some(&layout)];
         groups.extend(further.as_ref().map(Some));
@@ -252,13 +255,7 @@ impl Pipeline {
             compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             cache: None,
         });
-        Self {
-            label: entry_point,
-            compute,
-            layout,
-            bindings,
-            window_words: windows.map_or(0, |(_, words)| *words as u32),
-        }
+        Self { label: entry_point, compute, layout, bindings, window_words }
     }
 
     /// The names of the bindings of bind group 0.

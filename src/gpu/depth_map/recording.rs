@@ -18,7 +18,7 @@ use crate::gpu::common::pipelines::group;
 use crate::gpu::common::requirements::check_alive;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
-use crate::layout::{ContourShape, DepthEdgeRule, DepthMapShape, DepthMapView, DepthNearBox};
+use crate::layout::{DepthEdgeRule, DepthMapShape, DepthMapView, DepthNearBox};
 use crate::shadow::DepthDirection;
 use crate::turns::WORLD_BLOCKS;
 
@@ -135,13 +135,12 @@ impl DepthMapVolumes {
         let uniform = filled(device, "near rectangle", bytemuck::bytes_of(&near), wgpu::BufferUsages::UNIFORM);
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_SRC;
         let draw = buffer(device, "draw of a near cap", 16, usage);
-        let mut resources = vec![
+        let resources = [
             ("depth_map", entry::<DepthMapShape>(&uniforms.map)),
             ("depth_texture", textures[0].clone()),
             ("near", entry::<DepthNearBox>(&uniform)),
             ("draws", draw.as_entire_binding()),
         ];
-        resources.extend(uniforms.contour.as_ref().map(|contour| ("contour", entry::<ContourShape>(contour))));
         let group = stage.bind(device, &resources);
         (DepthMapNearCap::Told(draw), Some((stage, group, Workgroups::Known([1, 1]))))
     }
@@ -255,13 +254,12 @@ impl<'a> Planned<'a> {
         // Each uniform begins at its buffer's start.
         let dispatch = |encoder: &mut wgpu::CommandEncoder,
                         (stage, group, workgroups): &BoundStage<'_>,
-                        offsets: &[u32],
                         timer: Option<&mut StageTimer>| {
             let timestamp_writes = timer.and_then(|timer| timer.compute_pass(stage.label));
             let label = Some(stage.label);
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
             pass.set_pipeline(&stage.compute);
-            pass.set_bind_group(0, group, offsets);
+            pass.set_bind_group(0, group, &vec![0; stage.uniforms()]);
             match workgroups {
                 Workgroups::Known([x, y]) => pass.dispatch_workgroups(*x, *y, 1),
                 Workgroups::Written(buffer, at) => pass.dispatch_workgroups_indirect(buffer, *at),
@@ -269,21 +267,19 @@ impl<'a> Planned<'a> {
         };
         if let Some(bound) = &stages {
             if let Some(before) = &before {
-                dispatch(encoder, before, &[0], timer.as_deref_mut());
+                dispatch(encoder, before, timer.as_deref_mut());
             }
             if let (Some(edges), Some(bound)) = (&volumes.edges, &bound.edges) {
                 let most = volumes.shared.device().limits().max_compute_workgroups_per_dimension;
                 edges.record(encoder, bound, most, timer.as_deref_mut());
             }
-            let offsets = if volumes.contours.is_some() { &[0, 0][..] } else { &[0] };
             for stage in &bound.stages {
-                dispatch(encoder, stage, offsets, timer.as_deref_mut());
+                dispatch(encoder, stage, timer.as_deref_mut());
             }
             volumes.encodes.fetch_add(1, Ordering::Relaxed);
         }
         for stage in &near {
-            let offsets = if volumes.contours.is_some() { &[0; 3][..] } else { &[0; 2] };
-            dispatch(encoder, stage, offsets, timer.as_deref_mut());
+            dispatch(encoder, stage, timer.as_deref_mut());
         }
         frames
     }

@@ -79,7 +79,8 @@ impl<'a> BindGroupBuilder<'a> {
     pub(crate) fn edges(&self, options: &ExtractorOptions, mut dispatches: Vec<Dispatch>, windows: &Windows) -> Pass {
         let [masks, append] = emit_constants(options);
         let twisted_at = if self.shape.polygons.is_some() { self.shape.faces } else { 0 };
-        let constants = [("WINDOW_WORDS", f64::from(windows.words)), masks, append, ("TWISTED_AT", twisted_at as f64)];
+        let constants =
+            [("FACING_WINDOW_WORDS", f64::from(windows.words)), masks, append, ("TWISTED_AT", twisted_at as f64)];
         let pipeline = self.pipelines.compute(&EDGES, "edges", &constants);
         for dispatch in &mut dispatches {
             let facing = &self.buffers.facing[dispatch.batch];

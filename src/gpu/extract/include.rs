@@ -8,13 +8,12 @@ use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer};
 use crate::gpu::common::requirements::check_alive;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::RimlineInfo;
-use crate::stages::INCLUDES;
+use crate::stages::source;
 
 /// WGSL that reads the results: structs and functions whose names begin with `rimline_`, on bind group `group`. Put it
 /// before or after your own source. The file `wgsl/extract/results.wgsl` documents its functions.
 pub fn include_wgsl(group: u32) -> String {
-    let source = INCLUDES.iter().find(|(name, _)| *name == "extract/results").map_or("", |(_, source)| source);
-    source.replace("GROUP", &group.to_string())
+    source("extract/results").unwrap_or_default().replace("GROUP", &group.to_string())
 }
 
 /// The layout of the include's bind group. `visibility` names the shader stages that read it: vertex, fragment or

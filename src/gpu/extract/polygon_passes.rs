@@ -121,11 +121,15 @@ fn resources<'a>(
     pipeline: &Pipeline,
     dispatch: &mut Dispatch,
 ) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
-    dispatch.offsets = vec![dispatch.batch as u32 * UniformTable::stride::<LightBatch>() as u32, dispatch.chunk_offset];
+    let batch = dispatch.batch as u32 * UniformTable::stride::<LightBatch>() as u32;
+    dispatch.offsets = vec![batch, dispatch.chunk_offset];
+    if !pipeline.names().iter().any(|name| name == "batch") {
+        dispatch.offsets.remove(0);
+    }
     let Some(polygons) = &binder.buffers.polygons else { return Vec::new() };
     let unused = &binder.buffers.unused;
     let of_batch = |buffers: &'a [wgpu::Buffer]| buffers.get(dispatch.batch).unwrap_or(unused).as_entire_binding();
-    let all = [
+    vec![
         ("batch", entry::<LightBatch>(binder.light_batches)),
         ("chunk", entry::<Chunk>(binder.chunks)),
         ("outlines", polygons.outlines.as_entire_binding()),
@@ -135,6 +139,5 @@ fn resources<'a>(
         ("record", binder.record()),
         ("faces", binder.buffers.faces.as_entire_binding()),
         ("pieces", of_batch(&polygons.pieces)),
-    ];
-    all.into_iter().filter(|(name, _)| pipeline.names().iter().any(|own| own == name)).collect()
+    ]
 }

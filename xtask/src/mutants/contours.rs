@@ -228,7 +228,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "contours: near caps take the surface on the other side",
         changes: &[
-            ("wgsl/depth_map/contour_side.wgsl", "place - start) < 0.0;", "place - start) >= 0.0;"),
+            ("wgsl/depth_map/depth_walls.wgsl", "place - start) < 0.0;", "place - start) >= 0.0;"),
             ("src/cpu/depth_map/contour_side.rs", ".perp_dot(place - from) < 0.0;", ".perp_dot(place - from) >= 0.0;"),
         ],
         tests: PICTURES,
@@ -244,14 +244,14 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "contours: near caps look for flaps in the tile of a place alone",
-        changes: &[("wgsl/depth_map/contour_flaps.wgsl", "const REACH: i32 = 2;", "const REACH: i32 = 0;")],
+        changes: &[("wgsl/depth_map/depth_walls.wgsl", "const REACH: i32 = 2;", "const REACH: i32 = 0;")],
         tests: NEAR,
     },
     Mutation {
         name: "contours: flaps take the depths of each other's vertices",
         changes: &[
             (
-                "wgsl/depth_map/contour_flaps.wgsl",
+                "wgsl/depth_map/depth_walls.wgsl",
                 "(of_b * f32(b.depth - a.depth) + of_c * f32(c.depth - a.depth))",
                 "(of_c * f32(b.depth - a.depth) + of_b * f32(c.depth - a.depth))",
             ),
@@ -267,7 +267,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "contours: near caps take surfaces as they go on between samples, too",
         changes: &[
             (
-                "wgsl/depth_map/contour_side.wgsl",
+                "wgsl/depth_map/depth_walls.wgsl",
                 "if (is_marked_before(at + step, step)) {",
                 "if (any(step != vec2<i32>())) {",
             ),

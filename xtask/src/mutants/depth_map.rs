@@ -218,13 +218,13 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "depth maps: floats decide about steps in world units that are nearly met",
-        changes: &[("wgsl/depth_map/world_step.wgsl", "(most > 1.0001 * step)", "(most >= step)")],
+        changes: &[("wgsl/depth_map/edge_code.wgsl", "(most > 1.0001 * step)", "(most >= step)")],
         tests: WORLD,
     },
     Mutation {
         name: "depth maps: exact sums lose what is carried twice",
         changes: &[(
-            "wgsl/depth_map/world_step.wgsl",
+            "wgsl/depth_map/edge_code.wgsl",
             "carry = select(0u, 1u, once < digit) | select(0u, 1u, twice < once);",
             "carry = select(0u, 1u, once < digit);",
         )],

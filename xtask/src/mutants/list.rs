@@ -363,7 +363,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "filter: 8 units of the last place instead of 10",
         changes: &[
-            ("wgsl/common/filter.wgsl", "0x1.4p-20", "0x1p-20"),
+            ("wgsl/common/determinant.wgsl", "0x1.4p-20", "0x1p-20"),
             ("src/cpu/common/filter.rs", "10.0 / 8_388_608.0", "8.0 / 8_388_608.0"),
         ],
         tests: &["--test rounding", "--test extract_cpu", "--test extract_gpu"],
@@ -467,7 +467,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "caps: light caps of proxies are not clipped with ZP+",
         changes: &[
-            ("wgsl/shadow/cap_vertices.wgsl", "if (ends_at_near_plane) {", "if (false) {"),
+            ("wgsl/shadow/polygon.wgsl", "if (ends_at_near_plane) {", "if (false) {"),
             ("src/cpu/shadow/cap_faces.rs", "if !has_near_cap(light) {", "if !has_near_cap(light) || true {"),
         ],
         tests: &["--test shadow_cpu", "--test shadow_gpu"],
@@ -475,7 +475,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "caps: proxies have no light caps",
         changes: &[
-            ("wgsl/shadow/casting.wgsl", " || (flags & PROXY) != 0u;", ";"),
+            ("wgsl/shadow/choices.wgsl", " || (flags & PROXY) != 0u;", ";"),
             ("src/cpu/shadow/casting.rs", " || !in_depth\n", "\n"),
         ],
         tests: &["--test shadow_gpu proxies"],
@@ -541,7 +541,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "excluded faces: they are left out of averted faces, and count as averted elsewhere",
         changes: &[
             (
-                "wgsl/shadow/multiplicity.wgsl",
+                "wgsl/shadow/side_lists.wgsl",
                 "return select(select(-1, 1, facing), 0, excluded);",
                 "return select(-1, 1, facing);",
             ),
@@ -572,7 +572,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "sides: those of weight 2 are wound the other way",
         changes: &[
-            ("wgsl/shadow/multiplicity.wgsl", "multiplicity > 0);", "multiplicity > 0 && multiplicity < 2);"),
+            ("wgsl/shadow/side_lists.wgsl", "multiplicity > 0);", "multiplicity > 0 && multiplicity < 2);"),
             ("src/cpu/shadow/multiplicity.rs", "multiplicity > 0)", "multiplicity == 1)"),
         ],
         tests: &["--test shadow_gpu"],
@@ -640,7 +640,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "scenes: each batch of casters counts all casters",
-        changes: &[("wgsl/shadow/chosen.wgsl", "== count_batch;", "<= count_batch + shape.count_batches;")],
+        changes: &[("wgsl/shadow/choices.wgsl", "== count_batch;", "<= count_batch + shape.count_batches;")],
         tests: &["--test shadow_gpu"],
     },
     Mutation {

@@ -8,7 +8,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "occluded: a box may reach through the plane",
         changes: &[
-            ("wgsl/scene/occluded.wgsl", "if (!(behind > error)) {", "if (!(behind > error - 2.0 * abs(behind))) {"),
+            ("wgsl/scene/reach.wgsl", "if (!(behind > error)) {", "if (!(behind > error - 2.0 * abs(behind))) {"),
             (
                 "src/cpu/scene/occluded.rs",
                 "self.least(times(-side, cross(u, v)), first) > error",
@@ -21,7 +21,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "occluded: only the middle of a box is looked at",
         changes: &[
             (
-                "wgsl/scene/occluded.wgsl",
+                "wgsl/scene/reach.wgsl",
                 "return dot_of(normal, box.middle - on) - abs(dot_of(normal, box.half_x))",
                 "return dot_of(normal, box.middle - on) - 0.0 * abs(dot_of(normal, box.half_x))",
             ),
@@ -36,7 +36,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "occluded: one edge does not bound",
         changes: &[
-            ("wgsl/scene/occluded.wgsl", "if (!(within > error) ||", "if ((number > 0u && !(within > error)) ||"),
+            ("wgsl/scene/reach.wgsl", "if (!(within > error) ||", "if ((number > 0u && !(within > error)) ||"),
             ("src/cpu/scene/occluded.rs", "let is_within = self.least(", "let is_within = number == 0 || self.least("),
         ],
         tests: TESTS,

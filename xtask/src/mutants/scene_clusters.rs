@@ -49,7 +49,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "scene clusters: bounds at rest hold for positions in buffers",
         changes: &[
             (
-                "wgsl/scene/cluster_words.wgsl",
+                "wgsl/scene/table.wgsl",
                 "return caster_part(caster, 7u).w != NO_CLUSTERS && (caster_part(caster, 4u).w & RIGID) != 0u;",
                 "return caster_part(caster, 7u).w != NO_CLUSTERS;",
             ),

@@ -7,17 +7,14 @@ use naga::{AddressSpace, Module};
 
 use super::*;
 use crate::gpu::depth_map::pipelines::drawn_wgsl;
-use crate::stages::{
-    CAP_FACES, DEFORM, DEPTH_SURFACE, DEPTH_WALLS, MESH_DEPTH, PIECES, SIDES, STAGES, Stage, plain_deform_wgsl,
-};
+use crate::stages::{DEFORM, DEPTH_SURFACE, DEPTH_WALLS, DRAWN, STAGES, Stage};
 
 /// Limits by name.
 type Found = BTreeMap<&'static str, u64>;
 
-/// The subject is the folder of the stage's own file, which is the last one.
+/// The subject is the folder of the stage's file.
 fn subject(stage: &Stage) -> Subject {
-    let own = stage.files.last().expect("a stage has files").0;
-    match own.split_once('/').expect("files lie in folders").0 {
+    match stage.file.split_once('/').expect("files lie in folders").0 {
         // A scene is an extraction of many casters.
         "extract" | "scene" | "polygon" => Subject::Extract,
         "shadow" => Subject::Shadow,
@@ -109,13 +106,9 @@ fn workgroups(subject: Subject) -> u64 {
 fn needed(wanted: Subject) -> Found {
     let mut found = Found::new();
     for stage in STAGES.iter().filter(|stage| subject(stage) == wanted) {
-        let wgsl = if *stage == DEFORM { plain_deform_wgsl() } else { stage.wgsl() };
-        reflect(&mut found, &wgsl, false);
+        reflect(&mut found, &stage.wgsl(), false);
     }
-    for stage in [&SIDES, &CAP_FACES, &PIECES, &DEPTH_SURFACE, &DEPTH_WALLS, &MESH_DEPTH]
-        .into_iter()
-        .filter(|stage| subject(stage) == wanted)
-    {
+    for stage in DRAWN.iter().filter(|stage| subject(stage) == wanted) {
         reflect(&mut found, &stage.wgsl(), true);
     }
     found.entry("max_bind_groups_plus_vertex_buffers").or_default();
@@ -210,7 +203,7 @@ fn is_taken_without_sample_shading(wgsl: &str) -> bool {
 
 #[test]
 fn only_draws_with_several_samples_need_sample_shading() {
-    for stage in STAGES.iter().chain([&SIDES, &CAP_FACES, &PIECES, &MESH_DEPTH]).filter(|stage| **stage != DEFORM) {
+    for stage in STAGES.iter().chain(DRAWN).filter(|stage| ![DEPTH_SURFACE, DEPTH_WALLS].contains(stage)) {
         let is_taken = is_taken_without_sample_shading(&drawn_wgsl(stage, 1));
         assert!(is_taken, "{}", stage.name);
     }

@@ -1,4 +1,7 @@
-// The facing masks that edges of a scene read, and the lists that they are appended to.
+// The facing masks that edges of a scene read, and the lists that they append to. For a single mesh see extract/edge_lists.
+
+#import scene/many_casters
+#import scene/table
 
 @group(0) @binding(2) var<storage, read> facing_masks: array<u32>;
 
