@@ -122,10 +122,10 @@ macro_rules! files {
 
 /// Every WGSL file: its name without `.wgsl`, and its text.
 pub const FILES: &[(&str, &str)] = files![
-    "common/common",
-    "common/cone",
+    "common/casters",
     "common/determinant",
     "common/exact_sign",
+    "common/extraction",
     "common/fixed_sign",
     "common/positions",
     "deform/deform",
@@ -176,6 +176,7 @@ pub const FILES: &[(&str, &str)] = files![
     "polygon/turn",
     "query/depth_arguments",
     "query/exact_shadow_depth",
+    "query/records",
     "query/shadow_boxes",
     "query/shadow_depth",
     "query/shadow_pairs",

@@ -1,11 +1,45 @@
 // Deform: computes morph targets, skin and displacement for the vertices of many instances, from mesh space to world
 // space. A workgroup takes vertices of one instance. Instances that are not needed are left out.
 
-#import common/common
 #if DISPLACED
 #else
 #import deform/displace
 #endif
+
+// A dispatch of the deform stage.
+struct DeformDispatch {
+  // The word in `pose` where the chunks of its workgroups begin, a word each.
+  workgroups: u32,
+  // 0: `displace` is not called.
+  displaced: u32,
+  time: f32,
+  // Instances of the model.
+  instances: u32,
+}
+
+// A run of vertices of one instance, for whole workgroups. Words count from where the dispatch binds the arrays.
+struct DeformChunk {
+  // The number of its first workgroup in the dispatch.
+  first_workgroup: u32,
+  // Vertices.
+  count: u32,
+  // The words of the first vertex in `rest`, `morph`, `skin`, `source_vertices` and `positions`.
+  rest: u32,
+  morph: u32,
+  skin: u32,
+  sources: u32,
+  positions: u32,
+  // The word in `pose` where the matrices begin (12 words each, three rows of four), the word where the active morph
+  // targets begin (two words each, index and weight), and the number of these targets.
+  palette: u32,
+  targets: u32,
+  target_count: u32,
+  // 0: all vertices follow the first matrix of the palette.
+  skinned: u32,
+  // The word in `pose` that is 1 if the positions of the instance are a point, since it was not needed before. So many words
+  // behind it as there are instances, a word is 1 if it is not needed now.
+  before: u32,
+}
 
 @group(0) @binding(0) var<uniform> dispatch: DeformDispatch;
 @group(0) @binding(1) var<storage, read> rest: array<f32>;

@@ -1,7 +1,7 @@
 // Arguments: computes the indirect draw of each light's list. The draw of a list that overflowed goes over all edges.
 // The vertex shader then rejects those that are no silhouettes.
 
-#import common/common
+#import common/extraction
 
 @group(0) @binding(0) var<uniform> shape: DrawShape;
 @group(0) @binding(1) var<storage, read> counts: array<u32>;

@@ -1,7 +1,7 @@
 // Compact: makes lists of silhouette edges for each light, in edge order, from the masks. It has three passes: count
 // the bits of each block of edges, turn the counts into offsets, scatter.
 
-#import common/common
+#import common/extraction
 
 @group(0) @binding(0) var<uniform> chunk: Chunk;
 @group(0) @binding(1) var<storage, read> masks: array<EdgeMasks>;

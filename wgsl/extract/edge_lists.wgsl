@@ -1,7 +1,7 @@
 // What edges read and write of a single mesh: the facing masks, which may span up to four bindings of equal length, and
 // masks and lists of edge records. For a scene see scene/edge_lists.
 
-#import common/common
+#import common/extraction
 #import extract/one_caster
 
 @group(0) @binding(2) var<storage, read> facing_0: array<u32>;

@@ -3,7 +3,7 @@
 // single mesh and a scene; `facing_mask` and `emit` are in facing_windows.wgsl and emit.wgsl, or in
 // scene/scene_lists.wgsl.
 
-#import common/common
+#import common/extraction
 #import interface/caster
 #import interface/edge_lists
 

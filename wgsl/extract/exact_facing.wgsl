@@ -4,9 +4,9 @@
 
 // As in facing.wgsl, one text serves a single mesh and a scene, and lights go by their places.
 
-#import common/common
 #import common/determinant
 #import common/exact_sign
+#import common/extraction
 #import common/fixed_sign
 #import interface/caster
 

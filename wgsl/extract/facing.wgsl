@@ -6,8 +6,8 @@
 // of the positions, and one_item.wgsl or scene/listed_faces.wgsl calls `take_item`. A light's place is its bit for a
 // single mesh. In a scene it is its number among the lights of the caster.
 
-#import common/common
 #import common/determinant
+#import common/extraction
 #import interface/caster
 
 @group(0) @binding(6) var<storage, read> faces: array<u32>;

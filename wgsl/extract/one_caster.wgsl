@@ -3,7 +3,7 @@
 //
 // Expects: `take_item(slot, index)`, where faces or edge records are taken.
 
-#import common/common
+#import common/extraction
 
 @group(0) @binding(0) var<uniform> batch: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;

@@ -2,8 +2,8 @@
 // gathers four positions and tests both faces against every light. It uses the plane equations, as published, or the
 // local form. A face's side is decided again at each of its edges, so loops may fail to close.
 
-#import common/common
 #import common/determinant
+#import common/extraction
 #import common/positions
 #import extract/edge_lists
 #import extract/one_caster

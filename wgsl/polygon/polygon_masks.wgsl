@@ -2,7 +2,7 @@
 // is twisted or in a plane with the light counts nowhere. What is twisted is listed for `cut_edges`, but for the quadrilaterals
 // that `cut_quads` takes. NUMERICS.md, "Outlines".
 
-#import common/common
+#import common/extraction
 #import extract/one_caster
 #import polygon/outlines
 

@@ -1,7 +1,7 @@
 // Depth arguments: computes the indirect dispatch that counts pairs of point and light again, from the length of their
 // list. Then it empties the list.
 
-#import common/common
+#import query/records
 
 @group(0) @binding(0) var<uniform> range: FaceRange;
 @group(0) @binding(1) var<storage, read_write> undecided_pairs: UndecidedPairs;

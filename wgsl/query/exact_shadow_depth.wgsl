@@ -2,9 +2,9 @@
 // point where the numbers fit. Where the line from point to light meets an edge, the tie is broken as if the light were
 // moved by (e, e^2, e^3). NUMERICS.md, "Shadow depth".
 
-#import common/common
 #import common/exact_sign
 #import common/fixed_sign
+#import query/records
 #import query/shadow_pairs
 #import query/shadow_segments
 

@@ -1,8 +1,9 @@
 // Shadow boxes: computes boxes around clusters of 32 faces and groups of 32 clusters. One workgroup takes one group.
 // Floats are compared as integers of the same order, so that no device can flush or round them.
 
-#import common/common
+#import common/extraction
 #import common/positions
+#import query/records
 
 @group(0) @binding(0) var<uniform> batch: LightBatch;
 @group(0) @binding(1) var<uniform> range: FaceRange;

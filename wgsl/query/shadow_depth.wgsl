@@ -2,9 +2,9 @@
 // that it counts once if an odd number of them lie between. One invocation takes one pair of point and light. It notes undecided
 // faces for exact_shadow_depth.wgsl. A pair with too many of them is listed, and exact_shadow_depth.wgsl counts it again.
 
-#import common/common
 #import common/determinant
 #import common/positions
+#import query/records
 #import query/shadow_pairs
 #import query/shadow_segments
 

@@ -1,9 +1,9 @@
 // Decides with f32 bounds whether a face lies between a point and a light. Both stages of the shadow depth query use
 // it. NUMERICS.md, "Shadow depth".
 
-#import common/common
 #import common/determinant
 #import common/positions
+#import query/records
 #import query/shadow_segments
 
 // The largest number of undecided faces that are noted for a pair of point and light.

@@ -1,8 +1,9 @@
 // Segments from points to lights, and tests whether they miss a box. Both stages of the shadow depth query use it.
 // NUMERICS.md, "Shadow depth".
 
-#import common/common
 #import common/determinant
+#import common/extraction
+#import query/records
 
 @group(0) @binding(0) var<uniform> batch: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: PointChunk;

@@ -1,7 +1,8 @@
 // Chunks: lists the chunks of edges of the casters with a light whose list is made anew, in no particular order, but for
 // those without a silhouette for such a light. And notes beside the bits what they are computed from.
 
-#import common/common
+#import common/casters
+#import common/extraction
 #import scene/table
 
 @group(0) @binding(3) var<storage, read> lit: array<u32>;

@@ -1,7 +1,7 @@
 // Clusters: decides whether all faces of a cluster face a light, or none does, for the lights that are taken. Lists the chunks
 // of faces with a bit that is to be tested or changed, in no particular order. NUMERICS.md, "Clusters".
 
-#import common/common
+#import common/casters
 #import scene/many_casters
 #import scene/table
 

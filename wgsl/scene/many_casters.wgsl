@@ -2,7 +2,7 @@
 // for a single mesh. A caster has its lights one after the other, in the order of their bits: a light's place is its
 // number among them.
 
-#import common/common
+#import common/casters
 #import scene/table
 
 // For each batch and caster the lights that the stage takes; `reach` writes it.

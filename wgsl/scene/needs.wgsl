@@ -1,7 +1,7 @@
 // Needs: finds the figures of a scene that a frame needs, from the boxes that the caller states, before they are deformed. A
 // camera may see such a figure, or its shadow from a light that may reach it. NUMERICS.md, "Figures that a frame needs".
 
-#import common/cone
+#import common/casters
 #import shadow/pyramid
 #import shadow/shadow
 

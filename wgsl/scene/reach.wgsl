@@ -3,8 +3,7 @@
 // bits are to be computed, because caster or light changed
 // since.
 
-#import common/common
-#import common/cone
+#import common/casters
 #import scene/table
 
 // For each batch and caster the bits of these lights.

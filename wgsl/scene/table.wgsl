@@ -3,7 +3,7 @@
 // The second is the word of the work lists from which on a word for each figure is 1 if it is not needed; 0: all are. The CPU
 // writes the table for every frame.
 
-#import common/common
+#import common/casters
 
 // The lights of a caster in a batch.
 struct CasterLights {

@@ -3,7 +3,7 @@
 //
 // Expects: `take_item(slot, index)`, which decides a face or an edge record.
 
-#import common/common
+#import common/casters
 #import scene/many_casters
 #import scene/table
 

@@ -1,7 +1,7 @@
 // Bounds: computes the box of each caster's finite faces, for `choose`, and whether it has other faces. Floats are compared
 // as integers of the same order.
 
-#import common/common
+#import common/casters
 #import shadow/caster
 #import shadow/choices
 #import shadow/shadow

@@ -3,7 +3,7 @@
 // projected from the light onto that plane. z-fail has light and dark caps. z-pass and ZP+ have light caps of casters that
 // are not in the depth buffer, and dark caps where volumes end; their lists are the same.
 
-#import common/common
+#import common/casters
 #import shadow/caster
 #import shadow/choices
 #import shadow/polygon

@@ -2,7 +2,7 @@
 // rectangle. With z-fail, where volumes end at the range, and for casters that are not in the depth buffer, caps come from
 // every face that casts. Excluded faces have no caps.
 
-#import common/common
+#import common/casters
 #import shadow/caster
 #import shadow/choices
 #import shadow/pyramid

@@ -3,7 +3,7 @@
 //
 // Expects: `shape`, and as far as functions are used `table`, the table of casters; `boxes`, the boxes of casters; `positions`.
 
-#import common/common
+#import common/casters
 #import shadow/shadow
 
 // Whether there may be several casters. If not, all slots are those of the first caster, which is in world space.

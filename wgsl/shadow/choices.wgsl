@@ -2,7 +2,7 @@
 //
 // Expects: `shape`, and `table`, the table of casters, for lights as casters choose for them.
 
-#import common/common
+#import common/casters
 #import shadow/caster
 #import shadow/shadow
 

@@ -1,7 +1,7 @@
 // Choose: chooses for each caster and light the faces of the caster that cast and the counting method, from the caster's box
 // alone. This is cheap and settles most casters. `caps` takes those that may need caps.
 
-#import common/common
+#import common/casters
 #import shadow/caster
 #import shadow/choices
 #import shadow/pyramid

@@ -1,7 +1,8 @@
 // List sides: lists the edges whose sides are drawn, for each light, with the winding of the side. It goes over the light's
 // silhouettes. Where their list overflowed, or faces may be excluded, it goes over all edges.
 
-#import common/common
+#import common/casters
+#import common/extraction
 #import shadow/caster
 #import shadow/choices
 #import shadow/shadow

@@ -1,9 +1,22 @@
 // Piece arguments: computes the indirect draws of the pieces of L-twisted polygons, from what was chosen for their caster.
 
-#import common/common
+#import common/extraction
 #import shadow/choices
 #import shadow/piece_lists
 #import shadow/shadow
+
+// The draws of the pieces of a light's L-twisted polygons.
+struct PieceDraws {
+  // Sides that are not clipped, and sides clipped at the near plane.
+  plain: DrawArguments,
+  clipped: DrawArguments,
+  // Near caps that count up on their front, or on their back.
+  near_front: DrawArguments,
+  near_back: DrawArguments,
+  // Caps at the polygon, and at the far end.
+  light_cap: DrawArguments,
+  dark_cap: DrawArguments,
+}
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of this batch, and the view.

@@ -1,7 +1,6 @@
 // Relist: finds the lights of a group of casters whose lists for a view are made anew, because the silhouettes or the camera
 // changed since, and empties these lists. It writes what the lists will be made from.
 
-#import common/common
 #import shadow/choices
 #import shadow/shadow
 

@@ -2,7 +2,33 @@
 // are V itself, its far vertex at infinity, and its projection from the light onto the near plane. NUMERICS.md, "Shadow
 // volumes".
 
-#import common/common
+#import common/casters
+
+struct ShadowStatistics {
+  // Pairs of caster and light that are skipped: the light does not reach the caster, or the camera cannot see the shadow.
+  skipped: atomic<u32>,
+  // Pairs for which every face casts.
+  every_face: atomic<u32>,
+  // Lights with a near cap.
+  capped: atomic<u32>,
+  // Lights with a list of cap faces that overflowed.
+  overflowed_caps: atomic<u32>,
+  // Lights with a list of sides that overflowed.
+  overflowed_sides: atomic<u32>,
+  // Pairs whose volume ends at the light's range.
+  ended: atomic<u32>,
+  // An upper bound of all stencil counts, for any light, and the lights whose bound exceeds 8 bits. 0 unless asked for.
+  count_bound: atomic<u32>,
+  may_wrap: atomic<u32>,
+  // Groups of casters, lights and views whose lists were kept.
+  kept_lists: atomic<u32>,
+  // Of the pairs that are skipped, those whose volume no receiver can be in.
+  hidden: atomic<u32>,
+  // And those whose box the light does not reach.
+  unreached: atomic<u32>,
+  // Pieces of L-twisted polygons that there was no room for. Where they would be, shadows are wrong.
+  lost_pieces: atomic<u32>,
+}
 
 // The caller's camera, as a caster sees it. The camera's frame has the world's axes and the camera's origin at 0.
 struct ShadowView {

@@ -1,8 +1,24 @@
 // Shadow arguments: computes the indirect draws of each light's volumes. The draws of lists that overflowed go over all
 // edges or faces. The vertex shader then rejects those that do not belong.
 
-#import common/common
+#import common/extraction
 #import shadow/shadow
+
+// The draws of one light's shadow volume.
+struct ShadowDraws {
+  // Sides that are not clipped, and sides clipped at the near plane, or sides of ZP+ as published.
+  plain: DrawArguments,
+  clipped: DrawArguments,
+  // Near caps that count up on their front, and on their back.
+  near_front: DrawArguments,
+  near_back: DrawArguments,
+  // Light and dark caps of z-fail, likewise. With z-pass, the dark caps of volumes that end.
+  far_front: DrawArguments,
+  far_back: DrawArguments,
+  // With z-pass and ZP+, the light caps of casters that are not in the depth buffer.
+  light_front: DrawArguments,
+  light_back: DrawArguments,
+}
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of this batch, and the view.

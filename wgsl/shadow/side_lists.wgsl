@@ -2,7 +2,7 @@
 //
 // Expects: `shape`, and for the number of copies of a side `edge_faces`, `facing_masks` and `excluded_masks`.
 
-#import common/common
+#import common/extraction
 #import shadow/caster
 #import shadow/shadow
 

@@ -2,7 +2,8 @@
 // leaves clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with the near cap has
 // equal bits. `zp_plus_2005_side` is the side as published in 2005. The first two may be trimmed.
 
-#import common/common
+#import common/casters
+#import common/extraction
 #import shadow/caster
 #import shadow/choices
 #import shadow/polygon

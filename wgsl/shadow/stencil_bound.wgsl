@@ -2,7 +2,6 @@
 // that count may not suffice. No count exceeds half of the weights that its half plane crosses, plus the faces of casters that the axis of
 // the pencil may meet. A workgroup takes a light of a batch in a view.
 
-#import common/common
 #import shadow/pencil
 #import shadow/shadow
 

@@ -2,7 +2,7 @@
 // of sides of a batch of lights in a view. Where the lists of a light overflowed, it goes over all edges, with the largest
 // weight that each may have.
 
-#import common/common
+#import common/extraction
 #import shadow/caster
 #import shadow/choices
 #import shadow/crossings

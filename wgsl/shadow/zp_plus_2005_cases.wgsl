@@ -2,7 +2,7 @@
 // D). The published method leaves such a caster and light to z-fail. A workgroup takes one light of the batch. It is for a
 // single caster, the first.
 
-#import common/common
+#import common/extraction
 #import shadow/caster
 #import shadow/choices
 #import shadow/shadow

@@ -262,7 +262,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "cones: rounding is forgotten",
         changes: &[
-            ("wgsl/common/cone.wgsl", "const CONE_SLACK: f32 = 0x1p-14;", "const CONE_SLACK: f32 = 0.0;"),
+            ("wgsl/common/casters.wgsl", "const CONE_SLACK: f32 = 0x1p-14;", "const CONE_SLACK: f32 = 0.0;"),
             (
                 "src/cpu/common/cone.rs",
                 "const SLACK: f32 = f32::from_bits((127 - 14) << 23);",
@@ -274,7 +274,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "cones: those of more than a right angle are as others",
         changes: &[
-            ("wgsl/common/cone.wgsl", "if (cosine < 0.0) {", "if (cosine < -2.0) {"),
+            ("wgsl/common/casters.wgsl", "if (cosine < 0.0) {", "if (cosine < -2.0) {"),
             ("src/cpu/common/cone.rs", "if cosine < 0.0 {", "if cosine < -2.0 {"),
         ],
         tests: &["--test scene_gpu cone"],
@@ -282,7 +282,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "cones: a plane across the middle separates beside the cone, too",
         changes: &[
-            ("wgsl/common/cone.wgsl", "along < -sine * distance", "along < 0.5 * distance"),
+            ("wgsl/common/casters.wgsl", "along < -sine * distance", "along < 0.5 * distance"),
             ("src/cpu/common/cone.rs", "along < -sine * distance", "along < 0.5 * distance"),
         ],
         tests: &["--test scene_gpu cone"],

@@ -1,6 +1,66 @@
-// The cones of spot lights. NUMERICS.md, "Cones of lights".
+// The casters of a scene as the table has them, and the cones of lights. src/layout.rs has the same structs, which a test holds
+// equal.
 
-#import common/common
+// Slots of a chunk, which are those of one caster.
+const CHUNK: u32 = 64u;
+
+// Invocations that share a chunk.
+const LANES: u32 = 8u;
+
+// Flags of a caster.
+const CLOSED: u32 = 1u;
+const MIRRORED: u32 = 2u;
+const RIGID: u32 = 4u;
+const HOLED: u32 = 8u;
+const EXCLUDING: u32 = 16u;
+const PROXY: u32 = 128u;
+const BOUNDED: u32 = 256u;
+
+// The word of a scene's counts of silhouettes that tells whether a light was in the plane of a face whose bits are kept.
+const KEPT_ZEROS: u32 = 32u;
+
+// A caster in the table of casters. Slots are places in the masks of what is drawn together; other places are in the buffers
+// of the mesh.
+struct SceneCaster {
+  // Rows of the matrix from mesh space to world space.
+  row_0: vec4<f32>,
+  row_1: vec4<f32>,
+  row_2: vec4<f32>,
+  // The box of the finite faces, in mesh space, or a box that the caller states. Low is above high if there is none.
+  low: vec3<f32>,
+  // At most the smallest factor by which the matrix scales a length.
+  scale: f32,
+  high: vec3<f32>,
+  // Bits: 1 closed; 2 mirrored; 4 rigid, so lights are moved to its mesh space and the box is known; 8 a face is not finite;
+  // 16 the caller excludes faces; 32 positions may have changed; 64 the caller excludes faces of a caster of the group; 128
+  // not in the depth buffer; 256 the box is one that the caller states, in world space.
+  flags: u32,
+  first_face_slot: u32,
+  faces: u32,
+  first_face: u32,
+  // The word of vertex 0 in the bound positions.
+  position_offset: u32,
+  first_edge_slot: u32,
+  edges: u32,
+  first_edge: u32,
+  // Words from one vertex to the next.
+  position_stride: u32,
+  // The encode that was the first to have it as it is, and its group of casters.
+  version: u32,
+  group: u32,
+  // The first caster of the group.
+  first_caster: u32,
+  // Of a rigid caster the word of the page's clusters where those of its mesh begin, or NO_CLUSTERS. Of another its number
+  // among the figures that may not be needed, counted from 1, or 0 if it is none.
+  clusters_or_figure: u32,
+}
+
+// A light's cone, in world space: the apex and 1 (0: the light has no cone), the axis of length 1 and the cosine of the angle from the
+// axis to the border.
+struct LightCone {
+  apex: vec4<f32>,
+  axis: vec4<f32>,
+}
 
 // What is larger or smaller may overflow or underflow, and nothing is said.
 const CONE_LARGEST: f32 = 0x1p60;
