@@ -132,9 +132,11 @@ pub const CUT_EDGES: Stage = Stage {
         "polygon/turn_value",
         "polygon/work",
         "polygon/list_pieces",
+        "polygon/cuts",
+        "polygon/cut_order",
         "polygon/cut_edges"
     ],
-    entry_points: &["cut_edges"],
+    entry_points: &["cut_edges", "cut_edges_rank", "cut_edges_before", "cut_edges_list"],
 };
 /// Finds that of quadrilaterals of which no sign is in doubt.
 pub const CUT_QUADS: Stage = Stage {

@@ -11,7 +11,7 @@ struct Work {
 
 fn work_of(outline: OutlineRange, part: u32, lights: u32, lane: u32) -> Work {
   var work: Work;
-  work.is_large = outline.count > SMALL_OUTLINE;
+  work.is_large = is_large(outline);
   work.index = part & 0xffffu;
   work.place = part >> 16u;
   if (!work.is_large) {
