@@ -12,7 +12,7 @@ pub mod layout {
 
 /// How many turns the loops of each entry point have.
 pub mod turns {
-    pub use crate::turns::{EXACT_ITEMS, MOST_TURNS, TURNS, UNBOUNDED, limits, scene_exact_items};
+    pub use crate::turns::{EXACT_ITEMS, MOST_TURNS, TURNS, limits, scene_exact_items};
 }
 
 /// Cameras and lights as the GPU sees them, and the codes of the choices that the GPU makes.

@@ -61,7 +61,7 @@ stages! {
     OUTLINE = polygon / outline;
     POLYGON_MASKS = polygon / polygon_masks;
     EDGES = extract / edges;
-    CUT_EDGES = polygon / cut_edges;
+    CUT_EDGES = polygon / cut_edges: cut_edges, cut_edges_rank, cut_edges_before, cut_edges_list;
     CUT_QUADS = polygon / cut_quads;
     PER_EDGE = extract / per_edge;
     COMPACT = extract / compact: compact_count, compact_scan, compact_scatter;
@@ -165,7 +165,9 @@ pub const FILES: &[(&str, &str)] = files![
     "interface/caster",
     "interface/edge_lists",
     "polygon/cut_edges",
+    "polygon/cut_order",
     "polygon/cut_quads",
+    "polygon/cuts",
     "polygon/list_pieces",
     "polygon/outline",
     "polygon/outlines",

@@ -70,8 +70,10 @@ pub fn limits(lights: u32, exact_items: u32) -> std::collections::BTreeMap<&'sta
         ("TILE_NODES", 2 * (256 + 32)),
         ("TILE_WALLS", 2048),
         ("OUTLINE_EDGES", 1024),
-        // A workgroup of 64 shares the edges and triangles of a large outline.
-        ("CUT_ITEMS", (1024 + POLYGON_TRIANGLES as u64) / 64),
+        // An invocation takes all edges and triangles of a small outline, 32 of each, and 64 of them share those of a large one: of
+        // 1,024 edges with 2,048 triangles 16 and 32. An edge has four turns and a triangle seven.
+        ("CUT_ITEMS", 32 + 32),
+        ("CUT_TESTS", 4 * 32 + 7 * 32),
     ])
 }
 
@@ -87,6 +89,10 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("outline", "outline", 32_876),
     ("polygon_masks", "polygon_masks", 34_898),
     ("edges", "edges", 66),
+    ("cut_edges", "cut_edges", 58_408),
+    ("cut_edges", "cut_edges_rank", 53_095),
+    ("cut_edges", "cut_edges_before", 1_315),
+    ("cut_edges", "cut_edges_list", 46),
     ("cut_quads", "cut_quads", 1_328),
     ("per_edge", "per_edge", 60),
     ("compact", "compact_count", 42),
@@ -147,6 +153,3 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("depth_surface", "depth_near_cap_fragment", 83),
     ("depth_walls", "depth_walls_near_cap_fragment", 8_477),
 ];
-/// Entry points of which the turns have no bound.
-#[cfg(feature = "reference")]
-pub const UNBOUNDED: &[&str] = &["cut_edges"];

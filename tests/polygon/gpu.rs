@@ -1,5 +1,6 @@
 //! Polygons on the GPU. Without an adapter these tests fail; they are never passed over.
 
+mod cut_limits;
 mod depths;
 mod lights;
 mod limits;
@@ -10,6 +11,6 @@ mod zero;
 use rimline_measure::harness;
 
 fn main() {
-    let tests = [stages::TESTS, query_stages::TESTS, zero::TESTS, limits::TESTS];
+    let tests = [stages::TESTS, query_stages::TESTS, zero::TESTS, limits::TESTS, cut_limits::TESTS];
     harness::run(harness::gpu_trials(tests.into_iter().flatten().copied()));
 }

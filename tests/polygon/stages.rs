@@ -97,14 +97,31 @@ fn masks() -> Result<(), String> {
 }
 
 /// A piece as the GPU lists it: where it begins and ends, and the middle of its polygon.
-type Listed = [[f32; 3]; 3];
+pub(crate) type Listed = [[f32; 3]; 3];
 
-fn listed(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> Result<Vec<Vec<Listed>>, String> {
+fn extracted(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> Result<Extractor, String> {
     let options = ExtractorOptions { max_lights: lights.len(), ..ExtractorOptions::default() };
     let buffer = gpu.storage(&set.positions);
     let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     gpu.submit(|encoder| extractor.encode(encoder, positions, lights, None).map_err(text))?;
+    Ok(extractor)
+}
+
+/// How many pieces each of up to 32 lights has, and how many there is room for.
+pub(crate) fn piece_counts(
+    gpu: &Gpu,
+    set: &PolygonSet,
+    mesh: &Mesh,
+    lights: &[Light],
+) -> Result<(Vec<u32>, u32), String> {
+    let extractor = extracted(gpu, set, mesh, lights)?;
+    let buffer = extractor.pieces().first().ok_or("no pieces")?;
+    Ok((gpu.read(buffer, lights.len())?, extractor.piece_capacity()))
+}
+
+pub(crate) fn listed(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> Result<Vec<Vec<Listed>>, String> {
+    let extractor = extracted(gpu, set, mesh, lights)?;
     let capacity = extractor.piece_capacity() as usize;
     let mut lists = Vec::new();
     for (batch, buffer) in extractor.pieces().iter().enumerate() {
@@ -123,7 +140,7 @@ fn listed(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> Result<
 }
 
 /// As many pieces begin at each point, bit for bit, as end there.
-fn check_closed(pieces: &[Listed]) -> Result<(), String> {
+pub(crate) fn check_closed(pieces: &[Listed]) -> Result<(), String> {
     let mut balance = BTreeMap::<[u32; 3], i32>::new();
     for [from, to, _] in pieces {
         *balance.entry(from.map(|c| (c + 0.0).to_bits())).or_default() += 1;
@@ -172,7 +189,12 @@ fn length(v: [f64; 3]) -> f64 {
 }
 
 /// The pieces of the twin are there, each once and no other, within rounding.
-fn check_listed(found: &[Listed], expected: &[Piece], outline: &Outline, light: Light) -> Result<(), String> {
+pub(crate) fn check_listed(
+    found: &[Listed],
+    expected: &[Piece],
+    outline: &Outline,
+    light: Light,
+) -> Result<(), String> {
     if found.len() != expected.len() {
         return Err(format!("{} pieces, expected {}", found.len(), expected.len()));
     }

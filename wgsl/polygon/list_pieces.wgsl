@@ -66,13 +66,18 @@ fn take_room(light: u32, count: u32) -> u32 {
   return atomicAdd(&pieces.counts[light], count);
 }
 
+// Where the words of a piece are.
+fn piece_at(light: u32, place: u32) -> u32 {
+  return PIECE_WORDS * (light * chunk.capacity + place);
+}
+
 // Writes a piece from one place to another, or the other way round, so that what is dark is on its left. A place past the end of
 // the list is left out.
 fn write_piece(light: u32, place: u32, from_end: vec3<u32>, to_end: vec3<u32>, is_turned: bool, middle: vec3<u32>) {
   if (place >= chunk.capacity) {
     return;
   }
-  let at = PIECE_WORDS * (light * chunk.capacity + place);
+  let at = piece_at(light, place);
   let first = select(from_end, to_end, is_turned);
   let second = select(to_end, from_end, is_turned);
   for (var axis = 0u; axis < 3u; axis++) {

@@ -11,15 +11,20 @@
 
 const ONE_LOOP: u32 = 0x80000000u;
 
-// Words of the head: three indirect dispatches, each with the number of its items behind it. The first is over records, the second
-// over entries. `polygon_masks` makes entries of its own, for `cut_edges`: the third is over them.
+// Words of the head: four indirect dispatches, each with the number of its items behind it. The first is over records, the second
+// over entries. `polygon_masks` makes entries of its own, for `cut_edges`: the third is over them. That lists cuts: the fourth is
+// over groups of these, which are in the list of one light.
 const RECORD_WORKGROUPS: u32 = 0u;
 const RECORD_COUNT: u32 = 3u;
 const WORKGROUPS: u32 = 4u;
 const ENTRY_COUNT: u32 = 7u;
 const CUT_WORKGROUPS: u32 = 8u;
 const CUT_COUNT: u32 = 11u;
-const UNDECIDED_HEAD: u32 = 12u;
+const ROW_WORKGROUPS: u32 = 12u;
+const ROW_COUNT: u32 = 15u;
+const UNDECIDED_HEAD: u32 = 16u;
+// Cuts of a group.
+const GROUP_CUTS: u32 = 8u;
 
 // Words of a record: the polygon, with the highest bit if a corner is not finite, and its undecided lights; then what is found for
 // each of these lights. Then the lights for which a quadrilateral is L-twisted as `f32` tells, and those for which its turns at
@@ -37,7 +42,8 @@ const TURN_0: u32 = 8u;
 const TURN_1: u32 = 9u;
 const NOT_FINITE: u32 = 0x80000000u;
 
-// Outlines up to this number of edges are decided by an invocation for each edge and light, and larger ones by a workgroup.
+// Outlines up to this number of edges, of polygons up to as many triangles, are decided by an invocation for each edge and light,
+// and larger ones by a workgroup.
 const SMALL_OUTLINE: u32 = 32u;
 const OUTLINE_LANES: u32 = 64u;
 // The edges and lights of an entry of a small outline.
@@ -63,6 +69,10 @@ fn outline_of(polygon: u32) -> OutlineRange {
   return OutlineRange(chunk.count + 1u + first, (next.x & ~ONE_LOOP) - first, own.x >= ONE_LOOP, own.y, next.y);
 }
 
+fn is_large(outline: OutlineRange) -> bool {
+  return max(outline.count, outline.end_triangle - outline.first_triangle) > SMALL_OUTLINE;
+}
+
 fn record_at(number: u32) -> u32 {
   return UNDECIDED_HEAD + RECORD_WORDS * number;
 }
@@ -86,8 +96,9 @@ fn write_entry(place: u32, number: u32, part: u32) {
 }
 
 // Lists what is to do for some lights of a record: of a small outline runs of edges and lights, of a large one each edge and light.
-fn list_work(number: u32, edges: u32, lights: u32, count_at: u32, workgroups_at: u32) {
-  if (edges > SMALL_OUTLINE) {
+fn list_work(number: u32, outline: OutlineRange, lights: u32, count_at: u32, workgroups_at: u32) {
+  let edges = outline.count;
+  if (is_large(outline)) {
     var place = allot(count_at, workgroups_at, edges * countOneBits(lights));
     for (var rest = lights; rest != 0u; rest &= rest - 1u) {
       // Turns: OUTLINE_EDGES.
@@ -153,7 +164,7 @@ struct Work {
 
 fn work_of(outline: OutlineRange, part: u32, lights: u32, lane: u32) -> Work {
   var work: Work;
-  work.is_large = outline.count > SMALL_OUTLINE;
+  work.is_large = is_large(outline);
   work.index = part & 0xffffu;
   work.place = part >> 16u;
   if (!work.is_large) {

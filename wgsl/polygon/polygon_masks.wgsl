@@ -60,7 +60,7 @@ fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let cut = masks.twisted & ~quad;
     atomicStore(&undecided[at + LIGHTS], cut);
     if (cut != 0u) {
-      list_work(number, outline.count, cut, CUT_COUNT, CUT_WORKGROUPS);
+      list_work(number, outline, cut, CUT_COUNT, CUT_WORKGROUPS);
     }
   }
 }

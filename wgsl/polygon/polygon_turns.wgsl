@@ -171,7 +171,7 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     atomicStore(&undecided[at + TURN_0], decided.turn_0);
     atomicStore(&undecided[at + TURN_1], decided.turn_1);
     if (is_finite && left != 0u) {
-      list_work(number, outline.count, left, ENTRY_COUNT, WORKGROUPS);
+      list_work(number, outline, left, ENTRY_COUNT, WORKGROUPS);
     }
   }
 }

@@ -122,7 +122,7 @@ pub(crate) const AT_LEAST: [Need; 19] = [
     need!(max_compute_workgroup_size_x, [256, 256, 64, 256, 256]),
     need!(max_compute_workgroup_size_y, [1; 5]),
     need!(max_compute_workgroup_size_z, [1; 5]),
-    need!(max_compute_workgroup_storage_size, [13952, 48, 1024, 0, 1024]),
+    need!(max_compute_workgroup_storage_size, [1536, 48, 1024, 0, 1024]),
     need!(max_storage_buffers_per_shader_stage, [8, 8, 8, 6, 5]),
     need!(max_sampled_textures_per_shader_stage, [0, 1, 0, 0, 12]),
     need!(max_storage_textures_per_shader_stage, [0, 0, 0, 0, 2]),

@@ -9,22 +9,24 @@ use crate::gpu::common::memory::{buffer, filled};
 use crate::mesh::Polygons;
 use crate::turns::POLYGON_TRIANGLES;
 
-/// The largest number of edges of an outline that is decided by an invocation for each edge and light, as in
-/// `outlines.wgsl`. The other constants are there, too.
+/// The largest number of edges of an outline that is decided by an invocation for each edge and light, and of triangles of its
+/// polygon, as in `outlines.wgsl`. The other constants are there, too.
 const SMALL_OUTLINE: usize = 32;
 const ENTRY_EDGES: usize = 4;
 const ENTRY_LIGHTS: usize = 16;
-pub(super) const HEAD_WORDS: u64 = 12;
+pub(super) const HEAD_WORDS: u64 = 16;
 const RECORD_WORDS: u64 = 10;
-/// Bytes of the head before the arguments of the indirect dispatches over records, over entries, and over those of `cut_edges`.
+/// Bytes of the head before the arguments of the indirect dispatches over records, over entries, over those of `cut_edges`, and over
+/// cuts.
 pub(super) const RECORD_WORKGROUPS: u64 = 0;
 pub(super) const WORKGROUPS: u64 = 16;
 pub(super) const CUT_WORKGROUPS: u64 = 32;
+pub(super) const ROW_WORKGROUPS: u64 = 48;
 const ONE_LOOP: u32 = 1 << 31;
 /// Bytes of the arguments of an indirect dispatch.
 pub(super) const ARGUMENTS: u64 = 12;
 /// The head before an encode. No dispatch has workgroups; those over records have one row.
-const HEAD: [u32; HEAD_WORDS as usize] = [0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0];
+const HEAD: [u32; HEAD_WORDS as usize] = [0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0];
 /// Counts before the lists of pieces, and words of a piece.
 pub(crate) const PIECE_COUNTS: u64 = 32;
 pub(crate) const PIECE_WORDS: u64 = 9;
@@ -64,7 +66,7 @@ impl PolygonShape {
             }
             outline_edges += edges;
             let small = edges.div_ceil(ENTRY_EDGES) * lights.div_ceil(ENTRY_LIGHTS);
-            entries += if edges <= SMALL_OUTLINE { small } else { edges * lights } as u64;
+            entries += if edges.max(triangles) <= SMALL_OUTLINE { small } else { edges * lights } as u64;
             // Every edge but its two neighbours may cut an edge.
             pieces += (edges * edges.saturating_sub(2)) as u64;
         }

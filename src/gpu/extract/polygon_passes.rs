@@ -3,7 +3,7 @@
 
 use super::bind_groups::BindGroupBuilder;
 use super::polygon_buffers::{
-    ARGUMENTS, CUT_WORKGROUPS, HEAD_WORDS, PIECE_COUNTS, PolygonBuffers, RECORD_WORKGROUPS, WORKGROUPS,
+    ARGUMENTS, CUT_WORKGROUPS, HEAD_WORDS, PIECE_COUNTS, PolygonBuffers, RECORD_WORKGROUPS, ROW_WORKGROUPS, WORKGROUPS,
 };
 use crate::gpu::common::dispatch_limits::WORKGROUP;
 use crate::gpu::common::pass::{Dispatch, Pass};
@@ -21,8 +21,17 @@ pub(super) struct PolygonPasses {
     turns: Pass,
     outline: Pass,
     masks: Pass,
-    /// With lists: what no sign of is in doubt, and the others.
-    cut: Option<[Pass; 2]>,
+    cut: Option<CutPasses>,
+}
+
+/// The stages that list pieces, if there are lists.
+#[derive(Debug)]
+struct CutPasses {
+    edges: Pass,
+    /// What follows from the cuts that this finds.
+    rows: Vec<Pass>,
+    /// Quadrilaterals of which no sign is in doubt. Their pieces are behind the others, in places that have no cuts.
+    quads: Pass,
 }
 
 impl PolygonPasses {
@@ -40,9 +49,10 @@ impl PolygonPasses {
             let one = |dispatch: &Dispatch| Dispatch { workgroups, indirect: indirect.clone(), ..dispatch.clone() };
             Pass { pipeline, dispatches: dispatches.iter().map(one).collect() }
         };
-        let compute = |stage: &Stage, constants: &[(&'static str, f64)]| {
-            binder.pipelines.compute(stage, stage.entry_points.first().copied().unwrap_or(stage.name), constants)
+        let entry = |stage: &Stage, entry_point, constants: &[(&'static str, f64)]| {
+            binder.pipelines.compute(stage, entry_point, constants)
         };
+        let compute = |stage: &Stage, constants: &[(&'static str, f64)]| entry(stage, stage.name, constants);
         let mut masks = pass(compute(&POLYGON_MASKS, &[row]), Some(RECORD_WORKGROUPS));
         for dispatch in &mut masks.dispatches {
             let resources = resources(binder, &masks.pipeline, dispatch);
@@ -54,11 +64,13 @@ impl PolygonPasses {
             turns: pass(compute(&POLYGON_TURNS, &windows), Some(RECORD_WORKGROUPS)),
             outline: pass(compute(&OUTLINE, &windows), Some(WORKGROUPS)),
             masks,
-            cut: has_pieces.then(|| {
-                [
-                    pass(compute(&CUT_QUADS, &windows), Some(RECORD_WORKGROUPS)),
-                    pass(compute(&CUT_EDGES, &windows), Some(CUT_WORKGROUPS)),
-                ]
+            cut: has_pieces.then(|| CutPasses {
+                edges: pass(compute(&CUT_EDGES, &windows), Some(CUT_WORKGROUPS)),
+                rows: CUT_EDGES.entry_points[1..]
+                    .iter()
+                    .map(|name| pass(entry(&CUT_EDGES, name, &windows), Some(ROW_WORKGROUPS)))
+                    .collect(),
+                quads: pass(compute(&CUT_QUADS, &windows), Some(RECORD_WORKGROUPS)),
             }),
         })
     }
@@ -74,9 +86,8 @@ impl PolygonPasses {
         positions: &wgpu::Buffer,
         bound: &BoundPositions,
     ) {
-        for pass in
-            [&mut self.facing, &mut self.turns, &mut self.outline].into_iter().chain(self.cut.iter_mut().flatten())
-        {
+        let cut = self.cut.iter_mut().flat_map(|cut| [&mut cut.edges, &mut cut.quads].into_iter().chain(&mut cut.rows));
+        for pass in [&mut self.facing, &mut self.turns, &mut self.outline].into_iter().chain(cut) {
             for dispatch in &mut pass.dispatches {
                 let mut resources = resources(binder, &pass.pipeline, dispatch);
                 resources.extend(bound.bindings(positions));
@@ -107,10 +118,10 @@ impl PolygonPasses {
         self.masks.record(encoder, batches.clone(), timer.as_deref_mut());
         if let (Some(cut), Some(pieces)) = (&self.cut, buffers.pieces.get(batch)) {
             encoder.clear_buffer(pieces, 0, Some(4 * PIECE_COUNTS));
-            let [quads, edges] = cut;
-            quads.record(encoder, batches.clone(), timer.as_deref_mut());
             arguments(encoder, CUT_WORKGROUPS);
-            edges.record(encoder, batches, timer);
+            cut.edges.record(encoder, batches.clone(), timer.as_deref_mut());
+            arguments(encoder, ROW_WORKGROUPS);
+            Pass::record_all(cut.rows.iter().chain([&cut.quads]), encoder, batches, timer);
         }
     }
 }

@@ -108,7 +108,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "polygon touches: edges in line cut others in the contrary order",
         changes: &[
             (
-                "wgsl/polygon/cut_edges.wgsl",
+                "wgsl/polygon/cut_order.wgsl",
                 "select(is_first == (signs[0] == right_of(f)),",
                 "select(is_first != (signs[0] == right_of(f)),",
             ),
@@ -123,7 +123,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "polygon touches: ends at one point are in any order",
         changes: &[
-            ("wgsl/polygon/cut_edges.wgsl", "return select(of_g.x + of_g.y != signs[0],", "return select(j < i,"),
+            ("wgsl/polygon/cut_order.wgsl", "return select(of_g.x + of_g.y != signs[0],", "return select(j < i,"),
             ("src/cpu/polygon/cut_edges.rs", "return of_j[0] + of_j[1] != of_end,", "return j < i && of_end != 7,"),
         ],
         tests: STAGES,
@@ -132,7 +132,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "polygon touches: three edges never cross in one point",
         changes: &[
             (
-                "wgsl/polygon/cut_edges.wgsl",
+                "wgsl/polygon/cut_order.wgsl",
                 "any(abs(apart) <= vec3<f32>(ONE_POINT))",
                 "any(abs(apart) <= vec3<f32>(-ONE_POINT))",
             ),

@@ -1,0 +1,185 @@
+//! L-twisted outlines with as many cuts as the GPU takes. llvmpipe ends an invocation's loops after 65,535 turns without a word, so
+//! pieces are compared with the twin's. NUMERICS.md, "Turns of loops" and "Shadows of twisted polygons".
+
+use rimline::gpu::MAX_OUTLINE_EDGES;
+use rimline::mesh::Weld;
+use rimline::reference::cpu::{Outline, Piece, PieceEnd, cut_edges};
+use rimline::{Light, Mesh};
+
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::polygons::PolygonSet;
+use rimline_measure::random::Random;
+use rimline_measure::{must_fail, same};
+
+use crate::stages::{Listed, check_closed, check_listed, listed, piece_counts};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("pieces_of_coordinates_of_all_sizes", of_all_sizes),
+    ("pieces_of_the_most_cuts_that_turns_order", most_ordered),
+    ("pieces_of_the_most_cuts_of_an_edge", most_cuts),
+    ("pieces_that_there_is_room_for", most_pieces),
+    ("more_cuts_than_there_is_room_for_are_counted", too_many),
+];
+
+/// The most cuts of an edge that turns order, as in `cut_edges.wgsl`.
+const MOST_ORDERED: usize = 256;
+
+struct Loop {
+    set: PolygonSet,
+    mesh: Mesh,
+    light: Light,
+}
+
+impl Loop {
+    fn new(corners: Vec<[f32; 3]>, light: [f32; 3]) -> Result<Self, String> {
+        let mut set = PolygonSet::default();
+        set.push_points(&[corners]);
+        let mesh = set.mesh(Weld::Position).map_err(text)?;
+        Ok(Self { set, mesh, light: Light::directional(light) })
+    }
+
+    fn outline(&self) -> Result<Outline, String> {
+        let polygons = self.mesh.polygons().ok_or("no polygons")?;
+        Outline::new(polygons.outline(0), &self.set.positions).ok_or_else(|| "not finite".to_owned())
+    }
+
+    fn expected(&self) -> Result<Vec<Piece>, String> {
+        let triangles: Vec<_> =
+            self.mesh.faces().iter().map(|face| face.map(|v| self.set.positions[v as usize])).collect();
+        Ok(cut_edges(&self.outline()?, &triangles, self.light.to_array()))
+    }
+
+    fn found(&self, gpu: &Gpu) -> Result<Vec<Listed>, String> {
+        listed(gpu, &self.set, &self.mesh, &[self.light])?.pop().ok_or_else(|| "no list".to_owned())
+    }
+}
+
+/// The most cuts of an edge.
+fn cuts_of_an_edge(pieces: &[Piece]) -> usize {
+    pieces.chunk_by(|one, other| one.edge == other.edge).map(|pieces| pieces.len() - 1).max().unwrap_or(0)
+}
+
+/// Corners in one plane with the light but for one, so that turns are those of the moved light, and integers decide them.
+fn of_all_sizes() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    for count in [24, 200] {
+        let mut random = Random::new(62 + count as u64);
+        let mut coordinate = || random.between(-4.0, 4.0) * (-(random.below(100) as f32)).exp2();
+        let mut corners: Vec<_> = (0..count).map(|_| [coordinate(), 0.0, coordinate()]).collect();
+        corners[0][1] = 1.0;
+        let outline = Loop::new(corners, [1.0, 0.0, 0.0])?;
+        let (found, expected) = (outline.found(gpu)?, outline.expected()?);
+        println!("{count} corners: {} pieces", expected.len());
+        same(&format!("pieces of {count} corners"), &[found.len()], &[expected.len()])?;
+    }
+    Ok(())
+}
+
+/// Likewise, with an edge that as many others cut as turns order: each order takes many turns of loops. All edges lie in one plane
+/// with the light and are seen in line, so each is cut in its middle, by the twin and by the GPU.
+fn most_ordered() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(63);
+    // One out of the plane, above what is farthest on both sides, where it crosses nothing.
+    let mut corners = vec![[0.0, 1.0, 0.0], [1.0, 0.0, 8.0]];
+    for at in 0..MOST_ORDERED {
+        let size = (-(random.below(100) as f32)).exp2();
+        let side = [-size, size][at % 2];
+        let up = [-1.0, 1.0][random.below(2)] * random.between(0.25, 1.0);
+        corners.push([side * random.between(0.5, 1.0), 0.0, size * up]);
+    }
+    corners.extend([[0.0, 0.0, -6.0], [0.0, 0.0, 6.0], [3.0, 0.0, -8.0]]);
+    let outline = Loop::new(corners, [1.0, 0.0, 0.0])?;
+    let (found, expected) = (outline.found(gpu)?, outline.expected()?);
+    same("cuts of an edge", &[cuts_of_an_edge(&expected)], &[MOST_ORDERED])?;
+    let edges = outline.outline()?;
+    let bits = |point: [f32; 3]| point.map(|c| (c + 0.0).to_bits());
+    let end = |piece: &Piece, end: usize| match piece.ends[end] {
+        PieceEnd::Corner => edges.edges()[piece.edge][end],
+        PieceEnd::Touch(point) => point,
+        PieceEnd::Crossing { edge, .. } => {
+            let [a, b] = edges.edges()[piece.edge.min(edge)];
+            [0, 1, 2].map(|axis| 0.5_f32.mul_add(b[axis] - a[axis], a[axis]))
+        }
+    };
+    let ends = |piece: &Piece| {
+        let first = usize::from(piece.is_turned);
+        [bits(end(piece, first)), bits(end(piece, 1 - first))]
+    };
+    let check = |found: &[Listed]| {
+        let mut found: Vec<_> = found.iter().map(|&[from, to, _]| [bits(from), bits(to)]).collect();
+        let mut expected: Vec<_> = expected.iter().map(ends).collect();
+        found.sort_unstable();
+        expected.sort_unstable();
+        same("pieces", &found, &expected)
+    };
+    println!("{} pieces", expected.len());
+    check(&found)?;
+    let mut wrong = found;
+    let (one, other) = (wrong[0][1], wrong[1][1]);
+    (wrong[0][1], wrong[1][1]) = (other, one);
+    must_fail("two ends exchanged", &check(&wrong))
+}
+
+/// Back and forth over a line, from one end of it to the other.
+fn zigzag(random: &mut Random, edges: usize, reach: f32) -> Vec<[f32; 3]> {
+    let along = |at: usize| 0.9 * (2.0 * at as f32 / edges as f32 - 1.0);
+    (0..=edges).map(|at| [along(at), random.between(-0.1, 0.1), [-reach, reach][at % 2]]).collect()
+}
+
+/// An outline of the most edges, of which all that can cut the last but one. Seen from above.
+fn most_cuts() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let cuts = MAX_OUTLINE_EDGES - 5;
+    let mut corners = zigzag(&mut Random::new(64), cuts, 1.0);
+    // Around to the beginning, and along the line.
+    corners.extend([[2.0, 0.0, -3.0], [-2.0, 0.1, -3.0], [-2.0, -0.1, 0.01], [2.0, 0.1, 0.02]]);
+    corners.rotate_right(1);
+    let outline = Loop::new(corners, [0.0, 1.0, 0.0])?;
+    let (found, expected) = (outline.found(gpu)?, outline.expected()?);
+    println!("{} edges, {} cuts of one", outline.outline()?.edges().len(), cuts_of_an_edge(&expected));
+    same("edges", &[outline.outline()?.edges().len()], &[MAX_OUTLINE_EDGES])?;
+    if cuts_of_an_edge(&expected) < cuts {
+        return Err(format!("only {} cuts of an edge", cuts_of_an_edge(&expected)));
+    }
+    check_closed(&found)?;
+    check_listed(&found, &expected, &outline.outline()?, outline.light)
+}
+
+/// Rows that a zigzag cuts as often as turns order, and nearly as many pieces as there is room for. Seen from above.
+fn most_pieces() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(65);
+    let mut corners = zigzag(&mut random, MOST_ORDERED, -2.0);
+    let rows = 62;
+    for row in 0..rows {
+        let z = 0.5 - row as f32 / rows as f32;
+        let ends = [1.0, -1.0].map(|x| [x, random.between(-0.1, 0.1), z + random.between(-0.001, 0.001)]);
+        corners.extend([ends[row % 2], ends[1 - row % 2]]);
+    }
+    // Around the rows to where the zigzag begins.
+    corners.extend([[1.5, 0.0, -3.0], [-1.5, 0.1, -3.0], [-1.5, -0.1, 2.5]]);
+    let outline = Loop::new(corners, [0.0, 1.0, 0.0])?;
+    let (found, expected) = (outline.found(gpu)?, outline.expected()?);
+    println!("{} pieces, {} cuts of an edge", expected.len(), cuts_of_an_edge(&expected));
+    same("cuts of an edge", &[cuts_of_an_edge(&expected)], &[MOST_ORDERED])?;
+    same("pieces", &[found.len()], &[expected.len()])?;
+    check_closed(&found)
+}
+
+/// A star of which each edge cuts all others but its neighbours: the most cuts that an outline can have.
+fn too_many() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let corners = MAX_OUTLINE_EDGES - 1;
+    let corner = |at: usize| {
+        let angle = (at * (corners / 2) % corners) as f32 / corners as f32 * std::f32::consts::TAU;
+        [angle.sin(), 0.0, angle.cos()]
+    };
+    let outline = Loop::new((0..corners).map(corner).collect(), [0.0, 1.0, 0.0])?;
+    let (counts, capacity) = piece_counts(gpu, &outline.set, &outline.mesh, &[outline.light])?;
+    println!("{} pieces, and room for {capacity}", counts[0]);
+    same("pieces", &counts, &[(corners * (corners - 2)) as u32])?;
+    if counts[0] > capacity { Ok(()) } else { Err("there is room".to_owned()) }
+}
