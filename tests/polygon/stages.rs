@@ -189,7 +189,12 @@ fn length(v: [f64; 3]) -> f64 {
 }
 
 /// The pieces of the twin are there, each once and no other, within rounding.
-pub(crate) fn check_listed(found: &[Listed], expected: &[Piece], outline: &Outline, light: Light) -> Result<(), String> {
+pub(crate) fn check_listed(
+    found: &[Listed],
+    expected: &[Piece],
+    outline: &Outline,
+    light: Light,
+) -> Result<(), String> {
     if found.len() != expected.len() {
         return Err(format!("{} pieces, expected {}", found.len(), expected.len()));
     }

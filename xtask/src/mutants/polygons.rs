@@ -54,8 +54,22 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "polygon stages: the order of cuts is that of the rounded places",
         changes: &[(
             "wgsl/polygon/cut_edges.wgsl",
-            "let by_turns = attempt == 0u && ",
-            "let by_turns = attempt == 7u && ",
+            "let by_turns = !is_tangled(own.row);",
+            "let by_turns = own.row.cuts > 7777u && !is_tangled(own.row);",
+        )],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon stages: invocations that share the orders of a cut do not add up what is before it",
+        changes: &[("wgsl/polygon/cut_edges.wgsl", "atomicAdd(&ranks[slot], rank);", "atomicMax(&ranks[slot], rank);")],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon stages: an invocation takes all triangles of a polygon of few edges, on llvmpipe",
+        changes: &[(
+            "wgsl/polygon/outlines.wgsl",
+            "return max(outline.count, outline.end_triangle - outline.first_triangle) > SMALL_OUTLINE;",
+            "return outline.count > SMALL_OUTLINE;",
         )],
         tests: STAGES,
     },
@@ -108,7 +122,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "polygon touches: edges in line cut others in the contrary order",
         changes: &[
             (
-                "wgsl/polygon/cut_edges.wgsl",
+                "wgsl/polygon/cut_order.wgsl",
                 "select(is_first == (signs[0] == right_of(f)),",
                 "select(is_first != (signs[0] == right_of(f)),",
             ),
@@ -123,7 +137,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "polygon touches: ends at one point are in any order",
         changes: &[
-            ("wgsl/polygon/cut_edges.wgsl", "return select(of_g.x + of_g.y != signs[0],", "return select(j < i,"),
+            ("wgsl/polygon/cut_order.wgsl", "return select(of_g.x + of_g.y != signs[0],", "return select(j < i,"),
             ("src/cpu/polygon/cut_edges.rs", "return of_j[0] + of_j[1] != of_end,", "return j < i && of_end != 7,"),
         ],
         tests: STAGES,
@@ -132,7 +146,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "polygon touches: three edges never cross in one point",
         changes: &[
             (
-                "wgsl/polygon/cut_edges.wgsl",
+                "wgsl/polygon/cut_order.wgsl",
                 "any(abs(apart) <= vec3<f32>(ONE_POINT))",
                 "any(abs(apart) <= vec3<f32>(-ONE_POINT))",
             ),
