@@ -144,9 +144,9 @@ fn most_triangles() -> Result<(), String> {
         let there: Vec<_> = (1..=bridge)
             .map(|at| [random.between(-1e-25, 1e-25), 0.0, -7.0 + 4.0 * at as f32 / (bridge + 1) as f32])
             .collect();
-        let from = corners.len() - 2;
-        let back = there.iter().rev().chain([&corners[from]]).copied().collect();
-        corners.splice(from + 1..from + 1, [there, hole.to_vec(), vec![hole[0]], back].concat());
+        let after = corners.len() - 1;
+        let back = there.iter().rev().chain([&corners[after - 1]]).copied().collect();
+        corners.splice(after..after, [there, hole.to_vec(), vec![hole[0]], back].concat());
         let outline = Loop::new(corners, [1.0, 0.0, 0.0])?;
         same("edges", &[outline.outline()?.edges().len()], &[edges])?;
         same("triangles", &[outline.mesh.faces().len()], &[triangles])?;
