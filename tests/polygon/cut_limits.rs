@@ -18,6 +18,7 @@ use crate::stages::{Listed, check_closed, check_listed, listed, piece_counts};
 pub(crate) const TESTS: &[Test] = &[
     ("pieces_of_coordinates_of_all_sizes", of_all_sizes),
     ("pieces_of_the_most_cuts_that_turns_order", most_ordered),
+    ("pieces_of_few_edges_and_the_most_triangles", most_triangles),
     ("pieces_of_the_most_cuts_of_an_edge", most_cuts),
     ("pieces_that_there_is_room_for", most_pieces),
     ("more_cuts_than_there_is_room_for_are_counted", too_many),
@@ -25,6 +26,9 @@ pub(crate) const TESTS: &[Test] = &[
 
 /// The most cuts of an edge that turns order, as in `cut_edges.wgsl`.
 const MOST_ORDERED: usize = 256;
+
+/// The most triangles of a polygon, as `ExtractorError::PolygonTooLarge` says it.
+const MOST_TRIANGLES: usize = 2048;
 
 struct Loop {
     set: PolygonSet,
@@ -77,30 +81,29 @@ fn of_all_sizes() -> Result<(), String> {
     Ok(())
 }
 
-/// Likewise, with an edge that as many others cut as turns order: each order takes many turns of loops. All edges lie in one plane
-/// with the light and are seen in line, so each is cut in its middle, by the twin and by the GPU.
-fn most_ordered() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut random = Random::new(63);
-    // One out of the plane, above what is farthest on both sides, where it crosses nothing.
-    let mut corners = vec![[0.0, 1.0, 0.0], [1.0, 0.0, 8.0]];
-    for at in 0..MOST_ORDERED {
+/// Zigzag corners of all sizes in one plane with the light, but for the first, which is above what is farthest on both sides, where it
+/// crosses nothing. So they are seen in line, and each edge is cut in its middle, by the twin and by the GPU.
+fn in_line(random: &mut Random, corners: usize, last: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let mut points = vec![[0.0, 1.0, 0.0], [1.0, 0.0, 8.0]];
+    for at in 0..corners {
         let size = (-(random.below(100) as f32)).exp2();
         let side = [-size, size][at % 2];
         let up = [-1.0, 1.0][random.below(2)] * random.between(0.25, 1.0);
-        corners.push([side * random.between(0.5, 1.0), 0.0, size * up]);
+        points.push([side * random.between(0.5, 1.0), 0.0, size * up]);
     }
-    corners.extend([[0.0, 0.0, -6.0], [0.0, 0.0, 6.0], [3.0, 0.0, -8.0]]);
-    let outline = Loop::new(corners, [1.0, 0.0, 0.0])?;
-    let (found, expected) = (outline.found(gpu)?, outline.expected()?);
-    same("cuts of an edge", &[cuts_of_an_edge(&expected)], &[MOST_ORDERED])?;
-    let edges = outline.outline()?;
+    points.extend(last);
+    points.push([3.0, 0.0, -8.0]);
+    points
+}
+
+/// Pieces of an outline whose edges are cut in their middles, to the bit.
+fn check_halves(found: &[Listed], expected: &[Piece], outline: &Outline) -> Result<(), String> {
     let bits = |point: [f32; 3]| point.map(|c| (c + 0.0).to_bits());
     let end = |piece: &Piece, end: usize| match piece.ends[end] {
-        PieceEnd::Corner => edges.edges()[piece.edge][end],
+        PieceEnd::Corner => outline.edges()[piece.edge][end],
         PieceEnd::Touch(point) => point,
         PieceEnd::Crossing { edge, .. } => {
-            let [a, b] = edges.edges()[piece.edge.min(edge)];
+            let [a, b] = outline.edges()[piece.edge.min(edge)];
             [0, 1, 2].map(|axis| 0.5_f32.mul_add(b[axis] - a[axis], a[axis]))
         }
     };
@@ -108,19 +111,50 @@ fn most_ordered() -> Result<(), String> {
         let first = usize::from(piece.is_turned);
         [bits(end(piece, first)), bits(end(piece, 1 - first))]
     };
-    let check = |found: &[Listed]| {
-        let mut found: Vec<_> = found.iter().map(|&[from, to, _]| [bits(from), bits(to)]).collect();
-        let mut expected: Vec<_> = expected.iter().map(ends).collect();
-        found.sort_unstable();
-        expected.sort_unstable();
-        same("pieces", &found, &expected)
-    };
+    let mut found: Vec<_> = found.iter().map(|&[from, to, _]| [bits(from), bits(to)]).collect();
+    let mut expected: Vec<_> = expected.iter().map(ends).collect();
+    found.sort_unstable();
+    expected.sort_unstable();
+    same("pieces", &found, &expected)
+}
+
+/// An edge that as many others cut as turns order. Integers decide all of them, so each order takes many turns of loops.
+fn most_ordered() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let corners = in_line(&mut Random::new(63), MOST_ORDERED, &[[0.0, 0.0, -6.0], [0.0, 0.0, 6.0]]);
+    let outline = Loop::new(corners, [1.0, 0.0, 0.0])?;
+    let (found, expected) = (outline.found(gpu)?, outline.expected()?);
     println!("{} pieces", expected.len());
-    check(&found)?;
+    same("cuts of an edge", &[cuts_of_an_edge(&expected)], &[MOST_ORDERED])?;
+    check_halves(&found, &expected, &outline.outline()?)?;
     let mut wrong = found;
     let (one, other) = (wrong[0][1], wrong[1][1]);
     (wrong[0][1], wrong[1][1]) = (other, one);
-    must_fail("two ends exchanged", &check(&wrong))
+    must_fail("two ends exchanged", &check_halves(&wrong, &expected, &outline.outline()?))
+}
+
+/// Outlines of few edges, with more and more triangles: beside a zigzag the polygon walks to a hole and back.
+fn most_triangles() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let hole = [[0.0, 0.0, -3.0], [-0.25, 0.0, -2.5], [0.25, 0.0, -2.7]];
+    for (edges, triangles) in [(32, 32), (32, 34), (24, MOST_TRIANGLES)] {
+        let mut random = Random::new(66 + triangles as u64);
+        let mut corners = in_line(&mut random, edges - 8, &[[-6.0, 0.0, -6.0], [0.0, 0.0, -7.0]]);
+        let bridge = (triangles - edges) / 2;
+        let there: Vec<_> = (1..=bridge)
+            .map(|at| [random.between(-1e-25, 1e-25), 0.0, -7.0 + 4.0 * at as f32 / (bridge + 1) as f32])
+            .collect();
+        let after = corners.len() - 1;
+        let back = there.iter().rev().chain([&corners[after - 1]]).copied().collect();
+        corners.splice(after..after, [there, hole.to_vec(), vec![hole[0]], back].concat());
+        let outline = Loop::new(corners, [1.0, 0.0, 0.0])?;
+        same("edges", &[outline.outline()?.edges().len()], &[edges])?;
+        same("triangles", &[outline.mesh.faces().len()], &[triangles])?;
+        let (found, expected) = (outline.found(gpu)?, outline.expected()?);
+        println!("{edges} edges, {triangles} triangles: {} pieces", expected.len());
+        check_halves(&found, &expected, &outline.outline()?).map_err(|error| format!("{triangles}: {error}"))?;
+    }
+    Ok(())
 }
 
 /// Back and forth over a line, from one end of it to the other.

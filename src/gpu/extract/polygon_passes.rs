@@ -49,10 +49,10 @@ impl PolygonPasses {
             let one = |dispatch: &Dispatch| Dispatch { workgroups, indirect: indirect.clone(), ..dispatch.clone() };
             Pass { pipeline, dispatches: dispatches.iter().map(one).collect() }
         };
-        let entry = |stage: &Stage, entry_point, constants: &[(&'static str, f64)]| {
+        let compute_entry = |stage: &Stage, entry_point, constants: &[(&'static str, f64)]| {
             binder.pipelines.compute(stage, entry_point, constants)
         };
-        let compute = |stage: &Stage, constants: &[(&'static str, f64)]| entry(stage, stage.name, constants);
+        let compute = |stage: &Stage, constants: &[(&'static str, f64)]| compute_entry(stage, stage.name, constants);
         let mut masks = pass(compute(&POLYGON_MASKS, &[row]), Some(RECORD_WORKGROUPS));
         for dispatch in &mut masks.dispatches {
             let resources = resources(binder, &masks.pipeline, dispatch);
@@ -68,7 +68,7 @@ impl PolygonPasses {
                 edges: pass(compute(&CUT_EDGES, &windows), Some(CUT_WORKGROUPS)),
                 rows: CUT_EDGES.entry_points[1..]
                     .iter()
-                    .map(|name| pass(entry(&CUT_EDGES, name, &windows), Some(ROW_WORKGROUPS)))
+                    .map(|name| pass(compute_entry(&CUT_EDGES, name, &windows), Some(ROW_WORKGROUPS)))
                     .collect(),
                 quads: pass(compute(&CUT_QUADS, &windows), Some(RECORD_WORKGROUPS)),
             }),

@@ -54,8 +54,22 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "polygon stages: the order of cuts is that of the rounded places",
         changes: &[(
             "wgsl/polygon/cut_edges.wgsl",
-            "let by_turns = attempt == 0u && ",
-            "let by_turns = attempt == 7u && ",
+            "let by_turns = !is_tangled(own.row);",
+            "let by_turns = own.row.cuts > 7777u && !is_tangled(own.row);",
+        )],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon stages: invocations that share the orders of a cut do not add up what is before it",
+        changes: &[("wgsl/polygon/cut_edges.wgsl", "atomicAdd(&ranks[slot], rank);", "atomicMax(&ranks[slot], rank);")],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon stages: an invocation takes all triangles of a polygon of few edges, on llvmpipe",
+        changes: &[(
+            "wgsl/polygon/outlines.wgsl",
+            "return max(outline.count, outline.end_triangle - outline.first_triangle) > SMALL_OUTLINE;",
+            "return outline.count > SMALL_OUTLINE;",
         )],
         tests: STAGES,
     },
