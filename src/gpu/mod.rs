@@ -8,6 +8,7 @@ mod extract;
 mod query;
 mod scene;
 mod shadow;
+mod warm_up;
 
 pub use crate::layout::{DrawArguments, EdgeMasks, ExtractionStatistics, SceneStatistics, ShadowStatistics};
 pub use common::memory::{Allocation, MemoryError};
@@ -54,3 +55,4 @@ pub use shadow::{
     ScenePipelines, ShadowDrawError, ShadowEncodeError, ShadowFormat, ShadowFormatError, ShadowFrame, ShadowOptions,
     ShadowPipelines, ShadowVolumes, ShadowVolumesError,
 };
+pub use warm_up::Use;

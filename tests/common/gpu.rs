@@ -5,11 +5,13 @@ mod pipelines;
 mod reading;
 mod requirements;
 mod slivers;
+mod warm_up;
 mod watched;
 
 use rimline_measure::harness;
 
 fn main() {
-    let tests = [pipelines::TESTS, requirements::TESTS, other_devices::TESTS, reading::TESTS, slivers::TESTS];
+    let tests =
+        [pipelines::TESTS, requirements::TESTS, other_devices::TESTS, reading::TESTS, slivers::TESTS, warm_up::TESTS];
     harness::run(harness::gpu_trials(tests.concat()));
 }

@@ -85,13 +85,13 @@ fn once() -> Result<(), String> {
     let bounded = ShadowOptions { bound_counts: true, ..Default::default() };
     // Drawing pipelines that are new, and computing ones.
     for (counting, format, options, draws, computes) in [
-        (Counting::Auto, &plain, ShadowOptions::default(), 8, 5),
+        (Counting::Auto, &plain, ShadowOptions::default(), 4, 5),
         (Counting::ZpPlus, &plain, ShadowOptions::default(), 0, 0),
         // The three stages that bound counts.
         (Counting::ZPass, &plain, bounded, 0, 3),
         (Counting::ZFail, &plain, bounded, 5, 0),
         (Counting::ZpPlus2005, &plain, bounded, 3, 1),
-        (Counting::Auto, &format, bounded, 8, 0),
+        (Counting::Auto, &format, bounded, 4, 0),
     ] {
         for new in [1, 0] {
             let drawing = ShadowPipelines::new(&pipelines, format, counting).map_err(text)?;

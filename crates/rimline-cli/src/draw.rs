@@ -4,23 +4,25 @@ mod contact_shadow;
 mod frame;
 mod outline_picture;
 mod passes;
+mod region;
 mod survey;
 mod veils;
 
 use std::borrow::Cow;
+use std::thread::ScopedJoinHandle;
 
-use rimline::gpu::{Extractor, ExtractorOptions};
+use rimline::gpu::{Extractor, ExtractorOptions, Use};
 use rimline::mesh::Bounds;
 use rimline::reference::cpu::is_finite;
 use rimline::{Light, Mesh, MeshError, wgpu};
 
 use crate::args::DrawArgs;
-use crate::device::{self, Wanted};
+use crate::device::{self, Gpu, Wanted};
 use crate::ending::{self, Written};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::image::{Picture, wrote};
-use crate::input::Shape;
+use crate::input::{Scene, Shape};
 use crate::output::{Output, print};
 use crate::overwrite::Inputs;
 use crate::posed_input::PosedInput;
@@ -30,7 +32,7 @@ use crate::render::camera::{Camera, elevation};
 use crate::render::coincident::{Coincident, corners};
 use crate::render::{centre, check_bounds, check_model, check_size, extent, normals, too_large};
 use frame::Frame;
-use outline_picture::DrawInputs;
+use outline_picture::{Canvas, LinePipelines, ModelPipelines};
 
 /// Degrees that the eye is above the model by default.
 const ELEVATION: f64 = 17.0;
@@ -56,60 +58,98 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     check_size(&gpu, args.view.size)?;
     let fail = |error: GpuError| error.on(&gpu);
     check_model(&gpu, scene.mesh.faces().len(), scene.mesh.vertex_count() as usize).map_err(fail)?;
-    let positions = Positions::new(&gpu, &scene.shape, posed.displacement.as_ref()).map_err(fail)?;
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    positions.encode(&mut encoder, &scene.shape, posed.time_s(), None).map_err(fail)?;
-    gpu.queue.submit([encoder.finish()]);
-    // The camera and the normals need positions here; the silhouette stays on the GPU.
-    let world: Cow<'_, [[f32; 3]]> = match &scene.shape {
-        Shape::World(world) => Cow::Borrowed(world),
-        Shape::Posed { .. } => {
-            let count = scene.mesh.vertex_count() as usize;
-            Cow::Owned(positions.read(&gpu, count).map_err(|error| fail(error.into()))?)
-        }
-    };
-
-    progress.step("drawing");
-    let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(world[v as usize]));
-    let mut faces: Vec<[u32; 3]> = scene.mesh.faces().iter().filter(is_drawn).copied().collect();
-    let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
-    let failed = Failure::input(&posed.input.file);
-    let bounds = Bounds::of(corners()).ok_or_else(|| failed(InputError::NoFiniteFace))?;
-    check_bounds(&bounds).map_err(&failed)?;
-    let view = args.view.relative_to(posed.input.origin);
-    let camera =
-        Camera::new(&view, elevation(ELEVATION, &bounds), centre(&bounds), extent(&bounds), corners().copied())?;
-
-    let sheet = coincident_faces(&world, &mut faces, &camera).map_err(|error| failed(error.into()))?;
-    let outlined = sheet.as_ref().filter(|_| scene.mesh.polygons().is_none()).unwrap_or(&scene.mesh);
-
-    let mut extractor =
-        Extractor::new(&gpu.pipelines, outlined, ExtractorOptions::default()).map_err(|error| fail(error.into()))?;
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("draw") });
-    let eye = Light::point(camera.eye.into());
-    let extraction =
-        extractor.encode(&mut encoder, positions.buffer(), &[eye], None).map_err(|error| fail(error.into()))?;
-    let subject = DrawInputs {
-        positions: positions.buffer(),
-        faces: &faces,
-        normals: &normals::corner_normals(&world, &faces),
-        extraction: &extraction,
-    };
-    let places = survey::places(args.view.size, gpu.device.limits().max_texture_dimension_2d);
-    let frame = Frame::new(&camera, args.view.size, &bounds, places, args.show_boundary);
-    let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-    let texture = outline_picture::record(&gpu, &mut encoder, &frame, args.view.size, &subject);
-    if pollster::block_on(scope.pop()).is_some() {
-        return Err(too_large(&gpu, args.view.size, PIXEL_BYTES).into());
-    }
-    let texture = texture.map_err(fail)?;
-    gpu.queue.submit([encoder.finish()]);
-    let picture = Picture::read(&gpu, &texture).map_err(fail)?;
+    let picture = draw(args, &gpu, &posed, &scene, &progress)?;
     gpu.check()?;
     progress.step("writing");
     output.finish(|file| picture.write_png(file))?;
     drop(progress);
     print(&format!("{}\n", wrote(&args.out, args.view.size)))
+}
+
+/// Draws the picture. Shaders compile on threads of their own, and each part of the picture is submitted as soon as those that
+/// it needs are there: drivers compile further when shaders first run.
+fn draw(
+    args: &DrawArgs,
+    gpu: &Gpu,
+    posed: &PosedInput<'_>,
+    scene: &Scene<'_>,
+    progress: &Progress,
+) -> Result<Picture, Failure> {
+    let fail = |error: GpuError| error.on(gpu);
+    let factory = outline_picture::factory(gpu);
+    std::thread::scope(|scope| {
+        let model_pipelines = scope.spawn(|| ModelPipelines::new(&factory));
+        let line_pipelines = scope.spawn(|| {
+            if scene.mesh.polygons().is_none() {
+                // What the device refuses is told where it is needed.
+                let _ = gpu.pipelines.warm_up(&[Use::Extraction(&ExtractorOptions::default())]);
+            }
+            LinePipelines::new(&factory)
+        });
+        let positions = Positions::new(gpu, &scene.shape, posed.displacement.as_ref()).map_err(fail)?;
+        let mut encoder = commands(gpu, "positions");
+        positions.encode(&mut encoder, &scene.shape, posed.time_s(), None).map_err(fail)?;
+        gpu.queue.submit([encoder.finish()]);
+        // The camera and the normals need positions here; the silhouette stays on the GPU.
+        let world: Cow<'_, [[f32; 3]]> = match &scene.shape {
+            Shape::World(world) => Cow::Borrowed(world),
+            Shape::Posed { .. } => {
+                let count = scene.mesh.vertex_count() as usize;
+                Cow::Owned(positions.read(gpu, count).map_err(|error| fail(error.into()))?)
+            }
+        };
+
+        progress.step("drawing");
+        let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(world[v as usize]));
+        let mut faces: Vec<[u32; 3]> = scene.mesh.faces().iter().filter(is_drawn).copied().collect();
+        let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
+        let failed = Failure::input(&posed.input.file);
+        let bounds = Bounds::of(corners()).ok_or_else(|| failed(InputError::NoFiniteFace))?;
+        check_bounds(&bounds).map_err(&failed)?;
+        let view = args.view.relative_to(posed.input.origin);
+        let camera =
+            Camera::new(&view, elevation(ELEVATION, &bounds), centre(&bounds), extent(&bounds), corners().copied())?;
+
+        let sheet = coincident_faces(&world, &mut faces, &camera).map_err(|error| failed(error.into()))?;
+        let outlined = sheet.as_ref().filter(|_| scene.mesh.polygons().is_none()).unwrap_or(&scene.mesh);
+
+        let places = survey::places(args.view.size, gpu.device.limits().max_texture_dimension_2d);
+        let frame = Frame::new(&camera, args.view.size, &bounds, places, args.show_boundary);
+        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let record = || {
+            let canvas = Canvas::new(gpu, &factory, (&frame, &bounds), args.view.size);
+            let mut encoder = commands(gpu, "model");
+            let (normals, buffer) = (normals::corner_normals(&world, &faces), positions.buffer().buffer);
+            let model = &joined(model_pipelines);
+            let drawn = canvas.model(&mut encoder, model, buffer, (&faces, &normals));
+            gpu.queue.submit([encoder.finish()]);
+
+            let mut extractor = Extractor::new(&gpu.pipelines, outlined, ExtractorOptions::default())?;
+            let mut encoder = commands(gpu, "silhouette");
+            let eye = Light::point(camera.eye.into());
+            let extraction = extractor.encode(&mut encoder, positions.buffer(), &[eye], None)?;
+            gpu.queue.submit([encoder.finish()]);
+
+            let mut encoder = commands(gpu, "lines");
+            let texture = canvas.lines(&mut encoder, &joined(line_pipelines), &extraction, [buffer, &drawn])?;
+            gpu.queue.submit([encoder.finish()]);
+            Ok(texture)
+        };
+        let texture: Result<wgpu::Texture, GpuError> = record();
+        if pollster::block_on(scope.pop()).is_some() {
+            return Err(too_large(gpu, args.view.size, PIXEL_BYTES).into());
+        }
+        Picture::read(gpu, &texture.map_err(fail)?).map_err(fail)
+    })
+}
+
+fn commands(gpu: &Gpu, label: &str) -> wgpu::CommandEncoder {
+    gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
+}
+
+/// What a thread made. A panic there goes on here.
+fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// Where faces coincide with turned ones, leaves those that are turned away from the eye out of the faces to draw, and returns

@@ -54,6 +54,8 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     progress.step("opening the device");
     let gpu = open_gpu(scene)?;
     let fail = |error: GpuError| error.on(&gpu);
+    let method = ShadowMethod::new(scene.method.counting(), &props.inputs);
+    let _compiling = method.compile(&gpu);
     progress.step("looking at the motion");
     let mut bodies = props.bodies(&gpu, time(0))?;
     let mut points = Vec::new();
@@ -64,15 +66,8 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     }
     let mut set = ShadowScene::new(scene, bodies, &points, None)?;
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let pictures = Pictures::new(
-        &gpu,
-        &resources,
-        &ShadowMethod::new(scene.method.counting(), &set.bodies),
-        scene.mode,
-        scene.volumes,
-        set.is_in_parts(),
-    )
-    .map_err(fail)?;
+    let pictures =
+        Pictures::new(&gpu, &resources, &method, scene.mode, scene.volumes, set.is_in_parts()).map_err(fail)?;
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));

@@ -7,6 +7,7 @@ mod bench;
 mod chart;
 mod chosen_animations;
 mod claim;
+mod compiling;
 mod coordinates;
 mod device;
 mod devices;

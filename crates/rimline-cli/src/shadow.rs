@@ -87,6 +87,8 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("opening the device");
     let gpu = times.measure("device", || shadow_scene::open_gpu(scene))?;
     let fail = |error: GpuError| error.on(&gpu);
+    let method = ShadowMethod::new(scene.method.counting(), &props.inputs).with_depth_maps(from_depth.clone());
+    let _compiling = method.compile(&gpu);
     progress.step("placing the models");
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(posed_model::PosedModel::points).collect();
@@ -101,7 +103,6 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("drawing");
     let begin = Instant::now();
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let method = ShadowMethod::new(scene.method.counting(), &set.bodies).with_depth_maps(from_depth.clone());
     let pictures = files
         .has_picture()
         .then(|| Pictures::new(&gpu, &resources, &method, scene.mode, scene.volumes, set.is_in_parts()));

@@ -43,6 +43,26 @@ impl<K: Eq + Hash, V: Clone> Cache<K, V> {
         make()
     }
 
+    /// Makes the value of `key` unless it exists. If the device reports an error, none is kept, and who asks for the value
+    /// gets the error.
+    pub(crate) fn fill<Q>(&self, device: &wgpu::Device, key: &Q, make: impl Fn() -> V)
+    where
+        K: Borrow<Q>,
+        Q: ToOwned<Owned = K> + Eq + Hash + ?Sized,
+    {
+        let room = self.room(key);
+        let mut held = lock(&room);
+        if held.is_none() {
+            *held = without_error(device, &make);
+        }
+    }
+
+    /// Whether there is a value of `key`. Waits for it if it is being made.
+    pub(crate) fn has(&self, key: &K) -> bool {
+        let room = lock(&self.0).get(key).cloned();
+        room.is_some_and(|room| lock(&room).is_some())
+    }
+
     fn room<Q>(&self, key: &Q) -> Room<V>
     where
         K: Borrow<Q>,

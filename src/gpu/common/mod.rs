@@ -12,4 +12,5 @@ pub(crate) mod read_error;
 pub(crate) mod readback;
 pub(crate) mod requirements;
 pub(crate) mod timer;
+pub(crate) mod together;
 pub(crate) mod uniforms;

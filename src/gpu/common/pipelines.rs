@@ -1,5 +1,6 @@
 //! Pipelines made from the list of stages, and sharing of pipelines.
 
+use std::cmp::Reverse;
 use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -10,6 +11,7 @@ use super::dispatch_limits::binding;
 use super::memory::any_error;
 use super::positions::{PositionError, bound};
 use super::requirements::{DeviceError, Subject, check_alive, check_device};
+use super::together::together;
 use crate::displace::Displacement;
 use crate::gpu::shadow::format::VolumeKey;
 use crate::stages::{DEFORM, Stage};
@@ -73,6 +75,33 @@ struct ComputeKey {
     further: Option<wgpu::BindGroupLayout>,
 }
 
+/// What a compute pipeline is of: an entry point of a stage, with constants.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Program {
+    pub(crate) stage: &'static Stage,
+    pub(crate) entry_point: &'static str,
+    pub(crate) constants: Vec<(&'static str, f64)>,
+}
+
+impl Program {
+    /// The entry point with the name of the stage.
+    pub(crate) fn of(stage: &'static Stage, constants: &[(&'static str, f64)]) -> Self {
+        Self { stage, entry_point: stage.name, constants: constants.to_vec() }
+    }
+
+    fn key(&self) -> ComputeKey {
+        let Self { stage, entry_point, ref constants } = *self;
+        ComputeKey {
+            stage: stage.name,
+            module: stage.module,
+            entry_point,
+            constants: constants.iter().map(|&(name, value)| (name, value.to_bits())).collect(),
+            displacement: None,
+            further: None,
+        }
+    }
+}
+
 impl Pipelines {
     /// No pipelines yet. Nothing is compiled here.
     pub fn new(device: &wgpu::Device) -> Self {
@@ -119,14 +148,28 @@ impl Pipelines {
     /// The pipeline of an entry point of a stage.
     pub(crate) fn compute(
         &self,
-        stage: &Stage,
+        stage: &'static Stage,
         entry_point: &'static str,
         constants: &[(&'static str, f64)],
     ) -> Pipeline {
-        let constants = constants.iter().map(|&(name, value)| (name, value.to_bits())).collect();
-        let Stage { name, module, .. } = *stage;
-        let key = ComputeKey { stage: name, module, entry_point, constants, displacement: None, further: None };
-        self.made(&key, || stage.wgsl())
+        self.get(&Program { stage, entry_point, constants: constants.to_vec() })
+    }
+
+    /// The pipeline of a program.
+    pub(crate) fn get(&self, program: &Program) -> Pipeline {
+        self.made(&program.key(), || program.stage.wgsl())
+    }
+
+    /// Makes the pipelines of these programs that do not exist, at the same time. What the device refuses is not kept, so that
+    /// who asks for it gets the error.
+    pub(crate) fn make_together(&self, programs: &[Program]) {
+        let keyed = |program| (program, Program::key(program));
+        let mut missing: Vec<_> = programs.iter().map(keyed).filter(|(_, key)| !self.0.compute.has(key)).collect();
+        // The longest begin first, so that no thread is left alone with one.
+        missing.sort_by_cached_key(|(program, _)| Reverse(program.stage.wgsl().len()));
+        together(&missing, |(program, key)| {
+            self.0.compute.fill(self.device(), key, || Pipeline::new(self, key, &program.stage.wgsl()));
+        });
     }
 
     /// The pipeline of the deform stage. `further` is the layout of the displacement's bind group.
@@ -150,6 +193,12 @@ impl Pipelines {
         self.0.compute.get(self.device(), key, || Pipeline::new(self, key, &wgsl()))
     }
 
+    /// Makes the pipelines of volumes that do not exist, at the same time, as [`Self::make_together`].
+    pub(crate) fn make_volumes(&self, keys: &[VolumeKey], make: impl Fn(&VolumeKey) -> wgpu::RenderPipeline + Sync) {
+        let missing: Vec<_> = keys.iter().filter(|key| !self.0.volumes.has(key)).collect();
+        together(&missing, |key| self.0.volumes.fill(self.device(), *key, || make(key)));
+    }
+
     /// A pipeline that draws volumes. `make` makes it if it does not exist.
     pub(crate) fn volume(&self, key: &VolumeKey, make: impl Fn() -> wgpu::RenderPipeline) -> wgpu::RenderPipeline {
         self.0.volumes.get(self.device(), key, make)
@@ -157,8 +206,13 @@ impl Pipelines {
 
     /// The bindings of a module. They are read from its WGSL once.
     fn bindings(&self, module: &str, wgsl: &str) -> Arc<Bindings> {
-        let mut read = self.0.bindings.lock().unwrap_or_else(PoisonError::into_inner);
-        Arc::clone(read.entry(module.to_owned()).or_insert_with(|| Arc::new(Bindings::of(wgsl))))
+        let lock = || self.0.bindings.lock().unwrap_or_else(PoisonError::into_inner);
+        let read = lock().get(module).cloned();
+        // Other threads read other modules meanwhile.
+        read.unwrap_or_else(|| {
+            let read = Arc::new(Bindings::of(wgsl));
+            Arc::clone(lock().entry(module.to_owned()).or_insert(read))
+        })
     }
 
     /// A shader module.

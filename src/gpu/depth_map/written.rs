@@ -30,7 +30,7 @@ impl WrittenMap {
     /// A texture of `size` texels, and the pipeline of a stage.
     pub(super) fn new(
         shared: Pipelines,
-        stage: &Stage,
+        stage: &'static Stage,
         label: &'static str,
         size: [u32; 2],
     ) -> Result<Self, DepthMapVolumesError> {

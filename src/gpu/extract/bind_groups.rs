@@ -4,14 +4,13 @@ use wgpu::BindingResource;
 
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::options::ExtractorOptions;
+use super::programs;
 use crate::gpu::common::dispatch_limits::{Windows, binding};
 use crate::gpu::common::pass::{Dispatch, Pass};
-use crate::gpu::common::pipelines::{Pipeline, Pipelines};
+use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::BoundPositions;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::layout::{Chunk, DrawShape, EdgeMasks, ExtractionStatistics, LightBatch};
-use crate::method::Predicate;
-use crate::stages::{ARGUMENTS, COMPACT, EDGES, EXACT_FACING, FACING, PER_EDGE};
 
 /// Makes pipelines and bind groups over the buffers of an extraction.
 pub(crate) struct BindGroupBuilder<'a> {
@@ -24,25 +23,6 @@ pub(crate) struct BindGroupBuilder<'a> {
 }
 
 impl<'a> BindGroupBuilder<'a> {
-    /// The pipeline that reads positions: facing, or the per-edge method.
-    pub(crate) fn positions_pipeline(&self, options: &ExtractorOptions, window_words: u32) -> Pipeline {
-        let windows = ("WINDOW_WORDS", f64::from(window_words));
-        let predicate = options.method().predicate(options.predicate);
-        let plane = ("PLANE", f64::from(u8::from(predicate.is_plane())));
-        if options.method().is_per_edge() {
-            let [masks, append] = emit_constants(options);
-            return self.pipelines.compute(&PER_EDGE, "per_edge", &[windows, plane, masks, append]);
-        }
-        let exact = ("EXACT", f64::from(u8::from(predicate == Predicate::Exact)));
-        self.pipelines.compute(&FACING, "facing", &[windows, plane, exact])
-    }
-
-    /// The pipeline of exact facing, which also reads positions.
-    pub(crate) fn exact_pipeline(&self, window_words: u32) -> Pipeline {
-        let windows = [("WINDOW_WORDS", f64::from(window_words))];
-        self.pipelines.compute(&EXACT_FACING, "exact_facing", &windows)
-    }
-
     /// Statistics and the list of undecided faces; its length tells the shaders its capacity.
     pub(super) fn record(&self) -> BindingResource<'a> {
         binding(&self.buffers.record, 0..RECORD_HEAD + 4 * self.shape.undecided.max(1) as u64)
@@ -77,11 +57,8 @@ impl<'a> BindGroupBuilder<'a> {
 
     /// The edges stage, which reads facing masks.
     pub(crate) fn edges(&self, options: &ExtractorOptions, mut dispatches: Vec<Dispatch>, windows: &Windows) -> Pass {
-        let [masks, append] = emit_constants(options);
         let twisted_at = if self.shape.polygons.is_some() { self.shape.faces } else { 0 };
-        let constants =
-            [("FACING_WINDOW_WORDS", f64::from(windows.words)), masks, append, ("TWISTED_AT", twisted_at as f64)];
-        let pipeline = self.pipelines.compute(&EDGES, "edges", &constants);
+        let pipeline = self.pipelines.get(&programs::edges(options, twisted_at, windows.words));
         for dispatch in &mut dispatches {
             let facing = &self.buffers.facing[dispatch.batch];
             let mut resources =
@@ -99,9 +76,9 @@ impl<'a> BindGroupBuilder<'a> {
 
     /// Compaction in edge order: count, scan, scatter.
     pub(crate) fn compact(&self, edge_dispatches: &[Dispatch]) -> [Pass; 3] {
-        COMPACT_ENTRY_POINTS.map(|entry_point| {
-            let pipeline = self.pipelines.compute(&COMPACT, entry_point, &[]);
-            let scans = entry_point == "compact_scan";
+        programs::compact().map(|program| {
+            let pipeline = self.pipelines.get(&program);
+            let scans = program.entry_point == "compact_scan";
             // The scan goes over all blocks of a batch at once, with one workgroup for each light.
             let of_batch = |dispatch: &&Dispatch| !scans || dispatch.items.start == 0;
             let mut dispatches: Vec<_> = edge_dispatches.iter().filter(of_batch).cloned().collect();
@@ -129,7 +106,7 @@ impl<'a> BindGroupBuilder<'a> {
         let mut table = UniformTable::default();
         table.push(&DrawShape { lights: max_lights as u32, capacity, edges: edges as u32, vertices_per_edge });
         let shape = table.into_buffer(self.device, "draw shape");
-        let pipeline = self.pipelines.compute(&ARGUMENTS, "arguments", &[]);
+        let pipeline = self.pipelines.get(&programs::arguments());
         let resources = [
             ("shape", entry::<DrawShape>(&shape)),
             ("counts", self.buffers.counts.as_entire_binding()),
@@ -168,13 +145,4 @@ impl<'a> BindGroupBuilder<'a> {
     fn batch_and_chunk(dispatch: &Dispatch) -> Vec<u32> {
         vec![dispatch.batch as u32 * UniformTable::stride::<LightBatch>() as u32, dispatch.chunk_offset]
     }
-}
-
-const COMPACT_ENTRY_POINTS: [&str; 3] = ["compact_count", "compact_scan", "compact_scatter"];
-
-/// Masks are written if they are asked for or if ordered lists are made from them. Appending makes unordered lists.
-fn emit_constants(options: &ExtractorOptions) -> [(&'static str, f64); 2] {
-    let ordered = options.lists.is_some_and(|lists| lists.ordered);
-    let append = options.lists.is_some() && !ordered;
-    [("WRITE_MASKS", f64::from(u8::from(options.masks || ordered))), ("APPEND", f64::from(u8::from(append)))]
 }

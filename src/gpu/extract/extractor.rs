@@ -9,6 +9,7 @@ use super::errors::{ExtractionEncodeError, ExtractorError};
 use super::extraction::{Extraction, Place, Shared};
 use super::options::ExtractorOptions;
 use super::polygon_passes::PolygonPasses;
+use super::programs;
 #[cfg(feature = "reference")]
 use super::results::ExtractionResults;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
@@ -33,7 +34,7 @@ pub struct Extractor {
     light_batches: wgpu::Buffer,
     chunks: wgpu::Buffer,
     /// Facing, or the per-edge method. It is bound when the positions are known.
-    from_positions: Pass,
+    from_positions: Option<Pass>,
     /// Exact facing, if the options ask for it. It has the dispatches of facing, with fewer workgroups.
     exact: Option<Pass>,
     /// What takes the place of facing and exact facing for a mesh of polygons.
@@ -96,6 +97,7 @@ impl Extractor {
         (0..shape.batches()).for_each(|_| _ = light_table.push(&LightBatch::new(&[], 0, 3)));
         let light_batches = light_table.into_buffer(device, "light batches");
 
+        pipelines.make_together(&programs::all(device, &options, &shape, facing_windows.words));
         let binder = BindGroupBuilder {
             pipelines: &pipelines,
             device,
@@ -104,11 +106,11 @@ impl Extractor {
             chunks: &chunks,
             light_batches: &light_batches,
         };
-        let from_positions = Pass {
-            pipeline: binder.positions_pipeline(&options, 0),
-            dispatches: if per_edge { edge_dispatches.clone() } else { face_dispatches.clone() },
-        };
         let polygons = PolygonPasses::new(&binder, &polygon_dispatches, 0);
+        let from_positions = polygons.is_none().then(|| Pass {
+            pipeline: pipelines.get(&programs::from_positions(&options, 0)),
+            dispatches: if per_edge { edge_dispatches.clone() } else { face_dispatches.clone() },
+        });
         let is_exact = options.method().predicate(options.predicate) == Predicate::Exact && polygons.is_none();
         let exact = is_exact.then(|| {
             let turns = exact_turns(device);
@@ -117,7 +119,7 @@ impl Extractor {
                 ..dispatch
             };
             let dispatches = face_dispatches.into_iter().map(fewer).collect();
-            Pass { pipeline: binder.exact_pipeline(0), dispatches }
+            Pass { pipeline: pipelines.get(&programs::exact_facing(0)), dispatches }
         });
         let mut from_facing = Vec::new();
         if !per_edge && (options.masks || options.lists.is_some()) {
@@ -196,17 +198,20 @@ impl Extractor {
         let is_whole = self.polygons.is_none() && runs.len() <= 1 && self.dispatches_of(0..used) <= 1;
         if is_whole && used > 0 {
             // Nothing comes between the stages.
-            let passes = [&self.from_positions].into_iter().chain(&self.exact).chain(per_light).chain(at_last);
+            let passes = self.from_positions.iter().chain(&self.exact).chain(per_light).chain(at_last);
             Pass::record_all(passes, encoder, 0..used, timer);
             return Ok(self.finish(encoder, place, lights));
         }
         for run in runs {
-            match (&self.exact, self.polygons.as_ref().zip(buffers.polygons.as_ref())) {
-                (_, Some((passes, polygons))) => {
-                    passes.record(encoder, polygons, run.start, timer.as_deref_mut());
+            if let Some((passes, polygons)) = self.polygons.as_ref().zip(buffers.polygons.as_ref()) {
+                passes.record(encoder, polygons, run.start, timer.as_deref_mut());
+            }
+            match (&self.from_positions, &self.exact) {
+                (Some(facing), Some(exact)) => {
+                    self.record_exactly(encoder, [facing, exact], run.clone(), timer.as_deref_mut());
                 }
-                (None, None) => self.from_positions.record(encoder, run.clone(), timer.as_deref_mut()),
-                (Some(exact), None) => self.record_exactly(encoder, exact, run.clone(), timer.as_deref_mut()),
+                (Some(facing), None) => facing.record(encoder, run.clone(), timer.as_deref_mut()),
+                (None, _) => {}
             }
             for pass in &per_light {
                 pass.record(encoder, run.clone(), timer.as_deref_mut());
@@ -221,7 +226,11 @@ impl Extractor {
 
     /// Dispatches over faces for some batches.
     fn dispatches_of(&self, batches: Range<usize>) -> usize {
-        self.from_positions.dispatches.iter().filter(|dispatch| batches.contains(&dispatch.batch)).count()
+        self.from_positions
+            .iter()
+            .flat_map(|pass| &pass.dispatches)
+            .filter(|dispatch| batches.contains(&dispatch.batch))
+            .count()
     }
 
     fn finish(&self, encoder: &mut wgpu::CommandEncoder, place: Place, lights: &[Light]) -> Extraction {
@@ -235,15 +244,15 @@ impl Extractor {
     fn record_exactly(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        exact: &Pass,
+        passes: [&Pass; 2],
         batches: Range<usize>,
         mut timer: Option<&mut StageTimer>,
     ) {
-        for (index, dispatch) in self.from_positions.dispatches.iter().enumerate() {
+        for (index, dispatch) in passes[0].dispatches.iter().enumerate() {
             if batches.contains(&dispatch.batch) {
                 let undecided_count = RECORD_HEAD - 4;
                 encoder.clear_buffer(&self.shared.buffers.record, undecided_count, Some(4));
-                for pass in [&self.from_positions, exact] {
+                for pass in passes {
                     pass.record_one(encoder, index, timer.as_deref_mut());
                 }
             }
@@ -275,13 +284,15 @@ impl Extractor {
             passes.bind_positions(&binder, &place.buffer, bound);
             return;
         }
-        if self.from_positions.pipeline.window_words != bound.windows.words {
-            self.from_positions.pipeline = binder.positions_pipeline(&self.options, bound.windows.words);
+        if let Some(facing) = &mut self.from_positions {
+            if facing.pipeline.window_words != bound.windows.words {
+                facing.pipeline = pipelines.get(&programs::from_positions(&self.options, bound.windows.words));
+            }
+            binder.bind_positions(facing, &place.buffer, bound);
         }
-        binder.bind_positions(&mut self.from_positions, &place.buffer, bound);
         if let Some(exact) = &mut self.exact {
             if exact.pipeline.window_words != bound.windows.words {
-                exact.pipeline = binder.exact_pipeline(bound.windows.words);
+                exact.pipeline = pipelines.get(&programs::exact_facing(bound.windows.words));
             }
             binder.bind_positions(exact, &place.buffer, bound);
         }

@@ -9,4 +9,5 @@ pub(crate) mod include;
 pub(crate) mod options;
 pub(crate) mod polygon_buffers;
 mod polygon_passes;
+pub(crate) mod programs;
 pub(crate) mod results;

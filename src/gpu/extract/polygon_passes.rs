@@ -5,6 +5,7 @@ use super::bind_groups::BindGroupBuilder;
 use super::polygon_buffers::{
     ARGUMENTS, CUT_WORKGROUPS, HEAD_WORDS, PIECE_COUNTS, PolygonBuffers, RECORD_WORKGROUPS, ROW_WORKGROUPS, WORKGROUPS,
 };
+use super::programs;
 use crate::gpu::common::dispatch_limits::WORKGROUP;
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::Pipeline;
@@ -12,7 +13,7 @@ use crate::gpu::common::positions::BoundPositions;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::layout::{Chunk, LightBatch};
-use crate::stages::{CUT_EDGES, CUT_QUADS, OUTLINE, POLYGON_FACING, POLYGON_MASKS, POLYGON_TURNS, Stage};
+use crate::stages::{CUT_EDGES, CUT_QUADS, OUTLINE, POLYGON_FACING, POLYGON_MASKS, POLYGON_TURNS};
 
 /// The stages, in order.
 #[derive(Debug)]
@@ -38,9 +39,6 @@ impl PolygonPasses {
     /// `dispatches` has one for each batch, over all polygons.
     pub(super) fn new(binder: &BindGroupBuilder<'_>, dispatches: &[Dispatch], window_words: u32) -> Option<Self> {
         let buffers = binder.buffers.polygons.as_ref()?;
-        let row = binder.device.limits().max_compute_workgroups_per_dimension;
-        let row = ("ENTRY_ROW", f64::from(row));
-        let windows = [("WINDOW_WORDS", f64::from(window_words)), row];
         let polygons = buffers.shape.polygons as u32;
         let workgroups = polygons.div_ceil(WORKGROUP);
         // `at`: where the GPU writes how many workgroups there are.
@@ -49,28 +47,24 @@ impl PolygonPasses {
             let one = |dispatch: &Dispatch| Dispatch { workgroups, indirect: indirect.clone(), ..dispatch.clone() };
             Pass { pipeline, dispatches: dispatches.iter().map(one).collect() }
         };
-        let compute_entry = |stage: &Stage, entry_point, constants: &[(&'static str, f64)]| {
-            binder.pipelines.compute(stage, entry_point, constants)
-        };
-        let compute = |stage: &Stage, constants: &[(&'static str, f64)]| compute_entry(stage, stage.name, constants);
-        let mut masks = pass(compute(&POLYGON_MASKS, &[row]), Some(RECORD_WORKGROUPS));
+        let compute = |stage| binder.pipelines.get(&programs::of_polygons(binder.device, stage, window_words));
+        let mut masks = pass(compute(&POLYGON_MASKS), Some(RECORD_WORKGROUPS));
         for dispatch in &mut masks.dispatches {
             let resources = resources(binder, &masks.pipeline, dispatch);
             dispatch.group = Some(masks.pipeline.bind(binder.device, &resources));
         }
         let has_pieces = !buffers.pieces.is_empty();
         Some(Self {
-            facing: pass(compute(&POLYGON_FACING, &windows), None),
-            turns: pass(compute(&POLYGON_TURNS, &windows), Some(RECORD_WORKGROUPS)),
-            outline: pass(compute(&OUTLINE, &windows), Some(WORKGROUPS)),
+            facing: pass(compute(&POLYGON_FACING), None),
+            turns: pass(compute(&POLYGON_TURNS), Some(RECORD_WORKGROUPS)),
+            outline: pass(compute(&OUTLINE), Some(WORKGROUPS)),
             masks,
             cut: has_pieces.then(|| CutPasses {
-                edges: pass(compute(&CUT_EDGES, &windows), Some(CUT_WORKGROUPS)),
-                rows: CUT_EDGES.entry_points[1..]
-                    .iter()
-                    .map(|name| pass(compute_entry(&CUT_EDGES, name, &windows), Some(ROW_WORKGROUPS)))
+                edges: pass(compute(&CUT_EDGES), Some(CUT_WORKGROUPS)),
+                rows: programs::cut_rows(binder.device, window_words)
+                    .map(|program| pass(binder.pipelines.get(&program), Some(ROW_WORKGROUPS)))
                     .collect(),
-                quads: pass(compute(&CUT_QUADS, &windows), Some(RECORD_WORKGROUPS)),
+                quads: pass(compute(&CUT_QUADS), Some(RECORD_WORKGROUPS)),
             }),
         })
     }

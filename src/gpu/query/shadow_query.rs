@@ -81,7 +81,7 @@ impl Passes {
         let skip = ("SKIP", f64::from(u8::from(skip_by_boxes)));
         let polygons = ("POLYGONS", f64::from(u8::from(has_polygons)));
         let names = ("NAMES_FACES", f64::from(u8::from(names_faces)));
-        let pair = |stage: &Stage, entry_point: usize| {
+        let pair = |stage: &'static Stage, entry_point: usize| {
             pipelines.compute(stage, stage.entry_points[entry_point], &[windows, skip, polygons, names])
         };
         let (boxes, arguments) = (&SHADOW_BOXES, &DEPTH_ARGUMENTS);

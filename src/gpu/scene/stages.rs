@@ -6,10 +6,11 @@ use super::buffers::{Buffers, GroupBuffers, LISTS_HEAD, WORK_WORDS};
 use super::structure::{GroupBatch, Making, Structure};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding, loops_of};
 use crate::gpu::common::pass::{Dispatch, Pass};
-use crate::gpu::common::pipelines::{Pipeline, Pipelines};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program};
 use crate::gpu::common::positions::{PositionError, bound};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
+use crate::gpu::shadow;
 use crate::layout::{DrawShape, ExtractionStatistics, LANES, SceneDispatch};
 use crate::method::Predicate;
 use crate::stages::{ARGUMENTS, CHUNKS, CLUSTERS, REACH, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING, Stage};
@@ -22,6 +23,21 @@ const SMALL_WORKGROUP: u64 = 64;
 /// ARCHITECTURE.md, "Exact facing is a direct dispatch".
 fn exact_turns(device: &wgpu::Device, lights: u32) -> u64 {
     if device.adapter_info().device_type == wgpu::DeviceType::Cpu { scene_exact_items(lights).into() } else { 4 }
+}
+
+/// The programs of these passes, in their order.
+pub(crate) fn programs(predicate: Predicate) -> Vec<Program> {
+    let mut programs: Vec<_> = [&REACH, &CLUSTERS, &CHUNKS].map(|stage| Program::of(stage, &[])).into();
+    programs.push(facing(predicate));
+    programs.extend((predicate == Predicate::Exact).then(|| Program::of(&SCENE_EXACT_FACING, &[])));
+    programs.extend([&SCENE_EDGES, &ARGUMENTS].map(|stage| Program::of(stage, &[])));
+    programs
+}
+
+fn facing(predicate: Predicate) -> Program {
+    let plane = ("PLANE", f64::from(u8::from(predicate.is_plane())));
+    let exact = ("EXACT", f64::from(u8::from(predicate == Predicate::Exact)));
+    Program::of(&SCENE_FACING, &[plane, exact])
 }
 
 /// The passes of a scene, in order. There are none without casters or lights.
@@ -89,10 +105,14 @@ impl<'a> Binder<'a> {
         if self.structure.parts.is_empty() {
             return Passes::default();
         }
-        let predicate = self.making.options.predicate;
-        let plane = ("PLANE", f64::from(u8::from(predicate.is_plane())));
-        let exact = ("EXACT", f64::from(u8::from(predicate == Predicate::Exact)));
-        let facing = self.pipelines.compute(&SCENE_FACING, SCENE_FACING.name, &[plane, exact]);
+        let Making { options, views, has_receivers, .. } = *self.making;
+        let predicate = options.predicate;
+        let mut programs = programs(predicate);
+        if views > 0 {
+            programs.extend(shadow::stages::programs(true, &options.volumes(has_receivers)));
+        }
+        self.pipelines.make_together(&programs);
+        let facing = self.pipelines.get(&facing(predicate));
         let mut passes = vec![
             self.reach(),
             self.walk(self.stage(&CLUSTERS), Items::FaceChunks, |part| self.clusters(part)),
@@ -107,8 +127,8 @@ impl<'a> Binder<'a> {
         Passes(passes)
     }
 
-    fn stage(&self, stage: &Stage) -> Pipeline {
-        self.pipelines.compute(stage, stage.name, &[])
+    fn stage(&self, stage: &'static Stage) -> Pipeline {
+        self.pipelines.get(&Program::of(stage, &[]))
     }
 
     fn dispatch(&self, pipeline: &Pipeline, resources: &Resources<'_>, offset: u32, workgroups: u64) -> Dispatch {

@@ -55,12 +55,12 @@ impl LightDraws<'_> {
                 draw(pass, pipeline, NEAR_CAPS + class);
             }
         }
-        if let Some(ends) = pipelines.ends.as_ref().filter(|_| may_end) {
+        if let Some(ends) = may_end.then(|| pipelines.ends()).flatten() {
             for (class, pipeline) in (0..).zip(ends) {
                 draw(pass, pipeline, FAR_CAPS + class);
             }
         }
-        if let Some(light_caps) = pipelines.light_caps.as_ref().filter(|_| has_proxies) {
+        if let Some(light_caps) = has_proxies.then(|| pipelines.light_caps()).flatten() {
             for (class, pipeline) in (0..).zip(light_caps) {
                 draw(pass, pipeline, LIGHT_CAPS + class);
             }

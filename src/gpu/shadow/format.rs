@@ -153,6 +153,14 @@ pub(crate) enum Count {
     Always,
 }
 
+/// The polygons that are drawn.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Polygons {
+    Sides,
+    Caps,
+    Pieces,
+}
+
 /// The casters that pipelines draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Casters {
@@ -184,6 +192,7 @@ fn low_bits(count: u32) -> u32 {
 /// Everything that a pipeline of volumes depends on.
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub(crate) struct VolumeKey {
+    pub(super) polygons: Polygons,
     pub(super) entry_point: &'static str,
     /// The part of each trimmed polygon, or 0.
     pub(super) part: u32,

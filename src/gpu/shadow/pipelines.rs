@@ -5,12 +5,12 @@ use std::sync::OnceLock;
 use wgpu::{CompareFunction, StencilOperation};
 
 use super::errors::ShadowDrawError;
-use super::format::{Casters, Count, ShadowFormat, ShadowFormatError, VolumeKey};
+use super::format::{Casters, Count, Polygons, ShadowFormat, ShadowFormatError, VolumeKey};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::Subject;
 use crate::shadow::{Counting, DepthDirection};
-use crate::stages::{CAP_FACES, PIECES, SIDES, Stage};
+use crate::stages::{CAP_FACES, PIECES, SIDES};
 
 /// The first list of caps that are no near caps, as `casting.wgsl` numbers them.
 const FAR: u32 = 2;
@@ -30,6 +30,43 @@ pub(crate) struct Layouts {
 
 /// What draws a list of polygons: one pipeline, or one for each part of trimmed polygons.
 pub(crate) type Drawing = Vec<wgpu::RenderPipeline>;
+
+/// A list of polygons that is drawn, and how.
+#[derive(Clone, Copy)]
+struct Drawn {
+    polygons: Polygons,
+    entry_point: &'static str,
+    /// The list of cap faces.
+    kind: u32,
+    count: Count,
+    /// Swaps the counting of fronts and backs. The vertex order and so the bits of depth stay the same.
+    turned: bool,
+}
+
+impl Drawn {
+    fn side(entry_point: &'static str, count: Count) -> Self {
+        Self { polygons: Polygons::Sides, entry_point, kind: 0, count, turned: false }
+    }
+
+    /// A near cap of a class.
+    fn near_cap(entry_point: &'static str, class: u32) -> Self {
+        Self { polygons: Polygons::Caps, entry_point, kind: class, count: Count::Always, turned: class == 1 }
+    }
+
+    /// A light cap of a class.
+    fn light_cap(entry_point: &'static str, class: u32, count: Count) -> Self {
+        Self { polygons: Polygons::Caps, entry_point, kind: FAR + class, count, turned: class == 1 }
+    }
+
+    /// A dark cap is seen from its other side.
+    fn dark_cap(class: u32, count: Count) -> Self {
+        Self { polygons: Polygons::Caps, entry_point: "dark_cap", kind: FAR + class, count, turned: class != 1 }
+    }
+
+    fn piece(entry_point: &'static str, count: Count, turned: bool) -> Self {
+        Self { polygons: Polygons::Pieces, entry_point, kind: 0, count, turned }
+    }
+}
 
 /// The pipelines that draw pieces of L-twisted polygons.
 #[derive(Debug)]
@@ -95,10 +132,11 @@ pub struct ShadowPipelines {
     pub(crate) side: Drawing,
     /// Clipped sides, and the near caps that count up on their front and on their back; of ZP+, or of ZP+ as published.
     pub(crate) near: Option<(Drawing, [Drawing; 2])>,
-    /// Dark caps of volumes that end, with z-pass: one for each list.
-    pub(crate) ends: Option<[Drawing; 2]>,
-    /// Light caps of casters that are not in the depth buffer, with z-pass and ZP+: one for each list.
-    pub(crate) light_caps: Option<[Drawing; 2]>,
+    /// Dark caps of volumes that end, with z-pass: one for each list. Made for the first volumes that may end.
+    ends: OnceLock<[Drawing; 2]>,
+    /// Light caps of casters that are not in the depth buffer, with z-pass and ZP+: one for each list. Made for the first
+    /// such casters.
+    light_caps: OnceLock<[Drawing; 2]>,
     /// Light and dark caps with z-fail: those of faces that count up on their front, then the others.
     pub(crate) caps: Option<[[Drawing; 2]; 2]>,
     /// Made for the first caster with polygons.
@@ -138,23 +176,26 @@ impl ShadowPipelines {
     }
 
     fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting, casters: Casters) -> Self {
-        let is_zp_plus_2005 = counting.is_zp_plus_2005();
         let is_fail = counting.may_fail();
-        let Layouts { frame, side_data, cap_data, .. } = layouts(&shared);
-        let sides = Maker { shared: &shared, format, stage: &SIDES, casters, groups: [&frame, &side_data] };
-        let caps = Maker { shared: &shared, format, stage: &CAP_FACES, casters, groups: [&frame, &cap_data] };
-        let is_clipped = matches!(counting, Counting::Auto | Counting::ZpPlus);
-        let near = |side, cap| {
-            let side = sides.pipeline(side, 0, Count::Visible, false);
-            (side, [0, 1].map(|class| caps.pipeline(cap, class, Count::Always, class == 1)))
-        };
-        // A dark cap is seen from its other side.
-        let dark = |class, count| caps.pipeline("dark_cap", FAR + class, count, class != 1);
-        let far =
-            |class| [caps.pipeline("light_cap", FAR + class, Count::Hidden, class == 1), dark(class, Count::Hidden)];
-        let ends = matches!(counting, Counting::Auto | Counting::ZPass);
-        let light = |class| caps.pipeline("seen_light_cap", FAR + class, Count::Visible, class == 1);
         let count = if is_fail { Count::Hidden } else { Count::Visible };
+        let side = Drawn::side("side", count);
+        let near = match counting {
+            Counting::Auto | Counting::ZpPlus => Some(("side_clipped", "near_cap")),
+            counting if counting.is_zp_plus_2005() => Some(("zp_plus_2005_side", "zp_plus_2005_cap")),
+            _ => None,
+        };
+        let near = near
+            .map(|(side, cap)| (Drawn::side(side, Count::Visible), [Drawn::near_cap(cap, 0), Drawn::near_cap(cap, 1)]));
+        let caps = is_fail.then(|| {
+            [0, 1].map(|class| {
+                [Drawn::light_cap("light_cap", class, Count::Hidden), Drawn::dark_cap(class, Count::Hidden)]
+            })
+        });
+        let mut all = vec![side];
+        all.extend(near.iter().flat_map(|&(side, caps)| [side].into_iter().chain(caps)));
+        all.extend(caps.iter().flatten().flatten());
+        let maker = Maker::new(&shared, format, casters);
+        maker.make_together(&all);
         Self {
             convention: Convention {
                 counting,
@@ -163,15 +204,11 @@ impl ShadowPipelines {
                 count_bits: format.count_bits,
                 mirrors: format.front_face == wgpu::FrontFace::Cw,
             },
-            side: sides.pipeline("side", 0, count, false),
-            near: match (is_clipped, is_zp_plus_2005) {
-                (true, _) => Some(near("side_clipped", "near_cap")),
-                (_, true) => Some(near("zp_plus_2005_side", "zp_plus_2005_cap")),
-                _ => None,
-            },
-            ends: ends.then(|| [0, 1].map(|class| dark(class, Count::Visible))),
-            light_caps: (!is_fail).then(|| [0, 1].map(light)),
-            caps: is_fail.then(|| [far(0), far(1)]),
+            side: maker.drawing(side),
+            near: near.map(|(side, caps)| (maker.drawing(side), caps.map(|cap| maker.drawing(cap)))),
+            ends: OnceLock::new(),
+            light_caps: OnceLock::new(),
+            caps: caps.map(|caps| caps.map(|caps| caps.map(|cap| maker.drawing(cap)))),
             shared,
             pieces: OnceLock::new(),
             format: format.clone(),
@@ -179,26 +216,48 @@ impl ShadowPipelines {
         }
     }
 
+    /// Dark caps of volumes that end, with z-pass: one for each list.
+    pub(crate) fn ends(&self) -> Option<&[Drawing; 2]> {
+        let may_pass = matches!(self.convention.counting, Counting::Auto | Counting::ZPass);
+        let classes = [0, 1].map(|class| Drawn::dark_cap(class, Count::Visible));
+        may_pass.then(|| self.ends.get_or_init(|| self.both(classes)))
+    }
+
+    /// Light caps of casters that are not in the depth buffer, with z-pass and ZP+: one for each list.
+    pub(crate) fn light_caps(&self) -> Option<&[Drawing; 2]> {
+        let classes = [0, 1].map(|class| Drawn::light_cap("seen_light_cap", class, Count::Visible));
+        (!self.convention.counting.may_fail()).then(|| self.light_caps.get_or_init(|| self.both(classes)))
+    }
+
+    fn both(&self, classes: [Drawn; 2]) -> [Drawing; 2] {
+        let maker = Maker::new(&self.shared, &self.format, self.casters);
+        maker.make_together(&classes);
+        classes.map(|drawn| maker.drawing(drawn))
+    }
+
     /// The pipelines that draw pieces of L-twisted polygons.
     pub(crate) fn pieces(&self) -> &PiecePipelines {
         self.pieces.get_or_init(|| {
-            let Self { shared, format, casters, .. } = self;
-            let Layouts { frame, piece_data, .. } = layouts(shared);
-            let groups = [&frame, &piece_data];
-            let maker = Maker { shared, format, stage: &PIECES, casters: *casters, groups };
             let counting = self.convention.counting;
             let count = if counting.may_fail() { Count::Hidden } else { Count::Visible };
             let is_clipped = matches!(counting, Counting::Auto | Counting::ZpPlus);
-            let near_cap = |class| maker.pipeline("piece_near_cap", 0, Count::Always, class == 1);
+            let side = Drawn::piece("piece_side", count, false);
+            let near = is_clipped.then(|| {
+                let cap = |class| Drawn::piece("piece_near_cap", Count::Always, class == 1);
+                (Drawn::piece("piece_side_clipped", Count::Visible, false), [0, 1].map(cap))
+            });
+            let light_cap = Drawn::piece("piece_light_cap", count, false);
+            // A dark cap is seen from its other side.
+            let dark_cap = Drawn::piece("piece_dark_cap", count, true);
+            let mut all = vec![side, light_cap, dark_cap];
+            all.extend(near.iter().flat_map(|&(side, caps)| [side].into_iter().chain(caps)));
+            let maker = Maker::new(&self.shared, &self.format, self.casters);
+            maker.make_together(&all);
             PiecePipelines {
-                side: maker.pipeline("piece_side", 0, count, false),
-                near: is_clipped.then(|| {
-                    let side = maker.pipeline("piece_side_clipped", 0, Count::Visible, false);
-                    (side, [0, 1].map(near_cap))
-                }),
-                light_cap: maker.pipeline("piece_light_cap", 0, count, false),
-                // A dark cap is seen from its other side.
-                dark_cap: maker.pipeline("piece_dark_cap", 0, count, true),
+                side: maker.drawing(side),
+                near: near.map(|(side, caps)| (maker.drawing(side), caps.map(|cap| maker.drawing(cap)))),
+                light_cap: maker.drawing(light_cap),
+                dark_cap: maker.drawing(dark_cap),
             }
         })
     }
@@ -283,35 +342,51 @@ fn entries(types: &[wgpu::BindingType]) -> Vec<wgpu::BindGroupLayoutEntry> {
     (0..).zip(types).map(entry).collect()
 }
 
-/// Makes the pipelines of one module.
+/// Makes pipelines for one format.
 struct Maker<'a> {
     shared: &'a Pipelines,
     format: &'a ShadowFormat,
-    stage: &'static Stage,
     casters: Casters,
-    groups: [&'a wgpu::BindGroupLayout; 2],
+    layouts: Layouts,
 }
 
-impl Maker<'_> {
-    /// `turned` swaps the counting of fronts and backs. The vertex order and so the bits of depth stay the same.
-    fn pipeline(&self, entry_point: &'static str, kind: u32, count: Count, turned: bool) -> Drawing {
+impl<'a> Maker<'a> {
+    fn new(shared: &'a Pipelines, format: &'a ShadowFormat, casters: Casters) -> Self {
+        Self { shared, format, casters, layouts: layouts(shared) }
+    }
+
+    /// Makes all pipelines of these at the same time.
+    fn make_together(&self, all: &[Drawn]) {
+        let keys: Vec<_> = all.iter().flat_map(|&drawn| self.keys(drawn)).collect();
+        self.shared.make_volumes(&keys, |key| self.make(key));
+    }
+
+    fn drawing(&self, drawn: Drawn) -> Drawing {
+        self.keys(drawn).iter().map(|key| self.shared.volume(key, || self.make(key))).collect()
+    }
+
+    fn keys(&self, drawn: Drawn) -> Vec<VolumeKey> {
+        let Drawn { polygons, entry_point, kind, count, turned } = drawn;
         let parts = if self.format.trim { parts(entry_point) } else { 1 };
-        let part = |part| {
-            let format = self.format.clone();
-            let key = VolumeKey { entry_point, part, kind, casters: self.casters, count, turned, format };
-            self.shared.volume(&key, || self.make(&key))
-        };
-        (0..parts).map(part).collect()
+        let (casters, format) = (self.casters, self.format);
+        let key =
+            |part| VolumeKey { polygons, entry_point, part, kind, casters, count, turned, format: format.clone() };
+        (0..parts).map(key).collect()
     }
 
     fn make(&self, key: &VolumeKey) -> wgpu::RenderPipeline {
-        let &VolumeKey { entry_point, part, kind, casters, count, turned, ref format } = key;
-        let (device, stage) = (self.shared.device(), self.stage);
-        let is_caps = *stage == CAP_FACES;
+        let &VolumeKey { polygons, entry_point, part, kind, casters, count, turned, ref format } = key;
+        let device = self.shared.device();
+        let Layouts { frame, side_data, cap_data, piece_data } = &self.layouts;
+        let (stage, data) = match polygons {
+            Polygons::Sides => (&SIDES, side_data),
+            Polygons::Caps => (&CAP_FACES, cap_data),
+            Polygons::Pieces => (&PIECES, piece_data),
+        };
         let module = self.shared.module(stage.name, &stage.wgsl());
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(stage.name),
-            bind_group_layouts: &self.groups.map(Some),
+            bind_group_layouts: &[frame, data].map(Some),
             immediate_size: 0,
         });
         let is_reversed = format.depth == DepthDirection::Reversed;
@@ -327,7 +402,7 @@ impl Maker<'_> {
             ("UNCLIPPED", switch(unclipped_depth)),
             ("CAP_KIND", f64::from(kind)),
         ];
-        let constants = if is_caps { &constants[..] } else { &constants[..4] };
+        let constants = if polygons == Polygons::Caps { &constants[..] } else { &constants[..4] };
         let targets: Vec<_> = format
             .colors
             .iter()

@@ -10,7 +10,7 @@ use super::sizes::{GroupSize, Room, VolumeSettings, VolumeSizes};
 use super::source::VolumeSource;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding, loops};
 use crate::gpu::common::pass::{Dispatch, Pass};
-use crate::gpu::common::pipelines::{Pipeline, Pipelines, group};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program, group};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::layout::{CHUNK, LANES, PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape};
@@ -47,28 +47,56 @@ pub(crate) struct StagePipelines {
 impl StagePipelines {
     /// The pipelines for the casters of a scene, or for a single caster.
     pub(crate) fn new(pipelines: &Pipelines, is_scene: bool, settings: &VolumeSettings) -> Self {
-        let many = [("MANY", 1.0)];
-        let constants: &[(&'static str, f64)] = if is_scene { &many } else { &[] };
-        let of_casters = |stage: &Stage| pipelines.compute(stage, stage.name, constants);
-        let of_lists = |stage: &Stage| pipelines.compute(stage, stage.name, &[]);
+        let programs = programs(is_scene, settings);
+        pipelines.make_together(&programs);
+        let find = |stage: &Stage| programs.iter().find(|program| program.stage == stage);
+        let optional = |stage| find(stage).map(|program| pipelines.get(program));
+        let of_casters = |stage| pipelines.get(&of_casters(is_scene, stage));
+        let of_lists = |stage| pipelines.get(&Program::of(stage, &[]));
         Self {
             device: pipelines.device().clone(),
             is_scene,
             layouts: layouts(pipelines),
-            relist: is_scene.then(|| of_lists(&RELIST)),
+            relist: optional(&RELIST),
             bounds: of_casters(&BOUNDS),
             choose: of_casters(&CHOOSE),
-            zp_plus_2005_cases: settings.counting.is_zp_plus_2005().then(|| of_lists(&ZP_PLUS_2005_CASES)),
+            zp_plus_2005_cases: optional(&ZP_PLUS_2005_CASES),
             caps: of_casters(&CAPS),
             list_sides: of_casters(&LIST_SIDES),
             arguments: of_lists(&SHADOW_ARGUMENTS),
-            piece_arguments: settings.has_pieces.then(|| of_lists(&PIECE_ARGUMENTS)),
-            piece_crossings: (settings.has_pieces && settings.bound_counts).then(|| of_lists(&PIECE_CROSSINGS)),
-            bound: settings
-                .bound_counts
-                .then(|| [of_casters(&STENCIL_PENCIL), of_casters(&STENCIL_CROSSINGS), of_lists(&STENCIL_BOUND)]),
+            piece_arguments: optional(&PIECE_ARGUMENTS),
+            piece_crossings: optional(&PIECE_CROSSINGS),
+            bound: optional(&STENCIL_PENCIL)
+                .zip(optional(&STENCIL_CROSSINGS))
+                .zip(optional(&STENCIL_BOUND))
+                .map(|((pencil, crossings), bound)| [pencil, crossings, bound]),
         }
     }
+}
+
+/// The programs of these stages, in their order.
+pub(crate) fn programs(is_scene: bool, settings: &VolumeSettings) -> Vec<Program> {
+    let of_casters = |stage| of_casters(is_scene, stage);
+    let of_lists = |stage| Program::of(stage, &[]);
+    let mut programs = Vec::new();
+    programs.extend(is_scene.then(|| of_lists(&RELIST)));
+    programs.extend([&BOUNDS, &CHOOSE].map(of_casters));
+    programs.extend(settings.counting.is_zp_plus_2005().then(|| of_lists(&ZP_PLUS_2005_CASES)));
+    programs.extend([&CAPS, &LIST_SIDES].map(of_casters));
+    programs.push(of_lists(&SHADOW_ARGUMENTS));
+    programs.extend(settings.has_pieces.then(|| of_lists(&PIECE_ARGUMENTS)));
+    if settings.bound_counts {
+        programs.extend([&STENCIL_PENCIL, &STENCIL_CROSSINGS].map(of_casters));
+        programs.extend(settings.has_pieces.then(|| of_lists(&PIECE_CROSSINGS)));
+        programs.push(of_lists(&STENCIL_BOUND));
+    }
+    programs
+}
+
+/// A stage that goes over casters.
+fn of_casters(is_scene: bool, stage: &'static Stage) -> Program {
+    let many = [("MANY", 1.0)];
+    Program::of(stage, if is_scene { &many } else { &[] })
 }
 
 /// The bind groups of the draws of a group of casters.

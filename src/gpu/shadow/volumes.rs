@@ -154,6 +154,12 @@ impl ShadowVolumes {
         if settings.has_pieces {
             pipelines.pieces();
         }
+        if settings.end_at_range {
+            pipelines.ends();
+        }
+        if buffers.sizes.has_proxies() {
+            pipelines.light_caps();
+        }
         let shared = Shared::new(Arc::clone(source), buffers, table, pipelines.convention);
         Ok(Self { shared: Arc::new(shared), pipelines: stage_pipelines, stages: None })
     }

@@ -1,7 +1,9 @@
 //! The frame's uniform.
 
+use glam::DVec3;
 use rimline::mesh::Bounds;
 
+use super::region::{Region, corners};
 use crate::render::camera::Camera;
 use crate::render::{centre, extent};
 
@@ -58,6 +60,35 @@ impl Frame {
 
     pub(super) fn places(&self) -> u32 {
         self.places
+    }
+
+    /// Where a model within `bounds` can be in a picture.
+    pub(super) fn region(&self, bounds: &Bounds) -> Region {
+        let vector = |v: [f32; 3]| DVec3::from(v.map(f64::from));
+        let place = |corner: DVec3| {
+            let from_eye = corner - vector(self.eye);
+            let ahead = from_eye.dot(vector(self.forward));
+            if ahead <= f64::from(self.near) {
+                // The model may be anywhere.
+                return [f64::NAN; 2];
+            }
+            let x = from_eye.dot(vector(self.right)) * f64::from(self.scale_x) / ahead;
+            let y = from_eye.dot(vector(self.up)) * f64::from(self.scale_y) / ahead;
+            let [width, height] = self.size.map(f64::from);
+            [(0.5 + 0.5 * x) * width, (0.5 - 0.5 * y) * height]
+        };
+        // Rounding comes to less than a pixel.
+        Region::around(corners(bounds).map(place), 2.0, self.size.map(|pixels| pixels as u32))
+    }
+
+    /// Where a model within `bounds` can be in a square contact map of so many pixels, or `margin` pixels beside.
+    pub(super) fn region_on_ground(&self, bounds: &Bounds, margin: f64, pixels: u32) -> Region {
+        let half = f64::from(self.ground_half);
+        let place = |corner: DVec3| {
+            let [x, z] = self.ground_centre.map(f64::from);
+            [0.5 + 0.5 * (corner.x - x) / half, 0.5 - 0.5 * (corner.z - z) / half].map(|c| c * f64::from(pixels))
+        };
+        Region::around(corners(bounds).map(place), margin + 2.0, [pixels; 2])
     }
 
     /// The eye is above the ground, so the ground is seen.

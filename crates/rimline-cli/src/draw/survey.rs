@@ -43,19 +43,13 @@ impl Survey {
         }
     }
 
-    /// Records the survey of so many corners.
-    pub(super) fn record(
-        &self,
-        factory: &PipelineFactory<'_>,
-        encoder: &mut wgpu::CommandEncoder,
-        (layout, geometry): (&BindGroupLayout, &BindGroup),
-        corners: u32,
-    ) {
-        let pipeline = factory.pipeline(&Pass {
+    /// The pipeline that draws it. `geometry` is the layout of the model's group.
+    pub(super) fn pipeline(factory: &PipelineFactory<'_>, geometry: &BindGroupLayout) -> wgpu::RenderPipeline {
+        factory.pipeline(&Pass {
             name: "survey",
             vertex: "survey",
             source: include_str!("survey.wgsl"),
-            groups: &[layout],
+            groups: &[geometry],
             topology: wgpu::PrimitiveTopology::TriangleList,
             format: FORMAT,
             blend: None,
@@ -63,32 +57,46 @@ impl Survey {
             write: wgpu::ColorWrites::ALL,
             depth: Some(depth_test(true)),
             constants: &[],
-        });
+        })
+    }
+
+    /// Records the survey of so many corners.
+    pub(super) fn record(
+        &self,
+        factory: &PipelineFactory<'_>,
+        encoder: &mut wgpu::CommandEncoder,
+        pipeline: &wgpu::RenderPipeline,
+        geometry: &BindGroup,
+        corners: u32,
+    ) {
         let nothing = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
         let mut pass = color_pass(encoder, "survey", &self.seen, None, nothing, Some(&self.depth));
-        pass.set_pipeline(&pipeline);
+        pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &factory.frame_group, &[]);
         pass.set_bind_group(1, geometry, &[]);
         pass.draw(0..corners, 0..1);
     }
 
-    /// The survey, positions and drawn faces for `lines.wgsl`. Vertex shaders do not see them: what lists are read by
-    /// there leaves no room for more storage buffers.
-    pub(super) fn group(
-        &self,
-        factory: &PipelineFactory<'_>,
-        positions: &wgpu::Buffer,
-        faces: &wgpu::Buffer,
-    ) -> (BindGroupLayout, BindGroup) {
+    /// The layout of the survey, positions and drawn faces for `lines.wgsl`. Vertex shaders do not see them: what lists are read
+    /// by there leaves no room for more storage buffers.
+    pub(super) fn layout(factory: &PipelineFactory<'_>) -> BindGroupLayout {
         let storage = BindingType::Buffer {
             ty: wgpu::BufferBindingType::Storage { read_only: true },
             has_dynamic_offset: false,
             min_binding_size: None,
         };
-        let layout = factory.layout_for(ShaderStages::FRAGMENT, &[SEEN, storage, storage]);
+        factory.layout_for(ShaderStages::FRAGMENT, &[SEEN, storage, storage])
+    }
+
+    /// A group of this layout.
+    pub(super) fn group(
+        &self,
+        factory: &PipelineFactory<'_>,
+        layout: &BindGroupLayout,
+        [positions, faces]: [&wgpu::Buffer; 2],
+    ) -> BindGroup {
         let resources =
             [BindingResource::TextureView(&self.seen), positions.as_entire_binding(), faces.as_entire_binding()];
-        let group = factory.group(&layout, &resources);
-        (layout, group)
+        factory.group(layout, &resources)
     }
 }

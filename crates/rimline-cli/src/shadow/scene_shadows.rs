@@ -40,9 +40,14 @@ pub(super) struct File {
     pub(super) casters: Vec<(Topology, CasterHandle)>,
 }
 
+/// The options of scenes, but for the number of lights.
+pub(super) fn options(counting: Counting) -> SceneOptions {
+    SceneOptions { counting, bound_counts: true, ..SceneOptions::default() }
+}
+
 impl SceneShadows {
     pub(super) fn new(gpu: &Gpu, counting: Counting, max_lights: usize) -> Result<Self, GpuError> {
-        let options = SceneOptions { max_lights, counting, bound_counts: true, ..SceneOptions::default() };
+        let options = SceneOptions { max_lights, ..options(counting) };
         let scene = Scene::new(&gpu.pipelines, &gpu.queue, options)?;
         Ok(Self { scene, counting, lights: Vec::new(), files: Vec::new(), frame: None, max_lights, layers: None })
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rimline::gpu::{
-    DepthMapPipelines, ReadError, ScenePipelines, ShadowDrawError, ShadowFormat, ShadowPipelines, StageTimer,
+    DepthMapPipelines, ReadError, ScenePipelines, ShadowDrawError, ShadowFormat, ShadowPipelines, StageTimer, Use,
 };
 use rimline::reference::layout::ShadowStatistics;
 use rimline::{Counting, Light, Origin, wgpu};
@@ -15,12 +15,14 @@ use super::found::{FacingMasks, Found};
 use super::from_depth::{DepthsFound, FromDepth};
 use super::layers::BatchPipelines;
 use super::posed_model::PosedModel;
-use super::scene_shadows::SceneShadows;
+use super::scene_shadows::{self, SceneShadows};
 use super::shown_maps::ShownDepths;
 use super::single_casters::SingleCasters;
+use crate::compiling::Compiling;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
+use crate::input::Input;
 use crate::npz::DepthMapArrays;
 
 /// What maps have for a method of counting volumes of meshes, where one must be named.
@@ -46,9 +48,19 @@ impl ShadowMethod {
     }
 
     /// Scenes have neither ZP+ as published nor polygons.
-    pub(crate) fn new(counting: Counting, bodies: &[PosedModel<'_>]) -> Self {
-        let is_single = counting == Counting::ZpPlus2005 || bodies.iter().any(PosedModel::has_polygons);
+    pub(crate) fn new(counting: Counting, inputs: &[Input]) -> Self {
+        let is_single = counting == Counting::ZpPlus2005 || inputs.iter().any(|input| input.polygons().is_some());
         Self { counting, is_single, from_depth: None }
+    }
+
+    /// Begins to make the pipelines of a scene, if there will be one.
+    pub(crate) fn compile(&self, gpu: &Gpu) -> Compiling {
+        if self.is_single || self.has_depth_maps() {
+            return Compiling::default();
+        }
+        let (pipelines, options) = (gpu.pipelines.clone(), scene_shadows::options(self.counting));
+        // What the device refuses is told where it is needed.
+        Compiling::begin(move || _ = pipelines.warm_up(&[Use::SceneShadows(&options)]))
     }
 
     /// The same, with maps of the lights that cast instead of meshes.

@@ -1,0 +1,99 @@
+//! Making pipelines before the first frame.
+
+use super::common::pipelines::{Pipelines, Program};
+use super::common::requirements::{DeviceError, Subject};
+use super::extract::options::ExtractorOptions;
+use super::extract::programs as extraction;
+use super::scene::options::SceneOptions;
+use super::scene::stages as scene;
+use super::shadow::ScenePipelines;
+use super::shadow::stages as shadow;
+use crate::stages::{NEEDS, RECEIVER_DEPTH, RECEIVER_PYRAMID, RECEIVER_SAMPLES};
+
+/// What [`Pipelines::warm_up`] makes pipelines for.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub enum Use<'a> {
+    /// [`Extractor::new`](crate::gpu::Extractor::new) with these options, for meshes of triangles whose arrays each fit one
+    /// binding.
+    Extraction(&'a ExtractorOptions),
+    /// The encodes of a [`Scene`](crate::gpu::Scene) with these options, without cameras.
+    Scene(&'a SceneOptions),
+    /// Its encodes with cameras.
+    SceneShadows(&'a SceneOptions),
+    /// Its encodes with [`Receivers`](crate::gpu::Receivers) of so many samples a pixel, besides.
+    Receivers {
+        /// The sample count of the depth attachment.
+        samples: u32,
+    },
+    /// [`Scene::encode_needs`](crate::gpu::Scene::encode_needs).
+    SceneNeeds,
+    /// Draws of a scene with [`SceneOptions::end_at_range`].
+    EndedVolumes(&'a ScenePipelines),
+    /// Draws of casters that are not in the depth buffer
+    /// ([`Caster::in_depth`](crate::gpu::Caster::in_depth)).
+    Proxies(&'a ScenePipelines),
+}
+
+impl Pipelines {
+    /// Makes what is missing for these uses, on as many threads as the machine runs at the same time, and returns when all is
+    /// made. A browser's device belongs to one thread, which makes all. Without it, a constructor makes what it needs, and the
+    /// first frame that needs something makes that: a [`Scene`](crate::gpu::Scene) at its first encode, at the first with
+    /// cameras, with [`Receivers`](crate::gpu::Receivers) or with needs, and at the first draw whose volumes end or whose casters
+    /// are not in the depth buffer. No frame makes what an earlier frame of the same scene and options had.
+    ///
+    /// On software Vulkan (llvmpipe, Mesa 22.3.6, two cores that were busy otherwise too) a scene's first encode with a camera took
+    /// 0.6 s to make its 16 pipelines on one thread. Many drivers compile a shader when it runs first, whatever was made before:
+    /// another 3 s there, unless the driver finds all in its cache. An engine that cannot have that in its first frame also
+    /// submits an encode with a small mesh beforehand.
+    ///
+    /// What the device refuses is not kept. The constructor or frame that needs it then gives the error.
+    ///
+    /// ```no_run
+    /// # use rimline::gpu::{DeviceError, Pipelines, SceneOptions, Use};
+    /// # fn warm(device: &rimline::wgpu::Device) -> Result<Pipelines, DeviceError> {
+    /// let pipelines = Pipelines::new(device);
+    /// pipelines.warm_up(&[Use::SceneShadows(&SceneOptions::default()), Use::Receivers { samples: 1 }])?;
+    /// # Ok(pipelines)
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`DeviceError`] if the device lacks what a use needs, or is lost.
+    pub fn warm_up(&self, uses: &[Use<'_>]) -> Result<(), DeviceError> {
+        let mut programs: Vec<Program> = Vec::new();
+        let mut subjects = Vec::new();
+        for of in uses {
+            subjects.push(match of {
+                Use::Extraction(_) | Use::Scene(_) => Subject::Extract,
+                _ => Subject::Shadow,
+            });
+            match *of {
+                Use::Extraction(options) => programs.extend(extraction::of_triangles(options)),
+                Use::Scene(options) => programs.extend(scene::programs(options.predicate)),
+                Use::SceneShadows(options) => {
+                    programs.extend(scene::programs(options.predicate));
+                    programs.extend(shadow::programs(true, &options.volumes(false)));
+                }
+                Use::Receivers { samples } => {
+                    let of_tiles = if samples == 1 { &RECEIVER_DEPTH } else { &RECEIVER_SAMPLES };
+                    programs.extend([of_tiles, &RECEIVER_PYRAMID].map(|stage| Program::of(stage, &[])));
+                }
+                Use::SceneNeeds => programs.push(Program::of(&NEEDS, &[])),
+                Use::EndedVolumes(_) | Use::Proxies(_) => {}
+            }
+        }
+        for subject in subjects {
+            self.construct(subject, || Ok::<_, DeviceError>(()))?;
+        }
+        self.make_together(&programs);
+        for of in uses {
+            match of {
+                Use::EndedVolumes(pipelines) => drop(pipelines.volumes.ends()),
+                Use::Proxies(pipelines) => drop(pipelines.volumes.light_caps()),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
