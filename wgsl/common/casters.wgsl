@@ -1,5 +1,6 @@
-// The casters of a scene as the table has them, and the cones of lights. src/layout.rs has the same structs, which a test holds
-// equal.
+// Casters of a scene, meshes that throw shadows, as the table has them; the cones of lights; and small functions on vectors, for
+// all stages of scenes and of shadow volumes. A slot is a place in the masks of casters that are drawn together. src/layout.rs
+// has the same structs, which a test holds equal. Cones: NUMERICS.md, "Cones of lights".
 
 // Slots of a chunk, which are those of one caster.
 const CHUNK: u32 = 64u;
@@ -55,8 +56,8 @@ struct SceneCaster {
   clusters_or_figure: u32,
 }
 
-// A light's cone, in world space: the apex and 1 (0: the light has no cone), the axis of length 1 and the cosine of the angle from the
-// axis to the border.
+// A light's cone, in world space: the apex and 1 (0: the light has no cone), the axis of length 1 and the cosine of the angle
+// from the axis to the border.
 struct LightCone {
   apex: vec4<f32>,
   axis: vec4<f32>,
@@ -68,14 +69,10 @@ const CONE_LEAST: f32 = 0x1p-30;
 // 512 units in the last place of the largest coordinate. Less than a quarter is needed.
 const CONE_SLACK: f32 = 0x1p-14;
 
-fn cone_dot(a: vec3<f32>, b: vec3<f32>) -> f32 {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
 // Of the length of a vector, the part across the axis, at length 1.
 fn across_axis(v: vec3<f32>, axis: vec3<f32>) -> vec3<f32> {
-  let across = v - cone_dot(v, axis) * axis;
-  return across / sqrt(cone_dot(across, across));
+  let across = v - dot_3(v, axis) * axis;
+  return across / sqrt(dot_3(across, across));
 }
 
 // Whether a box may have a place in the cone. It is never false for one that has. No term of the box's ends is above `terms`.
@@ -93,21 +90,21 @@ fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, terms: f32) 
     // What is outside is convex, so it holds the box if it holds the corners.
     for (var number = 0u; number < 8u; number++) {
       let corner = select(begin, end, (vec3<u32>(number) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
-      if (!(cone_dot(corner, axis) < cosine * sqrt(cone_dot(corner, corner)) - CONE_SLACK * size)) {
+      if (!(dot_3(corner, axis) < cosine * sqrt(dot_3(corner, corner)) - CONE_SLACK * size)) {
         return true;
       }
     }
     return false;
   }
-  // A plane through the apex that has the cone on one side. It touches the cone where that is next to the middle of the box: along
-  // a line, or at the apex.
+  // A plane through the apex that has the cone on one side. It touches the cone where that is next to the middle of the box:
+  // along a line, or at the apex.
   let middle = 0.5 * (begin + end);
-  let along = cone_dot(middle, axis);
-  let distance = sqrt(cone_dot(middle, middle));
+  let along = dot_3(middle, axis);
+  let distance = sqrt(dot_3(middle, middle));
   let sine = sqrt((1.0 - cosine) * (1.0 + cosine));
   let off = middle - along * axis;
   var guide = middle;
-  if (!(cone_dot(off, off) > 0x1p-20 * cone_dot(middle, middle))) {
+  if (!(dot_3(off, off) > 0x1p-20 * dot_3(middle, middle))) {
     // The middle is on the axis. Any plane will do.
     guide = select(vec3<f32>(0.0, 1.0, 0.0), vec3<f32>(1.0, 0.0, 0.0), abs(axis.x) < 0.5);
   }
@@ -115,4 +112,18 @@ fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, terms: f32) 
   let normal = select(cosine * across - sine * axis, middle / distance, along < -sine * distance);
   let least = min(normal * begin, normal * end);
   return !(least.x + least.y + least.z > CONE_SLACK * size);
+}
+
+// Written out, so that all devices compute the same.
+fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// The bits of floats as integers with the same order as the floats, and back.
+fn ordered(bits: vec3<u32>) -> vec3<u32> {
+  return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
+}
+
+fn unordered(bits: vec3<u32>) -> vec3<f32> {
+  return bitcast<vec3<f32>>(select(~bits, bits & vec3<u32>(0x7fffffffu), bits >= vec3<u32>(0x80000000u)));
 }

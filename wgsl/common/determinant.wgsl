@@ -1,5 +1,7 @@
-// det[b - a, c - a, l - w a] in f32. Its sign tells the light's side of the face. The local form takes differences
-// only; the plane form takes the face's plane. NUMERICS.md, "Facing" and "Per edge".
+// det[b - a, c - a, l - w a] in f32, for a face (a, b, c) and a homogeneous light (l, w), and a bound on its rounding error. Its
+// sign tells the light's side of the face. The local form takes differences only; the plane form takes the face's plane. Stages
+// of extraction, of polygons and of queries use it. Where |determinant| exceeds the bound, its sign is exact; the others go to
+// common/fixed_sign.wgsl and common/exact_sign.wgsl. NUMERICS.md, "Facing", "Per edge" and "Filter".
 
 // Whether to use the plane form, as published in 2003, instead of the local form.
 override PLANE: bool = false;
@@ -33,9 +35,6 @@ fn plane_form(plane: vec4<f32>, light: vec4<f32>) -> f32 {
   return plane.x * light.x + plane.y * light.y + plane.z * light.z + plane.w * light.w;
 }
 
-// ==== common/filter
-// Bounds on the error of the f32 determinant; NUMERICS.md, "Filter".
-
 // Ten units in the last place, 10 * 2^-23, and the most that underflow adds, 2^-115.
 const RELATIVE: f32 = 0x1.4p-20;
 const UNDERFLOW: f32 = 0x1p-115;
@@ -44,8 +43,7 @@ const LARGE: u32 = 0x53800000u;
 // The bits of infinity. NaNs are above.
 const INFINITE: u32 = 0x7f800000u;
 
-// The bits of the largest absolute coordinate. It is found on bits, because WGSL allows to assume that floats are
-// finite.
+// The bits of the largest absolute coordinate. It is found on bits, because WGSL allows to assume that floats are finite.
 fn largest_magnitude(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>) -> u32 {
   let signless = vec3<u32>(0x7fffffffu);
   let magnitudes = max(max(a & signless, b & signless), c & signless);

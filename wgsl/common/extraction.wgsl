@@ -1,5 +1,5 @@
-// What stages of extraction share with each other and with src/layout.rs, which a test holds equal: batches of lights, ranges of
-// dispatches, masks, statistics, draws.
+// Shared by the stages of extraction, and by those that read its results: structs and constants of batches of lights, ranges of
+// dispatches, masks, statistics, draws. src/layout.rs has the same structs, which a test holds equal.
 
 const NO_FACE: u32 = 0xffffffffu;
 

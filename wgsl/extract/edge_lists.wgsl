@@ -1,5 +1,6 @@
-// What edges read and write of a single mesh: the facing masks, which may span up to four bindings of equal length, and
-// masks and lists of edge records. For a scene see scene/edge_lists.
+// Edge lists of a single mesh, for the stages `edges` and `per_edge`: they read the facing masks, which may span up to four
+// bindings of equal length, and write masks of edge records, append silhouettes to the lists of the lights in no particular
+// order, or both. A list that has no room counts on. `edges` has its own for scenes.
 
 #import common/extraction
 #import extract/one_caster

@@ -1,5 +1,7 @@
-// Reads Rimline's results in a caller's shaders, for a batch of up to 32 lights. Light numbers count from the first
-// light of the batch. `Extraction::bind_group` makes bind group GROUP.
+// Results: what a caller's own shaders include (by `include_wgsl`) to read what was extracted for a batch of up to 32 lights:
+// silhouette edges by instance of the light's indirect draw, facing bits, positions. No stage imports it. Light numbers count
+// from the first light of the batch. GROUP stands for the number of the bind group that `Extraction::bind_group` makes. If a
+// light's list overflowed, its draw goes over all edges, and `valid` tells the silhouettes.
 
 struct RimlineInfo {
   edges: u32,
@@ -23,8 +25,7 @@ struct RimlineSilhouette {
   edge: u32,
   a: u32,
   b: u32,
-  // Whether face 0 faces the light. If so, (b, a, far a, far b) is counter-clockwise as seen from outside the shadow
-  // volume.
+  // Whether face 0 faces the light. If so, (b, a, far a, far b) is counter-clockwise as seen from outside the shadow volume.
   winding: bool,
   // 0 consistent, 1 inconsistent, 2 boundary.
   kind: u32,

@@ -1,14 +1,15 @@
-// What facing, exact facing and edges know of the casters of a scene. extract/one_caster.wgsl has the same functions
-// for a single mesh. A caster has its lights one after the other, in the order of their bits: a light's place is its
-// number among them.
+// Casters of a scene, for the stages `facing`, `exact_facing`, `edges` and `clusters`: what interface/caster.wgsl tells, but for
+// walks. extract/one_caster.wgsl and common/positions.wgsl have the same functions for a single mesh. The functions tell of the
+// caster that was taken last. A caster has its lights one after the other, in the order of their bits in the batch: a light's
+// place is its number among them. Only lights that `reach` wrote to `taken` are computed, and bits of all others stay.
 
 #import common/casters
 #import scene/table
 
+@group(0) @binding(2) var<storage, read> positions: array<u32>;
 // For each batch and caster the lights that the stage takes; `reach` writes it.
 @group(0) @binding(3) var<storage, read> taken: array<u32>;
 
-// A face.
 struct Item {
   exists: bool,
   // Its place in the masks.
@@ -41,7 +42,6 @@ fn take_caster(index: u32) {
   tested = 0xffffffffu;
 }
 
-// The number of slots of faces.
 fn face_slots() -> u32 {
   return CHUNK * group.face_chunks;
 }
@@ -117,17 +117,14 @@ fn cleared(mask: u32) -> u32 {
   return mask & ~matter;
 }
 
-// The places of the lights that are not decided. Places past the last light may be among them.
 fn tested_places() -> u32 {
   return tested;
 }
 
-// Whether masks of excluded faces are those of an earlier frame.
 fn excluded_are_old() -> bool {
   return (flags & GIVEN) == 0u;
 }
 
-// The places of the lights that are taken.
 fn live_places() -> u32 {
   return places_of(matter);
 }
@@ -157,4 +154,9 @@ fn lights_at(places: u32) -> u32 {
     left >>= 1u;
   }
   return bits & matter;
+}
+
+fn position_bits(vertex: u32, offset: u32, stride: u32) -> vec3<u32> {
+  let word = offset + vertex * stride;
+  return vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]);
 }

@@ -1,9 +1,11 @@
-// Needs: finds the figures of a scene that a frame needs, from the boxes that the caller states, before they are deformed. A
-// camera may see such a figure, or its shadow from a light that may reach it. NUMERICS.md, "Figures that a frame needs".
+// Needs: a compute stage that finds which figures of a scene a frame needs, before they are deformed, from boxes that the caller
+// states. A figure is a caster that is animated. A frame needs it if a camera may see it, or its shadow from a light that may
+// reach it; so none that is seen is left out. It writes a word for each figure; `deform` and `reach` read them. NUMERICS.md,
+// "Figures that a frame needs".
 
 #import common/casters
-#import shadow/pyramid
 #import shadow/shadow
+#import shadow/visibility
 
 struct NeedsDispatch {
   figures: u32,

@@ -1,7 +1,10 @@
-// The scene table: casters, then for each batch and caster its lights, then the ranges of the lights and their versions,
-// four words, the cones of the lights, the lights themselves, and the casters of all chunks. The first of the four words is the number of the encode.
-// The second is the word of the work lists from which on a word for each figure is 1 if it is not needed; 0: all are. The CPU
-// writes the table for every frame.
+// The scene table, which the CPU writes for every frame, and what is kept from one frame to the next: where things are, for the
+// stages `reach`, `clusters`, `chunks`, `facing`, `exact_facing` and `edges`. The table has the casters, then for each batch (up
+// to 32 lights) and caster its lights, then the ranges of the lights and their versions, four words, the cones of the lights, the
+// lights themselves, and the casters of all chunks (64 slots of faces or edges of one caster). The first of the four words is the
+// number of the encode. The second is the word of the work lists from which on a word for each figure is 1 if it is not needed;
+// 0:
+// all are. A page is the buffer with the topology of several meshes, and their clusters.
 
 #import common/casters
 
@@ -42,8 +45,7 @@ struct SceneDispatch {
   batch: u32,
   // The word of what is kept where the group and batch have 32 words: for each light the encode that made its list.
   lists_at: u32,
-  // Where these begin in the table, in vec4s: lights of casters, ranges, casters of the group's face chunks and edge
-  // chunks.
+  // Where these begin in the table, in vec4s: lights of casters, ranges, casters of the group's face chunks and edge chunks.
   lights_at: u32,
   ranges_at: u32,
   face_chunks_at: u32,
@@ -51,9 +53,8 @@ struct SceneDispatch {
   // Chunks of the group.
   face_chunks: u32,
   edge_chunks: u32,
-  // The words of the work lists where the group and batch have four words, the face chunks and the edge chunks. The words
-  // are the number of face chunks, that of edge chunks, the lights whose lists are made anew, and those of which bits are
-  // kept.
+  // The words of the work lists where the group and batch have four words, the face chunks and the edge chunks. The words are the
+  // number of face chunks, that of edge chunks, the lights whose lists are made anew, and those of which bits are kept.
   work_count: u32,
   face_work: u32,
   edge_work: u32,
@@ -121,10 +122,8 @@ fn caster_of(chunks_at: u32, chunk: u32) -> u32 {
   return table[chunks_at + chunk / 4u][chunk % 4u];
 }
 
-// ==== scene/cluster_words
-// The clusters of a page. For each mesh that has clusters: a bound for each cluster, where each chunk of edges begins to name
-// the clusters of its faces, and these names. Words count from the first of the mesh.
-
+// The clusters of a page, runs of 128 faces of a mesh. For each mesh that has clusters: a bound for each cluster, where each
+// chunk of edges begins to name the clusters of its faces, and these names. Words count from the first of the mesh.
 @group(0) @binding(9) var<storage, read> cluster_words: array<u32>;
 
 // A caster whose mesh has no clusters.

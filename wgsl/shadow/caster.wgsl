@@ -1,7 +1,10 @@
-// Casters, as the stages of shadow volumes find them in the table. It begins with the casters, eight vec4s each
-// (`SceneCaster`).
+// Casters, the meshes that throw shadows, as all stages of shadow volumes but those of receivers find them: in the table, which
+// begins with eight vec4s for each (`SceneCaster`). A slot is the place of a face or edge in the masks of casters drawn together.
+// A chunk is 64 slots, all of one caster. These functions give a caster's slots, its positions and box, and what camera and light
+// are to it: positions of a rigid caster of a scene are in the space of its mesh, and those of all others in world space.
 //
-// Expects: `shape`, and as far as functions are used `table`, the table of casters; `boxes`, the boxes of casters; `positions`.
+// Expects: `shape`, and as far as functions are used `table`, the table of casters; `boxes`, those of shadow/bounds.wgsl;
+// `positions`.
 
 #import common/casters
 #import shadow/shadow
@@ -73,10 +76,6 @@ fn light_of(caster: u32, light: ShadowLight, number: u32) -> ShadowLight {
   return own;
 }
 
-// ==== shadow/boxes
-// Boxes of casters. `bounds` computes those of casters in world space. A rigid caster has its box in the table, in mesh
-// space.
-
 struct CasterBox {
   low: vec3<f32>,
   high: vec3<f32>,
@@ -86,15 +85,11 @@ struct CasterBox {
   has_holes: bool,
 }
 
-fn unordered(bits: vec3<u32>) -> vec3<f32> {
-  return bitcast<vec3<f32>>(select(~bits, bits & vec3<u32>(0x7fffffffu), bits >= vec3<u32>(0x80000000u)));
-}
-
 fn is_in_mesh_space(caster: u32) -> bool {
   return MANY && (caster_flags(caster) & RIGID) != 0u;
 }
 
-// The box of a caster, in the space of its positions.
+// The box of a caster, in the space of its positions: that of the table if it is rigid, else that of `bounds`.
 fn box_of(caster: u32) -> CasterBox {
   if (is_in_mesh_space(caster)) {
     let low = bitcast<vec3<f32>>(caster_part(caster, 3u).xyz);
@@ -107,9 +102,6 @@ fn box_of(caster: u32) -> CasterBox {
   return CasterBox(low, high, boxes[at + 3u] == 0u, boxes[at + 6u] != 0u);
 }
 
-// ==== shadow/positions
-// Positions of casters, as the stage binds them: `positions`, with the layout in the table.
-
 fn vertex_bits(caster: u32, vertex: u32) -> vec3<u32> {
   let word = face_run(caster).w + vertex * edge_run(caster).w;
   return vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]);
@@ -118,9 +110,6 @@ fn vertex_bits(caster: u32, vertex: u32) -> vec3<u32> {
 fn vertex_position(caster: u32, vertex: u32) -> vec3<f32> {
   return bitcast<vec3<f32>>(vertex_bits(caster, vertex));
 }
-
-// ==== shadow/world
-// Casters in world space.
 
 // A position of a caster in world space.
 fn in_world(caster: u32, position: vec3<f32>) -> vec3<f32> {
@@ -135,7 +124,7 @@ fn in_world(caster: u32, position: vec3<f32>) -> vec3<f32> {
   return world;
 }
 
-// A caster's box in world space.
+// A caster's box in world space. Of a rigid caster it is the box of its turned box.
 fn world_box(caster: u32) -> CasterBox {
   var own = box_of(caster);
   if (!is_in_mesh_space(caster)) {

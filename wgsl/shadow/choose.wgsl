@@ -1,11 +1,15 @@
-// Choose: chooses for each caster and light the faces of the caster that cast and the counting method, from the caster's box
-// alone. This is cheap and settles most casters. `caps` takes those that may need caps.
+// Choose: a compute stage that chooses for each caster, light and view which faces of the caster cast and how the shadow is
+// counted, from the caster's box alone: nothing if its shadow cannot be seen; z-pass unless a face may lie between light and near
+// rectangle; averted faces (those that do not face the light) where they suffice. All tests have slack, so what is skipped casts
+// nothing that is seen. It reads the boxes of `bounds` and the statistics of the extraction, and writes choices
+// (shadow/choices.wgsl) and statistics. `caps` then looks at the faces of casters that may need caps.
+// NUMERICS.md, "Which faces cast", "Volumes that end" and "Volumes without a receiver".
 
 #import common/casters
 #import shadow/caster
 #import shadow/choices
-#import shadow/pyramid
 #import shadow/shadow
+#import shadow/visibility
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> seen: array<SeenLight>;

@@ -1,15 +1,16 @@
-// List sides: lists the edges whose sides are drawn, for each light, with the winding of the side. It goes over the light's
-// silhouettes. Where their list overflowed, or faces may be excluded, it goes over all edges.
+// List sides: a compute stage that lists, for each light of a batch (up to 32 lights) in a view, the edges whose sides are drawn,
+// in no particular order, with the winding of the side. A side is the quad from an edge away from the light. It goes over the
+// light's silhouettes. Where their list overflowed, or faces may be excluded (those whose plane has the light, and those that are
+// not finite), it goes over all edges. `shadow_arguments` makes draws of the lists; `sides` and `stencil_crossings` read them.
 
 #import common/casters
 #import common/extraction
 #import shadow/caster
 #import shadow/choices
+#import shadow/lists
 #import shadow/shadow
-#import shadow/side_lists
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> silhouette_counts: array<u32>;

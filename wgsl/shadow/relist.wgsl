@@ -1,11 +1,12 @@
-// Relist: finds the lights of a group of casters whose lists for a view are made anew, because the silhouettes or the camera
-// changed since, and empties these lists. It writes what the lists will be made from.
+// Relist: a compute stage, for scenes, that finds the lights of a group of casters whose lists of sides and caps for a view are
+// made anew, because the silhouettes or the camera changed since, and empties these lists. It runs before `choose`, for a batch
+// of up to 32 lights, and writes the bits FRESH of the choices, and what the lists will be made from. NUMERICS.md, "What a scene
+// keeps".
 
 #import shadow/choices
 #import shadow/shadow
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of the batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> seen: array<SeenLight>;
 // The versions of what was extracted, with the encodes that made the silhouettes: `shape.lists_at`.

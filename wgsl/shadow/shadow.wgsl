@@ -1,6 +1,7 @@
-// What the stages of shadow volumes share: structs, clip space, and the three forms of a vertex V of a volume. These
-// are V itself, its far vertex at infinity, and its projection from the light onto the near plane. NUMERICS.md, "Shadow
-// volumes".
+// Shared by all stages of shadow volumes, and `needs`: structs that Rust writes (a test holds them equal to src/layout.rs), clip
+// space, and the three forms of a vertex V of a volume: V itself, its far vertex at infinity or where the volume ends, and its
+// projection from the light onto the near plane. A light L is homogeneous, (x, y, z, w); a light at infinity has w = 0. All
+// arithmetic is written out, so that a vertex has the same bits wherever it is computed. NUMERICS.md, "Shadow volumes".
 
 #import common/casters
 
@@ -226,9 +227,8 @@ fn size_3(a: vec3<f32>) -> f32 {
   return max(max(abs(a.x), abs(a.y)), abs(a.z));
 }
 
-// The height of a far vertex is the light's w times the height, less the light's height. So a vertex above the near
-// plane rises if the light is below it, and a vertex below does not rise if the light is not below. This keeps both
-// true despite rounding.
+// The height of a far vertex is the light's w times the height, less the light's height. So a vertex above the near plane rises
+// if the light is below it, and a vertex below does not rise if the light is not below. This keeps both true despite rounding.
 fn consistent_rise(light: ShadowLight, height: f32, far_height: f32) -> f32 {
   let below = light.height < 0.0;
   return select(
@@ -252,11 +252,6 @@ fn corner(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> Corner {
 fn is_finite(position: vec3<f32>) -> bool {
   let exponent = bitcast<vec3<u32>>(position) & vec3<u32>(0x7f800000u);
   return all(exponent != vec3<u32>(0x7f800000u));
-}
-
-// Written out, so that all devices compute the same.
-fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 // The light's side of the near plane: -1 in front of the plane, on the eye's side, else 1.

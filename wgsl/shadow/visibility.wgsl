@@ -1,5 +1,10 @@
-// The pyramid between a light and the near rectangle, as planes. Faces in it cast onto the near rectangle.
+// Visibility: what can be told of a box and its shadow before anything is drawn: whether a light reaches it, whether a camera may
+// see it or its shadow, whether it may lie between light and near rectangle, and whether anything that shadows fall on can be in
+// its shadow. `choose` takes all of it, `caps` the planes between light and near rectangle, and `needs` what is seen of boxes.
+// Tests have slack above their rounding errors, so a box is out only if it is. NUMERICS.md, "Shadow volumes" and "Volumes without
+// a receiver".
 
+#import common/casters
 #import shadow/receivers
 #import shadow/shadow
 
@@ -11,6 +16,8 @@ fn is_out(value: f32, size: f32) -> bool {
   return value < -SLACK * size;
 }
 
+// The planes through the light and the sides of the near rectangle, at a position. Faces between light and rectangle cast onto
+// it.
 struct PyramidPlanes {
   // Left, right, bottom, top; negative outside. Then bounds on the terms whose sums they are.
   value: vec4<f32>,
@@ -47,10 +54,6 @@ fn pyramid_planes(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> 
     height,
   );
 }
-
-// ==== shadow/seen
-// What can be told of a box and its shadow before anything is computed: whether a light reaches it, and whether a camera may
-// see it or its shadow. NUMERICS.md, "What is skipped".
 
 // Whether the whole box is beyond the light's range.
 fn out_of_range(light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>) -> bool {
@@ -118,10 +121,7 @@ fn box_is_unseen(view: ShadowView, low: vec3<f32>, high: vec3<f32>) -> bool {
   return any(out) || before;
 }
 
-// ==== shadow/hidden
-// Hidden volumes: tells whether no receiver can be in the shadow volume of a box. NUMERICS.md, "Volumes without a receiver".
-
-// The receivers of all views.
+// The receivers of all views: what shadows may fall on. `at` is the word where those of a view begin.
 @group(0) @binding(8) var<storage, read> receivers: array<u32>;
 
 fn receiver_corner(at: u32) -> vec3<f32> {
