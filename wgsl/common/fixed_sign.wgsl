@@ -11,7 +11,6 @@ const LIGHT_BITS: i32 = 48;
 // An exponent above all others.
 const FAR: i32 = 4096;
 
-
 // Three numbers, each odd or zero, times a power of two: sign * mantissa * 2^(exponent - 149).
 struct Numbers {
   mantissa: vec3<u32>,

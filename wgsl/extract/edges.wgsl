@@ -8,11 +8,7 @@
 #if SCENE
 #import scene/many_casters
 #import scene/table
-#else
-#import extract/edge_lists
-#endif
 
-#if SCENE
 @group(0) @binding(2) var<storage, read> facing_masks: array<u32>;
 
 // The number of silhouette edges of each light, with those that its list has no room for; then, behind 256 bytes, the lists. An
@@ -38,6 +34,8 @@ fn emit(slot: u32, silhouette: u32, winding: u32) {
     }
   }
 }
+#else
+#import extract/edge_lists
 #endif
 
 @group(0) @binding(6) var<storage, read> edge_faces: array<vec2<u32>>;

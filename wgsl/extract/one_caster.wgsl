@@ -19,77 +19,27 @@ struct Item {
   index: u32,
 }
 
-fn face_slots() -> u32 {
-  return chunk.count;
-}
-
-fn face_in_slot(slot: u32) -> Item {
-  return Item(true, slot, slot);
-}
-
+fn face_slots() -> u32 { return chunk.count; }
+fn face_in_slot(slot: u32) -> Item { return Item(true, slot, slot); }
 // Every batch sees faces that are not finite. The first counts them.
-fn counts_non_finite() -> bool {
-  return chunk.first_light == 0u;
-}
+fn counts_non_finite() -> bool { return chunk.first_light == 0u; }
 
-fn position_offset() -> u32 {
-  return batch.position_offset;
-}
+fn position_offset() -> u32 { return batch.position_offset; }
+fn position_stride() -> u32 { return batch.position_stride; }
+fn light_places() -> u32 { return batch.count; }
+fn scaled_light(place: u32) -> vec4<f32> { return batch.lights[place]; }
+fn given_light(place: u32) -> vec4<u32> { return batch.light_bits[place]; }
+fn inexact_w(place: u32) -> f32 { return batch.inexact_w[place / 4u][place % 4u]; }
+fn lights_reach() -> vec2<f32> { return batch.reach; }
+fn live_places() -> u32 { return batch.live; }
+fn live_lights() -> u32 { return batch.live; }
+fn tested_places() -> u32 { return 0xffffffffu; }
+fn lights_at(places: u32) -> u32 { return places & batch.live; }
 
-fn position_stride() -> u32 {
-  return batch.position_stride;
-}
-
-fn light_places() -> u32 {
-  return batch.count;
-}
-
-fn scaled_light(place: u32) -> vec4<f32> {
-  return batch.lights[place];
-}
-
-fn given_light(place: u32) -> vec4<u32> {
-  return batch.light_bits[place];
-}
-
-fn inexact_w(place: u32) -> f32 {
-  return batch.inexact_w[place / 4u][place % 4u];
-}
-
-fn lights_reach() -> vec2<f32> {
-  return batch.reach;
-}
-
-fn live_places() -> u32 {
-  return batch.live;
-}
-
-fn live_lights() -> u32 {
-  return batch.live;
-}
-
-// All bits are new.
-fn renewed(mask: u32, bits: u32) -> u32 {
-  return bits;
-}
-
-// The mask is not read.
-fn cleared(mask: u32) -> u32 {
-  return 0u;
-}
-
-fn tested_places() -> u32 {
-  return 0xffffffffu;
-}
-
-// They are cleared before.
-fn excluded_are_old() -> bool {
-  return false;
-}
-
-fn lights_at(places: u32) -> u32 {
-  return places & batch.live;
-}
+// All bits of a mask are new, and masks of excluded faces are cleared before.
+fn renewed(mask: u32, bits: u32) -> u32 { return bits; }
+fn cleared(mask: u32) -> u32 { return 0u; }
+fn excluded_are_old() -> bool { return false; }
 
 // An invocation takes one face or edge record.
 fn take_faces(first: u32, step: u32) {

@@ -42,9 +42,7 @@ fn take_caster(index: u32) {
   tested = 0xffffffffu;
 }
 
-fn face_slots() -> u32 {
-  return CHUNK * group.face_chunks;
-}
+fn face_slots() -> u32 { return CHUNK * group.face_chunks; }
 
 // The face in a slot, unless the slot is beyond the faces of its caster or no light of the caster is taken.
 fn face_in_slot(slot: u32) -> Item {
@@ -64,29 +62,12 @@ fn counts_non_finite() -> bool {
   return true;
 }
 
-fn position_offset() -> u32 {
-  return of_faces.w;
-}
-
-fn position_stride() -> u32 {
-  return of_edges.w;
-}
-
-fn light_places() -> u32 {
-  return countOneBits(lights.allowed);
-}
-
-fn given_light(place: u32) -> vec4<u32> {
-  return table[lights.first + 2u * min(place, light_places() - 1u)];
-}
-
-fn scaled_bits(place: u32) -> vec4<u32> {
-  return table[lights.first + 2u * min(place, light_places() - 1u) + 1u];
-}
-
-fn scaled_light(place: u32) -> vec4<f32> {
-  return bitcast<vec4<f32>>(scaled_bits(place));
-}
+fn position_offset() -> u32 { return of_faces.w; }
+fn position_stride() -> u32 { return of_edges.w; }
+fn light_places() -> u32 { return countOneBits(lights.allowed); }
+fn given_light(place: u32) -> vec4<u32> { return table[lights.first + 2u * min(place, light_places() - 1u)]; }
+fn scaled_bits(place: u32) -> vec4<u32> { return table[lights.first + 2u * min(place, light_places() - 1u) + 1u]; }
+fn scaled_light(place: u32) -> vec4<f32> { return bitcast<vec4<f32>>(scaled_bits(place)); }
 
 // As `LightBatch::new` has it.
 fn inexact_w(place: u32) -> f32 {
@@ -99,35 +80,16 @@ fn inexact_w(place: u32) -> f32 {
   return select(bitcast<f32>(w), 0.0, is_zero || (w & 0x7fffffu) == 0u);
 }
 
-fn lights_reach() -> vec2<f32> {
-  return lights.reach;
-}
+fn lights_reach() -> vec2<f32> { return lights.reach; }
+fn live_lights() -> u32 { return matter; }
 
-fn live_lights() -> u32 {
-  return matter;
-}
+// A mask with new bits, or without any, for the lights that are taken.
+fn renewed(mask: u32, bits: u32) -> u32 { return (mask & ~matter) | (bits & ~decided) | decided_facing; }
+fn cleared(mask: u32) -> u32 { return mask & ~matter; }
 
-// A mask with new bits for the lights that are taken.
-fn renewed(mask: u32, bits: u32) -> u32 {
-  return (mask & ~matter) | (bits & ~decided) | decided_facing;
-}
-
-// A mask without the lights that are taken.
-fn cleared(mask: u32) -> u32 {
-  return mask & ~matter;
-}
-
-fn tested_places() -> u32 {
-  return tested;
-}
-
-fn excluded_are_old() -> bool {
-  return (flags & GIVEN) == 0u;
-}
-
-fn live_places() -> u32 {
-  return places_of(matter);
-}
+fn tested_places() -> u32 { return tested; }
+fn excluded_are_old() -> bool { return (flags & GIVEN) == 0u; }
+fn live_places() -> u32 { return places_of(matter); }
 
 fn places_of(bits: u32) -> u32 {
   var places = 0u;

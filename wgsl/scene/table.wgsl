@@ -75,9 +75,7 @@ struct SceneDispatch {
 @group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
 
 // Part `part` of a caster, four words, in the order of SceneCaster.
-fn caster_part(caster: u32, part: u32) -> vec4<u32> {
-  return table[8u * caster + part];
-}
+fn caster_part(caster: u32, part: u32) -> vec4<u32> { return table[8u * caster + part]; }
 
 // Words of a listed chunk of faces: the chunk, the lights that are decided for all of its faces, those of them that the
 // faces face, and the places of the lights that are tested.
@@ -87,9 +85,7 @@ const CHANGING: u32 = 32u;
 // The masks of the group's excluded faces are copied anew from those that the caller gives.
 const GIVEN: u32 = 64u;
 
-fn encode_number() -> u32 {
-  return table[group.ranges_at + 16u * group.batches].x;
-}
+fn encode_number() -> u32 { return table[group.ranges_at + 16u * group.batches].x; }
 
 fn light_cone(batch: u32, light: u32) -> LightCone {
   let at = group.ranges_at + 16u * group.batches + 1u + 2u * (32u * batch + light);
@@ -104,13 +100,8 @@ fn light_version(batch: u32, light: u32) -> u32 {
 // batch the versions of its lights. For each batch and caster follow the caster's version and the lights whose bits are
 // right for these versions. Then for each group and batch the encodes that made the lists of its lights,
 // and two words for each of its chunks of faces.
-fn kept_lights_at(batch: u32) -> u32 {
-  return 4u + 32u * batch;
-}
-
-fn kept_pair_at(pair: u32) -> u32 {
-  return 4u + 32u * group.batches + 2u * pair;
-}
+fn kept_lights_at(batch: u32) -> u32 { return 4u + 32u * batch; }
+fn kept_pair_at(pair: u32) -> u32 { return 4u + 32u * group.batches + 2u * pair; }
 
 fn caster_lights(caster: u32, batch: u32) -> CasterLights {
   let words = table[group.lights_at + batch * group.casters + caster];
@@ -118,9 +109,7 @@ fn caster_lights(caster: u32, batch: u32) -> CasterLights {
 }
 
 // The caster of a chunk. `chunks_at` is where the casters of the group's chunks begin.
-fn caster_of(chunks_at: u32, chunk: u32) -> u32 {
-  return table[chunks_at + chunk / 4u][chunk % 4u];
-}
+fn caster_of(chunks_at: u32, chunk: u32) -> u32 { return table[chunks_at + chunk / 4u][chunk % 4u]; }
 
 // The clusters of a page, runs of 128 faces of a mesh. For each mesh that has clusters: a bound for each cluster, where each
 // chunk of edges begins to name the clusters of its faces, and these names. Words count from the first of the mesh.
@@ -143,6 +132,4 @@ fn has_clusters(caster: u32) -> bool {
 
 // The word of what is kept where a chunk of faces has two: lights for which all faces of its cluster have the same bit, and
 // those of them that they face. They tell what is in the masks.
-fn kept_cluster_at(chunk: u32) -> u32 {
-  return group.clusters_at + 2u * chunk;
-}
+fn kept_cluster_at(chunk: u32) -> u32 { return group.clusters_at + 2u * chunk; }

@@ -1,4 +1,4 @@
-// Casters, the meshes that throw shadows, as all stages of shadow volumes but those of receivers find them: in the table, which
+// Casters, the meshes that throw shadows, as the stages of shadow volumes find them: in the table, which
 // begins with eight vec4s for each (`SceneCaster`). A slot is the place of a face or edge in the masks of casters drawn together.
 // A chunk is 64 slots, all of one caster. These functions give a caster's slots, its positions and box, and what camera and light
 // are to it: positions of a rigid caster of a scene are in the space of its mesh, and those of all others in world space.
@@ -12,23 +12,14 @@
 // Whether there may be several casters. If not, all slots are those of the first caster, which is in world space.
 override MANY: bool = false;
 
-fn caster_part(caster: u32, part: u32) -> vec4<u32> {
-  return table[8u * caster + part];
-}
-
-fn caster_flags(caster: u32) -> u32 {
-  return caster_part(caster, 4u).w;
-}
+fn caster_part(caster: u32, part: u32) -> vec4<u32> { return table[8u * caster + part]; }
+fn caster_flags(caster: u32) -> u32 { return caster_part(caster, 4u).w; }
 
 // Faces: the first slot, their number, the first in the page, and the word of vertex 0 in the bound positions.
-fn face_run(caster: u32) -> vec4<u32> {
-  return caster_part(caster, 5u);
-}
+fn face_run(caster: u32) -> vec4<u32> { return caster_part(caster, 5u); }
 
 // Edge records: the first slot, their number, the first in the page, and the words from one vertex to the next.
-fn edge_run(caster: u32) -> vec4<u32> {
-  return caster_part(caster, 6u);
-}
+fn edge_run(caster: u32) -> vec4<u32> { return caster_part(caster, 6u); }
 
 // The caster of a slot. `chunks_at` is where the casters of the chunks begin in the table.
 fn caster_of(chunks_at: u32, slot: u32) -> u32 {
@@ -85,9 +76,7 @@ struct CasterBox {
   has_holes: bool,
 }
 
-fn is_in_mesh_space(caster: u32) -> bool {
-  return MANY && (caster_flags(caster) & RIGID) != 0u;
-}
+fn is_in_mesh_space(caster: u32) -> bool { return MANY && (caster_flags(caster) & RIGID) != 0u; }
 
 // The box of a caster, in the space of its positions: that of the table if it is rigid, else that of `bounds`.
 fn box_of(caster: u32) -> CasterBox {
@@ -107,9 +96,7 @@ fn vertex_bits(caster: u32, vertex: u32) -> vec3<u32> {
   return vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]);
 }
 
-fn vertex_position(caster: u32, vertex: u32) -> vec3<f32> {
-  return bitcast<vec3<f32>>(vertex_bits(caster, vertex));
-}
+fn vertex_position(caster: u32, vertex: u32) -> vec3<f32> { return bitcast<vec3<f32>>(vertex_bits(caster, vertex)); }
 
 // A position of a caster in world space.
 fn in_world(caster: u32, position: vec3<f32>) -> vec3<f32> {

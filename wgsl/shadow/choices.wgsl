@@ -1,7 +1,7 @@
 // Choices: what the stage `choose` chose for each caster, light and view, as nearly all stages of shadow volumes read it: which
 // faces cast, how shadows are counted, whether near caps are needed, where the volume ends. A batch is up to 32 lights. For each
 // view, batch and caster there are eight words with a bit for each light; behind all of them, two measures for each view, light
-// and caster. `relist`, `choose` and `caps` write them. For later stages they are copied into the table.
+// and caster. `relist`, `choose`, `zp_plus_2005_cases` and `caps` write them. For later stages they are copied into the table.
 //
 // Expects: `shape`, and `table`, the table of casters, which has the choices once all are made.
 

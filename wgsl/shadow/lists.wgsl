@@ -1,9 +1,9 @@
 // Lists of what is drawn for each light of a batch (up to 32 lights) in a view: which faces have caps, which edges have sides and
 // how often, and where both lie in the lists; and the pieces of L-twisted polygons. `caps` and `list_sides` write the lists of
-// faces and edges, and `cut_edges` those of pieces; the stages that make arguments and bound counts, and the vertex shaders, read
-// them. Lists of a light are in one run, one from the front and one from the back, so together they fill its room. Their order is
-// none in particular. If there is no room, counts say so, and readers go over all edges or faces with the same functions.
-// NUMERICS.md, "Watertight".
+// faces and edges, and `cut_edges` and `cut_quads` those of pieces; the stages that make arguments and bound counts, and the
+// vertex shaders, read them. Lists are in no particular order. Two of a light share a run, one from its front and one from its
+// back. If there is no room, counts say so, and readers go over all edges or faces with the same functions. NUMERICS.md,
+// "Watertight".
 //
 // Expects: `shape`, and as far as functions are used `edge_faces`, `facing_masks` and `excluded_masks`, by slots; `draw`, and
 // `pieces`, the lists of pieces.
@@ -40,13 +40,8 @@ fn near_kind(light: ShadowLight, facing: bool, mirrored: bool) -> u32 {
   return select(0u, 1u, (facing == turned) != mirrored);
 }
 
-fn far_kind(facing: bool, mirrored: bool) -> u32 {
-  return FAR + select(0u, 1u, facing == mirrored);
-}
-
-fn cap_capacity(kind: u32) -> u32 {
-  return select(shape.near_capacity, shape.far_capacity, kind >= FAR);
-}
+fn far_kind(facing: bool, mirrored: bool) -> u32 { return FAR + select(0u, 1u, facing == mirrored); }
+fn cap_capacity(kind: u32) -> u32 { return select(shape.near_capacity, shape.far_capacity, kind >= FAR); }
 
 fn cap_place(bit: u32, kind: u32, place: u32) -> u32 {
   let run = CAP_COUNTS + bit * (shape.near_capacity + shape.far_capacity) + select(0u, shape.near_capacity, kind >= FAR);
@@ -65,7 +60,7 @@ fn side_place(bit: u32, kind: u32, place: u32) -> u32 {
 }
 
 fn side_kind(light: ShadowLight) -> u32 {
-  return select(PLAIN, CLIPPED, light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PLUS_2005);
+  return select(PLAIN, CLIPPED, has_near_cap(light));
 }
 
 // How often an edge's side is drawn for a light, and which way it is wound: the multiplicity of the edge, from the faces at
@@ -78,9 +73,7 @@ struct EdgeSide {
 }
 
 // The sign of a face in multiplicities where every face casts. An excluded face counts nowhere.
-fn face_sign(facing: bool, excluded: bool) -> i32 {
-  return select(select(-1, 1, facing), 0, excluded);
-}
+fn face_sign(facing: bool, excluded: bool) -> i32 { return select(select(-1, 1, facing), 0, excluded); }
 
 // `faces` is the packed record. The other vectors tell of its two faces whether they face the light, and are excluded.
 fn side_of_edge(casting: u32, faces: vec2<u32>, facing: vec2<bool>, excluded: vec2<bool>) -> EdgeSide {

@@ -1,6 +1,7 @@
 // Piece arguments: a compute stage that makes the indirect draws of the pieces of L-twisted polygons for each light of a batch
 // (up to 32 lights) in a view. An L-twisted polygon has lit and dark parts as seen from the light; a piece is a part of their
-// borders, which `cut_edges` listed. It reads the choices for the only caster, and writes draws for `pieces` and statistics.
+// borders, which `cut_edges` and `cut_quads` listed (shadow/lists.wgsl). It reads the choices for the only caster, and writes
+// draws for `pieces` and statistics.
 
 #import common/extraction
 #import shadow/choices

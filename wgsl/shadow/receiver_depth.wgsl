@@ -6,29 +6,18 @@
 #import shadow/receivers
 
 @group(0) @binding(0) var<uniform> receiver_view: ReceiverView;
-#if SAMPLES
-@group(0) @binding(1) var depth_texture: texture_depth_multisampled_2d;
-#else
-@group(0) @binding(1) var depth_texture: texture_depth_2d;
-#endif
 @group(0) @binding(2) var<storage, read_write> receivers: array<u32>;
 
 #if SAMPLES
-fn samples() -> u32 {
-  return textureNumSamples(depth_texture);
-}
+@group(0) @binding(1) var depth_texture: texture_depth_multisampled_2d;
 
-fn depth_at(pixel: vec2<u32>, sample: u32) -> f32 {
-  return textureLoad(depth_texture, pixel, sample);
-}
+fn samples() -> u32 { return textureNumSamples(depth_texture); }
+fn depth_at(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, sample); }
 #else
-fn samples() -> u32 {
-  return 1u;
-}
+@group(0) @binding(1) var depth_texture: texture_depth_2d;
 
-fn depth_at(pixel: vec2<u32>, sample: u32) -> f32 {
-  return textureLoad(depth_texture, pixel, 0);
-}
+fn samples() -> u32 { return 1u; }
+fn depth_at(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, 0); }
 #endif
 
 fn farthest_in(tile: vec2<u32>) -> u32 {

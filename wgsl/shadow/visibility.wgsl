@@ -5,6 +5,7 @@
 // a receiver".
 
 #import common/casters
+#import common/casters
 #import shadow/receivers
 #import shadow/shadow
 
