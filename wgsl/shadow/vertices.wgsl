@@ -7,7 +7,6 @@
 // `zp_plus_2005_cases`.
 
 #import common/casters
-#import common/casters
 #import shadow/shadow
 
 // What vertex shaders of volumes return. Draws of one volume must agree in every bit, so it is invariant.

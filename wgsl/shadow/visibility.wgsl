@@ -5,7 +5,6 @@
 // a receiver".
 
 #import common/casters
-#import common/casters
 #import shadow/receivers
 #import shadow/shadow
 
