@@ -4,19 +4,18 @@
 
 // Slots of a chunk, which are those of one caster.
 const CHUNK: u32 = 64u;
-
 // Invocations that share a chunk.
 const LANES: u32 = 8u;
-
 // Flags of a caster.
 const CLOSED: u32 = 1u;
-const MIRRORED: u32 = 2u;
-const RIGID: u32 = 4u;
-const HOLED: u32 = 8u;
-const EXCLUDING: u32 = 16u;
-const PROXY: u32 = 128u;
-const BOUNDED: u32 = 256u;
-
+const MIRRORED: u32 = 2u; // by its matrix
+const RIGID: u32 = 4u; // lights are moved to its mesh space, and its box is known
+const HOLED: u32 = 8u; // a face is not finite
+const EXCLUDING: u32 = 16u; // the caller excludes faces
+const CHANGING: u32 = 32u; // positions may have changed
+const GIVEN: u32 = 64u; // the caller excludes faces of a caster of the group, and all masks of these are copied anew
+const PROXY: u32 = 128u; // not in the depth buffer
+const BOUNDED: u32 = 256u; // the box is one that the caller states, in world space
 // The word of a scene's counts of silhouettes that tells whether a light was in the plane of a face whose bits are kept.
 const KEPT_ZEROS: u32 = 32u;
 
@@ -32,9 +31,7 @@ struct SceneCaster {
   // At most the smallest factor by which the matrix scales a length.
   scale: f32,
   high: vec3<f32>,
-  // Bits: 1 closed; 2 mirrored; 4 rigid, so lights are moved to its mesh space and the box is known; 8 a face is not finite;
-  // 16 the caller excludes faces; 32 positions may have changed; 64 the caller excludes faces of a caster of the group; 128
-  // not in the depth buffer; 256 the box is one that the caller states, in world space.
+  // The flags above.
   flags: u32,
   first_face_slot: u32,
   faces: u32,

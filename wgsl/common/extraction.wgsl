@@ -2,13 +2,10 @@
 // dispatches, masks, statistics, draws. src/layout.rs has the same structs, which a test holds equal.
 
 const NO_FACE: u32 = 0xffffffffu;
-
 // Bit 31 of face 0 of an edge record. It is set if both faces traverse the edge the same way.
 const INCONSISTENT: u32 = 0x80000000u;
-
 // Bit 31 of a list entry: the winding bit of the edge.
 const WINDING: u32 = 0x80000000u;
-
 // The number of edges that one workgroup compacts.
 const BLOCK: u32 = 256u;
 

@@ -11,7 +11,6 @@
 @group(0) @binding(2) var<storage, read_write> places: array<u32>;
 @group(0) @binding(3) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(4) var<storage, read_write> list: array<u32>;
-
 const BLOCK_WORDS: u32 = BLOCK / 32u;
 // For each light the silhouette edges of the block, as a bit set.
 var<workgroup> members: array<atomic<u32>, 32u * BLOCK_WORDS>;

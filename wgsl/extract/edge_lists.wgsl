@@ -28,7 +28,6 @@ fn facing_mask(face: u32) -> u32 {
 @group(0) @binding(7) var<storage, read_write> masks: array<EdgeMasks>;
 @group(0) @binding(8) var<storage, read_write> counts: array<atomic<u32>>;
 @group(0) @binding(9) var<storage, read_write> list: array<u32>;
-
 override WRITE_MASKS: bool = true;
 override APPEND: bool = true;
 

@@ -17,7 +17,6 @@
 // whose bits are kept.
 @group(0) @binding(7) var<storage, read_write> list_counts: array<u32, 64>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
-
 // When a chunk has no silhouette: all its clusters are decided, or they are decided alike. Else it may have one.
 const SKIPPED_DECIDED: u32 = 1u;
 const SKIPPED_ALIKE: u32 = 2u;

@@ -10,7 +10,6 @@
 @group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> kept: array<u32>;
 @group(0) @binding(7) var<storage, read_write> statistics: SceneStatistics;
-
 // What a bound decides: nothing; that all faces face a light, or none; only that none does; that none ever does.
 const MIXED: u32 = 0u;
 const AT_MOST_AVERTED: u32 = 2u;

@@ -13,7 +13,6 @@
 @group(0) @binding(5) var<storage, read_write> taken: array<u32>;
 @group(0) @binding(6) var<storage, read_write> kept: array<u32>;
 @group(0) @binding(7) var<storage, read_write> statistics: SceneStatistics;
-
 // Above this size squares may overflow, and nothing is said.
 const TOO_LARGE: f32 = 0x1p60;
 // 32 units in the last place. Rounding, division and root add fewer to a distance, relative to the largest coordinate.

@@ -80,10 +80,6 @@ fn caster_part(caster: u32, part: u32) -> vec4<u32> { return table[8u * caster +
 // Words of a listed chunk of faces: the chunk, the lights that are decided for all of its faces, those of them that the
 // faces face, and the places of the lights that are tested.
 const FACE_ENTRY: u32 = 4u;
-// Positions may have changed.
-const CHANGING: u32 = 32u;
-// The masks of the group's excluded faces are copied anew from those that the caller gives.
-const GIVEN: u32 = 64u;
 
 fn encode_number() -> u32 { return table[group.ranges_at + 16u * group.batches].x; }
 
@@ -114,7 +110,6 @@ fn caster_of(chunks_at: u32, chunk: u32) -> u32 { return table[chunks_at + chunk
 // The clusters of a page, runs of 128 faces of a mesh. For each mesh that has clusters: a bound for each cluster, where each
 // chunk of edges begins to name the clusters of its faces, and these names. Words count from the first of the mesh.
 @group(0) @binding(9) var<storage, read> cluster_words: array<u32>;
-
 // A caster whose mesh has no clusters.
 const NO_CLUSTERS: u32 = 0xffffffffu;
 // Faces of a cluster, which are two chunks.

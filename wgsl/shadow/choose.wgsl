@@ -169,12 +169,12 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   }
   let view = view_of(caster, seen[entry].view);
   let scale = select(1.0, bitcast<f32>(caster_part(caster, 3u).w), MANY);
+  let receivers_at = seen[entry].version.y;
   var light = light_of(caster, seen[entry].light, number);
   light.casting = CAST_NOTHING;
   if (!own.is_empty) {
     light = chosen(view, light, scale, flags, own.low, own.high, own.has_holes, is_cut(number));
     light.excludes = select(light.excludes, 1u, is_excluding);
-    let receivers_at = seen[entry].version.y;
     if (light.casting != CAST_NOTHING && receivers_at != 0u && is_hidden(view, light, scale, own.low, own.high, receivers_at)) {
       light.casting = CAST_NOTHING;
       atomicAdd(&shadow_statistics.hidden, 1u);
@@ -187,7 +187,6 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   if (light.end > 0.0) {
     atomicAdd(&shadow_statistics.ended, 1u);
   }
-  let receivers_at = seen[entry].version.y;
   if (receivers_at != 0u && (light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL)) {
     light.end = max(light.end, end_behind(view, light, scale, own.low, own.high, receivers_at));
   }

@@ -26,7 +26,6 @@ const PARALLEL: u32 = 0u;
 const FAN: u32 = 1u;
 // The light is in the box. The half planes go all around a coordinate axis.
 const AROUND: u32 = 2u;
-
 // Bins of a pencil. Each pencil has a row of words: for each bin the weights that begin there less those that ended in the
 // bin before, then one more end, then the faces of casters that the axis meets, and the faces of all casters.
 const BINS: u32 = 1024u;

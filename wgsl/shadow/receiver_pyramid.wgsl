@@ -8,12 +8,10 @@
 
 @group(0) @binding(0) var<uniform> receiver_view: ReceiverView;
 @group(0) @binding(1) var<storage, read_write> receivers: array<u32>;
-
 // The box is taken from the first level that has at most so many cells.
 const MOST_BOXED: u32 = 1024u;
 // Above the rounding error of a product of matrix and vector, relative to its terms.
 const UNPROJECTION: f32 = 1e-5;
-
 // Ends of the box as ordered bits, inverted where they are lowest.
 var<workgroup> ends: array<atomic<u32>, 6>;
 var<workgroup> is_endless: atomic<u32>;
@@ -115,10 +113,9 @@ fn receiver_pyramid(@builtin(local_invocation_index) thread: u32) {
     receivers[head + 5u] = select(1u, 0u, atomicLoad(&is_endless) != 0u);
   }
   if (thread < 3u) {
-    let low = bitcast<vec3<u32>>(unordered(vec3<u32>(~atomicLoad(&ends[thread])))).x;
-    let high = bitcast<vec3<u32>>(unordered(vec3<u32>(atomicLoad(&ends[3u + thread])))).x;
+    let found = unordered(vec3<u32>(~atomicLoad(&ends[thread]), atomicLoad(&ends[3u + thread]), 0u));
     let is_limited = atomicLoad(&is_endless) == 0u;
-    receivers[head + 6u + thread] = select(0u, low, is_limited);
-    receivers[head + 9u + thread] = select(0u, high, is_limited);
+    receivers[head + 6u + thread] = select(0u, bitcast<u32>(found.x), is_limited);
+    receivers[head + 9u + thread] = select(0u, bitcast<u32>(found.y), is_limited);
   }
 }

@@ -17,7 +17,6 @@
 @group(0) @binding(6) var<storage, read_write> sides: array<u32>;
 @group(0) @binding(7) var<storage, read_write> caps_listed: array<u32>;
 @group(0) @binding(8) var<storage, read_write> shadow_statistics: ShadowStatistics;
-
 var<workgroup> fresh: atomic<u32>;
 
 @compute @workgroup_size(32)

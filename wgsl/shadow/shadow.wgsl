@@ -152,7 +152,6 @@ struct ShadowDraw {
 const CAST_NOTHING: u32 = 0u;
 const CAST_AVERTED: u32 = 1u;
 const CAST_EVERY: u32 = 2u;
-
 const COUNT_Z_PASS: u32 = 0u;
 const COUNT_ZP_PLUS: u32 = 1u;
 const COUNT_Z_FAIL: u32 = 2u;

@@ -11,7 +11,6 @@
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> crossings: array<u32>;
 @group(0) @binding(3) var<storage, read_write> shadow_statistics: ShadowStatistics;
-
 // The largest bound of a batch of casters.
 var<workgroup> largest: atomic<u32>;
 

@@ -16,9 +16,7 @@
 @group(0) @binding(5) var<storage, read_write> pencils: array<StencilPencil>;
 // The rows of the pencils. They are zeros before.
 @group(0) @binding(6) var<storage, read_write> crossings: array<atomic<u32>>;
-
 const THREADS: u32 = 256u;
-
 // The box of all casters, as integers of the same order: the lowest corner, inverted, and the highest.
 var<workgroup> corners: array<atomic<u32>, 6>;
 // For each coordinate axis the faces of the casters that it may meet.

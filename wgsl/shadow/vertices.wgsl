@@ -46,7 +46,6 @@ override TRIM: bool = false;
 override PART: u32 = 0u;
 // Whether near and far plane do not clip.
 override UNCLIPPED: bool = false;
-
 // Five corners, and one more for each plane.
 const MOST_CORNERS: u32 = 11u;
 

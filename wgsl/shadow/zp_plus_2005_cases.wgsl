@@ -17,7 +17,6 @@
 @group(0) @binding(6) var<storage, read> silhouettes: array<u32>;
 @group(0) @binding(7) var<storage, read> silhouette_counts: array<u32>;
 @group(0) @binding(8) var<storage, read_write> choices: array<atomic<u32>>;
-
 var<workgroup> found: atomic<u32>;
 
 fn is_case_d(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f32>) -> bool {
