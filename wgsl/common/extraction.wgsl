@@ -66,7 +66,7 @@ struct ExtractionStatistics {
   // Pairs of face and light that the filter left to exact arithmetic, and those of them whose determinant is zero.
   undecided_pairs: atomic<u32>,
   exact_zeros: atomic<u32>,
-  // A bit for each light for which a polygon is L-twisted. Lights of all batches share the bits.
+  // A bit for each light for which a polygon is L-twisted: it has lit and dark parts. Lights of all batches share the bits.
   twisted_lights: atomic<u32>,
 }
 

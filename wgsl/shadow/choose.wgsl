@@ -2,8 +2,8 @@
 // counted, from the caster's box alone: nothing if its shadow cannot be seen; z-pass unless a face may lie between light and near
 // rectangle; averted faces (those that do not face the light) where they suffice. All tests have slack, so what is skipped casts
 // nothing that is seen. It reads the boxes of `bounds` and the statistics of the extraction, and writes choices
-// (shadow/choices.wgsl) and statistics. `caps` then looks at the faces of casters that may need caps.
-// NUMERICS.md, "Which faces cast", "Volumes that end" and "Volumes without a receiver".
+// (shadow/choices.wgsl) and statistics. `caps` then looks at the faces of casters that may need caps. NUMERICS.md, "Which faces
+// cast", "Volumes that end" and "Volumes without a receiver".
 
 #import common/casters
 #import shadow/caster

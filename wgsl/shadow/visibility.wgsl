@@ -1,8 +1,8 @@
 // Visibility: what can be told of a box and its shadow before anything is drawn: whether a light reaches it, whether a camera may
-// see it or its shadow, whether it may lie between light and near rectangle, and whether anything that shadows fall on can be in
-// its shadow. `choose` takes all of it, `caps` the planes between light and near rectangle, and `needs` what is seen of boxes.
-// Tests have slack above their rounding errors, so a box is out only if it is. NUMERICS.md, "Shadow volumes" and "Volumes without
-// a receiver".
+// see it or its shadow, whether it may lie between light and near rectangle (what the camera sees of the near plane), and whether
+// anything that shadows fall on can be in its shadow. `choose` takes all of it, `caps` the planes between light and near
+// rectangle, and `needs` what is seen of boxes. Tests have slack above their rounding errors, so a box is out only if it is.
+// NUMERICS.md, "Shadow volumes" and "Volumes without a receiver".
 
 #import common/casters
 #import shadow/receivers
