@@ -2,20 +2,18 @@
 // all stages of scenes and of shadow volumes. A slot is a place in the masks of casters that are drawn together. src/layout.rs
 // has the same structs, which a test holds equal. Cones: NUMERICS.md, "Cones of lights".
 
-// Slots of a chunk, which are those of one caster.
-const CHUNK: u32 = 64u;
-// Invocations that share a chunk.
-const LANES: u32 = 8u;
+const CHUNK: u32 = 64u; // Slots of a chunk, which are those of one caster.
+const LANES: u32 = 8u; // Invocations that share a chunk.
 // Flags of a caster.
 const CLOSED: u32 = 1u;
-const MIRRORED: u32 = 2u; // by its matrix
-const RIGID: u32 = 4u; // lights are moved to its mesh space, and its box is known
-const HOLED: u32 = 8u; // a face is not finite
-const EXCLUDING: u32 = 16u; // the caller excludes faces
-const CHANGING: u32 = 32u; // positions may have changed
-const GIVEN: u32 = 64u; // the caller excludes faces of a caster of the group, and all masks of these are copied anew
-const PROXY: u32 = 128u; // not in the depth buffer
-const BOUNDED: u32 = 256u; // the box is one that the caller states, in world space
+const MIRRORED: u32 = 2u; // By its matrix.
+const RIGID: u32 = 4u; // Lights are moved to its mesh space, and its box is known.
+const HOLED: u32 = 8u; // A face is not finite.
+const EXCLUDING: u32 = 16u; // The caller excludes faces.
+const CHANGING: u32 = 32u; // Positions may have changed.
+const GIVEN: u32 = 64u; // The caller excludes faces of a caster of the group, and all masks of these are copied anew.
+const PROXY: u32 = 128u; // Not in the depth buffer.
+const BOUNDED: u32 = 256u; // The box is one that the caller states, in world space.
 // The word of a scene's counts of silhouettes that tells whether a light was in the plane of a face whose bits are kept.
 const KEPT_ZEROS: u32 = 32u;
 
@@ -41,13 +39,11 @@ struct SceneCaster {
   first_edge_slot: u32,
   edges: u32,
   first_edge: u32,
-  // Words from one vertex to the next.
-  position_stride: u32,
+  position_stride: u32, // Words from one vertex to the next.
   // The encode that was the first to have it as it is, and its group of casters.
   version: u32,
   group: u32,
-  // The first caster of the group.
-  first_caster: u32,
+  first_caster: u32, // The first caster of the group.
   // Of a rigid caster the word of the page's clusters where those of its mesh begin, or NO_CLUSTERS. Of another its number
   // among the figures that may not be needed, counted from 1, or 0 if it is none.
   clusters_or_figure: u32,
@@ -63,8 +59,7 @@ struct LightCone {
 // What is larger or smaller may overflow or underflow, and nothing is said.
 const CONE_LARGEST: f32 = 0x1p60;
 const CONE_LEAST: f32 = 0x1p-30;
-// 512 units in the last place of the largest coordinate. Less than a quarter is needed.
-const CONE_SLACK: f32 = 0x1p-14;
+const CONE_SLACK: f32 = 0x1p-14; // 512 units in the last place of the largest coordinate. Less than a quarter is needed.
 
 // Of the length of a vector, the part across the axis, at length 1.
 fn across_axis(v: vec3<f32>, axis: vec3<f32>) -> vec3<f32> {

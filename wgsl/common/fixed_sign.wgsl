@@ -8,17 +8,14 @@
 // The largest number of bits from the lowest to the highest set bit of a face's nine coordinates, and of l and w a.
 const FACE_BITS: i32 = 46;
 const LIGHT_BITS: i32 = 48;
-// An exponent above all others.
-const FAR: i32 = 4096;
+const FAR: i32 = 4096; // An exponent above all others.
 
 // Three numbers, each odd or zero, times a power of two: sign * mantissa * 2^(exponent - 149).
 struct Numbers {
   mantissa: vec3<u32>,
   exponent: vec3<i32>,
-  // The largest number of bits of the mantissa.
-  length: vec3<i32>,
-  // 0, or -1 if the number is negative.
-  sign: vec3<i32>,
+  length: vec3<i32>, // The largest number of bits of the mantissa.
+  sign: vec3<i32>, // 0, or -1 if the number is negative.
 }
 
 fn numbers(bits: vec3<u32>) -> Numbers {

@@ -6,8 +6,7 @@
 @group(0) @binding(3) var<storage, read> positions_1: array<u32>;
 @group(0) @binding(4) var<storage, read> positions_2: array<u32>;
 @group(0) @binding(5) var<storage, read> positions_3: array<u32>;
-// The number of words in a window. 0: everything is in the first binding.
-override WINDOW_WORDS: u32 = 0u;
+override WINDOW_WORDS: u32 = 0u; // The number of words in a window. 0: everything is in the first binding.
 
 fn position_word(word: u32) -> u32 {
   if (WINDOW_WORDS == 0u) {

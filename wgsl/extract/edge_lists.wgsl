@@ -9,8 +9,7 @@
 @group(0) @binding(3) var<storage, read> facing_1: array<u32>;
 @group(0) @binding(4) var<storage, read> facing_2: array<u32>;
 @group(0) @binding(5) var<storage, read> facing_3: array<u32>;
-// The number of faces in each binding except the last. 0: all are in the first.
-override FACING_WINDOW_WORDS: u32 = 0u;
+override FACING_WINDOW_WORDS: u32 = 0u; // The number of faces in each binding except the last. 0: all are in the first.
 
 fn facing_mask(face: u32) -> u32 {
   if (FACING_WINDOW_WORDS == 0u) {

@@ -39,8 +39,7 @@ fn emit(slot: u32, silhouette: u32, winding: u32) {
 #endif
 
 @group(0) @binding(6) var<storage, read> edge_faces: array<vec2<u32>>;
-// Where the twisted masks lie behind the facing masks, for polygons. 0: no face is twisted.
-override TWISTED_AT: u32 = 0u;
+override TWISTED_AT: u32 = 0u; // Where the twisted masks lie behind the facing masks, for polygons. 0: no face is twisted.
 
 // Decides an edge record. `slot` is its place in masks and lists, `index` that in the topology.
 fn take_item(slot: u32, index: u32) {

@@ -13,8 +13,7 @@
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
 // As in exact_facing.wgsl, which writes it if signs are exact.
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
-// If false, signs are those that f32 gives.
-override EXACT: bool = true;
+override EXACT: bool = true; // If false, signs are those that f32 gives.
 
 // The determinant for one light.
 fn determinant(n: vec3<f32>, a: vec3<f32>, place: u32) -> f32 {

@@ -12,10 +12,8 @@
 
 struct Item {
   exists: bool,
-  // Its place in the masks.
-  slot: u32,
-  // Its place in the topology.
-  index: u32,
+  slot: u32, // Its place in the masks.
+  index: u32, // Its place in the topology.
 }
 
 fn face_slots() -> u32 { return chunk.count; }

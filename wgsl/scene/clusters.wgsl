@@ -16,8 +16,7 @@ const AT_MOST_AVERTED: u32 = 2u;
 const AVERTED: u32 = 3u;
 // 2.5 units in the last place: what the rounding of w centre may change the middle and the half by.
 const PRODUCT: f32 = 2.5 * 0x1p-23;
-// The most that underflow adds.
-const LEAST: f32 = 0x1p-118;
+const LEAST: f32 = 0x1p-118; // The most that underflow adds.
 
 // Lights that are decided for a whole cluster, and those of them that its faces face.
 struct Decision {

@@ -12,10 +12,8 @@
 
 struct Item {
   exists: bool,
-  // Its place in the masks.
-  slot: u32,
-  // Its place in the page.
-  index: u32,
+  slot: u32, // Its place in the masks.
+  index: u32, // Its place in the page.
 }
 
 // The caster of the face or edge record at hand, its lights, and those of them that are taken.

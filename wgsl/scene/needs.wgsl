@@ -10,12 +10,9 @@
 struct NeedsDispatch {
   figures: u32,
   views: u32,
-  // Lights of each view, at least 1.
-  lights: u32,
-  // Vec4s of each figure.
-  parts: u32,
-  // 1: every figure is needed.
-  all: u32,
+  lights: u32, // Lights of each view, at least 1.
+  parts: u32, // Vec4s of each figure.
+  all: u32, // 1: every figure is needed.
   // 1: casters that a light's range does not reach, and shadows that a camera cannot see, are skipped.
   skip_unreached: u32,
   skip_unseen: u32,

@@ -13,8 +13,7 @@
 @group(0) @binding(5) var<storage, read_write> taken: array<u32>;
 @group(0) @binding(6) var<storage, read_write> kept: array<u32>;
 @group(0) @binding(7) var<storage, read_write> statistics: SceneStatistics;
-// Above this size squares may overflow, and nothing is said.
-const TOO_LARGE: f32 = 0x1p60;
+const TOO_LARGE: f32 = 0x1p60; // Above this size squares may overflow, and nothing is said.
 // 32 units in the last place. Rounding, division and root add fewer to a distance, relative to the largest coordinate.
 const SLACK: f32 = 0x1p-18;
 
@@ -141,14 +140,10 @@ fn reach(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
   }
 }
 
-// The most corners of an occluder.
-const MOST_CORNERS: u32 = 8u;
-// Occluders that are tried.
-const MOST_OCCLUDERS: u32 = 128u;
-// Above this size products may overflow, and nothing is said.
-const TOO_LARGE_TO_HIDE: f32 = 0x1p36;
-// What is lost where small numbers are flushed.
-const LOST: f32 = 0x1p-100;
+const MOST_CORNERS: u32 = 8u; // The most corners of an occluder.
+const MOST_OCCLUDERS: u32 = 128u; // Occluders that are tried.
+const TOO_LARGE_TO_HIDE: f32 = 0x1p36; // Above this size products may overflow, and nothing is said.
+const LOST: f32 = 0x1p-100; // What is lost where small numbers are flushed.
 
 // A box in world space: its middle, half of each of its edges, and sizes as sums of absolute values: of places, and of the
 // distance from the middle to a corner.

@@ -10,12 +10,9 @@
 
 // The lights of a caster in a batch.
 struct CasterLights {
-  // The bits of the lights that its mask allows and that its space has.
-  allowed: u32,
-  // Where its lights begin in the table: for each the bits as given, and scaled as in LightBatch.
-  first: u32,
-  // The largest |x|, |y| or |z| of the scaled lights, and their largest |w| or inexact w.
-  reach: vec2<f32>,
+  allowed: u32, // The bits of the lights that its mask allows and that its space has.
+  first: u32, // Where its lights begin in the table: for each the bits as given, and scaled as in LightBatch.
+  reach: vec2<f32>, // The largest |x|, |y| or |z| of the scaled lights, and their largest |w| or inexact w.
 }
 
 // What an encode of a scene computed.
@@ -23,8 +20,7 @@ struct SceneStatistics {
   // Pairs of caster and light that matter, and those of them whose bits were kept.
   pairs: atomic<u32>,
   kept_pairs: atomic<u32>,
-  // Pairs of caster and allowed light that do not matter.
-  unreached_pairs: atomic<u32>,
+  unreached_pairs: atomic<u32>, // Pairs of caster and allowed light that do not matter.
   // Pairs of caster and light that do not matter, because an occluder hides the caster from the light.
   occluded_pairs: atomic<u32>,
   // Faces that were tested, for each batch, and edge records.
@@ -33,8 +29,7 @@ struct SceneStatistics {
   // Those that clusters spared.
   spared_faces: atomic<u32>,
   spared_edges: atomic<u32>,
-  // Casters that the frame does not need.
-  unneeded: atomic<u32>,
+  unneeded: atomic<u32>, // Casters that the frame does not need.
 }
 
 // A dispatch over a group of casters for a batch of lights.
@@ -58,13 +53,11 @@ struct SceneDispatch {
   work_count: u32,
   face_work: u32,
   edge_work: u32,
-  // Entries that the list of each light has room for.
-  capacity: u32,
+  capacity: u32, // Entries that the list of each light has room for.
   // The number of this layout, which tells what was computed for another, and whether bits are kept at all.
   structure: u32,
   keeps: u32,
-  // The word of what is kept where the clusters of the group and batch begin.
-  clusters_at: u32,
+  clusters_at: u32, // The word of what is kept where the clusters of the group and batch begin.
   // Where occluders begin in the table, for each batch and occluder, and their number. Then where the scaled lights are.
   occluders_at: u32,
   occluders: u32,
@@ -110,13 +103,11 @@ fn caster_of(chunks_at: u32, chunk: u32) -> u32 { return table[chunks_at + chunk
 // The clusters of a page, runs of 128 faces of a mesh. For each mesh that has clusters: a bound for each cluster, where each
 // chunk of edges begins to name the clusters of its faces, and these names. Words count from the first of the mesh.
 @group(0) @binding(9) var<storage, read> cluster_words: array<u32>;
-// A caster whose mesh has no clusters.
-const NO_CLUSTERS: u32 = 0xffffffffu;
+const NO_CLUSTERS: u32 = 0xffffffffu; // A caster whose mesh has no clusters.
 // Faces of a cluster, which are two chunks.
 const CLUSTER_FACES: u32 = 128u;
 const CLUSTER_CHUNKS: u32 = 2u;
-// Words of a bound.
-const BOUND_WORDS: u32 = 12u;
+const BOUND_WORDS: u32 = 12u; // Words of a bound.
 // Bits of the place where the names of a chunk begin. The others tell when the chunk has no silhouette.
 const PLACE_BITS: u32 = 30u;
 

@@ -22,8 +22,7 @@
 @group(1) @binding(2) var<storage, read> facing_masks: array<u32>;
 @group(1) @binding(3) var<storage, read> excluded_masks: array<u32>;
 @group(1) @binding(4) var<storage, read> caps_listed: array<u32>;
-// The list of cap faces that is drawn.
-override CAP_KIND: u32 = 0u;
+override CAP_KIND: u32 = 0u; // The list of cap faces that is drawn.
 
 // A face, and what its caster sees.
 struct Cap {

@@ -70,10 +70,8 @@ fn light_of(caster: u32, light: ShadowLight, number: u32) -> ShadowLight {
 struct CasterBox {
   low: vec3<f32>,
   high: vec3<f32>,
-  // There is no finite face.
-  is_empty: bool,
-  // Some face is not finite.
-  has_holes: bool,
+  is_empty: bool, // There is no finite face.
+  has_holes: bool, // Some face is not finite.
 }
 
 fn is_in_mesh_space(caster: u32) -> bool { return MANY && (caster_flags(caster) & RIGID) != 0u; }

@@ -13,16 +13,12 @@ fn choices_of(caster: u32, batch: u32, view: u32) -> u32 {
   return (view * shape.batches + batch) * shape.casters + caster;
 }
 
-// Which words. A light for which a caster casts is in the first.
-const CASTS: u32 = 0u;
-// Every face casts. If not set, averted ones do.
-const EVERY: u32 = 1u;
-// The near cap may be needed.
-const NEAR: u32 = 2u;
-// The near cap has faces.
-const CAPPED: u32 = 3u;
-// Faces may be excluded.
-const EXCLUDES: u32 = 4u;
+// Which words.
+const CASTS: u32 = 0u; // The caster casts.
+const EVERY: u32 = 1u; // Every face casts. If not set, averted ones do.
+const NEAR: u32 = 2u; // The near cap may be needed.
+const CAPPED: u32 = 3u; // The near cap has faces.
+const EXCLUDES: u32 = 4u; // Faces may be excluded.
 // In the words of the first caster of a group: some caster has excluded faces if any light is in the plane of a face, or has
 // some in any case. Then sides are not among the silhouettes alone.
 const MAY_EXCLUDE: u32 = 5u;

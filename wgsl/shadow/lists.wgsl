@@ -52,8 +52,7 @@ fn cap_place(bit: u32, kind: u32, place: u32) -> u32 {
 // plane. A side of weight 2 is there twice.
 const PLAIN: u32 = 0u;
 const CLIPPED: u32 = 1u;
-// The counts of the batch, before the lists.
-const SIDE_COUNTS: u32 = 64u;
+const SIDE_COUNTS: u32 = 64u; // The counts of the batch, before the lists.
 
 fn side_place(bit: u32, kind: u32, place: u32) -> u32 {
   return SIDE_COUNTS + bit * shape.side_capacity + select(place, shape.side_capacity - 1u - place, kind == CLIPPED);
@@ -66,10 +65,8 @@ fn side_kind(light: ShadowLight) -> u32 {
 // How often an edge's side is drawn for a light, and which way it is wound: the multiplicity of the edge, from the faces at
 // the edge that cast.
 struct EdgeSide {
-  // 0: none. Where every face casts, 2 is a silhouette, and 1 a boundary of what casts.
-  weight: u32,
-  // If set, (b, a, far a, far b) is counter-clockwise as seen from outside the volume.
-  winding: bool,
+  weight: u32, // 0: none. Where every face casts, 2 is a silhouette, and 1 a boundary of what casts.
+  winding: bool, // If set, (b, a, far a, far b) is counter-clockwise as seen from outside the volume.
 }
 
 // The sign of a face in multiplicities where every face casts. An excluded face counts nowhere.

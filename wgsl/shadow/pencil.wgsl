@@ -8,24 +8,18 @@
 #import common/casters
 
 struct StencilPencil {
-  // The position of the light. 0 if it is at infinity.
-  place: vec3<f32>,
-  // One of the constants below.
-  kind: u32,
-  // Two directions at right angles to the axis.
-  forward: vec3<f32>,
+  place: vec3<f32>, // The position of the light. 0 if it is at infinity.
+  kind: u32, // One of the constants below.
+  forward: vec3<f32>, // Two directions at right angles to the axis.
   // The number of the half plane where the first bin begins, and bins for each unit.
   first: f32,
   aside: vec3<f32>,
   scale: f32,
 }
 
-// The light is at infinity: the half planes are parallel.
-const PARALLEL: u32 = 0u;
-// The light is outside the box of all casters, which lie in front of it: in direction `forward`.
-const FAN: u32 = 1u;
-// The light is in the box. The half planes go all around a coordinate axis.
-const AROUND: u32 = 2u;
+const PARALLEL: u32 = 0u; // The light is at infinity: the half planes are parallel.
+const FAN: u32 = 1u; // The light is outside the box of all casters, which lie in front of it: in direction `forward`.
+const AROUND: u32 = 2u; // The light is in the box. The half planes go all around a coordinate axis.
 // Bins of a pencil. Each pencil has a row of words: for each bin the weights that begin there less those that ended in the
 // bin before, then one more end, then the faces of casters that the axis meets, and the faces of all casters.
 const BINS: u32 = 1024u;

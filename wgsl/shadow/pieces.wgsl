@@ -19,8 +19,7 @@
 struct Piece {
   view: ShadowView,
   light: ShadowLight,
-  // The middle of the polygon, and the ends of the piece.
-  face: CapFace,
+  face: CapFace, // The middle of the polygon, and the ends of the piece.
 }
 
 fn piece_of(instance: u32) -> Piece {

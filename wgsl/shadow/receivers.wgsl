@@ -5,10 +5,8 @@
 // shadow/visibility.wgsl. NUMERICS.md, "Volumes without a receiver".
 
 struct ReceiverView {
-  // Columns of the matrix from normalised device coordinates to the camera's frame.
-  inverse: array<vec4<f32>, 4>,
-  // The box of the near rectangle, in the camera's frame.
-  near_min: vec3<f32>,
+  inverse: array<vec4<f32>, 4>, // Columns of the matrix from normalised device coordinates to the camera's frame.
+  near_min: vec3<f32>, // The box of the near rectangle, in the camera's frame.
   // Depth of the near plane. The other end of 0 to 1 is the depth that is cleared to.
   near_z: f32,
   near_max: vec3<f32>,

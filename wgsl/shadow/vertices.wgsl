@@ -44,10 +44,8 @@ fn offer(picked: Picked, clip: vec4<f32>, is_there: bool) -> Picked {
 // two triangles of its fan as a strip, or one in a list.
 override TRIM: bool = false;
 override PART: u32 = 0u;
-// Whether near and far plane do not clip.
-override UNCLIPPED: bool = false;
-// Five corners, and one more for each plane.
-const MOST_CORNERS: u32 = 11u;
+override UNCLIPPED: bool = false; // Whether near and far plane do not clip.
+const MOST_CORNERS: u32 = 11u; // Five corners, and one more for each plane.
 
 struct Outline {
   corners: array<vec4<f32>, MOST_CORNERS>,

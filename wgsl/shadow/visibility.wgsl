@@ -8,8 +8,7 @@
 #import shadow/receivers
 #import shadow/shadow
 
-// The relative slack of all tests. It is far above the rounding error of the tests.
-const SLACK: f32 = 4e-6;
+const SLACK: f32 = 4e-6; // The relative slack of all tests. It is far above the rounding error of the tests.
 
 // Whether a point is outside a plane, from its `value` there. `size` bounds the terms whose sum is the value.
 fn is_out(value: f32, size: f32) -> bool {
@@ -130,8 +129,7 @@ fn receiver_corner(at: u32) -> vec3<f32> {
 
 // How far a volume goes until it has left the box of the receivers.
 struct Reach {
-  // No receiver is beyond any place of the caster.
-  is_none: bool,
+  is_none: bool, // No receiver is beyond any place of the caster.
   // Of a light at a place: the least factor of the light in the far vertex `d + factor * light`. Of a light at infinity: the
   // largest factor of d in the far vertex `V + factor * d`; negative if there is no limit.
   factor: f32,
@@ -188,13 +186,11 @@ struct Hull {
   // Whether all are outside the left, right, bottom and top plane, or before the near plane.
   out: vec4<bool>,
   before: bool,
-  // Whether all are in front of the near plane. Only then the rest is known.
-  is_ahead: bool,
+  is_ahead: bool, // Whether all are in front of the near plane. Only then the rest is known.
   // Ends on the screen.
   low: vec2<f32>,
   high: vec2<f32>,
-  // The nearest depth.
-  nearest: f32,
+  nearest: f32, // The nearest depth.
 }
 
 // Takes a vertex with bounds on the terms of its coordinates and of its height over the near plane.
