@@ -107,9 +107,7 @@ fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, terms: f32) 
 }
 
 // Written out, so that all devices compute the same.
-fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
+fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 // The bits of floats as integers with the same order as the floats, and back.
 fn ordered(bits: vec3<u32>) -> vec3<u32> {

@@ -10,13 +10,9 @@ fn cross_product(u: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
   return vec3<f32>(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
 }
 
-fn sum_of_sizes(v: vec3<f32>) -> f32 {
-  return abs(v.x) + abs(v.y) + abs(v.z);
-}
+fn sum_of_sizes(v: vec3<f32>) -> f32 { return abs(v.x) + abs(v.y) + abs(v.z); }
 
-fn largest_of(v: vec3<f32>) -> f32 {
-  return max(max(abs(v.x), abs(v.y)), abs(v.z));
-}
+fn largest_of(v: vec3<f32>) -> f32 { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 
 // n . (l - w a)
 fn local_form(n: vec3<f32>, a: vec3<f32>, light: vec4<f32>) -> f32 {

@@ -36,13 +36,9 @@ fn window(is_zero: vec3<bool>, exponent: vec3<i32>, length: vec3<i32>) -> vec2<i
   return vec2<i32>(min(min(low.x, low.y), low.z), max(max(high.x, high.y), high.z));
 }
 
-fn window_of(n: Numbers) -> vec2<i32> {
-  return window(n.mantissa == vec3<u32>(0u), n.exponent, n.length);
-}
+fn window_of(n: Numbers) -> vec2<i32> { return window(n.mantissa == vec3<u32>(0u), n.exponent, n.length); }
 
-fn hull(a: vec2<i32>, b: vec2<i32>) -> vec2<i32> {
-  return vec2<i32>(min(a.x, b.x), max(a.y, b.y));
-}
+fn hull(a: vec2<i32>, b: vec2<i32>) -> vec2<i32> { return vec2<i32>(min(a.x, b.x), max(a.y, b.y)); }
 
 // Three integers in two digits of 24 bits. The second digit has the sign.
 struct Wide {
@@ -62,9 +58,7 @@ fn wide(low: vec3<u32>, high: vec3<u32>, above: vec3<i32>, sign: vec3<i32>) -> W
 }
 
 // The two limbs of a digit after those of another.
-fn limbs(low: i32, high: i32) -> vec4<i32> {
-  return vec4<i32>(low & 0xfff, low >> 12u, high & 0xfff, high >> 12u);
-}
+fn limbs(low: i32, high: i32) -> vec4<i32> { return vec4<i32>(low & 0xfff, low >> 12u, high & 0xfff, high >> 12u); }
 
 // Three integers of four limbs of 12 bits, the lowest first. The last limb has the sign.
 struct Limbs {

@@ -21,9 +21,7 @@ struct SceneLists {
 @group(0) @binding(7) var<storage, read_write> lists: SceneLists;
 
 // The facing mask of a face of the caster at hand.
-fn facing_mask(face: u32) -> u32 {
-  return facing_masks[of_faces.x + face];
-}
+fn facing_mask(face: u32) -> u32 { return facing_masks[of_faces.x + face]; }
 
 fn emit(slot: u32, silhouette: u32, winding: u32) {
   for (var rest = silhouette; rest != 0u; rest &= rest - 1u) {

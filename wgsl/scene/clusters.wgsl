@@ -76,9 +76,7 @@ fn list_faces(chunk: u32, decision: Decision) {
   }
 }
 
-fn faces_in(chunk: u32) -> u32 {
-  return min(CHUNK, of_faces.x + of_faces.y - CHUNK * chunk);
-}
+fn faces_in(chunk: u32) -> u32 { return min(CHUNK, of_faces.x + of_faces.y - CHUNK * chunk); }
 
 // The chunks of the cluster that begins with `chunk`. `number` counts clusters of the caster.
 fn take_cluster(chunk: u32, number: u32) {

@@ -23,8 +23,7 @@ struct NeedsDispatch {
 @group(0) @binding(1) var<storage, read> seen: array<SeenLight>;
 // For each figure the lowest corner of its box and whether it has one, the highest corner, and the bits of its lights.
 @group(0) @binding(2) var<storage, read> figures: array<vec4<u32>>;
-// For each figure 0 if it is needed, else 1.
-@group(0) @binding(3) var<storage, read_write> unneeded: array<u32>;
+@group(0) @binding(3) var<storage, read_write> unneeded: array<u32>; // For each figure 0 if it is needed, else 1.
 
 // Whether a camera may see the shadow that a light makes of a box.
 fn may_shade(view: u32, number: u32, low: vec3<f32>, high: vec3<f32>) -> bool {

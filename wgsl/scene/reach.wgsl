@@ -7,8 +7,7 @@
 #import common/casters
 #import scene/table
 
-// For each batch and caster the bits of these lights.
-@group(0) @binding(3) var<storage, read_write> lit: array<u32>;
+@group(0) @binding(3) var<storage, read_write> lit: array<u32>; // For each batch and caster the bits of these lights.
 @group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read_write> taken: array<u32>;
 @group(0) @binding(6) var<storage, read_write> kept: array<u32>;
@@ -156,9 +155,7 @@ struct TurnedBox {
   reach: f32,
 }
 
-fn sum_of(v: vec3<f32>) -> f32 {
-  return abs(v.x) + abs(v.y) + abs(v.z);
-}
+fn sum_of(v: vec3<f32>) -> f32 { return abs(v.x) + abs(v.y) + abs(v.z); }
 
 fn turned_box(caster: u32) -> TurnedBox {
   let low = bitcast<vec3<f32>>(caster_part(caster, 3u).xyz);
@@ -188,9 +185,7 @@ fn least(box: TurnedBox, normal: vec3<f32>, on: vec3<f32>) -> f32 {
   return dot_3(normal, box.middle - on) - abs(dot_3(normal, box.half_x)) - abs(dot_3(normal, box.half_y)) - abs(dot_3(normal, box.half_z));
 }
 
-fn corner_of(at: u32, number: u32) -> vec3<f32> {
-  return bitcast<vec3<f32>>(table[at + number].xyz);
-}
+fn corner_of(at: u32, number: u32) -> vec3<f32> { return bitcast<vec3<f32>>(table[at + number].xyz); }
 
 // Whether the box lies wholly behind an occluder: behind its plane, and within the planes through the light and its edges. `side`
 // is 1 if the light sees the corners counter-clockwise, else -1.

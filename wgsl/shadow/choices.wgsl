@@ -82,6 +82,4 @@ fn chosen_light(caster: u32, light: ShadowLight, number: u32, view: u32) -> Shad
 }
 
 // Whether a caster is in a batch of casters that are counted together.
-fn is_counted(caster: u32, count_batch: u32) -> bool {
-  return !MANY || caster % shape.count_batches == count_batch;
-}
+fn is_counted(caster: u32, count_batch: u32) -> bool { return !MANY || caster % shape.count_batches == count_batch; }

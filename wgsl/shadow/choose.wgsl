@@ -17,8 +17,7 @@
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
 // `ExtractionStatistics` of the extraction. The last tells how many lights lie in planes of faces.
 @group(0) @binding(4) var<storage, read> extraction_statistics: array<u32, 5>;
-// Choices of all casters, then measures.
-@group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>; // Choices of all casters, then measures.
 @group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;
 // For each batch and caster of a scene the lights that matter. A single caster has none.
 @group(0) @binding(7) var<storage, read> lit: array<u32>;
@@ -82,9 +81,7 @@ fn frustum_near(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3
 }
 
 // Whether a polygon of the caster is L-twisted for a light. Then it is excluded, and the caster is not closed.
-fn is_cut(number: u32) -> bool {
-  return ((extraction_statistics[4] >> (number % 32u)) & 1u) != 0u;
-}
+fn is_cut(number: u32) -> bool { return ((extraction_statistics[4] >> (number % 32u)) & 1u) != 0u; }
 
 // What was chosen for a light: the light, and whether near caps may be needed. A lower bound of the distance to a caster with
 // a matrix is that in the caster's space times `scale`, the least that the matrix makes of a length.

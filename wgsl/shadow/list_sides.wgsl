@@ -20,8 +20,7 @@
 @group(0) @binding(7) var<storage, read> excluded_masks: array<u32>;
 // For each light of the batch the numbers of plain and of clipped sides; then the lists.
 @group(0) @binding(8) var<storage, read_write> sides: array<atomic<u32>>;
-// `ExtractionStatistics` of the same silhouettes.
-@group(0) @binding(9) var<storage, read> extraction_statistics: array<u32, 5>;
+@group(0) @binding(9) var<storage, read> extraction_statistics: array<u32, 5>; // `ExtractionStatistics` of the same silhouettes.
 
 fn list_edge(slot: u32, bit: u32) {
   let caster = caster_of(shape.edge_chunks_at, slot);
@@ -44,9 +43,7 @@ fn list_edge(slot: u32, bit: u32) {
 }
 
 // The number of the light's silhouettes. Those of a scene are counted in each batch.
-fn silhouettes_of(bit: u32) -> u32 {
-  return silhouette_counts[select(draw.first_light, 0u, MANY) + bit];
-}
+fn silhouettes_of(bit: u32) -> u32 { return silhouette_counts[select(draw.first_light, 0u, MANY) + bit]; }
 
 // Whether the light's silhouettes are all the edges that may have sides.
 fn silhouettes_suffice(bit: u32) -> bool {

@@ -58,9 +58,7 @@ fn side_place(bit: u32, kind: u32, place: u32) -> u32 {
   return SIDE_COUNTS + bit * shape.side_capacity + select(place, shape.side_capacity - 1u - place, kind == CLIPPED);
 }
 
-fn side_kind(light: ShadowLight) -> u32 {
-  return select(PLAIN, CLIPPED, has_near_cap(light));
-}
+fn side_kind(light: ShadowLight) -> u32 { return select(PLAIN, CLIPPED, has_near_cap(light)); }
 
 // How often an edge's side is drawn for a light, and which way it is wound: the multiplicity of the edge, from the faces at
 // the edge that cast.

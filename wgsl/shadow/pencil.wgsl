@@ -77,9 +77,7 @@ fn cross_bins(row: u32, first: u32, last: u32, weight: u32) {
   atomicSub(&crossings[row + last + 1u], weight);
 }
 
-fn bin_of(by: StencilPencil, at: f32) -> u32 {
-  return u32(clamp((at - by.first) * by.scale, 0.0, f32(BINS - 1u)));
-}
+fn bin_of(by: StencilPencil, at: f32) -> u32 { return u32(clamp((at - by.first) * by.scale, 0.0, f32(BINS - 1u))); }
 
 // Adds the weight of an edge to all bins that it may cross.
 fn cross_edge(by: StencilPencil, row: u32, a: vec3<f32>, b: vec3<f32>, weight: u32) {

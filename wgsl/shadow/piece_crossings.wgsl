@@ -14,8 +14,7 @@
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
 @group(0) @binding(4) var<storage, read> pieces: array<u32>;
 @group(0) @binding(7) var<storage, read> pencils: array<StencilPencil>;
-// The rows of the pencils.
-@group(0) @binding(8) var<storage, read_write> crossings: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> crossings: array<atomic<u32>>; // The rows of the pencils.
 
 fn place_at(word: u32) -> vec3<f32> {
   return bitcast<vec3<f32>>(vec3<u32>(pieces[word], pieces[word + 1u], pieces[word + 2u]));

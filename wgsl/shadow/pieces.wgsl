@@ -11,8 +11,7 @@
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-// Those of the draw.
-@group(0) @binding(2) var<storage, read> seen: SeenLight;
+@group(0) @binding(2) var<storage, read> seen: SeenLight; // Those of the draw.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(1) @binding(0) var<storage, read> pieces: array<u32>;
 

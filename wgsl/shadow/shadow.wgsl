@@ -191,9 +191,7 @@ struct Corner {
 }
 
 // The largest of three absolute values.
-fn size_3(a: vec3<f32>) -> f32 {
-  return max(max(abs(a.x), abs(a.y)), abs(a.z));
-}
+fn size_3(a: vec3<f32>) -> f32 { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
 
 // The height of a far vertex is the light's w times the height, less the light's height. So a vertex above the near plane rises
 // if the light is below it, and a vertex below does not rise if the light is not below. This keeps both true despite rounding.
@@ -223,9 +221,7 @@ fn is_finite(position: vec3<f32>) -> bool {
 }
 
 // The light's side of the near plane: -1 in front of the plane, on the eye's side, else 1.
-fn light_side(light: ShadowLight) -> f32 {
-  return select(1.0, -1.0, light.height < 0.0);
-}
+fn light_side(light: ShadowLight) -> f32 { return select(1.0, -1.0, light.height < 0.0); }
 
 // The vertex, projected from the light onto the near plane.
 fn project_to_near_plane(view: ShadowView, light: ShadowLight, v: Corner) -> vec4<f32> {

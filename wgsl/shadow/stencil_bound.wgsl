@@ -23,9 +23,7 @@ fn after_four(sums: vec2<u32>, at: u32) -> vec2<u32> {
   return vec2<u32>(four, max(max(sums.y, one), max(two, max(three, four))));
 }
 
-fn after_eight(sums: vec2<u32>, at: u32) -> vec2<u32> {
-  return after_four(after_four(sums, at), at + 4u);
-}
+fn after_eight(sums: vec2<u32>, at: u32) -> vec2<u32> { return after_four(after_four(sums, at), at + 4u); }
 
 fn bound_of_row(row: u32) -> u32 {
   var crossed = 0u;

@@ -18,8 +18,7 @@
 @group(0) @binding(5) var<storage, read> edge_vertices: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> sides: array<u32>;
 @group(0) @binding(7) var<storage, read> pencils: array<StencilPencil>;
-// The rows of the pencils.
-@group(0) @binding(8) var<storage, read_write> crossings: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> crossings: array<atomic<u32>>; // The rows of the pencils.
 
 // How often the sides of a caster's edge may count at most, for a light.
 fn largest_weight(caster: u32, number: u32) -> u32 {

@@ -14,8 +14,7 @@
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> boxes: array<u32>;
 @group(0) @binding(5) var<storage, read_write> pencils: array<StencilPencil>;
-// The rows of the pencils. They are zeros before.
-@group(0) @binding(6) var<storage, read_write> crossings: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> crossings: array<atomic<u32>>; // The rows of the pencils. They are zeros before.
 const THREADS: u32 = 256u;
 // The box of all casters, as integers of the same order: the lowest corner, inverted, and the highest.
 var<workgroup> corners: array<atomic<u32>, 6>;

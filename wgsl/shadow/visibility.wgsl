@@ -11,9 +11,7 @@
 const SLACK: f32 = 4e-6; // The relative slack of all tests. It is far above the rounding error of the tests.
 
 // Whether a point is outside a plane, from its `value` there. `size` bounds the terms whose sum is the value.
-fn is_out(value: f32, size: f32) -> bool {
-  return value < -SLACK * size;
-}
+fn is_out(value: f32, size: f32) -> bool { return value < -SLACK * size; }
 
 // The planes through the light and the sides of the near rectangle, at a position. Faces between light and rectangle cast onto
 // it.
