@@ -17,8 +17,7 @@ const BOUNDED: u32 = 256u; // The box is one that the caller states, in world sp
 // The word of a scene's counts of silhouettes that tells whether a light was in the plane of a face whose bits are kept.
 const KEPT_ZEROS: u32 = 32u;
 
-// A caster in the table of casters. Slots are places in the masks of what is drawn together; other places are in the buffers
-// of the mesh.
+// A caster in the table of casters. Slots are places in the masks of what is drawn together; others are in the mesh's buffers.
 struct SceneCaster {
   // Rows of the matrix from mesh space to world space.
   row_0: vec4<f32>,

@@ -1,7 +1,6 @@
 // Compact: a compute stage of three passes that makes lists of silhouette edges for each light of a batch (up to 32), in edge
 // order, from the masks of `edges`, for callers that ask for ordered lists. `compact_count` counts the bits of each block of 256
-// edges, `compact_scan` turns the counts into offsets, `compact_scatter` writes the lists. An entry is an edge, with its winding
-// as bit 31.
+// edges, `compact_scan` turns the counts into offsets, `compact_scatter` writes the lists. Bit 31 of an entry is the winding.
 
 #import common/extraction
 

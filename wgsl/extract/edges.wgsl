@@ -59,8 +59,8 @@ fn take_item(slot: u32, index: u32) {
   emit(slot, silhouette, winding);
 }
 
-// The masks of a record where faces may be twisted: these have the sign 0. What is left of a record with one other face is the
-// boundary of that face.
+// The masks of a record where faces may be twisted: these have the sign 0. With one other face left, the record is a boundary of
+// it.
 fn masks_beside_twisted(faces: vec2<u32>) -> EdgeMasks {
   let first = faces.x & ~INCONSISTENT;
   let counts_0 = live_lights() & ~facing_mask(TWISTED_AT + first);

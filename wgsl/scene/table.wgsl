@@ -3,8 +3,7 @@
 // to 32 lights) and caster its lights, then the ranges of the lights and their versions, four words, the cones of the lights, the
 // lights themselves, and the casters of all chunks (64 slots of faces or edges of one caster). The first of the four words is the
 // number of the encode. The second is the word of the work lists from which on there is a word for each figure (a caster that may
-// be deformed), 1 if it is not needed; it is 0 where all are needed. A page is the buffer with the topology of several meshes,
-// and their clusters.
+// be deformed), 1 if it is not needed; it is 0 where all are needed. A page has the topology and clusters of several meshes.
 
 #import common/casters
 

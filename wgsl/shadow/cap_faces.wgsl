@@ -2,8 +2,7 @@
 // A light cap is a face at its place. A dark cap is the face at the far end of the volume. A near cap is the part of a face
 // between light and near plane, projected from the light onto that plane. z-fail draws light and dark caps; ZP+ draws near caps
 // beside the sides of z-pass. z-pass and ZP+ also draw light caps of casters that are not in the depth buffer, and dark caps
-// where volumes end; their lists are the same. If a light's lists overflowed, each face of the group is an instance and is tested
-// here.
+// where volumes end; their lists are the same. If lists overflowed, each face of the group is an instance and is tested here.
 
 #import common/casters
 #import shadow/caster

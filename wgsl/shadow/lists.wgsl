@@ -2,8 +2,7 @@
 // how often, and where both lie in the lists; and the pieces of L-twisted polygons. `caps` and `list_sides` write the lists of
 // faces and edges, and `cut_edges` and `cut_quads` those of pieces; the stages that make arguments and bound counts, and the
 // vertex shaders, read them. Lists are in no particular order. Two of a light share a run, one from its front and one from its
-// back. If there is no room, counts say so, and readers go over all edges or faces with the same functions. NUMERICS.md,
-// "Watertight".
+// back. If there is no room, counts say so, and readers go over all edges or faces. NUMERICS.md, "Watertight".
 //
 // Expects: `shape`, and as far as functions are used `edge_faces`, `facing_masks` and `excluded_masks`, by slots; `draw`, and
 // `pieces`, the lists of pieces.
@@ -29,8 +28,7 @@ fn has_far_caps(light: ShadowLight, flags: u32) -> bool {
 }
 
 // A light has four lists of cap faces: near caps of both classes in one run, and other caps of both classes in another. Caps of
-// the first class count up where their front is seen, those of the second where their back is. A matrix that mirrors turns all
-// faces.
+// the first class count up where their front is seen, those of the second where their back is. Matrices that mirror turn faces.
 const CAP_COUNTS: u32 = 128u;
 const FAR: u32 = 2u;
 
@@ -60,8 +58,8 @@ fn side_place(bit: u32, kind: u32, place: u32) -> u32 {
 
 fn side_kind(light: ShadowLight) -> u32 { return select(PLAIN, CLIPPED, has_near_cap(light)); }
 
-// How often an edge's side is drawn for a light, and which way it is wound: the multiplicity of the edge, from the faces at
-// the edge that cast.
+// How often an edge's side is drawn for a light, and which way it is wound: the multiplicity of the edge, from its faces that
+// cast.
 struct EdgeSide {
   weight: u32, // 0: none. Where every face casts, 2 is a silhouette, and 1 a boundary of what casts.
   winding: bool, // If set, (b, a, far a, far b) is counter-clockwise as seen from outside the volume.

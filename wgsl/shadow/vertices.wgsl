@@ -3,8 +3,7 @@
 // What is clipped at the near plane is a polygon of up to five vertices, drawn as a strip. Volumes are watertight: what meets at
 // an edge has equal bits, because its ends are always taken in the order of their vertices (`is_ordered`). NUMERICS.md, "Shadow
 // volumes". If TRIM is set, polygons are cut at the frustum here, for drivers that clip slivers wrongly: "Triangles that leave
-// the picture". The last part has the vertices of ZP+ as published in 2005, for comparison, also for the stage
-// `zp_plus_2005_cases`.
+// the picture". The last part, also for `zp_plus_2005_cases`, is ZP+ as published.
 
 #import common/casters
 #import shadow/shadow

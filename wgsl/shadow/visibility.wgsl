@@ -13,8 +13,7 @@ const SLACK: f32 = 4e-6; // The relative slack of all tests. It is far above the
 // Whether a point is outside a plane, from its `value` there. `size` bounds the terms whose sum is the value.
 fn is_out(value: f32, size: f32) -> bool { return value < -SLACK * size; }
 
-// The planes through the light and the sides of the near rectangle, at a position. Faces between light and rectangle cast onto
-// it.
+// The planes through the light and the sides of the near rectangle, at a position. Faces between both cast onto it.
 struct PyramidPlanes {
   // Left, right, bottom, top; negative outside. Then bounds on the terms whose sums they are.
   value: vec4<f32>,
