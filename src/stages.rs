@@ -73,7 +73,7 @@ stages! {
     SCENE_EXACT_FACING = extract / exact_facing as scene_exact_facing if SCENE;
     SCENE_EDGES = extract / edges as scene_edges if SCENE;
     RECEIVER_DEPTH = shadow / receiver_depth;
-    RECEIVER_SAMPLES = shadow / receiver_samples;
+    RECEIVER_SAMPLES = shadow / receiver_depth as receiver_samples if SAMPLES;
     RECEIVER_PYRAMID = shadow / receiver_pyramid;
     RELIST = shadow / relist;
     BOUNDS = shadow / bounds;
@@ -163,7 +163,6 @@ pub const FILES: &[(&str, &str)] = files![
     "extract/per_edge",
     "extract/results",
     "interface/caster",
-    "interface/edge_lists",
     "polygon/cut_edges",
     "polygon/cut_order",
     "polygon/cut_quads",
@@ -183,10 +182,8 @@ pub const FILES: &[(&str, &str)] = files![
     "query/shadow_depth",
     "query/shadow_pairs",
     "query/shadow_segments",
-    "scene/caster_positions",
     "scene/chunks",
     "scene/clusters",
-    "scene/edge_lists",
     "scene/many_casters",
     "scene/needs",
     "scene/reach",
@@ -198,29 +195,24 @@ pub const FILES: &[(&str, &str)] = files![
     "shadow/caster",
     "shadow/choices",
     "shadow/choose",
-    "shadow/crossings",
     "shadow/list_sides",
+    "shadow/lists",
     "shadow/pencil",
     "shadow/piece_arguments",
     "shadow/piece_crossings",
-    "shadow/piece_lists",
     "shadow/pieces",
-    "shadow/polygon",
-    "shadow/pyramid",
     "shadow/receiver_depth",
     "shadow/receiver_pyramid",
-    "shadow/receiver_samples",
-    "shadow/receiver_tiles",
     "shadow/receivers",
     "shadow/relist",
     "shadow/shadow",
     "shadow/shadow_arguments",
-    "shadow/side_lists",
     "shadow/sides",
     "shadow/stencil_bound",
     "shadow/stencil_crossings",
     "shadow/stencil_pencil",
-    "shadow/zp_plus_2005",
+    "shadow/vertices",
+    "shadow/visibility",
     "shadow/zp_plus_2005_cases",
 ];
 

@@ -106,7 +106,7 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("scene_exact_facing", "exact_facing", 59_476),
     ("scene_edges", "edges", 51_844),
     ("receiver_depth", "receiver_depth", 4_251),
-    ("receiver_samples", "receiver_samples", 4_251),
+    ("receiver_samples", "receiver_depth", 4_251),
     ("receiver_pyramid", "receiver_pyramid", 5_661),
     ("relist", "relist", 5),
     ("bounds", "bounds", 37_770),

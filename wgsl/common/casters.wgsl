@@ -1,26 +1,23 @@
-// The casters of a scene as the table has them, and the cones of lights. src/layout.rs has the same structs, which a test holds
-// equal.
+// Casters of a scene, meshes that throw shadows, as the table has them; the cones of lights; and small functions on vectors, for
+// all stages of scenes and of shadow volumes. A slot is a place in the masks of casters that are drawn together. src/layout.rs
+// has the same structs, which a test holds equal. Cones: NUMERICS.md, "Cones of lights".
 
-// Slots of a chunk, which are those of one caster.
-const CHUNK: u32 = 64u;
-
-// Invocations that share a chunk.
-const LANES: u32 = 8u;
-
+const CHUNK: u32 = 64u; // Slots of a chunk, which are those of one caster.
+const LANES: u32 = 8u; // Invocations that share a chunk.
 // Flags of a caster.
 const CLOSED: u32 = 1u;
-const MIRRORED: u32 = 2u;
-const RIGID: u32 = 4u;
-const HOLED: u32 = 8u;
-const EXCLUDING: u32 = 16u;
-const PROXY: u32 = 128u;
-const BOUNDED: u32 = 256u;
-
+const MIRRORED: u32 = 2u; // By its matrix.
+const RIGID: u32 = 4u; // Lights are moved to its mesh space, and its box is known.
+const HOLED: u32 = 8u; // A face is not finite.
+const EXCLUDING: u32 = 16u; // The caller excludes faces.
+const CHANGING: u32 = 32u; // Positions may have changed.
+const GIVEN: u32 = 64u; // The caller excludes faces of a caster of the group, and all masks of these are copied anew.
+const PROXY: u32 = 128u; // Not in the depth buffer.
+const BOUNDED: u32 = 256u; // The box is one that the caller states, in world space.
 // The word of a scene's counts of silhouettes that tells whether a light was in the plane of a face whose bits are kept.
 const KEPT_ZEROS: u32 = 32u;
 
-// A caster in the table of casters. Slots are places in the masks of what is drawn together; other places are in the buffers
-// of the mesh.
+// A caster in the table of casters. Slots are places in the masks of what is drawn together; others are in the mesh's buffers.
 struct SceneCaster {
   // Rows of the matrix from mesh space to world space.
   row_0: vec4<f32>,
@@ -31,9 +28,7 @@ struct SceneCaster {
   // At most the smallest factor by which the matrix scales a length.
   scale: f32,
   high: vec3<f32>,
-  // Bits: 1 closed; 2 mirrored; 4 rigid, so lights are moved to its mesh space and the box is known; 8 a face is not finite;
-  // 16 the caller excludes faces; 32 positions may have changed; 64 the caller excludes faces of a caster of the group; 128
-  // not in the depth buffer; 256 the box is one that the caller states, in world space.
+  // The flags above.
   flags: u32,
   first_face_slot: u32,
   faces: u32,
@@ -43,20 +38,18 @@ struct SceneCaster {
   first_edge_slot: u32,
   edges: u32,
   first_edge: u32,
-  // Words from one vertex to the next.
-  position_stride: u32,
+  position_stride: u32, // Words from one vertex to the next.
   // The encode that was the first to have it as it is, and its group of casters.
   version: u32,
   group: u32,
-  // The first caster of the group.
-  first_caster: u32,
+  first_caster: u32, // The first caster of the group.
   // Of a rigid caster the word of the page's clusters where those of its mesh begin, or NO_CLUSTERS. Of another its number
   // among the figures that may not be needed, counted from 1, or 0 if it is none.
   clusters_or_figure: u32,
 }
 
-// A light's cone, in world space: the apex and 1 (0: the light has no cone), the axis of length 1 and the cosine of the angle from the
-// axis to the border.
+// A light's cone, in world space: the apex and 1 (0: the light has no cone), the axis of length 1 and the cosine of the angle
+// from the axis to the border.
 struct LightCone {
   apex: vec4<f32>,
   axis: vec4<f32>,
@@ -65,17 +58,12 @@ struct LightCone {
 // What is larger or smaller may overflow or underflow, and nothing is said.
 const CONE_LARGEST: f32 = 0x1p60;
 const CONE_LEAST: f32 = 0x1p-30;
-// 512 units in the last place of the largest coordinate. Less than a quarter is needed.
-const CONE_SLACK: f32 = 0x1p-14;
-
-fn cone_dot(a: vec3<f32>, b: vec3<f32>) -> f32 {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
+const CONE_SLACK: f32 = 0x1p-14; // 512 units in the last place of the largest coordinate. Less than a quarter is needed.
 
 // Of the length of a vector, the part across the axis, at length 1.
 fn across_axis(v: vec3<f32>, axis: vec3<f32>) -> vec3<f32> {
-  let across = v - cone_dot(v, axis) * axis;
-  return across / sqrt(cone_dot(across, across));
+  let across = v - dot_3(v, axis) * axis;
+  return across / sqrt(dot_3(across, across));
 }
 
 // Whether a box may have a place in the cone. It is never false for one that has. No term of the box's ends is above `terms`.
@@ -93,21 +81,21 @@ fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, terms: f32) 
     // What is outside is convex, so it holds the box if it holds the corners.
     for (var number = 0u; number < 8u; number++) {
       let corner = select(begin, end, (vec3<u32>(number) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
-      if (!(cone_dot(corner, axis) < cosine * sqrt(cone_dot(corner, corner)) - CONE_SLACK * size)) {
+      if (!(dot_3(corner, axis) < cosine * sqrt(dot_3(corner, corner)) - CONE_SLACK * size)) {
         return true;
       }
     }
     return false;
   }
-  // A plane through the apex that has the cone on one side. It touches the cone where that is next to the middle of the box: along
-  // a line, or at the apex.
+  // A plane through the apex that has the cone on one side. It touches the cone where that is next to the middle of the box:
+  // along a line, or at the apex.
   let middle = 0.5 * (begin + end);
-  let along = cone_dot(middle, axis);
-  let distance = sqrt(cone_dot(middle, middle));
+  let along = dot_3(middle, axis);
+  let distance = sqrt(dot_3(middle, middle));
   let sine = sqrt((1.0 - cosine) * (1.0 + cosine));
   let off = middle - along * axis;
   var guide = middle;
-  if (!(cone_dot(off, off) > 0x1p-20 * cone_dot(middle, middle))) {
+  if (!(dot_3(off, off) > 0x1p-20 * dot_3(middle, middle))) {
     // The middle is on the axis. Any plane will do.
     guide = select(vec3<f32>(0.0, 1.0, 0.0), vec3<f32>(1.0, 0.0, 0.0), abs(axis.x) < 0.5);
   }
@@ -115,4 +103,16 @@ fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, terms: f32) 
   let normal = select(cosine * across - sine * axis, middle / distance, along < -sine * distance);
   let least = min(normal * begin, normal * end);
   return !(least.x + least.y + least.z > CONE_SLACK * size);
+}
+
+// Written out, so that all devices compute the same.
+fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+// The bits of floats as integers with the same order as the floats, and back.
+fn ordered(bits: vec3<u32>) -> vec3<u32> {
+  return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
+}
+
+fn unordered(bits: vec3<u32>) -> vec3<f32> {
+  return bitcast<vec3<f32>>(select(~bits, bits & vec3<u32>(0x7fffffffu), bits >= vec3<u32>(0x80000000u)));
 }

@@ -1,21 +1,18 @@
-// det[b - a, c - a, l - w a] in f32. Its sign tells the light's side of the face. The local form takes differences
-// only; the plane form takes the face's plane. NUMERICS.md, "Facing" and "Per edge".
+// det[b - a, c - a, l - w a] in f32, for a face (a, b, c) and a homogeneous light (l, w), and a bound on its rounding error. Its
+// sign tells the light's side of the face. The local form takes differences only; the plane form takes the face's plane. Stages
+// of extraction, of polygons and of queries use it. Where |determinant| exceeds the bound, its sign is exact; the others go to
+// common/fixed_sign.wgsl and common/exact_sign.wgsl. NUMERICS.md, "Facing", "Per edge" and "Filter".
 
-// Whether to use the plane form, as published in 2003, instead of the local form.
-override PLANE: bool = false;
+override PLANE: bool = false; // Whether to use the plane form, as published in 2003, instead of the local form.
 
 // u x v. For b - a and c - a it is the normal on the counter-clockwise side.
 fn cross_product(u: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
   return vec3<f32>(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
 }
 
-fn sum_of_sizes(v: vec3<f32>) -> f32 {
-  return abs(v.x) + abs(v.y) + abs(v.z);
-}
+fn sum_of_sizes(v: vec3<f32>) -> f32 { return abs(v.x) + abs(v.y) + abs(v.z); }
 
-fn largest_of(v: vec3<f32>) -> f32 {
-  return max(max(abs(v.x), abs(v.y)), abs(v.z));
-}
+fn largest_of(v: vec3<f32>) -> f32 { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 
 // n . (l - w a)
 fn local_form(n: vec3<f32>, a: vec3<f32>, light: vec4<f32>) -> f32 {
@@ -33,19 +30,13 @@ fn plane_form(plane: vec4<f32>, light: vec4<f32>) -> f32 {
   return plane.x * light.x + plane.y * light.y + plane.z * light.z + plane.w * light.w;
 }
 
-// ==== common/filter
-// Bounds on the error of the f32 determinant; NUMERICS.md, "Filter".
-
 // Ten units in the last place, 10 * 2^-23, and the most that underflow adds, 2^-115.
 const RELATIVE: f32 = 0x1.4p-20;
 const UNDERFLOW: f32 = 0x1p-115;
-// The exponent bits of 2^40. A coordinate of this size or more could overflow the determinant.
-const LARGE: u32 = 0x53800000u;
-// The bits of infinity. NaNs are above.
-const INFINITE: u32 = 0x7f800000u;
+const LARGE: u32 = 0x53800000u; // The exponent bits of 2^40. A coordinate of this size or more could overflow the determinant.
+const INFINITE: u32 = 0x7f800000u; // The bits of infinity. NaNs are above.
 
-// The bits of the largest absolute coordinate. It is found on bits, because WGSL allows to assume that floats are
-// finite.
+// The bits of the largest absolute coordinate. It is found on bits, because WGSL allows to assume that floats are finite.
 fn largest_magnitude(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>) -> u32 {
   let signless = vec3<u32>(0x7fffffffu);
   let magnitudes = max(max(a & signless, b & signless), c & signless);

@@ -1,23 +1,21 @@
-// The sign of det[b - a, c - a, l - w a] in fixed point, for faces and lights whose numbers lie in a window of bits.
-// The integers have limbs of 12 bits in i32. No compiler can round, fuse or flush them. NUMERICS.md, "Exact facing".
+// The sign of det[b - a, c - a, l - w a], for a face (a, b, c) and a homogeneous light (l, w), in fixed point. It is exact for
+// faces and lights whose numbers lie in a window of bits, and says so where they do not. `exact_facing`, `exact_shadow_depth` and
+// the stages of polygons use it for signs that f32 leaves undecided. The integers have limbs of 12 bits in i32. No compiler can
+// round, fuse or flush them. NUMERICS.md, "Exact facing".
 
 #import common/exact_sign
 
 // The largest number of bits from the lowest to the highest set bit of a face's nine coordinates, and of l and w a.
 const FACE_BITS: i32 = 46;
 const LIGHT_BITS: i32 = 48;
-// An exponent above all others.
-const FAR: i32 = 4096;
-
+const FAR: i32 = 4096; // An exponent above all others.
 
 // Three numbers, each odd or zero, times a power of two: sign * mantissa * 2^(exponent - 149).
 struct Numbers {
   mantissa: vec3<u32>,
   exponent: vec3<i32>,
-  // The largest number of bits of the mantissa.
-  length: vec3<i32>,
-  // 0, or -1 if the number is negative.
-  sign: vec3<i32>,
+  length: vec3<i32>, // The largest number of bits of the mantissa.
+  sign: vec3<i32>, // 0, or -1 if the number is negative.
 }
 
 fn numbers(bits: vec3<u32>) -> Numbers {
@@ -38,13 +36,9 @@ fn window(is_zero: vec3<bool>, exponent: vec3<i32>, length: vec3<i32>) -> vec2<i
   return vec2<i32>(min(min(low.x, low.y), low.z), max(max(high.x, high.y), high.z));
 }
 
-fn window_of(n: Numbers) -> vec2<i32> {
-  return window(n.mantissa == vec3<u32>(0u), n.exponent, n.length);
-}
+fn window_of(n: Numbers) -> vec2<i32> { return window(n.mantissa == vec3<u32>(0u), n.exponent, n.length); }
 
-fn hull(a: vec2<i32>, b: vec2<i32>) -> vec2<i32> {
-  return vec2<i32>(min(a.x, b.x), max(a.y, b.y));
-}
+fn hull(a: vec2<i32>, b: vec2<i32>) -> vec2<i32> { return vec2<i32>(min(a.x, b.x), max(a.y, b.y)); }
 
 // Three integers in two digits of 24 bits. The second digit has the sign.
 struct Wide {
@@ -64,9 +58,7 @@ fn wide(low: vec3<u32>, high: vec3<u32>, above: vec3<i32>, sign: vec3<i32>) -> W
 }
 
 // The two limbs of a digit after those of another.
-fn limbs(low: i32, high: i32) -> vec4<i32> {
-  return vec4<i32>(low & 0xfff, low >> 12u, high & 0xfff, high >> 12u);
-}
+fn limbs(low: i32, high: i32) -> vec4<i32> { return vec4<i32>(low & 0xfff, low >> 12u, high & 0xfff, high >> 12u); }
 
 // Three integers of four limbs of 12 bits, the lowest first. The last limb has the sign.
 struct Limbs {

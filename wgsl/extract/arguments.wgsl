@@ -1,5 +1,6 @@
-// Arguments: computes the indirect draw of each light's list. The draw of a list that overflowed goes over all edges.
-// The vertex shader then rejects those that are no silhouettes.
+// Arguments: a compute stage that makes the indirect draw of each light's list of silhouette edges, for callers that draw them,
+// and counts lists that overflowed. The draw of such a list goes over all edges, and the caller's vertex shader rejects those
+// that are no silhouettes (extract/results.wgsl).
 
 #import common/extraction
 

@@ -1,5 +1,6 @@
-// Compact: makes lists of silhouette edges for each light, in edge order, from the masks. It has three passes: count
-// the bits of each block of edges, turn the counts into offsets, scatter.
+// Compact: a compute stage of three passes that makes lists of silhouette edges for each light of a batch (up to 32), in edge
+// order, from the masks of `edges`, for callers that ask for ordered lists. `compact_count` counts the bits of each block of 256
+// edges, `compact_scan` turns the counts into offsets, `compact_scatter` writes the lists. Bit 31 of an entry is the winding.
 
 #import common/extraction
 
@@ -9,7 +10,6 @@
 @group(0) @binding(2) var<storage, read_write> places: array<u32>;
 @group(0) @binding(3) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(4) var<storage, read_write> list: array<u32>;
-
 const BLOCK_WORDS: u32 = BLOCK / 32u;
 // For each light the silhouette edges of the block, as a bit set.
 var<workgroup> members: array<atomic<u32>, 32u * BLOCK_WORDS>;

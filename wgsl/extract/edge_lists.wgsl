@@ -1,5 +1,6 @@
-// What edges read and write of a single mesh: the facing masks, which may span up to four bindings of equal length, and
-// masks and lists of edge records. For a scene see scene/edge_lists.
+// Edge lists of a single mesh, for the stages `edges` and `per_edge`: they read the facing masks, which may span up to four
+// bindings of equal length, and write masks of edge records, append silhouettes to the lists of the lights in no particular
+// order, or both. A list that has no room counts on. `edges` has its own for scenes.
 
 #import common/extraction
 #import extract/one_caster
@@ -8,8 +9,7 @@
 @group(0) @binding(3) var<storage, read> facing_1: array<u32>;
 @group(0) @binding(4) var<storage, read> facing_2: array<u32>;
 @group(0) @binding(5) var<storage, read> facing_3: array<u32>;
-// The number of faces in each binding except the last. 0: all are in the first.
-override FACING_WINDOW_WORDS: u32 = 0u;
+override FACING_WINDOW_WORDS: u32 = 0u; // The number of faces in each binding except the last. 0: all are in the first.
 
 fn facing_mask(face: u32) -> u32 {
   if (FACING_WINDOW_WORDS == 0u) {
@@ -27,7 +27,6 @@ fn facing_mask(face: u32) -> u32 {
 @group(0) @binding(7) var<storage, read_write> masks: array<EdgeMasks>;
 @group(0) @binding(8) var<storage, read_write> counts: array<atomic<u32>>;
 @group(0) @binding(9) var<storage, read_write> list: array<u32>;
-
 override WRITE_MASKS: bool = true;
 override APPEND: bool = true;
 

@@ -1,15 +1,43 @@
-// Edges: computes the silhouette and winding mask of each edge record from the facing masks of its faces. It writes the
-// masks, appends silhouette edges to the lists of the lights in no particular order, or does both. One text serves a
-// single mesh and a scene; `facing_mask` and `emit` are in facing_windows.wgsl and emit.wgsl, or in
-// scene/scene_lists.wgsl.
+// Edges: a compute stage that computes the silhouette and winding mask of each edge record, a bit for each light of a batch, from
+// the facing masks of its faces: where two faces differ, and at boundaries. It runs after `facing` and `exact_facing`. It writes
+// the masks, appends silhouette edges to the lists of the lights in no particular order, or both. The variant SCENE goes over the
+// listed chunks of a scene, for the lights whose lists are made anew, and only appends. NUMERICS.md, "Watertight".
 
 #import common/extraction
 #import interface/caster
-#import interface/edge_lists
+#if SCENE
+#import scene/many_casters
+#import scene/table
+
+@group(0) @binding(2) var<storage, read> facing_masks: array<u32>;
+
+// The number of silhouette edges of each light, with those that its list has no room for; then, behind 256 bytes, the lists. An
+// entry is an edge slot, with the winding bit as bit 31.
+struct SceneLists {
+  counts: array<atomic<u32>, 64>,
+  entries: array<u32>,
+}
+
+@group(0) @binding(7) var<storage, read_write> lists: SceneLists;
+
+// The facing mask of a face of the caster at hand.
+fn facing_mask(face: u32) -> u32 { return facing_masks[of_faces.x + face]; }
+
+fn emit(slot: u32, silhouette: u32, winding: u32) {
+  for (var rest = silhouette; rest != 0u; rest &= rest - 1u) {
+    let light = firstTrailingBit(rest);
+    let place = atomicAdd(&lists.counts[light], 1u);
+    if (place < group.capacity) {
+      lists.entries[light * group.capacity + place] = slot | (((winding >> light) & 1u) << 31u);
+    }
+  }
+}
+#else
+#import extract/edge_lists
+#endif
 
 @group(0) @binding(6) var<storage, read> edge_faces: array<vec2<u32>>;
-// Where the twisted masks lie behind the facing masks, for polygons. 0: no face is twisted.
-override TWISTED_AT: u32 = 0u;
+override TWISTED_AT: u32 = 0u; // Where the twisted masks lie behind the facing masks, for polygons. 0: no face is twisted.
 
 // Decides an edge record. `slot` is its place in masks and lists, `index` that in the topology.
 fn take_item(slot: u32, index: u32) {
@@ -31,8 +59,8 @@ fn take_item(slot: u32, index: u32) {
   emit(slot, silhouette, winding);
 }
 
-// The masks of a record where faces may be twisted: these have the sign 0. What is left of a record with one other face is the
-// boundary of that face.
+// The masks of a record where faces may be twisted: these have the sign 0. With one other face left, the record is a boundary of
+// it.
 fn masks_beside_twisted(faces: vec2<u32>) -> EdgeMasks {
   let first = faces.x & ~INCONSISTENT;
   let counts_0 = live_lights() & ~facing_mask(TWISTED_AT + first);

@@ -1,10 +1,7 @@
-// Facing: computes one bit for each face and light, set if the light lies strictly on the face's counter-clockwise
-// side. The bit is the sign of det[b - a, c - a, l - w a] (NUMERICS.md, "Facing"). One bound for each face tells
-// whether all its signs are certain ("Filter"). If not, the face is listed for exact_facing.wgsl, which sets its mask.
-
-// One text serves a single mesh and a scene. one_caster.wgsl or scene/many_casters.wgsl has the lights and the layout
-// of the positions, and one_item.wgsl or scene/listed_faces.wgsl calls `take_item`. A light's place is its bit for a
-// single mesh. In a scene it is its number among the lights of the caster.
+// Facing: a compute stage that computes one bit for each face and light of a batch (up to 32), set if the light lies strictly on
+// the face's counter-clockwise side, for a single mesh or a scene (interface/caster.wgsl tells what slots and places of lights
+// are). The bit is the sign of det[b - a, c - a, l - w a] (NUMERICS.md, "Facing"). One bound for each face tells whether all its
+// signs are certain ("Filter"). If not, the face is listed, in no particular order, for `exact_facing`. `edges` reads the masks.
 
 #import common/determinant
 #import common/extraction
@@ -15,9 +12,7 @@
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
 // As in exact_facing.wgsl, which writes it if signs are exact.
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
-
-// If false, signs are those that f32 gives.
-override EXACT: bool = true;
+override EXACT: bool = true; // If false, signs are those that f32 gives.
 
 // The determinant for one light.
 fn determinant(n: vec3<f32>, a: vec3<f32>, place: u32) -> f32 {
@@ -85,7 +80,7 @@ fn take_item(slot: u32, index: u32) {
   let signs = signs_of(cross_product(u, v), a);
   let magnitude = largest_magnitude(a_bits, b_bits, c_bits);
   if (EXACT) {
-    let size = (abs(u.x) + abs(u.y) + abs(u.z)) * (abs(v.x) + abs(v.y) + abs(v.z));
+    let size = sum_of_sizes(u) * sum_of_sizes(v);
     facing_masks[slot] = renewed(facing_masks[slot], signs.mask);
     let bound = face_bound(size, bitcast<f32>(magnitude), lights_reach());
     // A large magnitude also covers numbers that are not finite.

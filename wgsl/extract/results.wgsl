@@ -1,33 +1,30 @@
-// Reads Rimline's results in a caller's shaders, for a batch of up to 32 lights. Light numbers count from the first
-// light of the batch. `Extraction::bind_group` makes bind group GROUP.
+// Results: what a caller's own shaders include (by `include_wgsl`) to read what was extracted for a batch of up to 32 lights:
+// silhouette edges by instance of the light's indirect draw, facing bits, positions. No stage imports it. Light numbers count
+// from the first light of the batch. GROUP stands for the number of the bind group that `Extraction::bind_group` makes. If a
+// light's list overflowed, its draw goes over all edges, and `valid` tells the silhouettes.
 
 struct RimlineInfo {
   edges: u32,
-  // Entries that the list of each light has room for.
-  capacity: u32,
+  capacity: u32, // Entries that the list of each light has room for.
   // The first light of this batch among all lights.
   first_light: u32,
   lights: u32,
   // The word of vertex 0 in the bound positions, and the words from one vertex to the next.
   position_offset: u32,
   position_stride: u32,
-  // Where the masks of L-twisted polygons lie behind the facing masks. 0: there are none.
-  twisted_at: u32,
+  twisted_at: u32, // Where the masks of L-twisted polygons lie behind the facing masks. 0: there are none.
 }
 
 // A silhouette edge for one light.
 struct RimlineSilhouette {
-  // False: draw nothing. The list overflowed, and this edge is no silhouette.
-  valid: bool,
+  valid: bool, // False: draw nothing. The list overflowed, and this edge is no silhouette.
   // The index of the edge record, and its vertices. Face 0 traverses the edge a -> b.
   edge: u32,
   a: u32,
   b: u32,
-  // Whether face 0 faces the light. If so, (b, a, far a, far b) is counter-clockwise as seen from outside the shadow
-  // volume.
+  // Whether face 0 faces the light. If so, (b, a, far a, far b) is counter-clockwise as seen from outside the shadow volume.
   winding: bool,
-  // 0 consistent, 1 inconsistent, 2 boundary.
-  kind: u32,
+  kind: u32, // 0 consistent, 1 inconsistent, 2 boundary.
 }
 
 @group(GROUP) @binding(0) var<uniform> rimline_info: RimlineInfo;

@@ -1,7 +1,8 @@
-// What facing, exact facing and edges know of casters: of a single mesh, or of all casters of a scene. Two files give these
-// functions, so that one text serves both. A slot is a place of a face or an edge record in masks and lists; an index is one
-// in the topology that is bound. A place of a light is its bit for a single mesh, and its number among the lights of the caster
-// in a scene. In a scene the functions tell about the caster that was taken last, by `face_in_slot` or before `take_item`.
+// The interface through which the stages `facing`, `exact_facing` and `edges` know casters: a single mesh, or all casters of a
+// scene. Either side of the `#if` gives these functions, so one text serves both. A caster is a mesh that throws shadows. A slot
+// is the place of a face or edge record in masks and lists; an index is its place in the topology that is bound. Lights come in
+// batches of up to 32, a bit each. A place of a light is its bit for a single mesh, and its number among the lights of the caster
+// in a scene. In a scene the functions tell of the caster that was taken last, by `face_in_slot` or before `take_item`.
 //
 // Walks:
 // * `face_slots() -> u32`: the number of slots of faces.
@@ -22,7 +23,6 @@
 // * `excluded_are_old() -> bool`: whether masks of excluded faces are those of an earlier frame.
 
 #if SCENE
-#import scene/caster_positions
 #import scene/many_casters
 #import scene/walks
 #else

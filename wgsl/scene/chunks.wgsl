@@ -1,5 +1,8 @@
-// Chunks: lists the chunks of edges of the casters with a light whose list is made anew, in no particular order, but for
-// those without a silhouette for such a light. And notes beside the bits what they are computed from.
+// Chunks: a compute stage of a scene that lists, for a batch of up to 32 lights, the chunks of edges that `edges` goes over, in
+// no particular order: those of casters with a light whose list is made anew, but for chunks that clusters tell to have no
+// silhouette. A chunk is 64 slots, places in the masks, all of one caster; a cluster is 128 faces with a bound. Runs after
+// `clusters`. It also empties lists and statistics, and notes beside the bits that are kept what they are computed from.
+// NUMERICS.md, "Clusters" and "What a scene keeps".
 
 #import common/casters
 #import common/extraction
@@ -14,7 +17,6 @@
 // whose bits are kept.
 @group(0) @binding(7) var<storage, read_write> list_counts: array<u32, 64>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
-
 // When a chunk has no silhouette: all its clusters are decided, or they are decided alike. Else it may have one.
 const SKIPPED_DECIDED: u32 = 1u;
 const SKIPPED_ALIKE: u32 = 2u;

@@ -1,5 +1,7 @@
-// Clusters: decides whether all faces of a cluster face a light, or none does, for the lights that are taken. Lists the chunks
-// of faces with a bit that is to be tested or changed, in no particular order. NUMERICS.md, "Clusters".
+// Clusters: a compute stage of a scene that decides whether all faces of a cluster (128 faces of a mesh, with a bound on their
+// planes) face a light, or none does, for a batch of up to 32 lights. It lists the chunks of 64 faces with a bit that is to be
+// tested or changed, in no particular order, for `facing`; and notes what the masks will hold, for `chunks`. It takes the lights
+// that `reach` chose. What it decides is what exact facing would. NUMERICS.md, "Clusters".
 
 #import common/casters
 #import scene/many_casters
@@ -8,15 +10,13 @@
 @group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> kept: array<u32>;
 @group(0) @binding(7) var<storage, read_write> statistics: SceneStatistics;
-
 // What a bound decides: nothing; that all faces face a light, or none; only that none does; that none ever does.
 const MIXED: u32 = 0u;
 const AT_MOST_AVERTED: u32 = 2u;
 const AVERTED: u32 = 3u;
 // 2.5 units in the last place: what the rounding of w centre may change the middle and the half by.
 const PRODUCT: f32 = 2.5 * 0x1p-23;
-// The most that underflow adds.
-const LEAST: f32 = 0x1p-118;
+const LEAST: f32 = 0x1p-118; // The most that underflow adds.
 
 // Lights that are decided for a whole cluster, and those of them that its faces face.
 struct Decision {
@@ -76,9 +76,7 @@ fn list_faces(chunk: u32, decision: Decision) {
   }
 }
 
-fn faces_in(chunk: u32) -> u32 {
-  return min(CHUNK, of_faces.x + of_faces.y - CHUNK * chunk);
-}
+fn faces_in(chunk: u32) -> u32 { return min(CHUNK, of_faces.x + of_faces.y - CHUNK * chunk); }
 
 // The chunks of the cluster that begins with `chunk`. `number` counts clusters of the caster.
 fn take_cluster(chunk: u32, number: u32) {

@@ -1,20 +1,19 @@
-// What facing, exact facing and edges know of the casters of a scene. extract/one_caster.wgsl has the same functions
-// for a single mesh. A caster has its lights one after the other, in the order of their bits: a light's place is its
-// number among them.
+// Casters of a scene, for the stages `facing`, `exact_facing`, `edges` and `clusters`: what interface/caster.wgsl tells, but for
+// walks. extract/one_caster.wgsl and common/positions.wgsl have the same functions for a single mesh. The functions tell of the
+// caster that was taken last. A caster has its lights one after the other, in the order of their bits in the batch: a light's
+// place is its number among them. Only lights that `reach` wrote to `taken` are computed, and bits of all others stay.
 
 #import common/casters
 #import scene/table
 
+@group(0) @binding(2) var<storage, read> positions: array<u32>;
 // For each batch and caster the lights that the stage takes; `reach` writes it.
 @group(0) @binding(3) var<storage, read> taken: array<u32>;
 
-// A face.
 struct Item {
   exists: bool,
-  // Its place in the masks.
-  slot: u32,
-  // Its place in the page.
-  index: u32,
+  slot: u32, // Its place in the masks.
+  index: u32, // Its place in the page.
 }
 
 // The caster of the face or edge record at hand, its lights, and those of them that are taken.
@@ -41,10 +40,7 @@ fn take_caster(index: u32) {
   tested = 0xffffffffu;
 }
 
-// The number of slots of faces.
-fn face_slots() -> u32 {
-  return CHUNK * group.face_chunks;
-}
+fn face_slots() -> u32 { return CHUNK * group.face_chunks; }
 
 // The face in a slot, unless the slot is beyond the faces of its caster or no light of the caster is taken.
 fn face_in_slot(slot: u32) -> Item {
@@ -64,29 +60,12 @@ fn counts_non_finite() -> bool {
   return true;
 }
 
-fn position_offset() -> u32 {
-  return of_faces.w;
-}
-
-fn position_stride() -> u32 {
-  return of_edges.w;
-}
-
-fn light_places() -> u32 {
-  return countOneBits(lights.allowed);
-}
-
-fn given_light(place: u32) -> vec4<u32> {
-  return table[lights.first + 2u * min(place, light_places() - 1u)];
-}
-
-fn scaled_bits(place: u32) -> vec4<u32> {
-  return table[lights.first + 2u * min(place, light_places() - 1u) + 1u];
-}
-
-fn scaled_light(place: u32) -> vec4<f32> {
-  return bitcast<vec4<f32>>(scaled_bits(place));
-}
+fn position_offset() -> u32 { return of_faces.w; }
+fn position_stride() -> u32 { return of_edges.w; }
+fn light_places() -> u32 { return countOneBits(lights.allowed); }
+fn given_light(place: u32) -> vec4<u32> { return table[lights.first + 2u * min(place, light_places() - 1u)]; }
+fn scaled_bits(place: u32) -> vec4<u32> { return table[lights.first + 2u * min(place, light_places() - 1u) + 1u]; }
+fn scaled_light(place: u32) -> vec4<f32> { return bitcast<vec4<f32>>(scaled_bits(place)); }
 
 // As `LightBatch::new` has it.
 fn inexact_w(place: u32) -> f32 {
@@ -99,38 +78,16 @@ fn inexact_w(place: u32) -> f32 {
   return select(bitcast<f32>(w), 0.0, is_zero || (w & 0x7fffffu) == 0u);
 }
 
-fn lights_reach() -> vec2<f32> {
-  return lights.reach;
-}
+fn lights_reach() -> vec2<f32> { return lights.reach; }
+fn live_lights() -> u32 { return matter; }
 
-fn live_lights() -> u32 {
-  return matter;
-}
+// A mask with new bits, or without any, for the lights that are taken.
+fn renewed(mask: u32, bits: u32) -> u32 { return (mask & ~matter) | (bits & ~decided) | decided_facing; }
+fn cleared(mask: u32) -> u32 { return mask & ~matter; }
 
-// A mask with new bits for the lights that are taken.
-fn renewed(mask: u32, bits: u32) -> u32 {
-  return (mask & ~matter) | (bits & ~decided) | decided_facing;
-}
-
-// A mask without the lights that are taken.
-fn cleared(mask: u32) -> u32 {
-  return mask & ~matter;
-}
-
-// The places of the lights that are not decided. Places past the last light may be among them.
-fn tested_places() -> u32 {
-  return tested;
-}
-
-// Whether masks of excluded faces are those of an earlier frame.
-fn excluded_are_old() -> bool {
-  return (flags & GIVEN) == 0u;
-}
-
-// The places of the lights that are taken.
-fn live_places() -> u32 {
-  return places_of(matter);
-}
+fn tested_places() -> u32 { return tested; }
+fn excluded_are_old() -> bool { return (flags & GIVEN) == 0u; }
+fn live_places() -> u32 { return places_of(matter); }
 
 fn places_of(bits: u32) -> u32 {
   var places = 0u;
@@ -157,4 +114,9 @@ fn lights_at(places: u32) -> u32 {
     left >>= 1u;
   }
   return bits & matter;
+}
+
+fn position_bits(vertex: u32, offset: u32, stride: u32) -> vec3<u32> {
+  let word = offset + vertex * stride;
+  return vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]);
 }

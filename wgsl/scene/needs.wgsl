@@ -1,19 +1,18 @@
-// Needs: finds the figures of a scene that a frame needs, from the boxes that the caller states, before they are deformed. A
-// camera may see such a figure, or its shadow from a light that may reach it. NUMERICS.md, "Figures that a frame needs".
+// Needs: a compute stage that finds which figures of a scene a frame needs, before they are deformed, from boxes that the caller
+// states. A figure is a caster whose positions `deform` may compute anew. A frame needs it if a camera may see it, or its shadow
+// from a light that may reach it; so none that is seen is left out. It writes a word for each figure; `deform` and `reach` read
+// them. NUMERICS.md, "Figures that a frame needs".
 
 #import common/casters
-#import shadow/pyramid
 #import shadow/shadow
+#import shadow/visibility
 
 struct NeedsDispatch {
   figures: u32,
   views: u32,
-  // Lights of each view, at least 1.
-  lights: u32,
-  // Vec4s of each figure.
-  parts: u32,
-  // 1: every figure is needed.
-  all: u32,
+  lights: u32, // Lights of each view, at least 1.
+  parts: u32, // Vec4s of each figure.
+  all: u32, // 1: every figure is needed.
   // 1: casters that a light's range does not reach, and shadows that a camera cannot see, are skipped.
   skip_unreached: u32,
   skip_unseen: u32,
@@ -24,8 +23,7 @@ struct NeedsDispatch {
 @group(0) @binding(1) var<storage, read> seen: array<SeenLight>;
 // For each figure the lowest corner of its box and whether it has one, the highest corner, and the bits of its lights.
 @group(0) @binding(2) var<storage, read> figures: array<vec4<u32>>;
-// For each figure 0 if it is needed, else 1.
-@group(0) @binding(3) var<storage, read_write> unneeded: array<u32>;
+@group(0) @binding(3) var<storage, read_write> unneeded: array<u32>; // For each figure 0 if it is needed, else 1.
 
 // Whether a camera may see the shadow that a light makes of a box.
 fn may_shade(view: u32, number: u32, low: vec3<f32>, high: vec3<f32>) -> bool {

@@ -1,20 +1,18 @@
-// Reach: finds the lights that matter to each caster, for each batch: those that are allowed, and have its box within their
-// range and cone, if it is rigid or the caller states a box, and is not hidden from the light. And of these the ones whose
-// bits are to be computed, because caster or light changed
-// since.
+// Reach: the first compute stage of a scene. It finds for each batch (up to 32 lights) and caster the lights that matter: those
+// that are allowed, whose range and cone have the caster's box, if it is rigid or the caller states one, and from which no
+// occluder hides it. Of these it finds the ones whose bits are to be computed, because caster or light changed since; the others
+// keep their bits. `clusters`, `chunks`, `facing`, `edges` and the stages of shadow volumes read both. It never leaves out a
+// light that matters. NUMERICS.md, "Occluded casters", "Cones of lights", "What a scene keeps".
 
 #import common/casters
 #import scene/table
 
-// For each batch and caster the bits of these lights.
-@group(0) @binding(3) var<storage, read_write> lit: array<u32>;
+@group(0) @binding(3) var<storage, read_write> lit: array<u32>; // For each batch and caster the bits of these lights.
 @group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read_write> taken: array<u32>;
 @group(0) @binding(6) var<storage, read_write> kept: array<u32>;
 @group(0) @binding(7) var<storage, read_write> statistics: SceneStatistics;
-
-// Above this size squares may overflow, and nothing is said.
-const TOO_LARGE: f32 = 0x1p60;
+const TOO_LARGE: f32 = 0x1p60; // Above this size squares may overflow, and nothing is said.
 // 32 units in the last place. Rounding, division and root add fewer to a distance, relative to the largest coordinate.
 const SLACK: f32 = 0x1p-18;
 
@@ -141,18 +139,10 @@ fn reach(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
   }
 }
 
-// ==== scene/occluded
-// Occluded: finds the lights for which a caster's box lies wholly behind an occluder: behind its plane, and within the planes
-// through the light and its edges. NUMERICS.md, "Occluded casters".
-
-// The most corners of an occluder.
-const MOST_CORNERS: u32 = 8u;
-// Occluders that are tried.
-const MOST_OCCLUDERS: u32 = 128u;
-// Above this size products may overflow, and nothing is said.
-const TOO_LARGE_TO_HIDE: f32 = 0x1p36;
-// What is lost where small numbers are flushed.
-const LOST: f32 = 0x1p-100;
+const MOST_CORNERS: u32 = 8u; // The most corners of an occluder.
+const MOST_OCCLUDERS: u32 = 128u; // Occluders that are tried.
+const TOO_LARGE_TO_HIDE: f32 = 0x1p36; // Above this size products may overflow, and nothing is said.
+const LOST: f32 = 0x1p-100; // What is lost where small numbers are flushed.
 
 // A box in world space: its middle, half of each of its edges, and sizes as sums of absolute values: of places, and of the
 // distance from the middle to a corner.
@@ -165,13 +155,7 @@ struct TurnedBox {
   reach: f32,
 }
 
-fn sum_of(v: vec3<f32>) -> f32 {
-  return abs(v.x) + abs(v.y) + abs(v.z);
-}
-
-fn dot_of(a: vec3<f32>, b: vec3<f32>) -> f32 {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
+fn sum_of(v: vec3<f32>) -> f32 { return abs(v.x) + abs(v.y) + abs(v.z); }
 
 fn turned_box(caster: u32) -> TurnedBox {
   let low = bitcast<vec3<f32>>(caster_part(caster, 3u).xyz);
@@ -189,7 +173,7 @@ fn turned_box(caster: u32) -> TurnedBox {
   let half_y = half.y * vec3<f32>(x.y, y.y, z.y);
   let half_z = half.z * vec3<f32>(x.z, y.z, z.z);
   return TurnedBox(
-    vec3<f32>(dot_of(x.xyz, middle) + x.w, dot_of(y.xyz, middle) + y.w, dot_of(z.xyz, middle) + z.w),
+    vec3<f32>(dot_3(x.xyz, middle) + x.w, dot_3(y.xyz, middle) + y.w, dot_3(z.xyz, middle) + z.w),
     half_x, half_y, half_z,
     size + 3.0 * origin,
     sum_of(half_x) + sum_of(half_y) + sum_of(half_z),
@@ -198,14 +182,13 @@ fn turned_box(caster: u32) -> TurnedBox {
 
 // The least of normal * (p - on) for all p of the box.
 fn least(box: TurnedBox, normal: vec3<f32>, on: vec3<f32>) -> f32 {
-  return dot_of(normal, box.middle - on) - abs(dot_of(normal, box.half_x)) - abs(dot_of(normal, box.half_y)) - abs(dot_of(normal, box.half_z));
+  return dot_3(normal, box.middle - on) - abs(dot_3(normal, box.half_x)) - abs(dot_3(normal, box.half_y)) - abs(dot_3(normal, box.half_z));
 }
 
-fn corner_of(at: u32, number: u32) -> vec3<f32> {
-  return bitcast<vec3<f32>>(table[at + number].xyz);
-}
+fn corner_of(at: u32, number: u32) -> vec3<f32> { return bitcast<vec3<f32>>(table[at + number].xyz); }
 
-// Whether the box is hidden. `side` is 1 if the light sees the corners counter-clockwise, else -1.
+// Whether the box lies wholly behind an occluder: behind its plane, and within the planes through the light and its edges. `side`
+// is 1 if the light sees the corners counter-clockwise, else -1.
 fn is_behind(box: TurnedBox, at: u32, light: vec4<f32>, side: f32) -> bool {
   let count = min(table[at].w, MOST_CORNERS);
   let first = corner_of(at, 0u);

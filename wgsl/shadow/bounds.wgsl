@@ -1,5 +1,7 @@
-// Bounds: computes the box of each caster's finite faces, for `choose`, and whether it has other faces. Floats are compared
-// as integers of the same order.
+// Bounds: a compute stage that finds the box of each caster's finite faces, and whether a caster has other faces. A caster is a
+// mesh that throws shadows. `choose` reads the boxes, and so do the stages that bound stencil counts. It runs for a single mesh,
+// and for casters of a scene whose positions are in world space; rigid ones have a box in mesh space already. A group of casters
+// is skipped where nothing reads its boxes. Boxes are exact: floats are compared as integers of the same order.
 
 #import common/casters
 #import shadow/caster
@@ -35,11 +37,6 @@ fn has_light(caster: u32) -> bool {
     matter |= lit[batch * shape.casters + caster];
   }
   return matter != 0u;
-}
-
-// The bits of a float as an integer with the same order as the floats.
-fn ordered(bits: vec3<u32>) -> vec3<u32> {
-  return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
 }
 
 // An invocation takes faces of one caster.

@@ -1,32 +1,26 @@
-// Cap faces: computes the vertices of caps. A light cap is a face at its place. A dark cap is
-// the face at the far end of the volume. A near cap is the part of a face between the light and the near plane,
-// projected from the light onto that plane. z-fail has light and dark caps. z-pass and ZP+ have light caps of casters that
-// are not in the depth buffer, and dark caps where volumes end; their lists are the same.
+// Cap faces: vertex shaders that draw caps, the faces that close shadow volumes, by indirect draws of the lists that `caps` made.
+// A light cap is a face at its place. A dark cap is the face at the far end of the volume. A near cap is the part of a face
+// between light and near plane, projected from the light onto that plane. z-fail draws light and dark caps; ZP+ draws near caps
+// beside the sides of z-pass. z-pass and ZP+ also draw light caps of casters that are not in the depth buffer, and dark caps
+// where volumes end; their lists are the same. If lists overflowed, each face of the group is an instance and is tested here.
 
 #import common/casters
 #import shadow/caster
 #import shadow/choices
-#import shadow/polygon
+#import shadow/lists
 #import shadow/shadow
-#import shadow/zp_plus_2005
+#import shadow/vertices
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-// Those of the draw.
-@group(0) @binding(2) var<storage, read> seen: SeenLight;
+@group(0) @binding(2) var<storage, read> seen: SeenLight; // Those of the draw.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(1) @binding(0) var<storage, read> positions: array<u32>;
 @group(1) @binding(1) var<storage, read> faces: array<u32>;
 @group(1) @binding(2) var<storage, read> facing_masks: array<u32>;
 @group(1) @binding(3) var<storage, read> excluded_masks: array<u32>;
 @group(1) @binding(4) var<storage, read> caps_listed: array<u32>;
-
-// The list of cap faces that is drawn.
-override CAP_KIND: u32 = 0u;
-
-struct CapVertex {
-  @invariant @builtin(position) clip: vec4<f32>,
-}
+override CAP_KIND: u32 = 0u; // The list of cap faces that is drawn.
 
 // A face, and what its caster sees.
 struct Cap {
@@ -76,12 +70,12 @@ fn cap_of(instance: u32) -> Cap {
 }
 
 // It is not trimmed: with z-fail its depths must be those of the surface, bit for bit.
-@vertex fn light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+@vertex fn light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
   let own = cap_of(instance);
   if (!own.valid) {
-    return CapVertex(NOTHING);
+    return VolumeVertex(NOTHING);
   }
-  return CapVertex(to_clip(own.view, vertex_position(own.caster, own.corners[vertex])));
+  return VolumeVertex(to_clip(own.view, vertex_position(own.caster, own.corners[vertex])));
 }
 
 fn face_of(own: Cap) -> CapFace {
@@ -93,60 +87,39 @@ fn face_of(own: Cap) -> CapFace {
   );
 }
 
-@vertex fn seen_light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+@vertex fn seen_light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
   let own = cap_of(instance);
   if (!own.valid || (caster_flags(own.caster) & PROXY) == 0u) {
-    return CapVertex(NOTHING);
+    return VolumeVertex(NOTHING);
   }
-  if (TRIM) {
-    var outline: Outline;
-    for (var corner = 0u; corner < 5u; corner++) {
-      outline = with_corner(outline, seen_light_cap_vertex(own.view, own.light, face_of(own), has_near_cap(own.light), strip_place(corner)));
-    }
-    return CapVertex(vertex_of_part(trimmed(outline), false, vertex));
-  }
-  return CapVertex(seen_light_cap_vertex(own.view, own.light, face_of(own), has_near_cap(own.light), vertex));
+  return drawn_light_cap(own.view, own.light, face_of(own), has_near_cap(own.light), vertex);
 }
 
-@vertex fn dark_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+@vertex fn dark_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
   let own = cap_of(instance);
   // Of casters that are not in the depth buffer there are faces whose volume does not end.
   let is_endless = shape.proxies != 0u && own.light.counting != COUNT_Z_FAIL && own.light.end == 0.0;
   if (!own.valid || is_endless) {
-    return CapVertex(NOTHING);
+    return VolumeVertex(NOTHING);
   }
-  if (TRIM) {
-    var outline: Outline;
-    for (var corner = 0u; corner < 3u; corner++) {
-      outline = with_corner(outline, dark_cap_vertex(own.view, own.light, face_of(own), corner));
-    }
-    return CapVertex(vertex_of_part(trimmed(outline), true, vertex));
-  }
-  return CapVertex(dark_cap_vertex(own.view, own.light, face_of(own), vertex));
+  return drawn_dark_cap(own.view, own.light, face_of(own), vertex);
 }
 
-@vertex fn near_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+@vertex fn near_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
   let own = cap_of(instance);
   if (!own.valid) {
-    return CapVertex(NOTHING);
+    return VolumeVertex(NOTHING);
   }
-  if (TRIM) {
-    var outline: Outline;
-    for (var corner = 0u; corner < 5u; corner++) {
-      outline = with_corner(outline, near_cap_vertex(own.view, own.light, face_of(own), strip_place(corner)));
-    }
-    return CapVertex(vertex_of_part(trimmed(outline), false, vertex));
-  }
-  return CapVertex(near_cap_vertex(own.view, own.light, face_of(own), vertex));
+  return drawn_near_cap(own.view, own.light, face_of(own), vertex);
 }
 
 // The near cap as published: the face transformed by the matrix of the light's frustum. The hardware clips it.
-@vertex fn zp_plus_2005_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+@vertex fn zp_plus_2005_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
   let own = cap_of(instance);
   if (!own.valid) {
-    return CapVertex(NOTHING);
+    return VolumeVertex(NOTHING);
   }
-  return CapVertex(frustum_to_clip(own.view, own.light, vertex_position(own.caster, own.corners[vertex])));
+  return VolumeVertex(frustum_to_clip(own.view, own.light, vertex_position(own.caster, own.corners[vertex])));
 }
 
 // For passes with colour attachments, which are not changed.

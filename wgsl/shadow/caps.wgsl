@@ -1,15 +1,17 @@
-// Caps: lists of the faces that caps are drawn from. Near caps, which ZP+ needs, come from the faces between light and near
-// rectangle. With z-fail, where volumes end at the range, and for casters that are not in the depth buffer, caps come from
-// every face that casts. Excluded faces have no caps.
+// Caps: a compute stage that lists, for each light of a batch (up to 32 lights, a bit each) in a view, the faces whose caps are
+// drawn, in no particular order. `shadow_arguments` makes draws of the lists, and `cap_faces` reads them. Near caps, which ZP+
+// needs, come from faces between light and near rectangle. With z-fail, where volumes end at the range, and for casters that are
+// not in the depth buffer, light and dark caps come from every face that casts. Excluded faces, those whose plane has the light
+// and those that are not finite, have no caps. It notes in the choices which casters have near caps.
 
 #import common/casters
 #import shadow/caster
 #import shadow/choices
-#import shadow/pyramid
+#import shadow/lists
 #import shadow/shadow
+#import shadow/visibility
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> seen: array<SeenLight>;
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
@@ -31,7 +33,7 @@ fn misses_pyramid(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f3
   return any(out) || beyond;
 }
 
-// What was chosen for a caster: words as in caster.wgsl, and the lights that need caps.
+// What was chosen for a caster: words as in choices.wgsl, and the lights that need caps.
 struct Needs {
   first: vec4<u32>,
   excludes: u32,

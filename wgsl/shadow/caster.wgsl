@@ -1,7 +1,10 @@
-// Casters, as the stages of shadow volumes find them in the table. It begins with the casters, eight vec4s each
-// (`SceneCaster`).
+// Casters, the meshes that throw shadows, as the stages of shadow volumes find them: in the table, which begins with eight vec4s
+// for each (`SceneCaster`). A slot is the place of a face or edge in the masks of casters drawn together. A chunk is 64 slots,
+// all of one caster. These functions give a caster's slots, its positions and box, and what camera and light are to it: positions
+// of a rigid caster of a scene are in the space of its mesh, and those of all others in world space.
 //
-// Expects: `shape`, and as far as functions are used `table`, the table of casters; `boxes`, the boxes of casters; `positions`.
+// Expects: `shape`, and as far as functions are used `table`, the table of casters; `boxes`, those of shadow/bounds.wgsl;
+// `positions`.
 
 #import common/casters
 #import shadow/shadow
@@ -9,23 +12,14 @@
 // Whether there may be several casters. If not, all slots are those of the first caster, which is in world space.
 override MANY: bool = false;
 
-fn caster_part(caster: u32, part: u32) -> vec4<u32> {
-  return table[8u * caster + part];
-}
-
-fn caster_flags(caster: u32) -> u32 {
-  return caster_part(caster, 4u).w;
-}
+fn caster_part(caster: u32, part: u32) -> vec4<u32> { return table[8u * caster + part]; }
+fn caster_flags(caster: u32) -> u32 { return caster_part(caster, 4u).w; }
 
 // Faces: the first slot, their number, the first in the page, and the word of vertex 0 in the bound positions.
-fn face_run(caster: u32) -> vec4<u32> {
-  return caster_part(caster, 5u);
-}
+fn face_run(caster: u32) -> vec4<u32> { return caster_part(caster, 5u); }
 
 // Edge records: the first slot, their number, the first in the page, and the words from one vertex to the next.
-fn edge_run(caster: u32) -> vec4<u32> {
-  return caster_part(caster, 6u);
-}
+fn edge_run(caster: u32) -> vec4<u32> { return caster_part(caster, 6u); }
 
 // The caster of a slot. `chunks_at` is where the casters of the chunks begin in the table.
 fn caster_of(chunks_at: u32, slot: u32) -> u32 {
@@ -73,28 +67,16 @@ fn light_of(caster: u32, light: ShadowLight, number: u32) -> ShadowLight {
   return own;
 }
 
-// ==== shadow/boxes
-// Boxes of casters. `bounds` computes those of casters in world space. A rigid caster has its box in the table, in mesh
-// space.
-
 struct CasterBox {
   low: vec3<f32>,
   high: vec3<f32>,
-  // There is no finite face.
-  is_empty: bool,
-  // Some face is not finite.
-  has_holes: bool,
+  is_empty: bool, // There is no finite face.
+  has_holes: bool, // Some face is not finite.
 }
 
-fn unordered(bits: vec3<u32>) -> vec3<f32> {
-  return bitcast<vec3<f32>>(select(~bits, bits & vec3<u32>(0x7fffffffu), bits >= vec3<u32>(0x80000000u)));
-}
+fn is_in_mesh_space(caster: u32) -> bool { return MANY && (caster_flags(caster) & RIGID) != 0u; }
 
-fn is_in_mesh_space(caster: u32) -> bool {
-  return MANY && (caster_flags(caster) & RIGID) != 0u;
-}
-
-// The box of a caster, in the space of its positions.
+// The box of a caster, in the space of its positions: that of the table if it is rigid, else that of `bounds`.
 fn box_of(caster: u32) -> CasterBox {
   if (is_in_mesh_space(caster)) {
     let low = bitcast<vec3<f32>>(caster_part(caster, 3u).xyz);
@@ -107,20 +89,12 @@ fn box_of(caster: u32) -> CasterBox {
   return CasterBox(low, high, boxes[at + 3u] == 0u, boxes[at + 6u] != 0u);
 }
 
-// ==== shadow/positions
-// Positions of casters, as the stage binds them: `positions`, with the layout in the table.
-
 fn vertex_bits(caster: u32, vertex: u32) -> vec3<u32> {
   let word = face_run(caster).w + vertex * edge_run(caster).w;
   return vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]);
 }
 
-fn vertex_position(caster: u32, vertex: u32) -> vec3<f32> {
-  return bitcast<vec3<f32>>(vertex_bits(caster, vertex));
-}
-
-// ==== shadow/world
-// Casters in world space.
+fn vertex_position(caster: u32, vertex: u32) -> vec3<f32> { return bitcast<vec3<f32>>(vertex_bits(caster, vertex)); }
 
 // A position of a caster in world space.
 fn in_world(caster: u32, position: vec3<f32>) -> vec3<f32> {
@@ -135,7 +109,7 @@ fn in_world(caster: u32, position: vec3<f32>) -> vec3<f32> {
   return world;
 }
 
-// A caster's box in world space.
+// A caster's box in world space. Of a rigid caster it is the box of its turned box.
 fn world_box(caster: u32) -> CasterBox {
   var own = box_of(caster);
   if (!is_in_mesh_space(caster)) {

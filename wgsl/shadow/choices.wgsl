@@ -1,26 +1,24 @@
-// What was chosen for casters: words for each batch of lights and view, with a bit for each light.
+// Choices: what the stage `choose` chose for each caster, light and view, as nearly all stages of shadow volumes read it: which
+// faces cast, how shadows are counted, whether near caps are needed, where the volume ends. A batch is up to 32 lights. For each
+// view, batch and caster there are eight words with a bit for each light; behind all of them, two measures for each view, light
+// and caster. `relist`, `choose`, `zp_plus_2005_cases` and `caps` write them. For later stages they are copied into the table.
 //
-// Expects: `shape`, and `table`, the table of casters, for lights as casters choose for them.
+// Expects: `shape`, and `table`, the table of casters, which has the choices once all are made.
 
-#import common/casters
 #import shadow/caster
 #import shadow/shadow
 
-// The place of a caster's choices for a batch and a view: eight words, each with a bit for each light of the batch.
+// The place of a caster's choices for a batch and a view.
 fn choices_of(caster: u32, batch: u32, view: u32) -> u32 {
   return (view * shape.batches + batch) * shape.casters + caster;
 }
 
-// Which words. A light for which a caster casts is in the first.
-const CASTS: u32 = 0u;
-// Every face casts. If not set, averted ones do.
-const EVERY: u32 = 1u;
-// The near cap may be needed.
-const NEAR: u32 = 2u;
-// The near cap has faces.
-const CAPPED: u32 = 3u;
-// Faces may be excluded.
-const EXCLUDES: u32 = 4u;
+// Which words.
+const CASTS: u32 = 0u; // The caster casts.
+const EVERY: u32 = 1u; // Every face casts. If not set, averted ones do.
+const NEAR: u32 = 2u; // The near cap may be needed.
+const CAPPED: u32 = 3u; // The near cap has faces.
+const EXCLUDES: u32 = 4u; // Faces may be excluded.
 // In the words of the first caster of a group: some caster has excluded faces if any light is in the plane of a face, or has
 // some in any case. Then sides are not among the silhouettes alone.
 const MAY_EXCLUDE: u32 = 5u;
@@ -29,8 +27,7 @@ const DOES_EXCLUDE: u32 = 6u;
 const FRESH: u32 = 7u;
 const CHOICE_WORDS: u32 = 8u;
 
-// The place of a caster's two measures for a light and a view: the end of the volume, and the near end of the light's
-// frustum.
+// The place of a caster's two measures for a light and a view: the end of the volume, and the near end of the light's frustum.
 fn measures_of(caster: u32, light: u32, view: u32) -> u32 {
   return (view * shape.lights + light) * shape.casters + caster;
 }
@@ -39,8 +36,7 @@ fn has_measures() -> bool {
   return shape.end_at_range != 0u || shape.has_receivers != 0u || shape.counting == COUNT_ZP_PLUS_2005;
 }
 
-// The light with the choices for a caster, whose first words are `first` and the next `excludes`. `near`: near caps are
-// needed.
+// The light with the choices for a caster, whose first words are `first` and the next `excludes`. `near`: near caps are needed.
 fn with_choices(light: ShadowLight, bit: u32, first: vec4<u32>, excludes: u32, near: u32) -> ShadowLight {
   var own = light;
   own.casting = CAST_NOTHING;
@@ -62,9 +58,7 @@ fn with_choices(light: ShadowLight, bit: u32, first: vec4<u32>, excludes: u32, n
   return own;
 }
 
-// ==== shadow/chosen
-// Choices of casters, as stages read them once all are made: from the table.
-
+// Four words of a caster's choices, from the table: `part` 0 or 1.
 fn choice_part(caster: u32, batch: u32, view: u32, part: u32) -> vec4<u32> {
   return table[shape.choices_at + 2u * choices_of(caster, batch, view) + part];
 }
@@ -88,48 +82,4 @@ fn chosen_light(caster: u32, light: ShadowLight, number: u32, view: u32) -> Shad
 }
 
 // Whether a caster is in a batch of casters that are counted together.
-fn is_counted(caster: u32, count_batch: u32) -> bool {
-  return !MANY || caster % shape.count_batches == count_batch;
-}
-
-// ==== shadow/casting
-// Tells which faces cast, what their caps count, and where they are listed.
-
-fn casts(light: ShadowLight, facing: bool) -> bool {
-  return light.casting == CAST_EVERY || (light.casting == CAST_AVERTED && !facing);
-}
-
-fn has_near_cap(light: ShadowLight) -> bool {
-  return light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PLUS_2005;
-}
-
-// Whether there are caps besides near caps: with z-fail, where the volume ends at the range, and where the caster is not in
-// the depth buffer, so that the eye sees through its faces. A volume that ends behind all receivers needs no dark cap.
-fn has_far_caps(light: ShadowLight, flags: u32) -> bool {
-  return light.counting == COUNT_Z_FAIL || (light.end > 0.0 && shape.end_at_range != 0u) || (flags & PROXY) != 0u;
-}
-
-// A light has four lists of cap faces: near caps of both classes in one run, from the front and from the back, and other
-// caps of both classes in another run. Caps of the first class count up where their front is seen, those of the second
-// where their back is. A matrix that mirrors turns all faces.
-const CAP_COUNTS: u32 = 128u;
-const FAR: u32 = 2u;
-
-// On the near plane the front of a face that faces the light is seen if the light is on the eye's side.
-fn near_kind(light: ShadowLight, facing: bool, mirrored: bool) -> u32 {
-  let turned = light_side(light) > 0.0;
-  return select(0u, 1u, (facing == turned) != mirrored);
-}
-
-fn far_kind(facing: bool, mirrored: bool) -> u32 {
-  return FAR + select(0u, 1u, facing == mirrored);
-}
-
-fn cap_capacity(kind: u32) -> u32 {
-  return select(shape.near_capacity, shape.far_capacity, kind >= FAR);
-}
-
-fn cap_place(bit: u32, kind: u32, place: u32) -> u32 {
-  let run = CAP_COUNTS + bit * (shape.near_capacity + shape.far_capacity) + select(0u, shape.near_capacity, kind >= FAR);
-  return run + select(place, cap_capacity(kind) - 1u - place, (kind & 1u) != 0u);
-}
+fn is_counted(caster: u32, count_batch: u32) -> bool { return !MANY || caster % shape.count_batches == count_batch; }

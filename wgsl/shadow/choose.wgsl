@@ -1,11 +1,15 @@
-// Choose: chooses for each caster and light the faces of the caster that cast and the counting method, from the caster's box
-// alone. This is cheap and settles most casters. `caps` takes those that may need caps.
+// Choose: a compute stage that chooses for each caster, light and view which faces of the caster cast and how the shadow is
+// counted, from the caster's box alone: nothing if its shadow cannot be seen; z-pass unless a face may lie between light and near
+// rectangle; averted faces (those that do not face the light) where they suffice. All tests have slack, so what is skipped casts
+// nothing that is seen. It reads the boxes of `bounds` and the statistics of the extraction, and writes choices
+// (shadow/choices.wgsl) and statistics. `caps` then looks at the faces of casters that may need caps. NUMERICS.md, "Which faces
+// cast", "Volumes that end" and "Volumes without a receiver".
 
 #import common/casters
 #import shadow/caster
 #import shadow/choices
-#import shadow/pyramid
 #import shadow/shadow
+#import shadow/visibility
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> seen: array<SeenLight>;
@@ -13,8 +17,7 @@
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
 // `ExtractionStatistics` of the extraction. The last tells how many lights lie in planes of faces.
 @group(0) @binding(4) var<storage, read> extraction_statistics: array<u32, 5>;
-// Choices of all casters, then measures.
-@group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>; // Choices of all casters, then measures.
 @group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;
 // For each batch and caster of a scene the lights that matter. A single caster has none.
 @group(0) @binding(7) var<storage, read> lit: array<u32>;
@@ -78,9 +81,7 @@ fn frustum_near(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3
 }
 
 // Whether a polygon of the caster is L-twisted for a light. Then it is excluded, and the caster is not closed.
-fn is_cut(number: u32) -> bool {
-  return ((extraction_statistics[4] >> (number % 32u)) & 1u) != 0u;
-}
+fn is_cut(number: u32) -> bool { return ((extraction_statistics[4] >> (number % 32u)) & 1u) != 0u; }
 
 // What was chosen for a light: the light, and whether near caps may be needed. A lower bound of the distance to a caster with
 // a matrix is that in the caster's space times `scale`, the least that the matrix makes of a length.
@@ -165,12 +166,12 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   }
   let view = view_of(caster, seen[entry].view);
   let scale = select(1.0, bitcast<f32>(caster_part(caster, 3u).w), MANY);
+  let receivers_at = seen[entry].version.y;
   var light = light_of(caster, seen[entry].light, number);
   light.casting = CAST_NOTHING;
   if (!own.is_empty) {
     light = chosen(view, light, scale, flags, own.low, own.high, own.has_holes, is_cut(number));
     light.excludes = select(light.excludes, 1u, is_excluding);
-    let receivers_at = seen[entry].version.y;
     if (light.casting != CAST_NOTHING && receivers_at != 0u && is_hidden(view, light, scale, own.low, own.high, receivers_at)) {
       light.casting = CAST_NOTHING;
       atomicAdd(&shadow_statistics.hidden, 1u);
@@ -183,7 +184,6 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   if (light.end > 0.0) {
     atomicAdd(&shadow_statistics.ended, 1u);
   }
-  let receivers_at = seen[entry].version.y;
   if (receivers_at != 0u && (light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL)) {
     light.end = max(light.end, end_behind(view, light, scale, own.low, own.high, receivers_at));
   }

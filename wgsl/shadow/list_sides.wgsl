@@ -1,15 +1,16 @@
-// List sides: lists the edges whose sides are drawn, for each light, with the winding of the side. It goes over the light's
-// silhouettes. Where their list overflowed, or faces may be excluded, it goes over all edges.
+// List sides: a compute stage that lists, for each light of a batch (up to 32 lights) in a view, the edges whose sides are drawn,
+// in no particular order, with the winding of the side. A side is the quad from an edge away from the light. It goes over the
+// light's silhouettes. Where their list overflowed, or faces may be excluded (those whose plane has the light, and those that are
+// not finite), it goes over all edges. `shadow_arguments` makes draws of the lists; `sides` and `stencil_crossings` read them.
 
 #import common/casters
 #import common/extraction
 #import shadow/caster
 #import shadow/choices
+#import shadow/lists
 #import shadow/shadow
-#import shadow/side_lists
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> silhouette_counts: array<u32>;
@@ -19,8 +20,7 @@
 @group(0) @binding(7) var<storage, read> excluded_masks: array<u32>;
 // For each light of the batch the numbers of plain and of clipped sides; then the lists.
 @group(0) @binding(8) var<storage, read_write> sides: array<atomic<u32>>;
-// `ExtractionStatistics` of the same silhouettes.
-@group(0) @binding(9) var<storage, read> extraction_statistics: array<u32, 5>;
+@group(0) @binding(9) var<storage, read> extraction_statistics: array<u32, 5>; // `ExtractionStatistics` of the same silhouettes.
 
 fn list_edge(slot: u32, bit: u32) {
   let caster = caster_of(shape.edge_chunks_at, slot);
@@ -43,9 +43,7 @@ fn list_edge(slot: u32, bit: u32) {
 }
 
 // The number of the light's silhouettes. Those of a scene are counted in each batch.
-fn silhouettes_of(bit: u32) -> u32 {
-  return silhouette_counts[select(draw.first_light, 0u, MANY) + bit];
-}
+fn silhouettes_of(bit: u32) -> u32 { return silhouette_counts[select(draw.first_light, 0u, MANY) + bit]; }
 
 // Whether the light's silhouettes are all the edges that may have sides.
 fn silhouettes_suffice(bit: u32) -> bool {

@@ -1,8 +1,11 @@
-// Piece arguments: computes the indirect draws of the pieces of L-twisted polygons, from what was chosen for their caster.
+// Piece arguments: a compute stage that makes the indirect draws of the pieces of L-twisted polygons for each light of a batch
+// (up to 32 lights) in a view. An L-twisted polygon has lit and dark parts as seen from the light; a piece is a part of their
+// borders, which `cut_edges` and `cut_quads` listed (shadow/lists.wgsl). It reads the choices for the only caster, and writes
+// draws for `pieces` and statistics.
 
 #import common/extraction
 #import shadow/choices
-#import shadow/piece_lists
+#import shadow/lists
 #import shadow/shadow
 
 // The draws of the pieces of a light's L-twisted polygons.
@@ -19,7 +22,6 @@ struct PieceDraws {
 }
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> seen: array<SeenLight>;
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;

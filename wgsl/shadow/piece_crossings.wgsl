@@ -1,20 +1,20 @@
-// Piece crossings: adds the sides of pieces of L-twisted polygons to the bins of half planes that they cross. Each has the weight 1. Where
-// a list overflowed, all of them cross every half plane.
+// Piece crossings: a compute stage that adds the sides of pieces of L-twisted polygons (see shadow/lists.wgsl) to the bins of
+// half planes that they cross, each with the weight 1, beside `stencil_crossings`. `stencil_bound` reads the bins. Where a list
+// of pieces overflowed, all of them cross every half plane. It is for a single caster. NUMERICS.md, "A bound on counts".
 
 #import shadow/caster
 #import shadow/choices
-#import shadow/crossings
+#import shadow/lists
 #import shadow/pencil
-#import shadow/piece_lists
 #import shadow/shadow
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
 @group(0) @binding(4) var<storage, read> pieces: array<u32>;
 @group(0) @binding(7) var<storage, read> pencils: array<StencilPencil>;
+@group(0) @binding(8) var<storage, read_write> crossings: array<atomic<u32>>; // The rows of the pencils.
 
 fn place_at(word: u32) -> vec3<f32> {
   return bitcast<vec3<f32>>(vec3<u32>(pieces[word], pieces[word + 1u], pieces[word + 2u]));

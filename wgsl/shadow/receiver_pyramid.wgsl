@@ -1,32 +1,25 @@
-// Receiver pyramid: the levels above the tiles, by one workgroup, and the box of all places that receivers may be seen at.
+// Receiver pyramid: a compute stage of one workgroup that goes on from the tiles of `receiver_depth`. It writes the upper levels,
+// the farthest receiver of each square of four cells, up to one for all; and the box of all places between the near rectangle and
+// the receivers, with slack above its rounding errors. A receiver is a pixel that shadows may fall on. `choose` reads both.
+// NUMERICS.md, "Volumes without a receiver".
 
+#import common/casters
 #import shadow/receivers
 
 @group(0) @binding(0) var<uniform> receiver_view: ReceiverView;
 @group(0) @binding(1) var<storage, read_write> receivers: array<u32>;
-
-// The box is taken from the first level that has at most so many cells.
-const MOST_BOXED: u32 = 1024u;
-// Above the rounding error of a product of matrix and vector, relative to its terms.
-const UNPROJECTION: f32 = 1e-5;
-
+const MOST_BOXED: u32 = 1024u; // The box is taken from the first level that has at most so many cells.
+const UNPROJECTION: f32 = 1e-5; // Above the rounding error of a product of matrix and vector, relative to its terms.
 // Ends of the box as ordered bits, inverted where they are lowest.
 var<workgroup> ends: array<atomic<u32>, 6>;
 var<workgroup> is_endless: atomic<u32>;
 
-fn ordered(value: f32) -> u32 {
-  let bits = bitcast<u32>(value);
-  return select(bits | 0x80000000u, ~bits, bits >= 0x80000000u);
-}
-
-fn unordered(bits: u32) -> f32 {
-  return bitcast<f32>(select(~bits, bits & 0x7fffffffu, bits >= 0x80000000u));
-}
-
 fn widen(low: vec3<f32>, high: vec3<f32>) {
+  let lowest = ~ordered(bitcast<vec3<u32>>(low));
+  let highest = ordered(bitcast<vec3<u32>>(high));
   for (var axis = 0u; axis < 3u; axis++) {
-    atomicMax(&ends[axis], ~ordered(low[axis]));
-    atomicMax(&ends[3u + axis], ordered(high[axis]));
+    atomicMax(&ends[axis], lowest[axis]);
+    atomicMax(&ends[3u + axis], highest[axis]);
   }
 }
 
@@ -118,10 +111,9 @@ fn receiver_pyramid(@builtin(local_invocation_index) thread: u32) {
     receivers[head + 5u] = select(1u, 0u, atomicLoad(&is_endless) != 0u);
   }
   if (thread < 3u) {
-    let low = bitcast<u32>(unordered(~atomicLoad(&ends[thread])));
-    let high = bitcast<u32>(unordered(atomicLoad(&ends[3u + thread])));
+    let found = unordered(vec3<u32>(~atomicLoad(&ends[thread]), atomicLoad(&ends[3u + thread]), 0u));
     let is_limited = atomicLoad(&is_endless) == 0u;
-    receivers[head + 6u + thread] = select(0u, low, is_limited);
-    receivers[head + 9u + thread] = select(0u, high, is_limited);
+    receivers[head + 6u + thread] = select(0u, bitcast<u32>(found.x), is_limited);
+    receivers[head + 9u + thread] = select(0u, bitcast<u32>(found.y), is_limited);
   }
 }

@@ -1,13 +1,12 @@
 // Receivers: what the shadows of a view may fall on, from the depth buffer that they are drawn against. They are kept as a
-// pyramid: for each tile of 8 x 8 pixels the farthest depth of a receiver, then for each square of four the farthest of those,
-// up to one for all. And as a box of all places between the near rectangle and the receivers. NUMERICS.md, "Volumes without a
-// receiver".
+// pyramid: for each tile of 8 x 8 pixels the farthest depth of a receiver, then for each square of four the farthest of those, up
+// to one for all; and as a box of all places between the near rectangle and the receivers. Depths are kept as keys, integers that
+// grow with the distance. `receiver_depth` and `receiver_pyramid` write them, and `choose` reads them, through
+// shadow/visibility.wgsl. NUMERICS.md, "Volumes without a receiver".
 
 struct ReceiverView {
-  // Columns of the matrix from normalised device coordinates to the camera's frame.
-  inverse: array<vec4<f32>, 4>,
-  // The box of the near rectangle, in the camera's frame.
-  near_min: vec3<f32>,
+  inverse: array<vec4<f32>, 4>, // Columns of the matrix from normalised device coordinates to the camera's frame.
+  near_min: vec3<f32>, // The box of the near rectangle, in the camera's frame.
   // Depth of the near plane. The other end of 0 to 1 is the depth that is cleared to.
   near_z: f32,
   near_max: vec3<f32>,

@@ -1,11 +1,11 @@
-// Relist: finds the lights of a group of casters whose lists for a view are made anew, because the silhouettes or the camera
-// changed since, and empties these lists. It writes what the lists will be made from.
+// Relist: a compute stage, for scenes, that finds the lights of a group of casters whose lists of sides and caps for a view are
+// made anew, because the silhouettes or the camera changed since, and empties these lists. It runs before `choose`, for a batch
+// of up to 32 lights, and writes the bits FRESH of the choices, and what lists are made from. NUMERICS.md, "What a scene keeps".
 
 #import shadow/choices
 #import shadow/shadow
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of the batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> seen: array<SeenLight>;
 // The versions of what was extracted, with the encodes that made the silhouettes: `shape.lists_at`.
@@ -16,7 +16,6 @@
 @group(0) @binding(6) var<storage, read_write> sides: array<u32>;
 @group(0) @binding(7) var<storage, read_write> caps_listed: array<u32>;
 @group(0) @binding(8) var<storage, read_write> shadow_statistics: ShadowStatistics;
-
 var<workgroup> fresh: atomic<u32>;
 
 @compute @workgroup_size(32)

@@ -1,60 +1,47 @@
-// What the stages of shadow volumes share: structs, clip space, and the three forms of a vertex V of a volume. These
-// are V itself, its far vertex at infinity, and its projection from the light onto the near plane. NUMERICS.md, "Shadow
-// volumes".
+// Shared by all stages of shadow volumes, and `needs`: structs that Rust writes (a test holds them equal to src/layout.rs), clip
+// space, and the three forms of a vertex V of a volume: V itself, its far vertex at infinity or where the volume ends, and its
+// projection from the light onto the near plane. A light L is homogeneous, (x, y, z, w); a light at infinity has w = 0. All
+// arithmetic is written out, so that a vertex has the same bits wherever it is computed. NUMERICS.md, "Shadow volumes".
 
 #import common/casters
 
 struct ShadowStatistics {
   // Pairs of caster and light that are skipped: the light does not reach the caster, or the camera cannot see the shadow.
   skipped: atomic<u32>,
-  // Pairs for which every face casts.
-  every_face: atomic<u32>,
-  // Lights with a near cap.
-  capped: atomic<u32>,
-  // Lights with a list of cap faces that overflowed.
-  overflowed_caps: atomic<u32>,
-  // Lights with a list of sides that overflowed.
-  overflowed_sides: atomic<u32>,
-  // Pairs whose volume ends at the light's range.
-  ended: atomic<u32>,
+  every_face: atomic<u32>, // Pairs for which every face casts.
+  capped: atomic<u32>, // Lights with a near cap.
+  overflowed_caps: atomic<u32>, // Lights with a list of cap faces that overflowed.
+  overflowed_sides: atomic<u32>, // Lights with a list of sides that overflowed.
+  ended: atomic<u32>, // Pairs whose volume ends at the light's range.
   // An upper bound of all stencil counts, for any light, and the lights whose bound exceeds 8 bits. 0 unless asked for.
   count_bound: atomic<u32>,
   may_wrap: atomic<u32>,
-  // Groups of casters, lights and views whose lists were kept.
-  kept_lists: atomic<u32>,
-  // Of the pairs that are skipped, those whose volume no receiver can be in.
-  hidden: atomic<u32>,
-  // And those whose box the light does not reach.
-  unreached: atomic<u32>,
-  // Pieces of L-twisted polygons that there was no room for. Where they would be, shadows are wrong.
-  lost_pieces: atomic<u32>,
+  kept_lists: atomic<u32>, // Groups of casters, lights and views whose lists were kept.
+  hidden: atomic<u32>, // Of the pairs that are skipped, those whose volume no receiver can be in.
+  unreached: atomic<u32>, // And those whose box the light does not reach.
+  lost_pieces: atomic<u32>, // Pieces of L-twisted polygons that there was no room for. Where they would be, shadows are wrong.
 }
 
 // The caller's camera, as a caster sees it. The camera's frame has the world's axes and the camera's origin at 0.
 struct ShadowView {
-  // Columns of the matrix from the camera's frame to clip space.
-  view_projection: array<vec4<f32>, 4>,
+  view_projection: array<vec4<f32>, 4>, // Columns of the matrix from the camera's frame to clip space.
   // The near plane. Its product with (place, 1) is the height over the plane, positive in front of the camera.
   near_plane: vec4<f32>,
-  // Rows of the matrix from positions to the camera's frame.
-  placement: array<vec4<f32>, 3>,
+  placement: array<vec4<f32>, 3>, // Rows of the matrix from positions to the camera's frame.
   // Bounds of the near rectangle, in the camera's frame, and clip w of points on the near plane.
   near_min: vec3<f32>,
   near_w: f32,
   near_max: vec3<f32>,
-  // z / w of points on the near plane: 1 with reversed depth, else 0.
-  near_z: f32,
+  near_z: f32, // z / w of points on the near plane: 1 with reversed depth, else 0.
 }
 
 // A light, and what the GPU chose for it and a caster.
 struct ShadowLight {
-  // Homogeneous, in the space of the positions, scaled so that w is 0 or a power of two.
-  light: vec4<f32>,
+  light: vec4<f32>, // Homogeneous, in the space of the positions, scaled so that w is 0 or a power of two.
   // The same in clip space, and its height over the near plane.
   clip: vec4<f32>,
   height: f32,
-  // The range. Casters farther away are skipped. 0: no limit.
-  range: f32,
+  range: f32, // The range. Casters farther away are skipped. 0: no limit.
   // The faces that cast, and the counting method.
   casting: u32,
   counting: u32,
@@ -65,10 +52,8 @@ struct ShadowLight {
   // light, is then out of range, or behind all receivers. Of a light at infinity a far vertex is 1 / end times the direction
   // from the position. 0: at infinity.
   end: f32,
-  // 1: faces of the caster may be excluded: those in whose plane the light is, and those that are not finite.
-  excludes: u32,
-  // The light as given times this is the light as above.
-  scale: f32,
+  excludes: u32, // 1: faces of the caster may be excluded: those in whose plane the light is, and those that are not finite.
+  scale: f32, // The light as given times this is the light as above.
   // Rows x, y and w of the matrix of that frustum. It maps (position - origin, 1).
   frustum_x: vec4<f32>,
   frustum_y: vec4<f32>,
@@ -99,16 +84,11 @@ struct ShadowShape {
   side_capacity: u32,
   near_capacity: u32,
   far_capacity: u32,
-  // 1: averted faces may cast. The caller does not ask for every face.
-  averted: u32,
-  // One of the constants below.
-  counting: u32,
-  // 1: skip casters that the light's range does not reach.
-  skip_unreached: u32,
-  // 1: skip casters where the camera cannot see their shadow.
-  skip_unseen: u32,
-  // 1: volumes end at the range of their light.
-  end_at_range: u32,
+  averted: u32, // 1: averted faces may cast. The caller does not ask for every face.
+  counting: u32, // One of the constants below.
+  skip_unreached: u32, // 1: skip casters that the light's range does not reach.
+  skip_unseen: u32, // 1: skip casters where the camera cannot see their shadow.
+  end_at_range: u32, // 1: volumes end at the range of their light.
   // Where these begin in the table, in vec4s: choices and measures, lights of casters, casters of the chunks of face slots and
   // of edge slots.
   choices_at: u32,
@@ -117,25 +97,17 @@ struct ShadowShape {
   face_chunks_at: u32,
   edge_chunks_at: u32,
   views: u32,
-  // Casters are counted in so many batches, one after the other.
-  count_batches: u32,
-  // 1: some casters are not in the depth buffer.
-  proxies: u32,
+  count_batches: u32, // Casters are counted in so many batches, one after the other.
+  proxies: u32, // 1: some casters are not in the depth buffer.
   // The number of the group and batch, and the first caster of the group.
   part: u32,
   first_caster: u32,
-  // The word of what is kept of the extraction where the encodes are that made its lists, one for each light.
-  lists_at: u32,
-  // 1: lists for views are kept.
-  keeps: u32,
-  // 1: boxes are needed for more than what is chosen.
-  needs_boxes: u32,
-  // Numbers up to that of the last light.
-  used_lights: u32,
-  // 1: views may have receivers. Then volumes may end behind all of them.
-  has_receivers: u32,
-  // The largest count that the bits which count hold.
-  most_count: u32,
+  lists_at: u32, // The word of what is kept of the extraction where the encodes are that made its lists, one for each light.
+  keeps: u32, // 1: lists for views are kept.
+  needs_boxes: u32, // 1: boxes are needed for more than what is chosen.
+  used_lights: u32, // Numbers up to that of the last light.
+  has_receivers: u32, // 1: views may have receivers. Then volumes may end behind all of them.
+  most_count: u32, // The largest count that the bits which count hold.
 }
 
 // The light, or the batch of lights, of a draw or dispatch.
@@ -144,21 +116,18 @@ struct ShadowDraw {
   // The first light of its batch.
   first_light: u32,
   view: u32,
-  // The batch of casters that is counted.
-  count_batch: u32,
+  count_batch: u32, // The batch of casters that is counted.
 }
 
 const CAST_NOTHING: u32 = 0u;
 const CAST_AVERTED: u32 = 1u;
 const CAST_EVERY: u32 = 2u;
-
 const COUNT_Z_PASS: u32 = 0u;
 const COUNT_ZP_PLUS: u32 = 1u;
 const COUNT_Z_FAIL: u32 = 2u;
 // z-pass where no face lies between light and near rectangle, else ZP+; decided for each caster and light.
 const COUNT_AUTO: u32 = 3u;
-// ZP+ as published.
-const COUNT_ZP_PLUS_2005: u32 = 4u;
+const COUNT_ZP_PLUS_2005: u32 = 4u; // ZP+ as published.
 
 // A corner of a box, by its number from 0 to 7.
 fn box_corner(low: vec3<f32>, high: vec3<f32>, number: u32) -> vec3<f32> {
@@ -222,13 +191,10 @@ struct Corner {
 }
 
 // The largest of three absolute values.
-fn size_3(a: vec3<f32>) -> f32 {
-  return max(max(abs(a.x), abs(a.y)), abs(a.z));
-}
+fn size_3(a: vec3<f32>) -> f32 { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
 
-// The height of a far vertex is the light's w times the height, less the light's height. So a vertex above the near
-// plane rises if the light is below it, and a vertex below does not rise if the light is not below. This keeps both
-// true despite rounding.
+// The height of a far vertex is the light's w times the height, less the light's height. So a vertex above the near plane rises
+// if the light is below it, and a vertex below does not rise if the light is not below. This keeps both true despite rounding.
 fn consistent_rise(light: ShadowLight, height: f32, far_height: f32) -> f32 {
   let below = light.height < 0.0;
   return select(
@@ -254,15 +220,8 @@ fn is_finite(position: vec3<f32>) -> bool {
   return all(exponent != vec3<u32>(0x7f800000u));
 }
 
-// Written out, so that all devices compute the same.
-fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
 // The light's side of the near plane: -1 in front of the plane, on the eye's side, else 1.
-fn light_side(light: ShadowLight) -> f32 {
-  return select(1.0, -1.0, light.height < 0.0);
-}
+fn light_side(light: ShadowLight) -> f32 { return select(1.0, -1.0, light.height < 0.0); }
 
 // The vertex, projected from the light onto the near plane.
 fn project_to_near_plane(view: ShadowView, light: ShadowLight, v: Corner) -> vec4<f32> {

@@ -1,5 +1,6 @@
-// Shadow arguments: computes the indirect draws of each light's volumes. The draws of lists that overflowed go over all
-// edges or faces. The vertex shader then rejects those that do not belong.
+// Shadow arguments: a compute stage that makes the indirect draws of the volumes of each light of a batch (up to 32 lights) in a
+// view, from the counts of `list_sides` and `caps`, and counts lists that overflowed. Their draws go over all edges or faces, and
+// the vertex shaders `sides` and `cap_faces` then reject those that do not belong.
 
 #import common/extraction
 #import shadow/shadow
@@ -21,7 +22,6 @@ struct ShadowDraws {
 }
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> sides: array<u32>;
 @group(0) @binding(3) var<storage, read> caps_listed: array<u32>;

@@ -1,20 +1,19 @@
-// Sides: draws the quads from edges away from the light, by an indirect draw of the list that `list_sides` made. `side`
-// leaves clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with the near cap has
-// equal bits. `zp_plus_2005_side` is the side as published in 2005. The first two may be trimmed.
+// Sides: vertex shaders that draw the quads from edges away from the light, by an indirect draw of the list that `list_sides`
+// made. `side` leaves clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with the near cap
+// has equal bits. `zp_plus_2005_side` is the side as published in 2005. The first two may be trimmed (shadow/vertices.wgsl). If
+// the light's lists overflowed, each edge of the group is two instances and is tested here. NUMERICS.md, "Shadow volumes".
 
 #import common/casters
 #import common/extraction
 #import shadow/caster
 #import shadow/choices
-#import shadow/polygon
+#import shadow/lists
 #import shadow/shadow
-#import shadow/side_lists
-#import shadow/zp_plus_2005
+#import shadow/vertices
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-// Those of the draw.
-@group(0) @binding(2) var<storage, read> seen: SeenLight;
+@group(0) @binding(2) var<storage, read> seen: SeenLight; // Those of the draw.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(1) @binding(0) var<storage, read> positions: array<u32>;
 @group(1) @binding(1) var<storage, read> edge_vertices: array<vec2<u32>>;
@@ -22,10 +21,6 @@
 @group(1) @binding(3) var<storage, read> facing_masks: array<u32>;
 @group(1) @binding(4) var<storage, read> excluded_masks: array<u32>;
 @group(1) @binding(5) var<storage, read> sides: array<u32>;
-
-struct SideVertex {
-  @invariant @builtin(position) clip: vec4<f32>,
-}
 
 // A side: its edge, in the order in which the quad (first, second, second far, first far) is counter-clockwise from
 // outside, and what its caster sees.
@@ -73,46 +68,30 @@ fn side_of(instance: u32, kind: u32) -> Side {
   return own;
 }
 
-@vertex fn side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> SideVertex {
+@vertex fn side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
   let own = side_of(instance, PLAIN);
   if (!own.valid) {
-    return SideVertex(NOTHING);
+    return VolumeVertex(NOTHING);
   }
-  if (TRIM) {
-    var outline: Outline;
-    for (var corner = 0u; corner < 4u; corner++) {
-      let place = corner ^ (corner >> 1u);
-      outline = with_corner(outline, side_vertex(own.view, own.light, own.first, own.second, place));
-    }
-    return SideVertex(vertex_of_part(trimmed(outline), false, vertex));
-  }
-  return SideVertex(side_vertex(own.view, own.light, own.first, own.second, vertex));
+  return drawn_side(own.view, own.light, own.first, own.second, vertex);
 }
 
-@vertex fn side_clipped(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> SideVertex {
+@vertex fn side_clipped(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
   let own = side_of(instance, CLIPPED);
   if (!own.valid) {
-    return SideVertex(NOTHING);
+    return VolumeVertex(NOTHING);
   }
   let is_ordered = own.ends.x < own.ends.y;
-  if (TRIM) {
-    var outline: Outline;
-    for (var corner = 0u; corner < 5u; corner++) {
-      let place = strip_place(corner);
-      outline = with_corner(outline, clipped_side_vertex(own.view, own.light, own.first, own.second, is_ordered, place));
-    }
-    return SideVertex(vertex_of_part(trimmed(outline), false, vertex));
-  }
-  return SideVertex(clipped_side_vertex(own.view, own.light, own.first, own.second, is_ordered, vertex));
+  return drawn_clipped_side(own.view, own.light, own.first, own.second, is_ordered, vertex);
 }
 
 // Three quads for each edge: the side, whose clipped vertices move to their counterparts in the near cap, and two quads
 // that fill the gaps where the near plane cuts one finite edge of the side. In the paper's terms vertices are floating
 // or nailed, and the corrective quads are those of its cases C1 and C2.
-@vertex fn zp_plus_2005_side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> SideVertex {
+@vertex fn zp_plus_2005_side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
   let own = side_of(instance / 3u, CLIPPED);
   if (!own.valid) {
-    return SideVertex(NOTHING);
+    return VolumeVertex(NOTHING);
   }
   let view = own.view;
   let light = own.light;
@@ -122,7 +101,7 @@ fn side_of(instance: u32, kind: u32) -> Side {
   let cuts_far = is_cut(view, first_far) != is_cut(view, second_far);
   let quad = instance % 3u;
   if ((quad == 1u && (!cuts_edge || cuts_far)) || (quad == 2u && (cuts_edge || !cuts_far))) {
-    return SideVertex(NOTHING);
+    return VolumeVertex(NOTHING);
   }
   let position = select(own.first, own.second, (vertex & 1u) != 0u);
   let is_first_row = vertex < 2u;
@@ -136,7 +115,7 @@ fn side_of(instance: u32, kind: u32) -> Side {
   if (floats && is_cut(view, clip)) {
     clip = counterpart(view, light, position);
   }
-  return SideVertex(clip);
+  return VolumeVertex(clip);
 }
 
 // For passes with colour attachments, which are not changed.

@@ -1,16 +1,15 @@
-// Stencil bound: an upper bound of the stencil counts of each light in each view, so that a caller learns where the bits
-// that count may not suffice. No count exceeds half of the weights that its half plane crosses, plus the faces of casters that the axis of
-// the pencil may meet. A workgroup takes a light of a batch in a view.
+// Stencil bound: a compute stage that bounds the stencil counts of each light in each view from above, so that a caller learns
+// where the bits that count may not suffice. No count exceeds half of the weights that its half plane crosses, plus the faces of
+// casters that the axis of the pencil may meet (shadow/pencil.wgsl). It reads the rows that `stencil_pencil`, `stencil_crossings`
+// and `piece_crossings` made, and writes statistics. A workgroup takes a light in a view. NUMERICS.md, "A bound on counts".
 
 #import shadow/pencil
 #import shadow/shadow
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> crossings: array<u32>;
 @group(0) @binding(3) var<storage, read_write> shadow_statistics: ShadowStatistics;
-
 // The largest bound of a batch of casters.
 var<workgroup> largest: atomic<u32>;
 
@@ -23,9 +22,7 @@ fn after_four(sums: vec2<u32>, at: u32) -> vec2<u32> {
   return vec2<u32>(four, max(max(sums.y, one), max(two, max(three, four))));
 }
 
-fn after_eight(sums: vec2<u32>, at: u32) -> vec2<u32> {
-  return after_four(after_four(sums, at), at + 4u);
-}
+fn after_eight(sums: vec2<u32>, at: u32) -> vec2<u32> { return after_four(after_four(sums, at), at + 4u); }
 
 fn bound_of_row(row: u32) -> u32 {
   var crossed = 0u;

@@ -1,17 +1,16 @@
-// Stencil crossings: adds the sides of shadow volumes to the bins of half planes that they cross. It goes over the lists
-// of sides of a batch of lights in a view. Where the lists of a light overflowed, it goes over all edges, with the largest
-// weight that each may have.
+// Stencil crossings: a compute stage that adds the sides of shadow volumes to the bins of half planes that they cross
+// (shadow/pencil.wgsl), for `stencil_bound`. It goes over the lists of sides of a batch of up to 32 lights in a view. Where the
+// lists of a light overflowed, it goes over all edges, with the largest weight that each may have: bounds are then larger, never
+// too small. NUMERICS.md, "A bound on counts".
 
 #import common/extraction
 #import shadow/caster
 #import shadow/choices
-#import shadow/crossings
+#import shadow/lists
 #import shadow/pencil
 #import shadow/shadow
-#import shadow/side_lists
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
@@ -19,6 +18,7 @@
 @group(0) @binding(5) var<storage, read> edge_vertices: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> sides: array<u32>;
 @group(0) @binding(7) var<storage, read> pencils: array<StencilPencil>;
+@group(0) @binding(8) var<storage, read_write> crossings: array<atomic<u32>>; // The rows of the pencils.
 
 // How often the sides of a caster's edge may count at most, for a light.
 fn largest_weight(caster: u32, number: u32) -> u32 {

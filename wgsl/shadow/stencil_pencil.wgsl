@@ -1,32 +1,25 @@
-// Stencil pencil: finds for each light and view the pencil of half planes that bounds its stencil counts, from the boxes of
-// the casters, and counts their faces. A workgroup takes a light of a batch in a view.
+// Stencil pencil: a compute stage that finds for each light and view the pencil of half planes that bounds its stencil counts
+// (shadow/pencil.wgsl), from the boxes of the casters, and adds up their faces. `stencil_crossings` and `piece_crossings` go on
+// from it. A workgroup takes a light of a batch in a view. NUMERICS.md, "A bound on counts".
 
+#import common/casters
 #import shadow/caster
 #import shadow/choices
 #import shadow/pencil
 #import shadow/shadow
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> seen: array<SeenLight>;
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> boxes: array<u32>;
 @group(0) @binding(5) var<storage, read_write> pencils: array<StencilPencil>;
-// The rows of the pencils. They are zeros before.
-@group(0) @binding(6) var<storage, read_write> crossings: array<atomic<u32>>;
-
+@group(0) @binding(6) var<storage, read_write> crossings: array<atomic<u32>>; // The rows of the pencils. They are zeros before.
 const THREADS: u32 = 256u;
-
 // The box of all casters, as integers of the same order: the lowest corner, inverted, and the highest.
 var<workgroup> corners: array<atomic<u32>, 6>;
 // For each coordinate axis the faces of the casters that it may meet.
 var<workgroup> met: array<atomic<u32>, 3>;
-
-fn ordered(value: f32) -> u32 {
-  let bits = bitcast<u32>(value);
-  return select(bits | 0x80000000u, ~bits, bits >= 0x80000000u);
-}
 
 fn does_cast(caster: u32, light: u32, view: u32) -> bool {
   return ((choice_part(caster, light / 32u, view, 0u)[CASTS] >> (light % 32u)) & 1u) != 0u;
@@ -95,12 +88,14 @@ fn stencil_pencil(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
   for (var caster = thread; caster < shape.casters; caster += THREADS) {
     if (does_cast(caster, light, view)) {
       let own = world_box(caster);
-      atomicMax(&corners[0], ~ordered(own.low.x));
-      atomicMax(&corners[1], ~ordered(own.low.y));
-      atomicMax(&corners[2], ~ordered(own.low.z));
-      atomicMax(&corners[3], ordered(own.high.x));
-      atomicMax(&corners[4], ordered(own.high.y));
-      atomicMax(&corners[5], ordered(own.high.z));
+      let lowest = ~ordered(bitcast<vec3<u32>>(own.low));
+      let highest = ordered(bitcast<vec3<u32>>(own.high));
+      atomicMax(&corners[0], lowest.x);
+      atomicMax(&corners[1], lowest.y);
+      atomicMax(&corners[2], lowest.z);
+      atomicMax(&corners[3], highest.x);
+      atomicMax(&corners[4], highest.y);
+      atomicMax(&corners[5], highest.z);
       atomicAdd(&crossings[row_of(view, light, caster % shape.count_batches) + ALL_FACES], face_run(caster).y);
     }
   }

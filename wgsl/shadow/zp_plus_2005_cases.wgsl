@@ -1,15 +1,14 @@
-// Cases of ZP+ as published: finds lights for which the near plane cuts both finite edges of a side (the paper's case
-// D). The published method leaves such a caster and light to z-fail. A workgroup takes one light of the batch. It is for a
-// single caster, the first.
+// Cases of ZP+ as published in 2005, for comparison: a compute stage that finds lights for which the near plane cuts both finite
+// edges of a side (the paper's case D). The published method leaves such a caster and light to z-fail, so their bit NEAR is taken
+// from the choices. It runs between `choose` and `caps`, for a single caster. A workgroup takes one light of a batch of up to 32.
 
 #import common/extraction
 #import shadow/caster
 #import shadow/choices
 #import shadow/shadow
-#import shadow/zp_plus_2005
+#import shadow/vertices
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> seen: array<SeenLight>;
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
@@ -18,7 +17,6 @@
 @group(0) @binding(6) var<storage, read> silhouettes: array<u32>;
 @group(0) @binding(7) var<storage, read> silhouette_counts: array<u32>;
 @group(0) @binding(8) var<storage, read_write> choices: array<atomic<u32>>;
-
 var<workgroup> found: atomic<u32>;
 
 fn is_case_d(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f32>) -> bool {

@@ -1,4 +1,4 @@
-//! The faces that cast, and what their caps count. The WGSL is `wgsl/shadow/choices.wgsl`.
+//! The faces that cast, and what their caps count. The WGSL is `wgsl/shadow/lists.wgsl`.
 
 use super::shadow::light_side;
 use crate::layout::ShadowLight;

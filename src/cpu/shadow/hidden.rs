@@ -1,4 +1,4 @@
-//! Hidden volumes: whether no receiver can be in the shadow volume of a box. The WGSL is `wgsl/shadow/pyramid.wgsl`.
+//! Hidden volumes: whether no receiver can be in the shadow volume of a box. The WGSL is `wgsl/shadow/visibility.wgsl`.
 
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 

@@ -1,4 +1,4 @@
-//! How often an edge's side is drawn, and which way it is wound. The WGSL is `wgsl/shadow/side_lists.wgsl`.
+//! How often an edge's side is drawn, and which way it is wound. The WGSL is `wgsl/shadow/lists.wgsl`.
 
 use crate::mesh::{INCONSISTENT_BIT, NO_FACE};
 use crate::shadow::{CAST_AVERTED, CAST_EVERY};

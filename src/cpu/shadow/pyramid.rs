@@ -1,4 +1,4 @@
-//! The pyramid between a light and the near rectangle. The WGSL is `wgsl/shadow/pyramid.wgsl`.
+//! The pyramid between a light and the near rectangle. The WGSL is `wgsl/shadow/visibility.wgsl`.
 
 use glam::{Vec3, Vec4};
 

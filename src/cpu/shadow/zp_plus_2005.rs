@@ -1,4 +1,4 @@
-//! The light's frustum of ZP+ as published (Hornus et al. 2005). The WGSL is `wgsl/shadow/zp_plus_2005.wgsl`.
+//! The light's frustum of ZP+ as published (Hornus et al. 2005). The WGSL is `wgsl/shadow/vertices.wgsl`.
 
 use glam::{Vec3, Vec4};
 

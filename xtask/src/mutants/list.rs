@@ -154,7 +154,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "stencil crossings: an edge ends in its own bin",
         changes: &[
-            ("wgsl/shadow/crossings.wgsl", "row + last + 1u", "row + last"),
+            ("wgsl/shadow/pencil.wgsl", "row + last + 1u", "row + last"),
             ("src/cpu/shadow/stencil_crossings.rs", "bins[last + 1] = bins[last + 1]", "bins[last] = bins[last]"),
         ],
         tests: MARGINS,
@@ -162,7 +162,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "stencil crossings: edges go the long way around the axis",
         changes: &[
-            ("wgsl/shadow/crossings.wgsl", "abs(p - q) > 2.0", "abs(p - q) > 4.0"),
+            ("wgsl/shadow/pencil.wgsl", "abs(p - q) > 2.0", "abs(p - q) > 4.0"),
             ("src/cpu/shadow/stencil_crossings.rs", "(p - q).abs() > 2.0", "(p - q).abs() > 4.0"),
         ],
         tests: MARGINS,
@@ -392,7 +392,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "pyramid: no slack",
         changes: &[
-            ("wgsl/shadow/pyramid.wgsl", "const SLACK: f32 = 4e-6;", "const SLACK: f32 = 0.0;"),
+            ("wgsl/shadow/visibility.wgsl", "const SLACK: f32 = 4e-6;", "const SLACK: f32 = 0.0;"),
             ("src/cpu/shadow/pyramid.rs", "SLACK: f32 = 4e-6;", "SLACK: f32 = 0.0;"),
         ],
         tests: MARGINS,
@@ -467,7 +467,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "caps: light caps of proxies are not clipped with ZP+",
         changes: &[
-            ("wgsl/shadow/polygon.wgsl", "if (ends_at_near_plane) {", "if (false) {"),
+            ("wgsl/shadow/vertices.wgsl", "if (ends_at_near_plane) {", "if (false) {"),
             ("src/cpu/shadow/cap_faces.rs", "if !has_near_cap(light) {", "if !has_near_cap(light) || true {"),
         ],
         tests: &["--test shadow_cpu", "--test shadow_gpu"],
@@ -475,7 +475,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "caps: proxies have no light caps",
         changes: &[
-            ("wgsl/shadow/choices.wgsl", " || (flags & PROXY) != 0u;", ";"),
+            ("wgsl/shadow/lists.wgsl", " || (flags & PROXY) != 0u;", ";"),
             ("src/cpu/shadow/casting.rs", " || !in_depth\n", "\n"),
         ],
         tests: &["--test shadow_gpu proxies"],
@@ -541,7 +541,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "excluded faces: they are left out of averted faces, and count as averted elsewhere",
         changes: &[
             (
-                "wgsl/shadow/side_lists.wgsl",
+                "wgsl/shadow/lists.wgsl",
                 "return select(select(-1, 1, facing), 0, excluded);",
                 "return select(-1, 1, facing);",
             ),
@@ -572,7 +572,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "sides: those of weight 2 are wound the other way",
         changes: &[
-            ("wgsl/shadow/side_lists.wgsl", "multiplicity > 0);", "multiplicity > 0 && multiplicity < 2);"),
+            ("wgsl/shadow/lists.wgsl", "multiplicity > 0);", "multiplicity > 0 && multiplicity < 2);"),
             ("src/cpu/shadow/multiplicity.rs", "multiplicity > 0)", "multiplicity == 1)"),
         ],
         tests: &["--test shadow_gpu"],

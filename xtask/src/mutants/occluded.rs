@@ -22,8 +22,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         changes: &[
             (
                 "wgsl/scene/reach.wgsl",
-                "return dot_of(normal, box.middle - on) - abs(dot_of(normal, box.half_x))",
-                "return dot_of(normal, box.middle - on) - 0.0 * abs(dot_of(normal, box.half_x))",
+                "return dot_3(normal, box.middle - on) - abs(dot_3(normal, box.half_x))",
+                "return dot_3(normal, box.middle - on) - 0.0 * abs(dot_3(normal, box.half_x))",
             ),
             (
                 "src/cpu/scene/occluded.rs",

@@ -167,8 +167,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "pieces: sides are wound the other way",
         changes: &[(
             "wgsl/shadow/pieces.wgsl",
-            "side_vertex(own.view, own.light, own.face.c, own.face.b, vertex)",
-            "side_vertex(own.view, own.light, own.face.b, own.face.c, vertex)",
+            "drawn_side(own.view, own.light, own.face.c, own.face.b, vertex)",
+            "drawn_side(own.view, own.light, own.face.b, own.face.c, vertex)",
         )],
         tests: PICTURES,
     },

@@ -1,6 +1,17 @@
-// Draws polygons that clipping made as triangle strips of five vertices.
+// Vertices of sides and caps of shadow volumes, in clip space, for the vertex shaders `sides`, `cap_faces` and `pieces`. A side
+// is the quad from an edge away from the light; a cap is a face at its place, at the far end, or projected onto the near plane.
+// What is clipped at the near plane is a polygon of up to five vertices, drawn as a strip. Volumes are watertight: what meets at
+// an edge has equal bits, because its ends are always taken in the order of their vertices (`is_ordered`). NUMERICS.md, "Shadow
+// volumes". If TRIM is set, polygons are cut at the frustum here, for drivers that clip slivers wrongly: "Triangles that leave
+// the picture". The last part, also for `zp_plus_2005_cases`, is ZP+ as published.
 
+#import common/casters
 #import shadow/shadow
+
+// What vertex shaders of volumes return. Draws of one volume must agree in every bit, so it is invariant.
+struct VolumeVertex {
+  @invariant @builtin(position) clip: vec4<f32>,
+}
 
 const NOTHING = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 
@@ -28,20 +39,12 @@ fn offer(picked: Picked, clip: vec4<f32>, is_there: bool) -> Picked {
   return next;
 }
 
-// ==== shadow/trim
-// Trim: cuts polygons of volumes at the frustum, for drivers that clip slivers wrongly. It goes from one plane to the next, and
-// cuts an edge from its inner to its outer end. So an edge that two polygons share is cut to the same bits. NUMERICS.md,
-// "Triangles that leave the picture".
-
 // Whether polygons are trimmed. A draw has as many vertices as without, so each polygon is drawn in parts, by draws of their own:
 // two triangles of its fan as a strip, or one in a list.
 override TRIM: bool = false;
 override PART: u32 = 0u;
-// Whether near and far plane do not clip.
-override UNCLIPPED: bool = false;
-
-// Five corners, and one more for each plane.
-const MOST_CORNERS: u32 = 11u;
+override UNCLIPPED: bool = false; // Whether near and far plane do not clip.
+const MOST_CORNERS: u32 = 11u; // Five corners, and one more for each plane.
 
 struct Outline {
   corners: array<vec4<f32>, MOST_CORNERS>,
@@ -82,7 +85,8 @@ fn meet_plane(plane: u32, inner: vec4<f32>, outer: vec4<f32>) -> vec4<f32> {
   return meeting;
 }
 
-// At most 66 turns: six planes, eleven corners.
+// The part of a polygon in the frustum. It goes from one plane to the next, and cuts an edge from its inner to its outer end. So
+// an edge that two polygons share is cut to the same bits.
 fn trimmed(outline: Outline) -> Outline {
   var polygon = outline;
   let planes = select(6u, 4u, UNCLIPPED);
@@ -123,9 +127,6 @@ fn vertex_of_part(polygon: Outline, is_list: bool, vertex: u32) -> vec4<f32> {
   let corner = select(select(vertex, 3u, vertex == 2u), 2u, vertex > 2u);
   return polygon.corners[min(first + select(corner, vertex, is_list), polygon.count - 1u)];
 }
-
-// ==== shadow/cap_vertices
-// Computes the vertices of caps from a face, in clip space.
 
 // The corners of a face. Of two corners the one of lower order comes first, so that what meets at an edge has equal bits.
 struct CapFace {
@@ -240,11 +241,7 @@ fn near_cap_vertex(view: ShadowView, light: ShadowLight, face: CapFace, vertex: 
   return picked.clip;
 }
 
-// ==== shadow/side_vertices
-// Computes the vertices of a side, as it is and clipped at the near plane. A side is the quad from an edge away from
-// the light.
-
-// A strip of four vertices: the first and the second, then their far vertices.
+// A side that is not clipped, as a strip of four vertices: the first and the second, then their far vertices.
 fn side_vertex(view: ShadowView, light: ShadowLight, first: vec3<f32>, second: vec3<f32>, vertex: u32) -> vec4<f32> {
   let position = select(first, second, (vertex & 1u) != 0u);
   if (vertex < 2u) {
@@ -253,7 +250,7 @@ fn side_vertex(view: ShadowView, light: ShadowLight, first: vec3<f32>, second: v
   return far_end(view, light, position);
 }
 
-// A strip of five vertices. `is_ordered`: the first end has the lower vertex index.
+// A side clipped at the near plane, as a strip of five vertices. `is_ordered`: the first end has the lower vertex index.
 fn clipped_side_vertex(
   view: ShadowView,
   light: ShadowLight,
@@ -290,4 +287,97 @@ fn clipped_side_vertex(
   picked = offer(picked, p.far, p_far);
   picked = offer(picked, project_to_near_plane(view, light, p), p_near != p_far);
   return picked.clip;
+}
+
+// The vertices of caps and sides as they are drawn: trimmed, where TRIM says so.
+fn drawn_light_cap(view: ShadowView, light: ShadowLight, face: CapFace, ends_at_near_plane: bool, vertex: u32) -> VolumeVertex {
+  if (!TRIM) {
+    return VolumeVertex(seen_light_cap_vertex(view, light, face, ends_at_near_plane, vertex));
+  }
+  var outline: Outline;
+  for (var corner = 0u; corner < 5u; corner++) {
+    outline = with_corner(outline, seen_light_cap_vertex(view, light, face, ends_at_near_plane, strip_place(corner)));
+  }
+  return VolumeVertex(vertex_of_part(trimmed(outline), false, vertex));
+}
+
+fn drawn_dark_cap(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u32) -> VolumeVertex {
+  if (!TRIM) {
+    return VolumeVertex(dark_cap_vertex(view, light, face, vertex));
+  }
+  var outline: Outline;
+  for (var corner = 0u; corner < 3u; corner++) {
+    outline = with_corner(outline, dark_cap_vertex(view, light, face, corner));
+  }
+  return VolumeVertex(vertex_of_part(trimmed(outline), true, vertex));
+}
+
+fn drawn_near_cap(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u32) -> VolumeVertex {
+  if (!TRIM) {
+    return VolumeVertex(near_cap_vertex(view, light, face, vertex));
+  }
+  var outline: Outline;
+  for (var corner = 0u; corner < 5u; corner++) {
+    outline = with_corner(outline, near_cap_vertex(view, light, face, strip_place(corner)));
+  }
+  return VolumeVertex(vertex_of_part(trimmed(outline), false, vertex));
+}
+
+fn drawn_side(view: ShadowView, light: ShadowLight, first: vec3<f32>, second: vec3<f32>, vertex: u32) -> VolumeVertex {
+  if (!TRIM) {
+    return VolumeVertex(side_vertex(view, light, first, second, vertex));
+  }
+  var outline: Outline;
+  for (var corner = 0u; corner < 4u; corner++) {
+    outline = with_corner(outline, side_vertex(view, light, first, second, corner ^ (corner >> 1u)));
+  }
+  return VolumeVertex(vertex_of_part(trimmed(outline), false, vertex));
+}
+
+fn drawn_clipped_side(view: ShadowView, light: ShadowLight, first: vec3<f32>, second: vec3<f32>, is_ordered: bool, vertex: u32) -> VolumeVertex {
+  if (!TRIM) {
+    return VolumeVertex(clipped_side_vertex(view, light, first, second, is_ordered, vertex));
+  }
+  var outline: Outline;
+  for (var corner = 0u; corner < 5u; corner++) {
+    outline = with_corner(outline, clipped_side_vertex(view, light, first, second, is_ordered, strip_place(corner)));
+  }
+  return VolumeVertex(vertex_of_part(trimmed(outline), false, vertex));
+}
+
+// ZP+ as published (Hornus et al. 2005): the light's frustum has the near rectangle as its far rectangle.
+
+// A position transformed by the matrix of that frustum: x, y and w.
+fn in_frustum(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
+  let q = placed(view, position);
+  return vec3<f32>(
+    dot_3(light.frustum_x.xyz, q) + light.frustum_x.w,
+    dot_3(light.frustum_y.xyz, q) + light.frustum_y.w,
+    dot_3(light.frustum_w.xyz, q) + light.frustum_w.w,
+  );
+}
+
+// The same position in clip space, with a depth by which the hardware clips: 1 on the near plane, 0 in front of the
+// caster (section 3.2). A light at infinity has parallel rays and the same w everywhere, so the height replaces the
+// distance from the light.
+fn frustum_to_clip(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
+  let p = in_frustum(view, light, position);
+  let near_w = view.near_w * abs(light.height);
+  var z = (p.z - light.frustum_near * near_w) / (1.0 - light.frustum_near);
+  if (light.light.w == 0.0) {
+    let height = dot_3(view.near_plane.xyz, placed(view, position)) + view.near_plane.w;
+    z = p.z * (1.0 - light_side(light) * height / light.frustum_near);
+  }
+  return vec4<f32>(p.xy, z, p.z);
+}
+
+// The vertex of the near cap that corresponds to a vertex.
+fn counterpart(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
+  let p = in_frustum(view, light, position);
+  return vec4<f32>(p.xy, p.z * view.near_z, p.z);
+}
+
+// Whether a vertex is on the eye's side of the near plane.
+fn is_cut(view: ShadowView, clip: vec4<f32>) -> bool {
+  return clip.w <= 0.0 || select((clip.z < 0.0), (clip.z > clip.w), view.near_z != 0.0);
 }

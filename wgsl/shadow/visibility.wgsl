@@ -1,16 +1,19 @@
-// The pyramid between a light and the near rectangle, as planes. Faces in it cast onto the near rectangle.
+// Visibility: what can be told of a box and its shadow before anything is drawn: whether a light reaches it, whether a camera may
+// see it or its shadow, whether it may lie between light and near rectangle (what the camera sees of the near plane), and whether
+// anything that shadows fall on can be in its shadow. `choose` takes all of it, `caps` the planes between light and near
+// rectangle, and `needs` what is seen of boxes. Tests have slack above their rounding errors, so a box is out only if it is.
+// NUMERICS.md, "Shadow volumes" and "Volumes without a receiver".
 
+#import common/casters
 #import shadow/receivers
 #import shadow/shadow
 
-// The relative slack of all tests. It is far above the rounding error of the tests.
-const SLACK: f32 = 4e-6;
+const SLACK: f32 = 4e-6; // The relative slack of all tests. It is far above the rounding error of the tests.
 
 // Whether a point is outside a plane, from its `value` there. `size` bounds the terms whose sum is the value.
-fn is_out(value: f32, size: f32) -> bool {
-  return value < -SLACK * size;
-}
+fn is_out(value: f32, size: f32) -> bool { return value < -SLACK * size; }
 
+// The planes through the light and the sides of the near rectangle, at a position. Faces between both cast onto it.
 struct PyramidPlanes {
   // Left, right, bottom, top; negative outside. Then bounds on the terms whose sums they are.
   value: vec4<f32>,
@@ -47,10 +50,6 @@ fn pyramid_planes(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> 
     height,
   );
 }
-
-// ==== shadow/seen
-// What can be told of a box and its shadow before anything is computed: whether a light reaches it, and whether a camera may
-// see it or its shadow. NUMERICS.md, "What is skipped".
 
 // Whether the whole box is beyond the light's range.
 fn out_of_range(light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>) -> bool {
@@ -118,10 +117,7 @@ fn box_is_unseen(view: ShadowView, low: vec3<f32>, high: vec3<f32>) -> bool {
   return any(out) || before;
 }
 
-// ==== shadow/hidden
-// Hidden volumes: tells whether no receiver can be in the shadow volume of a box. NUMERICS.md, "Volumes without a receiver".
-
-// The receivers of all views.
+// The receivers of all views: what shadows may fall on. `at` is the word where those of a view begin.
 @group(0) @binding(8) var<storage, read> receivers: array<u32>;
 
 fn receiver_corner(at: u32) -> vec3<f32> {
@@ -130,8 +126,7 @@ fn receiver_corner(at: u32) -> vec3<f32> {
 
 // How far a volume goes until it has left the box of the receivers.
 struct Reach {
-  // No receiver is beyond any place of the caster.
-  is_none: bool,
+  is_none: bool, // No receiver is beyond any place of the caster.
   // Of a light at a place: the least factor of the light in the far vertex `d + factor * light`. Of a light at infinity: the
   // largest factor of d in the far vertex `V + factor * d`; negative if there is no limit.
   factor: f32,
@@ -188,13 +183,11 @@ struct Hull {
   // Whether all are outside the left, right, bottom and top plane, or before the near plane.
   out: vec4<bool>,
   before: bool,
-  // Whether all are in front of the near plane. Only then the rest is known.
-  is_ahead: bool,
+  is_ahead: bool, // Whether all are in front of the near plane. Only then the rest is known.
   // Ends on the screen.
   low: vec2<f32>,
   high: vec2<f32>,
-  // The nearest depth.
-  nearest: f32,
+  nearest: f32, // The nearest depth.
 }
 
 // Takes a vertex with bounds on the terms of its coordinates and of its height over the near plane.
