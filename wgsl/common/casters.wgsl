@@ -2,8 +2,10 @@
 // all stages of scenes and of shadow volumes. A slot is a place in the masks of casters that are drawn together. src/layout.rs
 // has the same structs, which a test holds equal. Cones: NUMERICS.md, "Cones of lights".
 
-const CHUNK: u32 = 64u; // Slots of a chunk, which are those of one caster.
-const LANES: u32 = 8u; // Invocations that share a chunk.
+// Slots of a chunk, which are those of one caster.
+const CHUNK: u32 = 64u;
+// Invocations that share a chunk.
+const LANES: u32 = 8u;
 // Flags of a caster.
 const CLOSED: u32 = 1u;
 const MIRRORED: u32 = 2u; // By its matrix.

@@ -5,7 +5,8 @@ const NO_FACE: u32 = 0xffffffffu;
 // Bit 31 of face 0 of an edge record. It is set if both faces traverse the edge the same way.
 const INCONSISTENT: u32 = 0x80000000u;
 const WINDING: u32 = 0x80000000u; // Bit 31 of a list entry: the winding bit of the edge.
-const BLOCK: u32 = 256u; // The number of edges that one workgroup compacts.
+// The number of edges that one workgroup compacts.
+const BLOCK: u32 = 256u;
 
 // A batch of up to 32 lights, one bit each, and the layout of the positions.
 struct LightBatch {

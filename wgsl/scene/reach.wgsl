@@ -139,8 +139,10 @@ fn reach(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
   }
 }
 
-const MOST_CORNERS: u32 = 8u; // The most corners of an occluder.
-const MOST_OCCLUDERS: u32 = 128u; // Occluders that are tried.
+// The most corners of an occluder.
+const MOST_CORNERS: u32 = 8u;
+// Occluders that are tried.
+const MOST_OCCLUDERS: u32 = 128u;
 const TOO_LARGE_TO_HIDE: f32 = 0x1p36; // Above this size products may overflow, and nothing is said.
 const LOST: f32 = 0x1p-100; // What is lost where small numbers are flushed.
 

@@ -8,7 +8,8 @@
 
 @group(0) @binding(0) var<uniform> receiver_view: ReceiverView;
 @group(0) @binding(1) var<storage, read_write> receivers: array<u32>;
-const MOST_BOXED: u32 = 1024u; // The box is taken from the first level that has at most so many cells.
+// The box is taken from the first level that has at most so many cells.
+const MOST_BOXED: u32 = 1024u;
 const UNPROJECTION: f32 = 1e-5; // Above the rounding error of a product of matrix and vector, relative to its terms.
 // Ends of the box as ordered bits, inverted where they are lowest.
 var<workgroup> ends: array<atomic<u32>, 6>;

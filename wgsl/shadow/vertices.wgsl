@@ -44,7 +44,8 @@ fn offer(picked: Picked, clip: vec4<f32>, is_there: bool) -> Picked {
 override TRIM: bool = false;
 override PART: u32 = 0u;
 override UNCLIPPED: bool = false; // Whether near and far plane do not clip.
-const MOST_CORNERS: u32 = 11u; // Five corners, and one more for each plane.
+// Five corners, and one more for each plane.
+const MOST_CORNERS: u32 = 11u;
 
 struct Outline {
   corners: array<vec4<f32>, MOST_CORNERS>,
