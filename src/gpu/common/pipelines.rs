@@ -194,7 +194,11 @@ impl Pipelines {
     }
 
     /// Makes the pipelines of volumes that do not exist, at the same time, as [`Self::make_together`].
-    pub(crate) fn make_volumes(&self, keys: &[VolumeKey], make: impl Fn(&VolumeKey) -> wgpu::RenderPipeline + Sync) {
+    pub(crate) fn make_volumes(
+        &self,
+        keys: &[VolumeKey],
+        make: impl Fn(&VolumeKey) -> wgpu::RenderPipeline + wgpu::WasmNotSync,
+    ) {
         let missing: Vec<_> = keys.iter().filter(|key| !self.0.volumes.has(key)).collect();
         together(&missing, |key| self.0.volumes.fill(self.device(), *key, || make(key)));
     }
