@@ -139,7 +139,7 @@ fn read_code(item: &mut Item, code: &str) {
                 while words.peek().is_some_and(|next| text == "var" && matches!(next.before, '<' | ',')) {
                     words.next();
                 }
-                item.name = words.next().map_or("", |name| name.text).to_owned();
+                words.next().map_or("", |name| name.text).clone_into(&mut item.name);
             }
             // Attributes, members, and what is declared with its type.
             _ if matches!(before, '@' | '.') || after == ':' && !is_case => {}

@@ -233,11 +233,17 @@ pub const DISPLACED_DEFORM: Stage = Stage { module: "displaced_deform", flags: &
 
 impl Stage {
     /// The stage's module.
+    ///
+    /// # Errors
+    /// A message names the file that cannot be read or composed.
     pub fn composed(&self) -> Result<Composed, String> {
         self.composed_for("")
     }
 
     /// The stage's module, with everything that `further` names besides. A caller puts `further` into the module.
+    ///
+    /// # Errors
+    /// A message names the file that cannot be read or composed.
     pub fn composed_for(&self, further: &str) -> Result<Composed, String> {
         compose(self.file, self.flags, further, &source)
     }

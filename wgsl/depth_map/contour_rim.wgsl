@@ -1,4 +1,5 @@
-// Contour rim: where a smooth surface ends, from the depths of its last samples.
+// Contour rim: where a smooth surface ends, from the depths of its last samples, and the marks of edges. For the stages that place,
+// list and draw walls over contours.
 
 #import depth_map/contour
 
@@ -77,7 +78,6 @@ fn surface_distance(at: vec2<i32>, step: vec2<i32>, place: i32, texels: i32) -> 
   return clamp(moved_distance(at) + way, 0, own + (RANGE - own) / 2);
 }
 
-// ==== depth_map/contour_marked
 // Reads marks of edges.
 
 @group(0) @binding(9) var<storage, read> marks: array<u32>;

@@ -1,6 +1,7 @@
 // Depth edges: marks edges between samples, continues those that dangle, and decides about cells from the marks. It takes the
 // place of the first pass of depth cells, for detectors that look farther than an edge or continue edges, and for steps in world units
-// with several bits. Words are those of edge_marks.wgsl.
+// with several bits. A word of marks has 16 samples of a row of the lattice: a bit for the edge to the right of each, and 16 bits
+// higher one for the edge below it.
 
 #import depth_map/cell_words
 #import depth_map/edge_code
@@ -296,7 +297,6 @@ fn depth_edges_count(
   }
 }
 
-// ==== depth_map/edge_marks
 // Marks of edges, many at once: a word has 16 samples that follow each other in a row of the lattice. It has a bit for the edge
 // from each sample to the next one on the right, and 16 bits higher one for the edge to the sample below.
 

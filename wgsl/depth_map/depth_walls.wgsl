@@ -1,5 +1,5 @@
 // Depth walls: the vertices of walls over contours, and where the near rectangle is behind the surfaces between them. The list of
-// walls is bound as `cells`.
+// walls is bound as `cells`. Also the surface that a place in a marked cell belongs to, and the flaps between surfaces and walls.
 
 #import depth_map/contour
 #import depth_map/contour_rim
@@ -63,7 +63,6 @@ fn depth_walls_near_cap_fragment(@location(0) @interpolate(linear, sample) place
   }
 }
 
-// ==== depth_map/contour_flaps
 // Contour flaps: between a surface and a wall, volumes begin at the flap, not where the surface goes on. Which flaps of the list
 // of walls a place of the near rectangle is at.
 
@@ -180,7 +179,6 @@ fn flaps_change(cell: vec2<i32>, part: vec2<f32>, depth: f32, is_behind: bool) -
   return changes;
 }
 
-// ==== depth_map/contour_side
 // Contour side: the surface that a place within a marked cell belongs to.
 
 // As `contour_walls` leaves them.

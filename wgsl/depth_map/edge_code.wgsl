@@ -1,5 +1,6 @@
 // The edge code of a cell: which of its four edges are marked, how it is split, and which of its triangles are drawn. Both
-// cells of an edge decide about it from the same two samples, so they agree.
+// cells of an edge decide about it from the same two samples, so they agree. Also whether two depths are farther apart than a distance
+// in world units, exactly. For the stages that list or draw cells.
 
 #import depth_map/samples
 
@@ -190,7 +191,6 @@ fn entry_of_cell(cell: u32) -> u32 {
   return cell | templates(corner_of_cell(cell));
 }
 
-// ==== depth_map/world_step
 // Whether two depths of a perspective map are farther from each other than a distance in world units, exactly: the sign of
 // ratio · |a − b| − |a − i| · |b − i|, with the depth i at infinity. NUMERICS.md, "Volumes from depth maps".
 

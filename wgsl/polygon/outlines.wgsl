@@ -1,4 +1,5 @@
-// Outlines of polygons, and the lists of those that `f32` leaves undecided. NUMERICS.md, "Outlines".
+// Outlines of polygons, their edges at their places, the lists of those that `f32` leaves undecided, and the edge and light that an
+// invocation takes from such a list. All stages of polygons import it. NUMERICS.md, "Outlines".
 
 #import common/positions
 #import extract/one_caster
@@ -127,7 +128,6 @@ fn entry_at(number: u32) -> u32 {
   return UNDECIDED_HEAD + RECORD_WORDS * chunk.count + 2u * number;
 }
 
-// ==== polygon/places
 // Edges of outlines at their places.
 
 // The bits of a position. Both zeros are one, so that equal bits are equal places.
@@ -150,7 +150,6 @@ fn edge_at(index: u32) -> Edge {
   return Edge(a, b, any(a != b));
 }
 
-// ==== polygon/work
 // The work of an invocation: an edge of an outline and a light, from an entry.
 
 // The edge that an invocation decides, for a light. The invocations of a large outline share one.

@@ -1,5 +1,6 @@
 // The turn of three points as seen from a light, exactly: the sign of det[b - a, c - a, l - w a], which bounds on rounding, fixed
-// point or integers decide. Where it is 0, the light is moved by (e, e^2, e^3). NUMERICS.md, "Outlines".
+// point or integers decide. Where it is 0, the light is moved by (e, e^2, e^3). Also how large it is. For `outline` and `cut_edges`.
+// NUMERICS.md, "Outlines".
 
 #import common/determinant
 #import common/exact_sign
@@ -71,7 +72,6 @@ fn ordered(bits: vec3<u32>) -> vec3<u32> {
   return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
 }
 
-// ==== polygon/turn_value
 // How large the determinant of a turn is, and not only its sign: rounded once, where fixed point holds it. So ratios of nearly equal
 // turns are exact but for the last places, however flat the light sees them.
 
