@@ -66,8 +66,7 @@ fn wgsl_errors_point_at_the_line() {
 
 #[test]
 fn names_of_the_stage_itself_collide_at_the_callers_line() {
-    for name in ["chunk", "rest", "positions", "deform", "transform", "pose_row", "DeformChunk", "DeformDispatch"]
-    {
+    for name in ["chunk", "rest", "positions", "deform", "transform", "pose_row", "DeformChunk", "DeformDispatch"] {
         wgsl_error_at(&format!("\n{GOOD}\nfn {name}(x: f32) -> f32 {{ return x; }}"), 3, name);
         wgsl_error_at(&format!("const {name} = 1u;\n{GOOD}"), 1, name);
     }
