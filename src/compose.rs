@@ -1,8 +1,8 @@
 //! Composes WGSL modules from files. A file names at its top what it takes (`#import common/positions`), and may have
-//! variants (`#if SCENE`, `#else`, `#endif`). A module holds what its entry points reach, and nothing else: the items of
-//! the files in the order of their imports, each file once.
+//! variants (`#if SCENE`, `#else`, `#endif`). A module holds what its entry points reach, and the constants that a pipeline may
+//! set, so that a device still refuses the name of a constant that is in none of the files. Items are in the order of the imports,
+//! and each file is taken once.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fmt::Write;
 
@@ -12,51 +12,54 @@ pub struct Composed {
     /// The WGSL.
     pub wgsl: String,
     /// The file and the line, counted from 1, of each line of `wgsl`.
-    pub origins: Vec<(String, usize)>,
+    pub origins: Vec<(&'static str, usize)>,
 }
 
 /// Reads a file by its name without `.wgsl`.
-pub(crate) type Read<'a> = dyn Fn(&str) -> Option<Cow<'static, str>> + 'a;
+pub(crate) type Read<'a> = dyn Fn(&str) -> Option<&'static str> + 'a;
 
 /// A declaration at the top of a file, with the comment above it and its attributes.
 #[derive(Default)]
 struct Item {
-    file: String,
-    lines: Vec<(usize, String)>,
+    file: &'static str,
+    lines: Vec<(usize, &'static str)>,
     /// The name that it declares.
-    name: String,
+    name: &'static str,
     /// The names that it uses.
-    uses: Vec<String>,
+    uses: Vec<&'static str>,
     is_entry_point: bool,
+    /// A constant that a pipeline may set.
+    is_override: bool,
 }
 
-/// The module of a file: its entry points and what they, or the names in `further`, reach. `flags` are the names for which
+/// The module of a file: its entry points, all constants that a pipeline may set, and what they, or the names in `further`, reach. `flags` are the names for which
 /// `#if` holds.
-pub(crate) fn compose(file: &str, flags: &[&str], further: &str, read: &Read<'_>) -> Result<Composed, String> {
+pub(crate) fn compose(file: &'static str, flags: &[&str], further: &str, read: &Read<'_>) -> Result<Composed, String> {
     let mut items = Vec::new();
     take(file, flags, read, &mut Vec::new(), &mut items)?;
     let mut places: HashMap<&str, usize> = HashMap::new();
     for (place, item) in items.iter().enumerate() {
-        if let Some(other) = places.insert(&item.name, place).and_then(|other| items.get(other)) {
+        if let Some(other) = places.insert(item.name, place).and_then(|other| items.get(other)) {
             return Err(format!("wgsl/{}.wgsl: {} is declared in {} too", item.file, item.name, other.file));
         }
     }
     let named = words(further).into_iter().filter_map(|word| places.get(word.text).copied());
     let mut left: Vec<usize> = named.collect();
-    left.extend((0..).zip(&items).filter(|(_, item)| item.is_entry_point && item.file == file).map(|(place, _)| place));
+    let is_root = |item: &Item| item.is_override || (item.is_entry_point && item.file == file);
+    left.extend((0..).zip(&items).filter(|(_, item)| is_root(item)).map(|(place, _)| place));
     let mut is_reached = vec![false; items.len()];
     while let Some(place) = left.pop() {
         let (Some(reached), Some(item)) = (is_reached.get_mut(place), items.get(place)) else { continue };
         if !std::mem::replace(reached, true) {
-            left.extend(item.uses.iter().filter_map(|name| places.get(name.as_str()).copied()));
+            left.extend(item.uses.iter().filter_map(|name| places.get(name).copied()));
         }
     }
     let mut composed = Composed::default();
     for (item, _) in items.iter().zip(is_reached).filter(|(_, is_reached)| *is_reached) {
-        for (number, line) in &item.lines {
+        for &(number, line) in &item.lines {
             composed.wgsl.push_str(line);
             composed.wgsl.push('\n');
-            composed.origins.push((item.file.clone(), *number));
+            composed.origins.push((item.file, number));
         }
     }
     Ok(composed)
@@ -64,27 +67,27 @@ pub(crate) fn compose(file: &str, flags: &[&str], further: &str, read: &Read<'_>
 
 /// Appends the items of what a file imports, then its own.
 fn take(
-    file: &str,
+    file: &'static str,
     flags: &[&str],
     read: &Read<'_>,
-    taken: &mut Vec<String>,
+    taken: &mut Vec<&'static str>,
     items: &mut Vec<Item>,
 ) -> Result<(), String> {
-    if taken.iter().any(|before| before == file) {
+    if taken.contains(&file) {
         return Ok(());
     }
-    taken.push(file.to_owned());
+    taken.push(file);
     let text = read(file).ok_or_else(|| format!("wgsl/{file}.wgsl: there is no such file"))?;
-    let (imports, own) = parse(file, &text, flags)?;
+    let (imports, own) = parse(file, text, flags)?;
     for import in imports {
-        take(&import, flags, read, taken, items)?;
+        take(import, flags, read, taken, items)?;
     }
     items.extend(own);
     Ok(())
 }
 
-/// What a file imports, and its own items.
-fn parse(file: &str, text: &str, flags: &[&str]) -> Result<(Vec<String>, Vec<Item>), String> {
+/// The imports of a file, and its own items.
+fn parse(file: &'static str, text: &'static str, flags: &[&str]) -> Result<(Vec<&'static str>, Vec<Item>), String> {
     let (mut imports, mut items) = (Vec::new(), Vec::new());
     // Whether the lines between each `#if` and its end count.
     let mut conditions: Vec<bool> = Vec::new();
@@ -102,23 +105,23 @@ fn parse(file: &str, text: &str, flags: &[&str]) -> Result<(Vec<String>, Vec<Ite
             "#endif" if conditions.pop().is_none() => return wrong("no #if before"),
             "#endif" => {}
             _ if conditions.contains(&false) => {}
-            "#import" => imports.push(name.to_owned()),
+            "#import" => imports.push(name),
             _ if line.starts_with('#') => return wrong("no such directive"),
-            // What stands above is a comment by itself, such as the head of the file.
+            // Lines above are a comment by themselves, such as the head of the file.
             "" if item.name.is_empty() => item.lines.clear(),
             _ => {
                 let code = line.split("//").next().unwrap_or_default().trim_end();
-                item.lines.push((number, line.to_owned()));
+                item.lines.push((number, line));
                 read_code(&mut item, code);
                 depth += code.matches('{').count();
                 depth = depth.saturating_sub(code.matches('}').count());
                 if depth == 0 && code.ends_with([';', '}']) {
-                    items.push(Item { file: file.to_owned(), ..std::mem::take(&mut item) });
+                    items.push(Item { file, ..std::mem::take(&mut item) });
                 }
             }
         }
     }
-    let open = if item.name.is_empty() { "#if" } else { &item.name };
+    let open = if item.name.is_empty() { "#if" } else { item.name };
     if conditions.is_empty() && item.name.is_empty() {
         Ok((imports, items))
     } else {
@@ -127,7 +130,7 @@ fn parse(file: &str, text: &str, flags: &[&str]) -> Result<(Vec<String>, Vec<Ite
 }
 
 /// Takes the names of a line of code: what it declares, if nothing is declared yet, and what it uses.
-fn read_code(item: &mut Item, code: &str) {
+fn read_code(item: &mut Item, code: &'static str) {
     let is_case = code.trim_start().starts_with("case ");
     let mut words = words(code).into_iter().peekable();
     while let Some(Word { text, before, after }) = words.next() {
@@ -139,11 +142,12 @@ fn read_code(item: &mut Item, code: &str) {
                 while words.peek().is_some_and(|next| text == "var" && matches!(next.before, '<' | ',')) {
                     words.next();
                 }
-                words.next().map_or("", |name| name.text).clone_into(&mut item.name);
+                item.name = words.next().map_or("", |name| name.text);
+                item.is_override = text == "override";
             }
             // Attributes, members, and what is declared with its type.
             _ if matches!(before, '@' | '.') || after == ':' && !is_case => {}
-            _ => item.uses.push(text.to_owned()),
+            _ => item.uses.push(text),
         }
     }
 }

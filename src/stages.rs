@@ -1,8 +1,6 @@
 //! The one list of stages and of WGSL files. Pipelines, labels, twins and tests use it. What a stage computes, for whom
 //! and what it promises stands at the top of its file in `wgsl`.
 
-use std::borrow::Cow;
-
 use crate::compose::{Composed, compose};
 
 /// A stage. Its WGSL file, pipeline label and CPU twin carry its name.
@@ -216,16 +214,15 @@ pub const FILES: &[(&str, &str)] = files![
     "shadow/zp_plus_2005_cases",
 ];
 
-/// The text of a file. In builds with the feature `reference` the variable `RIMLINE_WGSL` may name a folder that is read
-/// instead of what was compiled in.
-pub fn source(name: &str) -> Option<Cow<'static, str>> {
-    #[cfg(feature = "reference")]
+/// The text of a file. In test builds (feature `reference`, debug assertions) the variable `RIMLINE_WGSL` may name a folder
+/// that is read instead of what was compiled in.
+pub fn source(name: &str) -> Option<&'static str> {
+    #[cfg(all(feature = "reference", debug_assertions))]
     if let Some(folder) = std::env::var_os("RIMLINE_WGSL") {
-        return std::fs::read_to_string(std::path::Path::new(&folder).join(format!("{name}.wgsl")))
-            .ok()
-            .map(Cow::Owned);
+        let text = std::fs::read_to_string(std::path::Path::new(&folder).join(format!("{name}.wgsl")));
+        return text.ok().map(|text| &*text.leak());
     }
-    FILES.iter().find(|(own, _)| *own == name).map(|(_, text)| Cow::Borrowed(*text))
+    FILES.iter().find(|(own, _)| *own == name).map(|&(_, text)| text)
 }
 
 /// [`DEFORM`] without its `displace`, which a caller gives.

@@ -10,7 +10,7 @@ use super::shadow::ScenePipelines;
 use super::shadow::stages as shadow;
 use crate::stages::{NEEDS, RECEIVER_DEPTH, RECEIVER_PYRAMID, RECEIVER_SAMPLES};
 
-/// What [`Pipelines::warm_up`] makes pipelines for.
+/// A use that [`Pipelines::warm_up`] makes pipelines for.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum Use<'a> {
@@ -47,7 +47,7 @@ impl Pipelines {
     /// another 3 s there, unless the driver finds all in its cache. An engine that cannot have that in its first frame also
     /// submits an encode with a small mesh beforehand.
     ///
-    /// What the device refuses is not kept. The constructor or frame that needs it then gives the error.
+    /// A pipeline that the device refuses is not kept. The constructor or frame that needs it then gives the error.
     ///
     /// ```no_run
     /// # use rimline::gpu::{DeviceError, Pipelines, SceneOptions, Use};

@@ -15,7 +15,7 @@ pub(crate) const TESTS: &[Test] =
 
 const IDENTITY: rimline::Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// What a frame of a scene has.
+/// The parts of a frame of a scene.
 #[derive(Clone, Copy)]
 struct Frame {
     options: SceneOptions,

@@ -18,12 +18,13 @@ type Outcome = Result<(), String>;
 type Test = (&'static str, fn() -> Outcome);
 
 fn main() {
-    let tests: [Test; 11] = [
+    let tests: [Test; 12] = [
         ("every_file_is_a_stage_or_an_include", files),
         ("stages_have_twins_and_entry_points_of_their_name", names),
         ("vertex_shaders_have_twins", vertex_shaders),
         ("constants_are_those_of_rust", constants),
         ("wgsl_composes", composes),
+        ("a_broken_file_is_named_with_its_line", broken_file),
         ("layouts_are_those_of_rust", layouts::layouts),
         ("layouts_cover_every_bound_struct", layouts::bound_structs),
         ("perturbed_layouts_are_noticed", layouts::perturbed_layouts),
@@ -235,7 +236,54 @@ fn write_modules() -> Result<Vec<PathBuf>, String> {
     Ok(paths)
 }
 
+/// Validates a stage's module. An error names the file and line that it is about.
+fn validated_stage(stage: &Stage) -> Outcome {
+    let composed = stage.composed()?;
+    let at = |location: Option<naga::SourceLocation>| location.map_or(0, |location| location.line_number as usize);
+    let module = naga::front::wgsl::parse_str(&composed.wgsl)
+        .map_err(|error| composed.located(at(error.location(&composed.wgsl)), error.message()))?;
+    let mut validator =
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::default());
+    let valid = validator.validate(&module);
+    valid
+        .map_err(|error| composed.located(at(error.location(&composed.wgsl)), &error.emit_to_string(&composed.wgsl)))?;
+    Ok(())
+}
+
+/// Shaders are read from a folder that is named at run time, and an error in one names its file and line.
+fn broken_file() -> Outcome {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("broken_wgsl");
+    for (name, wgsl) in FILES {
+        let path = folder.join(format!("{name}.wgsl"));
+        std::fs::create_dir_all(path.parent().unwrap_or(&folder)).map_err(text)?;
+        std::fs::write(path, wgsl).map_err(text)?;
+    }
+    let composes = |folder: &Path| -> Result<std::process::Output, String> {
+        let own = std::env::current_exe().map_err(text)?;
+        Command::new(own).arg("wgsl_composes").env("RIMLINE_WGSL", folder).output().map_err(text)
+    };
+    if !composes(&folder)?.status.success() {
+        return Err("negative control: the files as they are do not compose from a folder".to_owned());
+    }
+    let path = folder.join("common/positions.wgsl");
+    let wgsl = std::fs::read_to_string(&path).map_err(text)?;
+    let line = wgsl.lines().position(|line| line.starts_with("fn position_bits(")).ok_or("no such function")? + 2;
+    let broken = |(at, own)| if at == line { "  let word = 1.0 + 1u;" } else { own };
+    let broken: Vec<_> = (1..).zip(wgsl.lines()).map(broken).collect();
+    std::fs::write(&path, broken.join("\n") + "\n").map_err(text)?;
+    let output = composes(&folder)?;
+    let message = String::from_utf8_lossy(&output.stdout);
+    let place = format!("wgsl/common/positions.wgsl:{line}: ");
+    if output.status.success() || !message.contains(&place) {
+        return Err(format!("no error at {place}: {message}"));
+    }
+    Ok(())
+}
+
 fn composes() -> Outcome {
+    for stage in STAGES.iter().chain(DRAWN) {
+        validated_stage(stage)?;
+    }
     write_modules()?;
     for (name, source) in modules()? {
         validated(&source).map_err(|error| format!("{name}: {error}"))?;

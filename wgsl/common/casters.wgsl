@@ -45,7 +45,7 @@ struct SceneCaster {
   version: u32,
   group: u32,
   first_caster: u32, // The first caster of the group.
-  // Of a rigid caster the word of the page's clusters where those of its mesh begin, or NO_CLUSTERS. Of another its number
+  // For a rigid caster the word of the page's clusters where those of its mesh begin, or NO_CLUSTERS. For another its number
   // among the figures that may not be needed, counted from 1, or 0 if it is none.
   clusters_or_figure: u32,
 }
@@ -57,12 +57,12 @@ struct LightCone {
   axis: vec4<f32>,
 }
 
-// What is larger or smaller may overflow or underflow, and nothing is said.
+// Sizes beyond these may overflow or underflow, and nothing is said.
 const CONE_LARGEST: f32 = 0x1p60;
 const CONE_LEAST: f32 = 0x1p-30;
 const CONE_SLACK: f32 = 0x1p-14; // 512 units in the last place of the largest coordinate. Less than a quarter is needed.
 
-// Of the length of a vector, the part across the axis, at length 1.
+// The part of the length of a vector across the axis, at length 1.
 fn across_axis(v: vec3<f32>, axis: vec3<f32>) -> vec3<f32> {
   let across = v - dot_3(v, axis) * axis;
   return across / sqrt(dot_3(across, across));
@@ -80,7 +80,7 @@ fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, terms: f32) 
   let begin = low - cone.apex.xyz;
   let end = high - cone.apex.xyz;
   if (cosine < 0.0) {
-    // What is outside is convex, so it holds the box if it holds the corners.
+    // The outside is convex, so it holds the box if it holds the corners.
     for (var number = 0u; number < 8u; number++) {
       let corner = select(begin, end, (vec3<u32>(number) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
       if (!(dot_3(corner, axis) < cosine * sqrt(dot_3(corner, corner)) - CONE_SLACK * size)) {

@@ -37,7 +37,7 @@ struct Chunk {
   blocks: u32, // Blocks of edges in the whole mesh.
 }
 
-// What turns counts of edges into draws.
+// How counts of edges become draws.
 struct DrawShape {
   lights: u32,
   capacity: u32,

@@ -300,7 +300,7 @@ fn depth_edges_count(
 // Marks of edges, many at once: a word has 16 samples that follow each other in a row of the lattice. It has a bit for the edge
 // from each sample to the next one on the right, and 16 bits higher one for the edge to the sample below.
 
-// What an earlier pass marked.
+// The marks of an earlier pass.
 @group(0) @binding(7) var<storage, read> edges_before: array<u32>;
 
 // For as many samples, whether each casts, and 16 bits higher whether the cell below it and on its right is split.
@@ -334,7 +334,7 @@ fn marks_from(at: vec2<i32>) -> vec2<u32> {
     select(0u, edges_before[first.index], first.exists), select(0u, edges_before[second.index], second.exists), at.x);
 }
 
-// Of 17 samples or more from a place on: which of them cast, and which cells are split.
+// For 17 samples or more from a place on: which of them cast, and which cells are split.
 fn samples_from(at: vec2<i32>) -> vec2<u32> {
   let first = word_at(at.x >> 4u, at.y);
   let second = word_at((at.x >> 4u) + 1, at.y);
@@ -363,7 +363,7 @@ fn dangling_from(at: vec2<i32>) -> u32 {
 // Samples on the borders of a map of a cube: other maps may have marked edges at them. `in_map`: a place in the map.
 struct Borders {
   in_map: vec2<i32>,
-  // Of 13 samples from there on, those in its first or last column.
+  // From 13 samples from there on, those in its first or last column.
   columns: u32,
 }
 

@@ -66,7 +66,7 @@ fn depth_walls_near_cap_fragment(@location(0) @interpolate(linear, sample) place
 // Contour flaps: between a surface and a wall, volumes begin at the flap, not where the surface goes on. Which flaps of the list
 // of walls a place of the near rectangle is at.
 
-// As `contour_walls` leaves them.
+// Written by `contour_walls`.
 @group(0) @binding(7) var<storage, read> counts: array<u32>;
 
 // Texels from a wall up to which its flaps reach.
@@ -181,7 +181,7 @@ fn flaps_change(cell: vec2<i32>, part: vec2<f32>, depth: f32, is_behind: bool) -
 
 // Contour side: the surface that a place within a marked cell belongs to.
 
-// As `contour_walls` leaves them.
+// Written by `contour_walls`.
 @group(0) @binding(5) var<storage, read> places: array<u32>;
 
 // The place on the edge of a cell, from the cell's first sample on. Its middle, if it is not marked.

@@ -3,7 +3,8 @@
 // slot of a face is its index, counted from the first face of the dispatch. scene/many_casters.wgsl and scene/walks.wgsl have the
 // same functions for scenes.
 //
-// Expects: `take_item(slot, index)`, where faces or edge records are taken.
+// Expects: `take_item(slot, index)`. Files that walk over neither faces nor edge records need none, since a module holds
+// what is reached.
 
 #import common/extraction
 

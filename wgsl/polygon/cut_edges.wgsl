@@ -54,7 +54,7 @@ fn runs_alike(p: vec3<u32>, q: vec3<u32>, a: vec3<u32>, b: vec3<u32>) -> bool {
 // The edges that an invocation finds to cut its edge, a bit for each. With a large outline it takes every 64th edge.
 struct Found {
   cuts: u32,
-  // Those that have an end on it, in space, and those of which it is the second end.
+  // The cuts that have an end on it, in space, and the cuts of which it is the second end.
   touches: u32,
   touches_second: u32,
 }
@@ -259,7 +259,7 @@ fn is_tangled(row: Row) -> bool {
   return is_twice;
 }
 
-// What tells the order of a row: the rank by turns, or how far along it is, and then the edge that cuts.
+// The key that orders a row: the rank by turns, or how far along it is, and then the edge that cuts.
 fn order_of(row: Row, place: u32, by_turns: bool) -> vec2<u32> {
   let at = piece_at(row.light, place);
   let cut = unpacked_cut(pieces.words[at + CUT]);

@@ -1,4 +1,5 @@
-// The order of two cuts of an edge: by turns, where these tell it, and by how far along the edge they are.
+// The order of two cuts of an edge: by turns, where these tell it, and by how far along the edge they are. For the passes of
+// cut_edges.wgsl: `cut_edges_rank` counts by it how many cuts are before each.
 // NUMERICS.md, "Shadows of twisted polygons", "Order".
 
 #import extract/one_caster

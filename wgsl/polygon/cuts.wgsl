@@ -1,5 +1,5 @@
 // Cuts of edges. Until a piece is listed, its place has the cut at which it ends. The cuts of an edge are in a row, with its end
-// behind them. NUMERICS.md, "Shadows of twisted polygons".
+// behind them. The passes of cut_edges.wgsl share these records; no other stage reads them. NUMERICS.md, "Shadows of twisted polygons".
 
 #import extract/one_caster
 #import polygon/list_pieces
@@ -9,7 +9,7 @@
 struct Cut {
   // The edge that cuts it, or `CORNER` for its end.
   by: u32,
-  // That edge has an end on it, in space, and it is the second.
+  // The cutting edge has an end on it, in space, and this is its second end.
   touches: bool,
   is_second: bool,
 }
@@ -42,7 +42,7 @@ const EARLIER: u32 = 8u;
 const NO_POLYGON: u32 = 0xffffffffu;
 const IS_ODD_AT_END: u32 = 0x80000000u;
 
-// What the cuts of an edge have in common.
+// The part that all cuts of an edge have in common.
 struct Row {
   polygon: u32,
   edge: u32,

@@ -1,4 +1,4 @@
-// What stages of the shadow depth query share with each other and with src/layout.rs, which a test holds equal.
+// Structs that stages of the shadow depth query share with each other and with src/layout.rs, which a test holds equal.
 
 // The number of faces in a cluster, and of clusters in a group.
 const CLUSTER: u32 = 32u;

@@ -226,7 +226,7 @@ fn is_behind(box: TurnedBox, at: u32, light: vec4<f32>, side: f32) -> bool {
   return true;
 }
 
-// Those of some lights for which the caster is hidden.
+// The part of some lights for which the caster is hidden.
 fn occluded(caster: u32, batch: u32, lights: u32) -> u32 {
   if (group.occluders == 0u || lights == 0u) {
     return 0u;

@@ -33,7 +33,7 @@ fn misses_pyramid(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f3
   return any(out) || beyond;
 }
 
-// What was chosen for a caster: words as in choices.wgsl, and the lights that need caps.
+// The choices for a caster: words as in choices.wgsl, and the lights that need caps.
 struct Needs {
   first: vec4<u32>,
   excludes: u32,

@@ -1,6 +1,6 @@
 // Vertices of sides and caps of shadow volumes, in clip space, for the vertex shaders `sides`, `cap_faces` and `pieces`. A side
 // is the quad from an edge away from the light; a cap is a face at its place, at the far end, or projected onto the near plane.
-// What is clipped at the near plane is a polygon of up to five vertices, drawn as a strip. Volumes are watertight: what meets at
+// Anything clipped at the near plane is a polygon of up to five vertices, drawn as a strip. Volumes are watertight: what meets at
 // an edge has equal bits, because its ends are always taken in the order of their vertices (`is_ordered`). NUMERICS.md, "Shadow
 // volumes". If TRIM is set, polygons are cut at the frustum here, for drivers that clip slivers wrongly: "Triangles that leave
 // the picture". The last part, also for `zp_plus_2005_cases`, is ZP+ as published.
@@ -8,7 +8,7 @@
 #import common/casters
 #import shadow/shadow
 
-// What vertex shaders of volumes return. Draws of one volume must agree in every bit, so it is invariant.
+// The output of vertex shaders of volumes. Draws of one volume must agree in every bit, so it is invariant.
 struct VolumeVertex {
   @invariant @builtin(position) clip: vec4<f32>,
 }

@@ -16,7 +16,7 @@ impl Compiling {
 impl Drop for Compiling {
     fn drop(&mut self) {
         if let Some(thread) = self.0.take() {
-            // What it could not make is made where it is needed.
+            // Pipelines that it could not make are made where they are needed.
             let _ = thread.join();
         }
     }

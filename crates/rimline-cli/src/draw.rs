@@ -81,7 +81,7 @@ fn draw(
         let model_pipelines = scope.spawn(|| ModelPipelines::new(&factory));
         let line_pipelines = scope.spawn(|| {
             if scene.mesh.polygons().is_none() {
-                // What the device refuses is told where it is needed.
+                // A refusal of the device is told where the pipeline is needed.
                 let _ = gpu.pipelines.warm_up(&[Use::Extraction(&ExtractorOptions::default())]);
             }
             LinePipelines::new(&factory)
@@ -147,7 +147,7 @@ fn commands(gpu: &Gpu, label: &str) -> wgpu::CommandEncoder {
     gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
 }
 
-/// What a thread made. A panic there goes on here.
+/// The result of a thread. A panic there goes on here.
 fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }

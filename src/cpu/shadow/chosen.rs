@@ -1,4 +1,4 @@
-//! What was chosen for the lights of a caster, as the stages keep it. The WGSL is `wgsl/shadow/choices.wgsl`.
+//! Choices for the lights of a caster, as the stages keep it. The WGSL is `wgsl/shadow/choices.wgsl`.
 
 use crate::layout::{SeenLight, ShadowLight, ShadowShape};
 use crate::shadow::{

@@ -1,4 +1,4 @@
-//! The bindings of a stage, as its WGSL declares them: the layout of its bind group, and the number of each name. And its constants.
+//! The bindings of a stage, as its WGSL declares them: the layout of its bind group, and the number of each name.
 
 use naga::{AddressSpace, StorageAccess};
 
@@ -7,8 +7,6 @@ use naga::{AddressSpace, StorageAccess};
 pub(crate) struct Bindings {
     names: Vec<String>,
     entries: Vec<wgpu::BindGroupLayoutEntry>,
-    /// The names of the constants that a pipeline may set.
-    constants: Vec<String>,
 }
 
 impl Bindings {
@@ -38,13 +36,7 @@ impl Bindings {
         }
         found.sort_by_key(|(_, entry)| entry.binding);
         let (names, entries) = found.into_iter().unzip();
-        let constants = module.overrides.iter().filter_map(|(_, constant)| constant.name.clone()).collect();
-        Self { names, entries, constants }
-    }
-
-    /// Whether the module has a constant.
-    pub(crate) fn has_constant(&self, name: &str) -> bool {
-        self.constants.iter().any(|own| own == name)
+        Self { names, entries }
     }
 
     pub(crate) fn entries(&self) -> &[wgpu::BindGroupLayoutEntry] {

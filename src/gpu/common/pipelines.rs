@@ -75,7 +75,7 @@ struct ComputeKey {
     further: Option<wgpu::BindGroupLayout>,
 }
 
-/// What a compute pipeline is of: an entry point of a stage, with constants.
+/// An entry point of a stage, with constants: all that a compute pipeline is made of.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Program {
     pub(crate) stage: &'static Stage,
@@ -163,12 +163,13 @@ impl Pipelines {
     /// Makes the pipelines of these programs that do not exist, at the same time. What the device refuses is not kept, so that
     /// who asks for it gets the error.
     pub(crate) fn make_together(&self, programs: &[Program]) {
-        let keyed = |program| (program, Program::key(program));
-        let mut missing: Vec<_> = programs.iter().map(keyed).filter(|(_, key)| !self.0.compute.has(key)).collect();
+        let missing = programs.iter().map(|program| (program.key(), program.stage));
+        let missing = missing.filter(|(key, _)| !self.0.compute.has(key));
+        let mut missing: Vec<_> = missing.map(|(key, stage)| (key, stage.wgsl())).collect();
         // The longest begin first, so that no thread is left alone with one.
-        missing.sort_by_cached_key(|(program, _)| Reverse(program.stage.wgsl().len()));
-        together(&missing, |(program, key)| {
-            self.0.compute.fill(self.device(), key, || Pipeline::new(self, key, &program.stage.wgsl()));
+        missing.sort_by_key(|(_, wgsl)| Reverse(wgsl.len()));
+        together(&missing, |(key, wgsl)| {
+            self.0.compute.fill(self.device(), key, || Pipeline::new(self, key, wgsl));
         });
     }
 
@@ -289,13 +290,11 @@ impl Pipeline {
     fn new(pipelines: &Pipelines, key: &ComputeKey, wgsl: &str) -> Self {
         let ComputeKey { stage, entry_point, ref constants, ref further, .. } = *key;
         let module_name = key.module;
-        let mut constants: Vec<_> = constants.iter().map(|&(name, bits)| (name, f64::from_bits(bits))).collect();
+        let constants: Vec<_> = constants.iter().map(|&(name, bits)| (name, f64::from_bits(bits))).collect();
         let windows = constants.iter().find(|(name, _)| name.ends_with("WINDOW_WORDS"));
         let window_words = windows.map_or(0, |(_, words)| *words as u32);
         let module = pipelines.module(module_name, wgsl);
         let bindings = pipelines.bindings(module_name, wgsl);
-        // A device refuses what a module does not have, and a module has what its entry points reach.
-        constants.retain(|(name, _)| bindings.has_constant(name));
         let layout = pipelines.layout(stage, bindings.entries().to_vec());
         let mut groups = vec![Some(&layout)];
         groups.extend(further.as_ref().map(Some));

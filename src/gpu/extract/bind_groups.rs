@@ -126,7 +126,7 @@ impl<'a> BindGroupBuilder<'a> {
         (wanted as u32).min(limit)
     }
 
-    /// Masks, counts and list, as `edge_lists.wgsl` binds them.
+    /// Masks, counts and list, as `extract/edge_lists.wgsl` binds them.
     fn emit_targets(&self, dispatch: &Dispatch) -> [(&'static str, BindingResource<'_>); 3] {
         let unused = self.buffers.unused.as_entire_binding();
         let list = self.buffers.lists.get(dispatch.batch).map_or(unused, wgpu::Buffer::as_entire_binding);

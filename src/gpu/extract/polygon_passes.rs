@@ -29,7 +29,7 @@ pub(super) struct PolygonPasses {
 #[derive(Debug)]
 struct CutPasses {
     edges: Pass,
-    /// What follows from the cuts that this finds.
+    /// The passes over the cuts that this finds.
     rows: Vec<Pass>,
     /// Quadrilaterals of which no sign is in doubt. Their pieces are behind the others, in places that have no cuts.
     quads: Pass,
@@ -127,10 +127,9 @@ fn resources<'a>(
     dispatch: &mut Dispatch,
 ) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
     let batch = dispatch.batch as u32 * UniformTable::stride::<LightBatch>() as u32;
-    dispatch.offsets = vec![batch, dispatch.chunk_offset];
-    if !pipeline.names().iter().any(|name| name == "batch") {
-        dispatch.offsets.remove(0);
-    }
+    let uses = |name: &str| pipeline.names().iter().any(|own| own == name);
+    let offsets = [("batch", batch), ("chunk", dispatch.chunk_offset)];
+    dispatch.offsets = offsets.into_iter().filter(|(name, _)| uses(name)).map(|(_, offset)| offset).collect();
     let Some(polygons) = &binder.buffers.polygons else { return Vec::new() };
     let unused = &binder.buffers.unused;
     let of_batch = |buffers: &'a [wgpu::Buffer]| buffers.get(dispatch.batch).unwrap_or(unused).as_entire_binding();

@@ -31,12 +31,12 @@ pub(crate) fn of_triangles(options: &ExtractorOptions) -> Vec<Program> {
     faces(options).chain(from_facing(options, 0, 0)).collect()
 }
 
-/// What reads positions of triangles.
+/// The programs that read positions of triangles.
 fn faces(options: &ExtractorOptions) -> impl Iterator<Item = Program> {
     [from_positions(options, 0)].into_iter().chain(is_exact(options).then(|| exact_facing(0)))
 }
 
-/// What comes after facing. Polygons' masks that are twisted begin at `twisted_at`, if it is not 0.
+/// The programs after facing. Polygons' masks that are twisted begin at `twisted_at`, if it is not 0.
 fn from_facing(options: &ExtractorOptions, twisted_at: usize, facing_words: u32) -> Vec<Program> {
     let mut programs = Vec::new();
     if !options.method().is_per_edge() && (options.masks || options.lists.is_some()) {
@@ -49,7 +49,7 @@ fn from_facing(options: &ExtractorOptions, twisted_at: usize, facing_words: u32)
     programs
 }
 
-/// What reads positions: facing, or the per-edge method.
+/// The program that reads positions: facing, or the per-edge method.
 pub(super) fn from_positions(options: &ExtractorOptions, window_words: u32) -> Program {
     let windows = ("WINDOW_WORDS", f64::from(window_words));
     let predicate = options.method().predicate(options.predicate);

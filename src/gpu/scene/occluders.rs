@@ -14,7 +14,7 @@ use crate::layout::ScaledLight;
 
 /// The most corners of an occluder.
 pub(crate) const MOST_CORNERS: usize = 8;
-/// As in `wgsl/scene/reach.wgsl`.
+/// The same as in `wgsl/scene/reach.wgsl`.
 const SLACK: f64 = 1.0 / 262_144.0;
 
 /// Where occluders are in the table.

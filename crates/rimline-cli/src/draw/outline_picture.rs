@@ -149,7 +149,7 @@ pub(super) struct Canvas<'a> {
     gpu: &'a Gpu,
     factory: &'a PipelineFactory<'a>,
     frame: &'a Frame,
-    /// What is drawn is within it.
+    /// All that is drawn is within it.
     bounds: &'a Bounds,
     colour: wgpu::TextureView,
     depth: wgpu::TextureView,

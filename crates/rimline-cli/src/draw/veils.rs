@@ -13,7 +13,7 @@ const FORMAT: TextureFormat = TextureFormat::R32Uint;
 /// Places of the survey each way in a square of the finest level; as in `veil.wgsl`.
 const SQUARE: u32 = 8;
 
-/// What draws veils.
+/// The pipelines that draw veils.
 pub(super) struct Veils {
     /// One texture that vertices and fragments see.
     pub(super) layout: BindGroupLayout,

@@ -59,7 +59,7 @@ impl ShadowMethod {
             return Compiling::default();
         }
         let (pipelines, options) = (gpu.pipelines.clone(), scene_shadows::options(self.counting));
-        // What the device refuses is told where it is needed.
+        // A refusal of the device is told where the pipeline is needed.
         Compiling::begin(move || _ = pipelines.warm_up(&[Use::SceneShadows(&options)]))
     }
 
