@@ -1,11 +1,17 @@
-// Cells of a depth map, eight in a word: those that follow each other in a row. Four words below each other are a strip. Strips
-// follow each other row by row, and map by map in a cube; the last of a row, and those of the last row, may have fewer cells. A
-// block has 64 strips.
+// The layout in which decisions about cells, each between four samples of a depth map, go from pass to pass: `depth_cells_count`
+// or `depth_edges_count` writes it, `depth_cells_places` and `depth_cells_list` read it. No other stage imports it.
+// A word has eight cells of a row, four bits each, from the lowest on: 1: it is split from its sample (1, 0) to (0, 1); 2 and 4:
+// its first and its second triangle is drawn; 8: unused. A strip is four words below each other, decided by one invocation, and a
+// block is 64 strips. Strips follow each other row by row, and map by map in a cube; at the right and at the bottom they may have
+// fewer cells.
+// A pass that decides has workgroups of BLOCK_STRIPS. Each invocation calls `write_strip`, then the whole workgroup
+// `write_total`.
+// The list of cells has this order, so it is the same on every device: strips, rows of a strip, cells of a row. Do not change it.
 
 #import depth_map/samples
 
-// For each block its listed cells, then those of all blocks before it. After them those of each strip. After them the words of
-// strips that have any: for each cell three bits of its entry.
+// First a word for each block: how many of its cells are listed; after `depth_cells_places`, how many are listed before it. Then
+// the count of each strip. Then four words for each strip, which are written only where its count is not 0.
 @group(0) @binding(2) var<storage, read_write> places: array<u32>;
 
 const WORD_CELLS: u32 = 8u;
@@ -26,7 +32,7 @@ struct CellsOfStrip {
   row: u32,
 }
 
-// Devices divide slowly, so a strip is found once.
+// The cells of a strip. Devices divide slowly, so call it once a strip.
 fn cells_of_strip(strip: u32) -> CellsOfStrip {
   let is_cube = depth_map.faces > 1u;
   let cells = select(depth_map.size + 1u, depth_map.size - 1u, is_cube);
@@ -43,26 +49,26 @@ fn cells_of_strip(strip: u32) -> CellsOfStrip {
   return CellsOfStrip(count, corner, in_map, (face * cells.y + in_map.y) * cells.x + in_map.x, cells.x);
 }
 
-// A word for each row of a strip, without cells that do not exist.
+// The words of a strip, with zeros for cells that do not exist.
 fn taken_of(own: CellsOfStrip, words: vec4<u32>) -> vec4<u32> {
   let all = select(0u, 0xffffffffu >> ((32u - 4u * own.count.x) & 31u), own.count.x > 0u);
   return select(vec4<u32>(0u), words & vec4<u32>(all), vec4<u32>(0u, 1u, 2u, 3u) < vec4<u32>(own.count.y));
 }
 
-// The lowest bit of each cell of a word that is listed.
+// The lowest bit of each cell that is listed, which is each that has a triangle to draw.
 fn listed_cells(word: u32) -> u32 {
   return ((word >> 1u) | (word >> 2u)) & EACH;
 }
 
-// It begins with 0.
+// Zero at the start, and after each `write_total`.
 var<workgroup> total: atomic<u32>;
 
-// Where the count of a strip is, and its first word.
+// Offsets in `places` of the count of a strip, and of its first word.
 fn places_of_strip(strip: u32) -> vec2<u32> {
   return vec2<u32>(depth_map.blocks + strip, depth_map.blocks * (1u + BLOCK_STRIPS) + strip * STRIP);
 }
 
-// Writes what is decided about the cells of a strip. How many of them are listed.
+// Writes what is decided about the cells of a strip, and returns how many of them are listed.
 fn write_strip(strip: u32, words: vec4<u32>) -> u32 {
   let at = places_of_strip(strip);
   let each = countOneBits(vec4<u32>(
@@ -77,7 +83,7 @@ fn write_strip(strip: u32, words: vec4<u32>) -> u32 {
   return listed;
 }
 
-// Writes how many cells of a block are listed, from what each invocation has listed.
+// Writes how many cells of a block are listed: the sum over the workgroup. It has barriers, so all invocations call it.
 fn write_total(block: u32, local: u32, listed: u32) {
   atomicAdd(&total, listed);
   workgroupBarrier();

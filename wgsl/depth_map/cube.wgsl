@@ -1,8 +1,12 @@
-// A cube of six maps: which samples of two or three maps lie on the same ray. Directions are integers, so this is exact.
+// Six depth maps around a light: which samples of two or three of them lie on one ray. Imported by `depth_cube`, which gives such
+// samples one depth, and by surface.wgsl (draws), which gives them one vertex, so the boundary of shadow closes across the maps.
+// Maps 0 to 5 look along +x, -x, +y, -y, +z, -z. The middles of a map's outermost texels lie on the edges of the cube.
+// Importers bind `depth_map` with six square maps. `at` is a sample within its map, from (0, 0) on.
+// Directions are integers, so all is exact. Axes are those of src/gpu/depth_map/meeting.rs, which makes cameras: keep both alike.
 
 #import depth_map/samples
 
-// A face of the cube looks along an axis, and has one to its right and one up.
+// The axes of a map: along its view, to its right, and up.
 struct CubeFace {
   forward: vec3<i32>,
   right: vec3<i32>,
@@ -28,18 +32,19 @@ fn product(a: vec3<i32>, b: vec3<i32>) -> i32 {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// The direction of a sample. Its largest component is the number of cells along a side, and a face has all samples whose
-// component along it is as large.
+// The direction of a sample from the light. Its largest component is the number of cells along a side.
 fn direction_of(face: u32, at: vec2<u32>) -> vec3<i32> {
   let axes = cube_face(face);
   let most = i32(depth_map.size.x) - 1;
   return most * axes.forward + (2 * i32(at.x) - most) * axes.right + (most - 2 * i32(at.y)) * axes.up;
 }
 
+// Whether a map has a sample in the direction of a sample: its component along the map's view is the largest possible.
 fn has_direction(face: u32, direction: vec3<i32>) -> bool {
   return product(cube_face(face).forward, direction) == i32(depth_map.size.x) - 1;
 }
 
+// The sample that a map has in a direction. `has_direction` must hold.
 fn sample_of(face: u32, direction: vec3<i32>) -> vec2<u32> {
   let axes = cube_face(face);
   let most = i32(depth_map.size.x) - 1;

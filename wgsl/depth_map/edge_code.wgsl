@@ -1,10 +1,14 @@
-// The edge code of a cell: which of its four edges are marked, how it is split, and which of its triangles are drawn. Both
-// cells of an edge decide about it from the same two samples, so they agree. Also whether two depths are farther apart than a distance
-// in world units, exactly. For the stages that list or draw cells.
+// Decides about cells: which of a cell's four edges between samples are marked (a border of shadow may cross them), along which
+// diagonal it is split, and which of its two triangles are drawn. Also exact comparisons of a depth difference with a threshold.
+// Imported by the stages that list cells (`depth_cells`; `depth_edges` and edge_rule.wgsl, which mark edges in their own way), by
+// `contour_marks` for objects, and by the draws (`depth_surface`, surface.wgsl), which decide anew where the list overflowed.
+// Importers bind what samples.wgsl has, and `object_texture`.
+// A mark depends on the two samples of its edge alone, so both cells of an edge agree. A triangle with a marked edge is always
+// drawn; drawing more is right, drawing less leaves gaps in the shadow. Integers decide wherever float rounding might matter.
 
 #import depth_map/samples
 
-// An entry is the number of the cell and these bits.
+// An entry of the list of cells: the index of the cell, and these bits.
 const CELL_MASK: u32 = 0x1fffffffu;
 // The cell is split from sample (1, 0) to (0, 1), not from (0, 0) to (1, 1).
 const SPLIT: u32 = 0x20000000u;
@@ -20,6 +24,7 @@ override SPREADS: bool = true;
 // For each texel the object that is seen there. One texel, if edges of objects do not count.
 @group(0) @binding(4) var object_texture: texture_2d<u32>;
 
+// The mantissa of a float that is 0, or positive and not subnormal.
 fn mantissa(bits: u32) -> u32 {
   return select((bits & 0x7fffffu) | 0x800000u, 0u, bits == 0u);
 }
@@ -31,7 +36,7 @@ fn moved_down(word: u32, places: u32) -> vec2<u32> {
 }
 
 // Whether `large` is more than `small` + `threshold`, exactly: bits of numbers from 0 to 1, none subnormal, small <= large.
-// What the sum loses by the move cannot change the result (NUMERICS.md).
+// The bits that the moves cut off cannot change the result (NUMERICS.md, "Decisions are exact").
 fn exceeds(large: u32, small: u32, threshold: u32) -> bool {
   let exponent = large >> 23u;
   let a = moved_down(mantissa(small), exponent - (small >> 23u));
@@ -41,9 +46,9 @@ fn exceeds(large: u32, small: u32, threshold: u32) -> bool {
   return (threshold < large) & (mantissa(large) > high);
 }
 
-// Whether the edge between two samples is marked.
+// Whether the edge between two samples is marked, by their keys. `every_cell` marks all but those between two far samples.
 fn is_marked(a: u32, b: u32) -> bool {
-  // What this says about a far sample does not matter.
+  // Not used for far samples.
   let depths = vec2<u32>(depth_bits(a), depth_bits(b));
   let is_step = exceeds(max(depths.x, depths.y), min(depths.x, depths.y), depth_map.threshold);
   return select(is_step | (depth_map.every_cell != 0u), a != b, max(a, b) == FAR_KEY);
@@ -97,11 +102,13 @@ fn edge_code(at: vec2<u32>, keys: vec4<u32>) -> u32 {
   return code | object_edges(at + vec2<u32>(1u, 0u), keys.xz, keys.yw) | (of_objects << 2u);
 }
 
+// Whether a cell is split from sample (1, 0) to (0, 1): the keys of the other diagonal differ more. It only shapes the border.
 fn is_split(keys: vec4<u32>) -> bool {
   return key_distance(keys.x, keys.w) > key_distance(keys.y, keys.z);
 }
 
-// Which of these triangles are drawn, if `others` are the other ones of their cells: with whole cells, those beside drawn ones, too.
+// Bits of triangles that are drawn, where `others` are those of the other triangle of each cell: with `whole_cells` either draws
+// both.
 fn either(triangles: u32, others: u32) -> u32 {
   return triangles | select(0u, others, depth_map.whole_cells != 0u);
 }
@@ -118,8 +125,8 @@ fn sample_of_cell(number: u32) -> vec2<u32> {
   return vec2<u32>(number & 1u, number >> 1u);
 }
 
-// Bits 0 to 3: as `edge_code`. Bits 4 to 11: the edges from each of its samples out of the cell, to the left or right, and up or
-// down.
+// Bits 0 to 3 are those of `edge_code`. Bits 4 to 11: the edges from each of its samples out of the cell, two each: to the left
+// or right, then up or down.
 fn edges_around(at: vec2<u32>, keys: vec4<u32>) -> u32 {
   var code = 0u;
   // A loop that is not unrolled has one copy of what decides.
@@ -144,7 +151,7 @@ fn edges_around(at: vec2<u32>, keys: vec4<u32>) -> u32 {
   return code;
 }
 
-// As `templates`. A triangle is drawn, too, if one of its samples is not far and at the end of a marked edge.
+// `templates` with `spread`: a triangle is drawn, too, if one of its samples is not far and at the end of a marked edge.
 fn spread_templates(at: vec2<u32>) -> u32 {
   let keys = keys_of_cell(at);
   let code = edges_around(at, keys);
@@ -162,6 +169,7 @@ fn spread_templates(at: vec2<u32>) -> u32 {
     | select(0u, SECOND_TRIANGLE, either(second, first) != 0u);
 }
 
+// The three bits of a cell's entry, from its sample (0, 0).
 fn templates(at: vec2<u32>) -> u32 {
   if (SPREADS && depth_map.spread != 0u) {
     return spread_templates(at);
@@ -170,6 +178,7 @@ fn templates(at: vec2<u32>) -> u32 {
   return template_bits(edge_code(at, keys), is_split(keys));
 }
 
+// Sample (0, 0) of a cell.
 fn corner_of_cell(cell: u32) -> vec2<u32> {
   if (depth_map.faces > 1u) {
     let side = depth_map.size.x - 1u;
@@ -186,7 +195,7 @@ fn keys_of_cell(at: vec2<u32>) -> vec4<u32> {
     key_at(at), key_at(at + vec2<u32>(1u, 0u)), key_at(at + vec2<u32>(0u, 1u)), key_at(at + vec2<u32>(1u, 1u)));
 }
 
-// The entry of a cell. It is listed if it has a triangle.
+// The entry of a cell, listed or not.
 fn entry_of_cell(cell: u32) -> u32 {
   return cell | templates(corner_of_cell(cell));
 }
@@ -252,6 +261,7 @@ fn is_below(a: u32, b: u32) -> bool {
   return b < MINUS && a < b;
 }
 
+// Whether the sign above is positive. Bits of the depths a and b, the ratio, and the depth at infinity.
 fn exact_world_step(a: u32, b: u32, ratio: u32, infinity: u32) -> bool {
   // (a − i) (b − i) is negative if i is between them.
   let turned = select(0u, MINUS, is_below(a, infinity) != is_below(b, infinity));
@@ -261,7 +271,7 @@ fn exact_world_step(a: u32, b: u32, ratio: u32, infinity: u32) -> bool {
     vec2<u32>(infinity, infinity ^ MINUS ^ turned)));
 }
 
-// Whether floats tell: 0 or 1; or 2, where the terms are nearly equal, very large or very small.
+// `exact_world_step` by floats: 0 or 1; or 2, where the terms are nearly equal, very large or very small.
 fn world_step_by_floats(a: u32, b: u32, ratio: u32, infinity: u32) -> u32 {
   let depth_there = bitcast<f32>(infinity);
   let step = bitcast<f32>(ratio) * abs(bitcast<f32>(a) - bitcast<f32>(b));

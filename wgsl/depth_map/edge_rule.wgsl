@@ -1,24 +1,28 @@
-// The rule by which an edge between two samples is marked: from first differences, or from these and those beside them. Both are
-// decided exactly. NUMERICS.md, "Volumes from depth maps".
+// The rule of detectors that look beside an edge (second differences), continue edges, or have a threshold in world units.
+// Imported by `depth_edges` alone, which gives it keys: samples as integers that grow with the distance from the light.
+// `told` decides by floats, only where rounding cannot matter: 0 or 1. Where it may, it gives 2, and the caller asks `exactly`,
+// which decides by integers. So marks are exact and the same on every device. Only the two together may be changed.
+// Level 0 is the detector's own rule. Level 1 has lower thresholds, for edges that continue one that dangles: one that ends in a
+// cell without another marked edge. NUMERICS.md, "Second differences", "Steps in world units".
 
 #import depth_map/edge_code
 #import depth_map/samples
 
-// How edges are marked. Of two values, the second is that next to the end of a marked edge.
+// How edges are marked. Pairs have a value for each level.
 struct DepthEdgeRule {
-  // Words of a row, and rows.
+  // Words of marks in a row of samples, and rows.
   words: vec2<u32>,
   // Blocks of 256 words.
   blocks: u32,
-  // Bits of what every larger difference is marked above.
+  // Bits of the threshold above which every difference is marked.
   high: u32,
-  // Bits of what every smaller difference is not marked below.
+  // Bits of the threshold up to which no difference is marked.
   low: vec2<u32>,
   // Bits of how many units of depth × distance² make the threshold in world units. 0: the threshold is one of device depth.
   ratio: vec2<u32>,
-  // Bits of how many times the difference beside it a difference is.
+  // Bits of the factor by which a difference has to exceed one beside it.
   slopes: vec2<u32>,
-  // Bits of what two differences are off by: a constant, and the depth with so many exponents less. 0: no share of the depth.
+  // Bits of what two differences may be off by: a constant, and the depth with so many exponents less. 0: no share of the depth.
   noise: u32,
   noise_exponents: u32,
   // Bits of the depth at infinity, which may be slightly out of range.
@@ -29,8 +33,8 @@ struct DepthEdgeRule {
 
 @group(0) @binding(6) var<uniform> edge_rule: DepthEdgeRule;
 
-// What second differences tell. 0: nothing, all above the threshold are marked. 1: a difference is marked that is larger than
-// both beside it. 2: one that is larger than one of them, with no other threshold.
+// How the differences beside an edge, in its row or column, count. 0: not, all above the threshold are marked. 1: a difference is
+// marked that is larger than both beside it. 2: one that is larger than one of them, with no other threshold.
 override SECOND: u32 = 0u;
 
 // Whether thresholds may be steps in world units.
@@ -83,7 +87,7 @@ fn bends_by_floats(keys: vec4<u32>, ends: vec2<u32>, slopes: u32) -> u32 {
   return select(2u, select(0u, 1u, step > most), is_told);
 }
 
-// As `bends_by_floats`, of one side, exactly: the ends of the edge, and of the step beside it.
+// `bends_by_floats` for one side, exactly: bits of the ends of the edge, and of the step beside it.
 fn bends(ends: vec2<u32>, beside: vec2<u32>, slopes: u32) -> bool {
   let noise = noise_at(max(ends.x, ends.y));
   return is_positive(array<vec2<u32>, TERMS>(
@@ -92,7 +96,7 @@ fn bends(ends: vec2<u32>, beside: vec2<u32>, slopes: u32) -> bool {
     vec2<u32>(ONE, noise | MINUS), vec2<u32>(0u)));
 }
 
-// Whether an edge is marked: 0 or 1; or 2, where it is left to `exactly`. `level`: 1 next to the end of a marked edge.
+// Whether an edge is marked, by the keys of `keys_along`: 0 or 1; or 2, where it is left to `exactly`.
 fn told(keys: vec4<u32>, level: u32) -> u32 {
   let ends = vec2<u32>(depth_bits(keys.y), depth_bits(keys.z));
   let large = max(ends.x, ends.y);
@@ -115,7 +119,7 @@ fn told(keys: vec4<u32>, level: u32) -> u32 {
   return select(state, select(0u, 1u, keys.y != keys.z), max(keys.y, keys.z) == FAR_KEY || keys.y == keys.z);
 }
 
-// As `told`, where it does not tell.
+// Whether an edge is marked for which `told` gives 2. It is never asked for far samples or equal keys.
 fn exactly(keys: vec4<u32>, level: u32) -> bool {
   let ends = vec2<u32>(depth_bits(keys.y), depth_bits(keys.z));
   var is_step = false;

@@ -1,10 +1,17 @@
-// The samples of a depth map on a lattice that has one row and column more on each side, which are far. NUMERICS.md,
-// "Volumes from depth maps".
+// Samples of a light's depth map as integers, and the lattice that holds them. All stages here but `mesh_depth` have it.
+// A sample is the depth in the middle of a texel. Its key is an integer that grows with the distance from the light: the bits of
+// the depth, or with reversed depth the bits of 1 minus those. FAR_KEY: nothing casts there (at the far end or beyond it, or
+// NaN).
+// The lattice has one more row and column on each side than the map; they are far, so nothing casts outside of a map. Sample (1,
+// 1) is texel (0, 0). A cube has six maps, three in a row in one texture, without that border: sample (0, 0) is texel (0, 0).
+// An importer binds `depth_map` and a texture of that size. A place outside of the lattice is far; in a cube its key is to be
+// dropped.
+// Keys come from bits, never from float arithmetic, so all devices and the CPU decide alike. Keep it so.
 
 struct DepthMapShape {
   // Texels across and down, of one map.
   size: vec2<u32>,
-  // Cells between four samples of the lattice, and blocks of them.
+  // All cells. Blocks: of 64 strips of cells (cell_words.wgsl), or of 256 texels in the stages that write a map.
   cells: u32,
   blocks: u32,
   // Cells that the list has room for.
@@ -15,7 +22,7 @@ struct DepthMapShape {
   threshold: u32,
   // 1: near is 1 and far is 0.
   is_reversed: u32,
-  // Maps: 1, or the 6 of a cube, which lie three in a row and have no border.
+  // Maps: 1, or the 6 of a cube.
   faces: u32,
   // 1: edges between different objects are marked.
   objects: u32,
@@ -36,7 +43,8 @@ struct DepthMapShape {
 const FAR_KEY: u32 = 0x7fffffffu;
 const ONE: u32 = 0x3f800000u;
 
-// Works on bits, because a device may flush a subnormal and may assume that there is no NaN.
+// The key of a depth's bits. Less than 2^-126 counts as 0, more than 1 as 1. It works on bits, because a device may flush a
+// subnormal and may assume that there is no NaN.
 fn sample_key(bits: u32) -> u32 {
   let size = bits & 0x7fffffffu;
   let is_zero = ((bits >> 31u) == 1u) | (size < 0x00800000u);
@@ -56,8 +64,7 @@ fn bits_of_key(key: u32) -> u32 {
   return select(depth_bits(key), select(ONE, 0u, depth_map.is_reversed != 0u), key == FAR_KEY);
 }
 
-// Sample (1, 1) of the lattice is texel (0, 0). In a cube, sample (0, 0) is. A sample on the border of the lattice reads a texel
-// beside it, and drops it: one place loads for all.
+// The key of a sample of the lattice. One on the border reads a texel beside it, and drops it: one place loads for all.
 fn key_at(at: vec2<u32>) -> u32 {
   let is_cube = depth_map.faces > 1u;
   let inside = clamp(at, vec2<u32>(1u), depth_map.size);
@@ -66,7 +73,7 @@ fn key_at(at: vec2<u32>) -> u32 {
   return select(key, FAR_KEY, !is_cube && any(inside != at));
 }
 
-// Bounds of loops, which a compiler does not know, so that it leaves them as they are.
+// `turns` itself, but no constant for a compiler: a loop up to it is not unrolled, so its body is there once.
 fn opaque(turns: u32) -> u32 {
   return min(turns, turns + depth_map.cells);
 }

@@ -1,11 +1,19 @@
-// The boundary between light and shadow as triangles between samples: their vertices, and what is behind them.
+// The boundary between light and shadow: vertices of its triangles, and whether a place is behind it. Imported by `depth_surface`
+// (triangles of cells, near cap) and `depth_walls` (near cap of contours). Its triangles lie between samples, with one depth for
+// each direction from the light. Samples are moved away from the light by a bias; far ones are at infinity (w is 0).
+// The near rectangle is the part of the eye's near plane in the picture, where rays of the eye begin; a place on it is in shadow
+// if it is behind the boundary.
+// Importers bind `cells`: the list of `depth_cells`, or with contours the walls of `contour_walls`; and a view for each map.
+// All triangles at a sample take its vertex from `surface_vertex`, at an invariant position, so a pixel on a common edge is
+// counted once. Do not compute it anywhere else. NUMERICS.md, "Where vertices are", bounds its rounding: keep operations and
+// order.
 
 #import depth_map/cube
 #import depth_map/edge_code
 #import depth_map/samples
 
 struct DepthMapView {
-  // Columns of the matrix to the eye's clip space, of twice the place on the lattice from its middle, and of the depth.
+  // Columns of the matrix to the eye's clip space, from twice the place on the lattice from its middle, and the depth.
   across: vec4<f32>,
   down: vec4<f32>,
   depth: vec4<f32>,
@@ -24,6 +32,7 @@ struct DepthMapView {
   bias: vec4<f32>,
 }
 
+// The length of the list, and the list.
 @group(0) @binding(2) var<storage, read> cells: array<u32>;
 // One for each map.
 @group(0) @binding(3) var<storage, read> views: array<DepthMapView>;
@@ -136,7 +145,7 @@ fn view_of(at: vec2<u32>) -> vec3<i32> {
   return vec3<i32>(2 * vec2<i32>(own.at) + 1 - vec2<i32>(depth_map.size), i32(own.face));
 }
 
-// All triangles at a sample take its vertex from here.
+// The vertex of a sample, in the eye's clip space.
 fn surface_vertex(at: vec2<u32>) -> vec4<f32> {
   let key = key_at(at);
   let own = view_of(at);
@@ -209,7 +218,8 @@ fn near_place(place: vec2<f32>) -> NearPlace {
   return NearPlace(is_in, face, lattice, point.z / point.w);
 }
 
-// It is looked up in the triangle that the draw has there.
+// Whether a place on the near rectangle is behind the triangle there, which is the very one that a draw would have. A place
+// beside a far sample of a parallel light is not.
 fn is_behind_triangle(found: NearPlace) -> bool {
   var corner = vec2<u32>(0u);
   var cell = floor(found.lattice);
