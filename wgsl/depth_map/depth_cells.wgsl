@@ -1,5 +1,12 @@
-// Depth cells: lists the cells of a depth map that have a triangle to draw, in the order of cell_words.wgsl. It has three passes: decide about the
-// cells and count those of each block, turn the counts into places, list them.
+// Stage `depth_cells`: lists the cells of a depth map (each between four samples) that have a triangle to draw. After
+// `depth_cube` and `depth_edges`, where these are; not with contours. Reads depths and objects. Three passes:
+// `depth_cells_count`, an invocation for a strip of 8 × 4 cells, decides and writes `places` (cell_words.wgsl);
+// `depth_edges_count` may replace it. `depth_cells_places`, one workgroup, scans the counts of blocks and writes `draws`.
+// `depth_cells_list`, a workgroup for blocks in turn, writes `cells`: their number, then an entry each (edge_code.wgsl).
+// `depth_surface` reads `cells` and is drawn by `draws`.
+// The list is exact and has one order on every device (cell_words.wgsl). If it overflows, its number says so, and no entry is
+// read: `depth_surface` then draws every cell, and decides about it by edge_code.wgsl. Integers decide where floats might be
+// wrong.
 
 #import depth_map/cell_words
 #import depth_map/edge_code
@@ -13,10 +20,10 @@
 // Whether the threshold may be one in world units. Then `every_cell` is for lists that overflow alone.
 override WORLD: bool = false;
 
-// An entry has the three bits of a cell here.
+// The lowest of the three bits of a cell in its entry.
 const ENTRY_BITS: u32 = 29u;
 
-// As `decided`, for each cell by itself.
+// `decided` for each cell by itself, where edges out of the cell count, too.
 fn decided_by_cells(own: CellsOfStrip) -> vec4<u32> {
   var words = vec4<u32>(0u);
   // Turns: STRIP in all.
@@ -79,7 +86,7 @@ fn settled(corner: vec2<u32>, open: vec4<u32>) -> vec4<u32> {
   return marked;
 }
 
-// As `object_edges`, for the cells of four rows.
+// `object_edges` for the cells of four rows.
 fn object_edges_each(at: vec2<u32>, before: Column, keys: Column) -> vec4<u32> {
   var edges = vec4<u32>(0u);
   for (var row = 0u; row < STRIP; row++) {
@@ -89,7 +96,7 @@ fn object_edges_each(at: vec2<u32>, before: Column, keys: Column) -> vec4<u32> {
   return edges;
 }
 
-// Decides about the cells of a strip. It walks along its rows at once, so that few samples are loaded again.
+// The words of a strip (cell_words.wgsl). It walks along its rows at once, so that few samples are loaded again.
 fn decided(strip: u32) -> vec4<u32> {
   let own = cells_of_strip(strip);
   if (SPREADS) {
@@ -137,7 +144,7 @@ fn decided(strip: u32) -> vec4<u32> {
     triangles_of_word(marked.z, splits.z), triangles_of_word(marked.w, splits.w)));
 }
 
-// As `template_bits`, for all cells of a word.
+// `template_bits` for all cells of a word: from the edges of each at its top, right and bottom, and of the first at the left.
 fn triangles_of_word(marked: u32, splits: u32) -> u32 {
   let top = marked & EACH;
   let right = (marked >> 1u) & EACH;
@@ -148,7 +155,7 @@ fn triangles_of_word(marked: u32, splits: u32) -> u32 {
   return splits | (either(first, second) << 1u) | (either(second, first) << 2u);
 }
 
-// Workgroups take blocks in turn, where a dispatch may not have as many.
+// An invocation decides about a strip; a workgroup takes blocks in turn.
 @compute @workgroup_size(BLOCK_STRIPS)
 fn depth_cells_count(
   @builtin(workgroup_id) group: vec3<u32>,

@@ -1,6 +1,10 @@
-// Depth cube: puts six maps into one texture, three in a row. Samples of two or three maps that lie on one ray get the nearest of
-// their depths, so maps that meet have the same samples where they do. A map of another size, such as one texel, casts nothing.
-// Each sample has the object of the map that its depth is from, the first of those with this depth.
+// Stage `depth_cube`: puts the six depth maps around a light into one texture, three in a row. First dispatch of an encode of
+// `DepthMapCube`, unless an earlier list of cells is drawn. One invocation a texel of the result.
+// Reads six depth textures, and six of objects if OBJECTS. A map of another size, such as one texel, is not there and casts
+// nothing. Writes `cube_texture` and `cube_objects`, which all later stages and draws have as `depth_texture` and
+// `object_texture`: depths from 0 to 1, none subnormal or NaN, and the far end where nothing casts; no object is written there.
+// Samples of maps that lie on one ray (cube.wgsl) get the nearest of their depths and the object of the first map that has it, so
+// cells of both maps at an edge of the cube decide from the same samples. Keys, which are integers, decide.
 
 #import depth_map/cube
 #import depth_map/samples
@@ -25,6 +29,7 @@ const BLOCK: u32 = 256u;
 // Whether there are objects.
 override OBJECTS: bool = true;
 
+// The key of a texel of a map: an integer that grows with the distance from the light.
 fn loaded(map: texture_2d<f32>, at: vec2<u32>) -> u32 {
   if (any(textureDimensions(map) != depth_map.size)) {
     return FAR_KEY;
@@ -78,7 +83,7 @@ fn object_of_face(face: u32, at: vec2<u32>) -> u32 {
   }
 }
 
-// Workgroups take blocks of texels in turn, where a dispatch may not have as many.
+// A workgroup takes further blocks only where the device may not have a workgroup for each.
 @compute @workgroup_size(BLOCK)
 fn depth_cube(
   @builtin(workgroup_id) group: vec3<u32>,

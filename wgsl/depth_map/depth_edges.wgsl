@@ -1,7 +1,13 @@
-// Depth edges: marks edges between samples, continues those that dangle, and decides about cells from the marks. It takes the
-// place of the first pass of depth cells, for detectors that look farther than an edge or continue edges, and for steps in world units
-// with several bits. A word of marks has 16 samples of a row of the lattice: a bit for the edge to the right of each, and 16 bits
-// higher one for the edge below it.
+// Stage `depth_edges`: marks edges between neighbouring samples of a depth map, continues those that dangle (end in a cell
+// without another marked edge), and decides about cells from the marks. It replaces `depth_cells_count` for detectors that look
+// beside an edge, continue edges, or with several bits of stencil have a threshold in world units. First in an encode, but after
+// `depth_cube`.
+// `depth_edges_mark`, one invocation for 16 × 4 samples, reads depths and objects and writes `edges`, `faint_edges`,
+// `sample_bits`. `depth_edges_continue`, one invocation a word of 16 samples, runs up to 64 times; two buffers of marks take
+// turns. It adds marks only, so the order of cells does not matter. `depth_edges_count`, a workgroup for blocks of cells in turn,
+// reads marks and `sample_bits` and writes `places` (cell_words.wgsl) for `depth_cells_places` and `depth_cells_list`.
+// Marks are exact (edge_rule.wgsl). A word of marks has a bit for the edge to the right of each of 16 samples of a row, and 16
+// bits higher one for the edge below it.
 
 #import depth_map/cell_words
 #import depth_map/edge_code
@@ -24,8 +30,8 @@ fn step_of(axis: u32) -> vec2<u32> {
   return select(vec2<u32>(1u, 0u), vec2<u32>(0u, 1u), axis == 1u);
 }
 
-// An invocation marks four words below each other. It walks along all at once, so that few samples are loaded again. The place
-// of the first.
+// The word that a strip of marks (not of cells) begins at: four words below each other, which an invocation walks along at once,
+// so that few samples are loaded again.
 fn strip_at(strip: u32) -> vec2<u32> {
   return vec2<u32>(strip % edge_rule.words.x, strip / edge_rule.words.x * STRIP);
 }
@@ -51,7 +57,7 @@ struct Edges {
   after: vec4<u32>,
 }
 
-// As `told`, for each of them.
+// `told` for each of them.
 fn told_each(line: Edges, level: u32) -> vec4<u32> {
   return vec4<u32>(
     told(vec4<u32>(line.before.x, line.first.x, line.second.x, line.after.x), level),
@@ -73,7 +79,7 @@ fn differ(line: Edges, at: vec2<u32>, step: vec2<u32>) -> vec4<bool> {
   return result;
 }
 
-// For each word of a strip.
+// Words of a strip: edges that are marked, and those that are left to `exactly`.
 struct Marks {
   marked: vec4<u32>,
   open: vec4<u32>,
@@ -84,6 +90,7 @@ fn with_states(marks: Marks, states: vec4<u32>, place: u32) -> Marks {
   return Marks(marks.marked | ((states & vec4<u32>(1u)) << places), marks.open | ((states >> vec4<u32>(1u)) << places));
 }
 
+// Writes the marks of a strip, at both levels if edges are continued, and which of its samples cast and cells are split.
 fn mark_strip(strip: u32) {
   let word = strip_at(strip);
   let corner = vec2<u32>(word.x * WORD_SAMPLES, word.y);
@@ -92,7 +99,7 @@ fn mark_strip(strip: u32) {
   let side = select(vec2<u32>(0x40000000u), depth_map.size, depth_map.faces > 1u);
   let rows = (corner.y + vec4<u32>(0u, 1u, 2u, 3u)) % side.y;
   let leaves_down = rows + 1u == vec4<u32>(side.y);
-  // Of the column of `here` in its map.
+  // The column of `here` within its map.
   var column = corner.x % side.x;
   var here: Column;
   var next: Column;
@@ -184,7 +191,7 @@ fn depth_edges_mark(
   }
 }
 
-// Marks the faint edges of the cells that have one marked edge.
+// Marks the faint edges, those of level 1, of cells that have one marked edge.
 @compute @workgroup_size(BLOCK)
 fn depth_edges_continue(
   @builtin(workgroup_id) group: vec3<u32>,
@@ -214,7 +221,7 @@ fn apart(bits: u32) -> u32 {
   return (twos & 0x01010101u) | ((twos & 0x02020202u) << 3u);
 }
 
-// What a row of samples has for the cells beside it, from two samples on the left of the first on.
+// Bits for a row of samples. Bit 0 is two samples to the left of the strip of cells.
 struct RowOfSamples {
   // Edges across and down.
   marks: vec2<u32>,
@@ -231,13 +238,13 @@ fn row_of_samples(at: vec2<i32>, before: vec2<u32>, borders: Borders, row: i32) 
   return RowOfSamples(marks, ends);
 }
 
-// As `decided`, from marks. It walks down. Places count from two samples on the left of the strip's first.
+// The words of a strip of cells (cell_words.wgsl), from marks. It walks down the rows of samples.
 fn decided_by_marks(strip: u32) -> vec4<u32> {
   let own = cells_of_strip(strip);
   let at = vec2<i32>(own.corner) - vec2<i32>(2, 0);
   let borders = borders_from(vec2<i32>(own.in_map) - vec2<i32>(2, 0));
   var words = vec4<u32>(0u);
-  // Of a row, and of those before and after it.
+  // The rows above, at and below the walk.
   var upper: RowOfSamples;
   var lower: RowOfSamples;
   var next: RowOfSamples;
@@ -283,7 +290,7 @@ fn select_bits(otherwise: u32, taken: u32, bits: u32) -> u32 {
   return (otherwise & ~bits) | (taken & bits);
 }
 
-// As `depth_cells_count`.
+// Writes what `depth_cells_count` does. An invocation decides about a strip of cells; a workgroup takes blocks in turn.
 @compute @workgroup_size(BLOCK_STRIPS)
 fn depth_edges_count(
   @builtin(workgroup_id) group: vec3<u32>,
@@ -297,16 +304,15 @@ fn depth_edges_count(
   }
 }
 
-// Marks of edges, many at once: a word has 16 samples that follow each other in a row of the lattice. It has a bit for the edge
-// from each sample to the next one on the right, and 16 bits higher one for the edge to the sample below.
 
-// The marks of an earlier pass.
+// The marks of the pass before: mark, or continue.
 @group(0) @binding(7) var<storage, read> edges_before: array<u32>;
 
 // For as many samples, whether each casts, and 16 bits higher whether the cell below it and on its right is split.
 @group(0) @binding(10) var<storage, read_write> sample_bits: array<u32>;
 
-// A triangle is drawn if one of its samples is so many edges, less one, from the end of a marked edge.
+// 0: triangles with a marked edge are drawn. Above 0: those, too, with a sample up to RINGS - 1 edges from the end of a marked
+// one.
 override RINGS: u32 = 2u;
 
 // Where a word is, and whether there is one.

@@ -1,5 +1,8 @@
-// Depth merge: for each texel the nearer of two depths, of one light. Texels of the result have the depths of keys: from 0 to 1,
-// none subnormal, and the far end where nothing casts.
+// Stage `depth_merge`: for each texel the nearer of two depths, of two maps that one camera of a light made. Dispatched by
+// `DepthMapMerge::encode`, before the encode that reads the result as `depth_texture`. One invocation a texel.
+// Reads both maps, of any depth format. Writes a texture of `r32float` with the depth of the smaller key (an integer that grows
+// with the distance from the light): from 0 to 1, none subnormal or NaN, and the far end where nothing casts in either map.
+// Integers decide, so the choice is exact. A texel of the result has the very key that it was made from.
 
 #import depth_map/samples
 
@@ -8,7 +11,7 @@
 
 const BLOCK: u32 = 256u;
 
-// Workgroups take blocks of texels in turn, where a dispatch may not have as many.
+// A workgroup takes further blocks only where the device may not have a workgroup for each.
 @compute @workgroup_size(BLOCK)
 fn depth_merge(
   @builtin(workgroup_id) group: vec3<u32>,

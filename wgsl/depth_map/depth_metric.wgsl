@@ -1,5 +1,9 @@
-// Depth metric: a depth map from a map of distances. Texels of the result have the depths of keys: from 0 to 1, none subnormal,
-// and the far end where nothing casts. NUMERICS.md, "Maps of distances".
+// Stage `depth_metric`: makes a depth map from distances to a light, as ray marching and range images have them. Dispatched by
+// `DepthMapConversion::encode`, before the encode that reads the result as `depth_texture`. One invocation a texel.
+// Reads distances and `metric_view`. Writes a texture of `r32float` with the device depths of the light's camera: from 0 to 1,
+// none subnormal or NaN, and the far end where nothing casts.
+// It computes in floats, within a bound: `metric_steps` in src/gpu/depth_map/metric.rs, by which draws move the boundary of
+// shadow. Keep the operations of `distance_key` and their order: NUMERICS.md, "Maps of distances", derives the bound from them.
 
 #import depth_map/samples
 
@@ -16,11 +20,11 @@ struct DepthMetricView {
   // 1: there is a far plane.
   has_far: f32,
   scale: f32,
-  // What distances are clamped to. From the larger one on, nothing casts.
+  // Distances are clamped to this range. From the larger one on, nothing casts.
   least: f32,
   most: f32,
-  // 0: texels hold device depths. 1: distances in the direction that the planes are apart in. 2: distances along rays from a
-  // place.
+  // 0: texels hold device depths. 1: distances along the axis of view, or along parallel rays. 2: distances along rays that
+  // meet at the light.
   metric: u32,
   // 1: depth is linear in the distance.
   is_parallel: u32,
@@ -32,13 +36,14 @@ struct DepthMetricView {
 const BLOCK: u32 = 256u;
 const INFINITE: u32 = 0x7f800000u;
 
-// How much longer a ray is than its component along the axis.
+// The length of the ray through a texel per unit along the axis. `steps`: half texels from the middle of the map.
 fn ray_length(steps: vec2<f32>) -> f32 {
   let ray = metric_view.across.xyz * steps.x + metric_view.down.xyz * steps.y + metric_view.middle.xyz;
   return sqrt(ray.x * ray.x + ray.y * ray.y + ray.z * ray.z);
 }
 
-// The key of a distance. Signs, infinity and NaN are told by bits, because a device may assume that there are none.
+// The key (samples.wgsl) of a distance. Signs, infinity and NaN are told by bits, because a device may assume that there are
+// none.
 fn distance_key(bits: u32, steps: vec2<f32>) -> u32 {
   let size = bits & 0x7fffffffu;
   let is_behind = (bits >> 31u) == 1u;
@@ -58,7 +63,7 @@ fn distance_key(bits: u32, steps: vec2<f32>) -> u32 {
   return select(sample_key(bitcast<u32>(depth)), FAR_KEY, is_far);
 }
 
-// Workgroups take blocks of texels in turn, where a dispatch may not have as many.
+// A workgroup takes further blocks only where the device may not have a workgroup for each.
 @compute @workgroup_size(BLOCK)
 fn depth_metric(
   @builtin(workgroup_id) group: vec3<u32>,

@@ -1,9 +1,18 @@
-// Depth surface: the vertices of the boundary between light and shadow, and where the near rectangle is in shadow.
+// Stage `depth_surface`: draws the boundary between light and shadow into the caller's stencil (`DepthMapFrame::draw`, in the
+// caller's render pass after the eye's depths), once for each bit. Depth is tested and not written; a fragment before what is
+// seen turns the bit round, or counts.
+// `depth_surface` with `nothing`: six vertices for each listed cell, an indirect draw whose arguments `depth_cells` wrote. With
+// contours only if the list of walls overflowed. If a list overflowed, it draws every cell and decides about it as the list
+// would. `depth_near_cap` with its fragment shader: one triangle over the picture, which turns the bit round where the near
+// rectangle (the part of the eye's near plane in the picture) is in shadow; 3 vertices, or 0 if `depth_near` found it in light.
+// Both together turn the bit just where what is seen is behind the boundary, unless a detector missed an edge. All vertices come
+// from surface.wgsl, invariant.
 
 #import depth_map/edge_code
 #import depth_map/samples
 #import depth_map/surface
 
+// Vertices 0 to 2 are the first triangle of a cell, 3 to 5 the second. If it is not drawn, they lie in one point.
 @vertex
 fn depth_surface(@builtin(vertex_index) index: u32) -> SurfaceVertex {
   let number = index / 6u;
@@ -32,7 +41,7 @@ fn depth_near_cap(@builtin(vertex_index) index: u32) -> NearVertex {
   return NearVertex(vec4<f32>(place, 0.5, 1.0), place);
 }
 
-// Whether a place on the near rectangle is behind the surface: it is looked up in the triangle that the draw has there.
+// Whether a place on the near rectangle, from -1 to 1, is behind the boundary.
 fn is_behind(place: vec2<f32>) -> bool {
   let found = near_place(place);
   return found.is_in && is_behind_triangle(found);

@@ -1,4 +1,10 @@
-// Mesh depth: the vertices of meshes, as the light of a depth map sees them.
+// Stage `mesh_depth`: vertex shaders that draw meshes into the depth map of a light, in a render pass of the caller's before the
+// stages that read the map. There is no fragment shader: the depth attachment becomes their `depth_texture`.
+// `mesh_depth`: one mesh, an indexed draw of all faces (`MeshDepth::draw`). `scene_depth`: casters of a scene, three vertices a
+// face, an instance for each chunk, which is 64 faces of a caster (`SceneDepth::draw`). Both draw front and back faces.
+// Read: positions in the caller's buffer or the scene's pages, transforms, faces, the light's matrix.
+// The same positions have the same depth bits in both draws: `light_position` makes all vertices, and they are invariant. Keep
+// its operations and their order; NUMERICS.md, "Depth of scenes", bounds their rounding.
 
 struct MeshDepthView {
   // The light's matrix, by columns.
@@ -10,7 +16,7 @@ struct MeshDepthCaster {
   row_0: vec4<f32>,
   row_1: vec4<f32>,
   row_2: vec4<f32>,
-  // The word of x of vertex 0, the words from one vertex to the next, the first face, and how many there are.
+  // Offset of vertex 0 in `positions` and stride, both in words; the first face in `faces`, and the count of faces.
   place: vec4<u32>,
 }
 
@@ -18,13 +24,13 @@ struct MeshDepthCaster {
 @group(0) @binding(0) var<storage, read> views: array<MeshDepthView>;
 @group(0) @binding(1) var<storage, read> positions: array<f32>;
 @group(0) @binding(2) var<storage, read> casters: array<MeshDepthCaster>;
-// Three vertices a face.
+// Three vertices a face, of all casters that are drawn together. Only `scene_depth` reads it.
 @group(0) @binding(3) var<storage, read> faces: array<u32>;
 // The caster of each chunk of faces, and the number of its first face among those of the caster.
 @group(0) @binding(4) var<storage, read> chunks: array<vec2<u32>>;
 
-// One function for both draws, so that the same positions have the same depths. With rows of the unit matrix every product and
-// sum but the last is exact.
+// The clip position of a vertex of a caster. With rows of the unit matrix every product and sum of a row but the last is exact,
+// so a caster with that transform has the depths of one without.
 fn light_position(caster: MeshDepthCaster, vertex: u32) -> vec4<f32> {
   let word = caster.place.x + vertex * caster.place.y;
   let own = vec3<f32>(positions[word], positions[word + 1u], positions[word + 2u]);
@@ -41,7 +47,7 @@ fn mesh_depth(@builtin(vertex_index) vertex: u32) -> @builtin(position) @invaria
   return light_position(casters[0], vertex);
 }
 
-// An instance is a chunk. Places in it behind the last face of its caster are points, which draw nothing.
+// The last chunk of a caster may have less than 64 faces. Vertices behind them all lie in one point, which draws nothing.
 @vertex
 fn scene_depth(
   @builtin(vertex_index) corner: u32,
