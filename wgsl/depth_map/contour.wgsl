@@ -1,5 +1,12 @@
-// The contours of a depth map: depths as integers, marked edges, and the distances of surfaces beside them. NUMERICS.md,
-// "Contours".
+// Contours of a depth map: depths as integers, slopes, and how smooth surfaces end. A contour is the line where a surface ends
+// before another or before nothing, as the light sees it: it crosses the edges between samples at a jump. In place of triangles,
+// a wall along rays of the light is drawn over it. Imported by the stages `contour_…`, `depth_walls`, `depth_near_walls`,
+// contour_rim.wgsl.
+// A distance is the device depth from the near plane on, in units of 2⁻²⁹ of its range; FAR is nothing. Places are in 256 parts
+// of a texel. Cells are cut into tiles of 16 × 16, in which contours are followed.
+// Importers bind `contour` and what samples.wgsl has, of a single map. `at` lies on the lattice or beside it, where all is far.
+// All is integer arithmetic, so lists of walls are the same on every device, to the word. NUMERICS.md, "Contours", shows that
+// nothing overflows: keep shifts and clamps.
 
 #import depth_map/samples
 
@@ -16,8 +23,8 @@ struct ContourShape {
   sure: i32,
   // How far a segment may be from a place of the contour.
   sideways: i32,
-  // How far the ends of a wall may be from those of the surfaces there: a number, and the bits that it and distances are moved
-  // down by.
+  // How far surfaces may be from the line between a wall's ends: a distance, moved down by `shift` bits, as those are
+  // that are compared with it.
   tolerance: i32,
   shift: u32,
   // The move away from the light: parts of 256 of a texel's difference, parts of 2²⁹ of the depth, a distance.
@@ -40,8 +47,8 @@ const FAR: i32 = 0x7fffffff;
 // The nearest that a place may be to a sample.
 const LEAST: i32 = 16;
 
-// The corners of a cell in turn. Edge b lies between the corners b and b + 1. Walked over from within the cell, the first is on
-// the left.
+// The corners of a cell from (0, 0) on, clockwise with rows downwards. Edge b lies between the corners b and b + 1: 0 top, 1
+// right, 2 bottom, 3 left. On the way out of the cell over it, corner b is on the left.
 fn turn(corner: u32) -> vec2<i32> {
   return vec2<i32>((vec2<u32>(6u, 12u) >> vec2<u32>(corner & 3u)) & vec2<u32>(1u));
 }
@@ -52,6 +59,7 @@ fn out_of(bit: u32) -> vec2<i32> {
   return select(vec2<i32>(0, sign), vec2<i32>(sign, 0), (bit & 1u) == 1u);
 }
 
+// From a sample to the next: 0 to the right, 1 down.
 fn step_along(axis: u32) -> vec2<i32> {
   return select(vec2<i32>(1, 0), vec2<i32>(0, 1), axis == 1u);
 }
@@ -61,6 +69,7 @@ fn edge_of_cell(cell: vec2<i32>, bit: u32) -> vec2<i32> {
   return select(cell, cell + out_of(bit), bit == 1u || bit == 2u);
 }
 
+// The one that is nearer to 0, or 0 if their signs differ.
 fn smaller(a: i32, b: i32) -> i32 {
   return select(select(b, a, abs(a) < abs(b)), 0, (a ^ b) < 0);
 }
@@ -98,7 +107,7 @@ fn slope_between(at: vec2<i32>, step: vec2<i32>) -> i32 {
   return select(abs(smaller(own - before, after - own)), 0, max(own, max(before, after)) == FAR);
 }
 
-// What the depths of the map and of the eye may be off by, at a distance.
+// The error that depths of the map and of the eye may have together, at a distance.
 fn precision_at(own: i32) -> i32 {
   let depth = select(own, RANGE - own, depth_map.is_reversed != 0u);
   return (((depth >> 10u) * contour.share) >> 19u) + contour.constant;
@@ -117,7 +126,7 @@ fn moved_distance(at: vec2<i32>) -> i32 {
   return own + min(of_slopes + precision_at(own), (RANGE - own) / 2);
 }
 
-// No place: the depths or the run do not tell.
+// No place: neither depths nor the run of the contour tell one. Also no conic.
 const UNTOLD: i32 = -1;
 // Units that the last difference before a rim has at least, and how many times what depths may be off by it is.
 const LEAST_RISE: i32 = 1024;

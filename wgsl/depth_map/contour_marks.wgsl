@@ -1,4 +1,9 @@
-// Contour marks: which edges of the lattice a contour crosses.
+// Stage `contour_marks`: marks the edges between samples that a contour crosses: the samples at their ends are of different
+// surfaces. First in an encode with contours. One invocation for each word of marks, 16 samples of a row.
+// Reads depths and objects. Writes `marks`, which `contour_tiles`, `contour_places`, `contour_walls` and the near cap of
+// `depth_walls` read.
+// A slope is no jump, however steep: surfaces must have no walls within, or they would have specks of their own shadow. Integers
+// decide, so marks are the same on every device. NUMERICS.md, "A jump".
 
 #import depth_map/contour
 #import depth_map/edge_code
@@ -51,7 +56,7 @@ fn is_jump(at: vec2<i32>, step: vec2<i32>) -> bool {
   return (jump > contour.sure || is_alone) && jump - slopes > contour.threshold;
 }
 
-// Workgroups take blocks of words in turn, where a dispatch may not have as many.
+// A workgroup takes further blocks of words only where the device may not have a workgroup for each.
 @compute @workgroup_size(BLOCK)
 fn contour_marks(
   @builtin(workgroup_id) group: vec3<u32>,

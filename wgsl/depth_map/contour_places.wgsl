@@ -1,5 +1,10 @@
-// Contour places: where on a marked edge the contour crosses it. Near a smooth rim the depths beside the edge tell. Elsewhere the
-// run of the contour does: a line or a parabola through the edges that it crosses before and after.
+// Stage `contour_places`: where on a marked edge a contour crosses it. At the rim of a smooth surface depths tell; elsewhere a
+// line or parabola is fitted to the edges that the contour crosses before and after.
+// After `contour_tiles`, which writes its indirect dispatch: one invocation for each row of 16 samples of a listed tile. Reads
+// depths, `marks`, `counts`. Writes `places`, which `contour_walls` reads and moves, and then the near cap of `depth_walls`
+// reads.
+// An invocation writes the words of its own samples only. Integers, so places are the same on every device. A place is at least
+// LEAST from both samples. NUMERICS.md, "Rims" and "Places", shows that nothing overflows.
 
 #import depth_map/contour
 #import depth_map/contour_rim
@@ -8,14 +13,14 @@
 // For each sample of the lattice the places on the edges to its right and below it, 16 bits each, in parts of 65,536 of a texel.
 // Only those of marked edges are written.
 @group(0) @binding(3) var<storage, read_write> places: array<u32>;
-// The list of tiles that contours cross, and its length, behind the counts of `contour_walls`.
+// From `contour_tiles`: the list of tiles that contours cross, behind the room for the counts of `contour_walls`, and its length.
 @group(0) @binding(5) var<storage, read> counts: array<u32>;
 
 const BLOCK: u32 = 256u;
 
 // Edges that the contour is followed over to each side, for a line.
 const REACH: i32 = 12;
-// Those of a parabola at most.
+// The same for a parabola.
 const BENT: i32 = 8;
 // Edges to each side from which on a line is tried first.
 const LINE: i32 = 5;
@@ -23,7 +28,8 @@ const LINE: i32 = 5;
 // The step to an edge that the contour crosses, from that of the place, in half texels, and its axis.
 var<private> crossed: array<vec3<i32>, 25>;
 
-// Follows the contour from an edge out of a cell, and notes the edges that it crosses. Their number.
+// Follows the contour from an edge into the cell `start` and on, and notes the edges that it crosses. Returns how many: it ends
+// at REACH, or where the contour ends or meets another. `out`: the side of the edge that `start` is on, `side`: -1 or 1.
 fn follow(edge: vec3<i32>, start: vec2<i32>, out: u32, side: i32) -> i32 {
   let origin = 2 * edge.xy + step_along(u32(edge.z));
   var cell = start;
@@ -81,7 +87,7 @@ fn fitted_place(count: i32, is_line: bool, axis: u32) -> i32 {
   return TEXEL / 2 + middle[axis] - middle[1u - axis] * way[axis] / way[1u - axis];
 }
 
-// The place that the run of the contour tells.
+// The place that the run of the contour tells: the middle of the edge, if no curve fits.
 fn run_place(at: vec2<i32>, axis: u32) -> i32 {
   // The cells to both sides: above and below, or to the left and right.
   var counts: array<i32, 2>;
@@ -103,6 +109,7 @@ fn run_place(at: vec2<i32>, axis: u32) -> i32 {
   return select(place, TEXEL / 2, place == UNTOLD);
 }
 
+// Where the contour crosses a marked edge, from its first sample on.
 fn place_on(at: vec2<i32>, axis: u32) -> i32 {
   let step = step_along(axis);
   // The surface that is nearer ends there.
@@ -115,7 +122,7 @@ fn place_on(at: vec2<i32>, axis: u32) -> i32 {
   return clamp(place, LEAST, TEXEL - LEAST);
 }
 
-// An invocation takes the samples of a tile in a row, whose marks are one word.
+// An invocation takes a row of a tile, whose marks are one word.
 @compute @workgroup_size(BLOCK)
 fn contour_places(
   @builtin(workgroup_id) group: vec3<u32>,

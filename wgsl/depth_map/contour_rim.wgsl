@@ -1,5 +1,11 @@
-// Contour rim: where a smooth surface ends, from the depths of its last samples, and the marks of edges. For the stages that place,
-// list and draw walls over contours.
+// Where a smooth surface ends beyond its last sample (its rim), how a surface goes on up to a contour, and which edges are
+// marked. Imported by `contour_tiles` (marks), `contour_places`, `contour_walls`, and `depth_walls` (near cap); after
+// `contour_marks`.
+// A contour is where a surface ends before another as the light sees it; it crosses the marked edges between samples.
+// Importers bind what contour.wgsl has, and `marks`. Places are in 256 parts of a texel, in the direction of a step from a
+// sample.
+// Integers only, so the same on every device. Walls and near cap both take surfaces from `surface_distance`: no copy of it
+// elsewhere.
 
 #import depth_map/contour
 
@@ -8,7 +14,7 @@ const BEYOND: i32 = 24;
 // Parts of the square of the last difference that a fifth sample may be off its conic.
 const ON_CONIC: i32 = 5;
 
-// The place of the rim of a smooth surface beyond its last sample, in the direction of a step, in parts of a texel.
+// The place of the rim of a smooth surface beyond its last sample, in the direction of a step. UNTOLD: depths do not tell it.
 fn rim_beyond(last: vec2<i32>, step: vec2<i32>) -> i32 {
   for (var number = 0; number < 4; number++) {
     if (is_marked_before(last - number * step, step)) {
@@ -61,8 +67,8 @@ fn way_on(at: vec2<i32>, step: vec2<i32>, place: i32) -> i32 {
   return parts(parts(parts(min(last, RANGE / 8), place), growth), growth);
 }
 
-// The distance of the surface of a sample at a place beside it, in parts of a texel in the direction of a step. With `texels`: away
-// from the light by the slope of so many texels at least.
+// The distance of the surface of a sample at a place beside it, in the direction of a step, moved by the bias. With `texels`:
+// away from the light by the slope of so many texels at least.
 fn surface_distance(at: vec2<i32>, step: vec2<i32>, place: i32, texels: i32) -> i32 {
   let own = distance_at(at);
   if (own == FAR) {
@@ -78,8 +84,7 @@ fn surface_distance(at: vec2<i32>, step: vec2<i32>, place: i32, texels: i32) -> 
   return clamp(moved_distance(at) + way, 0, own + (RANGE - own) / 2);
 }
 
-// Reads marks of edges.
-
+// From `contour_marks`: for each sample two bits, 16 samples a word, `contour.words` words a row.
 @group(0) @binding(9) var<storage, read> marks: array<u32>;
 
 // Two bits: the edges to the right of a sample and below it.

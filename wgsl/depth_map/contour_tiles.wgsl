@@ -1,14 +1,19 @@
-// Contour tiles: lists the tiles that a contour crosses, in their order. It has two passes: find them, list them.
+// Stage `contour_tiles`: lists the tiles of 16 × 16 cells that a contour (marked edges) crosses, in ascending order. Two passes
+// after `contour_marks`: `contour_tiles_find`, one invocation a tile; `contour_tiles_list`, one workgroup.
+// Reads `marks`. Writes the list and its length into `counts`, for `contour_places`, `contour_walls` and the near cap of
+// `depth_walls`; and `workgroups`, the arguments of the indirect dispatches of `contour_places` and `contour_walls_take`.
+// No tile with a marked edge on or within its border may be missing, and the order must stay: `depth_walls` searches the list by
+// halves.
 
 #import depth_map/contour
 #import depth_map/contour_rim
 #import depth_map/samples
 
-// First whether a contour crosses each tile. `contour_walls` has counts there. The list follows the counts of its invocations,
-// and the list's length follows it.
+// First whether a contour crosses each tile; `contour_walls` overwrites that with counts. Then room for the counts of its WALKERS
+// invocations of each tile, then the list, then the list's length.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 
-// Workgroups of `contour_places`, across, down and 1; then those of `contour_walls` that walk.
+// Arguments of the indirect dispatch of `contour_places`, then of `contour_walls_take`.
 @group(0) @binding(10) var<storage, read_write> workgroups: array<u32>;
 
 const BLOCK: u32 = 256u;

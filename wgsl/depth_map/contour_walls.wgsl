@@ -1,12 +1,20 @@
-// Contour walls: walks along the contours of each tile, fits segments to them, and lists a wall over each segment. It has three
-// passes: count the walls of each tile that has any, turn the counts into places, list them. `contour_tiles` lists the tiles.
+// Stage `contour_walls`: walks along the contours of each tile, fits segments, and lists a wall over each: a quadrilateral along
+// rays of the light, from the nearer surface to the farther one. Flaps are listed, too: they join a wall's top to samples of the
+// nearer one.
+// After `contour_places`. `contour_walls_take` counts (a workgroup for up to two listed tiles, by the dispatch that
+// `contour_tiles` wrote; four cells an invocation), `contour_walls_places` scans (one workgroup), `contour_walls_take` lists,
+// with LISTS.
+// Reads depths, marks, tiles, places. Writes `walls` and their `draws` for `depth_walls`; `counts` and moved `places` for its
+// near cap.
+// Both takes walk alike. The list is in order of tiles, invocations, cells and edges, the same on every device. Ends of segments
+// do not depend on the walk, so walls close where they meet. Each marked edge is crossed by one wall, no other edge by any.
 
 #import depth_map/contour
 #import depth_map/contour_rim
 #import depth_map/samples
 
-// As `contour_places` writes them. Listing moves those between the ends of a segment onto it. Only one invocation has an edge
-// within a tile, but edges of two tiles may share a word.
+// Where contours cross edges, from `contour_places`. Listing moves those between the ends of a segment onto it, after its walk
+// has read them. Only one invocation has an edge within a tile, but edges of two tiles may share a word.
 @group(0) @binding(3) var<storage, read_write> places: array<atomic<u32>>;
 // For each listed tile its walls, then those of all tiles before it. After them the walls of each invocation of each tile; the
 // list of tiles; its length.
@@ -22,7 +30,7 @@ override LISTS: bool = false;
 // Cells of each invocation of a tile.
 const WALKER_CELLS: u32 = 4u;
 const TILE_CELLS: u32 = 256u;
-// Nodes that a segment may have. A power of two.
+// Nodes that a segment may have. A power of two. A node is a marked edge of a walk, or the middle of a star at its end.
 const WINDOW: u32 = 32u;
 // Nodes that a segment is tried to reach beyond the last that it fits.
 const TRIES: u32 = 8u;
@@ -30,13 +38,13 @@ const TRIES: u32 = 8u;
 // Texels whose slope the nearer surface goes away by at least, up to a wall: a side that is narrower than a texel has no sample.
 const STEEP: i32 = 4;
 
-// A step out of a cell.
+// A step out of a cell over an edge: 0 top, 1 right, 2 bottom, 3 left.
 struct Step {
   cell: vec2<i32>,
   bit: u32,
 }
 
-// What a walk comes to.
+// The next node of a walk: there is none.
 const NOTHING: u32 = 0u;
 // An edge that a step goes over.
 const EDGE: u32 = 1u;
@@ -55,10 +63,10 @@ var<private> inners: array<vec4<i32>, WINDOW>;
 var<private> edges: array<vec4<i32>, WINDOW>;
 // Where the first node of the window is.
 var<private> head: u32;
-// The next wall's place in the list, and walls so far.
+// The next wall's index in the list, or walls counted so far.
 var<private> place: u32;
 
-// Where a node of the window is.
+// The index of a node of the window in the ring.
 fn slot(node: u32) -> u32 {
   return (head + node) & (WINDOW - 1u);
 }
@@ -67,11 +75,13 @@ fn cross_product(a: vec2<i32>, b: vec2<i32>) -> i32 {
   return a.x * b.y - a.y * b.x;
 }
 
+// Whether the edge of a step lies on the border of a tile, where walks end.
 fn is_border(step: Step) -> bool {
   let at = edge_of_cell(step.cell, step.bit);
   return select(at.y, at.x, (step.bit & 1u) == 1u) % TILE == 0;
 }
 
+// Whether contours end or meet in a cell: one, three or four of its edges are marked.
 fn is_star(cell: vec2<i32>) -> bool {
   let edges = countOneBits(code_of_cell(cell));
   return edges != 0u && edges != 2u;
@@ -92,7 +102,8 @@ fn number_of(cell: vec2<i32>, bit: u32, is_of_star: bool) -> u32 {
 
 const NO_END: u32 = 0xffffffffu;
 
-// Walks to the end, and gives its number. With `least`: 0 if the walk comes back and meets no smaller cell before, else no end.
+// Walks to the next border or star, and gives the number of the step or star there, 0 for a loop. With `least`: 0 if the walk
+// comes back to its cell and meets no smaller one before, else NO_END.
 fn end_of(start: Step, least: bool) -> u32 {
   var step = start;
   // Turns: TILE_CELLS + 1.
@@ -136,8 +147,8 @@ fn with_corner(total: i32, cell: vec2<i32>, number: u32, samples: u32, shift: u3
   return select(total + (own >> shift), FAR, total == FAR || own == FAR);
 }
 
-// The distance in the middle of a star, of the surface that has a corner of the cell: the mean of those of its samples. Without
-// loops, whose turns would count for every node and segment.
+// The distance in the middle of a star, of the surface that has a corner of the cell: the mean of those of its samples. It has no
+// loops, because their turns (src/turns.rs) would count for every node and segment.
 fn middle_distance(cell: vec2<i32>, code: u32, corner: u32) -> i32 {
   let samples = spread(spread(spread(1u << (corner & 3u), code), code), code);
   let shift = countOneBits(samples) / 2u;
@@ -163,7 +174,7 @@ fn next_copy(edge: vec3<i32>, here: i32, to: i32) -> i32 {
   return nearer_copy(edge.xy, code, 3u, here, three);
 }
 
-// Puts a node at the end of the window.
+// Puts a node at the end of the window: its place, the distances of both surfaces there, and the limits of segments that pass it.
 fn add_node(count: u32, kind: u32, step: Step) {
   let at = slot(count);
   let is_edge = kind == EDGE;
@@ -268,6 +279,7 @@ fn write_vertex(word: u32, vertex: vec3<i32>) {
   walls[word + 2u] = bitcast<u32>(vertex.z);
 }
 
+// Takes a wall or flap: lists it, if there is room, and counts it.
 fn add_wall(p: vec3<i32>, q: vec3<i32>, r: vec3<i32>, s: vec3<i32>) {
   if (LISTS && place < contour.capacity) {
     let word = 4u + 12u * place;
@@ -336,7 +348,8 @@ fn move_places(last: u32) {
   }
 }
 
-// Walks from a node to the end, and takes a wall for each segment.
+// Walks from a node to the end of its contour in the tile, and takes the walls of each segment: the longest that fits is found
+// among those up to TRIES nodes beyond the last that did.
 fn trace(start_kind: u32, start: Step, first: Step, is_loop: bool) {
   var kind = start_kind;
   var step = start;

@@ -1,10 +1,15 @@
-// Depth near walls: as depth near, for surfaces that go on beyond their samples, up to contours.
+// Stage `depth_near_walls`: `depth_near` for contours (borders of surfaces, with walls in place of triangles): may the near
+// rectangle (the part of an eye's near plane in the picture) be in shadow? Dispatched for each eye, one workgroup, after
+// `contour_walls`, and also where an earlier list is drawn.
+// Reads the depth texture in a box (near_box.wgsl). Writes the indirect draw of the near cap: 3 vertices, or 0 for light.
+// A surface goes on from its last sample to the contour and may come nearer to the light there. By how much, at most, is taken
+// off each sample. If none is before the rectangle then, the cap would drop every pixel. Distances are integers (contour.wgsl).
 
 #import depth_map/contour
 #import depth_map/near_box
 
-// By how much a surface may come nearer within a texel of a sample along a step: as much as it does from the sample on the other
-// side.
+// By how much a surface may come nearer within a texel of a sample along an axis, to either side: at most as much as it comes
+// nearer from the sample on the opposite side.
 fn nearing(at: vec2<i32>, own: i32, step: vec2<i32>) -> i32 {
   let before = distance_at(at - step);
   let after = distance_at(at + step);

@@ -1,11 +1,18 @@
-// Depth walls: the vertices of walls over contours, and where the near rectangle is behind the surfaces between them. The list of
-// walls is bound as `cells`. Also the surface that a place in a marked cell belongs to, and the flaps between surfaces and walls.
+// Stage `depth_walls`: draws walls and flaps over contours into the caller's stencil bit, in place of the triangles of
+// `depth_surface`. A contour is where a surface ends before another as the light sees it; a wall stands over it along rays of the
+// light, and a flap joins the wall's top to samples of the nearer surface.
+// `DepthMapFrame::draw`: `depth_walls` has six vertices for each quadrilateral of `contour_walls`, which wrote the indirect draw;
+// then `depth_walls_near_cap_fragment` turns the bit round where the near rectangle (the eye's near plane in the picture) is in
+// shadow, with the vertex shader `depth_near_cap`. Depth is tested for walls, never written. `cells` is the list of walls here.
+// The near cap must answer for what is drawn: the surface on a place's side of the contour, then each flap over the place turns
+// the answer round if it tells otherwise. If the list overflowed, triangles are drawn and looked up instead.
 
 #import depth_map/contour
 #import depth_map/contour_rim
 #import depth_map/samples
 #import depth_map/surface
 
+// Vertices 0 to 5 of a wall or flap are its two triangles.
 @vertex
 fn depth_walls(@builtin(vertex_index) index: u32) -> SurfaceVertex {
   let corner = index % 6u;
@@ -37,7 +44,7 @@ fn is_behind_contour(found: NearPlace, cell: vec2<i32>, code: u32) -> bool {
   return is_behind_depth(found.depth, dot(views[0].infinity.xyz, vec3<f32>(twice, 1.0)));
 }
 
-// As `is_behind`, for surfaces that end at contours.
+// Whether a place on the near rectangle, from -1 to 1, is in shadow: behind the surfaces that end at contours, and their flaps.
 fn is_behind_contours(place: vec2<f32>) -> bool {
   let found = near_place(place);
   // A list of walls that overflowed is not drawn.
@@ -63,10 +70,9 @@ fn depth_walls_near_cap_fragment(@location(0) @interpolate(linear, sample) place
   }
 }
 
-// Contour flaps: between a surface and a wall, volumes begin at the flap, not where the surface goes on. Which flaps of the list
-// of walls a place of the near rectangle is at.
+// Flaps: between the last samples of a surface and a wall, volumes begin at the flap, not where the surface goes on.
 
-// Written by `contour_walls`.
+// From `contour_walls`: for each listed tile where its walls begin; the list of tiles and its length follow (contour_tiles.wgsl).
 @group(0) @binding(7) var<storage, read> counts: array<u32>;
 
 // Texels from a wall up to which its flaps reach.
@@ -125,7 +131,7 @@ fn triangle_changes(a: FlapVertex, b: FlapVertex, c: FlapVertex, depth: f32, is_
   return is_behind_depth(depth, (f32(a.depth) + more) / f32(RANGE)) != is_behind;
 }
 
-// The number of a tile in the list of those that contours cross. The list's length: it is not in it.
+// The index of a tile in the list of those that contours cross, or the list's length if it is not in it.
 fn number_of_tile(tile: u32) -> u32 {
   let list = contour.tiles.y * (1u + WALKERS);
   let count = counts[list + contour.tiles.y];
@@ -179,9 +185,9 @@ fn flaps_change(cell: vec2<i32>, part: vec2<f32>, depth: f32, is_behind: bool) -
   return changes;
 }
 
-// Contour side: the surface that a place within a marked cell belongs to.
+// The surface that a place within a marked cell belongs to.
 
-// Written by `contour_walls`.
+// Where contours cross edges (contour_places.wgsl), moved onto segments by `contour_walls`.
 @group(0) @binding(5) var<storage, read> places: array<u32>;
 
 // The place on the edge of a cell, from the cell's first sample on. Its middle, if it is not marked.
@@ -198,7 +204,7 @@ fn perp_dot(a: vec2<f32>, b: vec2<f32>) -> f32 {
   return a.x * b.y - a.y * b.x;
 }
 
-// The corner of a marked cell, in turn, whose surface a place of the cell belongs to.
+// The corner of a marked cell whose surface a place of the cell belongs to: an index of `turn`.
 fn contour_side(cell: vec2<i32>, code: u32, place: vec2<f32>) -> u32 {
   var best = 0u;
   if (countOneBits(code) == 2u) {
