@@ -23,8 +23,8 @@ const LEAVES_PLANE: u32 = 2u;
 const IS_ANY_LEFT: u32 = 4u;
 const IS_ANY_RIGHT: u32 = 8u;
 
-// The number that an edge (c, d) adds to the winding number on the left of an edge (a, b), which is counted along their line, from
-// just before b on. `sides` are the turns (a, b, c) and (a, b, d), and `b_of_f` is (c, d, b).
+// The number that an edge (c, d) adds to the winding number on the left of an edge (a, b), which is counted along their line,
+// from just before b on. `sides` are the turns (a, b, c) and (a, b, d), and `b_of_f` is (c, d, b).
 fn passes(sides: vec2<i32>, b_of_f: i32) -> i32 {
   if (sides.x <= 0 && sides.y > 0) {
     return select(0, 1, b_of_f >= 0);
