@@ -1,9 +1,9 @@
 // Outlines of polygons and the lists of undecided ones, for all stages of polygons: `polygon_facing`, `polygon_turns`, `outline`,
 // `polygon_masks`, `cut_edges`, `cut_quads`, in this order for each batch of up to 32 lights. An outline is the directed edges on
-// a polygon's border, in one loop or several; edges that it walks both ways have cancelled. `undecided` is reset for each batch,
-// and holds: a head, the arguments of indirect dispatches; a record for each polygon that is left to decide; and entries, each
-// the work of one workgroup: some edges and lights of a record. Records and entries come in no particular order, and no result
-// may depend on it. src/gpu/extract/polygon_buffers.rs writes the same layout and has the same constants. NUMERICS.md,
+// a polygon's border, in one loop or several; edges that it walks both ways have cancelled. `undecided` holds: a head, the
+// arguments of indirect dispatches, which is reset for each batch; a record for each polygon that is left to decide; and entries,
+// each the work of one workgroup: some edges and lights of a record. Records and entries come in no particular order, and no
+// result may depend on it. src/gpu/extract/polygon_buffers.rs writes the same layout and has the same constants. NUMERICS.md,
 // "Outlines".
 
 #import common/positions

@@ -1,10 +1,11 @@
 // Polygon facing: the first stage for a mesh of polygons; it stands where `facing` does for triangles. Dispatched for each batch
-// (up to 32 lights), one invocation a polygon, after `undecided` is reset. It computes a bit for each light: 1 if the polygon
-// faces it. Quadrilaterals and triangles are decided whose turns at all corners are certain and alike; a turn is 1 if the light
-// sees three corners counter-clockwise, -1 if clockwise. `Turns:` comments are about loops, not about these turns. It writes each
-// polygon's bits to the masks of all its triangles, for `edges`, callers' shaders and shadow volumes; the others get 0, and a
-// record in `undecided`, in any order, for `polygon_turns`, the next stage. All bits are those of exact arithmetic, so bounds
-// must not shrink. Masks and lists of a batch are complete after `polygon_masks`. NUMERICS.md, "Outlines", "The cheap way".
+// (up to 32 lights), one invocation a polygon, after the head of `undecided` is reset. It computes a bit for each light: 1 if the
+// polygon faces it. Quadrilaterals and triangles are decided whose turns at all corners are certain and alike; a turn is 1 if the
+// light sees three corners counter-clockwise, -1 if clockwise. `Turns:` comments are about loops, not about these turns. It
+// writes each polygon's bits to the masks of all its triangles, for `edges`, callers' shaders and shadow volumes; the others get
+// 0, and a record in `undecided`, in any order, for `polygon_turns`, the next stage. All bits are those of exact arithmetic, so
+// bounds must not shrink. Masks and lists of a batch are complete after `polygon_masks`. NUMERICS.md, "Outlines", "The cheap
+// way".
 
 #import extract/one_caster
 #import polygon/outlines

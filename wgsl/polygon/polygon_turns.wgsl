@@ -49,8 +49,8 @@ fn with_turns(turns: Turns, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, largest: f
   return Turns(turns.positive & positive, turns.negative & negative);
 }
 
-// The three corners of turn `number` of a loop of `count` corners: first (i, i + 1, i + 2) for each
-// corner i, then (0, 1, i) and (0, i - 1, i) for each i from 3 to count - 2. All alike, they say that the loop goes around once.
+// The three corners of turn `number` of a loop of `count` corners: first (i, i + 1, i + 2) for each corner i,
+// then (0, 1, i) and (0, i - 1, i) for each i from 3 to count - 2. All alike, they say that the loop goes around once.
 fn turn_corners(number: u32, count: u32) -> vec3<u32> {
   if (number < count) {
     let next = select(number + 1u, 0u, number + 1u == count);
