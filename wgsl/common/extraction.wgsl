@@ -1,5 +1,6 @@
-// Shared by the stages of extraction, and by those that read its results: structs and constants of batches of lights, ranges of
-// dispatches, masks, statistics, draws. src/layout.rs has the same structs, which a test holds equal.
+// Shared by the stages of extraction, of scenes and of queries, and by those that read results: structs and constants of batches
+// of lights, ranges of dispatches, masks, statistics, draws. src/layout.rs has the same structs, which a test holds equal: no
+// member may change here alone.
 
 const NO_FACE: u32 = 0xffffffffu;
 // Bit 31 of face 0 of an edge record. It is set if both faces traverse the edge the same way.

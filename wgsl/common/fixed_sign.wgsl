@@ -1,7 +1,9 @@
 // The sign of det[b - a, c - a, l - w a], for a face (a, b, c) and a homogeneous light (l, w), in fixed point. It is exact for
-// faces and lights whose numbers lie in a window of bits, and says so where they do not. `exact_facing`, `exact_shadow_depth` and
-// the stages of polygons use it for signs that f32 leaves undecided. The integers have limbs of 12 bits in i32. No compiler can
-// round, fuse or flush them. NUMERICS.md, "Exact facing".
+// finite faces and lights whose numbers lie in a window of bits, and says so where they do not: callers then take
+// common/exact_sign.wgsl. `exact_facing`, the query's stages of exact_shadow_depth.wgsl and, through polygon/turn.wgsl, the
+// stages of polygons use it for signs that f32 leaves undecided: `fixed_face` once for a face, `fixed_sign` for each light. The
+// integers have limbs of 12 bits in i32. No compiler can round, fuse or flush them, so all devices agree. NUMERICS.md, "Exact
+// facing".
 
 #import common/exact_sign
 

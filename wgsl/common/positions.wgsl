@@ -1,6 +1,6 @@
 // Reads positions from any buffer of a caller: words at any offset and stride, in up to four bindings of equal length. They are
-// read as u32, so that no load can flush a subnormal. Stages of extraction, polygons and queries use it; scenes have one binding
-// instead (scene/many_casters.wgsl).
+// read as u32, bit for bit, so that no load can flush a subnormal; who needs exact signs must keep to the bits. Stages of
+// extraction, polygons and queries use it; scenes have one binding instead (scene/many_casters.wgsl).
 
 @group(0) @binding(2) var<storage, read> positions_0: array<u32>;
 @group(0) @binding(3) var<storage, read> positions_1: array<u32>;

@@ -1,5 +1,10 @@
-// Deform: computes morph targets, skin and displacement for the vertices of many instances, from mesh space to world
-// space. A workgroup takes vertices of one instance. Instances that are not needed are left out.
+// Deform: computes the positions of deforming instances for a frame: morph targets, skin, the caller's displacement, from mesh
+// space to world space. Dispatched when the caller records a deformer, before all stages that read positions; a workgroup takes
+// up to 256 vertices of one instance, an invocation each. It reads `rest`, `morph`, `skin` and the pose that the CPU uploads, and
+// writes `positions`, three floats a vertex, which extraction, scenes, shadow volumes and queries read, and the caller draws.
+// Instances that stage `needs` found that the frame does not need become the point (0, 0, 0), so that nothing is drawn of them.
+// Sums are in the order of src/cpu/deform; rounding may differ between devices. What is seen of a mesh is decided afterwards from
+// the positions as written, so silhouettes close all the same. NUMERICS.md, "Deform".
 
 #if DISPLACED
 #else
@@ -53,9 +58,10 @@ struct DeformChunk {
 @group(0) @binding(5) var<storage, read> source_vertices: array<u32>;
 @group(0) @binding(6) var<storage, read_write> positions: array<f32>;
 
-// The chunk at hand.
+// The chunk of this workgroup.
 var<private> chunk: DeformChunk;
 
+// Reads a chunk from word `at` of the pose.
 fn take_chunk(at: u32) {
   chunk = DeformChunk(
     pose[at], pose[at + 1u], pose[at + 2u], pose[at + 3u], pose[at + 4u], pose[at + 5u], pose[at + 6u], pose[at + 7u],
@@ -70,6 +76,7 @@ fn transform_row(row: vec4<f32>, p: vec3<f32>) -> f32 {
   return row.x * p.x + row.y * p.y + row.z * p.z + row.w;
 }
 
+// A position moved by a matrix of the instance's palette.
 fn transform(joint: u32, p: vec3<f32>) -> vec3<f32> {
   let word = chunk.palette + 12u * joint;
   return vec3<f32>(
@@ -88,7 +95,7 @@ fn deform(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation
   }
   let word = chunk.positions + 3u * vertex;
   if (pose[chunk.before + dispatch.instances] != 0u) {
-    // What is not needed becomes a point, so that nothing is drawn of it. It stays one.
+    // An instance that was a point before is one already.
     if (pose[chunk.before] == 0u) {
       positions[word] = 0.0;
       positions[word + 1u] = 0.0;

@@ -1,6 +1,7 @@
 // Arguments: a compute stage that makes the indirect draw of each light's list of silhouette edges, for callers that draw them,
-// and counts lists that overflowed. The draw of such a list goes over all edges, and the caller's vertex shader rejects those
-// that are no silhouettes (extract/results.wgsl).
+// and counts lists that overflowed in the statistics. Dispatched once at the end of an extraction, an invocation a light; in a
+// scene for each group of casters and batch of up to 32 lights. The draw of a list that overflowed goes over all edges, and the
+// caller's vertex shader rejects those that are no silhouettes (extract/results.wgsl): slower, never wrong.
 
 #import common/extraction
 

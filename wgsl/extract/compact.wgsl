@@ -1,6 +1,9 @@
 // Compact: a compute stage of three passes that makes lists of silhouette edges for each light of a batch (up to 32), in edge
-// order, from the masks of `edges`, for callers that ask for ordered lists. `compact_count` counts the bits of each block of 256
-// edges, `compact_scan` turns the counts into offsets, `compact_scatter` writes the lists. Bit 31 of an entry is the winding.
+// order, from the masks of `edges`, for callers that ask for ordered lists. Dispatched for each batch, after `edges` (or
+// `per_edge`), which then appends nothing. `compact_count`: an invocation an edge; counts the bits of each block of 256 edges.
+// `compact_scan`: a workgroup a light; turns the counts into offsets, and writes the light's count. `compact_scatter`: an
+// invocation an edge; writes the lists, for `arguments`, callers and shadow volumes. Lists are the same on every device. Bit 31
+// of an entry is the winding. A list that has no room counts on.
 
 #import common/extraction
 

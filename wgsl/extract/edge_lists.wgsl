@@ -1,6 +1,8 @@
 // Edge lists of a single mesh, for the stages `edges` and `per_edge`: they read the facing masks, which may span up to four
 // bindings of equal length, and write masks of edge records, append silhouettes to the lists of the lights in no particular
-// order, or both. A list that has no room counts on. `edges` has its own for scenes.
+// order, or both. A list that has no room counts on, so that `arguments` and all readers can tell. `edges` has its own for
+// scenes. An edge record is a directed edge with its one or two faces. Bit 31 of an entry is the winding: the facing bit of face
+// 0.
 
 #import common/extraction
 #import extract/one_caster

@@ -1,7 +1,9 @@
-// Edges: a compute stage that computes the silhouette and winding mask of each edge record, a bit for each light of a batch, from
-// the facing masks of its faces: where two faces differ, and at boundaries. It runs after `facing` and `exact_facing`. It writes
-// the masks, appends silhouette edges to the lists of the lights in no particular order, or both. The variant SCENE goes over the
-// listed chunks of a scene, for the lights whose lists are made anew, and only appends. NUMERICS.md, "Watertight".
+// Edges: a compute stage that computes the silhouette and winding mask of each edge record, a bit for each light of a batch (up
+// to 32), from the facing masks of its faces: where two faces differ, and at boundaries. Dispatched after `exact_facing`, or
+// after `polygon_masks` for a mesh of polygons, an invocation a record. It writes the masks, which `compact` and callers read,
+// appends silhouette edges to the lists of the lights in no particular order, for callers and shadow volumes, or both. In the
+// variant SCENE eight invocations share a chunk that `chunks` listed, for the lights whose lists are made anew, and it only
+// appends. Facing must be read as it is written, never decided again: so loops of silhouettes close. NUMERICS.md, "Watertight".
 
 #import common/extraction
 #import interface/caster
@@ -66,7 +68,7 @@ fn masks_beside_twisted(faces: vec2<u32>) -> EdgeMasks {
   let counts_0 = live_lights() & ~facing_mask(TWISTED_AT + first);
   let facing_0 = facing_mask(first);
   var counts_1 = 0u;
-  // As face 0 would have it: face 1 runs against it, or alike.
+  // The sense that face 0 would have: face 1 runs against it, or the same way.
   var turned_1 = 0u;
   if (faces.y != NO_FACE) {
     counts_1 = live_lights() & ~facing_mask(TWISTED_AT + faces.y);

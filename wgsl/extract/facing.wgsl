@@ -1,7 +1,10 @@
 // Facing: a compute stage that computes one bit for each face and light of a batch (up to 32), set if the light lies strictly on
-// the face's counter-clockwise side, for a single mesh or a scene (interface/caster.wgsl tells what slots and places of lights
-// are). The bit is the sign of det[b - a, c - a, l - w a] (NUMERICS.md, "Facing"). One bound for each face tells whether all its
-// signs are certain ("Filter"). If not, the face is listed, in no particular order, for `exact_facing`. `edges` reads the masks.
+// the face's counter-clockwise side. For a single mesh it is the first stage, dispatched for each range of faces and batch, an
+// invocation a face; the variant SCENE runs after `chunks`, and eight invocations share a chunk that `clusters` listed
+// (interface/caster.wgsl tells what slots and places of lights are). The bit is the sign of det[b - a, c - a, l - w a]
+// (NUMERICS.md, "Facing"). One bound for each face, which must not shrink, tells whether all its signs are certain ("Filter"). A
+// face with others is listed, in no particular order, for `exact_facing`, which runs right after and makes all bits exact.
+// `edges`, callers and shadow volumes read the masks.
 
 #import common/determinant
 #import common/extraction
@@ -10,7 +13,7 @@
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
-// As in exact_facing.wgsl, which writes it if signs are exact.
+// The same masks as in exact_facing.wgsl, which writes them if signs are exact.
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
 override EXACT: bool = true; // If false, signs are those that f32 gives.
 

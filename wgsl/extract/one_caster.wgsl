@@ -1,7 +1,7 @@
 // A single mesh as interface/caster.wgsl has it, for the stages `facing`, `exact_facing`, `edges`, `per_edge` and those of
 // polygons: its faces, its lights, the layout of its positions. A batch is up to 32 lights, and a light's place is its bit. A
-// slot of a face is its index, counted from the first face of the dispatch. scene/many_casters.wgsl and scene/walks.wgsl have the
-// same functions for scenes.
+// slot of a face is its index, counted from the first face of the dispatch (`chunk`), from which on arrays are bound. For
+// polygons `chunk` counts polygons. scene/many_casters.wgsl and scene/walks.wgsl have the same functions for scenes.
 //
 // Expects: `take_item(slot, index)`. Files that walk over neither faces nor edge records need none, since a module holds
 // what is reached.

@@ -1,7 +1,8 @@
 // Results: what a caller's own shaders include (by `include_wgsl`) to read what was extracted for a batch of up to 32 lights:
 // silhouette edges by instance of the light's indirect draw, facing bits, positions. No stage imports it. Light numbers count
 // from the first light of the batch. GROUP stands for the number of the bind group that `Extraction::bind_group` makes. If a
-// light's list overflowed, its draw goes over all edges, and `valid` tells the silhouettes.
+// light's list overflowed, its draw goes over all edges, and `valid` tells the silhouettes. Names and bindings are those that
+// callers and src/gpu/extract/include.rs use: they must stay.
 
 struct RimlineInfo {
   edges: u32,

@@ -1,6 +1,12 @@
-// Cut edges: the border of what L-twisted polygons darken, in pieces of their edges. Four passes: what cuts each edge, which takes an
-// entry a workgroup, as in outline.wgsl; how many cuts are before each, which is quadratic in the cuts of an edge, so lanes share
-// it; which cut is before each; and the pieces. NUMERICS.md, "Shadows of twisted polygons".
+// Cut edges: lists the pieces of L-twisted polygons, whose outlines cross themselves as seen from light L. A piece is a part of
+// an edge between cuts, wound so that what the polygon darkens is on its left. Four passes for each batch, after `polygon_masks`
+// and only with lists; each reads in `pieces` what the one before wrote. `cut_edges`: a workgroup an entry, edges and lights that
+// `polygon_masks` listed; finds what cuts each edge. `cut_edges_rank`: a workgroup for 8 cuts; counts how many cuts of its edge
+// come before each. `cut_edges_before`: an invocation a cut; finds the one right before. `cut_edges_list`: the same; writes the
+// piece between both. Pieces come in any order; polygon/list_pieces.wgsl names their readers. What cuts an edge, and which side
+// is dark, is exact; orders are, but for those that `is_before` rounds. As many pieces begin at a point as end there, bit for
+// bit, so edges that cross must agree on order and point. `turn` is of geometry; `Turns:` comments are about loops. NUMERICS.md,
+// "Shadows of twisted polygons".
 
 #import polygon/cut_order
 #import polygon/cuts
@@ -22,15 +28,17 @@ const RANK_LANES: u32 = 8u;
 // With more cuts, those of an edge are ordered by how far along they are, which is rounded.
 const MOST_ORDERED: u32 = 256u;
 
-// What an edge on the line of another does to it.
+// How an edge lies on another that is on the same line.
 struct InLine {
   // It ends within the other, which it cuts there.
   cuts: bool,
   // It overlaps the end of the other, on the left of that.
   is_left_at_end: bool,
+  // Its upper end, in the direction in which coordinates grow.
   end: vec3<u32>,
 }
 
+// Finds how edge `f`, number `item` of the outline, overlaps edge `e`, number `index`, on the same line in space.
 fn in_line(f: Edge, item: u32, e: Edge, index: u32) -> InLine {
   let own = in_space(e);
   let theirs = in_space(f);
@@ -59,8 +67,8 @@ struct Found {
   touches_second: u32,
 }
 
-// Finds what cuts the edge, and whether an odd number of triangles have the directions next to its end, on its left. Both are
-// in one loop, so that turns are compiled once.
+// Finds what cuts the edge, and whether an odd number of triangles have the directions next to its end, on its left (`odd`). Both
+// are in one loop, so that `turn` is compiled once.
 fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
   let slot = select(lane, 0u, work.is_large);
   let step = select(1u, OUTLINE_LANES, work.is_large);
@@ -84,7 +92,8 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
       let face = 3u * (outline.first_triangle + item - outline.count);
       corners = array<vec3<u32>, 3>(place_of(faces[face]), place_of(faces[face + 1u]), place_of(faces[face + 2u]));
     }
-    // Of an edge, the sides of a and b, and those of its ends. Of a triangle its own turn, and the sides of b and a at its edges.
+    // For an edge f the sides of e.a and e.b at f, then those of f's ends at e. For a triangle its own turn, then for each of its
+    // edges the sides of e.b and e.a.
     var signs: array<i32, 7>;
     // Turns: CUT_TESTS in all.
     for (var test = 0u; test < select(7u, 4u, is_edge); test++) {
@@ -204,7 +213,7 @@ fn cut_edges(
   }
 }
 
-// The edge of a row.
+// The edge that the cuts of a row cut.
 fn edge_of(row: Row) -> CutEdge {
   let outline = outline_of(row.polygon);
   return CutEdge(outline, edge_at(outline.first + row.edge), row.edge, row.light);
@@ -241,7 +250,7 @@ fn cut_edges_rank(
   }
 }
 
-// Whether some of a row are in the same place as turns tell, or it is too long for these.
+// Whether the ranks of a row are no order, since two are equal, or were not computed.
 fn is_tangled(row: Row) -> bool {
   if (row.cuts > MOST_ORDERED) {
     return true;
@@ -259,7 +268,7 @@ fn is_tangled(row: Row) -> bool {
   return is_twice;
 }
 
-// The key that orders a row: the rank by turns, or how far along it is, and then the edge that cuts.
+// The key by which cuts of a row are compared: the rank, or how far along the edge the cut is, and then the edge that cuts.
 fn order_of(row: Row, place: u32, by_turns: bool) -> vec2<u32> {
   let at = piece_at(row.light, place);
   let cut = unpacked_cut(pieces.words[at + CUT]);

@@ -1,5 +1,9 @@
-// The order of two cuts of an edge: by turns, where these tell it, and by how far along the edge they are. For the passes of
-// cut_edges.wgsl: `cut_edges_rank` counts by it how many cuts are before each.
+// The order of two cuts along the edge that they cut, for the passes of cut_edges.wgsl: `cut_edges_rank` counts by `is_before`
+// how many cuts are before each. A cut is where an edge of an outline crosses another as seen from a light. Turns decide wherever
+// one cut is on one side of the other's edge: a turn is 1 if the light sees three points counter-clockwise, -1 if clockwise, with
+// ties broken by a light that is moved a little (polygon/turn.wgsl). Where three edges cross each other, how far along the edge
+// the cuts are decides, which is rounded. Each of the three must get an order that fits the other two, or pieces leave gaps: so
+// all take it from the same numbers, and a rule may be changed only with its proof. `Turns:` comments are about loops.
 // NUMERICS.md, "Shadows of twisted polygons", "Order".
 
 #import extract/one_caster
@@ -58,7 +62,7 @@ fn touch_of(outline: OutlineRange, cut: Cut) -> vec4<u32> {
   return vec4<u32>(select(f.a, f.b, cut.is_second), 1u);
 }
 
-// How far along an edge a point on it is.
+// How far along an edge a point on it is, from 0 to 1, rounded.
 fn along_edge(e: Edge, point: vec3<u32>) -> f32 {
   let a = bitcast<vec3<f32>>(e.a);
   let along = bitcast<vec3<f32>>(e.b) - a;
@@ -70,7 +74,8 @@ fn along_edge(e: Edge, point: vec3<u32>) -> f32 {
   return select(from_a.z / along.z, from_a.y / along.y, size.y >= size.z);
 }
 
-// The sides of an edge's plane on which two points are: their own if it is one, or 0 if they are apart.
+// The side of an edge on which two points are, by their turns: 0 if they are on different sides. A point on the edge's line is on
+// either side.
 fn common_side(signs: vec2<i32>) -> i32 {
   return select(select(signs.x, signs.y, signs.x == 0), 0, signs.x * signs.y < 0);
 }
@@ -80,8 +85,8 @@ fn right_of(e: Edge) -> i32 {
   return select(1, -1, is_below(e.a, e.b));
 }
 
-// The side of an edge on which another, whose ends have these sides there, cuts the edge that is cut: one of its ends is on that. If it
-// is on both in space, it is on the right of both, and farther from the one that precedes.
+// The side of an edge on which another, whose ends have these sides there, cuts the edge that is cut: one of its ends is on that.
+// If it is on both in space, it is on the right of both, and farther from the one that precedes.
 fn side_of_touch(sides: vec2<i32>, is_second: bool, other: Edge, is_nearest: bool) -> i32 {
   let own = select(sides.x, sides.y, is_second);
   return select(own, select(sides.x + sides.y, right_of(other), is_nearest), own == 0);
@@ -97,7 +102,7 @@ struct Three {
   indices: vec3<u32>,
 }
 
-// How far along each of three edges the two others cut it, in their order: along edge 0 by 1 and 2, along 1 by 0 and 2, along 2 by 0 and 1.
+// How far along each of three edges the two others cut it: along edge 0 those of 1 and 2, along 1 of 0 and 2, along 2 of 0 and 1.
 fn places_of(three: Three, light: u32) -> array<vec2<f32>, 3> {
   var places: array<vec2<f32>, 3>;
   var before: TurnValue;
@@ -137,8 +142,8 @@ fn former(three: Three, one: u32, other: u32) -> u32 {
   return select(other, one, is_before);
 }
 
-// Which of three edges comes before the others. Edges that are seen in line cross nobody knows where, so it is one of these, if there
-// are any: 0 and 1, 0 and 2, or 1 and 2.
+// Which of three edges comes before the others. Edges that are seen in line cross nobody knows where, so it is one of these, if
+// there are any: 0 and 1, 0 and 2, or 1 and 2.
 fn foremost(three: Three, in_line: vec3<bool>) -> u32 {
   if (in_line.x) {
     return former(three, 0u, 1u);
@@ -150,10 +155,11 @@ fn foremost(three: Three, in_line: vec3<bool>) -> u32 {
   return select(former(three, 0u, of_others), of_others, in_line.z);
 }
 
-// Whether edge j cuts edge e before edge i does. Turns decide where the one cut is on one side of the other edge. Otherwise all
-// three cross each other. If they seem to do so in one point, each is moved to its left a little, and the foremost one farther than
-// the others, out of their crossing. Else how far along the earliest of the three the others cut it decides for all three, so that
-// what is found for them fits together. NUMERICS.md, "Shadows of twisted polygons", "Order".
+// Whether cut j is before cut i on the edge that both cut. Turns decide where the one cut is on one side of the other's edge.
+// Otherwise all three edges cross each other. If they seem to do so in one point, each is moved to its left a little, and the
+// foremost one farther than the others, out of their crossing. Else how far along the earliest of the three the others cut it
+// decides for all three. Rounded distances also decide where edges cross each other's opposite directions; nothing has to fit
+// there.
 fn is_before(own: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
   let e = own.edge;
   let j = cut_j.by;
@@ -252,7 +258,7 @@ fn is_before(own: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
   return signs[0] * signs[1] * of_end.x * of_end.y * select(-1, 1, along.x > along.y) > 0;
 }
 
-// How far along the edge a cut is.
+// How far along the edge a cut is, rounded.
 fn place_along(own: CutEdge, cut: Cut) -> f32 {
   let touch = touch_of(own.outline, cut);
   let crossing = cut_at(edge_at(own.outline.first + cut.by), own.edge, own.light);

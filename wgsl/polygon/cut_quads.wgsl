@@ -1,11 +1,16 @@
-// Cut quads: the pieces of L-twisted quadrilaterals of which `f32` tells the turns at all corners. Two neighbouring corners turn to
-// the left, and the others to the right. So the two edges between them cross each other, and each lobe has the sense of its
-// corners. NUMERICS.md, "Shadows of twisted polygons".
+// Cut quads: lists the pieces of L-twisted quadrilaterals that `polygon_turns` decided. L-twisted: the outline crosses itself as
+// seen from light L; a piece is a part of the border of what it darkens. Two neighbouring corners turn to the left and the others
+// to the right, so the two edges between them cross, and each of the two lobes has the sense of its corners. Dispatched after the
+// passes of `cut_edges`, if the extractor has lists, one invocation a record of `undecided`. It appends six pieces for each light
+// behind those of `cut_edges`, in no particular order, for the same readers (polygon/list_pieces.wgsl). It must come last: the
+// passes of `cut_edges` take all that is listed for their cuts. Both lobes share one crossing point, bit for bit.
+// NUMERICS.md, "Shadows of twisted polygons".
 
 #import polygon/list_pieces
 #import polygon/outlines
 
-// A quadrilateral and a light. `first` is the corner after which one comes that turns alike.
+// Lists the pieces of a quadrilateral for a light. `first` is a corner that turns as the one after it does; `is_positive` says
+// that corner 0 turns to the left.
 fn cut_quad(outline: OutlineRange, light: u32, first: u32, is_positive: bool) {
   var corners: array<vec3<u32>, 4>;
   for (var corner = 0u; corner < 4u; corner++) {

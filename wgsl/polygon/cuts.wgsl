@@ -1,5 +1,8 @@
-// Cuts of edges. Until a piece is listed, its place has the cut at which it ends. The cuts of an edge are in a row, with its end
-// behind them. The passes of cut_edges.wgsl share these records; no other stage reads them. NUMERICS.md, "Shadows of twisted polygons".
+// Records of cuts, which only the passes of cut_edges.wgsl share. A cut is where an edge of an L-twisted outline is crossed by
+// another as seen from the light. `cut_edges` writes the cuts of an edge in a row, with the edge's end behind them, into
+// `pieces`: each at the place of the piece that ends there, and `cut_edges_list` replaces it by that piece. So a record must fit
+// in the words of a piece. Within a row cuts are in no particular order; rows of an edge for which there is no room are marked,
+// never written in part. NUMERICS.md, "Shadows of twisted polygons".
 
 #import extract/one_caster
 #import polygon/list_pieces
@@ -26,15 +29,16 @@ fn unpacked_cut(word: u32) -> Cut {
   return Cut(word & 0xffffu, (word & TOUCHES) != 0u, (word & IS_SECOND) != 0u);
 }
 
-// Words of a cut: the polygon, or none if there was no room for the row; the edge that is cut, with the highest bit if an odd number
-// of triangles are on its left at its end; the cut; the place of the first of the row, and how many cuts it has, without the end.
+// Words of a cut: the polygon, or none if there was no room for the row; the edge that is cut, with the highest bit if an odd
+// number of triangles are on its left at its end; the cut; the place of the first of its row, and how many cuts that has, without
+// the end.
 const OF_POLYGON: u32 = 0u;
 const OF_EDGE: u32 = 1u;
 const CUT: u32 = 2u;
 const ROW: u32 = 3u;
 const ROW_CUTS: u32 = 4u;
-// Then how many of the row are before it as turns tell, and how far along the edge it is; and what follows from those of the row: the
-// cut before it, and how many are.
+// Then what `cut_edges_rank` writes: how many cuts of the row are before it by `is_before`, and how far along the edge it is,
+// rounded. Last what `cut_edges_before` finds by these: the cut right before it, and how many are.
 const RANK: u32 = 5u;
 const ALONG: u32 = 6u;
 const CUT_BEFORE: u32 = 7u;
@@ -52,7 +56,7 @@ struct Row {
   is_odd_at_end: bool,
 }
 
-// Takes room for the cuts of an edge and for its end, and workgroups for those there is room for.
+// Takes room in a light's list for the cuts of an edge and for its end, and workgroups of the next passes for those that fit.
 fn take_row(light: u32, cuts: u32) -> u32 {
   let first = take_room(light, cuts + 1u);
   let listed = min(vec2<u32>(first, first + cuts + 1u), vec2<u32>(chunk.capacity));
@@ -63,6 +67,7 @@ fn take_row(light: u32, cuts: u32) -> u32 {
   return first;
 }
 
+// Writes a cut of a row. Past the end of the list nothing is written.
 fn write_cut(row: Row, number: u32, cut: Cut) {
   let place = row.first + number;
   if (place >= chunk.capacity) {
@@ -89,7 +94,7 @@ struct Written {
   cut: Cut,
 }
 
-// One of the cuts of a workgroup, which are in one light's list.
+// Cut `number` of a workgroup, which has GROUP_CUTS cuts of one light's list.
 fn written_cut(workgroup: u32, number: u32) -> Written {
   var written: Written;
   var group = workgroup;

@@ -1,4 +1,10 @@
-// Lists pieces of L-twisted polygons, and finds where edges cross as seen from a light.
+// The lists of pieces of L-twisted polygons (whose outlines cross themselves as seen from light L), and the points where edges
+// cross, for `cut_edges` and `cut_quads`. A piece is a part of an outline's edge, with what is dark on its left; all pieces of a
+// polygon are the border of what it darkens. The counts are cleared for each batch of lights before `cut_edges`. The stages
+// `piece_crossings` and `piece_arguments` and the vertex shaders of shadow/pieces.wgsl read the lists. A list comes in no
+// particular order; its count goes on where it has no room, so that readers can tell. Points are rounded, but all pieces that
+// meet at a crossing must have its bits: `crossing_point` takes both edges in the same order, whoever asks.
+// NUMERICS.md, "Shadows of twisted polygons", "Closing".
 
 #import common/determinant
 #import extract/one_caster
@@ -24,7 +30,8 @@ fn to_unit(v: vec3<f32>) -> vec3<f32> {
   return v / max(largest_of(v), 0x1p-126);
 }
 
-// How far along (a, b) the plane through the light and (c, d) is. If the light looks along (c, d), it is where it sees c.
+// How far along edge `e` it meets the plane through the light and edge `f`, from 0 to 1, rounded. If the light looks along `f`,
+// it is where the light sees its first end. `place` is the light's.
 fn cut_at(f: Edge, e: Edge, place: u32) -> f32 {
   let a = bitcast<vec3<f32>>(e.a);
   let b = bitcast<vec3<f32>>(e.b);
@@ -42,8 +49,8 @@ fn cut_at(f: Edge, e: Edge, place: u32) -> f32 {
   return select(clamp(at, 0.0, 1.0), 0.5, ends.x == ends.y);
 }
 
-// The point at which two edges of an outline cross, as seen from the light: on the earlier of them. Pieces of both end here, so
-// both take this point.
+// The point at which edges i and j of an outline cross as seen from the light: on the earlier of them. Pieces of both end here,
+// so both take this point, whichever is i.
 fn crossing_point(outline: OutlineRange, i: u32, j: u32, place: u32) -> vec3<u32> {
   let e = edge_at(outline.first + min(i, j));
   let f = edge_at(outline.first + max(i, j));
@@ -61,7 +68,7 @@ fn middle_of(outline: OutlineRange) -> vec3<u32> {
   return bitcast<vec3<u32>>(((corners[0] + corners[1]) + (corners[2] + corners[3])) * 0.25);
 }
 
-// Takes room for pieces of a light, and returns the place of the first in its list.
+// Takes room for pieces of a light, and returns the place of the first in its list. It may be past the end: see `write_piece`.
 fn take_room(light: u32, count: u32) -> u32 {
   return atomicAdd(&pieces.counts[light], count);
 }

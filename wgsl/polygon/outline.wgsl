@@ -1,25 +1,30 @@
-// Outline: how lights see the outlines that polygon_turns.wgsl left undecided: by all pairs of their edges. It adds what it finds to
-// the polygon's record in `undecided`, and polygon_masks.wgsl decides from that. A workgroup takes an
-// entry. It has some edges and lights of a small outline, an invocation for each, or one edge and light of a large one, which
-// all invocations share. NUMERICS.md, "Outlines".
+// Outline: looks at all pairs of edges of the outlines that `polygon_turns` left undecided, a bit for each light of the batch.
+// Dispatched after `polygon_turns`, one workgroup an entry (polygon/outlines.wgsl): of a small outline it has some edges and
+// lights, an invocation for each pair of both; of a large one an edge and a light, which all invocations share. It adds bits to
+// the polygon's record in `undecided`, in any order: whether edges meet, how often the outline winds around on the left of each
+// edge, whether all corners lie within a half-space, whether anything is off a plane with the light. `polygon_masks`, the next
+// stage, decides from them. All is exact, by turns: 1 if the light sees three points counter-clockwise, -1 if clockwise. A tie is
+// broken by moving the light a little, the same way for all pairs and stages, so that what they find fits together. `Turns:`
+// comments are about loops. NUMERICS.md, "Outlines".
 
 #import polygon/outlines
 #import polygon/turn
 
-// What is found for an edge and a light. A small outline has one for each invocation, a large one the first.
+// The findings for an edge and a light. A small outline has one for each invocation, a large one the first.
 var<workgroup> windings: array<atomic<i32>, 64>;
 var<workgroup> found: array<atomic<u32>, 64>;
 // The rightmost corner that each invocation saw, as seen from the edge's first corner, and whether it saw any.
 var<workgroup> rightmost: array<vec4<u32>, 64>;
 
-// Bits of `found`.
+// Bits of `found`: the edge crosses or touches another; an edge and a corner are not in one plane with the light as given; a
+// corner is on the left, or on the right, of the line from the edge's first corner to the rightmost corner seen from there.
 const MEETS: u32 = 1u;
 const LEAVES_PLANE: u32 = 2u;
 const IS_ANY_LEFT: u32 = 4u;
 const IS_ANY_RIGHT: u32 = 8u;
 
-// What an edge (c, d) adds to the winding number on the left of an edge (a, b). `sides` are the turns from (a, b) to c and d, and
-// `b_of_f` that from (c, d) to b.
+// The number that an edge (c, d) adds to the winding number on the left of an edge (a, b), which is counted along their line,
+// from just before b on. `sides` are the turns (a, b, c) and (a, b, d), and `b_of_f` is (c, d, b).
 fn passes(sides: vec2<i32>, b_of_f: i32) -> i32 {
   if (sides.x <= 0 && sides.y > 0) {
     return select(0, 1, b_of_f >= 0);
@@ -30,7 +35,8 @@ fn passes(sides: vec2<i32>, b_of_f: i32) -> i32 {
   return 0;
 }
 
-// Whether two edges cross, or touch elsewhere than at an end that they share.
+// Whether two edges cross, or touch elsewhere than at an end that they share. `of_e` are the turns from `e` to both ends of `f`,
+// and `of_f` those from `f` to both ends of `e`, for the moved light.
 fn meets(e: Edge, f: Edge, of_e: vec2<i32>, of_f: vec2<i32>) -> bool {
   let in_line = all(of_e == vec2<i32>(0)) && all(of_f == vec2<i32>(0));
   let shares = vec4<bool>(all(e.a == f.a), all(e.a == f.b), all(e.b == f.a), all(e.b == f.b));
@@ -52,8 +58,9 @@ fn meets(e: Edge, f: Edge, of_e: vec2<i32>, of_f: vec2<i32>) -> bool {
   return (apart_from_e == 0 && apart_from_f < 0) || (apart_from_e < 0 && apart_from_f == 0);
 }
 
-// Takes the pairs of the invocation's edge. There are eight phases, so that turns are compiled once: all pairs, and the rightmost
-// corner among the invocation's own; in six steps the rightmost of all; and whether all corners are on its left.
+// Takes the pairs of the invocation's edge. One loop has eight phases, so that `turn` is compiled once: all pairs, and the
+// rightmost corner among those that the invocation sees; six steps that find the rightmost of all; and whether all corners are on
+// its left.
 fn seen_by_pairs(outline: OutlineRange, work: Work, lane: u32) {
   let slot = select(lane, 0u, work.is_large);
   let step = select(1u, OUTLINE_LANES, work.is_large);

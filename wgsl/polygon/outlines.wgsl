@@ -1,5 +1,10 @@
-// Outlines of polygons, their edges at their places, the lists of those that `f32` leaves undecided, and the edge and light that an
-// invocation takes from such a list. All stages of polygons import it. NUMERICS.md, "Outlines".
+// Outlines of polygons and the lists of undecided ones, for all stages of polygons: `polygon_facing`, `polygon_turns`, `outline`,
+// `polygon_masks`, `cut_edges`, `cut_quads`, in this order for each batch of up to 32 lights. An outline is the directed edges on
+// a polygon's border, in one loop or several; edges that it walks both ways have cancelled. `undecided` holds: a head, the
+// arguments of indirect dispatches, which is reset for each batch; a record for each polygon that is left to decide; and entries,
+// each the work of one workgroup: some edges and lights of a record. Records and entries come in no particular order, and no
+// result may depend on it. src/gpu/extract/polygon_buffers.rs writes the same layout and has the same constants. NUMERICS.md,
+// "Outlines".
 
 #import common/positions
 #import extract/one_caster
@@ -7,14 +12,15 @@
 // For each polygon, and once more at the end, where its outline begins and where its triangles begin; then the directed
 // edges of all outlines. The highest bit of the first word is set if the outline is one loop, whose edges follow each other.
 @group(0) @binding(6) var<storage, read> outlines: array<vec2<u32>>;
-// The head, a record for each undecided polygon, and the entries that are decided by a workgroup each.
+// The head, room for a record of each polygon, and the entries.
 @group(0) @binding(7) var<storage, read_write> undecided: array<atomic<u32>>;
 
 const ONE_LOOP: u32 = 0x80000000u;
 
-// Words of the head: four indirect dispatches, each with the number of its items behind it. The first is over records, the second
-// over entries. `polygon_masks` makes entries of its own, for `cut_edges`: the third is over them. That lists cuts: the fourth is
-// over groups of these, which are in the list of one light.
+// Words of the head: four indirect dispatches, each with the number of its items behind it. The first is over records, for
+// `polygon_turns`, `polygon_masks` and `cut_quads`; the second over entries, for `outline`. `polygon_masks` lists entries anew,
+// in the same words, for `cut_edges`: the third is over these. The fourth is over groups of the cuts that `cut_edges` lists; a
+// group is of one light.
 const RECORD_WORKGROUPS: u32 = 0u;
 const RECORD_COUNT: u32 = 3u;
 const WORKGROUPS: u32 = 4u;
@@ -27,9 +33,12 @@ const UNDECIDED_HEAD: u32 = 16u;
 // Cuts of a group.
 const GROUP_CUTS: u32 = 8u;
 
-// Words of a record: the polygon, with the highest bit if a corner is not finite, and its undecided lights; then what is found for
-// each of these lights. Then the lights for which a quadrilateral is L-twisted as `f32` tells, and those for which its turns at
-// corners 0 and 1 are positive. In the end the second word has the lights for which `cut_edges` cuts it.
+// Words of a record: the polygon, with NOT_FINITE if a corner is; and a bit for each light that is undecided, or, after
+// `polygon_masks`, for which `cut_edges` cuts the outline. FITS to OFF_PLANE have a bit for each of these lights that `outline`
+// sets: the directions to all corners lie within a half-space; edges meet, or a winding number beside one is not 0 or 1; it is 1
+// on the left of an edge; it is 0 there; an edge and a corner are not in one plane with the light. TWISTED_QUAD to TURN_1: the
+// lights for which a quadrilateral is L-twisted (crosses itself as seen from the light) as `f32` tells; and of these, those for
+// which its turns at corners 0 and 1 are counter-clockwise.
 const RECORD_WORDS: u32 = 10u;
 const POLYGON: u32 = 0u;
 const LIGHTS: u32 = 1u;
@@ -43,8 +52,8 @@ const TURN_0: u32 = 8u;
 const TURN_1: u32 = 9u;
 const NOT_FINITE: u32 = 0x80000000u;
 
-// Outlines up to this number of edges, of polygons up to as many triangles, are decided by an invocation for each edge and light,
-// and larger ones by a workgroup.
+// An outline of up to so many edges, of a polygon of up to as many triangles, is small: an invocation takes an edge and light of
+// it. Of a large one a workgroup does.
 const SMALL_OUTLINE: u32 = 32u;
 const OUTLINE_LANES: u32 = 64u;
 // The edges and lights of an entry of a small outline.
@@ -82,7 +91,7 @@ fn polygon_of(record: u32) -> u32 {
   return atomicLoad(&undecided[record + POLYGON]) & ~NOT_FINITE;
 }
 
-// Room for entries, and workgroups for them.
+// Takes room for items of a dispatch and workgroups for them, by two words of the head. Returns the number of the first.
 fn allot(count_at: u32, workgroups_at: u32, entries: u32) -> u32 {
   let place = atomicAdd(&undecided[count_at], entries);
   let end = place + entries;
@@ -96,7 +105,8 @@ fn write_entry(place: u32, number: u32, part: u32) {
   atomicStore(&undecided[entry_at(place) + 1u], part);
 }
 
-// Lists what is to do for some lights of a record: of a small outline runs of edges and lights, of a large one each edge and light.
+// Lists entries for some lights of record `number`: ENTRY_EDGES edges and ENTRY_LIGHTS lights of a small outline each, one edge
+// and light of a large one. `count_at` and `workgroups_at` are the words of the head that count them.
 fn list_work(number: u32, outline: OutlineRange, lights: u32, count_at: u32, workgroups_at: u32) {
   let edges = outline.count;
   if (is_large(outline)) {
@@ -124,11 +134,10 @@ fn list_work(number: u32, outline: OutlineRange, lights: u32, count_at: u32, wor
   }
 }
 
+// The words of an entry: its record; the first edge, and in the upper half the first light of 16, or the light.
 fn entry_at(number: u32) -> u32 {
   return UNDECIDED_HEAD + RECORD_WORDS * chunk.count + 2u * number;
 }
-
-// Edges of outlines at their places.
 
 // The bits of a position. Both zeros are one, so that equal bits are equal places.
 fn place_of(vertex: u32) -> vec3<u32> {
@@ -150,9 +159,7 @@ fn edge_at(index: u32) -> Edge {
   return Edge(a, b, any(a != b));
 }
 
-// The work of an invocation: an edge of an outline and a light, from an entry.
-
-// The edge that an invocation decides, for a light. The invocations of a large outline share one.
+// The edge of an outline and the light that an invocation takes from an entry. Of a large outline all invocations have the same.
 struct Work {
   exists: bool,
   is_large: bool,

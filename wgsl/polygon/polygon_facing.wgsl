@@ -1,16 +1,20 @@
-// Polygon facing: computes one bit for each polygon and light, set if the polygon faces the light. A quadrilateral or triangle whose
-// turns at all corners are certain and alike is decided here (NUMERICS.md, "Outlines", "The cheap way"). Others are listed for
-// polygon_turns.wgsl: at most a few, where surfaces are smooth. Each triangle of a polygon has the polygon's bits. The first stage of polygons in a frame;
-// `edges` and shadow volumes read the masks.
+// Polygon facing: the first stage for a mesh of polygons; it stands where `facing` does for triangles. Dispatched for each batch
+// (up to 32 lights), one invocation a polygon, after the head of `undecided` is reset. It computes a bit for each light: 1 if the
+// polygon faces it. Quadrilaterals and triangles are decided whose turns at all corners are certain and alike; a turn is 1 if the
+// light sees three corners counter-clockwise, -1 if clockwise. `Turns:` comments are about loops, not about these turns. It
+// writes each polygon's bits to the masks of all its triangles, for `edges`, callers' shaders and shadow volumes; the others get
+// 0, and a record in `undecided`, in any order, for `polygon_turns`, the next stage. All bits are those of exact arithmetic, so
+// bounds must not shrink. Masks and lists of a batch are complete after `polygon_masks`. NUMERICS.md, "Outlines", "The cheap
+// way".
 
 #import extract/one_caster
 #import polygon/outlines
 #import polygon/quads
 
-// Facing masks of all triangles, and after them their twisted masks.
+// Facing masks of all triangles, and after them their twisted masks, which `polygon_masks` writes.
 @group(0) @binding(8) var<storage, read_write> facing_masks: array<u32>;
 
-// The lights for which all turns are certain and positive, and those for which they are certain and negative.
+// The lights for which all turns are certain and 1, and those for which they are certain and -1.
 struct Convex {
   facing: u32,
   averted: u32,

@@ -1,6 +1,10 @@
-// Polygon masks: decides from what was found of undecided outlines whether they face each light, or are L-twisted. A polygon that
-// is twisted or in a plane with the light counts nowhere. What is twisted is listed for `cut_edges`, but for the quadrilaterals
-// that `cut_quads` takes. NUMERICS.md, "Outlines".
+// Polygon masks: decides from the records of `undecided` whether each polygon faces each light of the batch, is in a plane with
+// it, or is L-twisted: its outline crosses itself as seen from light L, so that it has lit and dark parts. Dispatched after
+// `outline`, one invocation a record. It adds to statistics and to the facing masks of the polygon's triangles, and writes their
+// twisted and excluded masks: polygons that are twisted or in a plane count nowhere. `edges` reads facing and twisted masks next;
+// stages of shadow volumes read facing and excluded ones. Outlines that are twisted are listed as entries for `cut_edges`, but
+// for the quadrilaterals that `cut_quads` takes. Bits are exact, and every triangle of a polygon has the same: else silhouettes
+// would not close. NUMERICS.md, "Outlines".
 
 #import common/extraction
 #import extract/one_caster
@@ -16,6 +20,7 @@ struct PolygonMasks {
   excluded: u32,
 }
 
+// The bits of a record's lights. A corner that is not finite: it faces none and is excluded for all.
 fn masks_of_record(at: u32) -> PolygonMasks {
   let lights = atomicLoad(&undecided[at + LIGHTS]);
   if (atomicLoad(&undecided[at + POLYGON]) >= NOT_FINITE) {
@@ -55,7 +60,7 @@ fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     } else if (chunk.first_light == 0u) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);
     }
-    // Turns that alternate are those of an outline around the light, which has no cut that turns tell of.
+    // `cut_quads` cuts the outlines of `quad`, and `cut_edges` the others.
     let quad = atomicLoad(&undecided[at + TWISTED_QUAD]);
     let cut = masks.twisted & ~quad;
     atomicStore(&undecided[at + LIGHTS], cut);

@@ -1,7 +1,11 @@
-// Polygon turns: decides what polygon_facing.wgsl left. Quadrilaterals are decided by the turns at their corners wherever `f32` is
-// certain of all four, twisted ones, too. Outlines that are strictly convex as seen from a light need the turns at their corners
-// only. The others are listed for outline.wgsl. polygon_masks.wgsl makes masks of what both find, and cut_quads.wgsl reads the turns
-// of twisted quadrilaterals, whose outlines cross themselves as seen from a light. NUMERICS.md, "Outlines", "The cheap way".
+// Polygon turns: decides polygons that `polygon_facing` left, by turns at single corners. A turn is 1 if the light sees three
+// corners counter-clockwise, -1 if clockwise, 0 if the three and the light are in one plane; `Turns:` comments are about loops.
+// Dispatched after `polygon_facing`, one invocation a record of `undecided`. Quadrilaterals are decided wherever `f32` is certain
+// of all four turns, also those that are L-twisted (their outline crosses itself as seen from light L); larger loops where they
+// are strictly convex as seen from the light. It writes facing masks, and into the record what is certain and which lights are
+// left; for these it lists entries, parts of the work, for `outline`, the next stage. `polygon_masks` reads the records, too, and
+// `cut_quads` those of twisted quadrilaterals. What it decides equals exact arithmetic, so bounds must not shrink.
+// NUMERICS.md, "Outlines", "The cheap way".
 
 #import common/determinant
 #import common/positions
@@ -11,16 +15,16 @@
 
 @group(0) @binding(8) var<storage, read_write> facing_masks: array<u32>;
 
-// Larger outlines are not tried.
+// Outlines of more edges are not tried here, so that an invocation ends soon.
 const MOST_CONVEX: u32 = 256u;
 
-// What is certain of the turns at some corners: the lights for which all are positive, and those for which all are negative.
+// The lights for which the turns at some corners are certainly all 1, and those for which they are certainly all -1.
 struct Turns {
   positive: u32,
   negative: u32,
 }
 
-// The turns of three points for all lights, added to those of before. As in facing.wgsl, four lights at a time.
+// `turns`, as far as the turn of three points agrees with them. `largest` bounds the coordinates. Takes four lights at a time.
 fn with_turns(turns: Turns, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, largest: f32) -> Turns {
   let u = b - a;
   let v = c - a;
@@ -45,7 +49,8 @@ fn with_turns(turns: Turns, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, largest: f
   return Turns(turns.positive & positive, turns.negative & negative);
 }
 
-// The corners of the turn of a number, by their places: those of `convex_turns` in src/cpu/polygon/convex.rs.
+// The three corners of turn `number` of a loop of `count` corners: first (i, i + 1, i + 2) for each corner i,
+// then (0, 1, i) and (0, i - 1, i) for each i from 3 to count - 2. All alike, they say that the loop goes around once.
 fn turn_corners(number: u32, count: u32) -> vec3<u32> {
   if (number < count) {
     let next = select(number + 1u, 0u, number + 1u == count);
@@ -55,6 +60,7 @@ fn turn_corners(number: u32, count: u32) -> vec3<u32> {
   return select(vec3<u32>(0u, corner - 1u, corner), vec3<u32>(0u, 1u, corner), (number - count) % 2u == 0u);
 }
 
+// The lights that see a loop of at most MOST_CONVEX corners as strictly convex, by its sense.
 fn convex_turns(outline: OutlineRange) -> Turns {
   var turns = Turns(0xffffffffu, 0xffffffffu);
   var turn_count = outline.count;
@@ -78,7 +84,7 @@ fn convex_turns(outline: OutlineRange) -> Turns {
   return turns;
 }
 
-// What is certain of an outline.
+// The findings of this stage about an outline, a bit for each light.
 struct Decided {
   facing: u32,
   averted: u32,
@@ -89,8 +95,8 @@ struct Decided {
   turn_1: u32,
 }
 
-// The turns at the corners of a quadrilateral, four lights at a time. If three are alike, the fourth corner is in their triangle or
-// beyond one of its sides, and the outline is simple. If not, it is L-twisted.
+// Decides a quadrilateral by the turns at its corners, four lights at a time. If three are alike, the fourth corner is in their
+// triangle or beyond one of its sides, and the outline is simple. If not, it is L-twisted.
 fn decided_quad(outline: OutlineRange) -> Decided {
   var decided = Decided(0u, 0u, 0u, 0u, 0u);
   let quad = quad_of(outline);
@@ -125,7 +131,7 @@ fn decided_quad(outline: OutlineRange) -> Decided {
 }
 
 fn decided_outline(outline: OutlineRange) -> Decided {
-  // With more triangles it has edges that it walks both ways, and where its surface is between light and shadow is another matter.
+  // With more triangles than two it has edges that it walks both ways, and four turns do not tell where its surface is dark.
   if (outline.is_loop && outline.count == 4u && outline.end_triangle - outline.first_triangle == 2u) {
     return decided_quad(outline);
   }

@@ -1,15 +1,19 @@
-// The turns at the corners of quadrilaterals and triangles. NUMERICS.md, "Outlines", "The cheap way".
+// The turns at the four corners of a quadrilateral or triangle as `f32` computes them, for four lights at once, and a bound on
+// their errors. For `polygon_facing` and `polygon_turns`. The turn at a corner is the sign of the determinant of the corner
+// before, it and the one after, as a light sees them: positive for counter-clockwise. A turn counts only where its size is above
+// `bound` and `is_certain` holds; callers must leave the others to exact stages. NUMERICS.md, "Outlines", "The cheap way".
 
 #import common/determinant
 #import common/positions
 #import extract/one_caster
 #import polygon/outlines
 
+// Where edge `edge` of `outlines` begins.
 fn vertex_of(edge: u32) -> vec3<u32> {
   return position_bits(outlines[edge].x, position_offset(), position_stride());
 }
 
-// What the turns at the corners of a quadrilateral follow from: the normals of three corners each, and a bound on all errors.
+// A quadrilateral: the normals of three corners each, from which its turns follow, and a bound on all errors.
 struct Quad {
   a: vec3<f32>,
   c: vec3<f32>,
@@ -46,7 +50,7 @@ fn quad_of(outline: OutlineRange) -> Quad {
   return Quad(a, select(c, a, is_triangle), mat4x3<f32>(n_0, n_1, n_2, n_3), bound, magnitude < LARGE);
 }
 
-// The turns at the four corners for four lights.
+// The determinants at the four corners (columns) for the lights `place` to `place + 3` (rows).
 fn turns_of(quad: Quad, place: u32) -> mat4x4<f32> {
   let lights = transpose(
     mat4x4<f32>(scaled_light(place), scaled_light(place + 1u), scaled_light(place + 2u), scaled_light(place + 3u)));
@@ -70,6 +74,7 @@ fn bits_of(lights: vec4<bool>) -> vec4<u32> {
   return select(vec4<u32>(0u), FOUR_BITS, lights);
 }
 
+// The four bits as one number.
 fn together(bits: vec4<u32>) -> u32 {
   return bits.x | bits.y | bits.z | bits.w;
 }

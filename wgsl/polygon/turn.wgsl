@@ -1,6 +1,9 @@
-// The turn of three points as seen from a light, exactly: the sign of det[b - a, c - a, l - w a], which bounds on rounding, fixed
-// point or integers decide. Where it is 0, the light is moved by (e, e^2, e^3). Also how large it is. For `outline` and `cut_edges`.
-// NUMERICS.md, "Outlines".
+// The turn of three points as seen from a light, exactly: the sign of det[b - a, c - a, l - w a], 1 if the light sees a, b, c
+// counter-clockwise. For `outline` and the passes of `cut_edges`, which call `turn`. A bound on rounding decides where it can,
+// then fixed point, then integers, so all devices have the same sign. Where it is 0, the light is moved by (e, e^2, e^3) for an e
+// smaller than anything: the sign is the first that is not 0 with the axes x, y, z for the light. All callers must share this
+// rule, or what they find of one outline does not fit together. Also how large the determinant is, rounded, for the order of
+// cuts. The comments `Turns:` are about loops. NUMERICS.md, "Outlines".
 
 #import common/determinant
 #import common/exact_sign
@@ -38,6 +41,7 @@ fn certain_turn(a_bits: vec3<u32>, b_bits: vec3<u32>, c_bits: vec3<u32>, place: 
   return select(0, 1, d > bound) - select(0, 1, d < -bound);
 }
 
+// The turn of three positions, given by their bits, which must be finite. `place` is the light's.
 fn turn(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, place: u32) -> Turn {
   if (all(a == b) || all(b == c) || all(c == a)) {
     return Turn(0, 0);
@@ -61,19 +65,19 @@ fn turn(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, place: u32) -> Turn {
   return found;
 }
 
-// Whether `middle`, which is on the line through the others, is strictly between them.
+// Whether `middle`, which is on the line through `p` and `q`, is strictly between them.
 fn is_between(p: vec3<u32>, middle: vec3<u32>, q: vec3<u32>) -> bool {
   let before = ordered(p) < ordered(middle);
   return any((before != (ordered(q) < ordered(middle))) & (p != middle) & (q != middle));
 }
 
-// Integers in the order of the floats.
+// Integers in the order of the floats, so that comparing cannot flush or round.
 fn ordered(bits: vec3<u32>) -> vec3<u32> {
   return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
 }
 
-// How large the determinant of a turn is, and not only its sign: rounded once, where fixed point holds it. So ratios of nearly equal
-// turns are exact but for the last places, however flat the light sees them.
+// How large the determinant of a turn is, and not only its sign: rounded once, where fixed point holds it. So ratios of nearly
+// equal turns are exact but for the last places, however flat the light sees them.
 
 struct TurnValue {
   // False: fixed point does not hold it.
@@ -89,6 +93,7 @@ struct Limbs4 {
   carry: i32,
 }
 
+// Moves what is above 12 bits of each column to the next.
 fn carried(columns: vec4<i32>, carry: i32) -> Limbs4 {
   let x = columns.x + carry;
   let y = columns.y + (x >> 12u);
@@ -97,6 +102,7 @@ fn carried(columns: vec4<i32>, carry: i32) -> Limbs4 {
   return Limbs4(vec4<i32>(x, y, z, w) & vec4<i32>(0xfff), w >> 12u);
 }
 
+// The determinant, of which fixed point must hold all: see `fits`.
 fn turn_value(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light: vec4<u32>) -> TurnValue {
   let face = fixed_face(a, b, c);
   let sum = fixed_sum(face, light);
@@ -122,7 +128,8 @@ fn times_power(value: f32, exponent: i32) -> f32 {
   return select(0.0, value * bitcast<f32>(u32(127 + max(exponent, -126)) << 23u), exponent > -64);
 }
 
-// The share of the first of two turns of contrary sense. 0.5 if both are 0.
+// |first| / (|first| + |second|) of two turns of contrary sense: how far along an edge, from 0 to 1, its plane is crossed. 0.5 if
+// both are 0.
 fn share_of_turns(first: TurnValue, second: TurnValue) -> f32 {
   if (first.value == 0.0 || second.value == 0.0) {
     return select(select(1.0, 0.0, second.value != 0.0), 0.5, first.value == second.value);

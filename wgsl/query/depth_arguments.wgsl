@@ -1,5 +1,7 @@
-// Depth arguments: computes the indirect dispatch that counts pairs of point and light again, from the length of their
-// list. Then it empties the list.
+// Depth arguments: makes the indirect dispatch of `exact_shadow_depth_recount` from the number of pairs of point and light that
+// `shadow_depth` listed: a workgroup for each pair and each group of 1,024 faces of the range. Then it empties the list for the
+// next range; the entries stay, and `recounts` says how many. Dispatched as one invocation, after `exact_shadow_depth` for each
+// range.
 
 #import query/records
 

@@ -1,6 +1,11 @@
-// Exact shadow depth: decides the faces that shadow_depth.wgsl left undecided. It computes in integers, and in fixed
-// point where the numbers fit. Where the line from point to light meets an edge, the tie is broken as if the light were
-// moved by (e, e^2, e^3). NUMERICS.md, "Shadow depth".
+// Exact shadow depth: decides the faces that `shadow_depth` left undecided, and adds them to `depths`, the number of faces
+// between each point and light, which the caller reads in the end. Two entry points, for each range of faces.
+// `exact_shadow_depth` runs right after `shadow_depth`: an invocation a pair of point and light, for the up to three faces that
+// are noted for it. `exact_shadow_depth_recount` runs after `depth_arguments`, which says how many workgroups: one a listed pair
+// and 1,024 faces, of which it decides all anew. Fixed point decides where the numbers fit, else integers, so depths are the same
+// on every device. Where the line to the light meets an edge, the tie is broken as if the light were moved by (e, e^2, e^3), the
+// same for all faces, so that a line through a shared edge passes one side of it. Counts are added by atomics, in any order.
+// NUMERICS.md, "Shadow depth".
 
 #import common/exact_sign
 #import common/fixed_sign
@@ -59,6 +64,7 @@ fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
   return true;
 }
 
+// Whether a face is between, by bounds or exactly. The face that the point is on is not.
 fn is_between(segment: Segment, index: u32) -> bool {
   let face = face_of(index);
   let decision = select(decide(segment, face), NOT_BETWEEN, is_named(segment, index));
@@ -66,12 +72,12 @@ fn is_between(segment: Segment, index: u32) -> bool {
     (decision == UNDECIDED && exactly_between(face, segment.p_bits, batch.light_bits[segment.light]));
 }
 
-// For each of 1,024 places whether an odd number of triangles are between, of the polygon that begins there and ends in the group.
-// It is cleared before use: SwiftShader was seen to leave what workgroups before had in it.
+// For each of 1,024 places whether an odd number of triangles are between, of the polygon that begins there and ends in the
+// group. It is cleared before use: SwiftShader was seen to leave what workgroups before had in it.
 var<workgroup> odd_polygons: array<atomic<u32>, CLUSTER>;
 
-// What a face that is between counts, among the faces of the group that begins with `first`: 1, or -1 after an odd number of
-// triangles of the same polygon, in whatever order the invocations come.
+// Counts a face that is between, among the faces of the group that begins with cluster `first`: 1, or -1 after an odd number of
+// triangles of the same polygon. Whatever the order of invocations, the sum is 1 for an odd number and 0 for an even one.
 fn turn_in_group(pair: u32, index: u32, first: u32) -> i32 {
   if (!POLYGONS) {
     return 1;
@@ -85,7 +91,7 @@ fn turn_in_group(pair: u32, index: u32, first: u32) -> i32 {
   }
   var bit = odd_bit(head, range.first);
   var before = 0u;
-  // What other groups have triangles of, is the pair's.
+  // A polygon with triangles in other groups has its bit with the pair.
   if (head < begin || goes_on) {
     before = atomicXor(&undecided_pairs.pairs[pair].face_0, bit);
   } else {

@@ -1,5 +1,9 @@
-// Shadow boxes: computes boxes around clusters of 32 faces and groups of 32 clusters. One workgroup takes one group.
-// Floats are compared as integers of the same order, so that no device can flush or round them.
+// Shadow boxes: the first stage of a shadow depth query. It computes the boxes around clusters of 32 faces and groups of 32
+// clusters, from the positions of this encode. Dispatched once for each run of clusters that a binding holds; a workgroup takes a
+// group, an invocation a cluster. It writes them into `clusters`, whose faces the CPU wrote once; `shadow_depth` and
+// `exact_shadow_depth` leave out clusters and groups by them. A box must hold every face that counts: those that are finite and
+// name three different vertices. Floats are compared as keys, integers in their order, so that no device can flush or round them;
+// so boxes have the same bits everywhere. NUMERICS.md, "Shadow depth", "Boxes".
 
 #import common/extraction
 #import common/positions
@@ -21,10 +25,12 @@ struct Keys {
 
 var<workgroup> group_keys: array<Keys, CLUSTER>;
 
+// An integer for each float, in the order of floats.
 fn key(bits: vec3<u32>) -> vec3<u32> {
   return select(bits | vec3<u32>(SIGN), ~bits, bits >= vec3<u32>(SIGN));
 }
 
+// The bits of the float of a key.
 fn unkey(keys: vec3<u32>) -> vec3<u32> {
   return select(~keys, keys & ~vec3<u32>(SIGN), keys >= vec3<u32>(SIGN));
 }
@@ -42,6 +48,7 @@ fn around(bits: vec3<u32>) -> Keys {
   return Keys(key(bits), max(max(magnitudes.x, magnitudes.y), magnitudes.z), key(bits), 1u);
 }
 
+// The keys of a face's corners, or none for a face that does not count.
 fn around_face(cluster: u32, face: u32) -> Keys {
   let corners = vec3<u32>(
     clusters[cluster].corners[3u * face],

@@ -1,6 +1,11 @@
-// Shadow depth: counts the faces strictly between each point and each light. The triangles of a polygon count 1 and -1 in turn, so
-// that it counts once if an odd number of them lie between. One invocation takes one pair of point and light. It notes undecided
-// faces for exact_shadow_depth.wgsl. A pair with too many of them is listed, and exact_shadow_depth.wgsl counts it again.
+// Shadow depth: counts for each pair of point and light the faces strictly between them. Runs after `shadow_boxes`; dispatched
+// for each run of points and clusters, batch of up to 32 lights and range of faces, one invocation a pair. Faces that `f32` with
+// its bounds decides are counted here, into `depths`, which the caller reads in the end. Others are noted for
+// `exact_shadow_depth`, which runs right after: up to three. With more, nothing of the range is counted, and the pair is listed,
+// in any order, for `depth_arguments` and `exact_shadow_depth_recount`. Depths are exact: the same on every device and on the
+// CPU, so bounds must not shrink. The triangles of a polygon (they follow each other) count 1 and -1 in turn, so that it counts
+// once if an odd number of them lie between. Ranges come one after another, and the bit of a polygon that goes on behind a range
+// is handed on by `state`. A point that is not finite has depth -1. NUMERICS.md, "Shadow depth".
 
 #import common/determinant
 #import common/positions
@@ -18,13 +23,14 @@ var<private> noted_odd: vec3<bool>;
 var<private> head: u32;
 var<private> is_odd: bool;
 
-// Takes the polygon of a face at hand.
+// Makes the polygon of a face the one at hand.
 fn go_to(face: u32) {
   let own = head_of(face);
   is_odd = is_odd && own == head;
   head = own;
 }
 
+// Notes an undecided face, with the bit of its polygon as the decided triangles up to here leave it.
 fn note(face: u32) {
   let is_own = vec3<bool>(undecided == 0u, undecided == 1u, undecided == 2u);
   noted = select(noted, vec3<u32>(face), is_own);
@@ -36,8 +42,8 @@ fn note(face: u32) {
   undecided++;
 }
 
-// What a face that lies between counts: 1, or -1 after an odd number of triangles of the same polygon. Undecided ones do not count
-// here: what they change, exact_shadow_depth.wgsl adds.
+// Counts a face that lies between: 1, or -1 after an odd number of triangles of the same polygon. Undecided ones do not count
+// here: exact_shadow_depth.wgsl adds what they change.
 fn turn_of(face: u32) -> i32 {
   if (!POLYGONS) {
     return 1;
@@ -49,7 +55,7 @@ fn turn_of(face: u32) -> i32 {
   return turn;
 }
 
-// What the faces of a cluster that lie between count.
+// Counts the faces of a cluster that lie between.
 fn count_cluster(segment: Segment, cluster: u32) -> i32 {
   let low = clusters[cluster].low;
   let high = clusters[cluster].high;
@@ -89,7 +95,7 @@ fn count_cluster(segment: Segment, cluster: u32) -> i32 {
   return count;
 }
 
-// What the faces of the range that lie between count.
+// Counts the faces of the range that lie between. Ends early once too many are undecided.
 fn count_range(segment: Segment) -> i32 {
   var count = 0;
   // Turns: QUERY_GROUPS.
@@ -108,6 +114,7 @@ fn count_range(segment: Segment) -> i32 {
   return count;
 }
 
+// Lists a pair whose faces are all to be decided anew.
 fn list(pair: u32) {
   let place = atomicAdd(&undecided_pairs.listed, 1u);
   undecided_pairs.pairs[place].recount = pair;

@@ -1,5 +1,8 @@
-// Decides with f32 bounds whether a face lies between a point and a light. Both stages of the shadow depth query use
-// it. NUMERICS.md, "Shadow depth".
+// Decides with `f32` bounds whether a face lies between a point and a light, and finds the polygon of a face. For `shadow_depth`
+// and both entry points of exact_shadow_depth.wgsl. `decide` says BETWEEN or NOT_BETWEEN only where exact arithmetic must agree;
+// callers must settle UNDECIDED faces exactly. The polygon of a face is told by its head, the place of its first triangle. A
+// place is 32 times the cluster plus the face's number in it, and counts from the first cluster that is bound.
+// NUMERICS.md, "Shadow depth".
 
 #import common/determinant
 #import common/positions
@@ -8,7 +11,7 @@
 
 // The largest number of undecided faces that are noted for a pair of point and light.
 const MOST_UNDECIDED: u32 = 3u;
-// Bits of `UndecidedFaces.state`.
+// Bits of `UndecidedFaces.state`, which tells what they mean.
 const COUNT_MASK: u32 = 7u;
 const ODD_FACES: u32 = 3u;
 const ODD_AT_END: u32 = 64u;
@@ -19,6 +22,7 @@ fn certain_sign(d: f32, uv: f32, t: f32, underflow: f32) -> i32 {
   return select(0, 1, d > bound) - select(0, 1, d < -bound);
 }
 
+// The vertices of a face and the bits of their positions.
 struct Face {
   corners: vec3<u32>,
   a: vec3<u32>,
@@ -46,8 +50,8 @@ fn is_named(segment: Segment, index: u32) -> bool {
   return NAMES_FACES && clusters[index / CLUSTER].first_face + index % CLUSTER == segment.on_face;
 }
 
-// Whether a polygon of the mesh has several triangles. The triangles of a polygon that are between count 1 and -1 in turn, so that
-// it counts once if they are odd in number.
+// Whether a polygon of the mesh has several triangles. The triangles of a polygon that are between count 1 and -1 in turn, so
+// that it counts once if they are odd in number.
 override POLYGONS: bool = false;
 
 // The place of the first triangle of the polygon of a face. It has no loop: a polygon may have any number of triangles.
@@ -72,7 +76,7 @@ const NOT_BETWEEN: u32 = 0u;
 const BETWEEN: u32 = 1u;
 const UNDECIDED: u32 = 2u;
 
-// The sides of the line against the three edges, as f32 computes them.
+// For each edge the determinant whose sign says on which side of it the line to the light passes, as f32 computes it.
 fn edge_determinants(segment: Segment, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
   let at_a = cross_product(segment.p - a, segment.d);
   let at_b = cross_product(segment.p - b, segment.d);
@@ -139,6 +143,7 @@ fn is_coplanar(segment: Segment, face: Face) -> bool {
   return any(flat & ((segment.p_bits == face.a) | light_at));
 }
 
+// Decides about a face as far as bounds can.
 fn decide(segment: Segment, face: Face) -> u32 {
   let largest = largest_magnitude(face.a, face.b, face.c);
   let is_degenerate =

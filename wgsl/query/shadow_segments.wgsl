@@ -1,5 +1,7 @@
-// Segments from points to lights, and tests whether they miss a box. Both stages of the shadow depth query use it.
-// NUMERICS.md, "Shadow depth".
+// The pairs of point and light of a shadow depth query as segments, and whether a segment misses a box. For `shadow_depth` and
+// both entry points of exact_shadow_depth.wgsl, which share these bindings. A pair's number is the point's number in the dispatch
+// times the lights of the batch, plus the light. `misses` may say false where the segment misses the box, but true only where
+// certainly no face in it lies between: its margins must not shrink. NUMERICS.md, "Shadow depth", "Boxes".
 
 #import common/determinant
 #import common/extraction
@@ -42,8 +44,9 @@ struct Segment {
   on_face: u32,
 }
 
+// A pair of point and light.
 struct Query {
-  // The index of the depth.
+  // The index of its depth.
   at: u32,
   p_bits: vec3<u32>,
   light: u32,
@@ -51,6 +54,7 @@ struct Query {
   on_face: u32,
 }
 
+// The pair of a number.
 fn query_of(index: u32) -> Query {
   let point = index / batch.count;
   let light = index % batch.count;

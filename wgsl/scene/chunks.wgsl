@@ -1,8 +1,10 @@
-// Chunks: a compute stage of a scene that lists, for a batch of up to 32 lights, the chunks of edges that `edges` goes over, in
-// no particular order: those of casters with a light whose list is made anew, but for chunks that clusters tell to have no
-// silhouette. A chunk is 64 slots, places in the masks, all of one caster; a cluster is 128 faces with a bound. Runs after
-// `clusters`. It also empties lists and statistics, and notes beside the bits that are kept what they are computed from.
-// NUMERICS.md, "Clusters" and "What a scene keeps".
+// Chunks: a compute stage of a scene that lists in `work`, for a batch of up to 32 lights, the chunks of edges that `edges` goes
+// over, in no particular order: those of casters with a light whose list is made anew, but for chunks that clusters tell to have
+// no silhouette. A chunk is 64 slots, places in the masks, all of one caster; a cluster is 128 faces with a bound. Dispatched
+// after `clusters` for each group of casters and batch; invocations share the chunks. It also empties lists and statistics for
+// `facing` and the stages after it, and notes in `kept` the versions that the bits are computed from: it is the last of the
+// stages that read those of before. A chunk that may have a silhouette must be listed. NUMERICS.md, "Clusters" and "What a scene
+// keeps".
 
 #import common/casters
 #import common/extraction
@@ -68,6 +70,7 @@ fn is_spared(caster: u32, chunk: u32, wanted: u32) -> bool {
   return rule == SKIPPED_DECIDED || (wanted & facing & averted) == 0u;
 }
 
+// Lists a chunk of edges, if it may have a silhouette in a list that is made anew.
 fn take_edges(chunk: u32) {
   let caster = caster_of(group.edge_chunks_at, chunk);
   let wanted = lit[group.batch * group.casters + caster] & atomicLoad(&work[group.work_count + 2u]);

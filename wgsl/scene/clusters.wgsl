@@ -1,7 +1,9 @@
 // Clusters: a compute stage of a scene that decides whether all faces of a cluster (128 faces of a mesh, with a bound on their
-// planes) face a light, or none does, for a batch of up to 32 lights. It lists the chunks of 64 faces with a bit that is to be
-// tested or changed, in no particular order, for `facing`; and notes what the masks will hold, for `chunks`. It takes the lights
-// that `reach` chose. What it decides is what exact facing would. NUMERICS.md, "Clusters".
+// planes) face a light, or none does, for a batch of up to 32 lights. Dispatched after `reach` for each group of casters and
+// batch; invocations share the chunks, 64 face slots of one caster each. It takes the lights in `taken`, which `reach` chose, and
+// lists in `work` the chunks with a bit that is to be tested or changed, in no particular order, for `facing`, with what is
+// decided already; and it notes in `kept` what the masks will hold, for `chunks` and the next encode. It decides only what exact
+// facing would decide the same way, so bounds must not shrink. NUMERICS.md, "Clusters".
 
 #import common/casters
 #import scene/many_casters
@@ -10,7 +12,7 @@
 @group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> kept: array<u32>;
 @group(0) @binding(7) var<storage, read_write> statistics: SceneStatistics;
-// What a bound decides: nothing; that all faces face a light, or none; only that none does; that none ever does.
+// Kinds of bounds. A bound decides nothing; that all faces face a light, or none; only that none does; that none ever does.
 const MIXED: u32 = 0u;
 const AT_MOST_AVERTED: u32 = 2u;
 const AVERTED: u32 = 3u;
@@ -63,6 +65,7 @@ fn decide(at: u32) -> Decision {
   return decision;
 }
 
+// Lists a chunk of the caster at hand for `facing`, with what is decided for all its faces.
 fn list_faces(chunk: u32, decision: Decision) {
   let at = group.face_work + FACE_ENTRY * atomicAdd(&work[group.work_count], 1u);
   atomicStore(&work[at], chunk);
@@ -102,6 +105,7 @@ fn take_cluster(chunk: u32, number: u32) {
   }
 }
 
+// Takes the cluster that begins with a chunk, or the chunk itself where a caster has no clusters.
 fn take_chunk(chunk: u32) {
   take_caster(caster_of(group.face_chunks_at, chunk));
   if (!has_clusters(caster)) {

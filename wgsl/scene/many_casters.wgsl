@@ -1,7 +1,9 @@
 // Casters of a scene, for the stages `facing`, `exact_facing`, `edges` and `clusters`: what interface/caster.wgsl tells, but for
 // walks. extract/one_caster.wgsl and common/positions.wgsl have the same functions for a single mesh. The functions tell of the
-// caster that was taken last. A caster has its lights one after the other, in the order of their bits in the batch: a light's
-// place is its number among them. Only lights that `reach` wrote to `taken` are computed, and bits of all others stay.
+// caster that was taken last: call `take_caster` or `face_in_slot` before any other. A caster has its lights one after the other,
+// in the order of their bits in the batch (up to 32 lights): a light's place is its number among them. Only lights that `reach`
+// wrote to `taken` are computed, and bits of all others must stay (`renewed`, `cleared`). For `edges` the lights of `lit` are
+// bound as `taken`.
 
 #import common/casters
 #import scene/table
@@ -23,11 +25,13 @@ var<private> of_faces: vec4<u32>;
 var<private> of_edges: vec4<u32>;
 var<private> lights: CasterLights;
 var<private> matter: u32;
-// Those of them that a cluster decides, for all its faces alike, those of these that it faces, and the places of the others.
+// `decided`: lights for which all faces of the cluster have the same bit. `decided_facing`: those of them that the faces face.
+// `tested`: the places of the lights that are tested for each face.
 var<private> decided: u32;
 var<private> decided_facing: u32;
 var<private> tested: u32;
 
+// Makes a caster the one at hand, with nothing decided for its faces.
 fn take_caster(index: u32) {
   caster = index;
   flags = caster_part(caster, 4u).w;
@@ -67,7 +71,7 @@ fn given_light(place: u32) -> vec4<u32> { return table[lights.first + 2u * min(p
 fn scaled_bits(place: u32) -> vec4<u32> { return table[lights.first + 2u * min(place, light_places() - 1u) + 1u]; }
 fn scaled_light(place: u32) -> vec4<f32> { return bitcast<vec4<f32>>(scaled_bits(place)); }
 
-// As `LightBatch::new` has it.
+// The same value as `LightBatch::new` in src/layout.rs has for it.
 fn inexact_w(place: u32) -> f32 {
   let w = scaled_bits(place).w & 0x7fffffffu;
   let is_zero = (given_light(place).w & 0x7fffffffu) == 0u;
@@ -102,7 +106,7 @@ fn places_of(bits: u32) -> u32 {
 
 // The bits of the lights at some places, as far as they are taken.
 fn lights_at(places: u32) -> u32 {
-  // As a rule a caster has the first lights.
+  // Most casters have the first lights, so that places are bits.
   if ((lights.allowed & (lights.allowed + 1u)) == 0u) {
     return places & matter;
   }

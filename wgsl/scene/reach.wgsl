@@ -1,8 +1,11 @@
-// Reach: the first compute stage of a scene. It finds for each batch (up to 32 lights) and caster the lights that matter: those
-// that are allowed, whose range and cone have the caster's box, if it is rigid or the caller states one, and from which no
-// occluder hides it. Of these it finds the ones whose bits are to be computed, because caster or light changed since; the others
-// keep their bits. `clusters`, `chunks`, `facing`, `edges` and the stages of shadow volumes read both. It never leaves out a
-// light that matters. NUMERICS.md, "Occluded casters", "Cones of lights", "What a scene keeps".
+// Reach: the first compute stage of a scene's encode, an invocation a caster (a mesh that throws shadows) and batch of up to 32
+// lights. It finds the lights that matter to the caster, `lit`: those that are allowed, whose range and cone have the caster's
+// box, if it is rigid or the caller states one, and from which no occluder hides it. Of these it finds the ones whose bits are to
+// be computed, `taken`, because caster or light changed since; the others keep their bits. `clusters`, `facing` and
+// `exact_facing` read `taken`; `chunks`, `edges`, `bounds` and `choose` read `lit`. It also notes which lists must be made anew,
+// in `work`, and updates `kept`, what the masks are computed from. It never leaves out a light that matters: where numbers are
+// too large or rounding leaves it open, the light stays. NUMERICS.md, "Occluded casters", "Cones of lights", "What a scene
+// keeps".
 
 #import common/casters
 #import scene/table
@@ -84,7 +87,7 @@ fn is_unneeded(caster: u32) -> bool {
   return !is_rigid && figure != 0u && at != 0u && atomicLoad(&work[at + figure - 1u]) != 0u;
 }
 
-// Those of some lights that did not change.
+// The part of some lights that did not change.
 fn unchanged(batch: u32, lights: u32) -> u32 {
   var same = 0u;
   for (var rest = lights; rest != 0u; rest &= rest - 1u) {
@@ -96,9 +99,10 @@ fn unchanged(batch: u32, lights: u32) -> u32 {
   return same;
 }
 
+// Finds the lights of a caster in a batch, and writes all that follows from them.
 fn take_pair(pair: u32, caster: u32, batch: u32) {
   let unneeded = is_unneeded(caster);
-  // Of what was not deformed nothing is computed, and no bits are kept.
+  // For a figure that was not deformed nothing is computed, and no bits are kept.
   let reaching = select(lights_that_matter(caster, batch), 0u, unneeded);
   let hidden = occluded(caster, batch, reaching);
   let matter = reaching & ~hidden;

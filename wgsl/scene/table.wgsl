@@ -1,9 +1,11 @@
-// The scene table, which the CPU writes for every frame, and what is kept from one frame to the next: where things are, for the
-// stages `reach`, `clusters`, `chunks`, `facing`, `exact_facing` and `edges`. The table has the casters, then for each batch (up
-// to 32 lights) and caster its lights, then the ranges of the lights and their versions, four words, the cones of the lights, the
-// lights themselves, and the casters of all chunks (64 slots of faces or edges of one caster). The first of the four words is the
-// number of the encode. The second is the word of the work lists from which on there is a word for each figure (a caster that may
-// be deformed), 1 if it is not needed; it is 0 where all are needed. A page has the topology and clusters of several meshes.
+// The scene table, which the CPU writes for every frame (src/gpu/scene/table.rs), and what is kept from one frame to the next:
+// where things are, for the stages `reach`, `clusters`, `chunks`, `facing`, `exact_facing` and `edges`. The table has the
+// casters, then for each batch (up to 32 lights) and caster its lights, then the ranges of the lights and their versions, four
+// words, the cones of the lights, the lights themselves, and the casters of all chunks (64 slots of faces or edges of one
+// caster). The first of the four words is the number of the encode. The second is the word of the work lists from which on there
+// is a word for each figure (a caster that may be deformed), 1 if it is not needed; it is 0 where all are needed. A page has the
+// topology and clusters of several meshes. The layout is that of the Rust; bits are kept only as long as all versions beside them
+// are right.
 
 #import common/casters
 
@@ -14,7 +16,7 @@ struct CasterLights {
   reach: vec2<f32>, // The largest |x|, |y| or |z| of the scaled lights, and their largest |w| or inexact w.
 }
 
-// What an encode of a scene computed.
+// Statistics of an encode of a scene.
 struct SceneStatistics {
   // Pairs of caster and light that matter, and those of them whose bits were kept.
   pairs: atomic<u32>,
@@ -25,7 +27,7 @@ struct SceneStatistics {
   // Faces that were tested, for each batch, and edge records.
   faces: atomic<u32>,
   edges: atomic<u32>,
-  // Those that clusters spared.
+  // Faces and edge records that clusters spared.
   spared_faces: atomic<u32>,
   spared_edges: atomic<u32>,
   unneeded: atomic<u32>, // Casters that the frame does not need.
@@ -84,10 +86,10 @@ fn light_version(batch: u32, light: u32) -> u32 {
   return table[group.ranges_at + 8u * (group.batches + batch) + light / 4u][light % 4u];
 }
 
-// What was computed is told by words that lie beside it: the number of the layout, and from the fourth word on for each
-// batch the versions of its lights. For each batch and caster follow the caster's version and the lights whose bits are
-// right for these versions. Then for each group and batch the encodes that made the lists of its lights,
-// and two words for each of its chunks of faces.
+// Words beside the bits that are kept tell what these were computed from: the number of the layout, and from the fourth word on
+// for each batch the versions of its lights. For each batch and caster follow the caster's version and the lights whose bits are
+// right for these versions. Then for each group and batch the encodes that made the lists of its lights, and two words for each
+// of its chunks of faces.
 fn kept_lights_at(batch: u32) -> u32 { return 4u + 32u * batch; }
 fn kept_pair_at(pair: u32) -> u32 { return 4u + 32u * group.batches + 2u * pair; }
 

@@ -1,6 +1,7 @@
 // Walks over a scene: calls `take_item` for each face or edge record in the chunks that `clusters` and `chunks` listed, for the
 // stages `facing` and `edges`, through interface/caster.wgsl. A chunk is 64 slots of one caster, and LANES invocations share it:
-// each takes slots in turn, so that it finds their caster once, and ends where the caster ends.
+// each takes slots in turn, so that it finds their caster once, and ends where the caster ends. Each listed slot is taken once,
+// in any order.
 //
 // Expects: `take_item(slot, index)`, which decides a face or an edge record.
 

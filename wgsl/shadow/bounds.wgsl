@@ -1,7 +1,9 @@
 // Bounds: a compute stage that finds the box of each caster's finite faces, and whether a caster has other faces. A caster is a
-// mesh that throws shadows. `choose` reads the boxes, and so do the stages that bound stencil counts. It runs for a single mesh,
-// and for casters of a scene whose positions are in world space; rigid ones have a box in mesh space already. A group of casters
-// is skipped where nothing reads its boxes. Boxes are exact: floats are compared as integers of the same order.
+// mesh that throws shadows. Dispatched before `choose`, once a frame: for a single mesh, whose faces the invocations share, and
+// for each group of a scene with casters in world space, an invocation a chunk of 64 face slots; rigid casters have a box in mesh
+// space already. It reads positions and faces; `choose`, `stencil_pencil` and the stages of crossings read `boxes`, which are
+// zeros before. A group is skipped where nothing reads its boxes. Boxes are exact, the same bits in any order: floats are
+// compared as keys, integers of the same order, so that atomics can join them and no device can flush them.
 
 #import common/casters
 #import shadow/caster
@@ -12,8 +14,8 @@
 @group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read> positions: array<u32>;
 @group(0) @binding(3) var<storage, read> faces: array<u32>;
-// For each caster the lowest x, y, z, inverted, and the highest, so that zeros are an empty box. The last word is 1 if a face
-// has a corner that is not finite.
+// For each caster the keys of the lowest x, y, z, inverted, and the highest, so that zeros are an empty box. The last word is 1
+// if a face has a corner that is not finite.
 @group(0) @binding(4) var<storage, read_write> boxes: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read> choices: array<u32>;
 // For each batch and caster of a scene the lights that matter. A single caster has none.

@@ -1,8 +1,10 @@
-// Cap faces: vertex shaders that draw caps, the faces that close shadow volumes, by indirect draws of the lists that `caps` made.
-// A light cap is a face at its place. A dark cap is the face at the far end of the volume. A near cap is the part of a face
-// between light and near plane, projected from the light onto that plane. z-fail draws light and dark caps; ZP+ draws near caps
-// beside the sides of z-pass. z-pass and ZP+ also draw light caps of casters that are not in the depth buffer, and dark caps
-// where volumes end; their lists are the same. If lists overflowed, each face of the group is an instance and is tested here.
+// Cap faces: vertex shaders that draw caps, the faces that close shadow volumes, in the caller's render pass, by the indirect
+// draws that `shadow_arguments` made of the lists of `caps`; an instance is a face. A light cap is a face at its place. A dark
+// cap is the face at the far end of the volume. A near cap is the part of a face between light and near plane, projected from the
+// light onto that plane. z-fail draws light and dark caps; ZP+ draws near caps beside the sides of z-pass. z-pass and ZP+ also
+// draw light caps of casters that are not in the depth buffer, and dark caps where volumes end; their lists are the same. If
+// lists overflowed, each face of the group is an instance and is tested here. Corners keep their order, since depths of light
+// caps must be those of the surface.
 
 #import common/casters
 #import shadow/caster
@@ -97,7 +99,7 @@ fn face_of(own: Cap) -> CapFace {
 
 @vertex fn dark_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
   let own = cap_of(instance);
-  // Of casters that are not in the depth buffer there are faces whose volume does not end.
+  // Lists also have faces of casters that are not in the depth buffer, and their volume need not end.
   let is_endless = shape.proxies != 0u && own.light.counting != COUNT_Z_FAIL && own.light.end == 0.0;
   if (!own.valid || is_endless) {
     return VolumeVertex(NOTHING);

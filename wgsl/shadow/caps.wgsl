@@ -1,8 +1,11 @@
-// Caps: a compute stage that lists, for each light of a batch (up to 32 lights, a bit each) in a view, the faces whose caps are
-// drawn, in no particular order. `shadow_arguments` makes draws of the lists, and `cap_faces` reads them. Near caps, which ZP+
-// needs, come from faces between light and near rectangle. With z-fail, where volumes end at the range, and for casters that are
-// not in the depth buffer, light and dark caps come from every face that casts. Excluded faces, those whose plane has the light
-// and those that are not finite, have no caps. It notes in the choices which casters have near caps.
+// Caps: a compute stage that lists the faces whose caps are drawn, for each light of a batch (up to 32 lights, a bit each) in a
+// view. Dispatched after `choose` for each group of casters, batch and view; invocations share the faces of a single mesh, and
+// eight share a chunk of 64 face slots in a scene. `shadow_arguments` makes draws of the lists, and `cap_faces` reads them. Near
+// caps, which ZP+ needs, come from faces between light and near rectangle (what the camera sees of the near plane). With z-fail,
+// where volumes end at the range, and for casters that are not in the depth buffer, light and dark caps come from every face that
+// casts. Excluded faces, those whose plane has the light and those that are not finite, have no caps. It sets CAPPED in the
+// choices of casters that have near caps: only their sides are clipped, so a face that may have a near cap must never be left
+// out. Lists are in no particular order.
 
 #import common/casters
 #import shadow/caster
@@ -72,6 +75,7 @@ fn end_of(caster: u32, number: u32) -> f32 {
   return bitcast<f32>(atomicLoad(&choices[before + 2u * measures_of(caster, number, draw.view)]));
 }
 
+// Appends a face to a list of a light. A list without room counts on.
 fn list_cap(bit: u32, kind: u32, slot: u32) {
   let place = atomicAdd(&caps_listed[4u * bit + kind], 1u);
   if (place < cap_capacity(kind)) {
@@ -79,6 +83,7 @@ fn list_cap(bit: u32, kind: u32, slot: u32) {
   }
 }
 
+// Lists the caps of a face, for all lights that need caps of its caster.
 fn list_face(caster: u32, slot: u32, needs: Needs) {
   let corners_at = 3u * (face_run(caster).z + slot - face_run(caster).x);
   let corners = vec3<u32>(faces[corners_at], faces[corners_at + 1u], faces[corners_at + 2u]);

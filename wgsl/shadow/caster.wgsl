@@ -1,7 +1,9 @@
 // Casters, the meshes that throw shadows, as the stages of shadow volumes find them: in the table, which begins with eight vec4s
-// for each (`SceneCaster`). A slot is the place of a face or edge in the masks of casters drawn together. A chunk is 64 slots,
-// all of one caster. These functions give a caster's slots, its positions and box, and what camera and light are to it: positions
-// of a rigid caster of a scene are in the space of its mesh, and those of all others in world space.
+// for each (`SceneCaster`). With MANY it is the table of a scene, else that of a single mesh. A slot is the place of a face or
+// edge in the masks of casters drawn together, a group. A chunk is 64 slots, all of one caster. These functions give a caster's
+// slots, its positions and box, and what camera and light are to it: positions of a rigid caster of a scene are in the space of
+// its mesh, and those of all others in world space. All that is computed for a caster must take camera, light and positions from
+// here, in one space.
 //
 // Expects: `shape`, and as far as functions are used `table`, the table of casters; `boxes`, those of shadow/bounds.wgsl;
 // `positions`.

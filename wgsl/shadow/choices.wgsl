@@ -1,7 +1,8 @@
-// Choices: what the stage `choose` chose for each caster, light and view, as nearly all stages of shadow volumes read it: which
-// faces cast, how shadows are counted, whether near caps are needed, where the volume ends. A batch is up to 32 lights. For each
-// view, batch and caster there are eight words with a bit for each light; behind all of them, two measures for each view, light
-// and caster. `relist`, `choose`, `zp_plus_2005_cases` and `caps` write them. For later stages they are copied into the table.
+// Choices: what `choose` chose for each caster, light and view, as nearly all stages of shadow volumes read it: which faces cast,
+// how shadows are counted, whether near caps are needed, where the volume ends. A batch is up to 32 lights. For each view, batch
+// and caster there are eight words with a bit for each light; behind all of them, two measures for each view, light and caster.
+// `relist`, `choose`, `zp_plus_2005_cases` and `caps` write them, in this order. For the stages from `list_sides` on and for
+// draws they are copied into the table. Sides and caps of a volume must read the same choices, or it does not close.
 //
 // Expects: `shape`, and `table`, the table of casters, which has the choices once all are made.
 

@@ -1,8 +1,10 @@
-// Choose: a compute stage that chooses for each caster, light and view which faces of the caster cast and how the shadow is
-// counted, from the caster's box alone: nothing if its shadow cannot be seen; z-pass unless a face may lie between light and near
-// rectangle; averted faces (those that do not face the light) where they suffice. All tests have slack, so what is skipped casts
-// nothing that is seen. It reads the boxes of `bounds` and the statistics of the extraction, and writes choices
-// (shadow/choices.wgsl) and statistics. `caps` then looks at the faces of casters that may need caps. NUMERICS.md, "Which faces
+// Choose: a compute stage that chooses for each caster (a mesh that throws shadows), light and view which of its faces cast and
+// how the shadow is counted, from its box alone: nothing if its shadow cannot be seen; z-pass unless a face may lie between light
+// and near rectangle (what the camera sees of the near plane); averted faces (those that do not face the light) where they
+// suffice. Dispatched after `bounds`, an invocation a caster and light, a row of workgroups a view, for all batches of 32 lights
+// together. It reads boxes and the statistics of the extraction, and writes choices (shadow/choices.wgsl), for `caps` and all
+// stages after it, and statistics. All tests have slack, which must stay above their rounding errors: what is skipped casts
+// nothing that is seen, and where a test leaves it open, every face casts, or near caps are looked for. NUMERICS.md, "Which faces
 // cast", "Volumes that end" and "Volumes without a receiver".
 
 #import common/casters
@@ -83,7 +85,7 @@ fn frustum_near(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3
 // Whether a polygon of the caster is L-twisted for a light. Then it is excluded, and the caster is not closed.
 fn is_cut(number: u32) -> bool { return ((extraction_statistics[4] >> (number % 32u)) & 1u) != 0u; }
 
-// What was chosen for a light: the light, and whether near caps may be needed. A lower bound of the distance to a caster with
+// The light with the choices for a caster and a view, by the caster's box. A lower bound of the distance to a caster with
 // a matrix is that in the caster's space times `scale`, the least that the matrix makes of a length.
 fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec3<f32>, high: vec3<f32>, has_holes: bool, is_cut: bool) -> ShadowLight {
   var light = given;
@@ -108,7 +110,7 @@ fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec
   light.counting = shape.counting;
   if (shape.counting == COUNT_ZP_PLUS_2005) {
     light.frustum_near = frustum_near(view, light, low, high);
-    // What was published knows no excluded faces, and no caster that is not in the depth buffer.
+    // The published method knows no excluded faces, and no caster that is not in the depth buffer.
     light.counting = select(COUNT_ZP_PLUS_2005, COUNT_Z_FAIL, light.excludes != 0u || (flags & PROXY) != 0u);
   }
   if (shape.counting == COUNT_AUTO) {
@@ -122,7 +124,7 @@ fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec
   return light;
 }
 
-// What was chosen in an earlier encode.
+// Counts the choices of an earlier encode, which stay.
 fn count_kept(at: u32, bit: u32, measures: u32) {
   if ((atomicLoad(&choices[at + CASTS]) & bit) == 0u) {
     atomicAdd(&shadow_statistics.skipped, 1u);
@@ -136,13 +138,14 @@ fn count_kept(at: u32, bit: u32, measures: u32) {
   }
 }
 
+// Chooses for a caster, a light and a view, and writes it.
 fn choose_light(caster: u32, number: u32, view_number: u32) {
   let at = CHOICE_WORDS * choices_of(caster, number / 32u, view_number);
   let bit = 1u << (number % 32u);
   let measures = CHOICE_WORDS * shape.views * shape.batches * shape.casters + 2u * measures_of(caster, number, view_number);
   let first = CHOICE_WORDS * choices_of(first_of_group(caster), number / 32u, view_number);
   let is_fresh = !MANY || (atomicLoad(&choices[first + FRESH]) & bit) != 0u;
-  // What was chosen before goes. Of what does not cast nothing is set.
+  // Earlier choices go. A caster that did not cast has none.
   if (MANY && is_fresh && (atomicLoad(&choices[at + CASTS]) & bit) != 0u) {
     // Turns: 8.
     for (var word = CASTS; word <= EXCLUDES; word++) {

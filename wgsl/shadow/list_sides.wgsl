@@ -1,7 +1,10 @@
-// List sides: a compute stage that lists, for each light of a batch (up to 32 lights) in a view, the edges whose sides are drawn,
-// in no particular order, with the winding of the side. A side is the quad from an edge away from the light. It goes over the
-// light's silhouettes. Where their list overflowed, or faces may be excluded (those whose plane has the light, and those that are
-// not finite), it goes over all edges. `shadow_arguments` makes draws of the lists; `sides` and `stencil_crossings` read them.
+// List sides: a compute stage that lists the edges whose sides are drawn, with the winding of the side, for each light of a batch
+// (up to 32 lights) in a view. A side is the quad from an edge away from the light. Dispatched after `caps` for each group of
+// casters, batch and view; a row of workgroups shares the edges of a light. It goes over the light's silhouettes, as `edges`
+// listed them. Where their list overflowed, or faces may be excluded (those whose plane has the light, and those that are not
+// finite), it goes over all edges. `shadow_arguments` makes draws of the lists; `sides` and `stencil_crossings` read them. Lists
+// are in no particular order. The weight of an edge comes from the bits of its faces (`side_at`), as for caps: else volumes would
+// not close.
 
 #import common/casters
 #import common/extraction
@@ -22,6 +25,7 @@
 @group(0) @binding(8) var<storage, read_write> sides: array<atomic<u32>>;
 @group(0) @binding(9) var<storage, read> extraction_statistics: array<u32, 5>; // `ExtractionStatistics` of the same silhouettes.
 
+// Lists the side of an edge, if it has one, as often as its weight says.
 fn list_edge(slot: u32, bit: u32) {
   let caster = caster_of(shape.edge_chunks_at, slot);
   let run = edge_run(caster);
@@ -63,7 +67,7 @@ fn list_sides(
   @builtin(local_invocation_index) thread: u32,
 ) {
   let bit = group.y;
-  // A scene makes those lists that are not as they were. A single caster is alone.
+  // In a scene only lists that `relist` marked are made, for a single caster those of lights for which it casts.
   let of_first = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, select(0u, 1u, MANY));
   if (((of_first[select(CASTS, FRESH - 4u, MANY)] >> bit) & 1u) == 0u) {
     return;

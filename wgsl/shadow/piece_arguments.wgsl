@@ -1,7 +1,9 @@
-// Piece arguments: a compute stage that makes the indirect draws of the pieces of L-twisted polygons for each light of a batch
-// (up to 32 lights) in a view. An L-twisted polygon has lit and dark parts as seen from the light; a piece is a part of their
-// borders, which `cut_edges` and `cut_quads` listed (shadow/lists.wgsl). It reads the choices for the only caster, and writes
-// draws for `pieces` and statistics.
+// Piece arguments: a compute stage that makes the indirect draws of the pieces of L-twisted polygons, whose outlines cross
+// themselves as seen from light L, so that they have lit and dark parts. A piece is a part of the border between these;
+// `cut_edges` and `cut_quads` listed them (shadow/lists.wgsl). Dispatched after `shadow_arguments` for a mesh of polygons, one
+// workgroup for each batch (up to 32 lights) and view, an invocation a light. It reads the choices for the only caster, and
+// writes `piece_draws`, for the vertex shaders `pieces` in the caller's render pass, and the number of pieces that had no room,
+// to the statistics.
 
 #import common/extraction
 #import shadow/choices

@@ -1,6 +1,8 @@
 // Piece crossings: a compute stage that adds the sides of pieces of L-twisted polygons (see shadow/lists.wgsl) to the bins of
-// half planes that they cross, each with the weight 1, beside `stencil_crossings`. `stencil_bound` reads the bins. Where a list
-// of pieces overflowed, all of them cross every half plane. It is for a single caster. NUMERICS.md, "A bound on counts".
+// half planes that they cross (shadow/pencil.wgsl), each with the weight 1. Dispatched after `stencil_crossings`, if the caller
+// asks for a bound and the only caster is a mesh of polygons, for each batch (up to 32 lights) and view; a row of workgroups
+// shares the pieces of a light. `stencil_bound` reads the bins. Where a list of pieces overflowed, all of them cross every half
+// plane, so that bounds are never too small. NUMERICS.md, "A bound on counts".
 
 #import shadow/caster
 #import shadow/choices

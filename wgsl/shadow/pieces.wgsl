@@ -1,7 +1,8 @@
-// Pieces: vertex shaders that draw the sides and caps of pieces of L-twisted polygons, by the indirect draws of
-// `piece_arguments`. `cut_edges` and `cut_quads` listed the pieces (shadow/lists.wgsl). A piece is an edge of the face that it
-// makes with the middle of its polygon, and that face faces the light. Faces of other pieces meet it at its other edges, and
-// count there with the contrary sign. NUMERICS.md, "Shadows of twisted polygons".
+// Pieces: vertex shaders that draw the sides and caps of pieces of L-twisted polygons (their outlines cross themselves as seen
+// from light L), in the caller's render pass, by the indirect draws of `piece_arguments`; an instance is a piece, which
+// `cut_edges` and `cut_quads` listed (shadow/lists.wgsl). A piece is an edge of the face that it makes with the middle of its
+// polygon, and that face faces the light. Faces of other pieces meet it at its other edges, and count there with the contrary
+// sign: so positions must be taken as listed, bit for bit. NUMERICS.md, "Shadows of twisted polygons".
 
 #import shadow/caster
 #import shadow/choices

@@ -1,7 +1,9 @@
-// Receiver depth: a compute stage that finds the farthest receiver of each tile of 8 x 8 pixels in the depth buffer of a view. A
-// receiver is a pixel that shadows may fall on: all that was drawn, and the sky if the caller says so. It writes the first level
-// of the view's receivers (shadow/receivers.wgsl); `receiver_pyramid` makes the others. The variant SAMPLES takes textures with
-// several samples for each pixel, of which all enter.
+// Receiver depth: a compute stage, for scenes, that finds the farthest receiver of each tile of 8 x 8 pixels in the depth buffer
+// of a view. A receiver is a pixel that shadows may fall on: all that was drawn, and the sky if the caller says so. Dispatched
+// once for each view whose depth the caller gives, an invocation a tile, before the stages of shadow volumes. It writes the first
+// level of the view's receivers (shadow/receivers.wgsl); `receiver_pyramid`, the next stage, makes the others. The variant
+// SAMPLES takes textures with several samples for each pixel, of which all enter: a receiver that is left out may lose its
+// shadow.
 
 #import shadow/receivers
 

@@ -1,8 +1,9 @@
 // Receivers: what the shadows of a view may fall on, from the depth buffer that they are drawn against. They are kept as a
 // pyramid: for each tile of 8 x 8 pixels the farthest depth of a receiver, then for each square of four the farthest of those, up
-// to one for all; and as a box of all places between the near rectangle and the receivers. Depths are kept as keys, integers that
-// grow with the distance. `receiver_depth` and `receiver_pyramid` write them, and `choose` reads them, through
-// shadow/visibility.wgsl. NUMERICS.md, "Volumes without a receiver".
+// to one for all; and as a box of all places between the near rectangle (what the camera sees of the near plane) and the
+// receivers. Depths are kept as keys, integers that grow with the distance, whichever way the depth buffer runs. `receiver_depth`
+// and `receiver_pyramid` write them, and `choose` reads them, through shadow/visibility.wgsl. Keys keep their order exactly; a
+// depth made of one again is never nearer than it was. NUMERICS.md, "Volumes without a receiver".
 
 struct ReceiverView {
   inverse: array<vec4<f32>, 4>, // Columns of the matrix from normalised device coordinates to the camera's frame.

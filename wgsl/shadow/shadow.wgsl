@@ -1,7 +1,8 @@
 // Shared by all stages of shadow volumes, and `needs`: structs that Rust writes (a test holds them equal to src/layout.rs), clip
 // space, and the three forms of a vertex V of a volume: V itself, its far vertex at infinity or where the volume ends, and its
 // projection from the light onto the near plane. A light L is homogeneous, (x, y, z, w); a light at infinity has w = 0. All
-// arithmetic is written out, so that a vertex has the same bits wherever it is computed. NUMERICS.md, "Shadow volumes".
+// arithmetic is written out, and must stay so, so that a vertex has the same bits wherever it is computed: in two draws, and in a
+// caller's depth pass that takes `to_clip`. NUMERICS.md, "Shadow volumes".
 
 #import common/casters
 
@@ -201,6 +202,7 @@ fn consistent_rise(light: ShadowLight, height: f32, far_height: f32) -> f32 {
     select(far_height, min(far_height, -1e-37), !below && height < 0.0), max(far_height, 0.0), below && height >= 0.0);
 }
 
+// A vertex of a volume, from its position.
 fn corner(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> Corner {
   let d = extrusion(view, light, position);
   let q = placed(view, position);

@@ -1,6 +1,8 @@
-// Shadow arguments: a compute stage that makes the indirect draws of the volumes of each light of a batch (up to 32 lights) in a
-// view, from the counts of `list_sides` and `caps`, and counts lists that overflowed. Their draws go over all edges or faces, and
-// the vertex shaders `sides` and `cap_faces` then reject those that do not belong.
+// Shadow arguments: a compute stage that makes the indirect draws of shadow volumes from the counts of `list_sides` and `caps`,
+// and counts lists that overflowed in the statistics. Dispatched after `list_sides`, one workgroup for each group of casters,
+// batch (up to 32 lights) and view, an invocation a light. The caller's render pass draws with `shadow_draws`, by the vertex
+// shaders `sides` and `cap_faces`. Where lists overflowed, draws go over all edges or faces, and these shaders reject what does
+// not belong: slower, never wrong. So the instances here and how the shaders read them must stay the same.
 
 #import common/extraction
 #import shadow/shadow
@@ -62,7 +64,7 @@ fn write_arguments(bit: u32) {
   let is_published = shape.counting == COUNT_ZP_PLUS_2005;
   var draws = ShadowDraws();
   draws.plain = arguments(4u, side_instances.x);
-  // What was published takes three quads a side.
+  // ZP+ as published takes three quads a side.
   draws.clipped = arguments(select(5u, 4u, is_published), side_instances.y * select(1u, 3u, is_published));
   draws.near_front = arguments(select(5u, 3u, is_published), near.x);
   draws.near_back = arguments(select(5u, 3u, is_published), near.y);

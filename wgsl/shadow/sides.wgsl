@@ -1,7 +1,10 @@
-// Sides: vertex shaders that draw the quads from edges away from the light, by an indirect draw of the list that `list_sides`
-// made. `side` leaves clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with the near cap
-// has equal bits. `zp_plus_2005_side` is the side as published in 2005. The first two may be trimmed (shadow/vertices.wgsl). If
-// the light's lists overflowed, each edge of the group is two instances and is tested here. NUMERICS.md, "Shadow volumes".
+// Sides: vertex shaders that draw the quads from edges away from the light, in the caller's render pass, by the indirect draws
+// that `shadow_arguments` made of the lists of `list_sides`. An instance is an entry of a list, drawn as a strip. `side` leaves
+// clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with the near cap (`cap_faces`) has
+// equal bits. `zp_plus_2005_side` is the side as published in 2005. The first two may be trimmed (shadow/vertices.wgsl). If the
+// light's lists overflowed, each edge of the group is two instances and is tested here. Ends must come to shadow/vertices.wgsl as
+// the winding and the order of vertex indices have them: stencil counts and seams follow from these. NUMERICS.md, "Shadow
+// volumes".
 
 #import common/casters
 #import common/extraction

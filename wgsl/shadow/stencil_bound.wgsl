@@ -1,7 +1,9 @@
 // Stencil bound: a compute stage that bounds the stencil counts of each light in each view from above, so that a caller learns
-// where the bits that count may not suffice. No count exceeds half of the weights that its half plane crosses, plus the faces of
-// casters that the axis of the pencil may meet (shadow/pencil.wgsl). It reads the rows that `stencil_pencil`, `stencil_crossings`
-// and `piece_crossings` made, and writes statistics. A workgroup takes a light in a view. NUMERICS.md, "A bound on counts".
+// where the bits that count may not suffice. Dispatched last, if the caller asks for a bound, one workgroup for each light and
+// view, an invocation a batch of casters that count together. It reads the rows that `stencil_pencil`, `stencil_crossings` and
+// `piece_crossings` made (shadow/pencil.wgsl), and writes statistics, which the caller reads. No count exceeds half of the
+// weights that its half plane crosses, plus the faces of casters that the line of the pencil may meet: a bound may be too large,
+// never too small. NUMERICS.md, "A bound on counts".
 
 #import shadow/pencil
 #import shadow/shadow
@@ -24,6 +26,7 @@ fn after_four(sums: vec2<u32>, at: u32) -> vec2<u32> {
 
 fn after_eight(sums: vec2<u32>, at: u32) -> vec2<u32> { return after_four(after_four(sums, at), at + 4u); }
 
+// The bound of a row: the largest sum up to any bin.
 fn bound_of_row(row: u32) -> u32 {
   var crossed = 0u;
   var most = 0u;

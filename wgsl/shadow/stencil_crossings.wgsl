@@ -1,7 +1,8 @@
-// Stencil crossings: a compute stage that adds the sides of shadow volumes to the bins of half planes that they cross
-// (shadow/pencil.wgsl), for `stencil_bound`. It goes over the lists of sides of a batch of up to 32 lights in a view. Where the
-// lists of a light overflowed, it goes over all edges, with the largest weight that each may have: bounds are then larger, never
-// too small. NUMERICS.md, "A bound on counts".
+// Stencil crossings: a compute stage that adds the sides of shadow volumes (quads from edges away from the light) to the bins of
+// half planes that they cross (shadow/pencil.wgsl), for `stencil_bound`. Dispatched after `stencil_pencil`, if the caller asks
+// for a bound, for each group of casters, batch of up to 32 lights and view; a row of workgroups shares the lists of a light.
+// Where these overflowed, it goes over all edges, with the largest weight that each may have: bounds are then larger, never too
+// small. Rows are sums of integers, so the order of invocations does not matter. NUMERICS.md, "A bound on counts".
 
 #import common/extraction
 #import shadow/caster
@@ -27,6 +28,7 @@ fn largest_weight(caster: u32, number: u32) -> u32 {
   return casts * (1u + ((words[EVERY] >> (number % 32u)) & 1u));
 }
 
+// Adds the side of the edge in a slot. A caster that the line of the pencil may meet is counted by its faces instead.
 fn cross_slot(by: StencilPencil, number: u32, slot: u32, is_listed: bool) {
   let caster = caster_of(shape.edge_chunks_at, slot);
   let run = edge_run(caster);

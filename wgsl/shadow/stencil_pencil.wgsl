@@ -1,6 +1,9 @@
-// Stencil pencil: a compute stage that finds for each light and view the pencil of half planes that bounds its stencil counts
-// (shadow/pencil.wgsl), from the boxes of the casters, and adds up their faces. `stencil_crossings` and `piece_crossings` go on
-// from it. A workgroup takes a light of a batch in a view. NUMERICS.md, "A bound on counts".
+// Stencil pencil: a compute stage that finds for each light and view a pencil, half planes that begin at one line through the
+// light (shadow/pencil.wgsl), by which stencil counts are bounded. Dispatched after `shadow_arguments` and only if the caller
+// asks for a bound, one workgroup for each light of a batch and view, which shares all casters. It reads choices and the boxes of
+// casters that cast, and writes the pencil, and into its rows, zeros before, the faces of all casters and of those that the line
+// may meet. `stencil_crossings` and `piece_crossings` go on from it. Tests of boxes have slack: a caster that the line may meet
+// must be found. NUMERICS.md, "A bound on counts".
 
 #import common/casters
 #import shadow/caster

@@ -1,9 +1,10 @@
 // Vertices of sides and caps of shadow volumes, in clip space, for the vertex shaders `sides`, `cap_faces` and `pieces`. A side
 // is the quad from an edge away from the light; a cap is a face at its place, at the far end, or projected onto the near plane.
 // Anything clipped at the near plane is a polygon of up to five vertices, drawn as a strip. Volumes are watertight: what meets at
-// an edge has equal bits, because its ends are always taken in the order of their vertices (`is_ordered`). NUMERICS.md, "Shadow
-// volumes". If TRIM is set, polygons are cut at the frustum here, for drivers that clip slivers wrongly: "Triangles that leave
-// the picture". The last part, also for `zp_plus_2005_cases`, is ZP+ as published.
+// an edge has equal bits, because its ends are always taken in the order of their vertices (`is_ordered`). No expression here may
+// differ between two shapes that meet. NUMERICS.md, "Shadow volumes". If TRIM is set, polygons are cut at the frustum here, for
+// drivers that clip slivers wrongly: "Triangles that leave the picture". The last part, also for `zp_plus_2005_cases`, is ZP+ as
+// published.
 
 #import common/casters
 #import shadow/shadow

@@ -1,8 +1,8 @@
 // Visibility: what can be told of a box and its shadow before anything is drawn: whether a light reaches it, whether a camera may
 // see it or its shadow, whether it may lie between light and near rectangle (what the camera sees of the near plane), and whether
 // anything that shadows fall on can be in its shadow. `choose` takes all of it, `caps` the planes between light and near
-// rectangle, and `needs` what is seen of boxes. Tests have slack above their rounding errors, so a box is out only if it is.
-// NUMERICS.md, "Shadow volumes" and "Volumes without a receiver".
+// rectangle, and `needs` what is seen of boxes. Tests have slack, which must stay above their rounding errors: a box is out only
+// if it certainly is. NUMERICS.md, "Shadow volumes" and "Volumes without a receiver".
 
 #import common/casters
 #import shadow/receivers
@@ -127,7 +127,7 @@ fn receiver_corner(at: u32) -> vec3<f32> {
 // How far a volume goes until it has left the box of the receivers.
 struct Reach {
   is_none: bool, // No receiver is beyond any place of the caster.
-  // Of a light at a place: the least factor of the light in the far vertex `d + factor * light`. Of a light at infinity: the
+  // With a light at a place: the least factor of the light in the far vertex `d + factor * light`. With a light at infinity: the
   // largest factor of d in the far vertex `V + factor * d`; negative if there is no limit.
   factor: f32,
 }
@@ -145,7 +145,7 @@ fn reach_to(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, hi
     let terms = placed_size(view, l);
     let apart = max(abs(near - place), abs(far - place)) + SLACK * (max(abs(near), abs(far)) + terms);
     let factor = (1.0 - SLACK) * scale * distance_below(light, low, high) / length_of(apart);
-    // What is no number limits nothing.
+    // NaN limits nothing.
     return Reach(factor > 1.0 && factor < 0x1p100, select(0.0, factor, factor > 0.0 && factor <= 1.0));
   }
   if (!is_limited) {
@@ -178,7 +178,7 @@ fn placed_size(view: ShadowView, position: vec3<f32>) -> vec3<f32> {
     dot_3(abs(view.placement[2].xyz), q) + abs(view.placement[2].w));
 }
 
-// What is known of the hull of vertices, in clip space.
+// A hull of vertices in clip space, as far as it is known.
 struct Hull {
   // Whether all are outside the left, right, bottom and top plane, or before the near plane.
   out: vec4<bool>,

@@ -1,6 +1,7 @@
 // Cases of ZP+ as published in 2005, for comparison: a compute stage that finds lights for which the near plane cuts both finite
 // edges of a side (the paper's case D). The published method leaves such a caster and light to z-fail, so their bit NEAR is taken
-// from the choices. It runs between `choose` and `caps`, for a single caster. A workgroup takes one light of a batch of up to 32.
+// from the choices, which `caps` and all later stages read. Dispatched between `choose` and `caps`, for a single caster, each
+// batch of up to 32 lights and view; a row of workgroups takes the silhouettes of one light, or all edges if its list overflowed.
 
 #import common/extraction
 #import shadow/caster
