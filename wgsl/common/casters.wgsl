@@ -1,10 +1,11 @@
 // Casters of a scene, meshes that throw shadows, as the table has them; the cones of lights; and small functions on vectors, for
-// all stages of scenes and of shadow volumes. A slot is a place in the masks of casters that are drawn together. src/layout.rs
-// has the same structs and src/gpu/scene/table.rs writes them; a test holds structs, CHUNK and LANES equal. `may_be_in_cone` may
-// say true too often, never false for a box that has a place in the cone: `reach` and `needs` leave out what it denies.
+// all stages of scenes and of shadow volumes. A slot is the index of a face or edge in the masks of casters that are drawn
+// together, a group. src/layout.rs has the same structs, src/gpu/scene/table.rs writes them; a test holds structs, CHUNK and
+// LANES equal. `may_be_in_cone` may say true too often, never false for a box with a point in the cone: `reach` and `needs` leave
+// out what it denies.
 // NUMERICS.md, "Cones of lights".
 
-// Slots of a chunk, which are those of one caster.
+// Slots of a chunk, all of one caster.
 const CHUNK: u32 = 64u;
 // Invocations that share a chunk.
 const LANES: u32 = 8u;
@@ -15,13 +16,14 @@ const RIGID: u32 = 4u; // Lights are moved to its mesh space, and its box is kno
 const HOLED: u32 = 8u; // A face is not finite.
 const EXCLUDING: u32 = 16u; // The caller excludes faces.
 const CHANGING: u32 = 32u; // Positions may have changed.
-const GIVEN: u32 = 64u; // The caller excludes faces of a caster of the group, and all masks of these are copied anew.
+// The caller excludes faces of some caster of the group. Then masks of excluded faces of the group are copied anew.
+const GIVEN: u32 = 64u;
 const PROXY: u32 = 128u; // Not in the depth buffer.
 const BOUNDED: u32 = 256u; // The box is one that the caller states, in world space.
 // The word of a scene's counts of silhouettes that tells whether a light was in the plane of a face whose bits are kept.
 const KEPT_ZEROS: u32 = 32u;
 
-// A caster in the table of casters. Slots are places in the masks of what is drawn together; others are in the mesh's buffers.
+// A caster in the table of casters. `first_face` and `first_edge` are indices in the bound buffers of faces and edge records.
 struct SceneCaster {
   // Rows of the matrix from mesh space to world space.
   row_0: vec4<f32>,
@@ -64,13 +66,14 @@ const CONE_LARGEST: f32 = 0x1p60;
 const CONE_LEAST: f32 = 0x1p-30;
 const CONE_SLACK: f32 = 0x1p-14; // 512 units in the last place of the largest coordinate. Less than a quarter is needed.
 
-// The part of the length of a vector across the axis, at length 1.
+// The part of a vector at right angles to the axis, scaled to length 1.
 fn across_axis(v: vec3<f32>, axis: vec3<f32>) -> vec3<f32> {
   let across = v - dot_3(v, axis) * axis;
   return across / sqrt(dot_3(across, across));
 }
 
-// Whether a box may have a place in the cone. It is never false for one that has. No term of the box's ends is above `terms`.
+// Whether a box may have a point in the cone. It is never false for one that has. `low` and `high` may be rounded sums: `terms`
+// is at least the size of each term, so that CONE_SLACK covers the rounding of those that cancel.
 fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, terms: f32) -> bool {
   let axis = cone.axis.xyz;
   let cosine = cone.axis.w;

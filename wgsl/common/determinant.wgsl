@@ -16,7 +16,7 @@ fn sum_of_sizes(v: vec3<f32>) -> f32 { return abs(v.x) + abs(v.y) + abs(v.z); }
 
 fn largest_of(v: vec3<f32>) -> f32 { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 
-// n . (l - w a)
+// n . (l - w a). `light` is scaled as LightBatch says, or the bounds below do not hold.
 fn local_form(n: vec3<f32>, a: vec3<f32>, light: vec4<f32>) -> f32 {
   let to_light = light.xyz - light.w * a;
   return n.x * to_light.x + n.y * to_light.y + n.z * to_light.z;
@@ -45,14 +45,14 @@ fn largest_magnitude(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>) -> u32 {
   return max(max(magnitudes.x, magnitudes.y), magnitudes.z);
 }
 
-// The most that underflow adds for a face whose coordinates are up to `largest`, for a light of size 1.
+// The most that underflow adds to the error for a face with coordinates up to `largest`, for a light of size 1; callers multiply.
 fn underflow_bound(largest: f32) -> f32 {
   let reach = max(2.0 * largest, 1.0);
   return UNDERFLOW * reach * reach;
 }
 
-// One bound for all lights of a batch. `size` is |u|1 |v|1. `largest` bounds the coordinates of the face. `reach` is
-// the largest |x|, |y| or |z| of the lights, and their largest |w| or `inexact_w`.
+// One bound for all lights of a batch. `size` is the product of `sum_of_sizes` of b - a and c - a. `largest` bounds the
+// coordinates of the face. `reach` is that of LightBatch: the largest |x|, |y| or |z|, and the largest of all |w| and inexact_w.
 fn face_bound(size: f32, largest: f32, reach: vec2<f32>) -> f32 {
   let to_light = reach.x + largest * reach.y;
   return (RELATIVE * to_light) * size + underflow_bound(largest) * (1.0 + to_light);

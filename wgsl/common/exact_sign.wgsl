@@ -4,8 +4,9 @@
 // out faces that are not finite before. This is rare and slow, so the code is short rather than fast. NUMERICS.md, "Exact
 // facing".
 
-const DIGIT: u32 = 0xffffffu;
-// Digits of 24 bits, zero between uses. 48 of them hold every sum of products of four finite f32; four more are read.
+const DIGIT: u32 = 0xffffffu; // The bits of a digit.
+// Digits of 24 bits, the lowest first, in units of 2^-596. `exact_sign` finds and leaves them zero. 48 of them hold every sum of
+// products of four finite f32; four more are read.
 var<private> digits: array<i32, 52>;
 
 // The 48-bit product of two digits, as two digits.
@@ -29,9 +30,9 @@ fn multiply_three(a: vec3<u32>, b: u32) -> vec4<u32> {
   return vec4<u32>(low.x, second & DIGIT, third & DIGIT, high.y + (third >> 24u));
 }
 
-// Adds or subtracts the product of four floats, given as bits. `sign` is combined with their signs. Returns the lowest
-// digit of the product. It has no loop, because some software GPUs end an invocation's loops after 2^16 turns in total
-// (ARCHITECTURE.md, "Limits of devices").
+// Adds the product of four floats, given as bits, to `digits`; subtracts it if bit 31 of `sign` is set. Returns the index of the
+// lowest digit that it may change; the four after it may change, too. It has no loop, because some software GPUs end an
+// invocation's loops after 2^16 turns in total (ARCHITECTURE.md, "Limits of devices").
 fn add_product(bits: vec4<u32>, sign: u32) -> u32 {
   let exponents = (bits >> vec4<u32>(23u)) & vec4<u32>(0xffu);
   let implied = select(vec4<u32>(0u), vec4<u32>(0x800000u), exponents != vec4<u32>(0u));
@@ -56,11 +57,13 @@ fn add_product(bits: vec4<u32>, sign: u32) -> u32 {
   return at;
 }
 
-// After a digit: the carry over it, and the bits that are set in it or in any lower digit.
+// After a digit: the carry over it, and the bits of it and all lower digits, ORed.
 struct Sweep {
   carry: i32,
   any_bit: i32,
 }
+
+// Carries into a digit, and clears it.
 
 fn take_digit(sweep: Sweep, at: u32) -> Sweep {
   let sum = digits[at] + sweep.carry;

@@ -1,12 +1,12 @@
-// Reads positions from any buffer of a caller: words at any offset and stride, in up to four bindings of equal length. They are
-// read as u32, bit for bit, so that no load can flush a subnormal; who needs exact signs must keep to the bits. Stages of
-// extraction, polygons and queries use it; scenes have one binding instead (scene/many_casters.wgsl).
+// Reads positions from any buffer of a caller: words at any offset and stride, in up to four bindings, of equal length but for
+// the last. They are read as u32, bit for bit, so that no load can flush a subnormal; who needs exact signs must keep to the
+// bits. Stages of extraction, polygons and queries use it; scenes have one binding instead (scene/many_casters.wgsl).
 
 @group(0) @binding(2) var<storage, read> positions_0: array<u32>;
 @group(0) @binding(3) var<storage, read> positions_1: array<u32>;
 @group(0) @binding(4) var<storage, read> positions_2: array<u32>;
 @group(0) @binding(5) var<storage, read> positions_3: array<u32>;
-override WINDOW_WORDS: u32 = 0u; // The number of words in a window. 0: everything is in the first binding.
+override WINDOW_WORDS: u32 = 0u; // The number of words in each binding but the last. 0: everything is in the first.
 
 fn position_word(word: u32) -> u32 {
   if (WINDOW_WORDS == 0u) {

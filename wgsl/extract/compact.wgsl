@@ -3,7 +3,7 @@
 // `per_edge`), which then appends nothing. `compact_count`: an invocation an edge; counts the bits of each block of 256 edges.
 // `compact_scan`: a workgroup a light; turns the counts into offsets, and writes the light's count. `compact_scatter`: an
 // invocation an edge; writes the lists, for `arguments`, callers and shadow volumes. Lists are the same on every device. Bit 31
-// of an entry is the winding. A list that has no room counts on.
+// of an entry is the winding: face 0 of the edge faces the light. Counts go on where a list has no room.
 
 #import common/extraction
 
@@ -17,6 +17,7 @@ const BLOCK_WORDS: u32 = BLOCK / 32u;
 // For each light the silhouette edges of the block, as a bit set.
 var<workgroup> members: array<atomic<u32>, 32u * BLOCK_WORDS>;
 
+// No silhouette past the last edge, so that invocations of a workgroup stay together at barriers.
 fn silhouette_of(edge: u32) -> EdgeMasks {
   if (edge < chunk.count) {
     return masks[edge];
@@ -24,6 +25,7 @@ fn silhouette_of(edge: u32) -> EdgeMasks {
   return EdgeMasks(0u, 0u);
 }
 
+// Fills `members`, which is zero before, from the masks of all invocations.
 fn gather_members(silhouette: u32, local: u32) {
   for (var rest = silhouette; rest != 0u; rest &= rest - 1u) {
     atomicOr(&members[firstTrailingBit(rest) * BLOCK_WORDS + local / 32u], 1u << (local % 32u));
@@ -82,7 +84,7 @@ fn scan_light(light: u32, local: u32) {
   }
 }
 
-// One workgroup takes one light. If a dispatch may not have so many, each takes several lights in turn.
+// One workgroup takes one light. If a device allows fewer workgroups than 32, each takes several lights in turn.
 @compute @workgroup_size(BLOCK)
 fn compact_scan(
   @builtin(workgroup_id) group: vec3<u32>,

@@ -1,8 +1,7 @@
-// Edge lists of a single mesh, for the stages `edges` and `per_edge`: they read the facing masks, which may span up to four
-// bindings of equal length, and write masks of edge records, append silhouettes to the lists of the lights in no particular
-// order, or both. A list that has no room counts on, so that `arguments` and all readers can tell. `edges` has its own for
-// scenes. An edge record is a directed edge with its one or two faces. Bit 31 of an entry is the winding: the facing bit of face
-// 0.
+// Edge lists of a single mesh, for the stages `edges` and `per_edge`: `edges` reads the facing masks here, which may span up to
+// four bindings. Both write masks of edge records, append silhouettes to the lists of the lights in no particular order, or both.
+// A list that has no room counts on, so that `arguments` and all readers can tell. `edges` has its own text for scenes. An edge
+// record is a directed edge with its one or two faces. Bit 31 of an entry is the winding: the facing bit of face 0.
 
 #import common/extraction
 #import extract/one_caster
@@ -11,7 +10,8 @@
 @group(0) @binding(3) var<storage, read> facing_1: array<u32>;
 @group(0) @binding(4) var<storage, read> facing_2: array<u32>;
 @group(0) @binding(5) var<storage, read> facing_3: array<u32>;
-override FACING_WINDOW_WORDS: u32 = 0u; // The number of faces in each binding except the last. 0: all are in the first.
+// Words in each binding except the last. 0: all are in the first. A word is a face's mask; for polygons twisted masks follow.
+override FACING_WINDOW_WORDS: u32 = 0u;
 
 fn facing_mask(face: u32) -> u32 {
   if (FACING_WINDOW_WORDS == 0u) {
@@ -32,6 +32,7 @@ fn facing_mask(face: u32) -> u32 {
 override WRITE_MASKS: bool = true;
 override APPEND: bool = true;
 
+// Writes and lists one edge record of `chunk`, with its masks. It has no barrier: other invocations may have ended.
 fn emit(edge: u32, silhouette: u32, winding: u32) {
   if (WRITE_MASKS) {
     masks[edge] = EdgeMasks(silhouette, winding);

@@ -2,8 +2,9 @@
 // to 32), from the facing masks of its faces: where two faces differ, and at boundaries. Dispatched after `exact_facing`, or
 // after `polygon_masks` for a mesh of polygons, an invocation a record. It writes the masks, which `compact` and callers read,
 // appends silhouette edges to the lists of the lights in no particular order, for callers and shadow volumes, or both. In the
-// variant SCENE eight invocations share a chunk that `chunks` listed, for the lights whose lists are made anew, and it only
-// appends. Facing must be read as it is written, never decided again: so loops of silhouettes close. NUMERICS.md, "Watertight".
+// variant SCENE eight invocations share a chunk (64 slots) that `chunks` listed, for lights whose lists are made anew, and it
+// only appends. A slot is the index of a face or record in masks and lists (interface/caster.wgsl). Facing must be read as it is
+// written, never decided again: so loops of silhouettes close. NUMERICS.md, "Watertight".
 
 #import common/extraction
 #import interface/caster
@@ -41,7 +42,8 @@ fn emit(slot: u32, silhouette: u32, winding: u32) {
 @group(0) @binding(6) var<storage, read> edge_faces: array<vec2<u32>>;
 override TWISTED_AT: u32 = 0u; // Where the twisted masks lie behind the facing masks, for polygons. 0: no face is twisted.
 
-// Decides an edge record. `slot` is its place in masks and lists, `index` that in the topology.
+// Decides an edge record. `slot` is its index in masks and lists, `index` that in `edge_faces`. A word of faces has bit 31 set
+// (INCONSISTENT) if both traverse the edge the same way: then their fronts are on different sides, and equal bits differ.
 fn take_item(slot: u32, index: u32) {
   let faces = edge_faces[index];
   if (TWISTED_AT != 0u) {
@@ -61,14 +63,14 @@ fn take_item(slot: u32, index: u32) {
   emit(slot, silhouette, winding);
 }
 
-// The masks of a record where faces may be twisted: these have the sign 0. With one other face left, the record is a boundary of
-// it.
+// The masks of a record where faces may be twisted: such a face counts as absent. If one face is left, the record is a boundary
+// of it, and the winding is that face's as face 0 would have it; if none is left, no silhouette.
 fn masks_beside_twisted(faces: vec2<u32>) -> EdgeMasks {
   let first = faces.x & ~INCONSISTENT;
   let counts_0 = live_lights() & ~facing_mask(TWISTED_AT + first);
   let facing_0 = facing_mask(first);
   var counts_1 = 0u;
-  // The sense that face 0 would have: face 1 runs against it, or the same way.
+  // The facing of face 1 as face 0 would have it: the contrary, since it runs against it, unless both run the same way.
   var turned_1 = 0u;
   if (faces.y != NO_FACE) {
     counts_1 = live_lights() & ~facing_mask(TWISTED_AT + faces.y);

@@ -26,13 +26,13 @@ struct Face {
   c: vec3<u32>,
 }
 
-// The places of facing lights and those of undecided lights.
+// Bits of the places of facing lights, and of undecided lights.
 struct Decision {
   facing: u32,
   undecided: u32,
 }
 
-// Facing lights, and those for which the face is excluded: places, and bits once all are decided.
+// Facing lights, and those for which the face is excluded. `settle` returns bits of places, `decide` bits of lights.
 struct Signs {
   facing: u32,
   excluded: u32,
@@ -102,7 +102,7 @@ fn settle(undecided: u32, face: Face) -> Signs {
   return signs;
 }
 
-// The masks of one face.
+// The masks of one face. One that names a vertex twice faces no light and is excluded for none: it has no edge records.
 fn decide(index: u32) -> Signs {
   var face: Face;
   face.corners = vec3<u32>(faces[3u * index], faces[3u * index + 1u], faces[3u * index + 2u]);
@@ -126,7 +126,8 @@ fn decide(index: u32) -> Signs {
   return Signs(lights_at(signs.facing | decision.facing), lights_at(signs.excluded));
 }
 
-// Few invocations take many faces in turn, because nearly no face is undecided as a rule.
+// Few invocations take many faces in turn, because nearly no face is undecided as a rule. The dispatch is so large that each
+// takes at most EXACT_ITEMS (src/turns.rs) if all are.
 @compute @workgroup_size(64)
 fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   // If the list overflowed, every face is decided. `decide` is called once, because each call is compiled by itself.
@@ -144,7 +145,7 @@ fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
       let signs = decide(item.index);
       facing_masks[slot] = renewed(facing_masks[slot], signs.facing);
       if (slot < arrayLength(&excluded_masks)) {
-        // A scene may have excluded the face for other lights.
+        // In a scene the face may be excluded for further lights, by the caller or by an earlier frame.
         excluded_masks[slot] |= signs.excluded;
       }
     }

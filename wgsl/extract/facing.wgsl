@@ -1,10 +1,11 @@
 // Facing: a compute stage that computes one bit for each face and light of a batch (up to 32), set if the light lies strictly on
 // the face's counter-clockwise side. For a single mesh it is the first stage, dispatched for each range of faces and batch, an
-// invocation a face; the variant SCENE runs after `chunks`, and eight invocations share a chunk that `clusters` listed
-// (interface/caster.wgsl tells what slots and places of lights are). The bit is the sign of det[b - a, c - a, l - w a]
-// (NUMERICS.md, "Facing"). One bound for each face, which must not shrink, tells whether all its signs are certain ("Filter"). A
-// face with others is listed, in no particular order, for `exact_facing`, which runs right after and makes all bits exact.
-// `edges`, callers and shadow volumes read the masks.
+// invocation a face; the variant SCENE runs after `chunks`, and eight invocations share a chunk (64 faces of one caster) that
+// `clusters` listed. A slot is a face's index in the masks; a place is a light's number among those of the caster, its bit for a
+// single mesh (interface/caster.wgsl). The bit is the sign of det[b - a, c - a, l - w a] (NUMERICS.md, "Facing"). One bound for
+// each face, which must not shrink, tells whether all its signs are certain ("Filter"). A face with others is listed, in no
+// particular order, for `exact_facing`, which runs right after and makes all bits exact. `edges`, callers and shadow volumes read
+// the masks.
 
 #import common/determinant
 #import common/extraction
@@ -25,14 +26,14 @@ fn determinant(n: vec3<f32>, a: vec3<f32>, place: u32) -> f32 {
   return local_form(n, a, scaled_light(place));
 }
 
-// The bits of all lights, and the smallest absolute determinant.
+// The bits of the lights, and, if EXACT, the smallest absolute determinant of those that were computed.
 struct Signs {
   mask: u32,
   smallest: f32,
 }
 
-// Four lights at a time: the loop itself costs about as much as a test of a dozen operations. Places past the last
-// repeat the last light.
+// Four lights at a time: the loop itself costs about as much as a test of a dozen operations. Four of which none is tested are
+// skipped; `lights_at` drops bits of places past the last, which repeat the last light.
 fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
   var signs = Signs(0u, 0x1p127);
   // Turns: 8.
@@ -57,6 +58,7 @@ fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
   return signs;
 }
 
+// Lists a face for `exact_facing`. The count goes on where there is no room; then that stage takes all faces.
 fn list(slot: u32) {
   let place = atomicAdd(&record.undecided_count, 1u);
   if (place < arrayLength(&record.undecided)) {
@@ -64,7 +66,8 @@ fn list(slot: u32) {
   }
 }
 
-// Decides a face. `slot` is its place in the masks, `index` that in the topology.
+// Decides a face. `slot` is its index in the masks, `index` that in `faces`. If EXACT, `exact_facing` decides those that are not
+// finite and those that name a vertex twice (their determinant is 0, so they are listed).
 fn take_item(slot: u32, index: u32) {
   if (excluded_are_old() && slot < arrayLength(&excluded_masks)) {
     excluded_masks[slot] = cleared(excluded_masks[slot]);

@@ -1,8 +1,9 @@
-// Per edge: a compute stage with the method that Brabec and Seidel published in 2003, for comparison; if the caller asks for it,
-// it stands for `facing` and `edges` together, and writes masks and lists as `edges` does. One invocation takes one edge record,
-// gathers four positions and tests both faces against every light of a batch (up to 32). It uses the plane equations, as
-// published, or the local form. A face's side is decided again at each of its edges, in f32, so loops may fail to close.
-// NUMERICS.md, "Per edge".
+// Per edge: a compute stage with the method that Brabec and Seidel published in 2003, for comparison. If the extractor's options
+// ask for it, it stands for `facing` and `edges`; dispatched first, for each range of edge records and batch of up to 32 lights.
+// One invocation takes one record (a directed edge with one or two faces), gathers four positions and tests both faces against
+// every light. It writes masks and lists as `edges` does, for `compact`, `arguments` and callers. It uses the plane equations, as
+// published, or the local form (common/determinant.wgsl). A face's side is decided again at each of its edges, in f32, so loops
+// may fail to close. This is what is compared: tests and gathers must stay one an edge. NUMERICS.md, "Per edge".
 
 #import common/determinant
 #import common/extraction
@@ -17,7 +18,7 @@ fn position(vertex: u32) -> vec3<f32> {
   return bitcast<vec3<f32>>(position_bits(vertex, batch.position_offset, batch.position_stride));
 }
 
-// The values of a face that all lights share.
+// The values of a face that all lights share: its plane, and the corner from which the local form takes differences.
 struct Side {
   plane: vec4<f32>,
   a: vec3<f32>,
@@ -27,6 +28,7 @@ fn side_of(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Side {
   return Side(plane_through(cross_product(b - a, c - a), a), a);
 }
 
+// The plane form takes the light as given, as published; the local form takes the scaled one, as in `facing`.
 fn is_in_front(side: Side, light: u32) -> bool {
   if (PLANE) {
     return plane_form(side.plane, bitcast<vec4<f32>>(batch.light_bits[light])) > 0.0;
@@ -34,6 +36,7 @@ fn is_in_front(side: Side, light: u32) -> bool {
   return local_form(side.plane.xyz, side.a, batch.lights[light]) > 0.0;
 }
 
+// A bit for each light that the face faces. Entries past the last light repeat it; their bits are dropped at the end.
 fn mask_of(side: Side) -> u32 {
   var mask = 0u;
   // Turns: 8.
@@ -55,10 +58,12 @@ fn per_edge(@builtin(global_invocation_id) id: vec3<u32>) {
   let corners = edge_corners[edge];
   let a = position(corners.x & ~INCONSISTENT);
   let b = position(corners.y);
+  // The lights that face 0 faces. An edge without face 1 is a silhouette for every light.
   let winding = mask_of(side_of(a, b, position(corners.z)));
   var silhouette = batch.live;
   if (corners.w != NO_FACE) {
     let d = position(corners.w);
+    // Face 1 runs the same way, so its front is on the other side of the surface: it differs where the bits are equal.
     if ((corners.x & INCONSISTENT) != 0u) {
       silhouette = ~(winding ^ mask_of(side_of(a, b, d))) & batch.live;
     } else {

@@ -13,12 +13,14 @@ struct RimlineInfo {
   // The word of vertex 0 in the bound positions, and the words from one vertex to the next.
   position_offset: u32,
   position_stride: u32,
-  twisted_at: u32, // Where the masks of L-twisted polygons lie behind the facing masks. 0: there are none.
+  // Where twisted masks lie behind the facing masks: for each face the lights as seen from which its polygon's outline crosses
+  // itself. 0: there are none.
+  twisted_at: u32,
 }
 
 // A silhouette edge for one light.
 struct RimlineSilhouette {
-  valid: bool, // False: draw nothing. The list overflowed, and this edge is no silhouette.
+  valid: bool, // False: draw nothing, the other members mean nothing. The list overflowed, and this edge is no silhouette.
   // The index of the edge record, and its vertices. Face 0 traverses the edge a -> b.
   edge: u32,
   a: u32,
@@ -78,7 +80,7 @@ fn rimline_silhouette(light: u32, instance: u32) -> RimlineSilhouette {
   var kind = faces.x >> 31u;
   let counts_0 = !rimline_is_twisted(face_0, light);
   let faces_0 = rimline_faces_light(face_0, light);
-  // Face 1 runs against face 0, or alike: so it may be a silhouette where both face the light, or only one of them.
+  // `counts_…`: the face exists and is not twisted. `turned_1`: whether face 1, run through as face 0 is, faces the light.
   var counts_1 = false;
   var turned_1 = false;
   if (faces.y == 0xffffffffu) {
@@ -87,7 +89,7 @@ fn rimline_silhouette(light: u32, instance: u32) -> RimlineSilhouette {
     counts_1 = !rimline_is_twisted(faces.y, light);
     turned_1 = rimline_faces_light(faces.y, light) == (kind == 1u);
   }
-  // The sign of the face that counts, as face 0 would have it.
+  // The facing of the face that counts, as face 0 would have it.
   var winding = select(turned_1, faces_0, counts_0);
   var valid = true;
   if (overflowed) {

@@ -1,8 +1,9 @@
 // The interface through which the stages `facing`, `exact_facing` and `edges` know casters: a single mesh, or all casters of a
-// scene. Either side of the `#if` gives these functions, so one text serves both. A caster is a mesh that throws shadows. A slot
-// is the place of a face or edge record in masks and lists; an index is its place in the topology that is bound. Lights come in
-// batches of up to 32, a bit each. A place of a light is its bit for a single mesh, and its number among the lights of the caster
-// in a scene. In a scene the functions tell of the caster that was taken last, by `face_in_slot` or before `take_item`.
+// scene. Either side of the `#if` gives these functions, so one text serves both; src/compose.rs expands `#import` and `#if`. A
+// caster is a mesh that throws shadows. A slot is the index of a face or edge record in masks and lists; an index is that in the
+// bound faces or edge records. Lights come in batches of up to 32, a bit each. The place of a light is its bit for a single mesh,
+// and its number among the lights of the caster in a scene. In a scene the functions tell of the caster that was taken last, by
+// `face_in_slot` or before `take_item`.
 //
 // Walks:
 // * `face_slots() -> u32`: the number of slots of faces.
@@ -13,14 +14,15 @@
 // * `position_bits(vertex, position_offset(), position_stride()) -> vec3<u32>`: a vertex.
 // Lights:
 // * `light_places() -> u32`: the number of places. `lights_at(places) -> u32`: the bits of the lights at some places.
-// * `live_lights() -> u32`: the bits that are computed. `live_places() -> u32`: their places.
-// * `tested_places() -> u32`: the places that are not decided already. Places past the last may be among them.
+// * `live_lights() -> u32`: the bits of the lights that are computed. `live_places() -> u32`: the bits of their places.
+// * `tested_places() -> u32`: the bits of the places that are not decided already. Bits past the last place may be set.
 // * `given_light(place) -> vec4<u32>`: the light as given, bit for bit. `scaled_light(place) -> vec4<f32>`: scaled by a power
 //   of two. `inexact_w(place) -> f32`, `lights_reach() -> vec2<f32>`: see `LightBatch`.
-// Results:
-// * `renewed(mask, bits) -> u32`: a mask with new bits. `cleared(mask) -> u32`: a mask without those that are computed.
+// Results, of the face that was taken:
+// * `renewed(mask, bits) -> u32`: `mask` with `bits` for the lights that are computed. `cleared(mask) -> u32`: with zeros there.
 // * `counts_non_finite() -> bool`: whether this dispatch counts faces that are not finite.
-// * `excluded_are_old() -> bool`: whether masks of excluded faces are those of an earlier frame.
+// * `excluded_are_old() -> bool`: whether the face's mask of lights for which it is excluded (its plane has the light, or it is
+//   not finite) still has bits of an earlier frame, so that `facing` clears it. Else it was cleared or copied anew before.
 
 #if SCENE
 #import scene/many_casters
