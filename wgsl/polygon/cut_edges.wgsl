@@ -3,10 +3,10 @@
 // and only with lists; each reads in `pieces` what the one before wrote. `cut_edges`: a workgroup an entry, edges and lights that
 // `polygon_masks` listed; finds what cuts each edge. `cut_edges_rank`: a workgroup for 8 cuts; counts how many cuts of its edge
 // come before each. `cut_edges_before`: an invocation a cut; finds the one right before. `cut_edges_list`: the same; writes the
-// piece between both. Pieces come in any order; polygon/list_pieces.wgsl names their readers. What cuts an edge, and which side
-// is dark, is exact; orders are, but for those that `is_before` rounds. As many pieces begin at a point as end there, bit for
-// bit, so edges that cross must agree on order and point. `turn` is of geometry; `Turns:` comments are about loops. NUMERICS.md,
-// "Shadows of twisted polygons".
+// piece between both. Pieces come in any order; polygon/list_pieces.wgsl names their readers. Cutting edges and dark sides are
+// exact; orders are, but for those that `is_before` rounds. As many pieces begin at a point as end there, bit for bit, so edges
+// that cross must agree on order and point. `turn` is that of three points (polygon/turn.wgsl); `Turns:` is the most turns of the
+// loop below it. NUMERICS.md, "Shadows of twisted polygons".
 
 #import polygon/cut_order
 #import polygon/cuts
@@ -16,25 +16,26 @@
 
 @group(0) @binding(8) var<storage, read> faces: array<u32>;
 
-// Whether an odd number of triangles are on the left of each edge's end. A large outline has one edge, the first.
+// Bit 0: an odd number of the polygon's triangles are, as the light sees them, next to the edge's end on its left. An element an
+// invocation; with a large outline, whose invocations share an edge, the first.
 var<workgroup> odd: array<atomic<u32>, 64>;
-// The cuts that each invocation found, and the row of each edge.
+// How many cuts each invocation found, and the place in the light's list where the row of cuts of its edge begins.
 var<workgroup> found_counts: array<u32, 64>;
 var<workgroup> rows: array<u32, 64>;
-// The places in order of the cuts of a workgroup.
+// For each of 8 cuts of a workgroup of `cut_edges_rank` how many are before it.
 var<workgroup> ranks: array<atomic<u32>, 8>;
 // Invocations that share the orders of a cut with all others.
 const RANK_LANES: u32 = 8u;
 // With more cuts, those of an edge are ordered by how far along they are, which is rounded.
 const MOST_ORDERED: u32 = 256u;
 
-// How an edge lies on another that is on the same line.
+// How an edge lies on another that is on the same line. Sides and ends are those seen in the direction in which coordinates grow.
 struct InLine {
   // It ends within the other, which it cuts there.
   cuts: bool,
-  // It overlaps the end of the other, on the left of that.
+  // It lies beside the end of the other, on the left of the other's own direction.
   is_left_at_end: bool,
-  // Its upper end, in the direction in which coordinates grow.
+  // Its upper end.
   end: vec3<u32>,
 }
 
@@ -53,13 +54,14 @@ fn in_line(f: Edge, item: u32, e: Edge, index: u32) -> InLine {
   return InLine(cuts, is_left, theirs.b);
 }
 
-// Whether two edges on one line have the same direction.
+// Whether edges (p, q) and (a, b), which must be on one line in space, have the same direction.
 fn runs_alike(p: vec3<u32>, q: vec3<u32>, a: vec3<u32>, b: vec3<u32>) -> bool {
   let up = ordered(p) < ordered(q);
   return any((p != q) & (a != b) & (up == (ordered(a) < ordered(b))));
 }
 
-// The edges that an invocation finds to cut its edge, a bit for each. With a large outline it takes every 64th edge.
+// The edges that an invocation finds to cut its edge, a bit for each. With a large outline it takes every 64th edge: bit n is
+// edge 64 n + lane.
 struct Found {
   cuts: u32,
   // The cuts that have an end on it, in space, and the cuts of which it is the second end.
@@ -67,8 +69,8 @@ struct Found {
   touches_second: u32,
 }
 
-// Finds what cuts the edge, and whether an odd number of triangles have the directions next to its end, on its left (`odd`). Both
-// are in one loop, so that `turn` is compiled once.
+// Finds the edges that cut the edge, and whether an odd number of triangles have the directions next to its end, on its left: it
+// flips `odd` for each. Both are in one loop, first over edges, then over triangles, so that `turn` is compiled once.
 fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
   let slot = select(lane, 0u, work.is_large);
   let step = select(1u, OUTLINE_LANES, work.is_large);
@@ -250,7 +252,7 @@ fn cut_edges_rank(
   }
 }
 
-// Whether the ranks of a row are no order, since two are equal, or were not computed.
+// Whether the ranks of a row are no order: two are equal, or they were not computed.
 fn is_tangled(row: Row) -> bool {
   if (row.cuts > MOST_ORDERED) {
     return true;
@@ -268,7 +270,8 @@ fn is_tangled(row: Row) -> bool {
   return is_twice;
 }
 
-// The key by which cuts of a row are compared: the rank, or how far along the edge the cut is, and then the edge that cuts.
+// The key by which cuts of a row are compared: the rank, or how far along the edge the cut is (bits of an f32 from 0 on, which
+// have its order), and then the edge that cuts. The end comes last.
 fn order_of(row: Row, place: u32, by_turns: bool) -> vec2<u32> {
   let at = piece_at(row.light, place);
   let cut = unpacked_cut(pieces.words[at + CUT]);
@@ -312,7 +315,8 @@ fn cut_edges_before(
   pieces.words[own.at + EARLIER] = earlier;
 }
 
-// Where a cut is, in space.
+// Where a cut is, in space: `corner` for the end, the end that touches, or the point where both edges cross as the light sees
+// them.
 fn place_of_cut(edge: CutEdge, cut: Cut, corner: vec3<u32>) -> vec3<u32> {
   if (cut.by == CORNER) {
     return corner;

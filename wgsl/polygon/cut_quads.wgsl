@@ -3,14 +3,14 @@
 // to the right, so the two edges between them cross, and each of the two lobes has the sense of its corners. Dispatched after the
 // passes of `cut_edges`, if the extractor has lists, one invocation a record of `undecided`. It appends six pieces for each light
 // behind those of `cut_edges`, in no particular order, for the same readers (polygon/list_pieces.wgsl). It must come last: the
-// passes of `cut_edges` take all that is listed for their cuts. Both lobes share one crossing point, bit for bit.
-// NUMERICS.md, "Shadows of twisted polygons".
+// passes of `cut_edges` take all that is listed for their cuts. Both lobes share one crossing point, bit for bit. NUMERICS.md,
+// "Shadows of twisted polygons".
 
 #import polygon/list_pieces
 #import polygon/outlines
 
-// Lists the pieces of a quadrilateral for a light. `first` is a corner that turns as the one after it does; `is_positive` says
-// that corner 0 turns to the left.
+// Lists the pieces of a quadrilateral for a light: two lobes of three. `first` is a corner that turns as the one after it does, 0
+// or 3; `is_positive` says that corner 0, which is one of these two, turns to the left. Edges `first` + 1 and `first` + 3 cross.
 fn cut_quad(outline: OutlineRange, light: u32, first: u32, is_positive: bool) {
   var corners: array<vec3<u32>, 4>;
   for (var corner = 0u; corner < 4u; corner++) {

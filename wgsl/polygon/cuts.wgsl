@@ -1,8 +1,9 @@
 // Records of cuts, which only the passes of cut_edges.wgsl share. A cut is where an edge of an L-twisted outline is crossed by
-// another as seen from the light. `cut_edges` writes the cuts of an edge in a row, with the edge's end behind them, into
-// `pieces`: each at the place of the piece that ends there, and `cut_edges_list` replaces it by that piece. So a record must fit
-// in the words of a piece. Within a row cuts are in no particular order; rows of an edge for which there is no room are marked,
-// never written in part. NUMERICS.md, "Shadows of twisted polygons".
+// another as seen from the light. `cut_edges` writes the cuts of an edge as a row, in no particular order, and the edge's end
+// behind them, into `pieces`: one record for each piece of the edge. `cut_edges_list` overwrites each record with the piece that
+// ends at that cut. So a record must fit in the words of a piece. If a row does not fit the list, the records that do have
+// NO_POLYGON, and no pass may use the row. `Turns:` is the most turns of the loop below it. NUMERICS.md, "Shadows of twisted
+// polygons".
 
 #import extract/one_caster
 #import polygon/list_pieces
@@ -10,14 +11,15 @@
 
 // Where an edge is cut, or its end.
 struct Cut {
-  // The edge that cuts it, or `CORNER` for its end.
+  // The edge that cuts it, counted from the first of the outline, or `CORNER` for its end.
   by: u32,
-  // The cutting edge has an end on it, in space, and this is its second end.
+  // The cutting edge has an end on it, in space.
   touches: bool,
+  // If it touches: this is the cutting edge's second end.
   is_second: bool,
 }
 
-const CORNER: u32 = 0xffffu;
+const CORNER: u32 = 0xffffu; // Outlines have at most 1,024 edges, so 16 bits hold them.
 const TOUCHES: u32 = 0x40000000u;
 const IS_SECOND: u32 = 0x80000000u;
 
@@ -29,16 +31,17 @@ fn unpacked_cut(word: u32) -> Cut {
   return Cut(word & 0xffffu, (word & TOUCHES) != 0u, (word & IS_SECOND) != 0u);
 }
 
-// Words of a cut: the polygon, or none if there was no room for the row; the edge that is cut, with the highest bit if an odd
-// number of triangles are on its left at its end; the cut; the place of the first of its row, and how many cuts that has, without
-// the end.
+// Words of a cut: the polygon, or NO_POLYGON if there was no room for the row; the edge that is cut, with the highest bit if, as
+// the light sees it, an odd number of triangles are next to its end on its left; the cut; the place in the light's list of the
+// first of its row, and how many cuts that has, without the end.
 const OF_POLYGON: u32 = 0u;
 const OF_EDGE: u32 = 1u;
 const CUT: u32 = 2u;
 const ROW: u32 = 3u;
 const ROW_CUTS: u32 = 4u;
-// Then what `cut_edges_rank` writes: how many cuts of the row are before it by `is_before`, and how far along the edge it is,
-// rounded. Last what `cut_edges_before` finds by these: the cut right before it, and how many are.
+// Then what `cut_edges_rank` writes: how many cuts of the row are before it by `is_before`; and how far along the edge it is,
+// from 0 to 1, the bits of a rounded f32. Last what `cut_edges_before` finds: the cut right before it; and how many are before
+// it, by RANK if all ranks of the row differ, else by ALONG.
 const RANK: u32 = 5u;
 const ALONG: u32 = 6u;
 const CUT_BEFORE: u32 = 7u;
@@ -56,7 +59,9 @@ struct Row {
   is_odd_at_end: bool,
 }
 
-// Takes room in a light's list for the cuts of an edge and for its end, and workgroups of the next passes for those that fit.
+// Takes room in a light's list for the cuts of an edge and for its end, and workgroups of the next passes for those that fit. A
+// group is GROUP_CUTS places from a multiple of it on. Rooms follow each other in the list (`take_room`), so each group is
+// counted once, by the row that has its first place.
 fn take_row(light: u32, cuts: u32) -> u32 {
   let first = take_room(light, cuts + 1u);
   let listed = min(vec2<u32>(first, first + cuts + 1u), vec2<u32>(chunk.capacity));
@@ -67,7 +72,7 @@ fn take_row(light: u32, cuts: u32) -> u32 {
   return first;
 }
 
-// Writes a cut of a row. Past the end of the list nothing is written.
+// Writes cut `number` of a row; the end is number `row.cuts`. Past the end of the list nothing is written.
 fn write_cut(row: Row, number: u32, cut: Cut) {
   let place = row.first + number;
   if (place >= chunk.capacity) {
@@ -82,19 +87,18 @@ fn write_cut(row: Row, number: u32, cut: Cut) {
   pieces.words[at + ROW_CUTS] = row.cuts;
 }
 
-// A cut that is written.
+// A record that is read.
 struct Written {
-  // There is a place of this number. False for the row: there was no room for it.
-  exists: bool,
-  has_row: bool,
-  place: u32,
+  exists: bool, // The list has a place of this number. If not, all else is 0.
+  has_row: bool, // There was room for the whole row. If not, `row` and `cut` mean nothing but for `row.light`.
+  place: u32, // Its place in the light's list.
   // Where its words are.
   at: u32,
   row: Row,
   cut: Cut,
 }
 
-// Cut `number` of a workgroup, which has GROUP_CUTS cuts of one light's list.
+// Record `number` of a workgroup. Workgroups count through the groups of light 0, then those of light 1, and so on.
 fn written_cut(workgroup: u32, number: u32) -> Written {
   var written: Written;
   var group = workgroup;

@@ -1,19 +1,19 @@
 // The lists of pieces of L-twisted polygons (whose outlines cross themselves as seen from light L), and the points where edges
-// cross, for `cut_edges` and `cut_quads`. A piece is a part of an outline's edge, with what is dark on its left; all pieces of a
-// polygon are the border of what it darkens. The counts are cleared for each batch of lights before `cut_edges`. The stages
-// `piece_crossings` and `piece_arguments` and the vertex shaders of shadow/pieces.wgsl read the lists. A list comes in no
-// particular order; its count goes on where it has no room, so that readers can tell. Points are rounded, but all pieces that
-// meet at a crossing must have its bits: `crossing_point` takes both edges in the same order, whoever asks.
-// NUMERICS.md, "Shadows of twisted polygons", "Closing".
+// cross, for `cut_edges` and `cut_quads`. A piece is a part of an outline's edge, directed so that what the polygon darkens is on
+// its left as seen from the light; all pieces of a polygon are the border of what it darkens. The counts are cleared for each
+// batch of up to 32 lights before `cut_edges`. The stages `piece_crossings` and `piece_arguments` and the vertex shaders of
+// shadow/pieces.wgsl read the lists. A list comes in no particular order; its count goes on where it has no room, so that readers
+// can tell. Points are rounded, but all pieces that meet at a crossing must have its bits: `crossing_point` takes both edges in
+// the same order, whoever asks. NUMERICS.md, "Shadows of twisted polygons", "Closing".
 
 #import common/determinant
 #import extract/one_caster
 #import polygon/outlines
 
 struct Pieces {
-  // For each light of the batch the number of its pieces.
+  // For each light of the batch the number of its pieces, also beyond its room.
   counts: array<atomic<u32>, 32>,
-  // A list for each light, with room for as many pieces each.
+  // A list for each light, with room for `chunk.capacity` pieces each.
   words: array<u32>,
 }
 
@@ -22,7 +22,7 @@ struct Pieces {
 // Words of a piece: where it begins, where it ends, and the middle of its polygon.
 const PIECE_WORDS: u32 = 9u;
 
-// The sine of an angle at which rounding tells more of a plane than the light and the edge in it do.
+// The sine of the angle between an edge and the ray to the light below which rounding decides more of their plane than they do.
 const END_ON: f32 = 0x1p-17;
 
 // A vector whose largest component is 1, so that products neither vanish nor overflow.
@@ -31,7 +31,7 @@ fn to_unit(v: vec3<f32>) -> vec3<f32> {
 }
 
 // How far along edge `e` it meets the plane through the light and edge `f`, from 0 to 1, rounded. If the light looks along `f`,
-// it is where the light sees its first end. `place` is the light's.
+// it is where the light sees the first end of `f`. `place` is the light's bit.
 fn cut_at(f: Edge, e: Edge, place: u32) -> f32 {
   let a = bitcast<vec3<f32>>(e.a);
   let b = bitcast<vec3<f32>>(e.b);
@@ -49,8 +49,8 @@ fn cut_at(f: Edge, e: Edge, place: u32) -> f32 {
   return select(clamp(at, 0.0, 1.0), 0.5, ends.x == ends.y);
 }
 
-// The point at which edges i and j of an outline cross as seen from the light: on the earlier of them. Pieces of both end here,
-// so both take this point, whichever is i.
+// The point at which edges i and j of an outline cross as seen from the light: on the one of lower number. Pieces of both end
+// here, so both take this point, whichever is i.
 fn crossing_point(outline: OutlineRange, i: u32, j: u32, place: u32) -> vec3<u32> {
   let e = edge_at(outline.first + min(i, j));
   let f = edge_at(outline.first + max(i, j));
@@ -58,8 +58,8 @@ fn crossing_point(outline: OutlineRange, i: u32, j: u32, place: u32) -> vec3<u32
   return bitcast<vec3<u32>>(a + cut_at(f, e, place) * (bitcast<vec3<f32>>(e.b) - a));
 }
 
-// A point amid the corners of a polygon. It is in no triangle of its surface as a rule, so faces from there are in no plane with
-// these. Nothing here can be fused, so it has the same bits for all pieces.
+// A point amid the corners of a polygon, the mean of four. It is hardly ever in the plane of a triangle of its surface, so faces
+// that pieces make with it do not lie on that. Nothing here can be fused, so it has the same bits for all pieces.
 fn middle_of(outline: OutlineRange) -> vec3<u32> {
   var corners: array<vec3<f32>, 4>;
   for (var quarter = 0u; quarter < 4u; quarter++) {
@@ -68,7 +68,8 @@ fn middle_of(outline: OutlineRange) -> vec3<u32> {
   return bitcast<vec3<u32>>(((corners[0] + corners[1]) + (corners[2] + corners[3])) * 0.25);
 }
 
-// Takes room for pieces of a light, and returns the place of the first in its list. It may be past the end: see `write_piece`.
+// Takes room for pieces of a light, and returns the place of the first in its list; the others follow it. It may be past the end:
+// see `write_piece`.
 fn take_room(light: u32, count: u32) -> u32 {
   return atomicAdd(&pieces.counts[light], count);
 }
@@ -78,8 +79,8 @@ fn piece_at(light: u32, place: u32) -> u32 {
   return PIECE_WORDS * (light * chunk.capacity + place);
 }
 
-// Writes a piece from one place to another, or the other way round, so that what is dark is on its left. A place past the end of
-// the list is left out.
+// Writes a piece from one point to another, or, if `is_turned`, the other way round, to a place of a light's list. If that is
+// past the end, nothing is written.
 fn write_piece(light: u32, place: u32, from_end: vec3<u32>, to_end: vec3<u32>, is_turned: bool, middle: vec3<u32>) {
   if (place >= chunk.capacity) {
     return;

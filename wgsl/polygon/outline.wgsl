@@ -1,19 +1,20 @@
-// Outline: looks at all pairs of edges of the outlines that `polygon_turns` left undecided, a bit for each light of the batch.
-// Dispatched after `polygon_turns`, one workgroup an entry (polygon/outlines.wgsl): of a small outline it has some edges and
-// lights, an invocation for each pair of both; of a large one an edge and a light, which all invocations share. It adds bits to
-// the polygon's record in `undecided`, in any order: whether edges meet, how often the outline winds around on the left of each
-// edge, whether all corners lie within a half-space, whether anything is off a plane with the light. `polygon_masks`, the next
-// stage, decides from them. All is exact, by turns: 1 if the light sees three points counter-clockwise, -1 if clockwise. A tie is
-// broken by moving the light a little, the same way for all pairs and stages, so that what they find fits together. `Turns:`
-// comments are about loops. NUMERICS.md, "Outlines".
+// Outline: looks at all pairs of edges of the outlines that `polygon_turns` left undecided, for each light that it left.
+// Dispatched indirectly after `polygon_turns`, one workgroup an entry (polygon/outlines.wgsl). An entry of a small outline has up
+// to 4 edges and 16 lights, an invocation each; one of a large outline an edge and a light, which all invocations share. It sets
+// bits of the polygon's record in `undecided`, in any order: whether edges meet, how often the outline winds around on the left
+// of each edge, whether all corners lie within a half-space, whether anything is off a plane with the light. `polygon_masks`, the
+// next stage, decides from them. All is exact, by turns: 1 if the light sees three points counter-clockwise, -1 if clockwise. A
+// tie is broken by moving the light a little, the same way for all pairs and stages, so that what they find fits together.
+// `Turns:` is the most turns of the loop below it. NUMERICS.md, "Outlines".
 
 #import polygon/outlines
 #import polygon/turn
 
-// The findings for an edge and a light. A small outline has one for each invocation, a large one the first.
+// The findings for an edge and a light: the winding number on the edge's left, and the bits below. With a small outline each
+// invocation has one, with a large one all share the first.
 var<workgroup> windings: array<atomic<i32>, 64>;
 var<workgroup> found: array<atomic<u32>, 64>;
-// The rightmost corner that each invocation saw, as seen from the edge's first corner, and whether it saw any.
+// The rightmost corner among those that each invocation saw, as seen from the edge's first corner; w: 1 if it saw any.
 var<workgroup> rightmost: array<vec4<u32>, 64>;
 
 // Bits of `found`: the edge crosses or touches another; an edge and a corner are not in one plane with the light as given; a
@@ -23,8 +24,8 @@ const LEAVES_PLANE: u32 = 2u;
 const IS_ANY_LEFT: u32 = 4u;
 const IS_ANY_RIGHT: u32 = 8u;
 
-// The number that an edge (c, d) adds to the winding number on the left of an edge (a, b), which is counted along their line,
-// from just before b on. `sides` are the turns (a, b, c) and (a, b, d), and `b_of_f` is (c, d, b).
+// The number that an edge (c, d) adds to the winding number on the left of an edge (a, b), which is counted along the line
+// through a and b, from just before b on. `sides` are the turns (a, b, c) and (a, b, d), and `b_of_f` is (c, d, b).
 fn passes(sides: vec2<i32>, b_of_f: i32) -> i32 {
   if (sides.x <= 0 && sides.y > 0) {
     return select(0, 1, b_of_f >= 0);
@@ -58,9 +59,10 @@ fn meets(e: Edge, f: Edge, of_e: vec2<i32>, of_f: vec2<i32>) -> bool {
   return (apart_from_e == 0 && apart_from_f < 0) || (apart_from_e < 0 && apart_from_f == 0);
 }
 
-// Takes the pairs of the invocation's edge. One loop has eight phases, so that `turn` is compiled once: all pairs, and the
-// rightmost corner among those that the invocation sees; six steps that find the rightmost of all; and whether all corners are on
-// its left.
+// Takes the pairs of the invocation's edge and every other, with a large outline every 64th. All invocations must call it, for
+// its barriers. One loop has eight phases, so that `turn` is compiled once: all pairs, and the rightmost corner among those that
+// the invocation sees; six steps in which 64 invocations of a large outline find the rightmost of all, by halves; and whether all
+// corners are on the left of the line to it.
 fn seen_by_pairs(outline: OutlineRange, work: Work, lane: u32) {
   let slot = select(lane, 0u, work.is_large);
   let step = select(1u, OUTLINE_LANES, work.is_large);

@@ -9,18 +9,19 @@
 #import common/positions
 #import extract/one_caster
 
-// For each polygon, and once more at the end, where its outline begins and where its triangles begin; then the directed
-// edges of all outlines. The highest bit of the first word is set if the outline is one loop, whose edges follow each other.
+// For each polygon, and once more at the end, where its outline begins, counted in edges, and where its triangles begin; then the
+// directed edges of all outlines. The highest bit of the first word (ONE_LOOP) is set if the outline is one loop of at least
+// three edges, each beginning where the one before it ends.
 @group(0) @binding(6) var<storage, read> outlines: array<vec2<u32>>;
 // The head, room for a record of each polygon, and the entries.
 @group(0) @binding(7) var<storage, read_write> undecided: array<atomic<u32>>;
 
 const ONE_LOOP: u32 = 0x80000000u;
 
-// Words of the head: four indirect dispatches, each with the number of its items behind it. The first is over records, for
-// `polygon_turns`, `polygon_masks` and `cut_quads`; the second over entries, for `outline`. `polygon_masks` lists entries anew,
-// in the same words, for `cut_edges`: the third is over these. The fourth is over groups of the cuts that `cut_edges` lists; a
-// group is of one light.
+// Words of the head: the three words of each of four indirect dispatches, with the number of its items behind them. The first is
+// over records, OUTLINE_LANES of them a workgroup, for `polygon_turns`, `polygon_masks` and `cut_quads`; the second over entries,
+// for `outline`. `polygon_masks` overwrites the entries by others, for `cut_edges`: the third is over these. The fourth is over
+// groups of up to GROUP_CUTS of the cuts that `cut_edges` lists for one light.
 const RECORD_WORKGROUPS: u32 = 0u;
 const RECORD_COUNT: u32 = 3u;
 const WORKGROUPS: u32 = 4u;
@@ -33,12 +34,13 @@ const UNDECIDED_HEAD: u32 = 16u;
 // Cuts of a group.
 const GROUP_CUTS: u32 = 8u;
 
-// Words of a record: the polygon, with NOT_FINITE if a corner is; and a bit for each light that is undecided, or, after
-// `polygon_masks`, for which `cut_edges` cuts the outline. FITS to OFF_PLANE have a bit for each of these lights that `outline`
-// sets: the directions to all corners lie within a half-space; edges meet, or a winding number beside one is not 0 or 1; it is 1
-// on the left of an edge; it is 0 there; an edge and a corner are not in one plane with the light. TWISTED_QUAD to TURN_1: the
-// lights for which a quadrilateral is L-twisted (crosses itself as seen from the light) as `f32` tells; and of these, those for
-// which its turns at corners 0 and 1 are counter-clockwise.
+// Words of a record. POLYGON: the polygon, with bit 31 (NOT_FINITE) if a corner is not finite; so a word >= NOT_FINITE tells it.
+// LIGHTS: bits of the lights that are undecided; after `polygon_masks`, of those for which `cut_edges` cuts the outline. FITS to
+// OFF_PLANE: `outline` sets the bit of an undecided light if it finds this at any edge: all corners lie within a half-space seen
+// from the light; the edge meets another, or the winding number of the outline on the edge's left is not 0 or 1; it is 1; it is
+// 0; the edge and a corner are not in one plane with the light. TWISTED_QUAD: lights for which f32 is certain that a
+// quadrilateral is L-twisted (crosses itself as seen from the light); TURN_0, TURN_1: those of them that see a counter-clockwise
+// turn at corner 0, at corner 1.
 const RECORD_WORDS: u32 = 10u;
 const POLYGON: u32 = 0u;
 const LIGHTS: u32 = 1u;
@@ -52,9 +54,10 @@ const TURN_0: u32 = 8u;
 const TURN_1: u32 = 9u;
 const NOT_FINITE: u32 = 0x80000000u;
 
-// An outline of up to so many edges, of a polygon of up to as many triangles, is small: an invocation takes an edge and light of
-// it. Of a large one a workgroup does.
+// An outline of up to so many edges, of a polygon of up to as many triangles, is small: an invocation takes an edge and a light
+// of it. In a large one a workgroup does.
 const SMALL_OUTLINE: u32 = 32u;
+// Invocations of a workgroup of `polygon_turns`, `outline`, `polygon_masks`, `cut_edges`, `cut_quads`: their @workgroup_size.
 const OUTLINE_LANES: u32 = 64u;
 // The edges and lights of an entry of a small outline.
 const ENTRY_EDGES: u32 = 4u;
@@ -91,7 +94,8 @@ fn polygon_of(record: u32) -> u32 {
   return atomicLoad(&undecided[record + POLYGON]) & ~NOT_FINITE;
 }
 
-// Takes room for items of a dispatch and workgroups for them, by two words of the head. Returns the number of the first.
+// Takes room for items of a dispatch, a workgroup each, by words of the head: the count at `count_at`, the dispatch from
+// `workgroups_at` on, which grows to rows of ENTRY_ROW workgroups. Returns the number of the first item.
 fn allot(count_at: u32, workgroups_at: u32, entries: u32) -> u32 {
   let place = atomicAdd(&undecided[count_at], entries);
   let end = place + entries;
@@ -134,7 +138,8 @@ fn list_work(number: u32, outline: OutlineRange, lights: u32, count_at: u32, wor
   }
 }
 
-// The words of an entry: its record; the first edge, and in the upper half the first light of 16, or the light.
+// Where the two words of an entry are: its record's number; and its first edge, counted from the outline's first, with in the
+// upper half the light, or for a small outline which ENTRY_LIGHTS lights: 0 or 1.
 fn entry_at(number: u32) -> u32 {
   return UNDECIDED_HEAD + RECORD_WORDS * chunk.count + 2u * number;
 }
@@ -159,15 +164,17 @@ fn edge_at(index: u32) -> Edge {
   return Edge(a, b, any(a != b));
 }
 
-// The edge of an outline and the light that an invocation takes from an entry. Of a large outline all invocations have the same.
+// The edge of an outline and the light that an invocation takes from an entry. In a large outline all invocations of a workgroup
+// have the same.
 struct Work {
-  exists: bool,
+  exists: bool, // False also for an edge without length, or a light that is not among the record's LIGHTS.
   is_large: bool,
   edge: Edge,
-  index: u32,
-  place: u32,
+  index: u32, // The edge's number in the outline.
+  place: u32, // The light's bit.
 }
 
+// `part` is the second word of an entry, and `lights` the record's LIGHTS.
 fn work_of(outline: OutlineRange, part: u32, lights: u32, lane: u32) -> Work {
   var work: Work;
   work.is_large = is_large(outline);

@@ -1,20 +1,21 @@
 // Polygon facing: the first stage for a mesh of polygons; it stands where `facing` does for triangles. Dispatched for each batch
-// (up to 32 lights), one invocation a polygon, after the head of `undecided` is reset. It computes a bit for each light: 1 if the
-// polygon faces it. Quadrilaterals and triangles are decided whose turns at all corners are certain and alike; a turn is 1 if the
-// light sees three corners counter-clockwise, -1 if clockwise. `Turns:` comments are about loops, not about these turns. It
-// writes each polygon's bits to the masks of all its triangles, for `edges`, callers' shaders and shadow volumes; the others get
-// 0, and a record in `undecided`, in any order, for `polygon_turns`, the next stage. All bits are those of exact arithmetic, so
-// bounds must not shrink. Masks and lists of a batch are complete after `polygon_masks`. NUMERICS.md, "Outlines", "The cheap
-// way".
+// (up to 32 lights), one invocation a polygon, after the head of `undecided` is reset. It decides pairs of polygon and light: a
+// triangle or quadrilateral whose turns at all corners are certain and 1 faces the light, one whose turns are certain and -1 is
+// averted. A turn is 1 if the light sees three corners counter-clockwise, -1 if clockwise. It writes a bit for each light, 0
+// where it is undecided, to the masks of all triangles of a polygon. A polygon with an undecided light gets a record in
+// `undecided`, in any order, for `polygon_turns`, which computes all its bits anew. Bits that are decided are those of exact
+// arithmetic, so bounds must not shrink. Facing masks are complete after `polygon_masks`; `edges` and others read them then.
+// src/compose.rs expands `#import`; `Turns:` is the most turns of the loop below it. NUMERICS.md, "Outlines", "The cheap way".
 
 #import extract/one_caster
 #import polygon/outlines
 #import polygon/quads
 
-// Facing masks of all triangles, and after them their twisted masks, which `polygon_masks` writes.
+// Facing masks of all triangles, and after them as many words in which `polygon_masks` writes for which lights they are twisted.
 @group(0) @binding(8) var<storage, read_write> facing_masks: array<u32>;
 
-// The lights for which all turns are certain and 1, and those for which they are certain and -1.
+// The lights for which all turns are certain and 1, and those for which they are certain and -1. None if f32 is not certain of
+// the positions, which is tested last: the loop is the same for all invocations.
 struct Convex {
   facing: u32,
   averted: u32,
@@ -44,6 +45,7 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
     return;
   }
   let outline = outline_of(id.x);
+  // All edges have cancelled: no edge record names the polygon. Its masks stay 0, as the buffer was made.
   if (outline.count == 0u) {
     return;
   }
@@ -58,6 +60,7 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
   if ((live_lights() & ~(convex.facing | convex.averted)) != 0u) {
     let number = atomicAdd(&undecided[RECORD_COUNT], 1u);
     atomicStore(&undecided[record_at(number) + POLYGON], id.x);
+    // `polygon_turns` has an invocation a record. Its workgroups lie in rows of at most ENTRY_ROW.
     let workgroup = number / OUTLINE_LANES;
     atomicMax(&undecided[RECORD_WORKGROUPS], min(workgroup + 1u, ENTRY_ROW));
     atomicMax(&undecided[RECORD_WORKGROUPS + 1u], workgroup / ENTRY_ROW + 1u);

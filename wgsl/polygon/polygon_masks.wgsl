@@ -1,10 +1,11 @@
-// Polygon masks: decides from the records of `undecided` whether each polygon faces each light of the batch, is in a plane with
-// it, or is L-twisted: its outline crosses itself as seen from light L, so that it has lit and dark parts. Dispatched after
+// Polygon masks: decides from the records of `undecided` whether a polygon faces each light that `polygon_turns` left, is in a
+// plane with it, or is L-twisted: its outline crosses itself as seen from light L, so it has lit and dark parts. Dispatched after
 // `outline`, one invocation a record. It adds to statistics and to the facing masks of the polygon's triangles, and writes their
-// twisted and excluded masks: polygons that are twisted or in a plane count nowhere. `edges` reads facing and twisted masks next;
-// stages of shadow volumes read facing and excluded ones. Outlines that are twisted are listed as entries for `cut_edges`, but
-// for the quadrilaterals that `cut_quads` takes. Bits are exact, and every triangle of a polygon has the same: else silhouettes
-// would not close. NUMERICS.md, "Outlines".
+// twisted and excluded masks; these are cleared before for polygons without a record. A polygon that is twisted or in a plane
+// counts nowhere as a face; what a twisted one darkens is cut into pieces. `edges` reads facing and twisted masks next; stages of
+// shadow volumes read facing and excluded ones. Outlines that are twisted are listed as entries for `cut_edges`, but for the
+// quadrilaterals that `cut_quads` takes. Bits are exact, and every triangle of a polygon has the same: else silhouettes would not
+// close. NUMERICS.md, "Outlines".
 
 #import common/extraction
 #import extract/one_caster
@@ -14,13 +15,17 @@
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
 @group(0) @binding(2) var<storage, read_write> record: FacingRecord;
 
+// Bits of lights. Lights that were decided before are in none of them, but for quadrilaterals that `polygon_turns` found twisted.
 struct PolygonMasks {
   facing: u32,
   twisted: u32,
-  excluded: u32,
+  excluded: u32, // Twisted or in a plane, so without a cap or side of its own.
 }
 
-// The bits of a record's lights. A corner that is not finite: it faces none and is excluded for all.
+// The bits of the record at word `at` of `undecided`. A polygon with a corner that is not finite faces no light and is excluded
+// for all: LIGHTS has them. FITS, IS_NOT_SIMPLE, WINDS_ONCE, WINDS_NEVER, OFF_PLANE are what `outline` found of all corners and
+// edges together (polygon/outlines.wgsl): all corners fit a half-space, edges meet, the winding number beside some edge is 1, it
+// is 0 there, something is off the plane. If 1 and 0 both occur, the outline is not simple.
 fn masks_of_record(at: u32) -> PolygonMasks {
   let lights = atomicLoad(&undecided[at + LIGHTS]);
   if (atomicLoad(&undecided[at + POLYGON]) >= NOT_FINITE) {
@@ -34,6 +39,8 @@ fn masks_of_record(at: u32) -> PolygonMasks {
   return PolygonMasks(lights & ~in_plane & simple & once, twisted, twisted | in_plane);
 }
 
+// 64 is OUTLINE_LANES, by which `polygon_facing` counts workgroups. `record` has nothing of the records of `undecided`: it is the
+// binding of the statistics.
 @compute @workgroup_size(64)
 fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   let records = atomicLoad(&undecided[RECORD_COUNT]);
@@ -48,6 +55,7 @@ fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     for (var triangle = outline.first_triangle; triangle < outline.end_triangle; triangle++) {
       facing_masks[triangle] |= masks.facing;
       facing_masks[triangles + triangle] = masks.twisted;
+      // Without lists there is no buffer of excluded masks, and something short is bound.
       if (triangle < arrayLength(&excluded_masks)) {
         excluded_masks[triangle] = masks.excluded;
       }
@@ -60,7 +68,7 @@ fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     } else if (chunk.first_light == 0u) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);
     }
-    // `cut_quads` cuts the outlines of `quad`, and `cut_edges` the others.
+    // `cut_quads` cuts the outlines of `quad`, and `cut_edges` the others: from here on LIGHTS are the lights of these.
     let quad = atomicLoad(&undecided[at + TWISTED_QUAD]);
     let cut = masks.twisted & ~quad;
     atomicStore(&undecided[at + LIGHTS], cut);

@@ -1,11 +1,12 @@
-// Polygon turns: decides polygons that `polygon_facing` left, by turns at single corners. A turn is 1 if the light sees three
-// corners counter-clockwise, -1 if clockwise, 0 if the three and the light are in one plane; `Turns:` comments are about loops.
-// Dispatched after `polygon_facing`, one invocation a record of `undecided`. Quadrilaterals are decided wherever `f32` is certain
-// of all four turns, also those that are L-twisted (their outline crosses itself as seen from light L); larger loops where they
-// are strictly convex as seen from the light. It writes facing masks, and into the record what is certain and which lights are
-// left; for these it lists entries, parts of the work, for `outline`, the next stage. `polygon_masks` reads the records, too, and
-// `cut_quads` those of twisted quadrilaterals. What it decides equals exact arithmetic, so bounds must not shrink.
-// NUMERICS.md, "Outlines", "The cheap way".
+// Polygon turns: decides polygons that `polygon_facing` left, by turns of three corners: 1 if the light sees them
+// counter-clockwise, -1 if clockwise, 0 if they and the light are in one plane. `Turns:` is the most turns of the loop below it.
+// Dispatched indirectly, by the words that `polygon_facing` wrote to the head of `undecided`, one invocation a record.
+// Quadrilaterals of two triangles are decided where `f32` is certain of all four turns and these do not alternate, also those
+// that are L-twisted (their outline crosses itself as seen from light L); other loops where they are strictly convex. It
+// overwrites the polygon's facing masks, and writes into the record what is certain and which lights are left; for these it lists
+// entries, parts of the work, for `outline`, the next stage. `polygon_masks` reads the records, and `cut_quads` those of twisted
+// quadrilaterals. All that it decides equals exact arithmetic, so bounds must not shrink. NUMERICS.md, "Outlines", "The cheap
+// way".
 
 #import common/determinant
 #import common/positions
@@ -49,8 +50,9 @@ fn with_turns(turns: Turns, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, largest: f
   return Turns(turns.positive & positive, turns.negative & negative);
 }
 
-// The three corners of turn `number` of a loop of `count` corners: first (i, i + 1, i + 2) for each corner i,
-// then (0, 1, i) and (0, i - 1, i) for each i from 3 to count - 2. All alike, they say that the loop goes around once.
+// The three corners of turn `number` of a loop of `count` corners: first (i, i + 1, i + 2) for each i, the turn at corner i + 1;
+// then (0, 1, i) and (0, i - 1, i) for each i from 3 to count - 2. If all are equal, corner 0 sees the others one after the other
+// within a half-turn, so the loop goes around once; the first alone may be equal although it goes around twice.
 fn turn_corners(number: u32, count: u32) -> vec3<u32> {
   if (number < count) {
     let next = select(number + 1u, 0u, number + 1u == count);
@@ -60,7 +62,8 @@ fn turn_corners(number: u32, count: u32) -> vec3<u32> {
   return select(vec3<u32>(0u, corner - 1u, corner), vec3<u32>(0u, 1u, corner), (number - count) % 2u == 0u);
 }
 
-// The lights that see a loop of at most MOST_CONVEX corners as strictly convex, by its sense.
+// The lights that see a loop of at most MOST_CONVEX corners as strictly convex, by its sense. Bits past the last light may be
+// set.
 fn convex_turns(outline: OutlineRange) -> Turns {
   var turns = Turns(0xffffffffu, 0xffffffffu);
   var turn_count = outline.count;
@@ -84,19 +87,20 @@ fn convex_turns(outline: OutlineRange) -> Turns {
   return turns;
 }
 
-// The findings of this stage about an outline, a bit for each light.
+// The findings of this stage about an outline, a bit for each light. Bits past the last light may be set, but for `twisted`.
 struct Decided {
   facing: u32,
   averted: u32,
-  // The lights for which two neighbouring turns of a quadrilateral are positive and the others are negative.
+  // The lights for which two neighbouring turns of a quadrilateral are certainly 1 and the others certainly -1.
   twisted: u32,
-  // The lights for which its turns at corners 0 and 1 are positive.
+  // The lights for which its turns at corners 0 and 1 are certainly 1. Only `twisted` ones count.
   turn_0: u32,
   turn_1: u32,
 }
 
-// Decides a quadrilateral by the turns at its corners, four lights at a time. If three are alike, the fourth corner is in their
-// triangle or beyond one of its sides, and the outline is simple. If not, it is L-twisted.
+// Decides a quadrilateral by the turns at its corners, four lights at a time, where all four are certain. If three are equal, the
+// outline is simple and has their sense. If two neighbours differ from the other two, two edges cross: it is L-twisted. If turns
+// alternate, it goes around the light; nothing is decided.
 fn decided_quad(outline: OutlineRange) -> Decided {
   var decided = Decided(0u, 0u, 0u, 0u, 0u);
   let quad = quad_of(outline);
@@ -120,7 +124,7 @@ fn decided_quad(outline: OutlineRange) -> Decided {
     let averted = certain & ((down_0 & down_1 & (down_2 | down_3)) | (down_2 & down_3 & (down_0 | down_1)));
     decided.facing |= together(facing) << place;
     decided.averted |= together(averted) << place;
-    // Where turns alternate, the outline goes around the light. Its pairs of edges are left to tell what it darkens.
+    // Turns alternate: `outline` and `cut_edges` find what such an outline darkens.
     let around = (up_0 & up_2) | (down_0 & down_2);
     decided.twisted |= together(certain & ~facing & ~averted & ~around) << place;
     decided.turn_0 |= together(up_0) << place;
@@ -130,6 +134,7 @@ fn decided_quad(outline: OutlineRange) -> Decided {
   return decided;
 }
 
+// Decides what can be decided here. Nothing is twisted but quadrilaterals of two triangles.
 fn decided_outline(outline: OutlineRange) -> Decided {
   // With more triangles than two it has edges that it walks both ways, and four turns do not tell where its surface is dark.
   if (outline.is_loop && outline.count == 4u && outline.end_triangle - outline.first_triangle == 2u) {
@@ -152,6 +157,7 @@ fn is_outline_finite(outline: OutlineRange) -> bool {
   return true;
 }
 
+// 64 is OUTLINE_LANES, by which `polygon_facing` counts workgroups.
 @compute @workgroup_size(64)
 fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   let records = atomicLoad(&undecided[RECORD_COUNT]);
@@ -167,10 +173,12 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
       facing_masks[triangle] = decided.facing & live_lights();
     }
     let left = live_lights() & ~(decided.facing | decided.averted | decided.twisted);
+    // If f32 decides all lights, all corners are finite. If one is not, no light is decided: LIGHTS are all, for `polygon_masks`.
     let is_left = (left | decided.twisted) != 0u;
     let is_finite = !is_left || is_outline_finite(outline);
     atomicStore(&undecided[at + POLYGON], polygon | select(NOT_FINITE, 0u, is_finite));
     atomicStore(&undecided[at + LIGHTS], select(live_lights(), left, is_finite));
+    // The words that `outline` sets bits in, from FITS to OFF_PLANE.
     for (var word = FITS; word < TWISTED_QUAD; word++) {
       atomicStore(&undecided[at + word], 0u);
     }

@@ -13,17 +13,17 @@ fn vertex_of(edge: u32) -> vec3<u32> {
   return position_bits(outlines[edge].x, position_offset(), position_stride());
 }
 
-// A quadrilateral: the normals of three corners each, from which its turns follow, and a bound on all errors.
+// A quadrilateral a, b, c, d: for each corner the normal of it and its neighbours, from which its turns follow.
 struct Quad {
   a: vec3<f32>,
-  c: vec3<f32>,
+  c: vec3<f32>, // For a triangle a.
   normals: mat4x3<f32>,
-  bound: f32,
+  bound: f32, // On the errors of all turns for all lights.
   // Whether f32 may decide.
   is_certain: bool,
 }
 
-// A triangle has the same turn at all corners.
+// The outline must be one loop of three or four edges. A triangle has the same turn at all corners.
 fn quad_of(outline: OutlineRange) -> Quad {
   let is_triangle = outline.count == 3u;
   let a_bits = vertex_of(outline.first);

@@ -3,7 +3,8 @@
 // then fixed point, then integers, so all devices have the same sign. Where it is 0, the light is moved by (e, e^2, e^3) for an e
 // smaller than anything: the sign is the first that is not 0 with the axes x, y, z for the light. All callers must share this
 // rule, or what they find of one outline does not fit together. Also how large the determinant is, rounded, for the order of
-// cuts. The comments `Turns:` are about loops. NUMERICS.md, "Outlines".
+// cuts. Points are the bits of positions, and must be finite. `Turns:` is the most turns of the loop below it. NUMERICS.md,
+// "Outlines".
 
 #import common/determinant
 #import common/exact_sign
@@ -16,7 +17,7 @@ struct Turn {
   moved: i32,
 }
 
-// The light, or the axis along which it moves in a tie.
+// The light's bits, or for tie 1 to 3 those of the axis along which it moves, as a light at infinity.
 fn light_or_axis(place: u32, tie: u32) -> vec4<u32> {
   switch (tie) {
     case 0u: { return given_light(place); }
@@ -65,7 +66,7 @@ fn turn(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, place: u32) -> Turn {
   return found;
 }
 
-// Whether `middle`, which is on the line through `p` and `q`, is strictly between them.
+// Whether `middle`, which must be on the line through `p` and `q`, is strictly between them.
 fn is_between(p: vec3<u32>, middle: vec3<u32>, q: vec3<u32>) -> bool {
   let before = ordered(p) < ordered(middle);
   return any((before != (ordered(q) < ordered(middle))) & (p != middle) & (q != middle));
@@ -102,7 +103,7 @@ fn carried(columns: vec4<i32>, carry: i32) -> Limbs4 {
   return Limbs4(vec4<i32>(x, y, z, w) & vec4<i32>(0xfff), w >> 12u);
 }
 
-// The determinant, of which fixed point must hold all: see `fits`.
+// The determinant as given, without ties. It means nothing if `fits` is false.
 fn turn_value(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light: vec4<u32>) -> TurnValue {
   let face = fixed_face(a, b, c);
   let sum = fixed_sum(face, light);
@@ -123,13 +124,13 @@ fn turn_value(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light: vec4<u32>) -> Tur
   return TurnValue(sum.fits, f32(sign) * value, sum.exponent + 72);
 }
 
-// A product with a power of two. Far smaller numbers are 0.
+// value * 2^exponent, for an exponent up to 0. 0 where that is -64 or less.
 fn times_power(value: f32, exponent: i32) -> f32 {
   return select(0.0, value * bitcast<f32>(u32(127 + max(exponent, -126)) << 23u), exponent > -64);
 }
 
-// |first| / (|first| + |second|) of two turns of contrary sense: how far along an edge, from 0 to 1, its plane is crossed. 0.5 if
-// both are 0.
+// |first| / (|first| + |second|) of two turns of contrary sense: how far along an edge from 0, at the end that has `first`, to 1
+// another edge's plane is crossed. 0.5 if both are 0. Both must fit.
 fn share_of_turns(first: TurnValue, second: TurnValue) -> f32 {
   if (first.value == 0.0 || second.value == 0.0) {
     return select(select(1.0, 0.0, second.value != 0.0), 0.5, first.value == second.value);
