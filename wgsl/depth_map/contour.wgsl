@@ -1,12 +1,12 @@
-// Contours of a depth map: depths as integers, slopes, and how smooth surfaces end. A contour is the line where a surface ends
-// before another or before nothing, as the light sees it: it crosses the edges between samples at a jump. In place of triangles,
-// a wall along rays of the light is drawn over it. Imported by the stages `contour_…`, `depth_walls`, `depth_near_walls`,
-// contour_rim.wgsl.
-// A distance is the device depth from the near plane on, in units of 2⁻²⁹ of its range; FAR is nothing. Places are in 256 parts
-// of a texel. Cells are cut into tiles of 16 × 16, in which contours are followed.
-// Importers bind `contour` and what samples.wgsl has, of a single map. `at` lies on the lattice or beside it, where all is far.
-// All is integer arithmetic, so lists of walls are the same on every device, to the word. NUMERICS.md, "Contours", shows that
-// nothing overflows: keep shifts and clamps.
+// Contours of a depth map: depths as integers, slopes, and how smooth surfaces end. Samples are points of a lattice, a texel
+// apart; a cell is the square between four of them. A contour is the line where a surface ends before another or before nothing,
+// as the light sees it: it crosses the edges of cells at a jump. It is cut into straight segments; over each a wall along rays of
+// the light is drawn, in place of triangles. Imported by the stages `contour_…`, `depth_walls`, `depth_near_walls`,
+// contour_rim.wgsl. A distance is the device depth from the near plane on, in units of 2⁻²⁹ of its range; FAR is nothing. A place
+// is where a contour crosses an edge, in 256 parts of a texel; a rim, where a smooth surface bends away from the light. Tiles
+// have 16 × 16 cells. `at` is a sample, also one outside of the lattice, which is far. Importers bind what samples.wgsl has, of a
+// single map. All is integer arithmetic, so lists of walls are the same on every device, to the word. NUMERICS.md, "Contours",
+// shows that nothing overflows: keep shifts and clamps.
 
 #import depth_map/samples
 
@@ -17,20 +17,21 @@ struct ContourShape {
   words: u32,
   // Walls that the list has room for.
   capacity: u32,
-  // The distance that the samples of an edge must be apart, more than their slopes tell.
+  // At a jump the distances of an edge's samples differ by more than this, and by so much more than slopes beside it. RANGE: only
+  // far samples and other objects make jumps.
   threshold: i32,
-  // The distance from which on they are at a jump, whatever is behind it.
+  // A larger difference need not be twice those beside it to be a jump.
   sure: i32,
-  // How far a segment may be from a place of the contour.
+  // How far a segment may pass from the place on an edge, in parts of 256 of a texel.
   sideways: i32,
-  // How far surfaces may be from the line between a wall's ends: a distance, moved down by `shift` bits, as those are
-  // that are compared with it.
+  // How far surfaces may be from the line between a wall's ends: a distance. It, and distances that are compared with it, are
+  // shifted down by `shift` bits.
   tolerance: i32,
   shift: u32,
-  // The move away from the light: parts of 256 of a texel's difference, parts of 2²⁹ of the depth, a distance.
-  slope_bias: i32,
-  share: i32,
-  constant: i32,
+  // The move of surfaces away from the light is the sum of these:
+  slope_bias: i32, // times the slope for each texel, in parts of 256;
+  share: i32, // times the depth, in parts of 2²⁹;
+  constant: i32, // a distance.
 }
 
 @group(0) @binding(6) var<uniform> contour: ContourShape;
@@ -40,20 +41,21 @@ const TILE: i32 = 16;
 const WALKERS: u32 = 64u;
 // Parts of a texel that places count.
 const TEXEL: i32 = 256;
-// The distance of the far end of the device depths from the near end.
+// The distance of the far end of the device depths from the near end. Samples that cast have smaller ones.
 const RANGE: i32 = 0x20000000;
 // The distance of a sample that casts nothing.
 const FAR: i32 = 0x7fffffff;
-// The nearest that a place may be to a sample.
+// The nearest that a place may be to a sample, in parts of a texel.
 const LEAST: i32 = 16;
 
-// The corners of a cell from (0, 0) on, clockwise with rows downwards. Edge b lies between the corners b and b + 1: 0 top, 1
-// right, 2 bottom, 3 left. On the way out of the cell over it, corner b is on the left.
+// The offset of a corner of a cell (its number modulo 4) from the cell's first sample: from (0, 0) on, clockwise with rows
+// downwards. Edge `bit` lies between the corners `bit` and `bit` + 1: 0 top, 1 right, 2 bottom, 3 left. On the way out of the
+// cell over it, corner `bit` is on the left.
 fn turn(corner: u32) -> vec2<i32> {
   return vec2<i32>((vec2<u32>(6u, 12u) >> vec2<u32>(corner & 3u)) & vec2<u32>(1u));
 }
 
-// The step over an edge of a cell: at the top, right, bottom and left.
+// The step from a cell to the one beyond its edge `bit`.
 fn out_of(bit: u32) -> vec2<i32> {
   let sign = select(-1, 1, bit == 1u || bit == 2u);
   return select(vec2<i32>(0, sign), vec2<i32>(sign, 0), (bit & 1u) == 1u);
@@ -64,7 +66,7 @@ fn step_along(axis: u32) -> vec2<i32> {
   return select(vec2<i32>(1, 0), vec2<i32>(0, 1), axis == 1u);
 }
 
-// The first sample of an edge of a cell. The edge goes on from it to the right, or down if the bit is odd.
+// The first sample of edge `bit` of a cell. The edge goes on from it to the right, or down if `bit` is odd.
 fn edge_of_cell(cell: vec2<i32>, bit: u32) -> vec2<i32> {
   return select(cell, cell + out_of(bit), bit == 1u || bit == 2u);
 }
@@ -74,12 +76,13 @@ fn smaller(a: i32, b: i32) -> i32 {
   return select(select(b, a, abs(a) < abs(b)), 0, (a ^ b) < 0);
 }
 
-// `a` times parts of 256, rounded down.
+// `a` · `count` / 256, rounded down. The result must fit.
 fn parts(a: i32, count: i32) -> i32 {
   return (a >> 8u) * count + (((a & 255) * count) >> 8u);
 }
 
-// The distance of a sample from the near plane.
+// The distance of a sample from the near plane, rounded, below RANGE: else a reversed depth next to 0 would be at the far end. A
+// negative depth counts as 0, and NaN as far (samples.wgsl).
 fn distance_at(at: vec2<i32>) -> i32 {
   let key = key_at(vec2<u32>(at));
   let bits = depth_bits(key);
@@ -91,7 +94,8 @@ fn distance_at(at: vec2<i32>) -> i32 {
   return select(min(select(depth, RANGE - depth, depth_map.is_reversed != 0u), RANGE - 1), FAR, key == FAR_KEY);
 }
 
-// How far the surface at a sample goes away for each step in a direction, as told by the two samples on the other side.
+// How far the surface at a sample goes away for each step in a direction, as told by the two samples on the other side: the
+// smaller difference. 0 if signs differ or one is far.
 fn slope_to_step(at: vec2<i32>, step: vec2<i32>) -> i32 {
   let own = distance_at(at);
   let first = distance_at(at - step);
@@ -99,7 +103,7 @@ fn slope_to_step(at: vec2<i32>, step: vec2<i32>) -> i32 {
   return select(smaller(own - first, first - second), 0, max(own, max(first, second)) == FAR);
 }
 
-// The slope to both sides that is smaller, 0 at a ridge or where a side is far.
+// The smaller size of the two differences to the samples before and after. 0 at a ridge or where one is far.
 fn slope_between(at: vec2<i32>, step: vec2<i32>) -> i32 {
   let before = distance_at(at - step);
   let own = distance_at(at);
@@ -113,39 +117,39 @@ fn precision_at(own: i32) -> i32 {
   return (((depth >> 10u) * contour.share) >> 19u) + contour.constant;
 }
 
-// The distance of a sample, moved away from the light.
+// The distance of a sample, moved away from the light, by at most half of what is left to the far end.
 fn moved_distance(at: vec2<i32>) -> i32 {
   let own = distance_at(at);
   if (own == FAR) {
     return FAR;
   }
   let slopes = slope_between(at, vec2<i32>(1, 0)) + slope_between(at, vec2<i32>(0, 1));
-  // It is cut off before it overflows.
+  // The product is replaced by RANGE / 2 where it would be larger and might overflow.
   let is_large = (slopes >> 8u) > (RANGE / 2) / max(contour.slope_bias, 1);
   let of_slopes = select(parts(slopes, contour.slope_bias), RANGE / 2, is_large);
   return own + min(of_slopes + precision_at(own), (RANGE - own) / 2);
 }
 
-// No place: neither depths nor the run of the contour tell one. Also no conic.
+// In place of a place, if neither depths nor the course of the contour over other edges tell one; and of `Conic.u`.
 const UNTOLD: i32 = -1;
-// Units that the last difference before a rim has at least, and how many times what depths may be off by it is.
+// The last difference of distances before a rim is at least LEAST_RISE, and at least PRECISE times what depths may be off by.
 const LEAST_RISE: i32 = 1024;
 const PRECISE: i32 = 16;
 
 // How a smooth surface bends towards a rim. The surface along a row is taken for a conic whose tangent at the rim is a ray of the
-// light: the square of the distance from the rim's depth is a quadratic polynomial.
+// light: the square of the distance from the rim's depth is a quadratic polynomial of the place.
 struct Conic {
-  // The last difference, in eleven bits. UNTOLD: the samples are on no such conic.
+  // The difference of the last sample and the one before it, shifted down to eleven bits. UNTOLD: there is no such conic.
   u: i32,
-  // The rim's depth less that of the last sample, in the same units.
+  // The rim's distance less that of the last sample, in the same units.
   y: i32,
-  // Differences of the squares, from the last sample on.
+  // Differences of these squares: that of the sample before the last less that of the last, and the same one sample further in.
   first: i32,
   second: i32,
 }
 
-// The conic through a sample and the three before it, in the direction of a step. A fourth before it has to lie on it: but for a
-// part of the square of the last difference.
+// The conic through a sample and the three before it, in the direction of a step. A fourth before it has to lie on it, but for
+// the part u² / `off` of the square: a larger `off` is stricter.
 fn conic_before(last: vec2<i32>, step: vec2<i32>, off: i32) -> Conic {
   let none = Conic(UNTOLD, 0, 0, 0);
   let z = distance_at(last);

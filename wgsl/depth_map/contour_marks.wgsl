@@ -17,7 +17,7 @@ const WORD_SAMPLES: i32 = 16;
 // Parts of the square of the last difference that a round surface may be off a conic.
 const NEAR_CONIC: i32 = 8;
 
-// Whether there is a jump between two samples, as two loads tell: 0 or 1; or 2, where `is_jump` does.
+// Whether there is a jump between two samples of distances `a` and `b`, as far as these tell: 0 or 1; 2: ask `is_jump`.
 fn told(at: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> u32 {
   if (a == FAR || b == FAR) {
     return select(0u, 1u, a != b);
@@ -29,7 +29,7 @@ fn told(at: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> u32 {
 }
 
 // Whether a difference above the threshold is a jump, and not only a slope: it is more than the threshold larger than what the
-// slopes to both sides tell. It must be twice as large as those beside it, too, if it is not sure.
+// slopes to both sides tell. Unless it is above `contour.sure`, it must be twice as large as the differences beside it, too.
 fn is_jump(at: vec2<i32>, step: vec2<i32>) -> bool {
   let a = distance_at(at);
   let b = distance_at(at + step);
@@ -93,7 +93,8 @@ fn contour_marks(
           own = right;
         }
       }
-      // One after another, because some devices execute a loop's body for all invocations if one needs it.
+      // The edges for which `told` was 2, one after another: some devices execute a loop's body for all invocations if one needs
+      // it.
       // Turns: 32.
       for (; open != 0u; open &= open - 1u) {
         let number = firstTrailingBit(open);

@@ -25,11 +25,13 @@ const BENT: i32 = 8;
 // Edges to each side from which on a line is tried first.
 const LINE: i32 = 5;
 
-// The step to an edge that the contour crosses, from that of the place, in half texels, and its axis.
+// The edges that the contour crosses before (below REACH) and after (above) the one whose place is asked for, which is at REACH:
+// the step from its middle to theirs, in half texels, and their axes.
 var<private> crossed: array<vec3<i32>, 25>;
 
-// Follows the contour from an edge into the cell `start` and on, and notes the edges that it crosses. Returns how many: it ends
-// at REACH, or where the contour ends or meets another. `out`: the side of the edge that `start` is on, `side`: -1 or 1.
+// Follows the contour from an edge into the cell `start` and on, and notes the edges that it crosses, on side -1 or 1 of the
+// middle of `crossed`. Returns how many: it ends at REACH, or where the contour ends or meets another. `out`: the number of the
+// edge in the cell on its other side, from which one goes out over it into `start`.
 fn follow(edge: vec3<i32>, start: vec2<i32>, out: u32, side: i32) -> i32 {
   let origin = 2 * edge.xy + step_along(u32(edge.z));
   var cell = start;
@@ -49,7 +51,7 @@ fn follow(edge: vec3<i32>, start: vec2<i32>, out: u32, side: i32) -> i32 {
 }
 
 // The place where a curve crosses the edge, in parts of a texel: a line or a parabola by least squares through the middles of
-// the edges up to a number of them on each side. It has to cross each of these edges.
+// the edges, up to `count` of them on each side. UNTOLD if it does not cross each of these edges.
 fn fitted_place(count: i32, is_line: bool, axis: u32) -> i32 {
   // Sums over the places, and those times the edges' numbers and their squares.
   var sums = vec2<i32>();
@@ -87,7 +89,7 @@ fn fitted_place(count: i32, is_line: bool, axis: u32) -> i32 {
   return TEXEL / 2 + middle[axis] - middle[1u - axis] * way[axis] / way[1u - axis];
 }
 
-// The place that the run of the contour tells: the middle of the edge, if no curve fits.
+// The place that the course of the contour over edges beside it tells: the middle of the edge, if no curve fits.
 fn run_place(at: vec2<i32>, axis: u32) -> i32 {
   // The cells to both sides: above and below, or to the left and right.
   var counts: array<i32, 2>;

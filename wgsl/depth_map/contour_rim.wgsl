@@ -14,7 +14,8 @@ const BEYOND: i32 = 24;
 // Parts of the square of the last difference that a fifth sample may be off its conic.
 const ON_CONIC: i32 = 5;
 
-// The place of the rim of a smooth surface beyond its last sample, in the direction of a step. UNTOLD: depths do not tell it.
+// The place of the rim of a smooth surface beyond its last sample, in the direction of a step: parts of a texel from it, up to
+// TEXEL. UNTOLD: depths do not tell it, or it is farther.
 fn rim_beyond(last: vec2<i32>, step: vec2<i32>) -> i32 {
   for (var number = 0; number < 4; number++) {
     if (is_marked_before(last - number * step, step)) {
@@ -43,9 +44,9 @@ fn rim_beyond(last: vec2<i32>, step: vec2<i32>) -> i32 {
   return select(min(place, TEXEL), UNTOLD, place > TEXEL + BEYOND);
 }
 
-// How far the surface at a sample goes away on the way to a place beside it, in parts of a texel in the direction of a step. It
-// goes on as between the last samples. Where it bends away from the light, as towards a rim, it goes on bending: the slope grows
-// twice as it did last, to four times at most.
+// How much the distance of the surface at a sample grows on the way to a place beside it, in parts of a texel in the direction of
+// a step. It goes on as between the last samples. Where it bends away from the light, as towards a rim, it goes on bending: the
+// slope grows by the square of its last growth, to four times at most.
 fn way_on(at: vec2<i32>, step: vec2<i32>, place: i32) -> i32 {
   if (is_marked_before(at, step)) {
     return 0;
@@ -67,8 +68,8 @@ fn way_on(at: vec2<i32>, step: vec2<i32>, place: i32) -> i32 {
   return parts(parts(parts(min(last, RANGE / 8), place), growth), growth);
 }
 
-// The distance of the surface of a sample at a place beside it, in the direction of a step, moved by the bias. With `texels`:
-// away from the light by the slope of so many texels at least.
+// The distance of the surface of a sample at a place beside it, in the direction of a step, moved by the bias. If `texels` is
+// above 0, it grows on the way by as many times the last difference at least.
 fn surface_distance(at: vec2<i32>, step: vec2<i32>, place: i32, texels: i32) -> i32 {
   let own = distance_at(at);
   if (own == FAR) {
@@ -87,7 +88,7 @@ fn surface_distance(at: vec2<i32>, step: vec2<i32>, place: i32, texels: i32) -> 
 // From `contour_marks`: for each sample two bits, 16 samples a word, `contour.words` words a row.
 @group(0) @binding(9) var<storage, read> marks: array<u32>;
 
-// Two bits: the edges to the right of a sample and below it.
+// Two bits, whether the edges to the right of a sample and below it are marked. `at` must be on the lattice.
 fn marks_at(at: vec2<i32>) -> u32 {
   let word = marks[u32(at.y) * contour.words + u32(at.x) / 16u];
   return (word >> (2u * (u32(at.x) & 15u))) & 3u;
@@ -101,7 +102,7 @@ fn code_of_cell(cell: vec2<i32>) -> u32 {
   return (own & 1u) | (right & 2u) | ((below & 1u) << 2u) | ((own & 2u) << 2u);
 }
 
-// Whether a contour crosses between a sample and the one before it, seen in the direction of a step along an axis.
+// Whether a contour crosses between a sample and `at - step`. The step is one sample along an axis.
 fn is_marked_before(at: vec2<i32>, step: vec2<i32>) -> bool {
   return ((marks_at(min(at, at - step)) >> u32(step.y != 0)) & 1u) == 1u;
 }

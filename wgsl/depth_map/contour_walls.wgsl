@@ -44,22 +44,22 @@ struct Step {
   bit: u32,
 }
 
-// The next node of a walk: there is none.
-const NOTHING: u32 = 0u;
-// An edge that a step goes over.
-const EDGE: u32 = 1u;
-// The middle of a star, a cell in which contours end or meet: left over an edge, or entered.
+// Kinds of the next node of a walk.
+const NOTHING: u32 = 0u; // There is none.
+const EDGE: u32 = 1u; // A marked edge that a step goes over.
+// The middle of a star, a cell in which contours end or meet: the walk begins there, or ends there.
 const LEFT_STAR: u32 = 2u;
 const ENTERED_STAR: u32 = 3u;
 
-// The last nodes of a walk, in a ring. x and y: the place. z and w: the distances of the surfaces on the left and right.
+// The last nodes of a walk, in a ring. Points are on the lattice, in 256 parts of a texel. x and y: the point where the contour
+// crosses the edge, or the middle of a star. z and w: the distances of the surfaces on the left and right of the walk, there.
 var<private> ends: array<vec4<i32>, WINDOW>;
-// x and y: what a segment may not pass on the left. z and w: on the right.
+// Points of an edge between which a segment must pass. x and y: on the left. z and w: on the right.
 var<private> limits: array<vec4<i32>, WINDOW>;
-// The sample that the nearer surface begins at, in parts of a texel, its distance, and its side: 0 for left, 1 for right. 2:
-// none.
+// The sample from which a flap goes to the wall: its point, its distance, and the side of the nearer surface, 0 for left, 1 for
+// right. w = 2: none, at a star.
 var<private> inners: array<vec4<i32>, WINDOW>;
-// The first sample of an edge, and its axis. 2: the cell of a star. w: the distance of the nearer surface, as it goes on.
+// x and y: the first sample of an edge, z: its axis; w: the distance of the nearer surface, as it goes on. z = 2: a star's cell.
 var<private> edges: array<vec4<i32>, WINDOW>;
 // Where the first node of the window is.
 var<private> head: u32;
@@ -103,7 +103,7 @@ fn number_of(cell: vec2<i32>, bit: u32, is_of_star: bool) -> u32 {
 const NO_END: u32 = 0xffffffffu;
 
 // Walks to the next border or star, and gives the number of the step or star there, 0 for a loop. With `least`: 0 if the walk
-// comes back to its cell and meets no smaller one before, else NO_END.
+// comes back to its cell and meets none of a smaller number before, else NO_END.
 fn end_of(start: Step, least: bool) -> u32 {
   var step = start;
   // Turns: TILE_CELLS + 1.
@@ -129,7 +129,7 @@ fn end_of(start: Step, least: bool) -> u32 {
   return 0u;
 }
 
-// Corners of a surface, and those next to one over an edge that is not marked.
+// Bits of corners of a cell, and of those next to one of them over an edge that is not marked, so of the same surface.
 fn spread(samples: u32, code: u32) -> u32 {
   let after = ((samples & ~code) << 1u) & 15u;
   let first = select(0u, 1u, (samples & ~code & 8u) != 0u);
@@ -138,7 +138,7 @@ fn spread(samples: u32, code: u32) -> u32 {
   return samples | after | first | before | last;
 }
 
-// A sum with the distance of a corner, if it is among the samples.
+// `total` with the moved distance of a corner, shifted down, if its bit is in `samples`. FAR if either is.
 fn with_corner(total: i32, cell: vec2<i32>, number: u32, samples: u32, shift: u32) -> i32 {
   if (((samples >> number) & 1u) == 0u) {
     return total;
@@ -156,13 +156,14 @@ fn middle_distance(cell: vec2<i32>, code: u32, corner: u32) -> i32 {
   return with_corner(with_corner(two, cell, 2u, samples, shift), cell, 3u, samples, shift);
 }
 
-// The nearer of two distances on the way from one: that of a corner, if it is between.
+// In the middle of a star: `next`, or the distance of the surface of a corner, if that is strictly between `here` and `next`.
 fn nearer_copy(cell: vec2<i32>, code: u32, corner: u32, here: i32, next: i32) -> i32 {
   let own = middle_distance(cell, code, corner);
   return select(next, own, min(here, next) < own && own < max(here, next));
 }
 
-// The next distance at a node from one to another, where other surfaces meet in a star. Else the other.
+// The distance at a node where the wall from `here` to `to` is split: in a star the next one at which another surface ends on the
+// way, else `to`.
 fn next_copy(edge: vec3<i32>, here: i32, to: i32) -> i32 {
   if (edge.z != 2) {
     return to;
@@ -227,7 +228,7 @@ fn add_node(count: u32, kind: u32, step: Step) {
   inners[at] = vec4<i32>(sample * TEXEL, moved_distance(sample), select(0, 1, is_right));
 }
 
-// Whether the second of three distances is on the line between the others, but for the tolerance.
+// Whether the second of three distances is on the line between the others, at `gone` of its `length`, but for the tolerance.
 fn is_near(first: i32, own: i32, last: i32, gone: i32, length: i32) -> bool {
   if (first == FAR || own == FAR || last == FAR) {
     return first == own && own == last;
@@ -291,8 +292,8 @@ fn add_wall(p: vec3<i32>, q: vec3<i32>, r: vec3<i32>, s: vec3<i32>) {
   place++;
 }
 
-// Lists the walls over the segment to a node of the window. Where surfaces meet in a star, it has a wall between each two that
-// follow each other. A flap joins it to the samples of the nearer surface.
+// Takes the walls over the segment from the first node of the window to another. Where surfaces meet in a star, it has a wall
+// between each two that follow each other. Then the flaps that join its tops to samples of the nearer surfaces, one a side.
 fn add_walls(last: u32) {
   let end = slot(last);
   let a = ends[head];

@@ -8,8 +8,8 @@
 #import depth_map/contour
 #import depth_map/near_box
 
-// By how much a surface may come nearer within a texel of a sample along an axis, to either side: at most as much as it comes
-// nearer from the sample on the opposite side.
+// By how much a surface may come nearer within a texel of a sample along an axis, to either side: it goes on as between its last
+// samples, so at most by as much as from the sample on the opposite side to this one.
 fn nearing(at: vec2<i32>, own: i32, step: vec2<i32>) -> i32 {
   let before = distance_at(at - step);
   let after = distance_at(at + step);

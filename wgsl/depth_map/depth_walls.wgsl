@@ -78,18 +78,18 @@ fn depth_walls_near_cap_fragment(@location(0) @interpolate(linear, sample) place
 // Texels from a wall up to which its flaps reach.
 const REACH: i32 = 2;
 
-// Whether the line between two places crosses that from the origin to the right. It does not depend on their order.
+// Whether the line between two points crosses the ray from the origin to the right. It does not depend on their order.
 fn crosses(a: vec2<f32>, b: vec2<f32>) -> bool {
   let upper = select(b, a, a.y < b.y);
   let lower = select(a, b, a.y < b.y);
   return upper.y <= 0.0 && lower.y > 0.0 && perp_dot(upper, lower) > 0.0;
 }
 
-// A vertex of a flap.
+// A vertex of a wall or flap.
 struct FlapVertex {
-  // From the place on, in parts of a texel.
+  // Its point relative to the place that is asked for, in parts of a texel.
   at: vec2<f32>,
-  // The device depth in the units of distances.
+  // The device depth times RANGE: the distance, or RANGE less it with reversed depth.
   depth: i32,
 }
 
@@ -100,11 +100,12 @@ fn flap_vertex(quad: u32, number: u32, cell: vec2<i32>, part: vec2<f32>) -> Flap
   return FlapVertex(vec2<f32>(at) - part * f32(TEXEL), select(distance, RANGE - distance, depth_map.is_reversed != 0u));
 }
 
+// Whether device depth `own` is farther from the light than `depth`.
 fn is_behind_depth(own: f32, depth: f32) -> bool {
   return select(own > depth, own < depth, depth_map.is_reversed != 0u);
 }
 
-// Whether a quadrilateral may be at a place of the cell.
+// Whether the box of a quadrilateral meets the cell.
 fn may_be_in(quad: u32, cell: vec2<i32>) -> bool {
   let first = 4u + 12u * quad;
   var low = vec2<u32>(cells[first], cells[first + 1u]);
@@ -118,9 +119,9 @@ fn may_be_in(quad: u32, cell: vec2<i32>) -> bool {
   return all(from_cell.xy <= vec2<i32>(TEXEL)) && all(from_cell.zw >= vec2<i32>(0));
 }
 
-// Whether a triangle of a flap is at the place, and the place is behind it, and not behind the surface, or the other way round.
+// Whether a triangle of a flap is over the place, and tells otherwise than `is_behind` whether the place is behind it. Walls have
+// no area over any place.
 fn triangle_changes(a: FlapVertex, b: FlapVertex, c: FlapVertex, depth: f32, is_behind: bool) -> bool {
-  // No place is in a wall.
   if ((crosses(a.at, b.at) != crosses(b.at, c.at)) == crosses(c.at, a.at)) {
     return false;
   }
@@ -149,7 +150,8 @@ fn number_of_tile(tile: u32) -> u32 {
   return select(count, low, low < count && counts[list + low] == tile);
 }
 
-// Whether an odd number of flaps at a place of a cell change whether it is behind what is there.
+// Whether an odd number of triangles of flaps over a place tell otherwise than `is_behind`. The place is `part` of a texel from
+// the first sample of the cell, at a device depth.
 fn flaps_change(cell: vec2<i32>, part: vec2<f32>, depth: f32, is_behind: bool) -> bool {
   let across = contour.tiles.x;
   let tiles = vec2<u32>(across, contour.tiles.y / across);
@@ -190,7 +192,8 @@ fn flaps_change(cell: vec2<i32>, part: vec2<f32>, depth: f32, is_behind: bool) -
 // Where contours cross edges (contour_places.wgsl), moved onto segments by `contour_walls`.
 @group(0) @binding(5) var<storage, read> places: array<u32>;
 
-// The place on the edge of a cell, from the cell's first sample on. Its middle, if it is not marked.
+// The point on edge `bit` of a cell where the contour crosses it, in texels from the cell's first sample. The middle of an edge
+// that is not marked.
 fn point_of(cell: vec2<i32>, bit: u32) -> vec2<f32> {
   let first = edge_of_cell(cell, bit);
   let word = places[u32(first.y) * (depth_map.size.x + 2u) + u32(first.x)];
@@ -204,7 +207,7 @@ fn perp_dot(a: vec2<f32>, b: vec2<f32>) -> f32 {
   return a.x * b.y - a.y * b.x;
 }
 
-// The corner of a marked cell whose surface a place of the cell belongs to: an index of `turn`.
+// The corner of a marked cell whose surface a place of the cell belongs to, as `turn` numbers it. `code`: bits of marked edges.
 fn contour_side(cell: vec2<i32>, code: u32, place: vec2<f32>) -> u32 {
   var best = 0u;
   if (countOneBits(code) == 2u) {

@@ -11,7 +11,7 @@ struct DepthNearBox {
   // The first sample of the box, and samples across and down.
   first: vec2<u32>,
   size: vec2<u32>,
-  // A surface with a larger key, or a larger distance (contour.wgsl), is behind all of the near rectangle.
+  // A surface with a larger key (samples.wgsl), or a larger distance (contour.wgsl), is behind all of the near rectangle.
   key: u32,
   distance: i32,
   unused: vec2<u32>,

@@ -1,7 +1,7 @@
 // Samples of a light's depth map as integers, and the lattice that holds them. All stages here but `mesh_depth` have it.
 // A sample is the depth in the middle of a texel. Its key is an integer that grows with the distance from the light: the bits of
-// the depth, or with reversed depth the bits of 1 minus those. FAR_KEY: nothing casts there (at the far end or beyond it, or
-// NaN).
+// the depth, or with reversed depth the bits of 1, as an integer, less these. FAR_KEY: nothing casts there (at the far end or
+// beyond it, or NaN).
 // The lattice has one more row and column on each side than the map; they are far, so nothing casts outside of a map. Sample (1,
 // 1) is texel (0, 0). A cube has six maps, three in a row in one texture, without that border: sample (0, 0) is texel (0, 0).
 // An importer binds `depth_map` and a texture of that size. A place outside of the lattice is far; in a cube its key is to be
@@ -43,8 +43,8 @@ struct DepthMapShape {
 const FAR_KEY: u32 = 0x7fffffffu;
 const ONE: u32 = 0x3f800000u;
 
-// The key of a depth's bits. Less than 2^-126 counts as 0, more than 1 as 1. It works on bits, because a device may flush a
-// subnormal and may assume that there is no NaN.
+// The key of a depth's bits. Less than 2^-126, also below 0, counts as 0, more than 1 as 1. It works on bits, because a device
+// may flush a subnormal and may assume that there is no NaN.
 fn sample_key(bits: u32) -> u32 {
   let size = bits & 0x7fffffffu;
   let is_zero = ((bits >> 31u) == 1u) | (size < 0x00800000u);
@@ -73,7 +73,7 @@ fn key_at(at: vec2<u32>) -> u32 {
   return select(key, FAR_KEY, !is_cube && any(inside != at));
 }
 
-// `turns` itself, but no constant for a compiler: a loop up to it is not unrolled, so its body is there once.
+// `turns` itself, if their sum with `cells` does not overflow, but no constant for a compiler: a loop up to it is not unrolled.
 fn opaque(turns: u32) -> u32 {
   return min(turns, turns + depth_map.cells);
 }

@@ -4,9 +4,9 @@
 // `polygon_masks` listed; finds what cuts each edge. `cut_edges_rank`: a workgroup for 8 cuts; counts how many cuts of its edge
 // come before each. `cut_edges_before`: an invocation a cut; finds the one right before. `cut_edges_list`: the same; writes the
 // piece between both. Pieces come in any order; polygon/list_pieces.wgsl names their readers. Cutting edges and dark sides are
-// exact; orders are, but for those that `is_before` rounds. As many pieces begin at a point as end there, bit for bit, so edges
-// that cross must agree on order and point. `turn` is that of three points (polygon/turn.wgsl); `Turns:` is the most turns of the
-// loop below it. NUMERICS.md, "Shadows of twisted polygons".
+// exact; orders are, but for those that `is_before` rounds. The same number of pieces begin at a point as end there, bit for bit,
+// so edges that cross must agree on order and point. `turn` is that of three points (polygon/turn.wgsl); `Turns:` is the most
+// turns of the loop below it. NUMERICS.md, "Shadows of twisted polygons".
 
 #import polygon/cut_order
 #import polygon/cuts
