@@ -51,7 +51,7 @@ const LEAST: i32 = 16;
 // The offset of a corner of a cell (its number modulo 4) from the cell's first sample: from (0, 0) on, clockwise with rows
 // downwards. Edge `bit` lies between the corners `bit` and `bit` + 1: 0 top, 1 right, 2 bottom, 3 left. On the way out of the
 // cell over it, corner `bit` is on the left.
-fn turn(corner: u32) -> vec2<i32> {
+fn corner_offset(corner: u32) -> vec2<i32> {
   return vec2<i32>((vec2<u32>(6u, 12u) >> vec2<u32>(corner & 3u)) & vec2<u32>(1u));
 }
 

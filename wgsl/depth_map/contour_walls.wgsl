@@ -64,7 +64,7 @@ var<private> edges: array<vec4<i32>, WINDOW>;
 // Where the first node of the window is.
 var<private> head: u32;
 // The next wall's index in the list, or walls counted so far.
-var<private> place: u32;
+var<private> next_wall: u32;
 
 // The index of a node of the window in the ring.
 fn slot(node: u32) -> u32 {
@@ -143,7 +143,7 @@ fn with_corner(total: i32, cell: vec2<i32>, number: u32, samples: u32, shift: u3
   if (((samples >> number) & 1u) == 0u) {
     return total;
   }
-  let own = moved_distance(cell + turn(number));
+  let own = moved_distance(cell + corner_offset(number));
   return select(total + (own >> shift), FAR, total == FAR || own == FAR);
 }
 
@@ -192,8 +192,8 @@ fn add_node(count: u32, kind: u32, step: Step) {
   }
   let lattice = i32(depth_map.size.x) + 2;
   let found = (atomicLoad(&places[u32(first.y * lattice + first.x)]) >> (16u * axis + 8u)) & 255u;
-  let left = step.cell + turn(step.bit);
-  let right = step.cell + turn(step.bit + 1u);
+  let left = step.cell + corner_offset(step.bit);
+  let right = step.cell + corner_offset(step.bit + 1u);
   let along = right - left;
   let of_left = select(TEXEL - i32(found), i32(found), all(left == first));
   // Walks to both sides take the same sample, of equal ones, too.
@@ -282,14 +282,14 @@ fn write_vertex(word: u32, vertex: vec3<i32>) {
 
 // Takes a wall or flap: lists it, if there is room, and counts it.
 fn add_wall(p: vec3<i32>, q: vec3<i32>, r: vec3<i32>, s: vec3<i32>) {
-  if (LISTS && place < contour.capacity) {
-    let word = 4u + 12u * place;
+  if (LISTS && next_wall < contour.capacity) {
+    let word = 4u + 12u * next_wall;
     write_vertex(word, p);
     write_vertex(word + 3u, q);
     write_vertex(word + 6u, r);
     write_vertex(word + 9u, s);
   }
-  place++;
+  next_wall++;
 }
 
 // Takes the walls over the segment from the first node of the window to another. Where surfaces meet in a star, it has a wall
@@ -457,13 +457,13 @@ fn contour_walls_take(
   // Turns: WALKER_TILES.
   for (var number = group.x + groups.x * group.y; number < count; number += groups.x * groups.y) {
     let tile = counts[list + number];
-    place = 0u;
+    next_wall = 0u;
     let own = tiles + number * WALKERS;
     if (LISTS) {
-      place = counts[number];
+      next_wall = counts[number];
       // Turns: WALKERS.
       for (var walker = 0u; walker < local; walker++) {
-        place += counts[own + walker];
+        next_wall += counts[own + walker];
       }
     }
     let corner = vec2<i32>(vec2<u32>(tile % contour.tiles.x, tile / contour.tiles.x)) * TILE;
@@ -483,7 +483,7 @@ fn contour_walls_take(
       take(start + vec2<i32>(i32(at / 4u), 0), at & 3u);
     }
     if (!LISTS) {
-      counts[own + local] = place;
+      counts[own + local] = next_wall;
     }
   }
 }

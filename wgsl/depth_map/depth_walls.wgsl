@@ -207,7 +207,8 @@ fn perp_dot(a: vec2<f32>, b: vec2<f32>) -> f32 {
   return a.x * b.y - a.y * b.x;
 }
 
-// The corner of a marked cell whose surface a place of the cell belongs to, as `turn` numbers it. `code`: bits of marked edges.
+// The corner of a marked cell whose surface a place of the cell belongs to, as `corner_offset` numbers it. `code`: bits of marked
+// edges.
 fn contour_side(cell: vec2<i32>, code: u32, place: vec2<f32>) -> u32 {
   var best = 0u;
   if (countOneBits(code) == 2u) {
@@ -217,7 +218,7 @@ fn contour_side(cell: vec2<i32>, code: u32, place: vec2<f32>) -> u32 {
     let is_left = perp_dot(point_of(cell, second) - start, place - start) < 0.0;
     var nearest = 4.0;
     for (var corner = 0u; corner < 4u; corner++) {
-      let away = abs(place - vec2<f32>(turn(corner)));
+      let away = abs(place - vec2<f32>(corner_offset(corner)));
       if ((corner > first && corner <= second) == is_left && away.x + away.y < nearest) {
         nearest = away.x + away.y;
         best = corner;
@@ -238,7 +239,7 @@ fn contour_side(cell: vec2<i32>, code: u32, place: vec2<f32>) -> u32 {
 
 // The distance of the surface at a place of a marked cell: between samples of the same surface, and as it goes on from the last.
 fn contour_distance(cell: vec2<i32>, code: u32, place: vec2<f32>) -> i32 {
-  let corner = turn(contour_side(cell, code, place));
+  let corner = corner_offset(contour_side(cell, code, place));
   let at = cell + corner;
   let own = moved_distance(at);
   if (own == FAR) {
