@@ -15,14 +15,15 @@
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: SeenLight; // Those of the draw.
+@group(0) @binding(2) var<storage, read> seen: SeenLight; // The light and view of the draw.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(1) @binding(0) var<storage, read> positions: array<u32>;
 @group(1) @binding(1) var<storage, read> faces: array<u32>;
 @group(1) @binding(2) var<storage, read> facing_masks: array<u32>;
 @group(1) @binding(3) var<storage, read> excluded_masks: array<u32>;
 @group(1) @binding(4) var<storage, read> caps_listed: array<u32>;
-override CAP_KIND: u32 = 0u; // The list of cap faces that is drawn.
+// The list of cap faces that is drawn: near caps counted on their front (0) or back (1), light and dark caps likewise (2, 3).
+override CAP_KIND: u32 = 0u;
 
 // A face, and what its caster sees.
 struct Cap {
@@ -33,7 +34,8 @@ struct Cap {
   light: ShadowLight,
 }
 
-// An instance is an entry of the list. If the lists overflowed, every face is an instance.
+// An instance is an entry of the list. If the lists overflowed, every face slot is an instance, and those that do not belong to
+// the list, by the tests with which `caps` listed, are not valid.
 fn cap_of(instance: u32) -> Cap {
   let bit = draw.light - draw.first_light;
   let pair = CAP_KIND & FAR;
@@ -71,7 +73,7 @@ fn cap_of(instance: u32) -> Cap {
   return own;
 }
 
-// It is not trimmed: with z-fail its depths must be those of the surface, bit for bit.
+// For z-fail. It is not trimmed: its depths must be those of the surface, bit for bit.
 @vertex fn light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
   let own = cap_of(instance);
   if (!own.valid) {
@@ -89,6 +91,7 @@ fn face_of(own: Cap) -> CapFace {
   );
 }
 
+// For z-pass and ZP+: the light cap of a caster that is not in the depth buffer. Others have none.
 @vertex fn seen_light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
   let own = cap_of(instance);
   if (!own.valid || (caster_flags(own.caster) & PROXY) == 0u) {

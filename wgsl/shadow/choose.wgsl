@@ -17,7 +17,8 @@
 @group(0) @binding(1) var<storage, read> seen: array<SeenLight>;
 @group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
-// `ExtractionStatistics` of the extraction. The last tells how many lights lie in planes of faces.
+// The words of `ExtractionStatistics`: 3 is how many pairs of face and light have the light in the face's plane, 4 has bits of
+// the lights (modulo 32) for which a polygon is L-twisted: its outline crosses itself as seen from light L.
 @group(0) @binding(4) var<storage, read> extraction_statistics: array<u32, 5>;
 @group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>; // Choices of all casters, then measures.
 @group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;
@@ -82,7 +83,8 @@ fn frustum_near(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3
   return select(1.0, highest, highest > 0.0);
 }
 
-// Whether a polygon of the caster is L-twisted for a light. Then it is excluded, and the caster is not closed.
+// Whether a polygon of the caster may be L-twisted for a light, as a light of the same bit has it. Such polygons are excluded, so
+// the caster is not closed.
 fn is_cut(number: u32) -> bool { return ((extraction_statistics[4] >> (number % 32u)) & 1u) != 0u; }
 
 // The light with the choices for a caster and a view, by the caster's box. A lower bound of the distance to a caster with
@@ -216,7 +218,7 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
 fn choose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   // Turns: ITEMS.
   for (var pair = id.x; pair < shape.casters * shape.used_lights; pair += 64u * groups.x) {
-    // Neighbours have the same light, which many casters have or none.
+    // Neighbouring invocations take the same light, so that they take the same branches.
     choose_light(pair % shape.casters, pair / shape.casters, id.y);
   }
 }

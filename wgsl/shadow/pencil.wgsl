@@ -33,12 +33,13 @@ fn row_of(view: u32, light: u32, count_batch: u32) -> u32 {
   return ROW * ((view * shape.lights + light) * shape.count_batches + count_batch);
 }
 
-// From 0 to 4, once around; it grows with the angle.
+// The angle of (u, v) as a number that grows with it: from 0 to 4, once around.
 fn turn(u: f32, v: f32) -> f32 {
   let along = u / max(abs(u) + abs(v), 1e-30);
   return select(3.0 + along, 1.0 - along, v >= 0.0);
 }
 
+// The number of the half plane of a pencil that a position lies in.
 fn half_plane(by: StencilPencil, position: vec3<f32>) -> f32 {
   let d = position - by.place;
   let v = dot_3(by.aside, d);
@@ -72,7 +73,7 @@ fn axis_of(by: StencilPencil) -> u32 {
   return select(select(2u, 1u, used.y == 0.0), 0u, used.x == 0.0);
 }
 
-// Adds the weight to the bins from `first` to `last`.
+// Adds the weight to the bins from `first` to `last`: where it begins, and off again behind it.
 fn cross_bins(row: u32, first: u32, last: u32, weight: u32) {
   atomicAdd(&crossings[row + first], weight);
   atomicSub(&crossings[row + last + 1u], weight);

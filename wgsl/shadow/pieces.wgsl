@@ -12,14 +12,14 @@
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: SeenLight; // Those of the draw.
+@group(0) @binding(2) var<storage, read> seen: SeenLight; // The light and view of the draw.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(1) @binding(0) var<storage, read> pieces: array<u32>;
 
 struct Piece {
   view: ShadowView,
   light: ShadowLight,
-  face: CapFace, // The middle of the polygon, and the ends of the piece.
+  face: CapFace, // The middle of the polygon, and the ends of the piece, in this order.
 }
 
 fn piece_of(instance: u32) -> Piece {
@@ -41,6 +41,7 @@ fn piece_of(instance: u32) -> Piece {
   return drawn_side(own.view, own.light, own.face.c, own.face.b, vertex);
 }
 
+// The order is that of `face`, whose later corner the side begins with.
 @vertex fn piece_side_clipped(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
   let own = piece_of(instance);
   return drawn_clipped_side(own.view, own.light, own.face.c, own.face.b, false, vertex);

@@ -19,18 +19,18 @@ struct ReceiverView {
   reserved: u32,
 }
 
-// Words before the levels: tiles across and down, pixels across and down, the key of the farthest receiver, whether the box is
-// finite, its lowest corner and its highest.
+// Words before the levels: 0 and 1 tiles across and down, 2 and 3 pixels across and down, 4 the key of the farthest receiver, 5
+// whether the box is finite, from 6 on its lowest corner, from 9 on its highest; four are unused.
 const RECEIVERS_HEAD: u32 = 16u;
-const TILE: u32 = 8u;
+const TILE: u32 = 8u; // Pixels of a tile, across and down.
 
-// Orders depths by distance. 0 is no receiver.
+// The key of a depth: it grows with the distance, from 1 on. 0 is no receiver. `near_z`: depth of the near plane, 1 if reversed.
 fn far_key(depth: f32, near_z: f32) -> u32 {
   let bits = bitcast<u32>(clamp(depth, 0.0, 1.0));
   return select(bits + 1u, 0x40000000u - bits, near_z != 0.0);
 }
 
-// A depth that is not nearer than that of a key, however it was stored: formats have 24 bits.
+// A depth that is not nearer than that of a key, which must not be 0, however it was stored: formats have 24 bits at least.
 fn depth_of_key(key: u32, near_z: f32) -> f32 {
   if (near_z != 0.0) {
     let depth = bitcast<f32>(0x40000000u - key);

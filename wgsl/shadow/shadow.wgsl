@@ -18,8 +18,8 @@ struct ShadowStatistics {
   count_bound: atomic<u32>,
   may_wrap: atomic<u32>,
   kept_lists: atomic<u32>, // Groups of casters, lights and views whose lists were kept.
-  hidden: atomic<u32>, // Of the pairs that are skipped, those whose volume no receiver can be in.
-  unreached: atomic<u32>, // And those whose box the light does not reach.
+  hidden: atomic<u32>, // Pairs that are skipped because no receiver can be in their volume.
+  unreached: atomic<u32>, // Pairs that are skipped because the light does not reach the box.
   lost_pieces: atomic<u32>, // Pieces of L-twisted polygons that there was no room for. Where they would be, shadows are wrong.
 }
 
@@ -50,8 +50,8 @@ struct ShadowLight {
   // over that of the far end. For a light at infinity it is the height over the near plane.
   frustum_near: f32,
   // The end of the volume: the caster's distance over the range. Every far vertex, (position - light) / end from the
-  // light, is then out of range, or behind all receivers. Of a light at infinity a far vertex is 1 / end times the direction
-  // from the position. 0: at infinity.
+  // light, is then out of range, or behind all receivers. If the light is at infinity, a far vertex is the position plus 1 / end
+  // times the direction away from the light. 0: far vertices are at infinity.
   end: f32,
   excludes: u32, // 1: faces of the caster may be excluded: those in whose plane the light is, and those that are not finite.
   scale: f32, // The light as given times this is the light as above.
@@ -135,7 +135,7 @@ fn box_corner(low: vec3<f32>, high: vec3<f32>, number: u32) -> vec3<f32> {
   return select(low, high, (vec3<u32>(number) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
 }
 
-// A direction in the camera's frame.
+// A direction, given in the space of the positions, in the camera's frame.
 fn turned(view: ShadowView, d: vec3<f32>) -> vec3<f32> {
   return vec3<f32>(dot_3(view.placement[0].xyz, d), dot_3(view.placement[1].xyz, d), dot_3(view.placement[2].xyz, d));
 }
@@ -186,16 +186,17 @@ struct Corner {
   // The far vertex, and its height over the near plane.
   far: vec4<f32>,
   far_height: f32,
-  // Whether the light is farther from the vertex than the origin of positions is. `project_to_near_plane` then computes
-  // with V, else with V - L.
+  // Whether the light is farther from the vertex than the camera's origin is. `project_to_near_plane` then computes
+  // with V, else with V - L: with the shorter of both.
   is_far: bool,
 }
 
 // The largest of three absolute values.
 fn size_3(a: vec3<f32>) -> f32 { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
 
-// The height of a far vertex is the light's w times the height, less the light's height. So a vertex above the near plane rises
-// if the light is below it, and a vertex below does not rise if the light is not below. This keeps both true despite rounding.
+// The height of a far vertex over the near plane is the light's w times the vertex's height, less the light's height. So it is
+// not negative if the vertex is above the plane and the light below it, and negative if the vertex is below and the light is not.
+// This keeps both true despite rounding: else a clipped shape might have more than five vertices.
 fn consistent_rise(light: ShadowLight, height: f32, far_height: f32) -> f32 {
   let below = light.height < 0.0;
   return select(
@@ -237,7 +238,7 @@ fn project_to_near_plane(view: ShadowView, light: ShadowLight, v: Corner) -> vec
   return vec4<f32>(s * xy, -s * w * view.near_z, -s * w);
 }
 
-// The intersection of an edge with the near plane. `a` is the vertex of lower index.
+// The intersection of an edge with the near plane, on whose two sides its ends must be. `a` is the vertex of lower index.
 fn on_near_plane(view: ShadowView, a: Corner, b: Corner) -> vec4<f32> {
   let t = a.height / (a.height - b.height);
   return vec4<f32>(a.near.xy + (b.near.xy - a.near.xy) * t, view.near_z * view.near_w, view.near_w);

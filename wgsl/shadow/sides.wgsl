@@ -16,7 +16,7 @@
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: SeenLight; // Those of the draw.
+@group(0) @binding(2) var<storage, read> seen: SeenLight; // The light and view of the draw.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(1) @binding(0) var<storage, read> positions: array<u32>;
 @group(1) @binding(1) var<storage, read> edge_vertices: array<vec2<u32>>;
@@ -36,7 +36,8 @@ struct Side {
   light: ShadowLight,
 }
 
-// An instance is an entry of a list. If the lists overflowed, every edge is two instances, since its side may have weight 2.
+// The side that an instance of a draw of list `kind` (PLAIN or CLIPPED) draws. An instance is an entry of the list. If the lists
+// overflowed, every edge is two instances, since its side may have weight 2; those above its weight are not valid.
 fn side_of(instance: u32, kind: u32) -> Side {
   let bit = draw.light - draw.first_light;
   let overflowed = sides[2u * bit] + sides[2u * bit + 1u] > shape.side_capacity;

@@ -15,7 +15,8 @@
 // The largest bound of a batch of casters.
 var<workgroup> largest: atomic<u32>;
 
-// The sum and the largest of all sums, after four more bins.
+// `sums`: the sum of the words up to a bin, which is the weight that crosses it, and the largest so far; here after four more
+// bins.
 fn after_four(sums: vec2<u32>, at: u32) -> vec2<u32> {
   let one = sums.x + crossings[at];
   let two = one + crossings[at + 1u];

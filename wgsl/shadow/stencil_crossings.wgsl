@@ -28,7 +28,8 @@ fn largest_weight(caster: u32, number: u32) -> u32 {
   return casts * (1u + ((words[EVERY] >> (number % 32u)) & 1u));
 }
 
-// Adds the side of the edge in a slot. A caster that the line of the pencil may meet is counted by its faces instead.
+// Adds the side of the edge in a slot, for an entry of a list with the weight 1, since a side of weight 2 is listed twice. A
+// caster that the line of the pencil may meet is counted by its faces instead (`stencil_pencil`).
 fn cross_slot(by: StencilPencil, number: u32, slot: u32, is_listed: bool) {
   let caster = caster_of(shape.edge_chunks_at, slot);
   let run = edge_run(caster);

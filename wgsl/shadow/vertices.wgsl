@@ -1,10 +1,12 @@
 // Vertices of sides and caps of shadow volumes, in clip space, for the vertex shaders `sides`, `cap_faces` and `pieces`. A side
-// is the quad from an edge away from the light; a cap is a face at its place, at the far end, or projected onto the near plane.
-// Anything clipped at the near plane is a polygon of up to five vertices, drawn as a strip. Volumes are watertight: what meets at
-// an edge has equal bits, because its ends are always taken in the order of their vertices (`is_ordered`). No expression here may
-// differ between two shapes that meet. NUMERICS.md, "Shadow volumes". If TRIM is set, polygons are cut at the frustum here, for
-// drivers that clip slivers wrongly: "Triangles that leave the picture". The last part, also for `zp_plus_2005_cases`, is ZP+ as
-// published.
+// is the quad from an edge away from the light; a cap is a face at its place (light cap), at the far end of the volume (dark
+// cap), or the part between light and near plane, projected from the light onto that plane (near cap). Anything clipped at the
+// near plane is a polygon of up to five vertices, drawn as a strip. Volumes are watertight: shapes that meet at an edge have
+// equal bits there, because both take its ends in the order of their vertex indices (`is_ordered`) and by the same functions of
+// shadow/shadow.wgsl. No expression may differ between two shapes that meet. NUMERICS.md, "Shadow volumes". If TRIM is set,
+// polygons are cut at the frustum here, for drivers that clip slivers wrongly: "Triangles that leave the picture". The last part,
+// also for `zp_plus_2005_cases`, is ZP+ as published in 2005. `Turns:` is the most turns of the loop below it; other loops have a
+// constant.
 
 #import common/casters
 #import shadow/shadow
@@ -16,14 +18,14 @@ struct VolumeVertex {
 
 const NOTHING = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 
-// Picks one vertex of a polygon. The vertices are offered one after another. A place past the last vertex repeats it.
+// Picks one vertex of a polygon. The vertices are offered one after another. A number past the last vertex repeats it.
 struct Picked {
   clip: vec4<f32>,
-  wanted: u32,
-  offered: u32,
+  wanted: u32, // Its number among the vertices that are there.
+  offered: u32, // So many were there by now.
 }
 
-// Picks the vertex of the strip at `place`.
+// Picks the vertex at `place` of the strip 0, 1, 4, 2, 3 of a polygon of up to five vertices.
 fn pick(place: u32) -> Picked {
   let order = vec4<u32>(0u, 1u, 4u, 2u);
   return Picked(NOTHING, select(order[min(place, 3u)], 3u, place == 4u), 0u);
@@ -41,10 +43,10 @@ fn offer(picked: Picked, clip: vec4<f32>, is_there: bool) -> Picked {
 }
 
 // Whether polygons are trimmed. A draw has as many vertices as without, so each polygon is drawn in parts, by draws of their own:
-// two triangles of its fan as a strip, or one in a list.
+// in a strip corners 0 and 2 PART + 1 to 2 PART + 3, a convex quad; in a list of triangles corners 0, PART + 1, PART + 2.
 override TRIM: bool = false;
 override PART: u32 = 0u;
-override UNCLIPPED: bool = false; // Whether near and far plane do not clip.
+override UNCLIPPED: bool = false; // Whether near and far plane do not clip (depth is clamped).
 // Five corners, and one more for each plane.
 const MOST_CORNERS: u32 = 11u;
 
@@ -62,13 +64,14 @@ fn with_corner(outline: Outline, clip: vec4<f32>) -> Outline {
   return next;
 }
 
-// The place of a corner in a strip of up to five vertices, as `pick` has them.
+// The place in a strip of corner 0 to 4 of a polygon: the inverse of the order in `pick`.
 fn strip_place(corner: u32) -> u32 {
   let order = vec4<u32>(0u, 1u, 3u, 4u);
   return select(order[min(corner, 3u)], 2u, corner == 4u);
 }
 
-// Positive on the inner side of a plane of the frustum.
+// At least 0 on the inner side of a plane of the frustum: 0 and 1 are left and right, 2 and 3 bottom and top, 4 is z = 0, 5 z =
+// w.
 fn inner_height(plane: u32, clip: vec4<f32>) -> f32 {
   let along = clip[plane / 2u];
   if (plane == 4u) {
@@ -81,7 +84,8 @@ fn inner_height(plane: u32, clip: vec4<f32>) -> f32 {
 fn meet_plane(plane: u32, inner: vec4<f32>, outer: vec4<f32>) -> vec4<f32> {
   let height = inner_height(plane, inner);
   let depth = -inner_height(plane, outer);
-  // Ends may differ by many orders of magnitude, since they are homogeneous. No difference of them is taken, so neither is lost.
+  // Ends may differ by many orders of magnitude, since they are homogeneous. They are added with weights from 0 to 1, and not as
+  // one end plus a share of the difference, in which the smaller would be lost.
   var meeting = inner * (depth / (height + depth)) + outer * (height / (height + depth));
   meeting[plane / 2u] = select(select(-meeting.w, 0.0, plane == 4u), meeting.w, (plane & 1u) != 0u);
   return meeting;
@@ -116,7 +120,7 @@ fn trimmed(outline: Outline) -> Outline {
   return polygon;
 }
 
-// A vertex of the part that is drawn.
+// A vertex of the part PART, in a list or strip. All are one point if the polygon has no such part.
 fn vertex_of_part(polygon: Outline, is_list: bool, vertex: u32) -> vec4<f32> {
   let first = select(2u, 1u, is_list) * PART;
   if (first + 2u >= polygon.count) {
@@ -125,12 +129,13 @@ fn vertex_of_part(polygon: Outline, is_list: bool, vertex: u32) -> vec4<f32> {
   if (vertex == 0u) {
     return polygon.corners[0];
   }
-  // Corners 0, 1, 3, 2 of a quad are a strip. What a strip has beyond them repeats the last.
+  // Corners 0, 1, 3, 2 of a quad are a strip. Its vertices from the fourth on are corner 2.
   let corner = select(select(vertex, 3u, vertex == 2u), 2u, vertex > 2u);
   return polygon.corners[min(first + select(corner, vertex, is_list), polygon.count - 1u)];
 }
 
-// The corners of a face. Of two corners the one of lower order comes first, so that what meets at an edge has equal bits.
+// The corners of a face, in the face's own order. `order`: a number for each, its vertex index; computations along an edge begin
+// at the corner of the lower number, so that faces and sides that meet there have equal bits.
 struct CapFace {
   a: vec3<f32>,
   b: vec3<f32>,
@@ -138,7 +143,8 @@ struct CapFace {
   order: vec3<u32>,
 }
 
-// Offers the vertices from `a` on, up to where the edge to `b` meets the near plane.
+// Offers `a` if it is not before the near plane, then the point where the edge to `b` meets that. `is_ordered`: `a` has the lower
+// vertex index.
 fn offer_clipped(picked: Picked, view: ShadowView, a: Corner, b: Corner, is_ordered: bool) -> Picked {
   var next = offer(picked, behind_near_plane(view, a.near), a.height >= 0.0);
   let meets_plane = (a.height >= 0.0) != (b.height >= 0.0);
@@ -148,8 +154,8 @@ fn offer_clipped(picked: Picked, view: ShadowView, a: Corner, b: Corner, is_orde
   return offer(next, on_near_plane(view, b, a), meets_plane);
 }
 
-// The light cap of a caster that is not in the depth buffer, as a strip of four vertices. With ZP+ it ends on the near plane
-// with the bits of near cap and sides.
+// The light cap of a caster that is not in the depth buffer, as a strip of four vertices. With ZP+ it is clipped at the near
+// plane, where it has the bits of near cap and sides; else the hardware clips it.
 fn seen_light_cap_vertex(view: ShadowView, light: ShadowLight, face: CapFace, ends_at_near_plane: bool, vertex: u32) -> vec4<f32> {
   var picked = pick(vertex);
   if (ends_at_near_plane) {
@@ -202,6 +208,7 @@ fn all_or_nothing(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u
   return vec4<f32>(x, y, 1.0 - view.near_z, 1.0);
 }
 
+// Vertex 0, 1 or 2 of a face at the far end of the volume, which is at infinity if `light.end` is 0.
 fn dark_cap_vertex(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u32) -> vec4<f32> {
   if (is_orthographic(view) && light.end == 0.0) {
     return all_or_nothing(view, light, face, vertex);
@@ -209,7 +216,9 @@ fn dark_cap_vertex(view: ShadowView, light: ShadowLight, face: CapFace, vertex: 
   return far_end(view, light, select(select(face.a, face.b, vertex == 1u), face.c, vertex == 2u));
 }
 
-// Offers the vertices from `a` on, up to where the edge to `b` leaves or enters the slab between light and near plane.
+// Offers the vertices of a near cap from `a` on, before `b`. The slab is what lies between the near plane and the plane parallel
+// to it through the light. `a` is projected if it is in the slab; `meeting` is where the edge crosses the near plane, `turning`
+// where it crosses the other plane, projected to infinity.
 fn offer_edge(picked: Picked, view: ShadowView, light: ShadowLight, a: Corner, b: Corner, is_ordered: bool) -> Picked {
   let a_above = a.height >= 0.0;
   let a_rises = a.far_height >= 0.0;
@@ -224,6 +233,7 @@ fn offer_edge(picked: Picked, view: ShadowView, light: ShadowLight, a: Corner, b
     meeting = on_near_plane(view, b, a);
     turning = parallel_to_near_plane(b, a);
   }
+  // Whether an edge that crosses the whole slab comes to the light's plane first.
   let turns_first = a_above == (light_side(light) > 0.0);
   var next = offer(picked, project_to_near_plane(view, light, a), a_above != a_rises);
   next = offer(next, turning, turns && turns_first);
@@ -291,7 +301,8 @@ fn clipped_side_vertex(
   return picked.clip;
 }
 
-// The vertices of caps and sides as they are drawn: trimmed, where TRIM says so.
+// The vertices of caps and sides as they are drawn. If TRIM is set, each invocation makes the whole polygon, trims it and takes
+// its own vertex.
 fn drawn_light_cap(view: ShadowView, light: ShadowLight, face: CapFace, ends_at_near_plane: bool, vertex: u32) -> VolumeVertex {
   if (!TRIM) {
     return VolumeVertex(seen_light_cap_vertex(view, light, face, ends_at_near_plane, vertex));
@@ -349,7 +360,7 @@ fn drawn_clipped_side(view: ShadowView, light: ShadowLight, first: vec3<f32>, se
 
 // ZP+ as published (Hornus et al. 2005): the light's frustum has the near rectangle as its far rectangle.
 
-// A position transformed by the matrix of that frustum: x, y and w.
+// A position transformed by the matrix of that frustum: its x, y and, as the third component, w.
 fn in_frustum(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
   let q = placed(view, position);
   return vec3<f32>(
@@ -359,9 +370,9 @@ fn in_frustum(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3
   );
 }
 
-// The same position in clip space, with a depth by which the hardware clips: 1 on the near plane, 0 in front of the
-// caster (section 3.2). A light at infinity has parallel rays and the same w everywhere, so the height replaces the
-// distance from the light.
+// The same position in clip space, with a depth that only clips, since near caps pass every depth test: z / w is 1 on the near
+// plane and 0 in front of the caster (section 3.2), also with reversed depth. A light at infinity has parallel rays and the same
+// w everywhere, so the height over the near plane replaces the distance from the light, and `frustum_near` is a height.
 fn frustum_to_clip(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
   let p = in_frustum(view, light, position);
   let near_w = view.near_w * abs(light.height);
@@ -373,13 +384,13 @@ fn frustum_to_clip(view: ShadowView, light: ShadowLight, position: vec3<f32>) ->
   return vec4<f32>(p.xy, z, p.z);
 }
 
-// The vertex of the near cap that corresponds to a vertex.
+// A vertex projected from the light onto the near plane, as its near cap has it.
 fn counterpart(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
   let p = in_frustum(view, light, position);
   return vec4<f32>(p.xy, p.z * view.near_z, p.z);
 }
 
-// Whether a vertex is on the eye's side of the near plane.
+// Whether a vertex is on the eye's side of the near plane. `near_z` is 1 with reversed depth, else 0.
 fn is_cut(view: ShadowView, clip: vec4<f32>) -> bool {
   return clip.w <= 0.0 || select((clip.z < 0.0), (clip.z > clip.w), view.near_z != 0.0);
 }

@@ -124,11 +124,11 @@ fn receiver_corner(at: u32) -> vec3<f32> {
   return vec3<f32>(bitcast<f32>(receivers[at]), bitcast<f32>(receivers[at + 1u]), bitcast<f32>(receivers[at + 2u]));
 }
 
-// How far a volume goes until it has left the box of the receivers.
+// How far a volume goes until it has left the box of the receivers. V is a vertex, and d its `extrusion`.
 struct Reach {
-  is_none: bool, // No receiver is beyond any place of the caster.
-  // With a light at a place: the least factor of the light in the far vertex `d + factor * light`. With a light at infinity: the
-  // largest factor of d in the far vertex `V + factor * d`; negative if there is no limit.
+  is_none: bool, // No receiver is beyond any point of the caster, as seen from the light.
+  // With a light at a point: the least factor of the light in the far vertex `d + factor * light`; 0 if there is no limit. With a
+  // light at infinity: the largest factor of d in the far vertex `V + factor * d`; negative if there is no limit.
   factor: f32,
 }
 
@@ -169,7 +169,7 @@ fn reach_to(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, hi
   return Reach(beyond < 0.0, (1.0 + SLACK) * max(beyond, 0.0) / dot_3(d, d));
 }
 
-// Bounds on the terms whose sums are a place in the camera's frame.
+// Bounds on the terms whose sums are a position in the camera's frame.
 fn placed_size(view: ShadowView, position: vec3<f32>) -> vec3<f32> {
   let q = abs(position);
   return vec3<f32>(
@@ -214,7 +214,8 @@ fn with_vertex(hull: Hull, view: ShadowView, clip: vec4<f32>, size: vec4<f32>, h
   return next;
 }
 
-// The key of the farthest receiver that is seen through a rectangle, in normalised device coordinates, and a pixel around.
+// The key of the farthest receiver that is seen through a rectangle, in normalised device coordinates, and a pixel around; 0 if
+// there is none. It reads up to 4 × 4 cells of the first level of the pyramid on which these suffice.
 fn farthest_through(low: vec2<f32>, high: vec2<f32>, at: u32) -> u32 {
   let pixels = vec2<f32>(f32(receivers[at + 2u]), f32(receivers[at + 3u]));
   let begin = (vec2<f32>(low.x, -high.y) * 0.5 + 0.5) * pixels - 1.0;
@@ -247,7 +248,7 @@ fn end_behind(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, 
   if (light.light.w > 0.0) {
     return reach.factor;
   }
-  // It may be farther away than need be. What is no number ends nowhere.
+  // It may be farther away than need be. A NaN ends nowhere.
   let end = min(1.0 / reach.factor, 0x1p20);
   return select(0.0, end, reach.factor >= 0.0 && reach.factor < 0x1p100);
 }
@@ -303,7 +304,7 @@ fn is_hidden(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, h
   return select(hull.nearest > farthest, hull.nearest < farthest, view.near_z != 0.0);
 }
 
-// The largest side is factored out, because squares may overflow.
+// The length of a vector without negative components. The largest is factored out, because squares may overflow.
 fn length_of(d: vec3<f32>) -> f32 {
   let size = max(max(d.x, d.y), d.z);
   if (size <= 0.0) {
