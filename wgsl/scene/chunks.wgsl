@@ -1,6 +1,6 @@
 // Chunks: a compute stage of a scene that lists in `work`, for a batch of up to 32 lights, the chunks of edges that `edges` goes
 // over, in no particular order: those of casters with a light whose list is made anew, but for chunks that clusters tell to have
-// no silhouette. A chunk is 64 slots, places in the masks, all of one caster; a cluster is 128 faces with a bound. Dispatched
+// no silhouette. A chunk is 64 slots, indices in the masks, all of one caster; a cluster is 128 faces with a bound. Dispatched
 // after `clusters` for each group of casters and batch; invocations share the chunks. It also empties lists and statistics for
 // `facing` and the stages after it, and notes in `kept` the versions that the bits are computed from: it is the last of the
 // stages that read those of before. A chunk that may have a silhouette must be listed. NUMERICS.md, "Clusters" and "What a scene
@@ -19,7 +19,8 @@
 // whose bits are kept.
 @group(0) @binding(7) var<storage, read_write> list_counts: array<u32, 64>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
-// When a chunk has no silhouette: all its clusters are decided, or they are decided alike. Else it may have one.
+// When a chunk has no silhouette: if all its clusters are decided (its edges lie within clusters), or if all are decided the same
+// way. With any other rule it may have one.
 const SKIPPED_DECIDED: u32 = 1u;
 const SKIPPED_ALIKE: u32 = 2u;
 
@@ -42,7 +43,7 @@ fn prepare(light: u32) {
   }
 }
 
-// Whether the clusters tell that no edge of a chunk is a silhouette for any of these lights.
+// Whether the clusters tell that no edge of a chunk is a silhouette for any of the lights in `wanted`.
 fn is_spared(caster: u32, chunk: u32, wanted: u32) -> bool {
   let faces = caster_part(caster, 5u);
   let edges = caster_part(caster, 6u);

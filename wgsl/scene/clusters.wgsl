@@ -12,11 +12,11 @@
 @group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> kept: array<u32>;
 @group(0) @binding(7) var<storage, read_write> statistics: SceneStatistics;
-// Kinds of bounds. A bound decides nothing; that all faces face a light, or none; only that none does; that none ever does.
-const MIXED: u32 = 0u;
-const AT_MOST_AVERTED: u32 = 2u;
-const AVERTED: u32 = 3u;
-// 2.5 units in the last place: what the rounding of w centre may change the middle and the half by.
+// Kinds of bounds, the fourth word of one. Kind 1 decides that all faces face a light, or that none does.
+const MIXED: u32 = 0u; // It decides nothing.
+const AT_MOST_AVERTED: u32 = 2u; // It decides only that none does: some faces name a vertex twice.
+const AVERTED: u32 = 3u; // No face ever faces a light.
+// 2.5 units in the last place: the most that the rounding of w centre adds, relative to its size.
 const PRODUCT: f32 = 2.5 * 0x1p-23;
 const LEAST: f32 = 0x1p-118; // The most that underflow adds.
 
@@ -30,7 +30,8 @@ fn four_words(at: u32) -> vec4<u32> {
   return vec4<u32>(cluster_words[at], cluster_words[at + 1u], cluster_words[at + 2u], cluster_words[at + 3u]);
 }
 
-// The lights that are taken for the caster at hand, as the bound decides them.
+// Decides the lights that are taken for the caster at hand by the bound at word `at` of `cluster_words`: the centre and the kind;
+// the middle of all planes through the centre, normal and offset; half their spread.
 fn decide(at: u32) -> Decision {
   let first = four_words(at);
   let kind = first.w;
@@ -81,7 +82,7 @@ fn list_faces(chunk: u32, decision: Decision) {
 
 fn faces_in(chunk: u32) -> u32 { return min(CHUNK, of_faces.x + of_faces.y - CHUNK * chunk); }
 
-// The chunks of the cluster that begins with `chunk`. `number` counts clusters of the caster.
+// Takes the chunks of the cluster that begins with `chunk`. `number` is the cluster's among those of the caster.
 fn take_cluster(chunk: u32, number: u32) {
   let decision = decide(caster_part(caster, 7u).w + BOUND_WORDS * number);
   let at = kept_cluster_at(chunk);

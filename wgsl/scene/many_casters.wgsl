@@ -2,8 +2,9 @@
 // walks. extract/one_caster.wgsl and common/positions.wgsl have the same functions for a single mesh. The functions tell of the
 // caster that was taken last: call `take_caster` or `face_in_slot` before any other. A caster has its lights one after the other,
 // in the order of their bits in the batch (up to 32 lights): a light's place is its number among them. Only lights that `reach`
-// wrote to `taken` are computed, and bits of all others must stay (`renewed`, `cleared`). For `edges` the lights of `lit` are
-// bound as `taken`.
+// wrote to `taken` are computed, and bits of all others must stay (`renewed`, `cleared`). For `edges` another array of `reach` is
+// bound as `taken`: `lit`, the lights that matter to each caster. A slot is the index of a face or edge in the masks of the
+// group.
 
 #import common/casters
 #import scene/table
@@ -14,11 +15,13 @@
 
 struct Item {
   exists: bool,
-  slot: u32, // Its place in the masks.
-  index: u32, // Its place in the page.
+  slot: u32, // Its index in the masks.
+  index: u32, // Its index in the page.
 }
 
-// The caster of the face or edge record at hand, its lights, and those of them that are taken.
+// The caster of the face or edge record at hand. `of_faces`: its first face slot, their number, the first face in the page, the
+// word of vertex 0. `of_edges`: the same of edge records; w: words from one vertex to the next. `matter`: the bits of `lights`
+// that are taken.
 var<private> caster: u32;
 var<private> flags: u32;
 var<private> of_faces: vec4<u32>;
@@ -93,6 +96,7 @@ fn tested_places() -> u32 { return tested; }
 fn excluded_are_old() -> bool { return (flags & GIVEN) == 0u; }
 fn live_places() -> u32 { return places_of(matter); }
 
+// The bits of the places of some lights.
 fn places_of(bits: u32) -> u32 {
   var places = 0u;
   var place = 0u;

@@ -27,7 +27,8 @@ struct NeedsDispatch {
 @group(0) @binding(2) var<storage, read> figures: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read_write> unneeded: array<u32>; // For each figure 0 if it is needed, else 1.
 
-// Whether a camera may see the shadow that a light makes of a box.
+// Whether a camera may see the shadow that its light `number` makes of a box, and the light may reach that. Never false if it
+// does.
 fn may_shade(view: u32, number: u32, low: vec3<f32>, high: vec3<f32>) -> bool {
   let light = seen[view * frame.lights + number].light;
   let cone = seen[view * frame.lights + number].cone;

@@ -1,7 +1,7 @@
 // Reach: the first compute stage of a scene's encode, an invocation a caster (a mesh that throws shadows) and batch of up to 32
 // lights. It finds the lights that matter to the caster, `lit`: those that are allowed, whose range and cone have the caster's
-// box, if it is rigid or the caller states one, and from which no occluder hides it. Of these it finds the ones whose bits are to
-// be computed, `taken`, because caster or light changed since; the others keep their bits. `clusters`, `facing` and
+// box, if it is rigid or the caller states one, and from which no occluder hides it. Among these it finds the ones whose bits are
+// to be computed, `taken`, because caster or light changed since; the others keep their bits. `clusters`, `facing` and
 // `exact_facing` read `taken`; `chunks`, `edges`, `bounds` and `choose` read `lit`. It also notes which lists must be made anew,
 // in `work`, and updates `kept`, what the masks are computed from. It never leaves out a light that matters: where numbers are
 // too large or rounding leaves it open, the light stays. NUMERICS.md, "Occluded casters", "Cones of lights", "What a scene
@@ -19,7 +19,8 @@ const TOO_LARGE: f32 = 0x1p60; // Above this size squares may overflow, and noth
 // 32 units in the last place. Rounding, division and root add fewer to a distance, relative to the largest coordinate.
 const SLACK: f32 = 0x1p-18;
 
-// Whether the light may reach the box. It is never false for a light that does.
+// Whether the light may reach the box, in the space of both, which `scale` brings to the world's, in which `range` is. It is
+// never false for a light that does.
 fn may_reach(light: vec4<f32>, range: f32, low: vec3<f32>, high: vec3<f32>, scale: f32) -> bool {
   if (range == 0.0 || abs(light.w) < 0x1p-30 || low.x > high.x) {
     return true;
@@ -56,6 +57,7 @@ fn placed_box(caster: u32, low: vec3<f32>, high: vec3<f32>) -> PlacedBox {
   return own;
 }
 
+// The allowed lights whose range and cone may have the caster's box; all, if it has none that is known here.
 fn lights_that_matter(caster: u32, batch: u32) -> u32 {
   let lights = caster_lights(caster, batch);
   let low = caster_part(caster, 3u);
@@ -79,7 +81,7 @@ fn lights_that_matter(caster: u32, batch: u32) -> u32 {
   return matter;
 }
 
-// Whether a caster is one that the frame does not need.
+// Whether a caster is a figure (its vertices may be deformed) that the frame does not need, as `needs` found.
 fn is_unneeded(caster: u32) -> bool {
   let figure = caster_part(caster, 7u).w;
   let at = table[group.ranges_at + 16u * group.batches].y;
@@ -87,7 +89,7 @@ fn is_unneeded(caster: u32) -> bool {
   return !is_rigid && figure != 0u && at != 0u && atomicLoad(&work[at + figure - 1u]) != 0u;
 }
 
-// The part of some lights that did not change.
+// The bits of `lights` that did not change since the masks were computed.
 fn unchanged(batch: u32, lights: u32) -> u32 {
   var same = 0u;
   for (var rest = lights; rest != 0u; rest &= rest - 1u) {
@@ -147,18 +149,18 @@ fn reach(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
 const MOST_CORNERS: u32 = 8u;
 // Occluders that are tried.
 const MOST_OCCLUDERS: u32 = 128u;
-const TOO_LARGE_TO_HIDE: f32 = 0x1p36; // Above this size products may overflow, and nothing is said.
-const LOST: f32 = 0x1p-100; // What is lost where small numbers are flushed.
+const TOO_LARGE_TO_HIDE: f32 = 0x1p36; // Above this size products may overflow, and nothing is hidden.
+const LOST: f32 = 0x1p-100; // The most that is lost where small numbers are flushed.
 
-// A box in world space: its middle, half of each of its edges, and sizes as sums of absolute values: of places, and of the
-// distance from the middle to a corner.
+// A box in world space, whose edges need not be parallel to the axes.
 struct TurnedBox {
   middle: vec3<f32>,
+  // Half of each of its edges.
   half_x: vec3<f32>,
   half_y: vec3<f32>,
   half_z: vec3<f32>,
-  size: f32,
-  reach: f32,
+  size: f32, // Bounds the sum of the terms of any of its points, also relative to a camera.
+  reach: f32, // Bounds |x| + |y| + |z| from the middle to any of its points.
 }
 
 fn sum_of(v: vec3<f32>) -> f32 { return abs(v.x) + abs(v.y) + abs(v.z); }
@@ -230,7 +232,7 @@ fn is_behind(box: TurnedBox, at: u32, light: vec4<f32>, side: f32) -> bool {
   return true;
 }
 
-// The part of some lights for which the caster is hidden.
+// The bits of `lights` from which an occluder hides the caster's box wholly.
 fn occluded(caster: u32, batch: u32, lights: u32) -> u32 {
   if (group.occluders == 0u || lights == 0u) {
     return 0u;
@@ -243,7 +245,7 @@ fn occluded(caster: u32, batch: u32, lights: u32) -> u32 {
   }
   let box = turned_box(caster);
   var hidden = 0u;
-  // Others hide nothing: what is said to be hidden is never more than what is.
+  // Occluders past the first MOST_OCCLUDERS hide nothing.
   // Turns: MOST_OCCLUDERS.
   for (var number = 0u; number < min(group.occluders, MOST_OCCLUDERS); number++) {
     let occluder = table[group.occluders_at + batch * group.occluders + number];

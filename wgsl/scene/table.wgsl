@@ -11,7 +11,8 @@
 
 // The lights of a caster in a batch.
 struct CasterLights {
-  allowed: u32, // The bits of the lights that its mask allows and that its space has.
+  // The bits of the lights that the caster's mask of lights allows, but for those that cannot be moved to its space.
+  allowed: u32,
   first: u32, // Where its lights begin in the table: for each the bits as given, and scaled as in LightBatch.
   reach: vec2<f32>, // The largest |x|, |y| or |z| of the scaled lights, and their largest |w| or inexact w.
 }
@@ -109,7 +110,7 @@ const NO_CLUSTERS: u32 = 0xffffffffu; // A caster whose mesh has no clusters.
 const CLUSTER_FACES: u32 = 128u;
 const CLUSTER_CHUNKS: u32 = 2u;
 const BOUND_WORDS: u32 = 12u; // Words of a bound.
-// Bits of the place where the names of a chunk begin. The others tell when the chunk has no silhouette.
+// Low bits of a chunk's word, which tell where its names begin. The other two tell when the chunk has no silhouette (`chunks`).
 const PLACE_BITS: u32 = 30u;
 
 // Whether the clusters of a caster decide anything: bounds hold for the positions of the mesh.

@@ -33,7 +33,7 @@ fn take_faces_of_chunk(number: u32) {
   }
 }
 
-// They take the lights whose lists are made anew.
+// Takes edge records only for the lights whose lists are made anew.
 fn take_edges(first: u32, step: u32) {
   let items = LANES * work[group.work_count + 1u];
   // Turns: SCENE_ITEMS.
