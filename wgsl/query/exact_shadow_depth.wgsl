@@ -23,8 +23,8 @@ fn light_at(light: vec4<u32>, tie: u32) -> vec4<u32> {
   }
 }
 
-// Whether point and light are strictly on opposite sides of the plane, and the line passes all edges on the light's
-// side.
+// Whether point and light are strictly on opposite sides of the face's plane, and the line between them passes through the face:
+// all three edges turn around it as the face does around the light's side. Only edges have ties broken.
 fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
   var light_side = 0;
   // The sides of the point, of the light, and of three edges. One loop computes them, so that the integers are compiled
@@ -72,12 +72,13 @@ fn is_between(segment: Segment, index: u32) -> bool {
     (decision == UNDECIDED && exactly_between(face, segment.p_bits, batch.light_bits[segment.light]));
 }
 
-// For each of 1,024 places whether an odd number of triangles are between, of the polygon that begins there and ends in the
-// group. It is cleared before use: SwiftShader was seen to leave what workgroups before had in it.
+// A bit for each of a group's 1,024 faces: whether an odd number of triangles are between, of the polygon that begins with it and
+// ends in the group. It is cleared before use: SwiftShader was seen to leave the words of an earlier workgroup in it.
 var<workgroup> odd_polygons: array<atomic<u32>, CLUSTER>;
 
-// Counts a face that is between, among the faces of the group that begins with cluster `first`: 1, or -1 after an odd number of
-// triangles of the same polygon. Whatever the order of invocations, the sum is 1 for an odd number and 0 for an even one.
+// The amount that a face that is between adds to the depth, among the faces of the group that begins with cluster `first`: 1, or
+// -1 after an odd number of triangles of the same polygon. In any order of invocations the sum is 1 for an odd number and 0 for
+// an even one.
 fn turn_in_group(pair: u32, index: u32, first: u32) -> i32 {
   if (!POLYGONS) {
     return 1;

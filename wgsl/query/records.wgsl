@@ -19,7 +19,7 @@ struct FaceCluster {
   corners: array<u32, 96>,
   // A bit for each face, set if it belongs to the same polygon as the face before it.
   continues: u32,
-  // If the first face continues a polygon, the place of the first triangle of that.
+  // If the first face continues a polygon, the place of the first triangle of that: 32 times its cluster plus its number in it.
   head: u32,
   // The number that the mesh has for the first face. The others follow it.
   first_face: u32,
@@ -51,9 +51,9 @@ struct FaceRange {
 
 // The undecided faces of a pair of point and light.
 struct UndecidedFaces {
-  // The number of undecided faces, at most 4. Bits 3 to 5, one for each of the first three, are set if an odd number of the
-  // decided triangles of its polygon are between, and bit 6 if an odd number of triangles are, of the polygon of the last face of
-  // the range.
+  // The number of undecided faces, 4 for more than three. Bits 3 to 5, one for each of the first three, are set if an odd number
+  // of the decided triangles of its polygon are between, and bit 6 if an odd number of triangles of the polygon of the range's
+  // last face are.
   state: u32,
   // The first three of them. If there are more, the first word has bits of polygons that go on behind their group of clusters,
   // set if an odd number of their triangles are between. Bit 0 is that of one that began before the range, and bit 1 + n that of
@@ -61,13 +61,13 @@ struct UndecidedFaces {
   face_0: atomic<u32>,
   face_1: u32,
   face_2: u32,
-  // An entry of another list: a pair of point and light that had more, and is counted again.
+  // Word n of this member over all pairs is a list of its own: a pair of point and light that had more, and is counted again.
   recount: u32,
 }
 
 // One for each pair of point and light of a dispatch.
 struct UndecidedPairs {
-  // The number of pairs to count again, while they are listed and after.
+  // How many pairs are to be counted again: while `shadow_depth` lists them, and from `depth_arguments` on.
   listed: atomic<u32>,
   recounts: u32,
   pairs: array<UndecidedFaces>,

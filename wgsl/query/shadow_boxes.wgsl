@@ -15,7 +15,7 @@
 
 const SIGN: u32 = 0x80000000u;
 
-// The lowest and the highest keys, and the bits of the largest absolute coordinate. `any_face` is 0 if no face counts.
+// The lowest and the highest keys, and the bits of the largest absolute coordinate. `any_face` is 1 if a face counts, else 0.
 struct Keys {
   low: vec3<u32>,
   largest: u32,

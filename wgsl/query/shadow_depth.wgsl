@@ -42,8 +42,8 @@ fn note(face: u32) {
   undecided++;
 }
 
-// Counts a face that lies between: 1, or -1 after an odd number of triangles of the same polygon. Undecided ones do not count
-// here: exact_shadow_depth.wgsl adds what they change.
+// The amount that a face that lies between adds to the depth: 1, or -1 after an odd number of triangles of the same polygon.
+// Undecided ones do not count here: exact_shadow_depth.wgsl adds what they change.
 fn turn_of(face: u32) -> i32 {
   if (!POLYGONS) {
     return 1;
@@ -120,7 +120,7 @@ fn list(pair: u32) {
   undecided_pairs.pairs[place].recount = pair;
 }
 
-// Whether an odd number of triangles in earlier ranges are between, of a polygon that goes on in this range.
+// Whether an odd number of triangles in earlier ranges are between, of the polygon that goes on in this range, if one does.
 fn was_odd(pair: u32) -> bool {
   let begins = head_of(CLUSTER * range.first);
   if (range.before == range.first || begins == CLUSTER * range.first) {

@@ -1,8 +1,8 @@
 // Decides with `f32` bounds whether a face lies between a point and a light, and finds the polygon of a face. For `shadow_depth`
 // and both entry points of exact_shadow_depth.wgsl. `decide` says BETWEEN or NOT_BETWEEN only where exact arithmetic must agree;
 // callers must settle UNDECIDED faces exactly. The polygon of a face is told by its head, the place of its first triangle. A
-// place is 32 times the cluster plus the face's number in it, and counts from the first cluster that is bound.
-// NUMERICS.md, "Shadow depth".
+// place is 32 times the cluster plus the face's number in it, and counts from the first cluster that is bound. NUMERICS.md,
+// "Shadow depth".
 
 #import common/determinant
 #import common/positions
@@ -11,12 +11,13 @@
 
 // The largest number of undecided faces that are noted for a pair of point and light.
 const MOST_UNDECIDED: u32 = 3u;
-// Bits of `UndecidedFaces.state`, which tells what they mean.
+// Parts of `UndecidedFaces.state`: the mask of the count, the number of the first of three bits, the mask of the last bit.
 const COUNT_MASK: u32 = 7u;
 const ODD_FACES: u32 = 3u;
 const ODD_AT_END: u32 = 64u;
 
-// The sign of d = det[u, v, t], given |u|1 |v|1 and the largest |t|. It is 0 if the sign is not certain.
+// The sign of d = det[u, v, t], given `uv`, the product of the sums of sizes of u and v, and `t`, the largest size in t. 0 if the
+// sign is not certain.
 fn certain_sign(d: f32, uv: f32, t: f32, underflow: f32) -> i32 {
   let bound = (RELATIVE * t) * uv + underflow * (1.0 + 3.0 * t);
   return select(0, 1, d > bound) - select(0, 1, d < -bound);
@@ -65,8 +66,9 @@ fn head_of(index: u32) -> u32 {
   return CLUSTER * cluster + firstLeadingBit(begins);
 }
 
-// The bit, in `UndecidedFaces.face_0`, of the polygon that begins at `head` and goes on behind its group of clusters. At most one
-// polygon that begins in a group does. `first` is the first cluster of the range.
+// The mask, in `UndecidedFaces.face_0`, of the polygon that begins at `head` and goes on behind its group of clusters. At most
+// one polygon that begins in a group does. `first` is the first cluster of the range; bit 0 is for a polygon that begins before
+// it.
 fn odd_bit(head: u32, first: u32) -> u32 {
   let begin = CLUSTER * first;
   return select(1u, 2u << ((max(head, begin) - begin) / (CLUSTER * CLUSTER)), head >= begin);

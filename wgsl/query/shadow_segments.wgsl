@@ -54,7 +54,7 @@ struct Query {
   on_face: u32,
 }
 
-// The pair of a number.
+// The pair of point and light with a number, at most the points of the chunk times the lights of the batch.
 fn query_of(index: u32) -> Query {
   let point = index / batch.count;
   let light = index % batch.count;
@@ -83,7 +83,8 @@ fn segment_of(query: Query) -> Segment {
 const MARGIN: f32 = 0x1p-18;
 const TINY: f32 = 0x1p-100;
 
-// Whether certainly no face in this box lies between.
+// Whether certainly no face in a box lies between. Words are those of FaceCluster; the fourth are the largest size and whether
+// any face counts.
 fn misses(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bool {
   if (high_bits.w == 0u) {
     return true;
