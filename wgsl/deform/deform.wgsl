@@ -3,8 +3,8 @@
 // up to 256 vertices of one instance, an invocation each. It reads `rest`, `morph`, `skin` and the pose that the CPU uploads, and
 // writes `positions`, three floats a vertex, which extraction, scenes, shadow volumes and queries read, and the caller draws.
 // Instances that stage `needs` found that the frame does not need become the point (0, 0, 0), so that nothing is drawn of them.
-// Sums are in the order of src/cpu/deform; rounding may differ between devices. What is seen of a mesh is decided afterwards from
-// the positions as written, so silhouettes close all the same. NUMERICS.md, "Deform".
+// Sums are in the order of src/cpu/deform; rounding may differ between devices. All later stages read the positions as written,
+// so silhouettes close all the same. NUMERICS.md, "Deform".
 
 #if DISPLACED
 #else
@@ -41,8 +41,8 @@ struct DeformChunk {
   target_count: u32,
   // 0: all vertices follow the first matrix of the palette.
   skinned: u32,
-  // The word in `pose` that is 1 if the positions of the instance are a point, since it was not needed before. So many words
-  // behind it as there are instances, a word is 1 if it is not needed now.
+  // The word in `pose` that is 1 if the positions of the instance are a point, since it was not needed before. The word
+  // `dispatch.instances` words behind it is 1 if it is not needed now.
   before: u32,
 }
 
@@ -118,7 +118,7 @@ fn deform(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation
     p = vec3<f32>(0.0);
     let first = skin[chunk.skin + vertex];
     let end = skin[chunk.skin + vertex + 1u];
-    // They count among those of the loop above.
+    // These turns count among those of the loop above: DEFORM_TERMS (src/turns.rs) bounds targets and influences together.
     // Turns: 0.
     for (var at = first; at < end; at++) {
       let influence = chunk.skin + chunk.count + 1u + 2u * at;
