@@ -32,7 +32,7 @@ struct CellsOfStrip {
   row: u32,
 }
 
-// The cells of a strip. Devices divide slowly, so call it once a strip.
+// The cells of a strip; none, if its number is past the last. Devices divide slowly, so call it once a strip.
 fn cells_of_strip(strip: u32) -> CellsOfStrip {
   let is_cube = depth_map.faces > 1u;
   let cells = select(depth_map.size + 1u, depth_map.size - 1u, is_cube);

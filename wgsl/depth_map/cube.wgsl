@@ -32,7 +32,7 @@ fn product(a: vec3<i32>, b: vec3<i32>) -> i32 {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// The direction of a sample from the light. Its largest component is the number of cells along a side.
+// The direction of a sample from the light. The size of its largest component is the number of cells along a side of the map.
 fn direction_of(face: u32, at: vec2<u32>) -> vec3<i32> {
   let axes = cube_face(face);
   let most = i32(depth_map.size.x) - 1;

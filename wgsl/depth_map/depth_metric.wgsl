@@ -36,7 +36,7 @@ struct DepthMetricView {
 const BLOCK: u32 = 256u;
 const INFINITE: u32 = 0x7f800000u;
 
-// The length of the ray through a texel per unit along the axis. `steps`: half texels from the middle of the map.
+// The length of the ray through a texel for each unit along the light's axis. `steps`: half texels from the middle of the map.
 fn ray_length(steps: vec2<f32>) -> f32 {
   let ray = metric_view.across.xyz * steps.x + metric_view.down.xyz * steps.y + metric_view.middle.xyz;
   return sqrt(ray.x * ray.x + ray.y * ray.y + ray.z * ray.z);

@@ -41,7 +41,7 @@ fn depth_of(key: u32) -> f32 {
   return bitcast<f32>(depth_bits(key));
 }
 
-// The depth difference to each side that is smaller, 0 where they have different signs or a side is far.
+// The smaller size of the depth differences to the samples before and after, 0 where they have different signs or one is far.
 fn slope(key: u32, before: u32, after: u32) -> f32 {
   if (max(key, max(before, after)) == FAR_KEY) {
     return 0.0;
@@ -71,7 +71,7 @@ fn slope_along(at: vec2<u32>, step: vec2<u32>) -> f32 {
   return slope(key, before, after);
 }
 
-// The slopes at a sample across and down. At the border of a map of a cube, those of the samples next to it.
+// The sum of the slopes at a sample across and down. At the border of a map of a cube, those of the samples next to it.
 fn slopes_in_map(at: vec2<u32>) -> f32 {
   var here = vec4<u32>(at, at);
   if (depth_map.faces > 1u) {
@@ -98,7 +98,7 @@ fn is_on_border(at: vec2<u32>) -> bool {
   return any(at == vec2<u32>(0u)) || any(at == depth_map.size - 1u);
 }
 
-// The slopes at a sample: in a cube, the largest of all maps that have it.
+// The sum of the slopes at a sample: in a cube, the largest of all maps that have a sample on its ray.
 fn slopes(at: vec2<u32>) -> f32 {
   if (depth_map.faces > 1u) {
     let own = cube_sample(at);
@@ -127,7 +127,8 @@ fn moved_depth(at: vec2<u32>, key: u32) -> f32 {
   return depth + select(offset, -offset, is_reversed);
 }
 
-// The map whose view a sample is taken with: the first that has it. x and y: twice its place from the middle of the lattice.
+// The map whose view a sample is taken with (z): the first with a sample on its ray, so that all maps give that one vertex. x and
+// y: twice that sample's place from the middle of the lattice.
 fn view_of(at: vec2<u32>) -> vec3<i32> {
   if (depth_map.faces == 1u) {
     return vec3<i32>(2 * vec2<i32>(at) - 1 - vec2<i32>(depth_map.size), 0);
@@ -158,7 +159,7 @@ fn surface_vertex(at: vec2<u32>) -> vec4<f32> {
   return view.across * place.x + view.down * place.y + view.depth * depth + view.middle;
 }
 
-// The sample of a triangle's corner, from sample (0, 0) of the cell.
+// The sample of corner 0 to 2 of a cell's triangle (`second`: 0 or 1), from sample (0, 0) of the cell. `entry` tells its split.
 fn triangle_corner(entry: u32, second: u32, corner: u32) -> vec2<u32> {
   // Numbers of samples, two bits each: 0 is (0, 0), 1 is (1, 0), 2 is (0, 1), 3 is (1, 1).
   let plain = select(0x34u, 0x2cu, second != 0u);
