@@ -20,6 +20,7 @@ struct Numbers {
   sign: vec3<i32>, // 0, or -1 if the number is negative.
 }
 
+// Three finite floats, given by their bits.
 fn numbers(bits: vec3<u32>) -> Numbers {
   let exponent = (bits >> vec3<u32>(23u)) & vec3<u32>(0xffu);
   let implied = select(vec3<u32>(0u), vec3<u32>(0x800000u), exponent != vec3<u32>(0u));
@@ -69,6 +70,7 @@ struct Limbs {
   z: vec4<i32>,
 }
 
+// p - q.
 fn difference(p: Wide, q: Wide) -> Limbs {
   let low = p.low - q.low;
   let high = p.high - q.high + (low >> vec3<u32>(24u));
@@ -127,7 +129,7 @@ struct FixedFace {
   z: Columns,
 }
 
-// The vector from one corner to another.
+// The vector from one corner to another, in units of 2^(lowest - 149): `lowest` is the lowest exponent of the face.
 fn side(from_corner: Numbers, to_corner: Numbers, lowest: i32) -> Limbs {
   let none = vec3<u32>(0u);
   let p = wide(from_corner.mantissa, none, from_corner.exponent - lowest, from_corner.sign);
@@ -135,6 +137,7 @@ fn side(from_corner: Numbers, to_corner: Numbers, lowest: i32) -> Limbs {
   return difference(q, p);
 }
 
+// Corners are finite, given by their bits. If the numbers do not fit, only `fits` means something.
 fn fixed_face(a_bits: vec3<u32>, b_bits: vec3<u32>, c_bits: vec3<u32>) -> FixedFace {
   let a = numbers(a_bits);
   let b = numbers(b_bits);
@@ -170,6 +173,7 @@ struct FixedSum {
   exponent: i32,
 }
 
+// The determinant of a face for a light, given by its bits. If `fits` is false, nothing else means something.
 fn fixed_sum(face: FixedFace, light: vec4<u32>) -> FixedSum {
   let l = numbers(light.xyz);
   let w = numbers(light.www);
