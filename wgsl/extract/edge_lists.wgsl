@@ -29,8 +29,8 @@ fn facing_mask(face: u32) -> u32 {
 @group(0) @binding(7) var<storage, read_write> masks: array<EdgeMasks>;
 @group(0) @binding(8) var<storage, read_write> counts: array<atomic<u32>>;
 @group(0) @binding(9) var<storage, read_write> list: array<u32>;
-override WRITE_MASKS: bool = true;
-override APPEND: bool = true;
+override WRITE_MASKS: bool = true; // Whether masks are written.
+override APPEND: bool = true; // Whether silhouettes are listed here. If not, `compact` may do so, in edge order.
 
 // Writes and lists one edge record of `chunk`, with its masks. It has no barrier: other invocations may have ended.
 fn emit(edge: u32, silhouette: u32, winding: u32) {

@@ -26,6 +26,7 @@ struct SceneLists {
 // The facing mask of a face of the caster at hand.
 fn facing_mask(face: u32) -> u32 { return facing_masks[of_faces.x + face]; }
 
+// Lists an edge slot for the lights of `silhouette`. There are no masks to write: no reader of a scene needs them.
 fn emit(slot: u32, silhouette: u32, winding: u32) {
   for (var rest = silhouette; rest != 0u; rest &= rest - 1u) {
     let light = firstTrailingBit(rest);
