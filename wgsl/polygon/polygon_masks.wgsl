@@ -22,10 +22,11 @@ struct PolygonMasks {
   excluded: u32, // Twisted or in a plane, so without a cap or side of its own.
 }
 
-// The bits of the record at word `at` of `undecided`. A polygon with a corner that is not finite faces no light and is excluded
-// for all: LIGHTS has them. FITS, IS_NOT_SIMPLE, WINDS_ONCE, WINDS_NEVER, OFF_PLANE are what `outline` found of all corners and
-// edges together (polygon/outlines.wgsl): all corners fit a half-space, edges meet, the winding number beside some edge is 1, it
-// is 0 there, something is off the plane. If 1 and 0 both occur, the outline is not simple.
+// The bits of the record at word `at` of `undecided`. A polygon with a corner that is not finite (its word POLYGON has bit 31,
+// NOT_FINITE) faces no light and is excluded for all: LIGHTS has them. FITS, IS_NOT_SIMPLE, WINDS_ONCE, WINDS_NEVER, OFF_PLANE
+// are what `outline` found of all corners and edges together (polygon/outlines.wgsl): all corners fit a half-space, edges meet,
+// the winding number beside some edge is 1, it is 0 there, something is off the plane. If 1 and 0 both occur, the outline is not
+// simple.
 fn masks_of_record(at: u32) -> PolygonMasks {
   let lights = atomicLoad(&undecided[at + LIGHTS]);
   if (atomicLoad(&undecided[at + POLYGON]) >= NOT_FINITE) {
