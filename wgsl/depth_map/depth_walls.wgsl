@@ -93,6 +93,7 @@ struct FlapVertex {
   depth: i32,
 }
 
+// Vertex `number` of a quadrilateral of the list, for the place that is `part` of a texel from the first sample of a cell.
 fn flap_vertex(quad: u32, number: u32, cell: vec2<i32>, part: vec2<f32>) -> FlapVertex {
   let word = 4u + 12u * quad + 3u * number;
   let at = vec2<i32>(vec2<u32>(cells[word], cells[word + 1u])) - cell * TEXEL;

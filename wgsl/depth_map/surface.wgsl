@@ -196,6 +196,7 @@ struct NearPlace {
   depth: f32,
 }
 
+// `place`: x and y on the near rectangle, from -1 to 1. Outside of the map, or behind the light, `is_in` is false.
 fn near_place(place: vec2<f32>) -> NearPlace {
   // The map along which the place is farthest away from the light. w counts the distance, in the same units for all.
   var point = near_point(0u, place);
