@@ -31,6 +31,7 @@ struct Face {
   c: vec3<u32>,
 }
 
+// The face at a place.
 fn face_of(index: u32) -> Face {
   let cluster = index / CLUSTER;
   let first = 3u * (index % CLUSTER);
