@@ -43,6 +43,7 @@ struct PlacedBox {
   terms: f32,
 }
 
+// The box around a box that the caster's matrix moves.
 fn placed_box(caster: u32, low: vec3<f32>, high: vec3<f32>) -> PlacedBox {
   var own: PlacedBox;
   for (var axis = 0u; axis < 3u; axis++) {
