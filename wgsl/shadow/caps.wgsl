@@ -36,9 +36,9 @@ fn misses_pyramid(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f3
   return any(out) || beyond;
 }
 
-// The choices for a caster: words as in choices.wgsl, and the lights that need caps.
+// The choices for a caster: words as in choices.wgsl, bits of the lights that may need caps of its faces, and its flags.
 struct Needs {
-  first: vec4<u32>,
+  first: vec4<u32>, // CASTS, EVERY, NEAR; CAPPED, which this stage writes, is 0.
   excludes: u32,
   lights: u32,
   flags: u32,
@@ -57,7 +57,7 @@ fn needs_of(caster: u32) -> Needs {
   }
   needs.excludes = atomicLoad(&choices[at + EXCLUDES]);
   needs.flags = caster_flags(caster);
-  // Where a volume ends, it has dark caps. Those of z-pass are asked for each light.
+  // Where a volume ends, it has dark caps. With z-pass each light tells.
   let far = shape.counting == COUNT_Z_FAIL || shape.counting == COUNT_ZP_PLUS_2005 || shape.end_at_range != 0u ||
     (needs.flags & PROXY) != 0u;
   needs.lights = needs.first[CASTS] & select(needs.first[NEAR], 0xffffffffu, far);
@@ -67,6 +67,7 @@ fn needs_of(caster: u32) -> Needs {
   return needs;
 }
 
+// The end of the caster's volume for light `number`: `ShadowLight::end`.
 fn end_of(caster: u32, number: u32) -> f32 {
   if (!has_measures()) {
     return 0.0;

@@ -33,11 +33,13 @@ fn measures_of(caster: u32, light: u32, view: u32) -> u32 {
   return (view * shape.lights + light) * shape.casters + caster;
 }
 
+// Whether measures are written and read at all.
 fn has_measures() -> bool {
   return shape.end_at_range != 0u || shape.has_receivers != 0u || shape.counting == COUNT_ZP_PLUS_2005;
 }
 
-// The light with the choices for a caster, whose first words are `first` and the next `excludes`. `near`: near caps are needed.
+// The light with the choices for a caster, whose words from CASTS on are `first` and whose word EXCLUDES is `excludes`, for the
+// light's `bit` of them. Bits of `near` say that the caster has a near cap. The end of the volume stays as it was.
 fn with_choices(light: ShadowLight, bit: u32, first: vec4<u32>, excludes: u32, near: u32) -> ShadowLight {
   var own = light;
   own.casting = CAST_NOTHING;

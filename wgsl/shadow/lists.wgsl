@@ -19,6 +19,7 @@ fn casts(light: ShadowLight, facing: bool) -> bool {
   return light.casting == CAST_EVERY || (light.casting == CAST_AVERTED && !facing);
 }
 
+// Whether the caster may have a near cap for the light, so that its sides are clipped at the near plane.
 fn has_near_cap(light: ShadowLight) -> bool {
   return light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PLUS_2005;
 }
@@ -43,6 +44,8 @@ fn near_kind(light: ShadowLight, facing: bool, mirrored: bool) -> u32 {
 fn far_kind(facing: bool, mirrored: bool) -> u32 { return FAR + select(0u, 1u, facing == mirrored); }
 fn cap_capacity(kind: u32) -> u32 { return select(shape.near_capacity, shape.far_capacity, kind >= FAR); }
 
+// The word of `caps_listed` at place `place` of a light's list of a kind. The second of two lists that share a run begins at its
+// end and goes down.
 fn cap_place(bit: u32, kind: u32, place: u32) -> u32 {
   let run = CAP_COUNTS + bit * (shape.near_capacity + shape.far_capacity) + select(0u, shape.near_capacity, kind >= FAR);
   return run + select(place, cap_capacity(kind) - 1u - place, (kind & 1u) != 0u);
@@ -54,6 +57,7 @@ const PLAIN: u32 = 0u;
 const CLIPPED: u32 = 1u;
 const SIDE_COUNTS: u32 = 64u; // The counts of the batch, before the lists.
 
+// The word of `sides` at place `place` of a light's list of a kind. The list of clipped sides begins at the end of the run.
 fn side_place(bit: u32, kind: u32, place: u32) -> u32 {
   return SIDE_COUNTS + bit * shape.side_capacity + select(place, shape.side_capacity - 1u - place, kind == CLIPPED);
 }
@@ -70,7 +74,8 @@ struct EdgeSide {
 // The sign of a face in multiplicities where every face casts. An excluded face counts nowhere.
 fn face_sign(facing: bool, excluded: bool) -> i32 { return select(select(-1, 1, facing), 0, excluded); }
 
-// `faces` is the packed record. The other vectors tell of its two faces whether they face the light, and are excluded.
+// `faces` is the packed record: face 0, with INCONSISTENT if both run the same way along the edge, and face 1, or NO_FACE. The
+// other vectors tell of its two faces whether they face the light, and are excluded; for NO_FACE they mean nothing.
 fn side_of_edge(casting: u32, faces: vec2<u32>, facing: vec2<bool>, excluded: vec2<bool>) -> EdgeSide {
   if (casting == CAST_NOTHING) {
     return EdgeSide(0u, false);
@@ -102,7 +107,7 @@ fn side_at(caster: u32, record: u32, light: ShadowLight, bit: u32) -> EdgeSide {
 
 // The pieces of polygons that are L-twisted, so that they have lit and dark parts as seen from a light: for each light of the
 // batch their number, then lists of pieces of nine words each. A piece begins at a place and ends at another, and its polygon has
-// a middle, from which a fan is drawn where there are caps. What is dark is on the left of a piece as seen from the light.
+// a middle, from which a fan is drawn where there are caps. The dark side is on the left of a piece as seen from the light.
 const PIECE_COUNTS: u32 = 32u;
 const PIECE_WORDS: u32 = 9u;
 

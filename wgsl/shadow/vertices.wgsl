@@ -16,6 +16,7 @@ struct VolumeVertex {
   @invariant @builtin(position) clip: vec4<f32>,
 }
 
+// The position of all vertices of an instance that is not drawn: triangles without area.
 const NOTHING = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 
 // Picks one vertex of a polygon. The vertices are offered one after another. A number past the last vertex repeats it.
@@ -50,6 +51,7 @@ override UNCLIPPED: bool = false; // Whether near and far plane do not clip (dep
 // Five corners, and one more for each plane.
 const MOST_CORNERS: u32 = 11u;
 
+// A convex polygon in clip space.
 struct Outline {
   corners: array<vec4<f32>, MOST_CORNERS>,
   count: u32,

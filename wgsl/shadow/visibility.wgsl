@@ -33,6 +33,7 @@ fn height_size(view: ShadowView, q: vec3<f32>) -> f32 {
   return dot_3(abs(view.near_plane.xyz), q) + abs(view.near_plane.w);
 }
 
+// A face may lie between light and near rectangle unless all its corners are outside the same plane.
 fn pyramid_planes(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> PyramidPlanes {
   let s = light_side(light);
   let v = corner(view, light, position);
@@ -132,6 +133,8 @@ struct Reach {
   factor: f32,
 }
 
+// For the volume of a caster's box, in the space of its positions, which `scale` brings to the world's at least. `at` is the word
+// where the view's receivers begin.
 fn reach_to(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>, at: u32) -> Reach {
   let is_limited = receivers[at + 5u] != 0u;
   let near = receiver_corner(at + 6u);

@@ -20,6 +20,7 @@
 @group(0) @binding(8) var<storage, read_write> choices: array<atomic<u32>>;
 var<workgroup> found: atomic<u32>;
 
+// Whether the near plane cuts both finite edges of the side from a to b: the edge itself, and that between the far vertices.
 fn is_case_d(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f32>) -> bool {
   let cuts_edge = is_cut(view, to_clip(view, a)) != is_cut(view, to_clip(view, b));
   let a_far = direction_to_clip(view, extrusion(view, light, a));
