@@ -53,7 +53,7 @@ struct DrawShape {
 // The findings for an edge record, one bit for each light of a batch.
 struct EdgeMasks {
   silhouette: u32,
-  winding: u32, // Face 0 faces the light.
+  winding: u32, // Face 0 faces the light; where only face 1 counts, as face 0 would have it (edges.wgsl).
 }
 
 struct ExtractionStatistics {
