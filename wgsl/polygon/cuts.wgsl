@@ -89,7 +89,7 @@ fn write_cut(row: Row, number: u32, cut: Cut) {
 
 // A record that is read.
 struct Written {
-  exists: bool, // The list has a place of this number. If not, all else is 0.
+  exists: bool, // The list has a place of this number. If not, all else but `place` is 0.
   has_row: bool, // There was room for the whole row. If not, `row` and `cut` mean nothing but for `row.light`.
   place: u32, // Its place in the light's list.
   // Where its words are.
