@@ -24,7 +24,7 @@ fn light_at(light: vec4<u32>, tie: u32) -> vec4<u32> {
 }
 
 // Whether point and light are strictly on opposite sides of the face's plane, and the line between them passes through the face:
-// all three edges turn around it as the face does around the light's side. Only edges have ties broken.
+// for each edge the sign of edge, point and light is that of face and light. Ties are broken for edges only.
 fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
   var light_side = 0;
   // The sides of the point, of the light, and of three edges. One loop computes them, so that the integers are compiled

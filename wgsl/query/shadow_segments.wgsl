@@ -54,7 +54,7 @@ struct Query {
   on_face: u32,
 }
 
-// The pair of point and light with a number, at most the points of the chunk times the lights of the batch.
+// The pair of point and light with a number, below the points of the chunk times the lights of the batch.
 fn query_of(index: u32) -> Query {
   let point = index / batch.count;
   let light = index % batch.count;
