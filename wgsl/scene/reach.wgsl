@@ -19,8 +19,8 @@ const TOO_LARGE: f32 = 0x1p60; // Above this size squares may overflow, and noth
 // 32 units in the last place. Rounding, division and root add fewer to a distance, relative to the largest coordinate.
 const SLACK: f32 = 0x1p-18;
 
-// Whether the light may reach the box, in the space of both, which `scale` brings to the world's, in which `range` is. It is
-// never false for a light that does.
+// Whether the light may reach the box. It is never false for a light that does. Both are in one space; `scale` is at most the
+// smallest factor by which lengths there grow in the world, where `range` is measured.
 fn may_reach(light: vec4<f32>, range: f32, low: vec3<f32>, high: vec3<f32>, scale: f32) -> bool {
   if (range == 0.0 || abs(light.w) < 0x1p-30 || low.x > high.x) {
     return true;
