@@ -5,8 +5,7 @@
 // equal bits there, because both take its ends in the order of their vertex indices (`is_ordered`) and by the same functions of
 // shadow/shadow.wgsl. No expression may differ between two shapes that meet. NUMERICS.md, "Shadow volumes". If TRIM is set,
 // polygons are cut at the frustum here, for drivers that clip slivers wrongly: "Triangles that leave the picture". The last part,
-// also for `zp_plus_2005_cases`, is ZP+ as published in 2005. `Turns:` is the most turns of the loop below it; other loops have a
-// constant.
+// also for `zp_plus_2005_cases`, is ZP+ as published in 2005. `Turns:` is the most turns of the loop below it.
 
 #import common/casters
 #import shadow/shadow
@@ -72,8 +71,7 @@ fn strip_place(corner: u32) -> u32 {
   return select(order[min(corner, 3u)], 2u, corner == 4u);
 }
 
-// At least 0 on the inner side of a plane of the frustum: 0 and 1 are left and right, 2 and 3 bottom and top, 4 is z = 0, 5 z =
-// w.
+// At least 0 on the inner side of plane 0 to 5 of the frustum: left, right, bottom, top, z = 0, z = w.
 fn inner_height(plane: u32, clip: vec4<f32>) -> f32 {
   let along = clip[plane / 2u];
   if (plane == 4u) {

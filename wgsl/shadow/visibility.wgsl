@@ -133,8 +133,8 @@ struct Reach {
   factor: f32,
 }
 
-// For the volume of a caster's box, in the space of its positions, which `scale` brings to the world's at least. `at` is the word
-// where the view's receivers begin.
+// For the volume of a caster's box, in the space of its positions; `scale` is at most the smallest factor by which lengths there
+// grow in the world. `at` is the word where the view's receivers begin.
 fn reach_to(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>, at: u32) -> Reach {
   let is_limited = receivers[at + 5u] != 0u;
   let near = receiver_corner(at + 6u);
