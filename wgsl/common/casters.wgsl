@@ -1,6 +1,6 @@
 // Casters of a scene, meshes that throw shadows, as the table has them; the cones of lights; and small functions on vectors, for
 // all stages of scenes and of shadow volumes. A slot is a place in the masks of casters that are drawn together. src/layout.rs
-// has the same structs, which a test holds equal. Cones: NUMERICS.md, "Cones of lights".
+// has the same structs, which a test holds equal. Cones: docs/numerics/scene.md, "Cones of lights".
 
 // Slots of a chunk, which are those of one caster.
 const CHUNK: u32 = 64u;

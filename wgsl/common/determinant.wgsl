@@ -1,7 +1,7 @@
 // det[b - a, c - a, l - w a] in f32, for a face (a, b, c) and a homogeneous light (l, w), and a bound on its rounding error. Its
 // sign tells the light's side of the face. The local form takes differences only; the plane form takes the face's plane. Stages
 // of extraction, of polygons and of queries use it. Where |determinant| exceeds the bound, its sign is exact; the others go to
-// common/fixed_sign.wgsl and common/exact_sign.wgsl. NUMERICS.md, "Facing", "Per edge" and "Filter".
+// common/fixed_sign.wgsl and common/exact_sign.wgsl. docs/numerics/facing.md, "Error band", "Per edge" and "Filter".
 
 override PLANE: bool = false; // Whether to use the plane form, as published in 2003, instead of the local form.
 

@@ -1,6 +1,7 @@
 // The sign of det[b - a, c - a, l - w a], for a face (a, b, c) and a homogeneous light (l, w), for all finite f32, in integer
 // arithmetic. It is exact. `exact_facing`, `exact_shadow_depth` and the stages of polygons use it where common/fixed_sign.wgsl
-// says that numbers do not fit. This is rare and slow, so the code is short rather than fast. NUMERICS.md, "Exact facing".
+// says that numbers do not fit. This is rare and slow, so the code is short rather than fast. docs/numerics/facing.md, "Exact
+// facing".
 
 const DIGIT: u32 = 0xffffffu;
 // Digits of 24 bits, zero between uses. 48 of them hold every sum of products of four finite f32; four more are read.

@@ -1,7 +1,7 @@
 // The sign of det[b - a, c - a, l - w a], for a face (a, b, c) and a homogeneous light (l, w), in fixed point. It is exact for
 // faces and lights whose numbers lie in a window of bits, and says so where they do not. `exact_facing`, `exact_shadow_depth` and
 // the stages of polygons use it for signs that f32 leaves undecided. The integers have limbs of 12 bits in i32. No compiler can
-// round, fuse or flush them. NUMERICS.md, "Exact facing".
+// round, fuse or flush them. docs/numerics/facing.md, "Exact facing".
 
 #import common/exact_sign
 

@@ -1,5 +1,5 @@
-// The contours of a depth map: depths as integers, marked edges, and the distances of surfaces beside them. NUMERICS.md,
-// "Contours".
+// The contours of a depth map: depths as integers, marked edges, and the distances of surfaces beside them.
+// docs/numerics/contours.md.
 
 #import depth_map/samples
 

@@ -1,5 +1,5 @@
 // Depth metric: a depth map from a map of distances. Texels of the result have the depths of keys: from 0 to 1, none subnormal,
-// and the far end where nothing casts. NUMERICS.md, "Maps of distances".
+// and the far end where nothing casts. docs/numerics/depth-maps.md, "Maps of distances".
 
 #import depth_map/samples
 

@@ -1,5 +1,5 @@
 // The rule by which an edge between two samples is marked: from first differences, or from these and those beside them. Both are
-// decided exactly. NUMERICS.md, "Volumes from depth maps".
+// decided exactly. docs/numerics/depth-maps.md.
 
 #import depth_map/edge_code
 #import depth_map/samples

@@ -1,5 +1,5 @@
-// The samples of a depth map on a lattice that has one row and column more on each side, which are far. NUMERICS.md,
-// "Volumes from depth maps".
+// The samples of a depth map on a lattice that has one row and column more on each side, which are far.
+// docs/numerics/depth-maps.md.
 
 struct DepthMapShape {
   // Texels across and down, of one map.

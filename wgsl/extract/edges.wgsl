@@ -1,7 +1,7 @@
 // Edges: a compute stage that computes the silhouette and winding mask of each edge record, a bit for each light of a batch, from
 // the facing masks of its faces: where two faces differ, and at boundaries. It runs after `facing` and `exact_facing`. It writes
 // the masks, appends silhouette edges to the lists of the lights in no particular order, or both. The variant SCENE goes over the
-// listed chunks of a scene, for the lights whose lists are made anew, and only appends. NUMERICS.md, "Watertight".
+// listed chunks of a scene, for the lights whose lists are made anew, and only appends. docs/numerics/watertight.md.
 
 #import common/extraction
 #import interface/caster

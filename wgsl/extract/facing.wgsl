@@ -1,7 +1,8 @@
 // Facing: a compute stage that computes one bit for each face and light of a batch (up to 32), set if the light lies strictly on
 // the face's counter-clockwise side, for a single mesh or a scene (interface/caster.wgsl tells what slots and places of lights
-// are). The bit is the sign of det[b - a, c - a, l - w a] (NUMERICS.md, "Facing"). One bound for each face tells whether all its
-// signs are certain ("Filter"). If not, the face is listed, in no particular order, for `exact_facing`. `edges` reads the masks.
+// are). The bit is the sign of det[b - a, c - a, l - w a] (docs/numerics/facing.md, "Error band"). One bound for each face tells
+// whether all its signs are certain ("Filter"). If not, the face is listed, in no particular order, for `exact_facing`. `edges`
+// reads the masks.
 
 #import common/determinant
 #import common/extraction

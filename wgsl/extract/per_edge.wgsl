@@ -1,7 +1,7 @@
 // Per edge: a compute stage with the method that Brabec and Seidel published in 2003, for comparison; it stands for `facing` and
 // `edges` together. One invocation takes one edge, gathers four positions and tests both faces against every light of a batch (up
 // to 32). It uses the plane equations, as published, or the local form. A face's side is decided again at each of its edges, in
-// f32, so loops may fail to close. NUMERICS.md, "Per edge".
+// f32, so loops may fail to close. docs/numerics/facing.md, "Per edge".
 
 #import common/determinant
 #import common/extraction

@@ -1,6 +1,6 @@
 // Cut edges: the border of what L-twisted polygons darken, in pieces of their edges. Four passes: what cuts each edge, which takes an
 // entry a workgroup, as in outline.wgsl; how many cuts are before each, which is quadratic in the cuts of an edge, so lanes share
-// it; which cut is before each; and the pieces. NUMERICS.md, "Shadows of twisted polygons".
+// it; which cut is before each; and the pieces. docs/numerics/twisted-polygons.md.
 
 #import polygon/cut_order
 #import polygon/cuts

@@ -1,6 +1,6 @@
 // The order of two cuts of an edge: by turns, where these tell it, and by how far along the edge they are. For the passes of
 // cut_edges.wgsl: `cut_edges_rank` counts by it how many cuts are before each.
-// NUMERICS.md, "Shadows of twisted polygons", "Order".
+// docs/numerics/twisted-polygons.md, "Order of cuts".
 
 #import extract/one_caster
 #import polygon/cuts
@@ -153,7 +153,7 @@ fn foremost(three: Three, in_line: vec3<bool>) -> u32 {
 // Whether edge j cuts edge e before edge i does. Turns decide where the one cut is on one side of the other edge. Otherwise all
 // three cross each other. If they seem to do so in one point, each is moved to its left a little, and the foremost one farther than
 // the others, out of their crossing. Else how far along the earliest of the three the others cut it decides for all three, so that
-// what is found for them fits together. NUMERICS.md, "Shadows of twisted polygons", "Order".
+// what is found for them fits together. docs/numerics/twisted-polygons.md, "Order of cuts".
 fn is_before(own: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
   let e = own.edge;
   let j = cut_j.by;

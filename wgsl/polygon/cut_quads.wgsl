@@ -1,6 +1,6 @@
 // Cut quads: the pieces of L-twisted quadrilaterals of which `f32` tells the turns at all corners. Two neighbouring corners turn to
 // the left, and the others to the right. So the two edges between them cross each other, and each lobe has the sense of its
-// corners. NUMERICS.md, "Shadows of twisted polygons".
+// corners. docs/numerics/twisted-polygons.md.
 
 #import polygon/list_pieces
 #import polygon/outlines

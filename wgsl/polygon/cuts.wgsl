@@ -1,5 +1,5 @@
 // Cuts of edges. Until a piece is listed, its place has the cut at which it ends. The cuts of an edge are in a row, with its end
-// behind them. The passes of cut_edges.wgsl share these records; no other stage reads them. NUMERICS.md, "Shadows of twisted polygons".
+// behind them. The passes of cut_edges.wgsl share these records; no other stage reads them. docs/numerics/twisted-polygons.md.
 
 #import extract/one_caster
 #import polygon/list_pieces

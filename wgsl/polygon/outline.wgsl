@@ -1,7 +1,7 @@
 // Outline: how lights see the outlines that polygon_turns.wgsl left undecided: by all pairs of their edges. It adds what it finds to
 // the polygon's record in `undecided`, and polygon_masks.wgsl decides from that. A workgroup takes an
 // entry. It has some edges and lights of a small outline, an invocation for each, or one edge and light of a large one, which
-// all invocations share. NUMERICS.md, "Outlines".
+// all invocations share. docs/numerics/polygons.md.
 
 #import polygon/outlines
 #import polygon/turn

@@ -1,5 +1,5 @@
 // Outlines of polygons, their edges at their places, the lists of those that `f32` leaves undecided, and the edge and light that an
-// invocation takes from such a list. All stages of polygons import it. NUMERICS.md, "Outlines".
+// invocation takes from such a list. All stages of polygons import it. docs/numerics/polygons.md.
 
 #import common/positions
 #import extract/one_caster

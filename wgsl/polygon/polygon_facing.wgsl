@@ -1,7 +1,7 @@
 // Polygon facing: computes one bit for each polygon and light, set if the polygon faces the light. A quadrilateral or triangle whose
-// turns at all corners are certain and alike is decided here (NUMERICS.md, "Outlines", "The cheap way"). Others are listed for
-// polygon_turns.wgsl: at most a few, where surfaces are smooth. Each triangle of a polygon has the polygon's bits. The first stage of polygons in a frame;
-// `edges` and shadow volumes read the masks.
+// turns at all corners are certain and alike is decided here (docs/numerics/polygons.md, "Four turns"). Others are listed for
+// polygon_turns.wgsl: at most a few, where surfaces are smooth. Each triangle of a polygon has the polygon's bits. The first
+// stage of polygons in a frame; `edges` and shadow volumes read the masks.
 
 #import extract/one_caster
 #import polygon/outlines

@@ -1,6 +1,6 @@
 // Polygon masks: decides from what was found of undecided outlines whether they face each light, or are L-twisted. A polygon that
 // is twisted or in a plane with the light counts nowhere. What is twisted is listed for `cut_edges`, but for the quadrilaterals
-// that `cut_quads` takes. NUMERICS.md, "Outlines".
+// that `cut_quads` takes. docs/numerics/polygons.md.
 
 #import common/extraction
 #import extract/one_caster

@@ -1,7 +1,7 @@
 // Polygon turns: decides what polygon_facing.wgsl left. Quadrilaterals are decided by the turns at their corners wherever `f32` is
 // certain of all four, twisted ones, too. Outlines that are strictly convex as seen from a light need the turns at their corners
 // only. The others are listed for outline.wgsl. polygon_masks.wgsl makes masks of what both find, and cut_quads.wgsl reads the turns
-// of twisted quadrilaterals, whose outlines cross themselves as seen from a light. NUMERICS.md, "Outlines", "The cheap way".
+// of twisted quadrilaterals, whose outlines cross themselves as seen from a light. docs/numerics/polygons.md, "Four turns".
 
 #import common/determinant
 #import common/positions

@@ -1,4 +1,4 @@
-// The turns at the corners of quadrilaterals and triangles. NUMERICS.md, "Outlines", "The cheap way".
+// The turns at the corners of quadrilaterals and triangles. docs/numerics/polygons.md, "Four turns".
 
 #import common/determinant
 #import common/positions

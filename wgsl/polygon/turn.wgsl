@@ -1,6 +1,6 @@
 // The turn of three points as seen from a light, exactly: the sign of det[b - a, c - a, l - w a], which bounds on rounding, fixed
 // point or integers decide. Where it is 0, the light is moved by (e, e^2, e^3). Also how large it is. For `outline` and `cut_edges`.
-// NUMERICS.md, "Outlines".
+// docs/numerics/polygons.md.
 
 #import common/determinant
 #import common/exact_sign

@@ -1,6 +1,6 @@
 // Exact shadow depth: decides the faces that shadow_depth.wgsl left undecided. It computes in integers, and in fixed
 // point where the numbers fit. Where the line from point to light meets an edge, the tie is broken as if the light were
-// moved by (e, e^2, e^3). NUMERICS.md, "Shadow depth".
+// moved by (e, e^2, e^3). docs/numerics/query.md.
 
 #import common/exact_sign
 #import common/fixed_sign

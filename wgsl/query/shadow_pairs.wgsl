@@ -1,5 +1,5 @@
 // Decides with f32 bounds whether a face lies between a point and a light. Both stages of the shadow depth query use
-// it. NUMERICS.md, "Shadow depth".
+// it. docs/numerics/query.md.
 
 #import common/determinant
 #import common/positions

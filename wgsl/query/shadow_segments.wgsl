@@ -1,5 +1,5 @@
 // Segments from points to lights, and tests whether they miss a box. Both stages of the shadow depth query use it.
-// NUMERICS.md, "Shadow depth".
+// docs/numerics/query.md.
 
 #import common/determinant
 #import common/extraction

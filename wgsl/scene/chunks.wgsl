@@ -2,7 +2,7 @@
 // no particular order: those of casters with a light whose list is made anew, but for chunks that clusters tell to have no
 // silhouette. A chunk is 64 slots, places in the masks, all of one caster; a cluster is 128 faces with a bound. Runs after
 // `clusters`. It also empties lists and statistics, and notes beside the bits that are kept what they are computed from.
-// NUMERICS.md, "Clusters" and "What a scene keeps".
+// docs/numerics/clusters.md and docs/numerics/scene.md, "Cached results".
 
 #import common/casters
 #import common/extraction

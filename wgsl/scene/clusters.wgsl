@@ -1,7 +1,7 @@
 // Clusters: a compute stage of a scene that decides whether all faces of a cluster (128 faces of a mesh, with a bound on their
 // planes) face a light, or none does, for a batch of up to 32 lights. It lists the chunks of 64 faces with a bit that is to be
 // tested or changed, in no particular order, for `facing`; and notes what the masks will hold, for `chunks`. It takes the lights
-// that `reach` chose. What it decides is what exact facing would. NUMERICS.md, "Clusters".
+// that `reach` chose. What it decides is what exact facing would. docs/numerics/clusters.md.
 
 #import common/casters
 #import scene/many_casters

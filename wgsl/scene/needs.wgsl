@@ -1,7 +1,7 @@
 // Needs: a compute stage that finds which figures of a scene a frame needs, before they are deformed, from boxes that the caller
 // states. A figure is a caster whose positions `deform` may compute anew. A frame needs it if a camera may see it, or its shadow
 // from a light that may reach it; so none that is seen is left out. It writes a word for each figure; `deform` and `reach` read
-// them. NUMERICS.md, "Figures that a frame needs".
+// them. docs/numerics/scene.md, "Deforming casters that a frame needs".
 
 #import common/casters
 #import shadow/shadow

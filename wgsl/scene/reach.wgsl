@@ -2,7 +2,7 @@
 // that are allowed, whose range and cone have the caster's box, if it is rigid or the caller states one, and from which no
 // occluder hides it. Of these it finds the ones whose bits are to be computed, because caster or light changed since; the others
 // keep their bits. `clusters`, `chunks`, `facing`, `edges` and the stages of shadow volumes read both. It never leaves out a
-// light that matters. NUMERICS.md, "Occluded casters", "Cones of lights", "What a scene keeps".
+// light that matters. docs/numerics/scene.md, "Occluders", "Cones of lights" and "Cached results".
 
 #import common/casters
 #import scene/table

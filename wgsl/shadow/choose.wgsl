@@ -2,8 +2,9 @@
 // counted, from the caster's box alone: nothing if its shadow cannot be seen; z-pass unless a face may lie between light and near
 // rectangle; averted faces (those that do not face the light) where they suffice. All tests have slack, so what is skipped casts
 // nothing that is seen. It reads the boxes of `bounds` and the statistics of the extraction, and writes choices
-// (shadow/choices.wgsl) and statistics. `caps` then looks at the faces of casters that may need caps. NUMERICS.md, "Which faces
-// cast", "Volumes that end" and "Volumes without a receiver".
+// (shadow/choices.wgsl) and statistics. `caps` then looks at the faces of casters that may need caps.
+// docs/numerics/casting-faces.md, "Which faces cast", docs/numerics/shadow-volumes.md, "Volumes that end", and
+// docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
 #import shadow/caster
@@ -101,7 +102,7 @@ fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec
   let light_is_inside = light_meets(light, low, high);
   light.excludes = select(0u, 1u, has_holes || is_cut || (light_is_inside && extraction_statistics[3] != 0u));
   // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster, and the eye does not
-  // see into it: NUMERICS.md, "Which faces cast".
+  // see into it: docs/numerics/casting-faces.md, "Which faces cast".
   let is_closed = shape.averted != 0u && (flags & CLOSED) != 0u && (flags & PROXY) == 0u;
   let is_outside = !boxes_meet(view, low, high) && !light_is_inside;
   light.casting = select(CAST_EVERY, CAST_AVERTED, is_closed && !has_holes && !is_cut && is_outside);

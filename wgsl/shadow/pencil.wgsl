@@ -1,7 +1,8 @@
 // Pencils of half planes, which bound stencil counts. The half planes of a pencil begin at a line through the light, its axis,
 // and are sorted into bins by one number each. A pixel's count is at most half of what crosses its half plane and the faces that
 // the axis may meet, so sides are added to the bins that they cross. `stencil_pencil` finds a pencil for each light and view;
-// `stencil_crossings` and `piece_crossings` add sides; `stencil_bound` reads the bins. NUMERICS.md, "A bound on counts".
+// `stencil_crossings` and `piece_crossings` add sides; `stencil_bound` reads the bins. docs/numerics/receivers.md, "Bound on
+// counts".
 //
 // Expects: `shape`, and where sides are added `crossings`, the rows of all pencils.
 

@@ -1,6 +1,7 @@
 // Piece crossings: a compute stage that adds the sides of pieces of L-twisted polygons (see shadow/lists.wgsl) to the bins of
 // half planes that they cross, each with the weight 1, beside `stencil_crossings`. `stencil_bound` reads the bins. Where a list
-// of pieces overflowed, all of them cross every half plane. It is for a single caster. NUMERICS.md, "A bound on counts".
+// of pieces overflowed, all of them cross every half plane. It is for a single caster. docs/numerics/receivers.md, "Bound on
+// counts".
 
 #import shadow/caster
 #import shadow/choices

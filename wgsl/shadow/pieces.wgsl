@@ -1,7 +1,7 @@
 // Pieces: vertex shaders that draw the sides and caps of pieces of L-twisted polygons, by the indirect draws of
 // `piece_arguments`. `cut_edges` and `cut_quads` listed the pieces (shadow/lists.wgsl). A piece is an edge of the face that it
 // makes with the middle of its polygon, and that face faces the light. Faces of other pieces meet it at its other edges, and
-// count there with the contrary sign. NUMERICS.md, "Shadows of twisted polygons".
+// count there with the contrary sign. docs/numerics/twisted-polygons.md.
 
 #import shadow/caster
 #import shadow/choices

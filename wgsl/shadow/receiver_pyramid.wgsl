@@ -1,7 +1,7 @@
 // Receiver pyramid: a compute stage of one workgroup that goes on from the tiles of `receiver_depth`. It writes the upper levels,
 // the farthest receiver of each square of four cells, up to one for all; and the box of all places between the near rectangle and
 // the receivers, with slack above its rounding errors. A receiver is a pixel that shadows may fall on. `choose` reads both.
-// NUMERICS.md, "Volumes without a receiver".
+// docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
 #import shadow/receivers

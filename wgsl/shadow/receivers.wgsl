@@ -2,7 +2,7 @@
 // pyramid: for each tile of 8 x 8 pixels the farthest depth of a receiver, then for each square of four the farthest of those, up
 // to one for all; and as a box of all places between the near rectangle and the receivers. Depths are kept as keys, integers that
 // grow with the distance. `receiver_depth` and `receiver_pyramid` write them, and `choose` reads them, through
-// shadow/visibility.wgsl. NUMERICS.md, "Volumes without a receiver".
+// shadow/visibility.wgsl. docs/numerics/receivers.md, "Volumes without a receiver".
 
 struct ReceiverView {
   inverse: array<vec4<f32>, 4>, // Columns of the matrix from normalised device coordinates to the camera's frame.

@@ -1,6 +1,7 @@
 // Relist: a compute stage, for scenes, that finds the lights of a group of casters whose lists of sides and caps for a view are
 // made anew, because the silhouettes or the camera changed since, and empties these lists. It runs before `choose`, for a batch
-// of up to 32 lights, and writes the bits FRESH of the choices, and what lists are made from. NUMERICS.md, "What a scene keeps".
+// of up to 32 lights, and writes the bits FRESH of the choices, and what lists are made from. docs/numerics/scene.md, "Cached
+// results".
 
 #import shadow/choices
 #import shadow/shadow

@@ -1,7 +1,7 @@
 // Shared by all stages of shadow volumes, and `needs`: structs that Rust writes (a test holds them equal to src/layout.rs), clip
 // space, and the three forms of a vertex V of a volume: V itself, its far vertex at infinity or where the volume ends, and its
 // projection from the light onto the near plane. A light L is homogeneous, (x, y, z, w); a light at infinity has w = 0. All
-// arithmetic is written out, so that a vertex has the same bits wherever it is computed. NUMERICS.md, "Shadow volumes".
+// arithmetic is written out, so that a vertex has the same bits wherever it is computed. docs/numerics/shadow-volumes.md.
 
 #import common/casters
 

@@ -1,7 +1,7 @@
 // Sides: vertex shaders that draw the quads from edges away from the light, by an indirect draw of the list that `list_sides`
 // made. `side` leaves clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with the near cap
 // has equal bits. `zp_plus_2005_side` is the side as published in 2005. The first two may be trimmed (shadow/vertices.wgsl). If
-// the light's lists overflowed, each edge of the group is two instances and is tested here. NUMERICS.md, "Shadow volumes".
+// the light's lists overflowed, each edge of the group is two instances and is tested here. docs/numerics/shadow-volumes.md.
 
 #import common/casters
 #import common/extraction

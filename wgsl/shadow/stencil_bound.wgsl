@@ -1,7 +1,8 @@
 // Stencil bound: a compute stage that bounds the stencil counts of each light in each view from above, so that a caller learns
 // where the bits that count may not suffice. No count exceeds half of the weights that its half plane crosses, plus the faces of
 // casters that the axis of the pencil may meet (shadow/pencil.wgsl). It reads the rows that `stencil_pencil`, `stencil_crossings`
-// and `piece_crossings` made, and writes statistics. A workgroup takes a light in a view. NUMERICS.md, "A bound on counts".
+// and `piece_crossings` made, and writes statistics. A workgroup takes a light in a view. docs/numerics/receivers.md, "Bound on
+// counts".
 
 #import shadow/pencil
 #import shadow/shadow

@@ -1,7 +1,7 @@
 // Stencil crossings: a compute stage that adds the sides of shadow volumes to the bins of half planes that they cross
 // (shadow/pencil.wgsl), for `stencil_bound`. It goes over the lists of sides of a batch of up to 32 lights in a view. Where the
 // lists of a light overflowed, it goes over all edges, with the largest weight that each may have: bounds are then larger, never
-// too small. NUMERICS.md, "A bound on counts".
+// too small. docs/numerics/receivers.md, "Bound on counts".
 
 #import common/extraction
 #import shadow/caster

@@ -1,6 +1,6 @@
 // Stencil pencil: a compute stage that finds for each light and view the pencil of half planes that bounds its stencil counts
 // (shadow/pencil.wgsl), from the boxes of the casters, and adds up their faces. `stencil_crossings` and `piece_crossings` go on
-// from it. A workgroup takes a light of a batch in a view. NUMERICS.md, "A bound on counts".
+// from it. A workgroup takes a light of a batch in a view. docs/numerics/receivers.md, "Bound on counts".
 
 #import common/casters
 #import shadow/caster

@@ -1,9 +1,9 @@
 // Vertices of sides and caps of shadow volumes, in clip space, for the vertex shaders `sides`, `cap_faces` and `pieces`. A side
 // is the quad from an edge away from the light; a cap is a face at its place, at the far end, or projected onto the near plane.
 // Anything clipped at the near plane is a polygon of up to five vertices, drawn as a strip. Volumes are watertight: what meets at
-// an edge has equal bits, because its ends are always taken in the order of their vertices (`is_ordered`). NUMERICS.md, "Shadow
-// volumes". If TRIM is set, polygons are cut at the frustum here, for drivers that clip slivers wrongly: "Triangles that leave
-// the picture". The last part, also for `zp_plus_2005_cases`, is ZP+ as published.
+// an edge has equal bits, because its ends are always taken in the order of their vertices (`is_ordered`).
+// docs/numerics/shadow-volumes.md. If TRIM is set, polygons are cut at the frustum here, for drivers that clip slivers wrongly:
+// docs/numerics/rasterisers.md, "Clipped slivers". The last part, also for `zp_plus_2005_cases`, is ZP+ as published.
 
 #import common/casters
 #import shadow/shadow
@@ -176,7 +176,7 @@ fn is_left(a: vec2<f32>, b: vec2<f32>, is_ordered: bool) -> bool {
 }
 
 // A face at infinity, as an orthographic camera sees it. It covers the whole picture if the camera's direction is
-// within the face as seen from the light, else nothing. NUMERICS.md, "Dark caps of orthographic cameras".
+// within the face as seen from the light, else nothing. docs/numerics/rasterisers.md, "Dark caps of orthographic cameras".
 fn all_or_nothing(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u32) -> vec4<f32> {
   let a = extrusion(view, light, face.a);
   let b = extrusion(view, light, face.b);
