@@ -895,7 +895,7 @@ const TINY_W: f32 = f32::from_bits((127 - 60) << 23);
 /// The value that replaces such a w in the error bounds.
 const LEAST_INEXACT_W: f32 = f32::from_bits((127 - 36) << 23);
 
-/// A light as the filter sees it. See NUMERICS.md, "Filter".
+/// A light as the filter sees it. See docs/numerics/facing.md, "Filter".
 pub(crate) struct ScaledLight {
     pub(crate) light: [f32; 4],
     pub(crate) inexact_w: f32,

@@ -1,4 +1,4 @@
-//! A point near the models that positions in `f32` are relative to. NUMERICS.md, "Origin".
+//! A point near the models that positions in `f32` are relative to. docs/numerics/origin.md.
 
 use crate::Light;
 use crate::model::Matrix3x4;

@@ -33,7 +33,7 @@ pub enum Counting {
     /// Counts what passes the depth test (Heidmann 1991). It is wrong where a volume reaches the near rectangle.
     ZPass,
     /// z-pass that begins with near caps: casting faces, projected from the light onto the near plane (after Hornus et
-    /// al. 2005). The same functions clip sides and caps. See NUMERICS.md, "Shadow volumes".
+    /// al. 2005). The same functions clip sides and caps. See docs/numerics/shadow-volumes.md.
     ZpPlus,
     /// ZP+ as Hornus et al. published it in 2005, for comparison. A matrix of the light's own computes the near caps.
     /// Side vertices before the near plane move to their place in the cap, and corrective quads close the gaps. A

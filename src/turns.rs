@@ -1,6 +1,6 @@
 //! How many turns the loops of each entry point have. llvmpipe silently ends all loops of an invocation after 65,535 turns
-//! together, and drivers stop what runs long. NUMERICS.md, "Turns of loops", says how turns count. A comment above each loop says
-//! how many it has, and a test adds them up: a new loop without one, or one above the bound, fails it.
+//! together, and drivers stop what runs long. docs/numerics/loops.md says how turns count. A comment above each loop says how
+//! many it has, and a test adds them up: a new loop without one, or one above the bound, fails it.
 
 /// The turns after which llvmpipe ends the loops of an invocation.
 #[cfg(feature = "reference")]

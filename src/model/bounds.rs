@@ -1,4 +1,4 @@
-//! Boxes of poses from boxes of joints, before anything is deformed. NUMERICS.md, "Bounds before deforming".
+//! Boxes of poses from boxes of joints, before anything is deformed. docs/numerics/deform.md, "Bounds before deforming".
 
 use std::collections::BTreeMap;
 

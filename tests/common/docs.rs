@@ -1,4 +1,5 @@
-//! The documents: links lead to files and headings that are there, and paths that the text names exist.
+//! The documents: links lead to files and headings that are there, and paths that the text names exist. So do references in the
+//! code to the numerics.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,6 +7,9 @@ use std::path::{Path, PathBuf};
 
 /// Folders that a path in backticks begins with, from the root of the repository.
 const FOLDERS: [&str; 9] = ["src/", "wgsl/", "tests/", "crates/", "docs/", "examples/", "benches/", "xtask/", ".ci/"];
+
+/// Folders of code that refers to the numerics.
+const SOURCES: [&str; 7] = ["src", "wgsl", "tests", "crates", "examples", "benches", "xtask"];
 
 #[test]
 fn links_and_paths_lead_somewhere() {
@@ -35,16 +39,45 @@ fn links_and_paths_lead_somewhere() {
 fn broken_links_are_noticed() {
     let readme = root().join("README.md");
     let check = |link: &str| broken_link(link, &readme, root());
-    for good in ["NUMERICS.md", "docs/", "#rimline", "NUMERICS.md#the-tie-rule"] {
+    for good in ["ARCHITECTURE.md", "docs/", "#rimline", "docs/numerics/facing.md#tie-rule"] {
         assert_eq!(check(good), Ok(()), "{good}");
     }
-    for bad in ["NUMERICS.txt", "#rimlines", "NUMERICS.md#the-tie-rules", "docs/nothing.png"] {
+    for bad in ["ARCHITECTURE.txt", "#rimlines", "docs/numerics/facing.md#tie-rules", "docs/nothing.png"] {
         assert!(check(bad).is_err(), "{bad}");
     }
     let text = "[a](x.md) `src/lib.rs` ![b](docs/b.png)\n```text\n[c](y.md) `src/c.rs`\n```\n\
                 [d](https://d.example) `wgsl/SUBJECT/NAME.wgsl` `src/lib.rs::item` <img src=\"docs/e.png\">";
     assert_eq!(links(text), ["x.md", "docs/b.png", "docs/e.png"]);
     assert_eq!(paths(text).into_iter().collect::<Vec<_>>(), ["src/lib.rs"]);
+}
+
+/// References in comments, such as `docs/numerics/facing.md, "Filter"`, lead to files and headings.
+#[test]
+fn references_to_numerics_lead_somewhere() {
+    let mut files = documents();
+    for folder in SOURCES {
+        add_sources(&root().join(folder), &mut files);
+    }
+    let mut wrong = Vec::new();
+    let mut checked = 0;
+    for file in &files {
+        for (name, titles) in references(&unwrapped(&read(file))) {
+            checked += 1;
+            wrong.extend(broken_reference(&name, &titles).map(|what| format!("{}: {what}", shown(file))));
+        }
+    }
+    assert!(checked > 100, "only {checked} references found");
+    assert!(wrong.is_empty(), "{} of {checked}:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// Negative controls: files and titles that are not there are noticed, also where a comment goes on in the next line.
+#[test]
+fn broken_references_are_noticed() {
+    let folder = "docs/numerics";
+    let text = format!("// See {folder}/facing.md, \"Error\n/// band\" and \"Filters\"; {folder}/none.md, \"None\".");
+    let found = references(&unwrapped(&text));
+    let wrong: Vec<String> = found.iter().filter_map(|(name, titles)| broken_reference(name, titles)).collect();
+    assert!(wrong.len() == 2 && wrong[0].contains("Filters") && wrong[1].contains("none"), "{wrong:?}");
 }
 
 fn root() -> &'static Path {
@@ -62,7 +95,7 @@ fn read(file: &Path) -> String {
 
 /// The Markdown files at the root, in `docs` and of each crate.
 fn documents() -> Vec<PathBuf> {
-    let mut folders = vec![root().to_owned(), root().join("docs")];
+    let mut folders = vec![root().to_owned(), root().join("docs"), root().join("docs").join("numerics")];
     folders.extend(entries(&root().join("crates")));
     let mut documents: Vec<_> = folders.iter().flat_map(|folder| entries(folder)).collect();
     documents.retain(|file| file.extension().is_some_and(|extension| extension == "md"));
@@ -73,6 +106,53 @@ fn entries(folder: &Path) -> Vec<PathBuf> {
     let mut entries: Vec<_> = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     entries.sort();
     entries
+}
+
+/// Adds the Rust and WGSL files of a folder and of all folders in it.
+fn add_sources(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in entries(folder) {
+        if entry.is_dir() {
+            add_sources(&entry, files);
+        } else if entry.extension().is_some_and(|extension| extension == "rs" || extension == "wgsl") {
+            files.push(entry);
+        }
+    }
+}
+
+/// The text in one line, without the marks of comments.
+fn unwrapped(text: &str) -> String {
+    let lines = text.lines().map(|line| line.trim().trim_start_matches(['/', '!']).trim());
+    lines.collect::<Vec<_>>().join(" ")
+}
+
+/// The files of the numerics that a text names, each with the titles that follow it.
+fn references(text: &str) -> Vec<(String, Vec<String>)> {
+    let found = text.split("docs/numerics/").skip(1).filter_map(|rest| {
+        let (name, mut rest) = rest.split_once(".md")?;
+        if !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-') {
+            return None;
+        }
+        let mut titles = Vec::new();
+        let marks = [", \"", " and \"", ", and \""];
+        while let Some(quoted) = marks.into_iter().find_map(|mark| rest.strip_prefix(mark)) {
+            let (title, after) = quoted.split_once('"')?;
+            titles.push(title.to_owned());
+            rest = after;
+        }
+        Some((name.to_owned(), titles))
+    });
+    found.collect()
+}
+
+/// What is wrong with a reference, if anything is.
+fn broken_reference(name: &str, titles: &[String]) -> Option<String> {
+    let file = root().join("docs").join("numerics").join(format!("{name}.md"));
+    if !file.exists() {
+        return Some(format!("{name}.md is not there"));
+    }
+    let headings = headings(&read(&file));
+    let missing = titles.iter().find(|title| !headings.contains(&anchor(title)))?;
+    Some(format!("{name}.md has no heading \"{missing}\""))
 }
 
 /// The text without its fenced blocks.
@@ -125,9 +205,11 @@ fn broken_link(link: &str, document: &Path, folder: &Path) -> Result<(), String>
 fn headings(text: &str) -> BTreeSet<String> {
     let prose = prose(text);
     let titles = prose.lines().filter(|line| line.starts_with('#')).map(|line| line.trim_start_matches('#').trim());
-    let named = titles.map(|title| {
-        let kept = title.to_lowercase();
-        kept.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect::<String>().replace(' ', "-")
-    });
-    named.collect()
+    titles.map(anchor).collect()
+}
+
+/// The name of a heading.
+fn anchor(title: &str) -> String {
+    let kept = title.to_lowercase();
+    kept.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect::<String>().replace(' ', "-")
 }

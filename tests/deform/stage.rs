@@ -1,4 +1,4 @@
-//! Deform on the GPU against its twin: within the bound that NUMERICS.md derives.
+//! Deform on the GPU against its twin: within the bound that docs/numerics/deform.md derives.
 
 use rimline::gpu::{DeformError, Deformer, DeformerOptions, MemoryError};
 use rimline::model::PoseMismatch;

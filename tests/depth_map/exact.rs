@@ -1,5 +1,5 @@
-//! Vertices of boundaries in `f64`, by a text of its own, and what floats may be off by. NUMERICS.md, "Volumes from depth maps",
-//! "Where vertices are".
+//! Vertices of boundaries in `f64`, by a text of its own, and what floats may be off by. docs/numerics/depth-maps.md, "Rounding
+//! of positions".
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
 use rimline::{DepthDirection, ShadowCamera};

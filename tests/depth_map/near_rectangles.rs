@@ -156,7 +156,7 @@ fn pictures(
     same("with near caps that are always drawn", &picture(false)?, &found)?;
     let boundary = Boundary::new(map, &camera, at, -1.0);
     let stencil: Vec<_> = found.iter().map(|&value| value != 0).collect();
-    // The move of the map's depths, and twenty roundings of them: NUMERICS.md, "Where vertices are".
+    // The move of the map's depths, and twenty roundings of them: docs/numerics/depth-maps.md, "Rounding of positions".
     let depth = |place: DVec3| {
         let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
         let clip = matrix * (place - DVec3::from_array(camera.origin.map(f64::from))).extend(1.0);

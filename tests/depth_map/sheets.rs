@@ -1,5 +1,6 @@
 //! Open sheets of folds over a ground that is not in the map. Ground whose texel has nothing around it is lit. Every cell has it
-//! so; what the default detector has otherwise is traced to the surface that it leaves out. NUMERICS.md, "Open sheets".
+//! so; what the default detector has otherwise is traced to the surface that it leaves out. docs/numerics/depth-maps.md, "Open
+//! sheets".
 
 use std::collections::HashSet;
 

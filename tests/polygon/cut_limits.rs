@@ -1,5 +1,5 @@
 //! L-twisted outlines with as many cuts as the GPU takes. llvmpipe ends an invocation's loops after 65,535 turns without a word, so
-//! pieces are compared with the twin's. NUMERICS.md, "Turns of loops" and "Shadows of twisted polygons".
+//! pieces are compared with the twin's. docs/numerics/loops.md and docs/numerics/twisted-polygons.md.
 
 use rimline::gpu::MAX_OUTLINE_EDGES;
 use rimline::mesh::Weld;

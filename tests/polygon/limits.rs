@@ -1,5 +1,5 @@
 //! Polygons as large as the GPU takes them. llvmpipe ends an invocation's loops after 65,535 turns without a word, so these are
-//! compared with the twin. NUMERICS.md, "Turns of loops".
+//! compared with the twin. docs/numerics/loops.md.
 
 use rimline::gpu::{Extractor, ExtractorError, ExtractorOptions, MAX_OUTLINE_EDGES};
 use rimline::mesh::Weld;

@@ -155,7 +155,8 @@ fn unequal(traced: &Traced, counted: &Counted, counts: bool) -> Result<usize, St
     }
 }
 
-/// Whether a pixel has its count if nothing but depth is reversed, and so more precise: NUMERICS.md, "Hairlines".
+/// Whether a pixel has its count if nothing but depth is reversed, and so more precise: docs/numerics/rasterisers.md,
+/// "Hairlines".
 fn is_right_reversed(renderer: &Renderer<'_>, traced: &Traced, (x, y): (u32, u32)) -> Result<bool, String> {
     let mut frame = traced.frame.clone();
     frame.eye = Eye { depth: DepthDirection::Reversed, far: None, ..frame.eye };

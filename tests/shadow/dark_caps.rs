@@ -1,5 +1,5 @@
-//! The vertices of dark caps that orthographic cameras see, on the GPU and by the CPU twin: NUMERICS.md, "Dark caps of
-//! orthographic cameras".
+//! The vertices of dark caps that orthographic cameras see, on the GPU and by the CPU twin: docs/numerics/rasterisers.md, "Dark
+//! caps of orthographic cameras".
 
 use glam::DVec3;
 use rimline::reference::cpu::{self, End, Threads};

@@ -1,5 +1,5 @@
 //! Pixels with the edge that a side begins at so close to their centre, or to a sample of theirs, that a GPU may see it
-//! on the other side: NUMERICS.md, "Hairlines".
+//! on the other side: docs/numerics/rasterisers.md, "Hairlines".
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use rimline::Counting;

@@ -1,5 +1,6 @@
 //! Closed casters in one mesh of several components: wound inwards, nested, through each other. The light is anywhere,
-//! also within their box, and so is the eye. Which faces cast there is argued in NUMERICS.md, "Which faces cast".
+//! also within their box, and so is the eye. Which faces cast there is argued in docs/numerics/casting-faces.md, "Which faces
+//! cast".
 
 use glam::DVec3;
 use rimline::{Counting, DepthDirection, Light};

@@ -99,7 +99,8 @@ impl Rig {
         steps().any(|dx| steps().any(|dy| fits(self.at(Self::pixel(x, y) + DVec2::new(dx, dy)))))
     }
 
-    /// Whether an edge is so close to the pixel's centre that a GPU may see it on the other side: NUMERICS.md, "Hairlines".
+    /// Whether an edge is so close to the pixel's centre that a GPU may see it on the other side: docs/numerics/rasterisers.md,
+    /// "Hairlines".
     fn is_hairline(&self, x: u32, y: u32) -> bool {
         let at = Self::pixel(x, y);
         self.edges.iter().any(|&([a, b], off)| {

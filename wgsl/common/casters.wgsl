@@ -2,7 +2,7 @@
 // all stages of scenes and of shadow volumes. A slot is the index of a face or edge in the masks of casters that are drawn
 // together, a group. src/layout.rs has the same structs, src/gpu/scene/table.rs writes them; a test holds structs, CHUNK and
 // LANES equal. `may_be_in_cone` may say true too often, never false for a box with a point in the cone: `reach` and `needs` leave
-// out what it denies. NUMERICS.md, "Cones of lights".
+// out what it denies. docs/numerics/scene.md, "Cones of lights".
 
 // Slots of a chunk, all of one caster.
 const CHUNK: u32 = 64u;

@@ -2,8 +2,8 @@
 // sign tells the light's side of the face: positive on the counter-clockwise side. The local form takes differences only; the
 // plane form takes the face's plane. Stages of extraction, of polygons and of queries use it. Where |determinant| exceeds the
 // bound, its sign is exact on every device; callers take the others to common/fixed_sign.wgsl and common/exact_sign.wgsl. Bounds
-// are derived for these operations, one by one, and for coordinates below LARGE: change neither alone. NUMERICS.md, "Facing",
-// "Per edge" and "Filter".
+// are derived for these operations, one by one, and for coordinates below LARGE: change neither alone. docs/numerics/facing.md,
+// "Error band", "Per edge" and "Filter".
 
 override PLANE: bool = false; // Whether to use the plane form, as published in 2003, instead of the local form.
 

@@ -1,8 +1,8 @@
 // The sign of det[b - a, c - a, l - w a], for a face (a, b, c) and a homogeneous light (l, w), for all finite f32, in integer
 // arithmetic. It is exact, the same on every device. `exact_facing`, the query's stages of exact_shadow_depth.wgsl and, through
 // polygon/turn.wgsl, the stages of polygons use it where common/fixed_sign.wgsl says that numbers do not fit. Callers must leave
-// out faces that are not finite before. This is rare and slow, so the code is short rather than fast. NUMERICS.md, "Exact
-// facing".
+// out faces that are not finite before. This is rare and slow, so the code is short rather than fast. docs/numerics/facing.md,
+// "Exact facing".
 
 const DIGIT: u32 = 0xffffffu; // The bits of a digit.
 // Digits of 24 bits, the lowest first, in units of 2^-596. `exact_sign` finds and leaves them zero. 48 of them hold every sum of

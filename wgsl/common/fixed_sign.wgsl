@@ -2,8 +2,8 @@
 // finite faces and lights whose numbers lie in a window of bits, and says so where they do not: callers then take
 // common/exact_sign.wgsl. `exact_facing`, the query's stages of exact_shadow_depth.wgsl and, through polygon/turn.wgsl, the
 // stages of polygons use it for signs that f32 leaves undecided: `fixed_face` once for a face, `fixed_sign` for each light. The
-// integers have limbs of 12 bits in i32. No compiler can round, fuse or flush them, so all devices agree. NUMERICS.md, "Exact
-// facing".
+// integers have limbs of 12 bits in i32. No compiler can round, fuse or flush them, so all devices agree.
+// docs/numerics/facing.md, "Exact facing".
 
 #import common/exact_sign
 

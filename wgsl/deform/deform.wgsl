@@ -4,7 +4,7 @@
 // writes `positions`, three floats a vertex, which extraction, scenes, shadow volumes and queries read, and the caller draws.
 // Instances that stage `needs` found that the frame does not need become the point (0, 0, 0), so that nothing is drawn of them.
 // Sums are in the order of src/cpu/deform; rounding may differ between devices. All later stages read the positions as written,
-// so silhouettes close all the same. NUMERICS.md, "Deform".
+// so silhouettes close all the same. docs/numerics/deform.md, "Deform".
 
 #if DISPLACED
 #else

@@ -5,7 +5,7 @@
 // contour_rim.wgsl. A distance is the device depth from the near plane on, in units of 2⁻²⁹ of its range; FAR is nothing. A place
 // is where a contour crosses an edge, in 256 parts of a texel; a rim, where a smooth surface bends away from the light. Tiles
 // have 16 × 16 cells. `at` is a sample, also one outside of the lattice, which is far. Importers bind what samples.wgsl has, of a
-// single map. All is integer arithmetic, so lists of walls are the same on every device, to the word. NUMERICS.md, "Contours",
+// single map. All is integer arithmetic, so lists of walls are the same on every device, to the word. docs/numerics/contours.md,
 // shows that nothing overflows: keep shifts and clamps.
 
 #import depth_map/samples

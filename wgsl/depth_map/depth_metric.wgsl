@@ -3,7 +3,8 @@
 // Reads distances and `metric_view`. Writes a texture of `r32float` with the device depths of the light's camera: from 0 to 1,
 // none subnormal or NaN, and the far end where nothing casts.
 // It computes in floats, within a bound: `metric_steps` in src/gpu/depth_map/metric.rs, by which draws move the boundary of
-// shadow. Keep the operations of `distance_key` and their order: NUMERICS.md, "Maps of distances", derives the bound from them.
+// shadow. Keep the operations of `distance_key` and their order: docs/numerics/depth-maps.md, "Maps of distances", derives the
+// bound from them.
 
 #import depth_map/samples
 

@@ -36,7 +36,7 @@ fn moved_down(word: u32, places: u32) -> vec2<u32> {
 }
 
 // Whether `large` is more than `small` + `threshold`, exactly: bits of numbers from 0 to 1, none subnormal, small <= large.
-// The bits that the moves cut off cannot change the result (NUMERICS.md, "Decisions are exact").
+// The bits that the moves cut off cannot change the result (?).
 fn exceeds(large: u32, small: u32, threshold: u32) -> bool {
   let exponent = large >> 23u;
   let a = moved_down(mantissa(small), exponent - (small >> 23u));
@@ -201,7 +201,7 @@ fn entry_of_cell(cell: u32) -> u32 {
 }
 
 // Whether two depths of a perspective map are farther from each other than a distance in world units, exactly: the sign of
-// ratio · |a − b| − |a − i| · |b − i|, with the depth i at infinity. NUMERICS.md, "Volumes from depth maps".
+// ratio · |a − b| − |a − i| · |b − i|, with the depth i at infinity. docs/numerics/depth-maps.md.
 
 // Words of an integer in units of 2⁻²⁹⁸, lowest first, negative as two's complement.
 const WIDE: u32 = 14u;

@@ -3,7 +3,7 @@
 // `told` decides by floats, only where rounding cannot matter: 0 or 1. Where it may, it gives 2, and the caller asks `exactly`,
 // which decides by integers. So marks are exact and the same on every device. Only the two together may be changed.
 // Level 0 is the detector's own rule. Level 1 has lower thresholds, for edges that continue one that dangles: one that ends in a
-// cell without another marked edge. NUMERICS.md, "Second differences", "Steps in world units".
+// cell without another marked edge. ?.
 
 #import depth_map/edge_code
 #import depth_map/samples

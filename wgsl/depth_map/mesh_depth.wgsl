@@ -4,7 +4,7 @@
 // face, an instance for each chunk, which is 64 faces of a caster (`SceneDepth::draw`). Both draw front and back faces.
 // Read: positions in the caller's buffer or the scene's pages, transforms, faces, the light's matrix.
 // The same positions have the same depth bits in both draws: `light_position` makes all vertices, and they are invariant. Keep
-// its operations and their order; NUMERICS.md, "Depth of scenes", bounds their rounding.
+// its operations and their order; docs/numerics/depth-maps.md, "Depth of scenes", bounds their rounding.
 
 struct MeshDepthView {
   // The light's matrix, by columns.

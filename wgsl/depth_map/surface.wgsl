@@ -5,8 +5,8 @@
 // if it is behind the boundary.
 // Importers bind `cells`: the list of `depth_cells`, or with contours the walls of `contour_walls`; and a view for each map.
 // All triangles at a sample take its vertex from `surface_vertex`, at an invariant position, so a pixel on a common edge is
-// counted once. Do not compute it anywhere else. NUMERICS.md, "Where vertices are", bounds its rounding: keep operations and
-// order.
+// counted once. Do not compute it anywhere else. docs/numerics/depth-maps.md, "Rounding of positions", bounds its rounding: keep
+// operations and order.
 
 #import depth_map/cube
 #import depth_map/edge_code

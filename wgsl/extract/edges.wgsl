@@ -4,7 +4,7 @@
 // appends silhouette edges to the lists of the lights in no particular order, for callers and shadow volumes, or both. In the
 // variant SCENE eight invocations share a chunk (64 slots) that `chunks` listed, for lights whose lists are made anew, and it
 // only appends. A slot is the index of a face or record in masks and lists (interface/caster.wgsl). Facing must be read as it is
-// written, never decided again: so loops of silhouettes close. NUMERICS.md, "Watertight".
+// written, never decided again: so loops of silhouettes close. docs/numerics/watertight.md.
 
 #import common/extraction
 #import interface/caster

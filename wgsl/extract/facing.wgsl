@@ -2,10 +2,10 @@
 // the face's counter-clockwise side. For a single mesh it is the first stage, dispatched for each range of faces and batch, an
 // invocation a face; the variant SCENE runs after `chunks`, and eight invocations share a chunk (64 faces of one caster) that
 // `clusters` listed. A slot is a face's index in the masks; a place is a light's number among those of the caster, its bit for a
-// single mesh (interface/caster.wgsl). The bit is the sign of det[b - a, c - a, l - w a] (NUMERICS.md, "Facing"). One bound for
-// each face, which must not shrink, tells whether all its signs are certain ("Filter"). A face with others is listed, in no
-// particular order, for `exact_facing`, which runs right after and makes all bits exact. `edges`, callers and shadow volumes read
-// the masks.
+// single mesh (interface/caster.wgsl). The bit is the sign of det[b - a, c - a, l - w a] (docs/numerics/facing.md, "Error band").
+// One bound for each face, which must not shrink, tells whether all its signs are certain ("Filter"). A face with others is
+// listed, in no particular order, for `exact_facing`, which runs right after and makes all bits exact. `edges`, callers and
+// shadow volumes read the masks.
 
 #import common/determinant
 #import common/extraction

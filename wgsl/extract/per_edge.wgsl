@@ -3,7 +3,7 @@
 // One invocation takes one record (a directed edge with one or two faces), gathers four positions and tests both faces against
 // every light. It writes masks and lists as `edges` does, for `compact`, `arguments` and callers. It uses the plane equations, as
 // published, or the local form (common/determinant.wgsl). A face's side is decided again at each of its edges, in f32, so loops
-// may fail to close. This is what is compared: tests and gathers must stay one an edge. NUMERICS.md, "Per edge".
+// may fail to close. This is what is compared: tests and gathers must stay one an edge. docs/numerics/facing.md, "Per edge".
 
 #import common/determinant
 #import common/extraction

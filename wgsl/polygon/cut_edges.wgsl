@@ -6,7 +6,7 @@
 // piece between both. Pieces come in any order; polygon/list_pieces.wgsl names their readers. Cutting edges and dark sides are
 // exact; orders are, but for those that `is_before` rounds. The same number of pieces begin at a point as end there, bit for bit,
 // so edges that cross must agree on order and point. `turn` is that of three points (polygon/turn.wgsl); `Turns:` is the most
-// turns of the loop below it. NUMERICS.md, "Shadows of twisted polygons".
+// turns of the loop below it. docs/numerics/twisted-polygons.md.
 
 #import polygon/cut_order
 #import polygon/cuts

@@ -4,7 +4,7 @@
 // ties broken by a light that is moved a little (polygon/turn.wgsl). Where three edges cross each other, how far along the edge
 // the cuts are decides, which is rounded. Each of the three must get an order that fits the other two, or pieces leave gaps: so
 // all take it from the same numbers, and a rule may be changed only with its proof. `Turns:` comments are about loops.
-// NUMERICS.md, "Shadows of twisted polygons", "Order".
+// docs/numerics/twisted-polygons.md, "Order of cuts".
 
 #import extract/one_caster
 #import polygon/cuts

@@ -3,8 +3,8 @@
 // to the right, so the two edges between them cross, and each of the two lobes has the sense of its corners. Dispatched after the
 // passes of `cut_edges`, if the extractor has lists, one invocation a record of `undecided`. It appends six pieces for each light
 // behind those of `cut_edges`, in no particular order, for the same readers (polygon/list_pieces.wgsl). It must come last: the
-// passes of `cut_edges` take all that is listed for their cuts. Both lobes share one crossing point, bit for bit. NUMERICS.md,
-// "Shadows of twisted polygons".
+// passes of `cut_edges` take all that is listed for their cuts. Both lobes share one crossing point, bit for bit.
+// docs/numerics/twisted-polygons.md.
 
 #import polygon/list_pieces
 #import polygon/outlines

@@ -2,8 +2,7 @@
 // another as seen from the light. `cut_edges` writes the cuts of an edge as a row, in no particular order, and the edge's end
 // behind them, into `pieces`: one record for each piece of the edge. `cut_edges_list` overwrites each record with the piece that
 // ends at that cut. So a record must fit in the words of a piece. If a row does not fit the list, the records that do have
-// NO_POLYGON, and no pass may use the row. `Turns:` is the most turns of the loop below it. NUMERICS.md, "Shadows of twisted
-// polygons".
+// NO_POLYGON, and no pass may use the row. `Turns:` is the most turns of the loop below it. docs/numerics/twisted-polygons.md.
 
 #import extract/one_caster
 #import polygon/list_pieces

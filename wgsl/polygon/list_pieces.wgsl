@@ -4,7 +4,7 @@
 // batch of up to 32 lights before `cut_edges`. The stages `piece_crossings` and `piece_arguments` and the vertex shaders of
 // shadow/pieces.wgsl read the lists. A list comes in no particular order; its count goes on where it has no room, so that readers
 // can tell. Points are rounded, but all pieces that meet at a crossing must have its bits: `crossing_point` takes both edges in
-// the same order, whoever asks. NUMERICS.md, "Shadows of twisted polygons", "Closing".
+// the same order, whoever asks. docs/numerics/twisted-polygons.md.
 
 #import common/determinant
 #import extract/one_caster

@@ -5,7 +5,7 @@
 // of each edge, whether all corners lie within a half-space, whether anything is off a plane with the light. `polygon_masks`, the
 // next stage, decides from them. All is exact, by turns: 1 if the light sees three points counter-clockwise, -1 if clockwise. A
 // tie is broken by moving the light a little, the same way for all pairs and stages, so that what they find fits together.
-// `Turns:` is the most turns of the loop below it. NUMERICS.md, "Outlines".
+// `Turns:` is the most turns of the loop below it. docs/numerics/polygons.md.
 
 #import polygon/outlines
 #import polygon/turn

@@ -3,8 +3,8 @@
 // a polygon's border, in one loop or several; edges that it walks both ways have cancelled. `undecided` holds: a head, the
 // arguments of indirect dispatches, which is reset for each batch; a record for each polygon that is left to decide; and entries,
 // each the work of one workgroup: some edges and lights of a record. Records and entries come in no particular order, and no
-// result may depend on it. src/gpu/extract/polygon_buffers.rs writes the same layout and has the same constants. NUMERICS.md,
-// "Outlines".
+// result may depend on it. src/gpu/extract/polygon_buffers.rs writes the same layout and has the same constants.
+// docs/numerics/polygons.md.
 
 #import common/positions
 #import extract/one_caster

@@ -5,7 +5,7 @@
 // where it is undecided, to the masks of all triangles of a polygon. A polygon with an undecided light gets a record in
 // `undecided`, in any order, for `polygon_turns`, which computes all its bits anew. Bits that are decided are those of exact
 // arithmetic, so bounds must not shrink. Facing masks are complete after `polygon_masks`; `edges` and others read them then.
-// src/compose.rs expands `#import`; `Turns:` is the most turns of the loop below it. NUMERICS.md, "Outlines", "The cheap way".
+// src/compose.rs expands `#import`; `Turns:` is the most turns of the loop below it. docs/numerics/polygons.md, "Four turns".
 
 #import extract/one_caster
 #import polygon/outlines

@@ -5,7 +5,7 @@
 // counts nowhere as a face; what a twisted one darkens is cut into pieces. `edges` reads facing and twisted masks next; stages of
 // shadow volumes read facing and excluded ones. Outlines that are twisted are listed as entries for `cut_edges`, but for the
 // quadrilaterals that `cut_quads` takes. Bits are exact, and every triangle of a polygon has the same: else silhouettes would not
-// close. NUMERICS.md, "Outlines".
+// close. docs/numerics/polygons.md.
 
 #import common/extraction
 #import extract/one_caster

@@ -5,8 +5,8 @@
 // that are L-twisted (their outline crosses itself as seen from light L); other loops where they are strictly convex. It
 // overwrites the polygon's facing masks, and writes into the record what is certain and which lights are left; for these it lists
 // entries, parts of the work, for `outline`, the next stage. `polygon_masks` reads the records, and `cut_quads` those of twisted
-// quadrilaterals. All that it decides equals exact arithmetic, so bounds must not shrink. NUMERICS.md, "Outlines", "The cheap
-// way".
+// quadrilaterals. All that it decides equals exact arithmetic, so bounds must not shrink. docs/numerics/polygons.md, "Four
+// turns".
 
 #import common/determinant
 #import common/positions

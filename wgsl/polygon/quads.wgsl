@@ -1,7 +1,7 @@
 // The turns at the four corners of a quadrilateral or triangle as `f32` computes them, for four lights at once, and a bound on
 // their errors. For `polygon_facing` and `polygon_turns`. The turn at a corner is the sign of the determinant of the corner
 // before, it and the one after, as a light sees them: positive for counter-clockwise. A turn counts only where its size is above
-// `bound` and `is_certain` holds; callers must leave the others to exact stages. NUMERICS.md, "Outlines", "The cheap way".
+// `bound` and `is_certain` holds; callers must leave the others to exact stages. docs/numerics/polygons.md, "Four turns".
 
 #import common/determinant
 #import common/positions

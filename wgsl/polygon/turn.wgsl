@@ -3,8 +3,8 @@
 // then fixed point, then integers, so all devices have the same sign. Where it is 0, the light is moved by (e, e^2, e^3) for an e
 // smaller than anything: the sign is the first that is not 0 with the axes x, y, z for the light. All callers must share this
 // rule, or what they find of one outline does not fit together. Also how large the determinant is, rounded, for the order of
-// cuts. Points are the bits of positions, and must be finite. `Turns:` is the most turns of the loop below it. NUMERICS.md,
-// "Outlines".
+// cuts. Points are the bits of positions, and must be finite. `Turns:` is the most turns of the loop below it.
+// docs/numerics/polygons.md.
 
 #import common/determinant
 #import common/exact_sign

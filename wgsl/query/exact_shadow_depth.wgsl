@@ -5,7 +5,7 @@
 // and 1,024 faces, of which it decides all anew. Fixed point decides where the numbers fit, else integers, so depths are the same
 // on every device. Where the line to the light meets an edge, the tie is broken as if the light were moved by (e, e^2, e^3), the
 // same for all faces, so that a line through a shared edge passes one side of it. Counts are added by atomics, in any order.
-// NUMERICS.md, "Shadow depth".
+// docs/numerics/query.md.
 
 #import common/exact_sign
 #import common/fixed_sign

@@ -3,7 +3,7 @@
 // group, an invocation a cluster. It writes them into `clusters`, whose faces the CPU wrote once; `shadow_depth` and
 // `exact_shadow_depth` leave out clusters and groups by them. A box must hold every face that counts: those that are finite and
 // name three different vertices. Floats are compared as keys, integers in their order, so that no device can flush or round them;
-// so boxes have the same bits everywhere. NUMERICS.md, "Shadow depth", "Boxes".
+// so boxes have the same bits everywhere. docs/numerics/query.md.
 
 #import common/extraction
 #import common/positions

@@ -5,7 +5,7 @@
 // in any order, for `depth_arguments` and `exact_shadow_depth_recount`. Depths are exact: the same on every device and on the
 // CPU, so bounds must not shrink. The triangles of a polygon (they follow each other) count 1 and -1 in turn, so that it counts
 // once if an odd number of them lie between. Ranges come one after another, and the bit of a polygon that goes on behind a range
-// is handed on by `state`. A point that is not finite has depth -1. NUMERICS.md, "Shadow depth".
+// is handed on by `state`. A point that is not finite has depth -1. docs/numerics/query.md.
 
 #import common/determinant
 #import common/positions

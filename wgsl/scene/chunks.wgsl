@@ -3,8 +3,8 @@
 // no silhouette. A chunk is 64 slots, indices in the masks, all of one caster; a cluster is 128 faces with a bound. Dispatched
 // after `clusters` for each group of casters and batch; invocations share the chunks. It also empties lists and statistics for
 // `facing` and the stages after it, and notes in `kept` the versions that the bits are computed from: it is the last of the
-// stages that read those of before. A chunk that may have a silhouette must be listed. NUMERICS.md, "Clusters" and "What a scene
-// keeps".
+// stages that read those of before. A chunk that may have a silhouette must be listed. docs/numerics/clusters.md, and
+// docs/numerics/scene.md, "Cached results".
 
 #import common/casters
 #import common/extraction

@@ -3,7 +3,7 @@
 // batch; invocations share the chunks, 64 face slots of one caster each. It takes the lights in `taken`, which `reach` chose, and
 // lists in `work` the chunks with a bit that is to be tested or changed, in no particular order, for `facing`, with what is
 // decided already; and it notes in `kept` what the masks will hold, for `chunks` and the next encode. It decides only what exact
-// facing would decide the same way, so bounds must not shrink. NUMERICS.md, "Clusters".
+// facing would decide the same way, so bounds must not shrink. docs/numerics/clusters.md.
 
 #import common/casters
 #import scene/many_casters

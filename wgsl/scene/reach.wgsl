@@ -4,8 +4,8 @@
 // to be computed, `taken`, because caster or light changed since; the others keep their bits. `clusters`, `facing` and
 // `exact_facing` read `taken`; `chunks`, `edges`, `bounds` and `choose` read `lit`. It also notes which lists must be made anew,
 // in `work`, and updates `kept`, what the masks are computed from. It never leaves out a light that matters: where numbers are
-// too large or rounding leaves it open, the light stays. NUMERICS.md, "Occluded casters", "Cones of lights", "What a scene
-// keeps".
+// too large or rounding leaves it open, the light stays. docs/numerics/scene.md, "Occluders", "Cones of lights" and "Cached
+// results".
 
 #import common/casters
 #import scene/table

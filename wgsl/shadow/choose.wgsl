@@ -4,8 +4,9 @@
 // suffice. Dispatched after `bounds`, an invocation a caster and light, a row of workgroups a view, for all batches of 32 lights
 // together. It reads boxes and the statistics of the extraction, and writes choices (shadow/choices.wgsl), for `caps` and all
 // stages after it, and statistics. All tests have slack, which must stay above their rounding errors: what is skipped casts
-// nothing that is seen, and where a test leaves it open, every face casts, or near caps are looked for. NUMERICS.md, "Which faces
-// cast", "Volumes that end" and "Volumes without a receiver".
+// nothing that is seen, and where a test leaves it open, every face casts, or near caps are looked for.
+// docs/numerics/casting-faces.md, "Which faces cast", docs/numerics/shadow-volumes.md, "Volumes that end", and
+// docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
 #import shadow/caster
@@ -105,7 +106,7 @@ fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec
   let light_is_inside = light_meets(light, low, high);
   light.excludes = select(0u, 1u, has_holes || is_cut || (light_is_inside && extraction_statistics[3] != 0u));
   // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster, and the eye does not
-  // see into it: NUMERICS.md, "Which faces cast".
+  // see into it: docs/numerics/casting-faces.md, "Which faces cast".
   let is_closed = shape.averted != 0u && (flags & CLOSED) != 0u && (flags & PROXY) == 0u;
   let is_outside = !boxes_meet(view, low, high) && !light_is_inside;
   light.casting = select(CAST_EVERY, CAST_AVERTED, is_closed && !has_holes && !is_cut && is_outside);

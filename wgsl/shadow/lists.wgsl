@@ -3,8 +3,8 @@
 // light L). `caps` and `list_sides` write the lists of faces and edges, and `cut_edges` and `cut_quads` those of pieces; the
 // stages that make arguments and bound counts, and the vertex shaders, read them. Lists are in no particular order. Two of a
 // light share a run, one from its front and one from its back. If there is no room, counts say so, and readers go over all edges
-// or faces, with the same tests from here: so `casts` and `side_of_edge` must agree, or volumes do not close. NUMERICS.md,
-// "Watertight".
+// or faces, with the same tests from here: so `casts` and `side_of_edge` must agree, or volumes do not close.
+// docs/numerics/watertight.md.
 //
 // Expects: `shape`, and as far as functions are used `edge_faces`, `facing_masks` and `excluded_masks`, by slots; `draw`, and
 // `pieces`, the lists of pieces.

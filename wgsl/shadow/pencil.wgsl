@@ -2,7 +2,7 @@
 // through the light, its axis, and are sorted into bins by one number each. A pixel's count is at most half of what crosses its
 // half plane and the faces that the axis may meet, so sides are added to all bins that they may cross. `stencil_pencil` finds a
 // pencil for each light and view; `stencil_crossings` and `piece_crossings` add sides; `stencil_bound` reads the bins. A side may
-// be added to too many bins, never to too few. NUMERICS.md, "A bound on counts".
+// be added to too many bins, never to too few. docs/numerics/receivers.md, "Bound on counts".
 //
 // Expects: `shape`, and where sides are added `crossings`, the rows of all pencils.
 

@@ -2,7 +2,7 @@
 // half planes that they cross (shadow/pencil.wgsl), each with the weight 1. Dispatched after `stencil_crossings`, if the caller
 // asks for a bound and the only caster is a mesh of polygons, for each batch (up to 32 lights) and view; a row of workgroups
 // shares the pieces of a light. `stencil_bound` reads the bins. Where a list of pieces overflowed, all of them cross every half
-// plane, so that bounds are never too small. NUMERICS.md, "A bound on counts".
+// plane, so that bounds are never too small. docs/numerics/receivers.md, "Bound on counts".
 
 #import shadow/caster
 #import shadow/choices

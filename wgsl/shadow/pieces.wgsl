@@ -2,7 +2,7 @@
 // from light L), in the caller's render pass, by the indirect draws of `piece_arguments`; an instance is a piece, which
 // `cut_edges` and `cut_quads` listed (shadow/lists.wgsl). A piece is an edge of the face that it makes with the middle of its
 // polygon, and that face faces the light. Faces of other pieces meet it at its other edges, and count there with the contrary
-// sign: so positions must be taken as listed, bit for bit. NUMERICS.md, "Shadows of twisted polygons".
+// sign: so positions must be taken as listed, bit for bit. docs/numerics/twisted-polygons.md.
 
 #import shadow/caster
 #import shadow/choices

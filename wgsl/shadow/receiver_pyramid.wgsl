@@ -2,7 +2,7 @@
 // for each view. It writes the upper levels, the farthest receiver of each square of four cells, up to one for all; and the box
 // of all places between the near rectangle (what the camera sees of the near plane) and the receivers, with slack above its
 // rounding errors. A receiver is a pixel that shadows may fall on. `choose` reads both, to leave out volumes that no receiver can
-// be in, so neither may be too small. NUMERICS.md, "Volumes without a receiver".
+// be in, so neither may be too small. docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
 #import shadow/receivers

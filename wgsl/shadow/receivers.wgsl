@@ -3,7 +3,7 @@
 // to one for all; and as a box of all places between the near rectangle (what the camera sees of the near plane) and the
 // receivers. Depths are kept as keys, integers that grow with the distance, whichever way the depth buffer runs. `receiver_depth`
 // and `receiver_pyramid` write them, and `choose` reads them, through shadow/visibility.wgsl. Keys keep their order exactly; a
-// depth made of one again is never nearer than it was. NUMERICS.md, "Volumes without a receiver".
+// depth made of one again is never nearer than it was. docs/numerics/receivers.md, "Volumes without a receiver".
 
 struct ReceiverView {
   inverse: array<vec4<f32>, 4>, // Columns of the matrix from normalised device coordinates to the camera's frame.

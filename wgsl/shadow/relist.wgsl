@@ -3,8 +3,8 @@
 // Dispatched before `bounds`, one workgroup for each group, batch of up to 32 lights and view, an invocation a light. It compares
 // the encodes that made the silhouettes (`kept`) and the camera's version with `listed`, what the lists were made from, which it
 // then updates; both lie on the GPU, so an encoder that was dropped spoils nothing. It writes the bits FRESH of the choices, for
-// `bounds`, `choose`, `caps` and `list_sides`, and takes back what the choices said of exclusion. NUMERICS.md, "What a scene
-// keeps".
+// `bounds`, `choose`, `caps` and `list_sides`, and takes back what the choices said of exclusion. docs/numerics/scene.md, "Cached
+// results".
 
 #import shadow/choices
 #import shadow/shadow

@@ -2,7 +2,7 @@
 // space, and the three forms of a vertex V of a volume: V itself, its far vertex at infinity or where the volume ends, and its
 // projection from the light onto the near plane. A light L is homogeneous, (x, y, z, w); a light at infinity has w = 0. All
 // arithmetic is written out, and must stay so, so that a vertex has the same bits wherever it is computed: in two draws, and in a
-// caller's depth pass that takes `to_clip`. NUMERICS.md, "Shadow volumes".
+// caller's depth pass that takes `to_clip`. docs/numerics/shadow-volumes.md.
 
 #import common/casters
 

@@ -3,8 +3,8 @@
 // clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with the near cap (`cap_faces`) has
 // equal bits. `zp_plus_2005_side` is the side as published in 2005. The first two may be trimmed (shadow/vertices.wgsl). If the
 // light's lists overflowed, each edge of the group is two instances and is tested here. Ends must come to shadow/vertices.wgsl as
-// the winding and the order of vertex indices have them: stencil counts and seams follow from these. NUMERICS.md, "Shadow
-// volumes".
+// the winding and the order of vertex indices have them: stencil counts and seams follow from these.
+// docs/numerics/shadow-volumes.md.
 
 #import common/casters
 #import common/extraction

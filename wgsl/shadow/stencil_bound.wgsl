@@ -3,7 +3,7 @@
 // view, an invocation a batch of casters that count together. It reads the rows that `stencil_pencil`, `stencil_crossings` and
 // `piece_crossings` made (shadow/pencil.wgsl), and writes statistics, which the caller reads. No count exceeds half of the
 // weights that its half plane crosses, plus the faces of casters that the line of the pencil may meet: a bound may be too large,
-// never too small. NUMERICS.md, "A bound on counts".
+// never too small. docs/numerics/receivers.md, "Bound on counts".
 
 #import shadow/pencil
 #import shadow/shadow

@@ -2,7 +2,7 @@
 // half planes that they cross (shadow/pencil.wgsl), for `stencil_bound`. Dispatched after `stencil_pencil`, if the caller asks
 // for a bound, for each group of casters, batch of up to 32 lights and view; a row of workgroups shares the lists of a light.
 // Where these overflowed, it goes over all edges, with the largest weight that each may have: bounds are then larger, never too
-// small. Rows are sums of integers, so the order of invocations does not matter. NUMERICS.md, "A bound on counts".
+// small. Rows are sums of integers, so the order of invocations does not matter. docs/numerics/receivers.md, "Bound on counts".
 
 #import common/extraction
 #import shadow/caster

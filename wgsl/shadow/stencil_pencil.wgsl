@@ -3,7 +3,7 @@
 // asks for a bound, one workgroup for each light of a batch and view, which shares all casters. It reads choices and the boxes of
 // casters that cast, and writes the pencil, and into its rows, zeros before, the faces of all casters and of those that the line
 // may meet. `stencil_crossings` and `piece_crossings` go on from it. Tests of boxes have slack: a caster that the line may meet
-// must be found. NUMERICS.md, "A bound on counts".
+// must be found. docs/numerics/receivers.md, "Bound on counts".
 
 #import common/casters
 #import shadow/caster

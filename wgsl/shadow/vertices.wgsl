@@ -3,7 +3,7 @@
 // cap), or the part between light and near plane, projected from the light onto that plane (near cap). Anything clipped at the
 // near plane is a polygon of up to five vertices, drawn as a strip. Volumes are watertight: shapes that meet at an edge have
 // equal bits there, because both take its ends in the order of their vertex indices (`is_ordered`) and by the same functions of
-// shadow/shadow.wgsl. No expression may differ between two shapes that meet. NUMERICS.md, "Shadow volumes". If TRIM is set,
+// shadow/shadow.wgsl. No expression may differ between two shapes that meet. docs/numerics/shadow-volumes.md. If TRIM is set,
 // polygons are cut at the frustum here, for drivers that clip slivers wrongly: "Triangles that leave the picture". The last part,
 // also for `zp_plus_2005_cases`, is ZP+ as published in 2005. `Turns:` is the most turns of the loop below it.
 
@@ -183,7 +183,7 @@ fn is_left(a: vec2<f32>, b: vec2<f32>, is_ordered: bool) -> bool {
 }
 
 // A face at infinity, as an orthographic camera sees it. It covers the whole picture if the camera's direction is
-// within the face as seen from the light, else nothing. NUMERICS.md, "Dark caps of orthographic cameras".
+// within the face as seen from the light, else nothing. docs/numerics/rasterisers.md, "Dark caps of orthographic cameras".
 fn all_or_nothing(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u32) -> vec4<f32> {
   let a = extrusion(view, light, face.a);
   let b = extrusion(view, light, face.b);

@@ -2,7 +2,7 @@
 // see it or its shadow, whether it may lie between light and near rectangle (what the camera sees of the near plane), and whether
 // anything that shadows fall on can be in its shadow. `choose` takes all of it, `caps` the planes between light and near
 // rectangle, and `needs` what is seen of boxes. Tests have slack, which must stay above their rounding errors: a box is out only
-// if it certainly is. NUMERICS.md, "Shadow volumes" and "Volumes without a receiver".
+// if it certainly is. docs/numerics/shadow-volumes.md, and docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
 #import shadow/receivers

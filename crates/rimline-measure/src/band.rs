@@ -1,4 +1,4 @@
-//! The error bounds of NUMERICS.md, with its constants. Evaluated in f64, whose own error the last digits cover.
+//! The error bounds of docs/numerics, with its constants. Evaluated in f64, whose own error the last digits cover.
 
 use rimline::reference::model::influence_range;
 use rimline::{Geometry, InstancePose, Light};
@@ -9,7 +9,7 @@ use super::oracle::ExactFace;
 const U: f64 = 1.192_092_895_507_812_5e-7;
 /// The least normal f32, 2⁻¹²⁶: what flushing may lose.
 const TAU: f64 = 1.175_494_350_822_287_5e-38;
-/// Beyond these magnitudes an intermediate of "Facing" or "Per edge" may overflow, and nothing is promised.
+/// Beyond these magnitudes an intermediate of "Error band" or "Per edge" may overflow, and nothing is promised.
 const MOST: f64 = 1e12;
 const MOST_PER_EDGE: f64 = 1_073_741_824.0;
 
@@ -66,7 +66,8 @@ pub fn scaled(light: Light) -> [f64; 4] {
 /// The determinant that a bound is for, and the bound.
 pub type Bound = fn([[f32; 3]; 3], Light) -> (f64, Option<f64>);
 
-/// D and B of NUMERICS.md, "Facing": where |D| > B, the f32 local form has the right sign. No B: nothing is promised.
+/// D and B of docs/numerics/facing.md, "Error band": where |D| > B, the f32 local form has the right sign. No B: nothing is
+/// promised.
 pub fn facing_bound(corners: [[f32; 3]; 3], light: Light) -> (f64, Option<f64>) {
     let light_scaled = scaled(light);
     // Products with a power of two are exact.
@@ -84,7 +85,7 @@ pub fn facing_bound_without_q(corners: [[f32; 3]; 3], light: Light) -> (f64, Opt
     (determinant, (m <= MOST).then_some((gamma(8) * p + underflow) * EVALUATED + 2e-15 * p))
 }
 
-/// The same of NUMERICS.md, "Per edge", for the first corner as origin.
+/// The same of docs/numerics/facing.md, "Per edge", for the first corner as origin.
 pub fn per_edge_bound(corners: [[f32; 3]; 3], light: Light) -> (f64, Option<f64>) {
     let terms = Terms::new(corners, light.to_array().map(f64::from));
     let Terms { p, q, l, largest: m, determinant } = terms;
@@ -158,7 +159,7 @@ pub fn check_facing_by(
     Ok(checked)
 }
 
-/// The bound of NUMERICS.md, "Deform", between any two evaluations of one coordinate each: GPU against twin.
+/// The bound of docs/numerics/deform.md, "Deform", between any two evaluations of one coordinate each: GPU against twin.
 pub fn deform_bound(geometry: &Geometry, pose: &InstancePose, vertex: usize) -> [f64; 3] {
     let magnitude = |value: f32| f64::from(value).abs();
     let mut morphed = geometry.positions()[vertex].map(magnitude);

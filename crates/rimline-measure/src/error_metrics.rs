@@ -122,7 +122,7 @@ fn wrong_at_edges(mesh: &Mesh, right: &[u32], masks: &[EdgeMasks]) -> Vec<u32> {
 pub struct LightCounts {
     /// Edge records that are silhouettes; boundaries always are.
     pub silhouette_edges: usize,
-    /// Vertices at which outgoing less incoming multiplicities are not zero; NUMERICS.md, "Watertight".
+    /// Vertices at which outgoing less incoming multiplicities are not zero; docs/numerics/watertight.md.
     pub unclosed_vertices: usize,
 }
 

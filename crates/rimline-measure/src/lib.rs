@@ -3,7 +3,7 @@
 //! * [`shapes`], [`polygons`], [`cases`], [`models`]: meshes and models made by code;
 //! * [`stress`]: scenes that are hard on floating-point arithmetic; [`error_metrics`]: how wrong a method is on them;
 //! * [`oracle`], [`shadow_oracle`], [`polygon_oracle`], [`band`]: brute force in big integers, and the error bounds of
-//!   NUMERICS.md in `f64`;
+//!   docs/numerics in `f64`;
 //! * [`predicates`], [`scenes`], [`shadow_cases`]: hard pairs of face and light, cameras with casters, queries;
 //! * [`poser`]: where a posed model's vertices are, in `f64`, from the glTF 2.0 specification;
 //! * [`rays`]: triangles and rays in `f64`;

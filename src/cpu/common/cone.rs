@@ -1,4 +1,4 @@
-//! The cones of spot lights. NUMERICS.md, "Cones of lights".
+//! The cones of spot lights. docs/numerics/scene.md, "Cones of lights".
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! Bounds on the error of the `f32` determinant; NUMERICS.md, "Filter".
+//! Bounds on the error of the `f32` determinant; docs/numerics/facing.md, "Filter".
 
 /// Ten units in the last place: 10 · 2⁻²³.
 pub const RELATIVE: f32 = 10.0 / 8_388_608.0;

@@ -8,7 +8,8 @@ use crate::model::{Geometry, InstancePose, Model, Pose, PoseMismatch};
 pub type Displace<'a> = &'a (dyn Fn([f32; 3], u32, f32) -> [f32; 3] + Sync);
 
 /// Computes the world-space positions of all instances, in the vertex order of [`Model::mesh`]. `time_s` is for
-/// `displace`, in seconds. The `f32` arithmetic has the order of `wgsl/deform/deform.wgsl`; see NUMERICS.md, "Deform".
+/// `displace`, in seconds. The `f32` arithmetic has the order of `wgsl/deform/deform.wgsl`; see docs/numerics/deform.md,
+/// "Deform".
 ///
 /// # Errors
 /// [`PoseMismatch`] if the pose does not fit the model.

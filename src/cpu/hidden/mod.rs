@@ -1,4 +1,4 @@
-//! Faces hidden by faces: those whose shadow lies wholly in the shadow of others; NUMERICS.md, "Faces hidden by faces".
+//! Faces hidden by faces: those whose shadow lies wholly in the shadow of others; docs/numerics/hidden-faces.md.
 
 pub(crate) mod clipped;
 pub(crate) mod cones;

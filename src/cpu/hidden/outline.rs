@@ -1,4 +1,4 @@
-//! Which hidden faces are left out: NUMERICS.md, "Which hidden faces are left out".
+//! Which hidden faces are left out: docs/numerics/hidden-faces.md, "Faces left out".
 
 use super::min_cut::MinCut;
 use crate::mesh::{Edge, EdgeKind, Mesh};

@@ -1,5 +1,5 @@
 //! Cut edges: the border of what a twisted outline darkens, in pieces of its edges that are wound so that it adds up with
-//! other volumes; NUMERICS.md, "Shadows of twisted polygons".
+//! other volumes; docs/numerics/twisted-polygons.md.
 
 use super::edge_pair::Edge;
 use super::outline::Outline;

@@ -1,4 +1,4 @@
-//! Many edges: how a light sees an outline of many edges, without going over all pairs of them; NUMERICS.md, "Outlines of many
+//! Many edges: how a light sees an outline of many edges, without going over all pairs of them; docs/numerics/polygons.md, "Many
 //! edges".
 
 use super::edge_pair::{Edge, edge_pair};

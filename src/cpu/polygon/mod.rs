@@ -1,4 +1,4 @@
-//! Polygons as a light sees them: facing, averted, in a plane with the light, or L-twisted; NUMERICS.md, "Outlines".
+//! Polygons as a light sees them: facing, averted, in a plane with the light, or L-twisted; docs/numerics/polygons.md.
 
 #[cfg(feature = "reference")]
 pub(crate) mod cut_edges;

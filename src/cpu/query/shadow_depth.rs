@@ -17,7 +17,7 @@ use crate::mesh::{Mesh, NO_FACE, is_degenerate};
 /// other in the result, with one number for each light. A point that is infinite or NaN has −1.
 ///
 /// Two kinds of faces do not count: those with an infinite or NaN vertex, and those that name a vertex twice. A face that contains the point or the light does not lie between them. Other
-/// ties are broken as if the light were moved by `(ε, ε², ε³)`; see NUMERICS.md, "Shadow depth".
+/// ties are broken as if the light were moved by `(ε, ε², ε³)`; see docs/numerics/query.md.
 ///
 /// A point that is on a face may lie before or behind it after rounding: [`shadow_depth_on_faces`] leaves that face out, and
 /// [`Light::lift`] moves points off all faces.

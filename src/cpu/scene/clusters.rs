@@ -1,5 +1,5 @@
 //! Clusters: decides whether all faces of a cluster face a light, or none does, and lists the chunks of faces that are left.
-//! NUMERICS.md, "Clusters".
+//! docs/numerics/clusters.md.
 
 use super::table::SceneTable;
 use crate::layout::{ScaledLight, SceneCaster, SceneDispatch};

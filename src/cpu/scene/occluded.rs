@@ -1,4 +1,4 @@
-//! Occluded: finds the lights for which a caster's box lies wholly behind an occluder. NUMERICS.md, "Occluded casters".
+//! Occluded: finds the lights for which a caster's box lies wholly behind an occluder. docs/numerics/scene.md, "Occluders".
 
 use super::table::SceneTable;
 use crate::layout::{SceneCaster, SceneDispatch};

@@ -34,8 +34,8 @@ pub fn seen_light_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) ->
 }
 
 /// The vertices of a face at the far end of the volume, in clip space. `None` if the face is at infinity and out of
-/// sight there. An orthographic camera sees such a face over the whole picture or not at all; see NUMERICS.md, "Dark
-/// caps of orthographic cameras".
+/// sight there. An orthographic camera sees such a face over the whole picture or not at all; see docs/numerics/rasterisers.md,
+/// "Dark caps of orthographic cameras".
 pub fn dark_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Option<[Vec4; 3]> {
     if is_orthographic(view) && light.end == 0.0 {
         return all_or_nothing(view, light, face);

@@ -49,8 +49,8 @@ fn choose_light(
     }
     let light_is_inside = light_meets(light, caster);
     light.excludes = u32::from(has_holes != 0 || is_cut || (light_is_inside && zeros));
-    // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster: NUMERICS.md,
-    // "Which faces cast".
+    // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster:
+    // docs/numerics/casting-faces.md, "Which faces cast".
     let is_outside = !boxes_meet(view, caster) && !light_is_inside;
     let averted_suffice = shape.averted != 0 && shape.proxies == 0 && has_holes == 0 && !is_cut && is_outside;
     light.casting = if averted_suffice { CAST_AVERTED } else { CAST_EVERY };

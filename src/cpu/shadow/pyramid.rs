@@ -6,7 +6,7 @@ use super::shadow::{corner, dot_3, light_side, near_plane, placed};
 use crate::layout::{ShadowLight, ShadowView};
 
 /// The relative slack of all tests in the stages that choose. It is larger than the rounding error of the tests; see
-/// NUMERICS.md.
+/// docs/numerics/shadow-volumes.md, "Slack of culling".
 pub(crate) const SLACK: f32 = 4e-6;
 
 /// Whether a point is outside a plane, from its `value` there. `size` bounds the terms whose sum is the value.

@@ -1,5 +1,5 @@
 //! Shadow: what the stages of shadow volumes share. It computes clip space and the forms of a volume's vertex. The WGSL
-//! is `wgsl/shadow/shadow.wgsl`. NUMERICS.md, "Shadow volumes".
+//! is `wgsl/shadow/shadow.wgsl`. docs/numerics/shadow-volumes.md.
 
 use glam::{Vec3, Vec4};
 

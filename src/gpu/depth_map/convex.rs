@@ -1,5 +1,4 @@
-//! Whether what a map may darken is apart from what is seen or lit, in `f64`. NUMERICS.md, "Volumes from depth maps", "Skipped
-//! maps".
+//! Whether what a map may darken is apart from what is seen or lit, in `f64`. docs/numerics/depth-maps.md.
 
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
 

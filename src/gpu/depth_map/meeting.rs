@@ -1,4 +1,4 @@
-//! The cameras of a cube of six maps: making them, and whether given ones meet. NUMERICS.md, "Volumes from depth maps".
+//! The cameras of a cube of six maps: making them, and whether given ones meet. docs/numerics/depth-maps.md.
 
 use glam::{DMat4, DVec3, DVec4, Mat4};
 

@@ -1,5 +1,5 @@
-//! How distances become device depths, in `f64`, rounded once, and how far the result may be off. NUMERICS.md, "Maps of
-//! distances".
+//! How distances become device depths, in `f64`, rounded once, and how far the result may be off. docs/numerics/depth-maps.md,
+//! "Maps of distances".
 
 use bytemuck::Zeroable;
 use glam::{DMat4, DVec3, DVec4};

@@ -1,5 +1,5 @@
 //! Whether the near rectangle of an eye may be in shadow. What the samples of the map have to tell about it is found on the
-//! CPU, in `f64`, and a stage looks at them. NUMERICS.md, "Volumes from depth maps", "Near caps that are left out".
+//! CPU, in `f64`, and a stage looks at them. docs/numerics/depth-maps.md, "Near caps".
 
 use glam::DVec4;
 

@@ -126,7 +126,7 @@ pub enum DepthMapReconstruction {
     /// last facets are narrower than a texel. Round rims are found to a fortieth of a texel. A straight border along the rows
     /// or columns of a map is found no better than a lookup does: turn a light's camera so that few are. Keep a `slope_bias`
     /// of 1. Within two texels of a rim, a near rectangle that is no farther than `depth` from a surface may be told wrongly
-    /// (NUMERICS.md, "Near caps"). Finding contours takes 3 to 9 times as long as finding cells with
+    /// (docs/numerics/contours.md, "Heights"). Finding contours takes 3 to 9 times as long as finding cells with
     /// [`DepthEdges::Automatic`] in a map of 2,048², and up to 40 times in one of 256², on a software device.
     ///
     /// Close to the eye, rims of facets show specks of shadow with any threshold: 122 to 137 pixels in one trial.

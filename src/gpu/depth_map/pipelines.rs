@@ -99,10 +99,9 @@ impl DepthMapPipelines {
     ///
     /// Take [`DepthEdges::EveryCell`](crate::gpu::DepthEdges::EveryCell) with it, which is not the default. An edge that a
     /// detector misses turns a parity bit round along rays through the gap, and leaves the shadows of meshes alone. In a count it
-    /// takes shadows of meshes away, too: 1 for a mesh and -1 for a shadow that was left and never entered are 0. NUMERICS.md,
-    /// "Volumes from depth maps", compares both. Walls
-    /// ([`DepthMapReconstruction::Contours`](crate::gpu::DepthMapReconstruction::Contours)) are not counted: a draw of them is
-    /// refused.
+    /// takes shadows of meshes away, too: 1 for a mesh and -1 for a shadow that was left and never entered are 0.
+    /// Walls ([`DepthMapReconstruction::Contours`](crate::gpu::DepthMapReconstruction::Contours)) are not counted: a draw of them
+    /// is refused.
     ///
     /// # Errors
     /// [`DepthMapPipelinesError`] if the device lacks what they need or cannot draw into the attachments.

@@ -45,7 +45,7 @@ pub struct SceneDepthCounts {
 const BINDINGS: u32 = 5;
 
 /// The most that clip coordinates of the shader may be off, as a share of the sum of their terms' absolute values: twelve
-/// roundings of 2⁻²³, and what `f64` rounds. NUMERICS.md, "Volumes from depth maps", "Depth of scenes".
+/// roundings of 2⁻²³, and what `f64` rounds. docs/numerics/depth-maps.md, "Depth of scenes".
 const OFF: f64 = 16.0 / 8_388_608.0;
 
 impl SceneDepth {

@@ -1,4 +1,4 @@
-//! A depth map as a camera sees it: the matrices, in `f64`, rounded once. NUMERICS.md, "Volumes from depth maps".
+//! A depth map as a camera sees it: the matrices, in `f64`, rounded once. docs/numerics/depth-maps.md.
 
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
 
@@ -64,7 +64,7 @@ pub(super) fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<D
 }
 
 /// Whether the triangles of the boundary, of which a light sees the front, turn clockwise on the screen of an eye on their lit
-/// side. All go round alike on the lattice, which counts rows downwards. NUMERICS.md, "Volumes from depth maps".
+/// side. All go round alike on the lattice, which counts rows downwards. docs/numerics/depth-maps.md.
 pub(super) fn is_turned(light: &ShadowCamera, eye: &ShadowCamera) -> bool {
     light.mirrors() == eye.mirrors()
 }

@@ -36,7 +36,7 @@ const BLOCK: u64 = 64;
 /// finds the edges of the map, and draws the boundary between light and shadow into one bit of the caller's stencil. It reads
 /// nothing back.
 ///
-/// NUMERICS.md, "Volumes from depth maps", has the method and its source.
+/// docs/numerics/depth-maps.md has the method and its source.
 ///
 /// Shadows are as precise as the map: a border can be off by the shadow of one texel. Outside the map nothing casts.
 ///

@@ -1,4 +1,4 @@
-//! Occluders: polygons on casters, behind which other casters need not throw shadows. NUMERICS.md, "Occluded casters".
+//! Occluders: polygons on casters, behind which other casters need not throw shadows. docs/numerics/scene.md, "Occluders".
 
 use std::sync::Arc;
 

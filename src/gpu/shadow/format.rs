@@ -19,7 +19,7 @@ pub struct ShadowFormat {
     /// distance of the farthest visible shadows, and `pixel` is the size of a pixel at distance 1. For 1,080 rows and a
     /// field of view of 60° this is an 18,000th of `farthest`. With a nearer plane, the borders of far shadows are off
     /// by more than a pixel. With a near plane at a millionth of `farthest`, shadows may be missing or cover lit
-    /// surfaces. See NUMERICS.md, "What depth must tell apart".
+    /// surfaces. See docs/numerics/rasterisers.md, "Depth".
     pub depth_stencil: wgpu::TextureFormat,
     /// The depth direction. It must be that of the cameras.
     pub depth: DepthDirection,

@@ -5,7 +5,7 @@
 #[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub struct ShadowOptions {
     /// Every face casts, always. Without this option a closed mesh casts only by its averted faces if light and near
-    /// rectangle are outside its box, which is faster and right, too. See NUMERICS.md, "Which faces cast".
+    /// rectangle are outside its box, which is faster and right, too. See docs/numerics/casting-faces.md, "Which faces cast".
     pub every_face: bool,
     /// Whether the caster's surface is in the depth buffer that shadows are drawn against. False for a proxy, a simpler mesh
     /// in place of what is drawn: every face of it casts, and z-pass and ZP+ draw light caps, too. Receivers that lie

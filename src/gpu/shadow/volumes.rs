@@ -42,7 +42,7 @@ const FEW_CAPS: u32 = 1024;
 /// caster's size or more.
 ///
 /// Shadows can be wrong by one pixel at contours as the camera sees them. Rasterization rounds positions there, and a
-/// hairline of light or shadow can appear. See NUMERICS.md, "Hairlines".
+/// hairline of light or shadow can appear. See docs/numerics/rasterisers.md, "Hairlines".
 ///
 /// ```no_run
 /// use rimline::gpu::{

@@ -1,4 +1,4 @@
-//! The bound of a cluster: a box around the planes of its faces. NUMERICS.md, "Clusters".
+//! The bound of a cluster: a box around the planes of its faces. docs/numerics/clusters.md.
 
 use bytemuck::{Pod, Zeroable};
 

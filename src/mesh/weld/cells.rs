@@ -1,7 +1,7 @@
 //! Groups of vertices that are near each other: the connected components of pairs at most a distance apart.
 //!
 //! Vertices are sorted into cells so small that all of one cell are a pair. So components are those of cells, and cells are
-//! joined where a pair of their vertices is near. NUMERICS.md, "Weld distances".
+//! joined where a pair of their vertices is near. docs/numerics/welding.md.
 
 use std::cmp::Ordering;
 use std::ops::Range;

@@ -1,4 +1,4 @@
-//! Weld distances, and whether two points are at most so far apart; NUMERICS.md, "Weld distances".
+//! Weld distances, and whether two points are at most so far apart; docs/numerics/welding.md.
 
 use std::cmp::Ordering;
 

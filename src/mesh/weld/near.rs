@@ -1,4 +1,4 @@
-//! Whether a point of one set and a point of another are at most a distance apart; NUMERICS.md, "Weld distances".
+//! Whether a point of one set and a point of another are at most a distance apart; docs/numerics/welding.md.
 
 use super::distance::WeldDistance;
 

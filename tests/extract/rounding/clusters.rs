@@ -1,5 +1,5 @@
 //! The decision of clusters in any arithmetic that WGSL allows: no face of a decided cluster has another sign.
-//! NUMERICS.md, "Clusters".
+//! docs/numerics/clusters.md.
 
 use rimline::reference::clusters::{ClusterBound, Clusters, LEAST, PRODUCT, WIDENING, height_and_spread};
 use rimline::reference::cpu::Threads;

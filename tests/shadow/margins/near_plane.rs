@@ -51,8 +51,8 @@ fn sides_from_vertices_a_few_ulps_behind_the_near_plane_begin_behind_it() {
     assert!(near > 1000 && would_be_cut > 30, "not vacuous");
 }
 
-/// Bound on the errors of a vertex that is seen from the light on the near plane, by the terms of `q` or of `d`: NUMERICS.md,
-/// "How exact they are", of which the better holds.
+/// Bound on the errors of a vertex that is seen from the light on the near plane, by the terms of `q` or of `d`:
+/// docs/numerics/shadow-volumes.md, "Rounding of vertices", of which the better holds.
 struct Bounds {
     place: DVec2,
     by_vertex: f64,

@@ -6,7 +6,7 @@ use wgpu::TextureFormat;
 use crate::output::note;
 
 /// Floating point where the device has it: with reversed depth that tells the same part of any distance apart, however
-/// near the near plane is (NUMERICS.md, "What depth must tell apart").
+/// near the near plane is (docs/numerics/rasterisers.md, "Depth").
 pub(crate) fn depth_format(device: &wgpu::Device) -> TextureFormat {
     let finest = TextureFormat::Depth32FloatStencil8;
     if device.features().contains(finest.required_features()) { finest } else { TextureFormat::Depth24PlusStencil8 }

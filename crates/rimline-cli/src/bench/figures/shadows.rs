@@ -99,7 +99,8 @@ fn time_against_error(results: &ShadowResults) -> Figure {
             "One mark for each method and path, over all models. Wrong is a pixel that is lit or shadowed otherwise than \
              by rays in double precision, more than a pixel from the shadow's edge; of {} pixels. Where the camera stands \
              in the shadow z-pass is wrong nearly everywhere. The one pixel in a few frames that is wrong by every method \
-             alike has an edge within the rasteriser's grid of its centre (NUMERICS.md, Hairlines).",
+             alike has an edge within the rasteriser's grid of its centre \
+             (docs/numerics/rasterisers.md, Hairlines).",
             grouped((results.size * results.size) as usize)
         ),
         chart: Some(chart),

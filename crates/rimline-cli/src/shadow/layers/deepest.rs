@@ -1,4 +1,11 @@
-//! How many faces lie over each other as seen from a light: a bound that holds for every ray. NUMERICS.md, "A bound on counts".
+//! How many faces lie over each other as seen from a light: a bound that holds for every ray, where every face casts.
+//!
+//! The number N(r) of faces that a ray r meets is at least any count along it. If r moves, N changes only where r crosses an
+//! edge at which faces begin or end, all turned to the light: by at most the sum of their signs there. So in a convex cell of
+//! rays N is at most N of one of them, plus these sums for the edges that touch the cell, and at most the faces that touch it.
+//! A cell with too large a bound is cut into four. A ray that meets too many faces ends the search. Signs and touching are
+//! decided in `f64` with a slack; what is undecided counts. Around a vertex with many faces that share no edges, the bound is
+//! their number. A bound for 8 bits of stencil: docs/numerics/receivers.md, "Bound on counts".
 
 use rimline::Light;
 use rimline::reference::cpu::is_finite;

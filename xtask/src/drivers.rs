@@ -1,0 +1,117 @@
+//! `cargo xtask test --drivers`: the tests of bits on every driver that this machine has.
+
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::packages::Manager;
+use crate::summary::Summary;
+use crate::{process, vulkan};
+
+/// Tests that compare results bit by bit with the CPU's.
+pub(crate) const TESTS: [&str; 3] = ["extract_gpu", "query_gpu", "scene_gpu"];
+
+/// Where browsers keep the manifest of `SwiftShader`, which no Vulkan loader looks for.
+const BROWSERS: [&str; 4] =
+    ["/usr/lib/chromium", "/usr/lib/chromium-browser", "/usr/lib64/chromium-browser", "/opt/google/chrome"];
+
+/// A driver, and the environment in which it is the only one.
+struct Driver {
+    name: String,
+    variables: Vec<(&'static str, OsString)>,
+}
+
+impl Driver {
+    /// The driver that these variables leave, if it has an adapter.
+    fn of(variables: Vec<(&'static str, OsString)>) -> Option<Self> {
+        let devices = process::built("rimline");
+        let said = process::output(Command::new(devices).args(["devices", "--json"]).envs(variables.clone())).ok()?;
+        Some(Self { name: first_adapter(&said)?, variables })
+    }
+
+    /// Runs these tests on it.
+    fn test(&self, summary: &mut Summary, tests: &[&str]) {
+        let mut command = process::cargo(["test", "--package", "rimline", "--all-features", "--no-fail-fast"]);
+        for test in tests {
+            command.args(["--test", test]);
+        }
+        println!("\n{}", self.name);
+        command.envs(self.variables.clone());
+        let mut own = Summary::default();
+        let outcome = process::run_looking(&mut command, |line| own.read(line));
+        own.tests_ended(outcome.unwrap_or_else(|error| {
+            own.fail(&error);
+            false
+        }));
+        summary.add(&self.name, own);
+    }
+}
+
+/// Runs the tests of bits on each driver and counts them in `summary`.
+pub(crate) fn add_all(summary: &mut Summary) {
+    if let Err(error) = build() {
+        summary.fail(&error);
+        return;
+    }
+    let drivers = found();
+    if drivers.is_empty() {
+        summary.fail("no driver has an adapter");
+    }
+    for driver in drivers {
+        driver.test(summary, &TESTS);
+    }
+}
+
+/// Runs `tests` on `SwiftShader`, a second Vulkan driver with a compiler of its own. Where it is not there and cannot be
+/// installed, a note says so.
+pub(crate) fn add_swiftshader(summary: &mut Summary, tests: &[&str]) {
+    if swiftshader().is_none()
+        && let Some(manager) = Manager::of_this_system()
+        && let Err(error) = manager.install_swiftshader()
+    {
+        println!("{error}");
+    }
+    let driver = swiftshader().and_then(|manifest| Driver::of(by_manifest(manifest)));
+    match driver {
+        Some(driver) => driver.test(summary, tests),
+        None => summary.note("SwiftShader is not installed, so nothing ran on a second driver"),
+    }
+}
+
+/// The command, which lists adapters.
+fn build() -> Result<(), String> {
+    process::run(&mut process::cargo(["build", "--package", "rimline-cli", "--bin", "rimline", "--all-features"]))
+}
+
+/// One driver for each adapter's name and backend.
+fn found() -> Vec<Driver> {
+    let manifests = vulkan::manifests().into_iter().chain(swiftshader());
+    let candidates = manifests.map(by_manifest).chain([vec![("WGPU_BACKEND", "gl".into())]]);
+    let mut names = BTreeSet::new();
+    candidates.filter_map(Driver::of).filter(|driver| names.insert(driver.name.clone())).collect()
+}
+
+fn by_manifest(manifest: PathBuf) -> Vec<(&'static str, OsString)> {
+    vec![("WGPU_BACKEND", "vulkan".into()), ("VK_DRIVER_FILES", manifest.into())]
+}
+
+fn swiftshader() -> Option<PathBuf> {
+    BROWSERS.iter().map(|folder| Path::new(folder).join("vk_swiftshader_icd.json")).find(|path| path.exists())
+}
+
+/// Name and backend of the first adapter in what `rimline devices --json` prints.
+fn first_adapter(json: &str) -> Option<String> {
+    let text = |key: &str| json.split_once(&format!("\"{key}\":"))?.1.split('"').nth(1);
+    Some(format!("{} ({})", text("name")?, text("backend")?))
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_first_adapter_is_read() {
+        let json = r#"{"adapters": [{"name": "llvmpipe (LLVM 15)", "backend": "Vulkan"}, {"name": "b", "backend": "Gl"}]}"#;
+        assert_eq!(super::first_adapter(json).as_deref(), Some("llvmpipe (LLVM 15) (Vulkan)"));
+        assert_eq!(super::first_adapter(r#"{"adapters": []}"#), None);
+    }
+}
