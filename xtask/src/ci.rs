@@ -4,7 +4,7 @@ use std::process::Command;
 
 use crate::summary::Summary;
 use crate::test::BENCH;
-use crate::{circles, fuzz, process, test, wgsl};
+use crate::{circles, drivers, fuzz, process, test, wgsl};
 
 /// Every check runs, also after one that failed, so that one run shows all there is to mend.
 pub(crate) fn run() -> Summary {
@@ -23,6 +23,7 @@ pub(crate) fn run() -> Summary {
     summary.check("documentation", process::run(&mut documentation));
     summary.check("module circles", circles::run());
     test::add(&mut summary);
+    drivers::add_swiftshader(&mut summary, &drivers::TESTS);
     wgsl::add(&mut summary);
     fuzz::add_after_tests(&mut summary, fuzz::CI_SECONDS);
     summary

@@ -110,7 +110,8 @@ fn first_adapter(json: &str) -> Option<String> {
 mod tests {
     #[test]
     fn the_first_adapter_is_read() {
-        let json = r#"{"adapters": [{"name": "llvmpipe (LLVM 15)", "backend": "Vulkan"}, {"name": "b", "backend": "Gl"}]}"#;
+        let json =
+            r#"{"adapters": [{"name": "llvmpipe (LLVM 15)", "backend": "Vulkan"}, {"name": "b", "backend": "Gl"}]}"#;
         assert_eq!(super::first_adapter(json).as_deref(), Some("llvmpipe (LLVM 15) (Vulkan)"));
         assert_eq!(super::first_adapter(r#"{"adapters": []}"#), None);
     }

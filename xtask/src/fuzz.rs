@@ -9,8 +9,10 @@ use crate::summary::Summary;
 use crate::test::BENCH;
 
 const TARGETS: [&str; 5] = ["gltf", "npz", "obj", "wgsl", "args"];
+/// Seconds for each target, unless asked otherwise.
+pub(crate) const SECONDS: u64 = 60;
 /// What continuous integration takes for each target.
-pub(crate) const CI_SECONDS: u64 = 60;
+pub(crate) const CI_SECONDS: u64 = 10;
 
 /// A case that takes longer hangs. Software devices on a busy machine take seconds.
 const SLOW_SECONDS: &str = "20";
@@ -35,7 +37,7 @@ fn add(summary: &mut Summary, seconds: u64, and: &[&str]) {
         summary.fail(&error);
         return;
     }
-    let program = process::target().join("debug").join(format!("rimline-fuzz{}", std::env::consts::EXE_SUFFIX));
+    let program = process::built("rimline-fuzz");
     // A target keeps one core busy.
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let next = AtomicUsize::new(0);

@@ -3,6 +3,7 @@
 mod ci;
 mod circles;
 mod demo;
+mod drivers;
 mod features;
 mod fuzz;
 mod mutants;
@@ -22,10 +23,11 @@ Usage: cargo xtask COMMAND
 
 Commands:
   demo     Make a walking figure and other models by code, and draw their outlines and shadows to PNG files in demo/
-  test     Run every test; ends with a line `N passed, N failed, N skipped`
+  test     Run every test; ends with a line `N passed, N failed, N skipped`. With --drivers: run the tests that compare
+           bits, on every driver of this machine (lavapipe, SwiftShader, OpenGL, a GPU's own)
   circles  Check that no modules of a crate import one another in a circle
   ci       Check format, lints, documentation and circles, then do what `test` does, then check the WGSL with other
-           compilers, then fuzz for 5 minutes
+           compilers, the bits on SwiftShader, then fuzz for 30 seconds
   fuzz     Feed mutated glTF, .npz, OBJ, WGSL and arguments to what reads them; --seconds N for each of the five (60)
   mutants  Make the code wrong in a copy, in one place after the other, and say whether tests notice; --only TEXT
 
@@ -46,18 +48,19 @@ fn main() -> ExitCode {
         }
         ["demo"] => finish(demo::run()),
         ["test"] => test::run().finish(),
+        ["test", "--drivers"] => test::on_every_driver().finish(),
         ["circles"] => finish(circles::run()),
         ["ci"] => ci::run().finish(),
-        ["fuzz"] => fuzz::run(fuzz::CI_SECONDS).finish(),
+        ["fuzz"] => fuzz::run(fuzz::SECONDS).finish(),
         ["fuzz", "--seconds", seconds] => match seconds.parse() {
             Ok(seconds) => fuzz::run(seconds).finish(),
             Err(_) => misused(&format!("`--seconds {seconds}` is no number")),
         },
         ["mutants"] => finish(mutants::run(None)),
         ["mutants", "--only", text] => finish(mutants::run(Some(text))),
-        ["fuzz" | "mutants", rest @ ..] => misused(&format!("unknown arguments `{}`", rest.join(" "))),
+        ["test" | "fuzz" | "mutants", rest @ ..] => misused(&format!("unknown arguments `{}`", rest.join(" "))),
         [] => misused("no command given"),
-        [command @ ("demo" | "test" | "circles" | "ci"), rest @ ..] => {
+        [command @ ("demo" | "circles" | "ci"), rest @ ..] => {
             misused(&format!("`{command}` takes no arguments, but was given `{}`", rest.join(" ")))
         }
         [command, ..] => misused(&format!("unknown command `{command}`")),

@@ -48,41 +48,64 @@ impl Manager {
         }
     }
 
-    /// All steps as one line for a user's shell.
-    pub(crate) fn one_command(self) -> String {
-        let steps = self.steps().iter().map(|step| format!("sudo {}", step.join(" ")));
-        steps.collect::<Vec<_>>().join(" && ")
+    /// What installs a browser that brings `SwiftShader`; none where its place is not known.
+    fn steps_of_swiftshader(self) -> &'static [&'static [&'static str]] {
+        match self {
+            Self::Apt => {
+                &[&["apt-get", "update"], &["apt-get", "install", "-y", "--no-install-recommends", "chromium"]]
+            }
+            Self::Dnf | Self::Pacman => &[],
+        }
     }
 
-    /// Installs them, as root or through a sudo that asks for no password.
-    pub(crate) fn install(self) -> Result<(), String> {
-        let by_sudo = !is_root();
-        if by_sudo && process::output(Command::new("sudo").args(["-n", "true"])).is_err() {
-            return Err(format!(
-                "no Vulkan driver found, and installing one needs rights that this user lacks; please run\n\n    {}\n",
-                self.one_command()
-            ));
-        }
-        let mut said = String::new();
-        let mut succeeded = true;
-        for step in self.steps() {
-            let mut command = Command::new(if by_sudo { "sudo" } else { "env" });
-            if by_sudo {
-                command.args(["-n", "env"]);
-            }
-            // Only the last step has to succeed: a list of packages may be stale in a source that matters not.
-            let outcome = process::output(command.arg("DEBIAN_FRONTEND=noninteractive").args(*step));
-            succeeded = outcome.is_ok();
-            said += &outcome.unwrap_or_else(|error| error);
-        }
-        if succeeded {
-            return Ok(());
-        }
-        Err(format!(
-            "no Vulkan driver found, and installing one failed. The command was\n\n    {}\n\nand it said:\n{said}",
-            self.one_command()
-        ))
+    /// All steps as one line for a user's shell.
+    pub(crate) fn one_command(self) -> String {
+        one_command(self.steps())
     }
+
+    /// Installs the driver and the loader, as root or through a sudo that asks for no password.
+    pub(crate) fn install(self) -> Result<(), String> {
+        run("Vulkan driver", self.steps())
+    }
+
+    /// Installs `SwiftShader`, likewise.
+    pub(crate) fn install_swiftshader(self) -> Result<(), String> {
+        run("SwiftShader", self.steps_of_swiftshader())
+    }
+}
+
+fn one_command(steps: &[&[&str]]) -> String {
+    let steps = steps.iter().map(|step| format!("sudo {}", step.join(" ")));
+    steps.collect::<Vec<_>>().join(" && ")
+}
+
+fn run(what: &str, steps: &[&[&str]]) -> Result<(), String> {
+    let by_sudo = !is_root();
+    if by_sudo && process::output(Command::new("sudo").args(["-n", "true"])).is_err() {
+        return Err(format!(
+            "no {what} found, and installing one needs rights that this user lacks; please run\n\n    {}\n",
+            one_command(steps)
+        ));
+    }
+    let mut said = String::new();
+    let mut succeeded = true;
+    for step in steps {
+        let mut command = Command::new(if by_sudo { "sudo" } else { "env" });
+        if by_sudo {
+            command.args(["-n", "env"]);
+        }
+        // Only the last step has to succeed: a list of packages may be stale in a source that matters not.
+        let outcome = process::output(command.arg("DEBIAN_FRONTEND=noninteractive").args(*step));
+        succeeded = outcome.is_ok();
+        said += &outcome.unwrap_or_else(|error| error);
+    }
+    if succeeded {
+        return Ok(());
+    }
+    Err(format!(
+        "no {what} found, and installing one failed. The command was\n\n    {}\n\nand it said:\n{said}",
+        one_command(steps)
+    ))
 }
 
 fn is_root() -> bool {

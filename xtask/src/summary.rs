@@ -62,6 +62,16 @@ impl Summary {
         }
     }
 
+    /// Adds the tests that ran on another driver.
+    pub(crate) fn add(&mut self, driver: &str, other: Self) {
+        self.note(&format!("on {driver}: {}", other.last_line()));
+        self.passed += other.passed;
+        self.failed += other.failed;
+        self.skipped += other.skipped;
+        self.gpu_tests += other.gpu_tests;
+        self.errors.extend(other.errors.into_iter().map(|error| format!("on {driver}: {error}")));
+    }
+
     /// Something to show at the end.
     pub(crate) fn note(&mut self, note: &str) {
         self.notes.push(note.into());

@@ -1,7 +1,7 @@
 //! `cargo xtask test`.
 
 use crate::summary::Summary;
-use crate::{features, process, vulkan};
+use crate::{drivers, features, process, vulkan};
 
 /// The member that needs a C++ compiler and is measured, not tested.
 pub(crate) const BENCH: &str = "rimline-bench-adjacency";
@@ -13,13 +13,25 @@ pub(crate) fn run() -> Summary {
     summary
 }
 
-/// Runs every test and counts it in `summary`.
-pub(crate) fn add(summary: &mut Summary) {
-    // Without a driver the other tests still have something to say.
+/// Runs the tests of bits on every driver.
+pub(crate) fn on_every_driver() -> Summary {
+    let mut summary = Summary::default();
+    ensure_driver(&mut summary);
+    drivers::add_all(&mut summary);
+    summary
+}
+
+/// Without a driver, tests that need none still have something to say.
+fn ensure_driver(summary: &mut Summary) {
     if let Err(error) = vulkan::ensure() {
         println!("error: {error}");
         summary.fail(&error);
     }
+}
+
+/// Runs every test and counts it in `summary`.
+pub(crate) fn add(summary: &mut Summary) {
+    ensure_driver(summary);
     let arguments = ["test", "--workspace", "--exclude", BENCH, "--all-features", "--no-fail-fast"];
     let outcome = process::run_looking(&mut process::cargo(arguments), |line| summary.read(line));
     if let Err(error) = &outcome {

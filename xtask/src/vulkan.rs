@@ -61,12 +61,15 @@ fn has_driver() -> bool {
             return env::split_paths(&files).any(|file| file.exists());
         }
     }
-    let manifests: Vec<PathBuf> = manifest_directories()
-        .iter()
-        .flat_map(|directory| entries(directory))
-        .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
-        .collect();
+    let manifests = manifests();
     manifests.iter().any(|manifest| is_software(manifest)) || (!manifests.is_empty() && has_gpu())
+}
+
+/// The manifests of installed drivers.
+pub(crate) fn manifests() -> Vec<PathBuf> {
+    let directories = manifest_directories();
+    let files = directories.iter().flat_map(|directory| entries(directory));
+    files.filter(|path| path.extension().is_some_and(|extension| extension == "json")).collect()
 }
 
 /// Where the loader looks for manifests.
