@@ -40,10 +40,10 @@ impl Driver {
         command.envs(self.variables.clone());
         let mut own = Summary::default();
         let outcome = process::run_looking(&mut command, |line| own.read(line));
-        own.tests_ended(outcome.unwrap_or_else(|error| {
-            own.fail(&error);
-            false
-        }));
+        if let Err(error) = &outcome {
+            own.fail(error);
+        }
+        own.tests_ended(outcome.unwrap_or(false));
         summary.add(&self.name, own);
     }
 }
