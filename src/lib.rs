@@ -24,6 +24,7 @@
 //! * [`cpu`]: extraction, deformation and the shadow depth query without a device. Extraction and query give the same
 //!   bits as the GPU.
 //! * `gltf`: loads models from glTF 2.0 files (feature `gltf`, on by default).
+//! * Without the feature `gpu`, on by default, the library brings neither wgpu nor naga: meshes, models, lights and [`cpu`] stay.
 //! * [`Origin`]: moves models with large coordinates, such as those of surveys, to where `f32` is fine.
 //!
 //! ```no_run
@@ -90,11 +91,14 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod area;
+#[cfg(feature = "gpu")]
 mod compose;
 pub mod cpu;
+#[cfg(feature = "gpu")]
 pub mod displace;
 #[cfg(feature = "gltf")]
 pub mod gltf;
+#[cfg(feature = "gpu")]
 pub mod gpu;
 mod layout;
 mod lift;
@@ -106,10 +110,13 @@ mod origin;
 #[cfg(feature = "reference")]
 pub mod reference;
 mod shadow;
+#[cfg(feature = "gpu")]
 mod stages;
+#[cfg(feature = "gpu")]
 mod turns;
 
 pub use area::{AreaLight, AreaShape};
+#[cfg(feature = "gpu")]
 pub use displace::{DisplaceError, Displacement};
 pub use light::{Cone, Light, LightError, MAX_LIGHTS};
 pub use mesh::{Mesh, MeshError};
@@ -121,9 +128,10 @@ pub use model::{
 pub use origin::Origin;
 pub use shadow::{CameraError, Counting, DepthDirection, ShadowCamera, falloff};
 
+#[cfg(feature = "gpu")]
 pub use wgpu;
 
 /// Compiles the README's examples.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "gpu"))]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -15,6 +15,7 @@ pub use bounds::Bounds;
 pub use diagnostics::MeshDiagnostics;
 pub use error::{MAX_FACES, MeshError};
 pub use faces::Mesh;
+#[cfg(feature = "gpu")]
 pub(crate) use faces::MeshId;
 pub use polygons::{MAX_POLYGON_CORNERS, PolygonLoops, Polygons};
 pub(crate) use topology::is_degenerate;

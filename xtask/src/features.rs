@@ -9,8 +9,23 @@ use crate::process;
 const OF_THE_COMMAND: [&str; 8] =
     ["clap", "epaint_default_fonts", "indicatif", "num-bigint", "png", "resvg", "rimline-measure", "zip"];
 
+/// All choices of the library's features that are on by default.
+const FEATURES: [&str; 4] = ["", "gltf", "gpu", "gltf,gpu"];
+
+/// The library builds with each of them.
 pub(crate) fn library_alone() -> Result<(), String> {
-    process::run(&mut process::cargo(["check", "--package", "rimline", "--lib", "--no-default-features"]))
+    FEATURES.iter().try_for_each(|features| {
+        let mut check = process::cargo(["check", "--package", "rimline", "--lib", "--no-default-features"]);
+        process::run(check.args(["--features", features]))
+    })
+}
+
+/// Without the feature `gpu` the library brings no GPU library.
+pub(crate) fn no_gpu_dependencies() -> Result<(), String> {
+    let tree = ["tree", "--package", "rimline", "--edges", "normal", "--prefix", "none", "--format", "{p}"];
+    let tree = process::output(process::cargo(tree).args(["--no-default-features", "--features", "gltf"]))?;
+    let found = among(&["wgpu", "naga"], &tree);
+    if found.is_empty() { Ok(()) } else { Err(format!("it depends on {}", found.join(", "))) }
 }
 
 const WASM: &str = "wasm32-unknown-unknown";
@@ -47,14 +62,14 @@ pub(crate) fn no_command_dependencies() -> Result<(), String> {
         "--format",
         "{p}",
     ]))?;
-    let found = forbidden(&tree);
+    let found = among(&OF_THE_COMMAND, &tree);
     if found.is_empty() { Ok(()) } else { Err(format!("it depends on {}", found.join(", "))) }
 }
 
-/// The command's dependencies in a list of packages, one `NAME VERSION` a line.
-fn forbidden(tree: &str) -> Vec<&'static str> {
+/// Those of some packages that are in a list, one `NAME VERSION` a line.
+fn among<'a>(packages: &[&'a str], tree: &str) -> Vec<&'a str> {
     let names: Vec<_> = tree.lines().filter_map(|line| line.split_whitespace().next()).collect();
-    OF_THE_COMMAND.into_iter().filter(|name| names.contains(name)).collect()
+    packages.iter().copied().filter(|name| names.contains(name)).collect()
 }
 
 #[cfg(test)]
@@ -69,7 +84,13 @@ mod tests {
 
     #[test]
     fn dependencies_are_found_by_their_whole_name() {
-        assert_eq!(super::forbidden("rimline v0.1.0 (here)\nwgpu v30.0.1\nclap_lex v1.0.0 (*)\n"), [""; 0]);
-        assert_eq!(super::forbidden("wgpu v30.0.1\npng v0.18.0\nclap v4.5.0 (*)\n"), ["clap", "png"]);
+        assert_eq!(
+            super::among(&super::OF_THE_COMMAND, "rimline v0.1.0 (here)\nwgpu v30.0.1\nclap_lex v1.0.0 (*)\n"),
+            [""; 0]
+        );
+        assert_eq!(
+            super::among(&super::OF_THE_COMMAND, "wgpu v30.0.1\npng v0.18.0\nclap v4.5.0 (*)\n"),
+            ["clap", "png"]
+        );
     }
 }

@@ -38,7 +38,8 @@ pub(crate) fn add(summary: &mut Summary) {
         println!("error: {error}");
     }
     summary.tests_ended(outcome.unwrap_or(false));
-    summary.check("the library builds without default features", features::library_alone());
+    summary.check("the library builds with any of its features", features::library_alone());
+    summary.check("the library without `gpu` has no GPU library", features::no_gpu_dependencies());
     summary.check("the library compiles for wasm32", features::library_for_wasm());
     summary.check("the library has none of the command's dependencies", features::no_command_dependencies());
 }

@@ -10,6 +10,7 @@ mod edges;
 mod order;
 mod plane;
 
+#[cfg(feature = "gpu")]
 pub use arranged::Arranged;
 #[cfg(feature = "reference")]
 pub use arranged::Spared;
