@@ -29,7 +29,7 @@ pub(super) fn shown(tests: &[Test], columns: &[(&Mutation, Outcome)]) -> String 
     lines.extend(rows.into_iter().map(|test| {
         let is_noticed = |own: &Outcome| own.as_ref().is_ok_and(|failed| failed.contains(test));
         let marks: String = columns.iter().map(|(_, own)| if is_noticed(own) { "  x" } else { "  ." }).collect();
-        format!("{marks}  {} {}", test.0, test.1)
+        format!("{marks}  {} {}", test.0.trim_start_matches("--test "), test.1)
     }));
     lines.join("\n") + "\n"
 }
