@@ -29,7 +29,7 @@ Commands:
   ci       Check format, lints, documentation and circles, then do what `test` does, then check the WGSL with other
            compilers, the bits on SwiftShader, then fuzz for 30 seconds
   fuzz     Feed mutated glTF, .npz, OBJ, WGSL and arguments to what reads them; --seconds N for each of the five (60)
-  mutants  Make the code wrong in a copy, in one place after the other, and say whether tests notice; --only TEXT
+  mutants  Make the code wrong in a copy, in one place after the other, and tell which tests notice; --only TEXT
 
 demo, test and ci need a Vulkan driver on Linux. Where there is none, they install Mesa's software driver through the
 system's package manager if that needs no password, and otherwise print the command that does.

@@ -1,15 +1,8 @@
-//! `cargo xtask mutants`: whether the tests notice changes that make the code wrong. Each is made in a copy of the working
-//! tree, so nothing here is touched.
+//! `cargo xtask mutants`: which tests notice changes that make the code wrong. Nothing here is touched. A shader is changed in a
+//! copy of `wgsl`, which tests that are built already read. Other code is changed, and built, in a copy of the repository.
 
-mod contours;
-mod depth_inputs;
-mod depth_map;
-mod depth_map_vertices;
-mod list;
-mod occluded;
-mod origin;
-mod polygons;
-mod scene_clusters;
+mod matrix;
+mod mutation;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -17,144 +10,164 @@ use std::time::{Duration, Instant};
 
 use crate::process;
 use crate::test::BENCH;
-use list::Mutation;
+use matrix::{Outcome, Test};
+use mutation::Mutation;
 
-/// Several times what the slowest program takes on two cores.
+/// Several times what the slowest program takes on two cores. A mutation may make a loop endless.
 const TIME_LIMIT: Duration = Duration::from_secs(20 * 60);
 
-/// All mutations.
-fn all() -> impl Iterator<Item = &'static Mutation> {
-    let lists = [
-        list::MUTATIONS,
-        depth_map::MUTATIONS,
-        depth_inputs::MUTATIONS,
-        depth_map_vertices::MUTATIONS,
-        contours::MUTATIONS,
-        occluded::MUTATIONS,
-        origin::MUTATIONS,
-        polygons::MUTATIONS,
-        scene_clusters::MUTATIONS,
-    ];
-    lists.into_iter().flatten()
-}
-
-enum Outcome {
-    /// By the tests of these arguments.
-    Killed(&'static str),
-    Survived,
-    /// The mutation does not fit the code, or it does not compile.
-    Unusable(String),
-}
-
-/// Tries all mutations, or those whose names have `only` in them.
+/// Tries all mutations, or those whose names have `only` in them, and writes `target/mutants.txt`.
 pub(crate) fn run(only: Option<&str>) -> Result<(), String> {
-    let (tree, target) = (process::target().join("mutants/tree"), process::target().join("mutants/target"));
-    copy(&tree)?;
-    let is_wanted = |mutation: &&Mutation| only.is_none_or(|only| mutation.name.contains(only));
-    let mutations: Vec<_> = self::all().filter(is_wanted).collect();
-    let mut all: Vec<_> = mutations.iter().flat_map(|mutation| mutation.tests).copied().collect();
-    all.sort_unstable();
-    all.dedup();
-    for tests in all {
-        println!("unchanged: cargo test {tests}");
-        run_tests(&tree, &target, tests)?.then_some(()).ok_or_else(|| format!("{tests} fails without a mutation"))?;
+    let mut mutations = mutation::all()?;
+    mutations.retain(|mutation| only.is_none_or(|only| mutation.name.contains(only)));
+    if mutations.is_empty() {
+        return Err("no mutation has such a name".to_owned());
     }
-    let mut rows = Vec::new();
-    for mutation in mutations {
-        println!("\n{}", mutation.name);
-        let outcome = attempt(&tree, &target, mutation)?;
-        let row = match &outcome {
-            Outcome::Killed(by) => format!("| {} | killed by `{by}` |", mutation.name),
-            Outcome::Survived => format!("| {} | **survived** |", mutation.name),
-            Outcome::Unusable(why) => {
-                format!("| {} | not tried: {} |", mutation.name, why.lines().last().unwrap_or(""))
+    let wrong: Vec<_> = mutations.iter().filter_map(|mutation| mutation.mutated().err()).collect();
+    if !wrong.is_empty() {
+        return Err(format!("mutations that do not fit the code:\n{}", wrong.join("\n")));
+    }
+    let places = [(true, "mutants/shaders"), (false, "mutants/tree")]
+        .map(|(is_of_shaders, name)| Place { is_of_shaders, files: process::target().join(name) });
+    let (mut report, mut noticed) = (String::new(), 0);
+    for own in mutations.chunk_by(|a, b| a.subject() == b.subject()) {
+        println!("\n{}: without a mutation", own[0].subject());
+        let mut tests = Vec::new();
+        for place in &places {
+            if own.iter().all(|mutation| mutation.is_shader() != place.is_of_shaders) {
+                continue;
             }
+            place.renew()?;
+            tests = place.tests(&own[0])?;
+            if let [(target, name), ..] = &*place.failures(&own[0])? {
+                return Err(format!("without a mutation, a test of `{target}` fails: {name}"));
+            }
+        }
+        let (mut columns, mut part) = (Vec::new(), String::new());
+        for mutation in own {
+            let outcome = places[usize::from(!mutation.is_shader())].attempt(mutation)?;
+            println!("{}: {}", mutation.name, matrix::outcome(&outcome));
+            noticed += usize::from(outcome.as_ref().is_ok_and(|failed| !failed.is_empty()));
+            columns.push((mutation, outcome));
+            part = matrix::shown(&tests, &columns) + "\n";
+            // Written after each, because a whole run takes hours.
+            write(&process::target().join("mutants.txt"), format!("{report}{part}"))?;
+        }
+        println!("\n{part}");
+        report += &part;
+    }
+    println!("{noticed} of {} mutations are noticed", mutations.len());
+    if noticed == mutations.len() { Ok(()) } else { Err("not every mutation is noticed".to_owned()) }
+}
+
+/// Where mutations of one kind are made.
+struct Place {
+    is_of_shaders: bool,
+    /// A copy of the repository, or of its shaders.
+    files: PathBuf,
+}
+
+impl Place {
+    /// Makes or renews the copy. Files that are as they were keep their time, so that cargo builds little.
+    fn renew(&self) -> Result<(), String> {
+        let mut git = Command::new("git");
+        git.args(["ls-files", "--cached", "--others", "--exclude-standard", "-z"]).current_dir(process::root());
+        let names = process::output(&mut git)?;
+        for name in names.split('\0').filter(|name| name.starts_with("wgsl/") || !self.is_of_shaders) {
+            let (from, to) = (process::root().join(name), self.files.join(name));
+            // A file that is removed but not committed.
+            let Ok(bytes) = std::fs::read(&from) else { continue };
+            if !std::fs::read(&to).is_ok_and(|old| old == bytes) {
+                write(&to, bytes)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Changes the file, runs the tests, and puts the file back.
+    fn attempt(&self, mutation: &Mutation) -> Result<Outcome, String> {
+        let file = self.files.join(mutation.file);
+        let original = std::fs::read(&file).map_err(|error| at(&file, &error))?;
+        write(&file, mutation.mutated()?)?;
+        let outcome = self.compiles(mutation).map_or_else(|why| Ok(Err(why)), |()| self.failures(mutation).map(Ok));
+        write(&file, original)?;
+        outcome
+    }
+
+    /// Whether the mutation makes code that compiles, or the compiler's first error.
+    fn compiles(&self, mutation: &Mutation) -> Result<(), String> {
+        let compiled = if self.is_of_shaders {
+            process::output(self.cargo("--test wgsl").args(["--", "wgsl_composes"])).map(drop)
+        } else {
+            let mut targets = mutation.targets.iter();
+            targets.try_for_each(|target| process::output(self.cargo(target).arg("--no-run")).map(drop))
         };
-        println!("{row}");
-        rows.push((row, outcome));
+        compiled.map_err(|said| said.lines().find(|line| line.contains("error")).unwrap_or(&said).to_owned())
     }
-    println!("\n| mutation | outcome |\n|---|---|");
-    for (row, _) in &rows {
-        println!("{row}");
-    }
-    let count = |is: fn(&Outcome) -> bool| rows.iter().filter(|(_, outcome)| is(outcome)).count();
-    let survived = count(|outcome| matches!(outcome, Outcome::Survived));
-    let unusable = count(|outcome| matches!(outcome, Outcome::Unusable(_)));
-    println!("\n{} killed, {survived} survived, {unusable} not tried", rows.len() - survived - unusable);
-    if survived + unusable == 0 { Ok(()) } else { Err("not every mutation is noticed".to_owned()) }
-}
 
-/// Makes or renews the copy. Files that are as they were keep their time, so that cargo builds little.
-fn copy(tree: &Path) -> Result<(), String> {
-    let mut git = Command::new("git");
-    git.args(["ls-files", "--cached", "--others", "--exclude-standard", "-z"]).current_dir(process::root());
-    for name in process::output(&mut git)?.split('\0').filter(|name| !name.is_empty()) {
-        let (from, to) = (process::root().join(name), tree.join(name));
-        // A file that is removed but not committed.
-        let Ok(bytes) = std::fs::read(&from) else { continue };
-        if std::fs::read(&to).is_ok_and(|old| old == bytes) {
-            continue;
+    /// All tests of the mutation's subject.
+    fn tests(&self, mutation: &Mutation) -> Result<Vec<Test>, String> {
+        let mut tests = Vec::new();
+        for &target in &mutation.targets {
+            let output = process::output(self.cargo(target).args(["--", "--list"]))?;
+            tests.extend(matrix::listed(&output).map(|name| (target, name)));
         }
-        let folder = to.parent().unwrap_or(tree);
-        std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-        write(&to, &bytes)?;
+        Ok(tests)
     }
-    Ok(())
-}
 
-fn write(file: &Path, bytes: &[u8]) -> Result<(), String> {
-    std::fs::write(file, bytes).map_err(|error| format!("{}: {error}", file.display()))
-}
-
-/// Changes the files, runs the tests, and puts the files back.
-fn attempt(tree: &Path, target: &Path, mutation: &Mutation) -> Result<Outcome, String> {
-    let mut files: Vec<(PathBuf, String)> = Vec::new();
-    let mut problem = None;
-    for &(name, from, to) in mutation.changes {
-        let file = tree.join(name);
-        let text = std::fs::read_to_string(&file).unwrap_or_default();
-        let found = text.matches(from).count();
-        if found != 1 {
-            problem = Some(format!("{name} has `{from}` {found} times"));
-            break;
+    /// The tests of the mutation's subject that fail.
+    fn failures(&self, mutation: &Mutation) -> Result<Vec<Test>, String> {
+        let mut failures = Vec::new();
+        for &target in &mutation.targets {
+            let said = self.files.with_extension("txt");
+            let file = std::fs::File::create(&said).map_err(|error| at(&said, &error))?;
+            let succeeded = succeeds_in_time(self.cargo(target).stdout(file).stderr(Stdio::null()))?;
+            let output = std::fs::read(&said).map_err(|error| at(&said, &error))?;
+            let mut failed = matrix::failed(&String::from_utf8_lossy(&output));
+            if succeeded != Some(true) && failed.is_empty() {
+                failed.push(if succeeded.is_some() { "(ended early)" } else { "(did not end)" }.to_owned());
+            }
+            failures.extend(failed.into_iter().map(|name| (target, name)));
         }
-        write(&file, text.replacen(from, to, 1).as_bytes())?;
-        files.push((file, text));
+        Ok(failures)
     }
-    let outcome = match problem {
-        Some(problem) => Ok(Outcome::Unusable(problem)),
-        None => tried(tree, target, mutation),
-    };
-    for (file, text) in files {
-        write(&file, text.as_bytes())?;
+
+    /// `cargo test` for a target.
+    fn cargo(&self, target: &str) -> Command {
+        let mut command =
+            process::cargo(["test", "--workspace", "--exclude", BENCH, "--all-features", "--no-fail-fast"]);
+        command.args(target.split(' ')).env("RUST_BACKTRACE", "0");
+        if self.is_of_shaders {
+            command.env("RIMLINE_WGSL", self.files.join("wgsl"));
+        } else {
+            command.current_dir(&self.files).env("CARGO_TARGET_DIR", self.files.with_file_name("target"));
+        }
+        if std::env::var_os("RIMLINE_ASSETS").is_none() {
+            command.env("RIMLINE_ASSETS", process::root().join("../shared/assets"));
+        }
+        command
     }
-    outcome
 }
 
-fn tried(tree: &Path, target: &Path, mutation: &Mutation) -> Result<Outcome, String> {
-    for &tests in mutation.tests {
-        if let Err(error) = process::output(cargo(tree, target, tests, true).arg("--no-run")) {
-            return Ok(Outcome::Unusable(error));
-        }
-        if !run_tests(tree, target, tests)? {
-            return Ok(Outcome::Killed(tests));
-        }
-    }
-    Ok(Outcome::Survived)
+fn at(file: &Path, error: &std::io::Error) -> String {
+    format!("{}: {error}", file.display())
 }
 
-/// Whether the tests pass. Tests that do not end within [`TIME_LIMIT`] do not: a mutation may make a loop endless.
-fn run_tests(tree: &Path, target: &Path, tests: &str) -> Result<bool, String> {
-    let mut command = cargo(tree, target, tests, false);
-    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+fn write(file: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
+    let made = std::fs::create_dir_all(file.parent().unwrap_or(file));
+    made.and_then(|()| std::fs::write(file, bytes)).map_err(|error| at(file, &error))
+}
+
+/// Whether a command succeeds, or `None` if it does not end within [`TIME_LIMIT`].
+fn succeeds_in_time(command: &mut Command) -> Result<Option<bool>, String> {
     // A group of its own, so that the test programs end with cargo.
     #[cfg(unix)]
-    std::os::unix::process::CommandExt::process_group(&mut command, 0);
+    std::os::unix::process::CommandExt::process_group(command, 0);
     let mut child = command.spawn().map_err(|error| format!("cannot run cargo: {error}"))?;
     let start = Instant::now();
     while start.elapsed() < TIME_LIMIT {
         if let Some(status) = child.try_wait().map_err(|error| format!("cannot wait for cargo: {error}"))? {
-            return Ok(status.success());
+            return Ok(Some(status.success()));
         }
         std::thread::sleep(Duration::from_millis(100));
     }
@@ -162,45 +175,5 @@ fn run_tests(tree: &Path, target: &Path, tests: &str) -> Result<bool, String> {
     let _ = Command::new("kill").args(["-KILL", "--", &format!("-{}", child.id())]).status();
     let _ = child.kill();
     let _ = child.wait();
-    Ok(false)
-}
-
-/// `cargo test` in the copy; `tests` is a target, and perhaps a filter of its tests.
-fn cargo(tree: &Path, target: &Path, tests: &str, builds_only: bool) -> Command {
-    let mut words = tests.split(' ');
-    let mut command = process::cargo(["test", "--quiet", "--workspace", "--exclude", BENCH, "--all-features"]);
-    match words.next() {
-        Some("--lib") => {
-            command.arg("--lib");
-        }
-        Some(kind) => {
-            command.arg(kind).args(words.next());
-        }
-        None => {}
-    }
-    if !builds_only {
-        command.arg("--").args(words);
-    }
-    command.current_dir(tree).env("CARGO_TARGET_DIR", target).env("RUST_BACKTRACE", "0");
-    if std::env::var_os("RIMLINE_ASSETS").is_none() {
-        command.env("RIMLINE_ASSETS", process::root().join("../shared/assets"));
-    }
-    command
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Text that has changed since would make mutations that try nothing.
-    #[test]
-    fn every_mutation_fits_the_code_once() {
-        for mutation in super::all() {
-            for &(name, from, to) in mutation.changes {
-                let text = std::fs::read_to_string(process::root().join(name)).unwrap_or_default();
-                assert_eq!(text.matches(from).count(), 1, "{}: {name} has `{from}`", mutation.name);
-                assert_ne!(from, to, "{}", mutation.name);
-            }
-        }
-    }
+    Ok(None)
 }
