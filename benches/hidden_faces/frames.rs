@@ -7,8 +7,8 @@ use std::time::Instant;
 use glam::{Mat4, Vec3, Vec4};
 use rimline::cpu::HiddenFaces;
 use rimline::gpu::{
-    Caster, CasterHandle, LightHandle, PositionBuffer, Scene, SceneFrame, SceneOptions, ScenePipelines, ShadowFormat,
-    read_back_vec,
+    Caster, CasterHandle, LightHandle, Measuring, PositionBuffer, Scene, SceneFrame, SceneOptions, ScenePipelines,
+    ShadowFormat, read_back_vec,
 };
 use rimline::reference::layout::ShadowDraws;
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
@@ -171,13 +171,9 @@ impl Frames {
 
     /// A scene of bodies, whose stages compute everything in each frame.
     pub(crate) fn casting(&self, bodies: &[Body], light: Light) -> Result<Casting, String> {
-        let options = SceneOptions {
-            max_lights: 1,
-            counting: self.pipelines.counting(),
-            keep_bits: false,
-            keep_lists: false,
-            ..SceneOptions::default()
-        };
+        let mut options =
+            SceneOptions { max_lights: 1, counting: self.pipelines.counting(), ..SceneOptions::default() };
+        options.measuring.set(Measuring::BITS, true);
         let mut scene = Scene::new(&self.gpu.pipelines, &self.gpu.queue, options).map_err(text)?;
         let positions: Vec<[f32; 3]> = bodies.iter().flat_map(|body| body.positions.iter().copied()).collect();
         let buffer = self.gpu.storage(&positions);

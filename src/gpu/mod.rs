@@ -48,6 +48,8 @@ pub use scene::handles::{CasterHandle, LightHandle, MeshHandle};
 pub use scene::hidden::HiddenCounts;
 pub use scene::mask::LightMask;
 pub use scene::needs::SceneNeeds;
+#[doc(hidden)]
+pub use scene::options::Measuring;
 pub use scene::options::SceneOptions;
 pub use scene::receivers::Receivers;
 pub use scene::scene::Scene;

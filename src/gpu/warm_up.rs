@@ -70,9 +70,9 @@ impl Pipelines {
             });
             match *of {
                 Use::Extraction(options) => programs.extend(extraction::of_triangles(options)),
-                Use::Scene(options) => programs.extend(scene::programs(options.predicate)),
+                Use::Scene(options) => programs.extend(scene::programs(options.predicate())),
                 Use::SceneShadows(options) => {
-                    programs.extend(scene::programs(options.predicate));
+                    programs.extend(scene::programs(options.predicate()));
                     programs.extend(shadow::programs(true, &options.volumes(false)));
                 }
                 Use::Receivers { samples } => {

@@ -1,8 +1,8 @@
 //! Pipelines that are made before the first frame, and which a frame makes.
 
 use rimline::gpu::{
-    Caster, Extractor, ExtractorOptions, Pipelines, PositionBuffer, Receivers, Scene, SceneOptions, ScenePipelines,
-    ShadowFormat, Use,
+    Caster, Extractor, ExtractorOptions, Measuring, Pipelines, PositionBuffer, Receivers, Scene, SceneOptions,
+    ScenePipelines, ShadowFormat, Use,
 };
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -43,7 +43,7 @@ impl Frame {
         vec![
             ("no camera", Self::plain(), 7),
             ("a camera", Self::seen(), 13),
-            ("not exact", seen(SceneOptions { predicate: rimline::Predicate::Fast, clusters_from: None, ..plain }), 12),
+            ("not exact", seen(SceneOptions { measuring: Measuring::FAST, clusters_from: None, ..plain }), 12),
             ("z-pass", seen(SceneOptions { counting: Counting::ZPass, ..plain }), 13),
             ("bounds of counts", seen(SceneOptions { bound_counts: true, ..plain }), 16),
             ("receivers", Self { has_receivers: true, ..Self::seen() }, 15),

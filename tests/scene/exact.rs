@@ -1,6 +1,6 @@
 //! Facing of scenes by exact arithmetic and without it, and what is left to it.
 
-use rimline::gpu::{Caster, LightMask, Scene, SceneOptions};
+use rimline::gpu::{Caster, LightMask, Measuring, Scene, SceneOptions};
 use rimline::reference::cpu::{self, SceneTable, Threads};
 use rimline::{Light, Mesh, Predicate};
 use rimline_measure::band::check_facing;
@@ -43,7 +43,7 @@ fn fast() -> Result<(), String> {
     for seed in 2601..2611 {
         println!("seed {seed}");
         // The order of slots is that of the mesh.
-        let options = SceneOptions { predicate: Predicate::Fast, ..roomy(8) };
+        let options = SceneOptions { measuring: Measuring::FAST, ..roomy(8) };
         let (scene, frame, found) = sample(gpu, seed, options)?;
         for own in &scene.content.casters {
             let (index, group) = frame.place(own.handle).ok_or("the frame lacks a caster")?;

@@ -3,7 +3,8 @@
 
 use glam::Vec3;
 use rimline::gpu::{
-    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Scene, SceneFrame, SceneOptions, ShadowStatistics,
+    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Measuring, Scene, SceneFrame, SceneOptions,
+    ShadowStatistics,
 };
 use rimline::reference::layout::ShadowDraws;
 use rimline::{Counting, DepthDirection, ShadowCamera};
@@ -172,15 +173,15 @@ fn histories() -> Result<(), String> {
     for seed in 3001..if is_long() { 3301 } else { 3021 } {
         println!("seed {seed}");
         let mut random = Random::new(seed);
-        let options = SceneOptions {
+        let mut options = SceneOptions {
             max_lights: 40,
             list_capacity: Some(u32::MAX),
             cap_capacity: Some(u32::MAX),
             counting: [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZPass][random.below(4)],
-            skip_unseen: random.below(2) == 0,
             end_at_range: random.below(2) == 0,
             ..SceneOptions::default()
         };
+        options.measuring.set(Measuring::UNSEEN, random.below(2) == 0);
         let mut scene = RandomScene::new(gpu, seed, options)?;
         let mut excluded = Excluded::new();
         for _ in 0..[3, 36][random.below(2)] {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rimline::ShadowCamera;
 use rimline::gpu::{
-    CasterHandle, CasterPositions, SceneError, SceneFrame, SceneOptions, SceneStatistics, ShadowStatistics,
+    CasterHandle, CasterPositions, Measuring, SceneError, SceneFrame, SceneOptions, SceneStatistics, ShadowStatistics,
 };
 use rimline::reference::cpu::{self, SceneTable};
 use rimline_measure::device::Gpu;
@@ -199,7 +199,9 @@ fn still() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     for seed in 2701..2711 {
         for keep_bits in [true, false] {
-            let mut scene = RandomScene::new(gpu, seed, SceneOptions { keep_bits, ..roomy(40) })?;
+            let mut options = roomy(40);
+            options.measuring.set(Measuring::BITS, !keep_bits);
+            let mut scene = RandomScene::new(gpu, seed, options)?;
             for _ in 0..6 {
                 scene.add_light()?;
             }

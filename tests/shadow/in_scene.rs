@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use rimline::gpu::{
-    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Receivers, Scene, SceneError, SceneFrame,
+    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Measuring, Receivers, Scene, SceneError, SceneFrame,
     SceneOptions, ScenePipelines, ShadowFormat, ShadowOptions,
 };
 use rimline::reference::cpu::{self, Threads};
@@ -143,13 +143,11 @@ fn hiding(body: &Body, mesh: &Mesh, own: &[[f32; 3]], positions: &CasterPosition
 
 /// Those of volumes alone, for a scene.
 fn scene_options(renderer: &Renderer<'_>, max_lights: usize, counting: Counting) -> SceneOptions {
-    let ShadowOptions { skip_unseen, end_at_range, cap_capacity, .. } = renderer.options;
+    let ShadowOptions { end_at_range, cap_capacity, .. } = renderer.options;
     let mut options = SceneOptions {
         max_lights,
         list_capacity: renderer.list_capacity,
         counting,
-        every_face: renderer.options.every_face,
-        skip_unseen,
         end_at_range,
         cap_capacity,
         count_batches: renderer.count_batches,
@@ -157,6 +155,8 @@ fn scene_options(renderer: &Renderer<'_>, max_lights: usize, counting: Counting)
         bound_counts: renderer.options.bound_counts,
         ..SceneOptions::default()
     };
+    options.measuring.set(Measuring::EVERY_FACE, renderer.options.every_face);
+    options.measuring.set(Measuring::UNSEEN, !renderer.options.skip_unseen);
     (renderer.levels)(&mut options);
     options
 }

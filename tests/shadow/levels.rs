@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use rimline::Counting;
-use rimline::gpu::{SceneOptions, ShadowOptions};
+use rimline::gpu::{Measuring, SceneOptions, ShadowOptions};
 use rimline_measure::device::Gpu;
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, same, shapes};
@@ -22,17 +22,20 @@ pub(crate) const TESTS: &[Test] =
 type Levels = (&'static str, fn(&mut SceneOptions));
 
 const LEVELS: [Levels; 6] = [
-    ("light reach", |options| options.skip_unreached = true),
-    ("shadow reach", |options| options.skip_unseen = true),
-    ("bits", |options| options.keep_bits = true),
-    ("bits and lists", |options| (options.keep_bits, options.keep_lists) = (true, true)),
-    ("hidden receivers", |options| options.skip_hidden = true),
+    ("light reach", |options| options.measuring.set(Measuring::UNREACHED, false)),
+    ("shadow reach", |options| options.measuring.set(Measuring::UNSEEN, false)),
+    ("bits", |options| options.measuring.set(Measuring::BITS, false)),
+    ("bits and lists", |options| {
+        options.measuring.set(Measuring::BITS, false);
+        options.measuring.set(Measuring::LISTS, false);
+    }),
+    ("hidden receivers", |options| options.measuring.set(Measuring::WITHOUT_RECEIVERS, false)),
     ("clusters", |options| options.clusters_from = Some(1)),
 ];
 
 fn none(options: &mut SceneOptions) {
-    (options.skip_unreached, options.skip_unseen, options.skip_hidden) = (false, false, false);
-    (options.keep_bits, options.keep_lists, options.clusters_from) = (false, false, None);
+    options.measuring.set(Measuring::SKIP_NOTHING, true);
+    options.clusters_from = None;
 }
 
 fn alone<const LEVEL: usize>(options: &mut SceneOptions) {

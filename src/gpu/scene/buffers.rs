@@ -45,7 +45,7 @@ impl GroupSizes {
     /// The sizes for a batch with `lights` bits.
     pub(crate) fn new(group: &Group, lights: u32, options: &SceneOptions, limits: &DispatchLimits) -> Self {
         let slots = u64::from(group.face_slots());
-        let is_exact = options.predicate == Predicate::Exact;
+        let is_exact = options.predicate() == Predicate::Exact;
         let undecided = match options.undecided_capacity {
             _ if !is_exact => 1,
             Some(capacity) => u64::from(capacity.max(1)),

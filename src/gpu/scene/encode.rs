@@ -8,6 +8,7 @@ use super::errors::{ReceiversError, SceneError};
 use super::frame::SceneFrame;
 use super::layout::put_lights;
 use super::needs::SceneNeeds;
+use super::options::Measuring;
 use super::receivers::{self, ReceiverStages, Receivers, SeenReceivers};
 use super::scene::Scene;
 use super::stages::Passes;
@@ -45,11 +46,10 @@ impl Scene {
     }
 
     /// As [`Self::encode`], for cameras whose depth is there already. `receivers` are those of the first cameras. A camera
-    /// with receivers has no volume that none of them can be in ([`SceneOptions::skip_hidden`]), which spares the passes that
+    /// with receivers has no volume that none of them can be in (receiver culling), which spares the passes that
     /// draw. Its lists are made anew in each encode, since what it sees may have changed, unless [`Receivers::version`] says that
     /// it did not.
     ///
-    /// [`SceneOptions::skip_hidden`]: crate::gpu::SceneOptions::skip_hidden
     ///
     /// # Errors
     /// As [`Self::encode`], and [`SceneError::Receivers`].
@@ -176,7 +176,7 @@ impl Scene {
             let checked = receivers.as_ref().map_or(Ok(()), Receivers::check);
             checked.map_err(|error| SceneError::Receivers { view, error })?;
         }
-        if !self.options.skip_hidden {
+        if self.options.measuring.has(Measuring::WITHOUT_RECEIVERS) {
             return Ok(&[]);
         }
         Ok(receivers)

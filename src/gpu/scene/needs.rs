@@ -8,6 +8,7 @@ use slotmap::DefaultKey;
 use super::caster::Placement;
 use super::errors::SceneError;
 use super::handles::{CasterHandle, SceneId};
+use super::options::Measuring;
 use super::scene::Scene;
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
@@ -125,8 +126,8 @@ impl Scene {
             lights: lights as u32,
             parts: figures.len().checked_div(keys.len()).unwrap_or(0) as u32,
             all: u32::from(!self.options.skip_unneeded || views.is_empty() || !is_short),
-            skip_unreached: self.options.skip_unreached.into(),
-            skip_unseen: self.options.skip_unseen.into(),
+            skip_unreached: (!self.options.measuring.has(Measuring::UNREACHED)).into(),
+            skip_unseen: (!self.options.measuring.has(Measuring::UNSEEN)).into(),
             reserved: 0,
         };
         let words =

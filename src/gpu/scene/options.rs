@@ -10,8 +10,6 @@ use crate::shadow::Counting;
 pub struct SceneOptions {
     /// The largest number of lights at a time, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS).
     pub max_lights: usize,
-    /// How a face's side is decided.
-    pub predicate: Predicate,
     /// Entries that the list of each light has room for, in each group of casters. `None`: room for all boundary and
     /// inconsistent edges, and for a share of the others. An overflow loses nothing: the draw then goes over all edges.
     pub list_capacity: Option<u32>,
@@ -20,18 +18,6 @@ pub struct SceneOptions {
     pub undecided_capacity: Option<u32>,
     /// How shadow volumes are counted. Those that draw them have [`ScenePipelines`](crate::gpu::ScenePipelines) of the same.
     pub counting: Counting,
-    /// Every face casts, always; see [`ShadowOptions::every_face`](crate::gpu::ShadowOptions::every_face).
-    pub every_face: bool,
-    /// Compute nothing of a caster for a light whose range or cone does not reach it: the box of a rigid caster, or the one that
-    /// [`Scene::set_bounds`](crate::gpu::Scene::set_bounds) states. And draw no volume of a caster whose own box it does not
-    /// reach.
-    pub skip_unreached: bool,
-    /// Skip a caster for a light and a view where the camera cannot see its shadow.
-    pub skip_unseen: bool,
-    /// Skip a caster for a light and a view if none of the view's receivers can be in its volume. Volumes that are left end
-    /// behind all receivers, where z-pass or z-fail counts them. It takes effect in views
-    /// with receivers ([`Scene::encode_for`](crate::gpu::Scene::encode_for)).
-    pub skip_hidden: bool,
     /// Neither deform nor compute anything of a figure that a frame does not need. It takes effect where the caller asks
     /// ([`Scene::encode_needs`](crate::gpu::Scene::encode_needs)).
     pub skip_unneeded: bool,
@@ -55,13 +41,6 @@ pub struct SceneOptions {
     ///
     /// [`ScenePipelines::in_batches`]: crate::gpu::ScenePipelines::in_batches
     pub count_batches: u32,
-    /// Keep the facing bits of each caster and light that did not change since an earlier encode, and the lists of lights of
-    /// which no caster changed. See [`Scene::set_position_version`](crate::gpu::Scene::set_position_version) for casters with
-    /// buffers.
-    pub keep_bits: bool,
-    /// Keep the lists of sides and caps for each light and view in groups of casters of which none changed for that light,
-    /// while light and camera are the same. It needs [`Self::keep_bits`].
-    pub keep_lists: bool,
     /// Compute an upper bound of the stencil counts of all casters together, for
     /// [`ShadowStatistics::count_bound`](crate::gpu::ShadowStatistics::count_bound) and
     /// [`ShadowStatistics::may_wrap`](crate::gpu::ShadowStatistics::may_wrap). It takes three stages, and 4 KiB for each view,
@@ -79,35 +58,66 @@ pub struct SceneOptions {
     pub clusters_from: Option<u32>,
     /// The largest device memory for the scene, in bytes. It is checked before anything is allocated. `None`: no limit.
     pub memory_limit: Option<u64>,
+    /// Work that no picture needs, for measuring.
+    #[doc(hidden)]
+    pub measuring: Measuring,
+}
+
+/// Work that a scene does although no picture needs it, and the predicate that it takes: for measuring and tests. It is not
+/// covered by the promise of stability.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Measuring(u32);
+
+impl Measuring {
+    /// Every face casts, also where back-facing ones suffice.
+    pub const EVERY_FACE: Self = Self(1);
+    /// Casters that a light's range or cone does not reach are computed and drawn.
+    pub const UNREACHED: Self = Self(1 << 1);
+    /// Volumes are drawn where the camera cannot see the shadow.
+    pub const UNSEEN: Self = Self(1 << 2);
+    /// Volumes are drawn where no receiver is in them.
+    pub const WITHOUT_RECEIVERS: Self = Self(1 << 3);
+    /// Facing bits and lists that did not change are computed again.
+    pub const BITS: Self = Self(1 << 4);
+    /// Lists for a view are made again, although nothing that they depend on changed.
+    pub const LISTS: Self = Self(1 << 5);
+    /// [`Predicate::Fast`] decides. Clusters need the exact one.
+    pub const FAST: Self = Self(1 << 6);
+
+    /// All levels of skipping are off.
+    pub const SKIP_NOTHING: Self = Self(0b11_1110);
+
+    /// Sets or clears one of these.
+    pub const fn set(&mut self, what: Self, on: bool) {
+        self.0 = if on { self.0 | what.0 } else { self.0 & !what.0 };
+    }
+
+    pub(crate) const fn has(self, what: Self) -> bool {
+        self.0 & what.0 != 0
+    }
 }
 
 impl SceneOptions {
+    /// How a face's side is decided.
+    pub(crate) const fn predicate(&self) -> Predicate {
+        if self.measuring.has(Measuring::FAST) { Predicate::Fast } else { Predicate::Exact }
+    }
+
     /// What these say of volumes. `has_receivers`: views may have receivers.
     pub(crate) fn volumes(&self, has_receivers: bool) -> VolumeSettings {
-        let Self {
-            counting,
-            every_face,
-            keep_bits,
-            keep_lists,
-            skip_unreached,
-            skip_unseen,
-            end_at_range,
-            bound_counts,
-            count_bits,
-            cap_capacity,
-            memory_limit,
-            ..
-        } = *self;
+        let Self { counting, measuring, end_at_range, bound_counts, count_bits, cap_capacity, memory_limit, .. } =
+            *self;
         let count_batches = self.count_batches.max(1);
         VolumeSettings {
             counting,
-            averted: !every_face,
-            skip_unreached,
-            skip_unseen,
+            averted: !measuring.has(Measuring::EVERY_FACE),
+            skip_unreached: !measuring.has(Measuring::UNREACHED),
+            skip_unseen: !measuring.has(Measuring::UNSEEN),
             end_at_range,
             has_receivers,
             bound_counts,
-            keeps: keep_bits && keep_lists,
+            keeps: !measuring.has(Measuring::BITS) && !measuring.has(Measuring::LISTS),
             count_batches,
             count_bits,
             cap_capacity,
@@ -118,33 +128,26 @@ impl SceneOptions {
 }
 
 impl Default for SceneOptions {
-    /// Up to 32 lights, the exact predicate, capacities from the meshes, z-pass or ZP+ as the GPU chooses, averted faces
-    /// where they suffice, what lights do not reach, shadows that are unseen or hidden, and figures that are not needed
-    /// skipped, clusters from 4,096 faces on, infinite volumes, one batch of casters that is counted in all bits of the stencil,
+    /// Up to 32 lights, capacities from the meshes, z-pass or ZP+ as the GPU chooses, averted faces
+    /// where they suffice, figures that are not needed skipped, clusters from 4,096 faces on, infinite volumes, one batch of casters that is counted in all bits of the stencil,
     /// bits and lists kept, no bound on counts, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,
-            predicate: Predicate::Exact,
             list_capacity: None,
             undecided_capacity: None,
             counting: Counting::Auto,
-            every_face: false,
-            skip_unreached: true,
-            skip_unseen: true,
-            skip_hidden: true,
             skip_unneeded: true,
             skip_occluded: false,
             skip_hidden_faces: true,
             end_at_range: false,
             count_bits: 8,
             count_batches: 1,
-            keep_bits: true,
-            keep_lists: true,
             bound_counts: false,
             cap_capacity: None,
             clusters_from: Some(4096),
             memory_limit: None,
+            measuring: Measuring::default(),
         }
     }
 }

@@ -12,7 +12,7 @@ use super::hidden_of_light::HiddenOfLight;
 use super::lights::Lights;
 use super::mask::LightMask;
 use super::occluders;
-use super::options::SceneOptions;
+use super::options::{Measuring, SceneOptions};
 use super::pages::Pages;
 use super::receivers::SeenReceivers;
 use super::sources::{Sources, bind};
@@ -104,7 +104,7 @@ impl Scene {
             sources: Sources::default(),
             pages: Pages::new(),
             table: Table {
-                heeds_ranges: options.skip_unreached,
+                heeds_ranges: !options.measuring.has(Measuring::UNREACHED),
                 heeds_occluders: options.skip_occluded,
                 ..Table::default()
             },
@@ -154,9 +154,9 @@ impl Scene {
 
     /// What is uploaded of a mesh. Other predicates than the exact one may decide faces differently from clusters.
     fn topology<'a>(&self, mesh: &'a Mesh, positions: &[[f32; 3]]) -> Topology<'a> {
-        let SceneOptions { predicate, clusters_from, .. } = self.options;
+        let clusters_from = self.options.clusters_from;
         let is_in_clusters = clusters_from.is_some_and(|least| mesh.faces().len() >= least.max(1) as usize);
-        if is_in_clusters && predicate == Predicate::Exact {
+        if is_in_clusters && self.options.predicate() == Predicate::Exact {
             Topology::in_clusters(mesh, positions)
         } else {
             Topology::plain(mesh)

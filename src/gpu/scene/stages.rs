@@ -106,7 +106,7 @@ impl<'a> Binder<'a> {
             return Passes::default();
         }
         let Making { options, views, has_receivers, .. } = *self.making;
-        let predicate = options.predicate;
+        let predicate = options.predicate();
         let mut programs = programs(predicate);
         if views > 0 {
             programs.extend(shadow::stages::programs(true, &options.volumes(has_receivers)));

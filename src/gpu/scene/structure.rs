@@ -7,7 +7,7 @@ use super::caster::{CasterEntry, MeshEntry};
 use super::errors::SceneError;
 use super::layout::{Group, Layout};
 use super::lights::Lights;
-use super::options::SceneOptions;
+use super::options::{Measuring, SceneOptions};
 use super::pages::{Page, Pages};
 use super::sources::{Source, Sources};
 use super::table::{Part, Table};
@@ -120,7 +120,7 @@ impl Structure {
         let buffers = Buffers::new(device, old, &wanted, &limits)?;
         let table_buffer = table_buffer(device, table, table_bytes)?;
         let room = |batch| room(lights, batch);
-        let ids = [number.structure, u32::from(options.keep_bits)];
+        let ids = [number.structure, u32::from(!options.measuring.has(Measuring::BITS))];
         let (parts, uniforms, shapes) = parts(&layout, table, &sizes, &places, room, ids);
         let uniforms = uniforms.into_buffer(device, "scene dispatches");
         let shapes = shapes.into_buffer(device, "draw shapes");

@@ -1,9 +1,9 @@
 //! The ways that are compared: a scene, and an extractor with shadow volumes for each mesh.
 
 use rimline::gpu::{
-    Caster, CasterHandle, Extraction, Extractor, ExtractorOptions, LightHandle, MeshHandle, PositionBuffer, Scene,
-    SceneFrame, SceneOptions, ScenePipelines, ShadowFormat, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes,
-    StageTimer, read_back_vec,
+    Caster, CasterHandle, Extraction, Extractor, ExtractorOptions, LightHandle, Measuring, MeshHandle, PositionBuffer,
+    Scene, SceneFrame, SceneOptions, ScenePipelines, ShadowFormat, ShadowFrame, ShadowOptions, ShadowPipelines,
+    ShadowVolumes, StageTimer, read_back_vec,
 };
 use rimline::{Counting, Light, MeshError, ShadowCamera, wgpu};
 use rimline_measure::shapes::Shape;
@@ -73,8 +73,9 @@ impl SceneRecorder {
     pub(super) fn new(gpu: &Gpu, field: &Field, keep_bits: bool) -> Result<(Self, Vec<CasterHandle>), Failure> {
         let mesh = field.shape.mesh().map_err(mesh_failure)?;
         let make = || -> Result<_, GpuError> {
-            let mut scene =
-                Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions { keep_bits, ..SceneOptions::default() })?;
+            let mut options = SceneOptions::default();
+            options.measuring.set(Measuring::BITS, !keep_bits);
+            let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options)?;
             let mesh = scene.add_mesh(&mesh, &field.shape.positions)?;
             let transforms = field.places.iter().map(Field::transform);
             let casters = transforms.map(|transform| scene.insert(Caster::rigid(mesh, transform)));

@@ -1,6 +1,6 @@
 //! The levels of skipping, and which of them a measurement has on.
 
-use rimline::gpu::SceneOptions;
+use rimline::gpu::{Measuring, SceneOptions};
 
 /// A level of skipping, with its switch.
 #[derive(Debug)]
@@ -13,19 +13,34 @@ pub(crate) struct Level {
 
 /// All levels that have a switch.
 pub(crate) static LEVELS: &[Level] = &[
-    Level { id: "light-reach", name: "light reach", switch: |options, on| options.skip_unreached = on },
-    Level { id: "shadow-reach", name: "shadow reach", switch: |options, on| options.skip_unseen = on },
+    Level {
+        id: "light-reach",
+        name: "light reach",
+        switch: |options, on| options.measuring.set(Measuring::UNREACHED, !on),
+    },
+    Level {
+        id: "shadow-reach",
+        name: "shadow reach",
+        switch: |options, on| options.measuring.set(Measuring::UNSEEN, !on),
+    },
     Level {
         id: "nothing-moved",
         name: "nothing moved",
-        switch: |options, on| (options.keep_bits, options.keep_lists) = (on, on),
+        switch: |options, on| {
+            options.measuring.set(Measuring::BITS, !on);
+            options.measuring.set(Measuring::LISTS, !on);
+        },
     },
     Level {
         id: "clusters",
         name: "clusters",
         switch: |options, on| options.clusters_from = SceneOptions::default().clusters_from.filter(|_| on),
     },
-    Level { id: "hidden-receivers", name: "hidden receivers", switch: |options, on| options.skip_hidden = on },
+    Level {
+        id: "hidden-receivers",
+        name: "hidden receivers",
+        switch: |options, on| options.measuring.set(Measuring::WITHOUT_RECEIVERS, !on),
+    },
     Level { id: "unneeded-figures", name: "unneeded figures", switch: |options, on| options.skip_unneeded = on },
 ];
 
