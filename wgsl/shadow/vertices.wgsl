@@ -4,8 +4,9 @@
 // near plane is a polygon of up to five vertices, drawn as a strip. Volumes are watertight: shapes that meet at an edge have
 // equal bits there, because both take its ends in the order of their vertex indices (`is_ordered`) and by the same functions of
 // shadow/shadow.wgsl. No expression may differ between two shapes that meet. docs/numerics/shadow-volumes.md. If TRIM is set,
-// polygons are cut at the frustum here, for drivers that clip slivers wrongly: "Triangles that leave the picture". The last part,
-// also for `zp_plus_2005_cases`, is ZP+ as published in 2005. `Turns:` is the most turns of the loop below it.
+// polygons are cut at the frustum here, for drivers that clip slivers wrongly: "Triangles that leave the picture". ZP+ counts
+// sides as z-pass does, and adds the near caps, since the near plane cuts volumes; the last part, also for `zp_plus_2005_cases`,
+// is ZP+ as published in 2005. `Turns:` is the most turns of the loop below it; a loop between constants needs none.
 
 #import common/casters
 #import shadow/shadow
@@ -18,7 +19,7 @@ struct VolumeVertex {
 // The position of all vertices of an instance that is not drawn: triangles without area.
 const NOTHING = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 
-// Picks one vertex of a polygon. The vertices are offered one after another. A number past the last vertex repeats it.
+// Picks one vertex of a polygon. The vertices are offered one after another. A number past the last vertex gives the last one.
 struct Picked {
   clip: vec4<f32>,
   wanted: u32, // Its number among the vertices that are there.
@@ -42,8 +43,8 @@ fn offer(picked: Picked, clip: vec4<f32>, is_there: bool) -> Picked {
   return next;
 }
 
-// Whether polygons are trimmed. A draw has as many vertices as without, so each polygon is drawn in parts, by draws of their own:
-// in a strip corners 0 and 2 PART + 1 to 2 PART + 3, a convex quad; in a list of triangles corners 0, PART + 1, PART + 2.
+// Whether polygons are trimmed. A draw has as many vertices as without TRIM, so it takes a part of each polygon, and up to seven
+// draws are made: in a strip corners 0 and 2 PART + 1 to 2 PART + 3, a convex quad; in a list of triangles 0, PART + 1, PART + 2.
 override TRIM: bool = false;
 override PART: u32 = 0u;
 override UNCLIPPED: bool = false; // Whether near and far plane do not clip (depth is clamped).
@@ -56,6 +57,7 @@ struct Outline {
   count: u32,
 }
 
+// Drops a corner past MOST_CORNERS, which a convex polygon cannot have.
 fn with_corner(outline: Outline, clip: vec4<f32>) -> Outline {
   var next = outline;
   if (next.count < MOST_CORNERS) {
@@ -202,7 +204,8 @@ fn all_or_nothing(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u
   if ((dot_3(view.near_plane.xyz, along) > 0.0) != left) {
     return NOTHING;
   }
-  // It has the orientation of the face on the screen.
+  // It has the orientation of the face on the screen, and the farthest depth: `near_z`, the depth of the near plane, is 1 with
+  // reversed depth, else 0.
   let x = select(-1.0, 3.0, vertex == select(2u, 1u, left));
   let y = select(-1.0, 3.0, vertex == select(1u, 2u, left));
   return vec4<f32>(x, y, 1.0 - view.near_z, 1.0);
@@ -360,7 +363,7 @@ fn drawn_clipped_side(view: ShadowView, light: ShadowLight, first: vec3<f32>, se
 
 // ZP+ as published (Hornus et al. 2005): the light's frustum has the near rectangle as its far rectangle.
 
-// A position transformed by the matrix of that frustum: its x, y and, as the third component, w.
+// A position transformed by the matrix of that frustum, which has no row for z: `.x` and `.y` are x and y, and `.z` is w.
 fn in_frustum(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
   let q = placed(view, position);
   return vec3<f32>(
@@ -371,8 +374,9 @@ fn in_frustum(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3
 }
 
 // The same position in clip space, with a depth that only clips, since near caps pass every depth test: z / w is 1 on the near
-// plane and 0 in front of the caster (section 3.2), also with reversed depth. A light at infinity has parallel rays and the same
-// w everywhere, so the height over the near plane replaces the distance from the light, and `frustum_near` is a height.
+// plane and 0 in front of the caster (section 3.2), also with reversed depth. For a point light `frustum_near` is the distance of
+// the frustum's near end from the light over that of its far end. A light at infinity has parallel rays and the same w
+// everywhere, so the height over the near plane replaces the distance from the light, and `frustum_near` is a height.
 fn frustum_to_clip(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
   let p = in_frustum(view, light, position);
   let near_w = view.near_w * abs(light.height);
@@ -390,7 +394,7 @@ fn counterpart(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec
   return vec4<f32>(p.xy, p.z * view.near_z, p.z);
 }
 
-// Whether a vertex is on the eye's side of the near plane. `near_z` is 1 with reversed depth, else 0.
+// Whether a vertex is on the eye's side of the near plane.
 fn is_cut(view: ShadowView, clip: vec4<f32>) -> bool {
   return clip.w <= 0.0 || select((clip.z < 0.0), (clip.z > clip.w), view.near_z != 0.0);
 }
