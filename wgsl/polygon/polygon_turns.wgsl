@@ -179,9 +179,9 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     // If f32 decides all lights, all corners are finite. If a corner is not finite, f32 decides no light: LIGHTS are then all
     // lights, for `polygon_masks`.
     let is_left = (left | decided.twisted) != 0u;
-    let is_finite = !is_left || is_outline_finite(outline);
-    atomicStore(&undecided[at + POLYGON], polygon | select(NOT_FINITE, 0u, is_finite));
-    atomicStore(&undecided[at + LIGHTS], select(live_lights(), left, is_finite));
+    let has_finite_corners = !is_left || is_outline_finite(outline);
+    atomicStore(&undecided[at + POLYGON], polygon | select(NOT_FINITE, 0u, has_finite_corners));
+    atomicStore(&undecided[at + LIGHTS], select(live_lights(), left, has_finite_corners));
     // The words that `outline` sets bits in, from FITS to OFF_PLANE, which TWISTED_QUAD follows.
     for (var word = FITS; word < TWISTED_QUAD; word++) {
       atomicStore(&undecided[at + word], 0u);
@@ -189,7 +189,7 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     atomicStore(&undecided[at + TWISTED_QUAD], decided.twisted);
     atomicStore(&undecided[at + TURN_0], decided.turn_0);
     atomicStore(&undecided[at + TURN_1], decided.turn_1);
-    if (is_finite && left != 0u) {
+    if (has_finite_corners && left != 0u) {
       list_work(number, outline, left, ENTRY_COUNT, WORKGROUPS);
     }
   }

@@ -67,10 +67,10 @@ fn with_corner(outline: Outline, clip: vec4<f32>) -> Outline {
   return next;
 }
 
-// The place in a strip of corner 0 to 4 of a polygon: the inverse of the order in `pick`.
-fn strip_place(corner: u32) -> u32 {
+// The place in a strip of corner `index`, 0 to 4, of a polygon: the inverse of the order in `pick`.
+fn strip_place(index: u32) -> u32 {
   let order = vec4<u32>(0u, 1u, 3u, 4u);
-  return select(order[min(corner, 3u)], 2u, corner == 4u);
+  return select(order[min(index, 3u)], 2u, index == 4u);
 }
 
 // At least 0 on the inner side of plane 0 to 5 of the frustum: left, right, bottom, top, z = 0, z = w.
@@ -102,9 +102,9 @@ fn trimmed(outline: Outline) -> Outline {
   for (var plane = 0u; plane < planes; plane++) {
     var next: Outline;
     // Turns: 11.
-    for (var corner = 0u; corner < polygon.count; corner++) {
-      let here = polygon.corners[corner];
-      let there = polygon.corners[select(corner + 1u, 0u, corner + 1u == polygon.count)];
+    for (var index = 0u; index < polygon.count; index++) {
+      let here = polygon.corners[index];
+      let there = polygon.corners[select(index + 1u, 0u, index + 1u == polygon.count)];
       let is_in = inner_height(plane, here) >= 0.0;
       if (is_in) {
         next = with_corner(next, here);
@@ -132,8 +132,8 @@ fn vertex_of_part(polygon: Outline, is_list: bool, vertex: u32) -> vec4<f32> {
     return polygon.corners[0];
   }
   // Corners 0, 1, 3, 2 of a quad are a strip. Its vertices from the fourth on are corner 2.
-  let corner = select(select(vertex, 3u, vertex == 2u), 2u, vertex > 2u);
-  return polygon.corners[min(first + select(corner, vertex, is_list), polygon.count - 1u)];
+  let index = select(select(vertex, 3u, vertex == 2u), 2u, vertex > 2u);
+  return polygon.corners[min(first + select(index, vertex, is_list), polygon.count - 1u)];
 }
 
 // The corners of a face, in the face's own order. `order`: a number for each, its vertex index; computations along an edge begin
@@ -311,8 +311,8 @@ fn drawn_light_cap(view: ShadowView, light: ShadowLight, face: CapFace, ends_at_
     return VolumeVertex(seen_light_cap_vertex(view, light, face, ends_at_near_plane, vertex));
   }
   var outline: Outline;
-  for (var corner = 0u; corner < 5u; corner++) {
-    outline = with_corner(outline, seen_light_cap_vertex(view, light, face, ends_at_near_plane, strip_place(corner)));
+  for (var index = 0u; index < 5u; index++) {
+    outline = with_corner(outline, seen_light_cap_vertex(view, light, face, ends_at_near_plane, strip_place(index)));
   }
   return VolumeVertex(vertex_of_part(trimmed(outline), false, vertex));
 }
@@ -322,8 +322,8 @@ fn drawn_dark_cap(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u
     return VolumeVertex(dark_cap_vertex(view, light, face, vertex));
   }
   var outline: Outline;
-  for (var corner = 0u; corner < 3u; corner++) {
-    outline = with_corner(outline, dark_cap_vertex(view, light, face, corner));
+  for (var index = 0u; index < 3u; index++) {
+    outline = with_corner(outline, dark_cap_vertex(view, light, face, index));
   }
   return VolumeVertex(vertex_of_part(trimmed(outline), true, vertex));
 }
@@ -333,8 +333,8 @@ fn drawn_near_cap(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u
     return VolumeVertex(near_cap_vertex(view, light, face, vertex));
   }
   var outline: Outline;
-  for (var corner = 0u; corner < 5u; corner++) {
-    outline = with_corner(outline, near_cap_vertex(view, light, face, strip_place(corner)));
+  for (var index = 0u; index < 5u; index++) {
+    outline = with_corner(outline, near_cap_vertex(view, light, face, strip_place(index)));
   }
   return VolumeVertex(vertex_of_part(trimmed(outline), false, vertex));
 }
@@ -344,8 +344,8 @@ fn drawn_side(view: ShadowView, light: ShadowLight, first: vec3<f32>, second: ve
     return VolumeVertex(side_vertex(view, light, first, second, vertex));
   }
   var outline: Outline;
-  for (var corner = 0u; corner < 4u; corner++) {
-    outline = with_corner(outline, side_vertex(view, light, first, second, corner ^ (corner >> 1u)));
+  for (var index = 0u; index < 4u; index++) {
+    outline = with_corner(outline, side_vertex(view, light, first, second, index ^ (index >> 1u)));
   }
   return VolumeVertex(vertex_of_part(trimmed(outline), false, vertex));
 }
@@ -355,8 +355,8 @@ fn drawn_clipped_side(view: ShadowView, light: ShadowLight, first: vec3<f32>, se
     return VolumeVertex(clipped_side_vertex(view, light, first, second, is_ordered, vertex));
   }
   var outline: Outline;
-  for (var corner = 0u; corner < 5u; corner++) {
-    outline = with_corner(outline, clipped_side_vertex(view, light, first, second, is_ordered, strip_place(corner)));
+  for (var index = 0u; index < 5u; index++) {
+    outline = with_corner(outline, clipped_side_vertex(view, light, first, second, is_ordered, strip_place(index)));
   }
   return VolumeVertex(vertex_of_part(trimmed(outline), false, vertex));
 }
