@@ -17,8 +17,8 @@ struct ContourShape {
   words: u32,
   // Walls that the list has room for.
   capacity: u32,
-  // At a jump the distances of an edge's samples differ by more than this, and by so much more than slopes beside it. RANGE: only
-  // far samples and other objects make jumps.
+  // At a jump the distances of an edge's samples differ by more than this, and by so much more than slopes beside it. If it is
+  // RANGE, only far samples and other objects make jumps.
   threshold: i32,
   // A larger difference need not be twice those beside it to be a jump.
   sure: i32,
@@ -28,7 +28,7 @@ struct ContourShape {
   // shifted down by `shift` bits.
   tolerance: i32,
   shift: u32,
-  // The move of surfaces away from the light is the sum of these:
+  // The move of surfaces away from the light is the sum of these, up to a limit (`moved_distance`):
   slope_bias: i32, // times the slope for each texel, in parts of 256;
   share: i32, // times the depth, in parts of 2²⁹;
   constant: i32, // a distance.
@@ -81,8 +81,9 @@ fn parts(a: i32, count: i32) -> i32 {
   return (a >> 8u) * count + (((a & 255) * count) >> 8u);
 }
 
-// The distance of a sample from the near plane, rounded, below RANGE: else a reversed depth next to 0 would be at the far end. A
-// negative depth counts as 0, and NaN as far (samples.wgsl).
+// The distance of a sample from the near plane, of its depth truncated to units; or FAR. It is below RANGE: else a reversed depth
+// next to 0 would be at the far end. Keys (samples.wgsl) have depths from 0 to 1: a negative one counts as 0, more than 1 as 1,
+// and NaN as far.
 fn distance_at(at: vec2<i32>) -> i32 {
   let key = key_at(vec2<u32>(at));
   let bits = depth_bits(key);
@@ -111,7 +112,8 @@ fn slope_between(at: vec2<i32>, step: vec2<i32>) -> i32 {
   return select(abs(smaller(own - before, after - own)), 0, max(own, max(before, after)) == FAR);
 }
 
-// The error that depths of the map and of the eye may have together, at a distance.
+// How far depths of the map and of the eye may be off together, at a distance: `share` of the depth, and `constant`. It is part
+// of the move of surfaces, and `conic_before` asks for a difference PRECISE times as large.
 fn precision_at(own: i32) -> i32 {
   let depth = select(own, RANGE - own, depth_map.is_reversed != 0u);
   return (((depth >> 10u) * contour.share) >> 19u) + contour.constant;
@@ -139,7 +141,7 @@ const PRECISE: i32 = 16;
 // How a smooth surface bends towards a rim. The surface along a row is taken for a conic whose tangent at the rim is a ray of the
 // light: the square of the distance from the rim's depth is a quadratic polynomial of the place.
 struct Conic {
-  // The difference of the last sample and the one before it, shifted down to eleven bits. UNTOLD: there is no such conic.
+  // The difference of the last sample and the one before it, shifted down to at most eleven bits. UNTOLD: there is no such conic.
   u: i32,
   // The rim's distance less that of the last sample, in the same units.
   y: i32,
@@ -148,12 +150,13 @@ struct Conic {
   second: i32,
 }
 
-// The conic through a sample and the three before it, in the direction of a step. A fourth before it has to lie on it, but for
-// the part u² / `off` of the square: a larger `off` is stricter.
+// The conic through a sample, which must not be FAR, and the three before it, in the direction of a step. A fourth before it has
+// to lie on it, but for the part u² / `off` of the square: a larger `off` is stricter.
 fn conic_before(last: vec2<i32>, step: vec2<i32>, off: i32) -> Conic {
   let none = Conic(UNTOLD, 0, 0, 0);
   let z = distance_at(last);
   var gone: array<i32, 5>;
+  // Four turns. Loops between constants need no `Turns:` comment.
   for (var number = 1; number < 5; number++) {
     let own = distance_at(last - number * step);
     if (own == FAR || z - own <= gone[number - 1]) {
@@ -164,7 +167,7 @@ fn conic_before(last: vec2<i32>, step: vec2<i32>, off: i32) -> Conic {
   if (gone[1] < max(LEAST_RISE, PRECISE * min(precision_at(z), RANGE / PRECISE))) {
     return none;
   }
-  // Eleven bits of the largest difference are enough.
+  // Eleven bits of `u` are enough. It must be the largest difference of neighbouring samples, as is tested below.
   let shift = u32(max(21 - i32(countLeadingZeros(u32(gone[1]))), 0));
   let u = gone[1] >> shift;
   let v = (gone[2] >> shift) - u;

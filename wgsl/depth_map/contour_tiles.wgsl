@@ -3,14 +3,15 @@
 // Reads `marks`. Writes the list and its length into `counts`, for `contour_places`, `contour_walls` and the near cap of
 // `depth_walls`; and `workgroups`, the arguments of the indirect dispatches of `contour_places` and `contour_walls_take`.
 // No tile with a marked edge on or within its border may be missing, and the order must stay: `depth_walls` searches the list by
-// halves.
+// halves. `Turns:` is the most turns of the loop below it; a loop between constants needs none.
 
 #import depth_map/contour
 #import depth_map/contour_rim
 #import depth_map/samples
 
-// First whether a contour crosses each tile; `contour_walls` overwrites that with counts. Then room for the counts of its WALKERS
-// invocations of each tile, then the list, then the list's length.
+// First a word for each tile, whether a contour crosses it. `contour_walls` overwrites the first of these words, now one for each
+// number in the list: where the walls of that tile begin, which `depth_walls` reads. Then room for the counts of the WALKERS
+// invocations of each listed tile; then the list, and its length.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 
 // Arguments of the indirect dispatch of `contour_places`, then of `contour_walls_take`.
@@ -19,13 +20,16 @@
 const BLOCK: u32 = 256u;
 // Tiles of a workgroup of `contour_places`: it has an invocation for each of their rows.
 const TILES_OF_ROWS: u32 = BLOCK / u32(TILE);
-// Tiles of a workgroup that walks. Each takes an invocation up to some 17,000 turns of loops: src/turns.rs.
+// Tiles of a workgroup of `contour_walls_take`. An invocation has up to some 25,000 loop turns for each, and may have 65,535 in
+// all (src/turns.rs).
 const TILES_OF_WALKERS: u32 = 2u;
-// Workgroups across or down that a device has. With fewer than all, workgroups take further tiles in turn.
+// The most workgroups of a dispatch across, and down. If a list needs more than both together give, workgroups take further tiles
+// in turn.
 override MOST_WORKGROUPS: u32 = 65535u;
 
-// A word has the marks of the tile's samples in a row. The samples of the tiles to the right and below begin the edges at its
-// borders.
+// A word has the marks of the 16 samples of a tile in a row, two bits each: the lower for the edge to the right, the upper for
+// the edge down. Edges at the tile's right border go down from the first sample of the next word (mask 2); edges at its lower
+// border go to the right from the samples of the row below (0x55555555). Samples have a border of one around the map: `size` + 2.
 @compute @workgroup_size(BLOCK)
 fn contour_tiles_find(
   @builtin(workgroup_id) group: vec3<u32>,

@@ -4,15 +4,16 @@
 // `DepthMapFrame::draw`: `depth_walls` has six vertices for each quadrilateral of `contour_walls`, which wrote the indirect draw;
 // then `depth_walls_near_cap_fragment` turns the bit round where the near rectangle (the eye's near plane in the picture) is in
 // shadow, with the vertex shader `depth_near_cap`. Depth is tested for walls, never written. `cells` is the list of walls here.
-// The near cap must answer for what is drawn: the surface on a place's side of the contour, then each flap over the place turns
-// the answer round if it tells otherwise. If the list overflowed, triangles are drawn and looked up instead.
+// The near cap must answer for what is drawn. The surface on a place's side of the contour answers first; if an odd number of
+// triangles of flaps over the place tell otherwise, the answer is turned round. If the list overflowed, triangles of cells are
+// drawn and looked up instead.
 
 #import depth_map/contour
 #import depth_map/contour_rim
 #import depth_map/samples
 #import depth_map/surface
 
-// Vertices 0 to 5 of a wall or flap are its two triangles.
+// Vertices 0 to 5 of a wall or flap (`corner`) are its two triangles. `number`, 0 to 3, is the vertex in the list.
 @vertex
 fn depth_walls(@builtin(vertex_index) index: u32) -> SurfaceVertex {
   let corner = index % 6u;
@@ -47,10 +48,12 @@ fn is_behind_contour(found: NearPlace, cell: vec2<i32>, code: u32) -> bool {
 // Whether a place on the near rectangle, from -1 to 1, is in shadow: behind the surfaces that end at contours, and their flaps.
 fn is_behind_contours(place: vec2<f32>) -> bool {
   let found = near_place(place);
-  // A list of walls that overflowed is not drawn.
+  // A list of walls that overflowed is not drawn. With contours `depth_map.capacity` is the room of this list: Rust sets it to
+  // `contour.capacity`.
   if (!found.is_in || cells[0] > depth_map.capacity) {
     return found.is_in && is_behind_triangle(found);
   }
+  // The cell's first sample.
   let corner = floor(found.lattice);
   let cell = vec2<i32>(corner);
   let code = code_of_cell(cell);
@@ -78,7 +81,8 @@ fn depth_walls_near_cap_fragment(@location(0) @interpolate(linear, sample) place
 // Texels from a wall up to which its flaps reach.
 const REACH: i32 = 2;
 
-// Whether the line between two points crosses the ray from the origin to the right. It does not depend on their order.
+// Whether the line between two points crosses the ray from the origin to the right. It does not depend on their order. Rows go
+// down, so the upper point has the smaller y.
 fn crosses(a: vec2<f32>, b: vec2<f32>) -> bool {
   let upper = select(b, a, a.y < b.y);
   let lower = select(a, b, a.y < b.y);
@@ -190,7 +194,8 @@ fn flaps_change(cell: vec2<i32>, part: vec2<f32>, depth: f32, is_behind: bool) -
 
 // The surface that a place within a marked cell belongs to.
 
-// Where contours cross edges (contour_places.wgsl), moved onto segments by `contour_walls`.
+// Where contours cross edges (contour_places.wgsl), moved onto segments by `contour_walls`: 16 bits an edge, in 65,536 parts of a
+// texel, where points in `cells` are in 256 parts.
 @group(0) @binding(5) var<storage, read> places: array<u32>;
 
 // The point on edge `bit` of a cell where the contour crosses it, in texels from the cell's first sample. The middle of an edge
@@ -239,6 +244,7 @@ fn contour_side(cell: vec2<i32>, code: u32, place: vec2<f32>) -> u32 {
 }
 
 // The distance of the surface at a place of a marked cell: between samples of the same surface, and as it goes on from the last.
+// `corner` is the offset of a corner here, its number in `contour_side`.
 fn contour_distance(cell: vec2<i32>, code: u32, place: vec2<f32>) -> i32 {
   let corner = corner_offset(contour_side(cell, code, place));
   let at = cell + corner;

@@ -3,7 +3,7 @@
 // One invocation takes one record (a directed edge with one or two faces), gathers four positions and tests both faces against
 // every light. It writes masks and lists as `edges` does, for `compact`, `arguments` and callers. It uses the plane equations, as
 // published, or the local form (common/determinant.wgsl). A face's side is decided again at each of its edges, in f32, so loops
-// may fail to close. This is what is compared: tests and gathers must stay one an edge. docs/numerics/facing.md, "Per edge".
+// may fail to close. This is what is compared: each edge must gather and test anew. docs/numerics/facing.md, "Per edge".
 
 #import common/determinant
 #import common/extraction
@@ -36,7 +36,8 @@ fn is_in_front(side: Side, light: u32) -> bool {
   return local_form(side.plane.xyz, side.a, batch.lights[light]) > 0.0;
 }
 
-// A bit for each light that the face faces. Entries past the last light repeat it; their bits are dropped at the end.
+// A bit for each light that the face faces. Takes four lights at a time: the batch repeats its last light up to entry 31, and the
+// bits of these entries are dropped at the end.
 fn mask_of(side: Side) -> u32 {
   var mask = 0u;
   // Turns: 8.
@@ -58,13 +59,14 @@ fn per_edge(@builtin(global_invocation_id) id: vec3<u32>) {
   let corners = edge_corners[edge];
   let a = position(corners.x & ~INCONSISTENT);
   let b = position(corners.y);
-  // The lights that face 0 faces. An edge without face 1 is a silhouette for every light.
+  // The facing mask of face 0: the winding of the edge's side. An edge without face 1 is a silhouette for every light, also where
+  // face 0 is averted, since a surface that ends there casts from either side.
   let winding = mask_of(side_of(a, b, position(corners.z)));
   var silhouette = batch.live;
   if (corners.w != NO_FACE) {
     let d = position(corners.w);
-    // Face 1 runs the same way, so its front is on the other side of the surface: it differs where the bits are equal.
     if ((corners.x & INCONSISTENT) != 0u) {
+      // Face 1 runs the same way, so its front is on the other side of the surface: it differs where the bits are equal.
       silhouette = ~(winding ^ mask_of(side_of(a, b, d))) & batch.live;
     } else {
       silhouette = winding ^ mask_of(side_of(b, a, d));

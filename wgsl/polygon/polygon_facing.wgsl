@@ -14,13 +14,14 @@
 // Facing masks of all triangles, and after them as many words in which `polygon_masks` writes for which lights they are twisted.
 @group(0) @binding(8) var<storage, read_write> facing_masks: array<u32>;
 
-// The lights for which all turns are certain and 1, and those for which they are certain and -1. None if f32 is not certain of
-// the positions, which is tested last: the loop is the same for all invocations.
+// The lights for which all turns are certain and 1, and those for which they are certain and -1.
 struct Convex {
   facing: u32,
   averted: u32,
 }
 
+// The outline must be a triangle or quadrilateral; a triangle has four equal turns (polygon/quads.wgsl). None if f32 is not
+// certain of the positions, which is tested last: the loop is the same for all invocations.
 fn convex_quad(outline: OutlineRange) -> Convex {
   var convex = Convex(0u, 0u);
   let quad = quad_of(outline);
@@ -39,13 +40,15 @@ fn convex_quad(outline: OutlineRange) -> Convex {
   return convex;
 }
 
+// `chunk.count` is the number of polygons.
 @compute @workgroup_size(256)
 fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
   if (id.x >= chunk.count) {
     return;
   }
   let outline = outline_of(id.x);
-  // All edges have cancelled: no edge record names the polygon. Its masks stay 0, as the buffer was made.
+  // The polygon walks each edge both ways, so none is left in its outline, and no edge record names it. No stage writes its
+  // masks: they keep the zeros of a new buffer.
   if (outline.count == 0u) {
     return;
   }
@@ -58,9 +61,11 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
     facing_masks[triangle] = convex.facing & live_lights();
   }
   if ((live_lights() & ~(convex.facing | convex.averted)) != 0u) {
+    // There is room for a record of every polygon. `polygon_turns` writes its other words.
     let number = atomicAdd(&undecided[RECORD_COUNT], 1u);
     atomicStore(&undecided[record_at(number) + POLYGON], id.x);
-    // `polygon_turns` has an invocation a record. Its workgroups lie in rows of at most ENTRY_ROW.
+    // `polygon_turns` has an invocation a record. Its workgroups lie in rows (x) of at most ENTRY_ROW; y counts rows, and z is 1
+    // from the reset.
     let workgroup = number / OUTLINE_LANES;
     atomicMax(&undecided[RECORD_WORKGROUPS], min(workgroup + 1u, ENTRY_ROW));
     atomicMax(&undecided[RECORD_WORKGROUPS + 1u], workgroup / ENTRY_ROW + 1u);

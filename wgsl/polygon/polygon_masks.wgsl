@@ -1,11 +1,11 @@
 // Polygon masks: decides from the records of `undecided` whether a polygon faces each light that `polygon_turns` left, is in a
 // plane with it, or is L-twisted: its outline crosses itself as seen from light L, so it has lit and dark parts. Dispatched after
-// `outline`, one invocation a record. It adds to statistics and to the facing masks of the polygon's triangles, and writes their
-// twisted and excluded masks; these are cleared before for polygons without a record. A polygon that is twisted or in a plane
-// counts nowhere as a face; what a twisted one darkens is cut into pieces. `edges` reads facing and twisted masks next; stages of
-// shadow volumes read facing and excluded ones. Outlines that are twisted are listed as entries for `cut_edges`, but for the
-// quadrilaterals that `cut_quads` takes. Bits are exact, and every triangle of a polygon has the same: else silhouettes would not
-// close. docs/numerics/polygons.md.
+// `outline`, one invocation a record. It adds to statistics, and for the polygon's triangles to the facing masks, the first half
+// of `facing_masks`; it writes their twisted masks, the second half, and their excluded masks. Twisted and excluded masks are
+// cleared before, for polygons without a record. A polygon that is twisted or in a plane counts nowhere as a face; what a twisted
+// one darkens is cut into pieces. `edges` reads facing and twisted masks next; stages of shadow volumes read facing and excluded
+// ones. Outlines that are twisted are listed as entries for `cut_edges`, except the quadrilaterals that `cut_quads` takes. Bits
+// are exact, and every triangle of a polygon has the same: else silhouettes would not close. docs/numerics/polygons.md.
 
 #import common/extraction
 #import extract/one_caster
@@ -13,9 +13,11 @@
 
 @group(0) @binding(8) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
+// The statistics, not a record of `undecided`.
 @group(0) @binding(2) var<storage, read_write> record: FacingRecord;
 
-// Bits of lights. Lights that were decided before are in none of them, but for quadrilaterals that `polygon_turns` found twisted.
+// Bits of lights. Lights that were decided before are in none of them, except those for which `polygon_turns` found a
+// quadrilateral twisted: these are in `twisted` and `excluded`.
 struct PolygonMasks {
   facing: u32,
   twisted: u32,
@@ -23,10 +25,10 @@ struct PolygonMasks {
 }
 
 // The bits of the record at word `at` of `undecided`. A polygon with a corner that is not finite (its word POLYGON has bit 31,
-// NOT_FINITE) faces no light and is excluded for all: LIGHTS has them. FITS, IS_NOT_SIMPLE, WINDS_ONCE, WINDS_NEVER, OFF_PLANE
-// are what `outline` found of all corners and edges together (polygon/outlines.wgsl): all corners fit a half-space, edges meet,
-// the winding number beside some edge is 1, it is 0 there, something is off the plane. If 1 and 0 both occur, the outline is not
-// simple.
+// NOT_FINITE) faces no light and is excluded for all: LIGHTS has them. `outline` found, over all edges of the outline: FITS, all
+// corners are in one half-space; IS_NOT_SIMPLE, some edges meet, or the winding number beside one is neither 0 nor 1; WINDS_ONCE,
+// beside one it is 1; WINDS_NEVER, beside one it is 0; OFF_PLANE, something is off the plane. If 1 and 0 both occur, the outline
+// is not simple.
 fn masks_of_record(at: u32) -> PolygonMasks {
   let lights = atomicLoad(&undecided[at + LIGHTS]);
   if (atomicLoad(&undecided[at + POLYGON]) >= NOT_FINITE) {
@@ -40,8 +42,7 @@ fn masks_of_record(at: u32) -> PolygonMasks {
   return PolygonMasks(lights & ~in_plane & simple & once, twisted, twisted | in_plane);
 }
 
-// 64 is OUTLINE_LANES, by which `polygon_facing` counts workgroups. `record` has nothing of the records of `undecided`: it is the
-// binding of the statistics.
+// 64 is OUTLINE_LANES, by which `polygon_facing` counts workgroups. So there is an invocation for each record, and it takes one.
 @compute @workgroup_size(64)
 fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   let records = atomicLoad(&undecided[RECORD_COUNT]);
@@ -56,11 +57,13 @@ fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     for (var triangle = outline.first_triangle; triangle < outline.end_triangle; triangle++) {
       facing_masks[triangle] |= masks.facing;
       facing_masks[triangles + triangle] = masks.twisted;
-      // Without lists there is no buffer of excluded masks, and something short is bound.
+      // Without lists there is no buffer of excluded masks. A short buffer is bound, and what is written to it is not read.
       if (triangle < arrayLength(&excluded_masks)) {
         excluded_masks[triangle] = masks.excluded;
       }
     }
+    // `undecided_pairs` lacks the pairs that `polygon_turns` found twisted: LIGHTS has none of them. `non_finite_faces` counts
+    // polygons here, in the first batch only, since every batch finds the same.
     if (atomicLoad(&undecided[at + POLYGON]) < NOT_FINITE) {
       let lights = atomicLoad(&undecided[at + LIGHTS]);
       atomicAdd(&record.statistics.undecided_pairs, countOneBits(lights));
@@ -69,7 +72,8 @@ fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     } else if (chunk.first_light == 0u) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);
     }
-    // `cut_quads` cuts the outlines of `quad`, and `cut_edges` the others: from here on LIGHTS are the lights of these.
+    // `cut_quads` cuts for the lights of `quad`, and `cut_edges` for the other twisted ones. Up to here LIGHTS were the undecided
+    // lights; from here on they are those of `cut_edges`.
     let quad = atomicLoad(&undecided[at + TWISTED_QUAD]);
     let cut = masks.twisted & ~quad;
     atomicStore(&undecided[at + LIGHTS], cut);

@@ -1,12 +1,13 @@
 // Polygon turns: decides polygons that `polygon_facing` left, by turns of three corners: 1 if the light sees them
-// counter-clockwise, -1 if clockwise, 0 if they and the light are in one plane. `Turns:` is the most turns of the loop below it.
-// Dispatched indirectly, by the words that `polygon_facing` wrote to the head of `undecided`, one invocation a record.
-// Quadrilaterals of two triangles are decided where `f32` is certain of all four turns and these do not alternate, also those
-// that are L-twisted (their outline crosses itself as seen from light L); other loops where they are strictly convex. It
-// overwrites the polygon's facing masks, and writes into the record what is certain and which lights are left; for these it lists
-// entries, parts of the work, for `outline`, the next stage. `polygon_masks` reads the records, and `cut_quads` those of twisted
-// quadrilaterals. All that it decides equals exact arithmetic, so bounds must not shrink. docs/numerics/polygons.md, "Four
-// turns".
+// counter-clockwise, -1 if clockwise, 0 if they and the light are in one plane. `Turns:` is the most turns of the loop below it;
+// a loop between constants needs none. Dispatched indirectly, by the words that `polygon_facing` wrote to the head of
+// `undecided`, one invocation a record. A quadrilateral of two triangles is decided where `f32` is certain of all four turns and
+// these do not alternate: it faces the light, is averted, or is L-twisted (its outline crosses itself as seen from light L).
+// Another loop, of at most 256 edges, is decided where it is strictly convex. It overwrites the polygon's words of
+// `facing_masks`, and writes to the record the lights that are left (LIGHTS), and of a twisted quadrilateral TWISTED_QUAD, TURN_0
+// and TURN_1. For LIGHTS it lists entries, parts of the work, for `outline`, the next stage. `polygon_masks` reads records, and
+// `cut_quads` those of twisted quadrilaterals. What it decides equals exact arithmetic: bounds must not shrink.
+// docs/numerics/polygons.md, "Four turns".
 
 #import common/determinant
 #import common/positions
@@ -50,9 +51,10 @@ fn with_turns(turns: Turns, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, largest: f
   return Turns(turns.positive & positive, turns.negative & negative);
 }
 
-// The three corners of turn `number` of a loop of `count` corners: first (i, i + 1, i + 2) for each i, the turn at corner i + 1;
-// then (0, 1, i) and (0, i - 1, i) for each i from 3 to count - 2. If all are equal, corner 0 sees the others one after the other
-// within a half-turn, so the loop goes around once; the first alone may be equal although it goes around twice.
+// The three corners of turn `number` of a loop of `count` corners: first (i, i + 1, i + 2) for each i, which is the turn at
+// corner i + 1 (`turns_of` instead counts a turn by its corner); then (0, 1, i) and (0, i - 1, i) for each i from 3 to count - 2.
+// If all are equal, corner 0 sees the others one after the other within a half-turn, so the loop goes around once; the first
+// alone may be equal although it goes around twice.
 fn turn_corners(number: u32, count: u32) -> vec3<u32> {
   if (number < count) {
     let next = select(number + 1u, 0u, number + 1u == count);
@@ -87,13 +89,14 @@ fn convex_turns(outline: OutlineRange) -> Turns {
   return turns;
 }
 
-// The findings of this stage about an outline, a bit for each light. Bits past the last light may be set, but for `twisted`.
+// The findings of this stage about an outline, a bit for each light. A light is decided if its bit is in `facing`, `averted` or
+// `twisted`. Bits past the last light may be set, except in `twisted`.
 struct Decided {
   facing: u32,
   averted: u32,
   // The lights for which two neighbouring turns of a quadrilateral are certainly 1 and the others certainly -1.
   twisted: u32,
-  // The lights for which its turns at corners 0 and 1 are certainly 1. Only `twisted` ones count.
+  // The lights for which its turns at corner 0 and at corner 1 are certainly 1. Only lights of `twisted` count.
   turn_0: u32,
   turn_1: u32,
 }
@@ -124,7 +127,7 @@ fn decided_quad(outline: OutlineRange) -> Decided {
     let averted = certain & ((down_0 & down_1 & (down_2 | down_3)) | (down_2 & down_3 & (down_0 | down_1)));
     decided.facing |= together(facing) << place;
     decided.averted |= together(averted) << place;
-    // Turns alternate: `outline` and `cut_edges` find what such an outline darkens.
+    // Turns alternate. Such an outline is left to `outline`, and what it darkens to `cut_edges`, not to `cut_quads`.
     let around = (up_0 & up_2) | (down_0 & down_2);
     decided.twisted |= together(certain & ~facing & ~averted & ~around) << place;
     decided.turn_0 |= together(up_0) << place;
@@ -157,7 +160,7 @@ fn is_outline_finite(outline: OutlineRange) -> bool {
   return true;
 }
 
-// 64 is OUTLINE_LANES, by which `polygon_facing` counts workgroups.
+// 64 is OUTLINE_LANES, by which `polygon_facing` counts workgroups. So there is an invocation for each record, and it takes one.
 @compute @workgroup_size(64)
 fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   let records = atomicLoad(&undecided[RECORD_COUNT]);
@@ -173,19 +176,20 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
       facing_masks[triangle] = decided.facing & live_lights();
     }
     let left = live_lights() & ~(decided.facing | decided.averted | decided.twisted);
-    // If f32 decides all lights, all corners are finite. If one is not, no light is decided: LIGHTS are all, for `polygon_masks`.
+    // If f32 decides all lights, all corners are finite. If a corner is not finite, f32 decides no light: LIGHTS are then all
+    // lights, for `polygon_masks`.
     let is_left = (left | decided.twisted) != 0u;
-    let is_finite = !is_left || is_outline_finite(outline);
-    atomicStore(&undecided[at + POLYGON], polygon | select(NOT_FINITE, 0u, is_finite));
-    atomicStore(&undecided[at + LIGHTS], select(live_lights(), left, is_finite));
-    // The words that `outline` sets bits in, from FITS to OFF_PLANE.
+    let has_finite_corners = !is_left || is_outline_finite(outline);
+    atomicStore(&undecided[at + POLYGON], polygon | select(NOT_FINITE, 0u, has_finite_corners));
+    atomicStore(&undecided[at + LIGHTS], select(live_lights(), left, has_finite_corners));
+    // The words that `outline` sets bits in, from FITS to OFF_PLANE, which TWISTED_QUAD follows.
     for (var word = FITS; word < TWISTED_QUAD; word++) {
       atomicStore(&undecided[at + word], 0u);
     }
     atomicStore(&undecided[at + TWISTED_QUAD], decided.twisted);
     atomicStore(&undecided[at + TURN_0], decided.turn_0);
     atomicStore(&undecided[at + TURN_1], decided.turn_1);
-    if (is_finite && left != 0u) {
+    if (has_finite_corners && left != 0u) {
       list_work(number, outline, left, ENTRY_COUNT, WORKGROUPS);
     }
   }

@@ -4,8 +4,9 @@
 // near plane is a polygon of up to five vertices, drawn as a strip. Volumes are watertight: shapes that meet at an edge have
 // equal bits there, because both take its ends in the order of their vertex indices (`is_ordered`) and by the same functions of
 // shadow/shadow.wgsl. No expression may differ between two shapes that meet. docs/numerics/shadow-volumes.md. If TRIM is set,
-// polygons are cut at the frustum here, for drivers that clip slivers wrongly: "Triangles that leave the picture". The last part,
-// also for `zp_plus_2005_cases`, is ZP+ as published in 2005. `Turns:` is the most turns of the loop below it.
+// polygons are cut at the frustum here, for drivers that clip slivers wrongly: "Triangles that leave the picture". ZP+ counts
+// sides as z-pass does, and adds the near caps, since the near plane cuts volumes; the last part, also for `zp_plus_2005_cases`,
+// is ZP+ as published in 2005. `Turns:` is the most turns of the loop below it; a loop between constants needs none.
 
 #import common/casters
 #import shadow/shadow
@@ -18,7 +19,7 @@ struct VolumeVertex {
 // The position of all vertices of an instance that is not drawn: triangles without area.
 const NOTHING = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 
-// Picks one vertex of a polygon. The vertices are offered one after another. A number past the last vertex repeats it.
+// Picks one vertex of a polygon. The vertices are offered one after another. A number past the last vertex gives the last one.
 struct Picked {
   clip: vec4<f32>,
   wanted: u32, // Its number among the vertices that are there.
@@ -42,8 +43,8 @@ fn offer(picked: Picked, clip: vec4<f32>, is_there: bool) -> Picked {
   return next;
 }
 
-// Whether polygons are trimmed. A draw has as many vertices as without, so each polygon is drawn in parts, by draws of their own:
-// in a strip corners 0 and 2 PART + 1 to 2 PART + 3, a convex quad; in a list of triangles corners 0, PART + 1, PART + 2.
+// Whether polygons are trimmed. A draw has as many vertices as without TRIM, so it takes a part of each polygon, and up to seven
+// draws are made: in a strip corners 0 and 2 PART + 1 to 2 PART + 3, a convex quad; in a list of triangles 0, PART + 1, PART + 2.
 override TRIM: bool = false;
 override PART: u32 = 0u;
 override UNCLIPPED: bool = false; // Whether near and far plane do not clip (depth is clamped).
@@ -56,6 +57,7 @@ struct Outline {
   count: u32,
 }
 
+// Drops a corner past MOST_CORNERS, which a convex polygon cannot have.
 fn with_corner(outline: Outline, clip: vec4<f32>) -> Outline {
   var next = outline;
   if (next.count < MOST_CORNERS) {
@@ -65,10 +67,10 @@ fn with_corner(outline: Outline, clip: vec4<f32>) -> Outline {
   return next;
 }
 
-// The place in a strip of corner 0 to 4 of a polygon: the inverse of the order in `pick`.
-fn strip_place(corner: u32) -> u32 {
+// The place in a strip of corner `index`, 0 to 4, of a polygon: the inverse of the order in `pick`.
+fn strip_place(index: u32) -> u32 {
   let order = vec4<u32>(0u, 1u, 3u, 4u);
-  return select(order[min(corner, 3u)], 2u, corner == 4u);
+  return select(order[min(index, 3u)], 2u, index == 4u);
 }
 
 // At least 0 on the inner side of plane 0 to 5 of the frustum: left, right, bottom, top, z = 0, z = w.
@@ -100,9 +102,9 @@ fn trimmed(outline: Outline) -> Outline {
   for (var plane = 0u; plane < planes; plane++) {
     var next: Outline;
     // Turns: 11.
-    for (var corner = 0u; corner < polygon.count; corner++) {
-      let here = polygon.corners[corner];
-      let there = polygon.corners[select(corner + 1u, 0u, corner + 1u == polygon.count)];
+    for (var index = 0u; index < polygon.count; index++) {
+      let here = polygon.corners[index];
+      let there = polygon.corners[select(index + 1u, 0u, index + 1u == polygon.count)];
       let is_in = inner_height(plane, here) >= 0.0;
       if (is_in) {
         next = with_corner(next, here);
@@ -130,8 +132,8 @@ fn vertex_of_part(polygon: Outline, is_list: bool, vertex: u32) -> vec4<f32> {
     return polygon.corners[0];
   }
   // Corners 0, 1, 3, 2 of a quad are a strip. Its vertices from the fourth on are corner 2.
-  let corner = select(select(vertex, 3u, vertex == 2u), 2u, vertex > 2u);
-  return polygon.corners[min(first + select(corner, vertex, is_list), polygon.count - 1u)];
+  let index = select(select(vertex, 3u, vertex == 2u), 2u, vertex > 2u);
+  return polygon.corners[min(first + select(index, vertex, is_list), polygon.count - 1u)];
 }
 
 // The corners of a face, in the face's own order. `order`: a number for each, its vertex index; computations along an edge begin
@@ -202,7 +204,8 @@ fn all_or_nothing(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u
   if ((dot_3(view.near_plane.xyz, along) > 0.0) != left) {
     return NOTHING;
   }
-  // It has the orientation of the face on the screen.
+  // It has the orientation of the face on the screen, and the farthest depth: `near_z`, the depth of the near plane, is 1 with
+  // reversed depth, else 0.
   let x = select(-1.0, 3.0, vertex == select(2u, 1u, left));
   let y = select(-1.0, 3.0, vertex == select(1u, 2u, left));
   return vec4<f32>(x, y, 1.0 - view.near_z, 1.0);
@@ -308,8 +311,8 @@ fn drawn_light_cap(view: ShadowView, light: ShadowLight, face: CapFace, ends_at_
     return VolumeVertex(seen_light_cap_vertex(view, light, face, ends_at_near_plane, vertex));
   }
   var outline: Outline;
-  for (var corner = 0u; corner < 5u; corner++) {
-    outline = with_corner(outline, seen_light_cap_vertex(view, light, face, ends_at_near_plane, strip_place(corner)));
+  for (var index = 0u; index < 5u; index++) {
+    outline = with_corner(outline, seen_light_cap_vertex(view, light, face, ends_at_near_plane, strip_place(index)));
   }
   return VolumeVertex(vertex_of_part(trimmed(outline), false, vertex));
 }
@@ -319,8 +322,8 @@ fn drawn_dark_cap(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u
     return VolumeVertex(dark_cap_vertex(view, light, face, vertex));
   }
   var outline: Outline;
-  for (var corner = 0u; corner < 3u; corner++) {
-    outline = with_corner(outline, dark_cap_vertex(view, light, face, corner));
+  for (var index = 0u; index < 3u; index++) {
+    outline = with_corner(outline, dark_cap_vertex(view, light, face, index));
   }
   return VolumeVertex(vertex_of_part(trimmed(outline), true, vertex));
 }
@@ -330,8 +333,8 @@ fn drawn_near_cap(view: ShadowView, light: ShadowLight, face: CapFace, vertex: u
     return VolumeVertex(near_cap_vertex(view, light, face, vertex));
   }
   var outline: Outline;
-  for (var corner = 0u; corner < 5u; corner++) {
-    outline = with_corner(outline, near_cap_vertex(view, light, face, strip_place(corner)));
+  for (var index = 0u; index < 5u; index++) {
+    outline = with_corner(outline, near_cap_vertex(view, light, face, strip_place(index)));
   }
   return VolumeVertex(vertex_of_part(trimmed(outline), false, vertex));
 }
@@ -341,8 +344,8 @@ fn drawn_side(view: ShadowView, light: ShadowLight, first: vec3<f32>, second: ve
     return VolumeVertex(side_vertex(view, light, first, second, vertex));
   }
   var outline: Outline;
-  for (var corner = 0u; corner < 4u; corner++) {
-    outline = with_corner(outline, side_vertex(view, light, first, second, corner ^ (corner >> 1u)));
+  for (var index = 0u; index < 4u; index++) {
+    outline = with_corner(outline, side_vertex(view, light, first, second, index ^ (index >> 1u)));
   }
   return VolumeVertex(vertex_of_part(trimmed(outline), false, vertex));
 }
@@ -352,15 +355,15 @@ fn drawn_clipped_side(view: ShadowView, light: ShadowLight, first: vec3<f32>, se
     return VolumeVertex(clipped_side_vertex(view, light, first, second, is_ordered, vertex));
   }
   var outline: Outline;
-  for (var corner = 0u; corner < 5u; corner++) {
-    outline = with_corner(outline, clipped_side_vertex(view, light, first, second, is_ordered, strip_place(corner)));
+  for (var index = 0u; index < 5u; index++) {
+    outline = with_corner(outline, clipped_side_vertex(view, light, first, second, is_ordered, strip_place(index)));
   }
   return VolumeVertex(vertex_of_part(trimmed(outline), false, vertex));
 }
 
 // ZP+ as published (Hornus et al. 2005): the light's frustum has the near rectangle as its far rectangle.
 
-// A position transformed by the matrix of that frustum: its x, y and, as the third component, w.
+// A position transformed by the matrix of that frustum, which has no row for z: `.x` and `.y` are x and y, and `.z` is w.
 fn in_frustum(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
   let q = placed(view, position);
   return vec3<f32>(
@@ -371,8 +374,9 @@ fn in_frustum(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3
 }
 
 // The same position in clip space, with a depth that only clips, since near caps pass every depth test: z / w is 1 on the near
-// plane and 0 in front of the caster (section 3.2), also with reversed depth. A light at infinity has parallel rays and the same
-// w everywhere, so the height over the near plane replaces the distance from the light, and `frustum_near` is a height.
+// plane and 0 in front of the caster (section 3.2), also with reversed depth. For a point light `frustum_near` is the distance of
+// the frustum's near end from the light over that of its far end. A light at infinity has parallel rays and the same w
+// everywhere, so the height over the near plane replaces the distance from the light, and `frustum_near` is a height.
 fn frustum_to_clip(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
   let p = in_frustum(view, light, position);
   let near_w = view.near_w * abs(light.height);
@@ -390,7 +394,7 @@ fn counterpart(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec
   return vec4<f32>(p.xy, p.z * view.near_z, p.z);
 }
 
-// Whether a vertex is on the eye's side of the near plane. `near_z` is 1 with reversed depth, else 0.
+// Whether a vertex is on the eye's side of the near plane.
 fn is_cut(view: ShadowView, clip: vec4<f32>) -> bool {
   return clip.w <= 0.0 || select((clip.z < 0.0), (clip.z > clip.w), view.near_z != 0.0);
 }
