@@ -78,6 +78,38 @@ pub fn limits(lights: u32, exact_items: u32) -> std::collections::BTreeMap<&'sta
 }
 
 /// For each entry point with loops, by its module, the turns that these have at most.
+///
+/// Why no input has more. "By shares": the CPU makes as many workgroups as it takes that no invocation has more items than
+/// the constant says, whatever the input is; all other loops have their bounds in their heads. "By a binding": the items lie
+/// in one binding, of 128 MiB with llvmpipe.
+///
+/// * `compact_count`, `compact_scatter`: 356 at most, 1/184 of the limit: an invocation has one edge, and a block has 256.
+/// * `compact_scan`: by a binding. Edges of 8 bytes in the largest buffer of WebGPU's default limits, 256 MiB, are 512 blocks
+///   an invocation and 1,044 turns, 1/62 of the limit. The bound is for 2³¹ edges. A test has as many blocks.
+/// * `reach`: one pair of caster and light batch an invocation; 128 occluders, of 8 corners, are tried for 32 lights. A test
+///   has a caster that the last of them hides.
+/// * `clusters`, `chunks`: by shares of 96 chunks, 1/5 of the limit.
+/// * `bounds`: by shares of 128 chunks of 64 faces, and by a binding: 8,192 views and batches of `SeenLight`. Tests have
+///   both, and twice as many views.
+/// * `choose`: by shares of 128 pairs, 1/4 of the limit. No pair goes beyond the most workgroups along an axis: these would
+///   take 537 million, and a table in one binding has no more than 84 million.
+/// * `caps`: by shares of 128 faces, or of 128 runs of 8, with 32 lights. A test has a workgroup of such shares.
+/// * `list_sides`, `stencil_crossings`: by shares of 4,096 edges or sides. Tests have a workgroup of such shares. No list of
+///   sides has more entries than there are edges.
+/// * `stencil_pencil`: by a binding: 838,860 casters with their choices, 3,277 an invocation. A test has them.
+/// * `stencil_bound`: by a binding: 32,640 rows, of all lights and views. Scenes have 32 lights or more, so 16 batches an
+///   invocation and 1,100 turns, 1/59 of the limit. A test has one light.
+/// * `depth_metric`, `depth_merge`, `depth_cube`, `depth_edges_continue`, `depth_surface`, `contour_marks`: one texel, word
+///   or vertex an invocation, 1/282 of the limit or less. `depth_near`, `depth_near_walls`: a box of 65,536 samples that 256
+///   invocations share, 1/255.
+/// * `depth_edges_mark`: one strip of 64 samples an invocation, with 128 edges that integers decide at two levels.
+///   `depth_cells_count`: by shares of 4 blocks, with 100 such edges each, or of 128 blocks where floats decide. Tests have
+///   maps all of whose edges are open.
+/// * `depth_edges_count`, `depth_cells_list`: by shares of 128 blocks, 1/42 and 1/4 of the limit. `depth_cells_places`: by the
+///   largest texture, of 16,384² texels: 513 blocks an invocation, 1/63.
+/// * `contour_tiles_find`: one tile of 16 rows an invocation, 1/3,276 of the limit. `contour_places`: one row of a tile, 1/3.
+///   `contour_walls_take`: two tiles, which a test fills with spirals. `contour_tiles_list`, `contour_walls_places`: by a
+///   binding. Places of 4 bytes are those of 5,790² texels: 513 tiles an invocation, 1/57 and 1/11.
 #[cfg(feature = "reference")]
 pub const TURNS: &[(&str, &str, u32)] = &[
     ("needs", "needs", 63_755),

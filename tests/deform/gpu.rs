@@ -3,11 +3,12 @@
 mod many_terms;
 mod poser;
 mod stage;
+mod zero;
 
 use rimline_measure::harness;
 
 fn main() {
-    let mut trials = harness::gpu_trials([stage::TESTS, poser::TESTS, many_terms::TESTS].concat());
+    let mut trials = harness::gpu_trials([stage::TESTS, poser::TESTS, many_terms::TESTS, zero::TESTS].concat());
     trials.extend(poser::trials());
     harness::run(trials);
 }

@@ -52,6 +52,7 @@ mod vertices;
 mod views;
 mod wall_vertices;
 mod worlds;
+mod zero;
 
 use rimline_measure::harness;
 
@@ -91,6 +92,7 @@ fn main() {
         large_picture::TESTS,
         contact::TESTS,
         sheets::TESTS,
+        zero::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

@@ -12,6 +12,7 @@ mod positions;
 mod refusals;
 mod stages;
 mod stress;
+mod zero;
 
 use rimline_measure::harness;
 
@@ -28,6 +29,7 @@ fn main() {
         draw::TESTS,
         limits::TESTS,
         refusals::TESTS,
+        zero::TESTS,
     ];
     let mut trials = harness::gpu_trials(tests.concat());
     trials.extend(assets::trials());

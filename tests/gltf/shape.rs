@@ -15,6 +15,7 @@ pub(crate) fn tests() -> Vec<Trial> {
         test("shape::index_types", index_types),
         test("shape::primitives_share_vertices", sharing),
         test("shape::points_and_lines_are_skipped", skipping),
+        test("shape::files_of_nothing", nothing),
         test("shape::sparse", sparse),
         test("shape::quantised", quantised),
         test("shape::stride", stride),
@@ -75,6 +76,45 @@ fn sharing() -> Outcome {
     same(&geometry.positions().len(), &8, "vertices")?;
     same(&geometry.faces().to_vec(), &vec![[0, 1, 2], [0, 2, 3], [0, 1, 3], [4, 5, 7]], "faces")?;
     same(&geometry.source_vertices().to_vec(), &(0..8).collect(), "source vertices")
+}
+
+/// A file without content, lists without elements, and elements of nothing: a model of nothing, or an error.
+fn nothing() -> Outcome {
+    for bytes in [&b""[..], b" ", b"{}", b"[]", b"glTF"] {
+        ensure(Asset::from_slice(bytes, None, Weld::Position).is_err(), || format!("{bytes:?} was accepted"))?;
+    }
+    let lists = ["accessors", "animations", "buffers", "bufferViews", "meshes", "nodes", "scenes", "skins", "textures"];
+    let mut contents = lists.map(|list| json!({ list: [] })).to_vec();
+    contents.extend([
+        json!({}),
+        json!({ "scene": 0, "scenes": [{}], "nodes": [{}] }),
+        json!({ "scene": 0, "scenes": [{ "nodes": [] }] }),
+        json!({ "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "children": [], "weights": [] }] }),
+        json!({ "extensionsUsed": [], "extensionsRequired": [] }),
+        json!({ "meshes": [{ "primitives": [] }], "nodes": [{ "mesh": 0 }] }),
+        json!({ "meshes": [{ "primitives": [{ "attributes": {} }] }], "nodes": [{ "mesh": 0 }] }),
+        json!({ "meshes": [{ "primitives": [{ "attributes": {}, "targets": [] }], "weights": [] }] }),
+        json!({ "skins": [{ "joints": [] }], "nodes": [{ "skin": 0 }] }),
+        json!({ "animations": [{ "samplers": [], "channels": [] }] }),
+        json!({ "buffers": [{ "byteLength": 0 }] }),
+    ]);
+    let mut loaded = 0;
+    for content in contents {
+        let mut maker = Maker::new();
+        for (name, value) in content.as_object().into_iter().flatten() {
+            maker.json[name] = value.clone();
+        }
+        match maker.load() {
+            Ok(asset) => {
+                let (model, pose) = (asset.model(), asset.pose(0..asset.animations().len(), 0.0)?);
+                let empty = model.check(&pose).is_ok() && model.vertex_count() == 0 && model.mesh(&pose).is_err();
+                ensure(empty && asset.lights([], 0.0)?.is_empty(), || format!("{content} has content"))?;
+                loaded += 1;
+            }
+            Err(error) => println!("{content}: {error}"),
+        }
+    }
+    ensure(loaded > 3, || format!("{loaded} files load"))
 }
 
 fn skipping() -> Outcome {

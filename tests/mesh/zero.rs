@@ -1,12 +1,14 @@
 //! Zero of anything: every constructor of the library that needs no device takes it, or refuses it by a typed error.
 
-use rimline::cpu::{self, Threads};
-use rimline::mesh::{MeshDiagnostics, MeshError, PolygonLoops, Weld};
+use std::ops::ControlFlow;
+
+use rimline::cpu::{self, HiddenCaster, HiddenFaces, HiddenOptions, HiddenStatistics, Threads};
+use rimline::mesh::{MeshDiagnostics, MeshError, PolygonLoops, Weld, WeldDistance};
 use rimline::model::ModelBounds;
 use rimline::reference::clusters::Clusters;
 use rimline::{
-    AreaLight, AreaShape, Displacement, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Mesh,
-    Model, Pose, Predicate,
+    AreaLight, AreaShape, Cone, Displacement, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light,
+    LightError, Mesh, Model, Origin, Pose, Predicate, falloff,
 };
 
 const CORNERS: [[f32; 3]; 3] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -112,4 +114,74 @@ fn lights_of_nothing() {
     let lamp = AreaLight { light: Light::point([0.0, 1.0, 0.0]), shape, normal: [0.0; 3] };
     assert!(lamp.samples(0).is_empty());
     assert!(lamp.pattern_samples(0, 0, 0).is_empty());
+}
+
+#[test]
+fn lights_without_range_axis_and_angle() {
+    let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).expect("a face");
+    let extract = |light| cpu::extract(&CORNERS, &mesh, &[light], Predicate::Exact, Threads::new(0));
+    let light = Light::point([0.0, 0.0, 2.0]);
+    let refused = |light: Light| match extract(light) {
+        Err(cpu::ArgumentError::Light(error)) => error,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(refused(light.with_range(0.0)), LightError::Range { index: 0, range: 0.0 });
+    let no_axis = Cone::new([0.0; 3], 0.5);
+    let error = LightError::Cone { index: 0, axis: [0.0; 3], cosine: no_axis.cosine };
+    assert_eq!(refused(light.with_cone(no_axis)), error);
+    // A cone without an angle is its axis.
+    assert!(extract(light.with_cone(Cone::new([0.0, 0.0, -1.0], 0.0))).is_ok());
+    assert_eq!(refused(Light::directional([0.0; 3])), LightError::Zero { index: 0 });
+    for (distance, begin, end, exponent, share) in [
+        (0.0, 0.0, 0.0, 0.0, 0.0),
+        (0.0, 0.0, 1.0, 0.0, 1.0),
+        (0.5, 0.0, 1.0, 0.0, 1.0),
+        (1.0, 0.0, 1.0, 0.0, 0.0),
+        (0.0, 1.0, 0.0, 1.0, 0.0),
+    ] {
+        assert_eq!(falloff(distance, begin, end, exponent), share, "{distance}, {begin}, {end}, {exponent}");
+    }
+}
+
+#[test]
+fn no_distance_and_no_extent() {
+    let weld = Weld::Distance(WeldDistance::new(0.0).expect("as far as equal positions are apart"));
+    assert_eq!(Mesh::new(&[], &[], weld), Err(MeshError::NoFaces));
+    let twice = [CORNERS, CORNERS].concat();
+    let [near, equal] = [weld, Weld::Position].map(|weld| Mesh::new(&twice, &[[0, 1, 2], [5, 4, 3]], weld));
+    assert_eq!(near.as_ref().expect("faces").faces(), equal.as_ref().expect("faces").faces());
+    assert_eq!(Origin::of(&[], &[]), Origin::ZERO);
+    assert_eq!(Origin::of(&[[1e6; 3]], &[]), Origin::ZERO, "no face names it");
+    assert_eq!(Origin::of(&[], &[[0; 3]]), Origin::ZERO);
+    // A face without extent has no edge that could be lost.
+    let point = [392_143.5, -5_820_467.75, 34.0];
+    assert_eq!(Origin::of(&[point], &[[0; 3]]), Origin::near([point; 2], || f64::INFINITY));
+    assert_eq!(Origin::near([[0.0; 3]; 2], || 0.0), Origin::ZERO);
+}
+
+#[test]
+fn nothing_hides_behind_nothing() {
+    let go_on = |_, _| ControlFlow::Continue(());
+    let light = Light::point([0.0, 0.0, 2.0]);
+    let meshes = meshes();
+    let none: Vec<HiddenCaster<'_>> = Vec::new();
+    let casters = meshes.iter().map(|mesh| HiddenCaster { mesh, positions: &CORNERS, version: None });
+    for casters in [none, casters.collect()] {
+        for leave_out_all in [false, true] {
+            let options = HiddenOptions { leave_out_all, threads: Threads::new(0), ..HiddenOptions::default() };
+            let found = HiddenFaces::find(light, &casters, options, go_on).expect("found");
+            assert_eq!(found.statistics(), HiddenStatistics::default());
+            assert!((0..=casters.len()).all(|caster| found.faces(caster).is_empty()));
+        }
+    }
+    // Without nodes nothing hides, and without steps nothing is decided.
+    let wall = [[-9.0, -9.0, 1.0], [9.0, -9.0, 1.0], [0.0, 9.0, 1.0]];
+    let face = Mesh::from_faces(3, vec![[0, 1, 2]]).expect("a face");
+    let behind = CORNERS.map(|[x, y, z]| [x / 8.0, y / 8.0, z - 1.0]);
+    let casters = [&wall, &behind].map(|positions| HiddenCaster { mesh: &face, positions, version: None });
+    let hidden = |max_nodes, max_steps| {
+        let options = HiddenOptions { max_nodes, max_steps, ..HiddenOptions::default() };
+        HiddenFaces::find(light, &casters, options, go_on).expect("found").statistics().hidden
+    };
+    assert_eq!([hidden(0, 0), hidden(0, 4096), hidden(1 << 21, 0), hidden(1 << 21, 4096)], [0, 0, 0, 1]);
 }

@@ -19,6 +19,7 @@ mod random_scene;
 mod refusals;
 mod scenes;
 mod stages;
+mod zero;
 
 use rimline_measure::harness;
 
@@ -37,6 +38,7 @@ fn main() {
         occluded::TESTS,
         cones::TESTS,
         refusals::TESTS,
+        zero::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

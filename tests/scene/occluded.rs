@@ -5,6 +5,7 @@ use rimline::gpu::{
     Caster, CasterHandle, LightHandle, MeshHandle, OccluderError, Scene, SceneError, SceneFrame, SceneOptions,
 };
 use rimline::reference::cpu::{self, SceneTable};
+use rimline::reference::layout::SceneDispatch;
 use rimline::{Light, Matrix3x4, Mesh};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -18,6 +19,7 @@ use crate::found::Found;
 pub(crate) const TESTS: &[Test] = &[
     ("occluded_casters_are_hidden_and_others_are_not", random),
     ("cracks_and_edges_hide_nothing", edges),
+    ("most_turns_of_reach", most_tried),
     ("polygons_that_are_no_occluders_are_refused", refused),
 ];
 
@@ -337,6 +339,63 @@ fn edges() -> Result<(), String> {
         }
         let frame = stage.encode(gpu)?;
         same("hidden", &[Found::read(gpu, &frame)?.statistics.occluded_pairs], &[expected])?;
+    }
+    Ok(())
+}
+
+/// Occluders that are tried, as in `reach.wgsl`.
+const MOST_OCCLUDERS: usize = 128;
+
+/// As many occluders as are tried, each of as many corners as it may have, for as many lights as a batch has. All but the last have
+/// the box outside of their last edge alone. llvmpipe ends an invocation's loops after 65,535 turns without a word, and reach would
+/// then not come to the last. One more is not tried.
+fn most_tried() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    // In the plane of a sheet, with an edge on the right, from its last corner to its first.
+    let octagon: Vec<[f32; 3]> = (0..8)
+        .map(|corner| {
+            let (sine, cosine) = ((2 * corner + 1) as f32 * std::f32::consts::PI / 8.0).sin_cos();
+            [0.9 * cosine, 0.9 * sine, 0.0]
+        })
+        .collect();
+    // Its middle is that far beyond the edge of an octagon at the left, or in the middle of one.
+    let apart = 0.9 * (std::f32::consts::PI / 8.0).cos() + 0.12;
+    let flat = |x: f32| [[1.0, 0.0, 0.0, x], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0]];
+    let ball = [[0.02, 0.0, 0.0, 0.0], [0.0, 0.02, 0.0, -0.1], [0.0, 0.0, 0.02, 0.0]];
+    for (near_misses, expected) in [(MOST_OCCLUDERS - 1, 32), (MOST_OCCLUDERS, 0)] {
+        let options = SceneOptions { skip_occluded: true, ..SceneOptions::default() };
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
+        let [sheet, sphere] = [sheet(), shapes::sphere(2)].map(|shape| {
+            let mesh = shape.mesh().map_err(text)?;
+            scene.add_mesh(&mesh, &shape.positions).map_err(text)
+        });
+        let (sheet, sphere) = (sheet?, sphere?);
+        let mut casters = Vec::new();
+        for number in 0..=near_misses {
+            let x = if number < near_misses { -apart } else { 0.0 };
+            let caster = scene.insert(Caster::rigid(sheet, flat(x))).map_err(text)?;
+            scene.set_occluders(caster, &[&octagon]).map_err(text)?;
+            casters.push(caster);
+        }
+        let hidden = scene.insert(Caster::rigid(sphere, ball)).map_err(text)?;
+        for number in 0..32 {
+            let [x, z] = [number % 6, number / 6].map(|step| step as f32 / 40.0 - 0.06);
+            scene.add_light(Light::directional([x, 1.0, z])).map_err(text)?;
+        }
+        let frame = gpu.submit(|encoder| scene.encode(encoder, &[], None).map_err(text))?;
+        let found = Found::read(gpu, &frame)?;
+        let place = |caster: CasterHandle| frame.place(caster).map(|(index, _)| index).ok_or("no caster");
+        let places = casters.iter().map(|&caster| place(caster)).collect::<Result<Vec<_>, _>>()?;
+        if !places.is_sorted() {
+            return Err("the occluder that hides is not the last".to_owned());
+        }
+        let first = frame.results().map_err(text)?.groups.first().ok_or("no group")?.dispatch;
+        let (index, table) = (place(hidden)?, SceneTable(&found.table));
+        let tried = SceneDispatch { occluders: first.occluders - 1, ..first };
+        let [twin, one_less] = [first, tried].map(|of| cpu::occluded(table, &of, index, 0, u32::MAX, cpu::SLACK));
+        let what = format!("{near_misses} near misses");
+        same(&what, &[found.statistics.occluded_pairs, found.lit[index as usize]], &[expected, !twin])?;
+        same(&format!("{what}, by the twin"), &[twin.count_ones(), one_less], &[expected, 0])?;
     }
     Ok(())
 }

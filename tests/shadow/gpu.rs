@@ -13,6 +13,7 @@ mod hidden;
 mod in_scene;
 mod levels;
 mod mixed;
+mod most_turns;
 mod nested;
 mod overflow;
 mod passing;
@@ -70,6 +71,7 @@ fn main() {
         cameras::TESTS,
         skinned::TESTS,
         stages::TESTS,
+        most_turns::TESTS,
         chain::TESTS,
         clipped::TESTS,
         dark_caps::TESTS,

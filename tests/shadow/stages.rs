@@ -110,7 +110,7 @@ pub(crate) fn with_depth(mut words: Vec<u32>, in_depth: bool) -> Vec<u32> {
 }
 
 /// Choices and measures of one caster, as the stages leave them.
-fn choices(lights: &[ShadowLight], capped: &[bool]) -> Vec<u32> {
+pub(crate) fn choices(lights: &[ShadowLight], capped: &[bool]) -> Vec<u32> {
     let mut words = vec![0; cpu::CHOICE_WORDS * lights.len().div_ceil(32)];
     for (number, (light, &capped)) in lights.iter().zip(capped).enumerate() {
         let has_near_cap = matches!(light.counting, COUNT_ZP_PLUS | COUNT_ZP_PLUS_2005);
@@ -126,7 +126,7 @@ fn choices(lights: &[ShadowLight], capped: &[bool]) -> Vec<u32> {
 }
 
 /// Lights without what was chosen for them.
-fn seen(view: ShadowView, lights: &[ShadowLight]) -> Vec<SeenLight> {
+pub(crate) fn seen(view: ShadowView, lights: &[ShadowLight]) -> Vec<SeenLight> {
     lights
         .iter()
         .map(|&light| SeenLight {

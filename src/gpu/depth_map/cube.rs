@@ -94,7 +94,7 @@ impl DepthMapCube {
         if matches!(options.reconstruction, DepthMapReconstruction::Contours { .. }) {
             return Err(DepthMapCubeError::Contours);
         }
-        if options.bits > 1 {
+        if options.bits != 1 {
             return Err(DepthMapCubeError::Bits(options.bits));
         }
         let cells = u64::from(side - 1).pow(2).saturating_mul(6);

@@ -9,7 +9,7 @@ use libtest_mimic::Trial;
 use super::draw::png;
 use super::npz_polygons::words;
 use super::run::{folder, on_case};
-use super::shadow::{Image, run};
+use super::shadow::{Image, apart, run};
 use super::{Outcome, ensure};
 
 pub(crate) fn trials() -> Vec<Trial> {
@@ -31,9 +31,7 @@ fn copied(file: &Path, name: &str) -> Result<tempfile::TempDir, String> {
 /// Pixels that differ by more than rounding.
 fn differing(folder: &Path, files: [&str; 2]) -> Result<usize, String> {
     let [a, b] = files.map(|name| png(&folder.join(name)));
-    let (a, b) = (a?.pixels, b?.pixels);
-    ensure!(a.len() == b.len(), "{files:?} have other sizes");
-    Ok(a.iter().zip(&b).filter(|(p, q)| p.iter().zip(q.iter()).any(|(p, q)| p.abs_diff(*q) > 24)).count())
+    apart([a?.pixels.as_flattened(), b?.pixels.as_flattened()], 3, 24)
 }
 
 /// The quadrilaterals look like the same bar of triangles.
@@ -50,7 +48,7 @@ fn screw(file: &Path) -> Outcome {
     let count = differing(folder.path(), ["quads.png", "triangles.png"])?;
     ensure!(count == 0, "{count} pixels of the pictures differ");
     let [quads, triangles] = ["quads.0.png", "triangles.0.png"].map(|name| Image::mask(&folder.path().join(name)));
-    let count = quads?.bytes.iter().zip(&triangles?.bytes).filter(|(p, q)| p != q).count();
+    let count = apart([&quads?.bytes, &triangles?.bytes], 1, 0)?;
     ensure!(count == 0, "{count} pixels of the masks differ");
     // By the loop rule it is another.
     run(folder.path(), &format!("draw @quads.obj --polygons {view} --out @quads.png")).expect(0, &[])?;
@@ -119,7 +117,7 @@ fn many_layers(file: &Path) -> Outcome {
     let dark: usize = masks[0].iter().map(|value| usize::from(*value == 0)).sum();
     ensure!(dark > 300, "{dark} dark pixels");
     for mask in &masks[1..] {
-        let count = mask.iter().zip(&masks[0]).filter(|(p, q)| p != q).count();
+        let count = apart([mask, &masks[0]], 1, 0)?;
         ensure!(count <= 2, "{count} pixels differ");
     }
     Ok(())

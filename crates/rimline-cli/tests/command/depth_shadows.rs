@@ -3,7 +3,7 @@
 use rimline_measure::shapes;
 
 use super::run::folder;
-use super::shadow::{Image, model, run};
+use super::shadow::{Image, apart, model, run};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -33,7 +33,7 @@ fn differences(folder: &tempfile::TempDir, names: [&str; 2]) -> Result<[usize; 3
     let [one, other] = names.map(|name| Image::mask(&folder.path().join(name)));
     let (one, other) = (one?.bytes, other?.bytes);
     let count = |value: u8| one.iter().map(|&byte| usize::from(byte == value)).sum();
-    Ok([one.iter().zip(&other).filter(|(a, b)| a != b).count(), count(0), count(255)])
+    Ok([apart([&one, &other], 1, 0)?, count(0), count(255)])
 }
 
 fn masks() -> Outcome {
@@ -123,7 +123,7 @@ fn modes() -> Outcome {
             Ok::<_, String>(Image::read(&folder.path().join(format!("{name}.png")))?.bytes)
         };
         let (mesh, map) = (draw("mesh", "")?, draw("map", &format!("--from-depth 512 --detector {detector}"))?);
-        let apart = mesh.iter().zip(&map).filter(|(a, b)| a.abs_diff(**b) > 24).count();
+        let apart = apart([&mesh, &map], 1, 24)?;
         ensure!(mesh != map && apart * 30 < mesh.len(), "{mode}: {apart} of {} are apart", mesh.len());
     }
     // Whole cells have as many cells, and other pictures of what is drawn.
@@ -222,7 +222,7 @@ fn vector() -> Outcome {
         Ok::<_, String>(Image::read(&folder.path().join(format!("{name}.png")))?.bytes)
     };
     let (plain, walls) = (shown("plain", "")?, shown("walls", "--volumes")?);
-    let changed = plain.iter().zip(&walls).filter(|(a, b)| a.abs_diff(**b) > 4).count();
+    let changed = apart([&plain, &walls], 1, 4)?;
     ensure!(changed > 2000, "{changed} bytes changed");
     Ok(())
 }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::archive::{Entry, array, compare, data, read_zip, write_zip};
 use super::run::{folder, on_case, rimline};
-use super::shadow::{Image, run};
+use super::shadow::{Image, apart, run};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -75,11 +75,9 @@ fn place(name: &str, point: [f64; 3]) -> String {
 }
 
 /// Values of two pictures that are further apart than rounding to 8 bits takes them.
-fn apart(folder: &Path, files: [&str; 2]) -> Result<usize, String> {
+fn values_apart(folder: &Path, files: [&str; 2]) -> Result<usize, String> {
     let [a, b] = files.map(|name| Image::read(&folder.join(name)));
-    let (a, b) = (a?.bytes, b?.bytes);
-    ensure!(a.len() == b.len(), "{files:?} have other sizes");
-    Ok(a.iter().zip(&b).filter(|(a, b)| a.abs_diff(**b) > 24).count())
+    apart([&a?.bytes, &b?.bytes], 1, 24)
 }
 
 fn origin(json: &Value) -> Result<[f64; 3], String> {
@@ -120,20 +118,20 @@ fn pictures() -> Outcome {
     }
     for suffix in [".png", "-s.png", "-e.png", "-a.png", ".0.png", ".1.png"] {
         let files = [format!("near{suffix}"), format!("far{suffix}")];
-        let different = apart(folder.path(), [&files[0], &files[1]])?;
+        let different = values_apart(folder.path(), [&files[0], &files[1]])?;
         ensure!(different <= 6, "{files:?}: {different} values differ");
     }
     // The comparison can fail: eaves that stand out by half as much.
     let other = obj([0.0; 3]).replace("v 0.000 2.", "v 0.100 2.").replace("v 5.000 2.", "v 4.900 2.");
     std::fs::write(folder.path().join("other.obj"), other).map_err(|error| error.to_string())?;
     run(folder.path(), &format!("draw @other.obj {size} --out @other.png")).expect(0, &[])?;
-    let different = apart(folder.path(), ["near.png", "other.png"])?;
+    let different = values_apart(folder.path(), ["near.png", "other.png"])?;
     ensure!(different > 60, "narrower eaves change {different} values only");
     // Films take the same way.
     for name in ["near", "far"] {
         run(folder.path(), &format!("film @{name}.obj --frames 1 {size} --out @{name}-film")).expect(0, &[])?;
     }
-    let different = apart(folder.path(), ["near-film/0000.png", "far-film/0000.png"])?;
+    let different = values_apart(folder.path(), ["near-film/0000.png", "far-film/0000.png"])?;
     ensure!(different <= 6, "a film: {different} values differ");
     Ok(())
 }
@@ -281,9 +279,9 @@ fn depth_maps() -> Outcome {
         run(folder.path(), &line(name, &drawn)).expect(0, &[])?;
         run(folder.path(), &line(name, &format!("--depth @{name}.0.npz --mask @{name}-given"))).expect(0, &[])?;
         let files = [format!("{name}.0.png"), format!("{name}-given.0.png")];
-        ensure!(apart(folder.path(), [&files[0], &files[1]])? == 0, "{name}: another shadow from the saved map");
+        ensure!(values_apart(folder.path(), [&files[0], &files[1]])? == 0, "{name}: another shadow from the saved map");
     }
-    ensure!(apart(folder.path(), ["near.0.png", "far.0.png"])? <= 6, "another shadow far away");
+    ensure!(values_apart(folder.path(), ["near.0.png", "far.0.png"])? <= 6, "another shadow far away");
     // The same map with a matrix for plain positions of the world, in float64.
     let entries = read_zip(&read(&folder.path().join("far.0.npz"))?)?;
     let numbers = |name: &str, size: usize| -> Result<Vec<f64>, String> {
@@ -308,7 +306,10 @@ fn depth_maps() -> Outcome {
         .collect();
     std::fs::write(folder.path().join("plain.npz"), write_zip(&plain)).map_err(|error| error.to_string())?;
     run(folder.path(), &line("far", "--depth @plain.npz --mask @plain")).expect(0, &[])?;
-    ensure!(apart(folder.path(), ["far.0.png", "plain.0.png"])? <= 6, "another shadow by a matrix for the world");
+    ensure!(
+        values_apart(folder.path(), ["far.0.png", "plain.0.png"])? <= 6,
+        "another shadow by a matrix for the world"
+    );
     // A light that is not the map's is told in the file's coordinates.
     let other = format!("--light point:{} --depth @far.0.npz --mask @x", place("far", [7.5, 6.0, 5.0]));
     run(folder.path(), &line("far", &other)).expect(2, &["point:392151.017,40.128,-5820462.702", "point:392150.5"])
@@ -381,7 +382,7 @@ fn gltf() -> Outcome {
         ensure!(info["meshes"][0]["bounds"]["max"] == json!([5.0, 2.4_f32, 4.0]), "{}", info["meshes"][0]["bounds"]);
         for suffix in [".png", ".0.png"] {
             let files = [format!("near{suffix}"), format!("{name}{suffix}")];
-            ensure!(apart(folder.path(), [&files[0], &files[1]])? <= 6, "{files:?} differ");
+            ensure!(values_apart(folder.path(), [&files[0], &files[1]])? <= 6, "{files:?} differ");
         }
     }
     Ok(())
@@ -403,7 +404,7 @@ fn shared() -> Outcome {
     }
     for number in 0..2 {
         let files = [format!("near{number}.0.png"), format!("far{number}.0.png")];
-        ensure!(apart(folder.path(), [&files[0], &files[1]])? <= 6, "{files:?} differ");
+        ensure!(values_apart(folder.path(), [&files[0], &files[1]])? <= 6, "{files:?} differ");
     }
     Ok(())
 }
@@ -484,7 +485,7 @@ fn house(file: &Path) -> Outcome {
     }
     for suffix in [".png", "-s.png", ".0.png"] {
         let files = [format!("near{suffix}"), format!("far{suffix}")];
-        ensure!(apart(folder.path(), [&files[0], &files[1]])? <= 6, "{files:?} differ");
+        ensure!(values_apart(folder.path(), [&files[0], &files[1]])? <= 6, "{files:?} differ");
     }
     Ok(())
 }

@@ -9,7 +9,7 @@ use rimline_measure::rays::Tracer;
 use super::draw::{is_ink, png};
 use super::npz_polygons::words;
 use super::run::folder;
-use super::shadow::{Image, run};
+use super::shadow::{Image, apart, run};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -247,18 +247,14 @@ fn coincident() -> Outcome {
                 run(folder.path(), &line).expect(0, &[])?;
             }
             let [single, double] = ["single.png", "double.png"].map(|name| png(&at(name)));
-            let differing = |one: &[[u8; 3]], other: &[[u8; 3]]| {
-                let differs = |(p, q): (&[u8; 3], &[u8; 3])| p.iter().zip(q).any(|(p, q)| p.abs_diff(*q) > 24);
-                one.iter().zip(other).filter(|pair| differs(*pair)).count()
-            };
-            let count = differing(&single?.pixels, &double?.pixels);
+            let count = apart([single?.pixels.as_flattened(), double?.pixels.as_flattened()], 3, 24)?;
             // Normals next to the contour are smoothed over other faces. Stripes would be on thousands of pixels.
             ensure!(count <= 60, "{command}: {count} pixels differ");
             if command.starts_with("draw") {
                 continue;
             }
             let [single, double] = ["single.0.png", "double.0.png"].map(|name| Image::mask(&at(name)));
-            let count = single?.bytes.iter().zip(&double?.bytes).filter(|(p, q)| p != q).count();
+            let count = apart([&single?.bytes, &double?.bytes], 1, 0)?;
             ensure!(count <= 6, "{command}: {count} pixels of the mask differ");
         }
     }

@@ -66,6 +66,14 @@ impl Image {
     }
 }
 
+/// How many pixels of `channels` values differ in two pictures: any of their values by more than `by`. With one channel, how many
+/// values do.
+pub(crate) fn apart([one, other]: [&[u8]; 2], channels: usize, by: u8) -> Result<usize, String> {
+    ensure!(one.len() == other.len(), "pictures of {} and {} values", one.len(), other.len());
+    let is_apart = |(p, q): &(&[u8], &[u8])| p.iter().zip(*q).any(|(p, q)| p.abs_diff(*q) > by);
+    Ok(one.chunks(channels).zip(other.chunks(channels)).filter(is_apart).count())
+}
+
 /// A shape from the library, scaled and moved, as an .npz.
 pub(crate) fn model(shape: &shapes::Shape, scale: f32, [x, y, z]: [f32; 3]) -> Vec<u8> {
     let place = |p: &[f32; 3]| [scale * p[0] + x, scale * p[1] + y, scale * p[2] + z];
@@ -129,17 +137,17 @@ fn methods() -> Outcome {
         let auto = mask("auto", view)?;
         for method in ["zp+", "z-fail"] {
             let other = mask(method, view)?;
-            let different = auto.bytes.iter().zip(&other.bytes).filter(|(a, b)| a != b).count();
+            let different = apart([&auto.bytes, &other.bytes], 1, 0)?;
             ensure!(different <= 4, "{view}: auto and {method} differ at {different} pixels");
         }
     }
     // The published method is right from outside at least.
     let (auto, paper) = (mask("auto", VIEW)?, mask("zp+paper", VIEW)?);
-    let different = auto.bytes.iter().zip(&paper.bytes).filter(|(a, b)| a != b).count();
+    let different = apart([&auto.bytes, &paper.bytes], 1, 0)?;
     ensure!(different <= 4, "zp+paper differs at {different} pixels from outside");
     // The comparison can fail: z-pass misses what the eye is in.
     let (auto, pass) = (mask("auto", inside)?, mask("z-pass", inside)?);
-    let different = auto.bytes.iter().zip(&pass.bytes).filter(|(a, b)| a != b).count();
+    let different = apart([&auto.bytes, &pass.bytes], 1, 0)?;
     ensure!(different > 500, "z-pass differs at {different} pixels only");
     Ok(())
 }
@@ -157,7 +165,7 @@ fn next_to_the_eye() -> Outcome {
         ensure!(far.count(0) > 400 && far.count(255) > 5000, "{method}: {} dark, {} lit", far.count(0), far.count(255));
         // 10⁻⁶ and 10⁻¹² of the distance, and as near as there are numbers for.
         for near in ["1e-5", "1e-11", "1e-30"] {
-            let different = far.bytes.iter().zip(&mask(method, near)?.bytes).filter(|(a, b)| a != b).count();
+            let different = apart([&far.bytes, &mask(method, near)?.bytes], 1, 0)?;
             ensure!(different <= 4, "{method}: with the near plane at {near}, {different} pixels differ");
         }
     }
@@ -385,13 +393,12 @@ fn scale() -> Outcome {
     }
     for (scale, images) in scales.iter().zip(&drawn) {
         for (place, (image, first)) in images.iter().zip(&drawn[0]).enumerate() {
-            let far = |(a, b): &(&u8, &u8)| a.abs_diff(**b) > 2;
-            let different = image.iter().zip(first).filter(far).count();
+            let different = apart([image, first], 1, 2)?;
             ensure!(different <= 60, "{scale:e}, {place}: {different} bytes differ");
         }
     }
     // The comparison can fail.
-    let different = drawn[0][0].iter().zip(&drawn[0][1]).filter(|(a, b)| a.abs_diff(**b) > 2).count();
+    let different = apart([&drawn[0][0], &drawn[0][1]], 1, 2)?;
     ensure!(different > 1000, "another light changes {different} bytes only");
     Ok(())
 }

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::io::{Cursor, Write as _};
 
 use rimline::cpu::{self, Threads};
-use rimline::mesh::{PolygonLoops, Weld};
-use rimline::{Light, Mesh, Predicate};
+use rimline::mesh::{NO_FACE, PolygonLoops, Weld};
+use rimline::{Light, Mesh, Origin, Predicate};
 use rimline_cli::npz;
 use rimline_measure::random::Random;
 use zip::write::SimpleFileOptions;
@@ -45,6 +45,11 @@ fn polygons(positions: &Array) -> Vec<Array> {
     ]
 }
 
+/// Four points, and the faces that they are on.
+fn on_faces(points: Array, descr: &str, faces: &[u8]) -> Vec<Array> {
+    vec![points, array("on_face", descr, "False", "(4,)", faces)]
+}
+
 /// A depth map, or six, of two texels.
 fn depth_map(maps: &str, order: &str) -> Vec<Array> {
     let count: usize = if maps.is_empty() { 1 } else { 6 };
@@ -80,6 +85,13 @@ impl Seeds {
             polygons(&positions),
             vec![faces("<i2", 2, "False"), array("extra", "<c8", "False", "()", &[0; 8]), positions],
             vec![points.clone()],
+            on_faces(points.clone(), "<i4", &[0, -1, 3, 1].map(i32::to_le_bytes).concat()),
+            on_faces(packed(points.clone()), "|i1", &[1, 255, 2, 0]),
+            on_faces(
+                array("points", "<f8", "True", "(4, 3)", &[0; 96]),
+                ">u8",
+                &[0, 1, 2, 9_u64].map(u64::to_be_bytes).concat(),
+            ),
             vec![packed(points)],
             depth_map("", "False"),
             depth_map("6, ", "True"),
@@ -138,6 +150,8 @@ impl Seeds {
         }
         let with_lights = npz::read_with_lights(Cursor::new(bytes), MEMORY_LIMIT);
         let points = npz::read_points(Cursor::new(bytes), MEMORY_LIMIT);
+        let are_points = points.is_ok();
+        points.map_or(Ok(()), check_points)?;
         let map = npz::read_depth_map(Cursor::new(bytes), MEMORY_LIMIT, true, false);
         let is_short = |map: &npz::DepthMapArrays| {
             let texels = map.size[0] as usize * map.size[1] as usize;
@@ -162,7 +176,7 @@ impl Seeds {
         if let Some(error) = model.as_ref().err().filter(|error| error.to_string().len() > 4000) {
             return Err(format!("a long message: {error}"));
         }
-        Ok(model.is_ok() || with_lights.is_ok() || points.is_ok() || map.is_ok())
+        Ok(model.is_ok() || with_lights.is_ok() || are_points || map.is_ok())
     }
 }
 
@@ -205,6 +219,36 @@ pub(super) fn check_polygons(positions: &[[f32; 3]], loops: PolygonLoops<'_>, we
         return Err("a polygon faces a light for which it is twisted".to_owned());
     }
     Ok(true)
+}
+
+/// The points that are asked about at most.
+const FEW: usize = 1000;
+
+/// Faces are as many as points. Where all are faces of a mesh, each point is asked about, and else none is.
+fn check_points(arrays: npz::PointArrays) -> Result<(), String> {
+    let faces = FACES.map(|face| face.map(u32::from)).to_vec();
+    let count = faces.len();
+    let is_found = arrays.check_faces(count).is_ok();
+    let npz::PointArrays { points, on_face } = arrays;
+    let points = points.relative_to(Origin::ZERO);
+    if on_face.as_ref().is_some_and(|on_face| on_face.len() != points.len()) {
+        return Err("there is not a face for each point".to_owned());
+    }
+    let is_face = |&face: &u32| face == NO_FACE || (face as usize) < count;
+    if is_found != on_face.iter().flatten().all(is_face) {
+        return Err("a face that is none is taken, or one that is one is not".to_owned());
+    }
+    let few = points.len().min(FEW);
+    let mesh = Mesh::from_faces(POSITIONS.len(), faces).map_err(|error| error.to_string())?;
+    let lights = [Light::point([0.5, 0.25, 2.0]), Light::directional([0.0, 1.0, 0.0])];
+    let own = on_face.as_ref().map(|on_face| &on_face[..few]);
+    let is_found = own.is_none_or(|own| own.iter().all(is_face));
+    let depths = cpu::shadow_depth_on_faces(&POSITIONS, &mesh, &points[..few], own, &lights, Threads::ONE);
+    match depths {
+        Ok(depths) if is_found && depths.len() == few * lights.len() => Ok(()),
+        Err(_) if !is_found => Ok(()),
+        other => Err(format!("points on faces: {other:?}")),
+    }
 }
 
 fn array(name: &str, descr: &str, fortran_order: &str, shape: &str, data: &[u8]) -> Array {

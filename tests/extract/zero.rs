@@ -1,0 +1,92 @@
+//! Zero of anything that an extractor and its volumes are made with: no room for entries, faces and caps, no memory, no vertices
+//! for an edge. No room is taken as room for one, of which other tests have pictures.
+
+use rimline::gpu::{
+    DrawArguments, Extractor, ExtractorError, ExtractorOptions, ListOptions, MemoryError, PositionBuffer, ShadowFormat,
+    ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowStatistics, ShadowVolumes, ShadowVolumesError,
+};
+use rimline::{Counting, DepthDirection, Light, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::{must_fail, same, shapes};
+
+pub(crate) const TESTS: &[Test] =
+    &[("no_room_is_room_for_one", without_room), ("no_memory_and_no_samples_are_typed_errors", without_memory)];
+
+/// The results of one extraction and the statistics of its volumes.
+#[derive(Debug, PartialEq)]
+struct Found {
+    facing: Vec<u32>,
+    counts: Vec<u32>,
+    draws: Vec<u32>,
+    capacity: u32,
+    volumes: Vec<u32>,
+}
+
+fn found(gpu: &Gpu, counting: Counting, room: Option<u32>, vertices_per_edge: u32) -> Result<Found, String> {
+    let shape = shapes::torus(12, 8, 1.0, 0.4);
+    let mesh = shape.mesh().map_err(text)?;
+    let buffer = gpu.storage(&shape.positions);
+    let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    // The second light is in planes of faces.
+    let lights = [Light::point([1.0, 5.0, 2.0]), Light::directional([0.0, 1.0, 0.0])];
+    let lists = Some(ListOptions { capacity: room, ordered: room.is_none(), vertices_per_edge });
+    let options = ExtractorOptions { max_lights: 2, undecided_capacity: room, lists, ..ExtractorOptions::default() };
+    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+    let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), counting).map_err(text)?;
+    let options = ShadowOptions { cap_capacity: room, bound_counts: true, ..ShadowOptions::default() };
+    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, options).map_err(text)?;
+    let view_projection = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, -1.0], [0.0, 0.0, 0.1, 0.0]];
+    let camera = ShadowCamera { view_projection, origin: [0.0, 0.0, 4.0], depth: DepthDirection::Reversed };
+    gpu.submit(|encoder| {
+        let extraction = extractor.encode(encoder, positions, &lights, None).map_err(text)?;
+        volumes.encode(encoder, &extraction, &camera, None).map(drop).map_err(text)
+    })?;
+    let results = extractor.results();
+    let statistics: Vec<ShadowStatistics> = gpu.read(volumes.statistics(), 1)?;
+    let draws: Vec<DrawArguments> = gpu.read(results.draw_arguments, 2)?;
+    Ok(Found {
+        facing: gpu.read(&results.facing[0], mesh.faces().len())?,
+        counts: gpu.read(results.counts, 2)?,
+        draws: bytemuck::cast_slice(&draws).to_vec(),
+        capacity: results.capacity,
+        volumes: bytemuck::cast_slice(&statistics).to_vec(),
+    })
+}
+
+fn without_room() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    for counting in [Counting::Auto, Counting::ZPass, Counting::ZpPlus, Counting::ZFail] {
+        let [none, one, all] = [Some(0), Some(1), None].map(|room| found(gpu, counting, room, 4));
+        let (none, one, all) = (none?, one?, all?);
+        same(&format!("{counting:?}"), &[&none], &[&one])?;
+        same(&format!("{counting:?}, facing"), &none.facing, &all.facing)?;
+        must_fail("room for all", &same("one entry", &[&all], &[&one]))?;
+    }
+    // Draws of no vertex: that is what was asked for.
+    let drawn = found(gpu, Counting::Auto, None, 0)?;
+    same("vertices", &[drawn.draws[0], drawn.draws[4]], &[0, 0])
+}
+
+fn without_memory() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mesh = shapes::cube().mesh().map_err(text)?;
+    let refused =
+        Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions { memory_limit: Some(0), ..Default::default() });
+    let Err(ExtractorError::Memory(MemoryError::Total { limit: 0, .. })) = refused else {
+        return Err(format!("no memory: {:?}", refused.err()));
+    };
+    let made = |format: &ShadowFormat| ShadowPipelines::new(&gpu.pipelines, format, Counting::Auto);
+    let refused = made(&ShadowFormat { samples: 0, ..ShadowFormat::default() }).err();
+    let Some(ShadowFormatError::Samples { samples: 0, .. }) = refused else {
+        return Err(format!("no samples: {refused:?}"));
+    };
+    let extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
+    let options = ShadowOptions { memory_limit: Some(0), ..ShadowOptions::default() };
+    let pipelines = made(&ShadowFormat::default()).map_err(text)?;
+    match ShadowVolumes::new(&pipelines, &extractor, options).err() {
+        Some(ShadowVolumesError::Memory(MemoryError::Total { limit: 0, .. })) => Ok(()),
+        other => Err(format!("no memory for volumes: {other:?}")),
+    }
+}

@@ -1,0 +1,222 @@
+//! Zero of anything in a scene: no lights of a caster, no casters, no views, no edges, no polygons, lists without room. Nothing
+//! fails, and what is there throws the shadows that it throws beside nothing.
+
+use std::ops::ControlFlow;
+
+use rimline::cpu::{HiddenFaces, HiddenOptions};
+use rimline::gpu::{
+    Caster, CasterHandle, Deformer, DeformerOptions, LightHandle, LightMask, MemoryError, OccluderError, Pipelines,
+    PositionBuffer, Receivers, Scene, SceneError, SceneFrame, SceneOptions, read_back_vec, read_back_vec_async,
+};
+use rimline::mesh::{PolygonLoops, Weld};
+use rimline::{Counting, DepthDirection, Light, Matrix3x4, Mesh, Model, Pose, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::{must_fail, same, shapes};
+
+use crate::histories::{Volumes, buffers, volumes};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("meshes_without_an_edge_throw_nothing", without_edges),
+    ("lists_without_room_lose_nothing", without_room),
+    ("no_views_casters_and_faces_are_taken", without_lists),
+    ("no_memory_is_a_typed_error", without_memory),
+    ("nothing_is_read_and_warmed_up", without_content),
+];
+
+const UNMOVED: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+const COUNTINGS: [Counting; 4] = [Counting::Auto, Counting::ZPass, Counting::ZpPlus, Counting::ZFail];
+
+/// A scene with a cube and a plane, or without, and two lights.
+struct Stage {
+    scene: Scene,
+    casters: Vec<CasterHandle>,
+    lights: Vec<LightHandle>,
+}
+
+impl Stage {
+    fn new(gpu: &Gpu, options: SceneOptions, has_casters: bool) -> Result<Self, String> {
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
+        let mut casters = Vec::new();
+        for shape in [shapes::cube(), shapes::plane_grid(3, 3)].into_iter().filter(|_| has_casters) {
+            let mesh = scene.add_mesh(&shape.mesh().map_err(text)?, &shape.positions).map_err(text)?;
+            casters.push(scene.insert(Caster::rigid(mesh, UNMOVED)).map_err(text)?);
+        }
+        let lights = [Light::point([1.0, 5.0, 2.0]), Light::directional([0.2, 1.0, 0.3])];
+        let lights = lights.map(|light| scene.add_light(light).map_err(text));
+        Ok(Self { scene, casters, lights: lights.into_iter().collect::<Result<_, _>>()? })
+    }
+
+    fn encode(&mut self, gpu: &Gpu, cameras: &[ShadowCamera]) -> Result<SceneFrame, String> {
+        gpu.submit(|encoder| self.scene.encode(encoder, cameras, None).map_err(text))
+    }
+
+    /// What the draws of a frame have, and its statistics.
+    fn volumes(&self, gpu: &Gpu, frame: &SceneFrame, views: usize) -> Result<Volumes, String> {
+        let (draws, statistics) = buffers(frame)?;
+        let bits: Vec<u32> = self.lights.iter().map(|light| light.bit()).collect();
+        volumes(gpu, (&draws, &statistics), (views, frame.batches()), &bits)
+    }
+}
+
+/// Before the cube, looking at it.
+fn eye() -> ShadowCamera {
+    let view_projection = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, -1.0], [0.0, 0.0, 0.1, 0.0]];
+    ShadowCamera { view_projection, origin: [0.0, 0.5, 6.0], depth: DepthDirection::Reversed }
+}
+
+/// A face of one vertex, a polygon that walks back, and a hole that fills its polygon: faces without extent, and no edge.
+fn meshes() -> Result<Vec<(Mesh, Vec<[f32; 3]>)>, String> {
+    let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let walked_back = PolygonLoops { polygon_loops: &[1], loop_sizes: &[4], loop_corners: &[0, 1, 1, 0] };
+    let filled = PolygonLoops { polygon_loops: &[2], loop_sizes: &[3, 3], loop_corners: &[0, 1, 2, 2, 1, 0] };
+    let mut meshes = vec![(Mesh::from_faces(1, vec![[0; 3]]).map_err(text)?, vec![[0.5; 3]])];
+    for loops in [walked_back, filled] {
+        meshes.push((Mesh::from_polygons(&corners, loops, Weld::Keep).map_err(text)?, corners.clone()));
+    }
+    Ok(meshes)
+}
+
+fn without_edges() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    for counting in COUNTINGS {
+        for clusters_from in [None, Some(0)] {
+            let options = SceneOptions { counting, clusters_from, bound_counts: true, ..SceneOptions::default() };
+            let (mut alone, mut beside) = (Stage::new(gpu, options, false)?, Stage::new(gpu, options, true)?);
+            let mut reference = Stage::new(gpu, options, true)?;
+            for (mesh, positions) in meshes()? {
+                if !mesh.edges().is_empty() {
+                    return Err("a mesh has an edge".to_owned());
+                }
+                for scene in [&mut alone.scene, &mut beside.scene] {
+                    let handle = scene.add_mesh(&mesh, &positions).map_err(text)?;
+                    scene.insert(Caster::rigid(handle, UNMOVED)).map_err(text)?;
+                    let buffer = gpu.storage(&positions);
+                    let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+                    scene.insert(Caster { in_depth: false, ..Caster::in_buffer(handle, positions) }).map_err(text)?;
+                }
+            }
+            let what = format!("{counting:?}, clusters from {clusters_from:?}");
+            for views in [1, 0, 2] {
+                let cameras = vec![eye(); views];
+                let frames = [alone.encode(gpu, &cameras)?, beside.encode(gpu, &cameras)?];
+                let reference_frame = reference.encode(gpu, &cameras)?;
+                if views == 0 {
+                    continue;
+                }
+                let nothing = alone.volumes(gpu, &frames[0], views)?.instances;
+                let sum: u32 = nothing.iter().flatten().sum();
+                same(&format!("{what}, {views} views, alone"), &[sum], &[0])?;
+                let truth = reference.volumes(gpu, &reference_frame, views)?.instances;
+                same(&format!("{what}, {views} views"), &beside.volumes(gpu, &frames[1], views)?.instances, &truth)?;
+                must_fail("a cube", &same("nothing", &truth, &nothing))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// No room is taken as room for one entry, and no batch as one; so lists overflow, of which other tests have pictures.
+fn without_room() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    for counting in COUNTINGS {
+        let found = [Some(0), Some(1), None].map(|room| {
+            let (list_capacity, undecided_capacity, cap_capacity) = (room, room, room);
+            let (count_batches, clusters_from) = (room.unwrap_or(1), room.or(Some(4096)));
+            let sizes = SceneOptions { list_capacity, undecided_capacity, cap_capacity, ..SceneOptions::default() };
+            let options = SceneOptions { counting, count_batches, clusters_from, bound_counts: true, ..sizes };
+            let mut stage = Stage::new(gpu, options, true)?;
+            let frame = stage.encode(gpu, &[eye()])?;
+            stage.volumes(gpu, &frame, 1)
+        });
+        let [none, one, all] = found;
+        let one = one?;
+        same(&format!("{counting:?}"), &[&none?], &[&one])?;
+        must_fail("room for all", &same("one entry", &[&all?], &[&one]))?;
+    }
+    Ok(())
+}
+
+/// Lists of nothing, of casters, views, faces, polygons and lights.
+fn without_lists() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let options = SceneOptions { skip_occluded: true, ..SceneOptions::default() };
+    let (mut stage, mut reference) = (Stage::new(gpu, options, true)?, Stage::new(gpu, options, true)?);
+    let (caster, light) = (stage.casters[0], stage.lights[0]);
+    let go_on = |_, _| ControlFlow::Continue(());
+    let hidden =
+        HiddenFaces::find(Light::point([1.0, 5.0, 2.0]), &[], HiddenOptions::default(), go_on).map_err(text)?;
+    let scene = &mut stage.scene;
+    scene.set_excluded(caster, light, &[]).map_err(text)?;
+    scene.set_occluders(caster, &[]).map_err(text)?;
+    scene.set_hidden_faces(light, &[], Some(&hidden)).map_err(text)?;
+    scene.set_hidden_faces(light, &[], None).map_err(text)?;
+    let polygon = Err(SceneError::Occluder { number: 0, error: OccluderError::Corners { corners: 0 } });
+    same("an occluder without corners", &[scene.set_occluders(caster, &[&[]])], &[polygon])?;
+    // No camera, and no receivers of one; no figures, of a model without any.
+    let model = Model::new(Vec::new(), Vec::new()).map_err(text)?;
+    let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
+    let truth = reference.encode(gpu, &[eye()])?;
+    let truth = reference.volumes(gpu, &truth, 1)?;
+    let (one, no_receivers): ([ShadowCamera; 1], [Option<Receivers<'_>>; 1]) = ([eye()], [None]);
+    for (cameras, receivers) in [(0, 0), (1, 0), (1, 1)] {
+        let (cameras, receivers) = (&one[..cameras], &no_receivers[..receivers]);
+        let (needs, frame) = gpu.submit(|encoder| {
+            let needs = stage.scene.encode_needs(encoder, &[], cameras, None).map_err(text)?;
+            deformer.encode_needed(encoder, &Pose::new(Vec::new()), 0.0, None, &needs, None).map_err(text)?;
+            let frame = stage.scene.encode_needed(encoder, cameras, receivers, &needs, None).map_err(text)?;
+            Ok((needs, frame))
+        })?;
+        let part = needs.part(0..0).is_some_and(|part| part.is_empty()) && needs.part(0..1).is_none();
+        same("needs", &[needs.is_empty(), part], &[true, true])?;
+        if !cameras.is_empty() {
+            same("volumes", &stage.volumes(gpu, &frame, 1)?.instances, &truth.instances)?;
+        }
+    }
+    // Casters for no light, and with no light left.
+    for caster in stage.casters.clone() {
+        stage.scene.set_lights(caster, LightMask::only([])).map_err(text)?;
+    }
+    let frame = stage.encode(gpu, &[eye()])?;
+    let sum: u32 = stage.volumes(gpu, &frame, 1)?.instances.iter().flatten().sum();
+    same("casters for no light", &[sum], &[0])?;
+    for light in std::mem::take(&mut stage.lights) {
+        stage.scene.remove_light(light).map_err(text)?;
+    }
+    let frame = stage.encode(gpu, &[eye()])?;
+    same("no light", &[frame.lights().len(), frame.batches()], &[0, 0])
+}
+
+fn without_memory() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let new = |options| Scene::new(&gpu.pipelines, &gpu.queue, options);
+    let mut scene = new(SceneOptions { memory_limit: Some(0), ..SceneOptions::default() }).map_err(text)?;
+    let shape = shapes::cube();
+    let mesh = scene.add_mesh(&shape.mesh().map_err(text)?, &shape.positions).err();
+    // Statistics take memory without content, too.
+    let frame = gpu.submit(|encoder| Ok(scene.encode(encoder, &[], None).err()))?;
+    for refused in [mesh, frame] {
+        if !matches!(refused, Some(SceneError::Memory(MemoryError::Total { limit: 0, .. }))) {
+            return Err(format!("no memory: {refused:?}"));
+        }
+    }
+    Ok(())
+}
+
+fn without_content() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let pipelines = Pipelines::new(&gpu.device);
+    pipelines.warm_up(&[]).map_err(text)?;
+    same("pipelines", &[pipelines.is_empty()], &[true])?;
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("nothing"),
+        size: 0,
+        usage: wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    let words: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, &buffer).map_err(text)?;
+    same("words", &words, &[])?;
+    let words = read_back_vec_async::<u32>(&gpu.device, &gpu.queue, &buffer);
+    same("words, without waiting", &pollster::block_on(words).map_err(text)?, &[])
+}

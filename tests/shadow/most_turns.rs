@@ -1,0 +1,357 @@
+//! As many items as an invocation takes in turn: stages of shadow volumes by themselves, in one workgroup, against their twins.
+//! llvmpipe ends an invocation's loops after 65,535 turns without a word. docs/numerics/loops.md.
+
+use rimline::reference::cpu::{self, CastingBox, Threads};
+use rimline::reference::layout::{SceneCaster, ShadowDraw, ShadowLight, ShadowShape, ShadowStatistics, StencilPencil};
+use rimline::reference::shadow::{self, CAST_EVERY, COUNT_Z_PASS, COUNT_ZP_PLUS};
+use rimline::reference::stages::{
+    BOUNDS, CAPS, COMPACT, LIST_SIDES, STENCIL_BOUND, STENCIL_CROSSINGS, STENCIL_PENCIL, Stage,
+};
+use rimline::reference::turns::{EXACT_ITEMS, limits};
+use rimline::{DepthDirection, Light, Mesh, Predicate, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::dispatch::{Dispatch, uniform};
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{must_fail, same, shapes};
+
+use crate::stages::{PLACES, choices, placed, seen, shape, table, with_depth};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("most_turns_of_compact_scan", compact_scan),
+    ("most_turns_of_bounds", bounds),
+    ("most_turns_of_bounds_of_many_casters", bounds_of_many),
+    ("most_turns_of_caps", caps),
+    ("most_turns_of_list_sides", list_sides),
+    ("most_turns_of_stencil_pencil", stencil_pencil),
+    ("most_turns_of_stencil_crossings", stencil_crossings),
+    ("most_turns_of_stencil_bound", stencil_bound),
+];
+
+/// Slots of a chunk.
+const CHUNK: u32 = 64;
+/// What one binding holds: the default limit of devices, and llvmpipe's.
+const BINDING: usize = 128 << 20;
+
+/// A number that the bounds of loops are stated by.
+fn stated(name: &str) -> u32 {
+    limits(32, EXACT_ITEMS)[name] as u32
+}
+
+/// A stage as scenes run it.
+fn of_many(gpu: &Gpu, stage: &Stage) -> Dispatch {
+    let source = stage.wgsl().replace("override MANY: bool = false;", "override MANY: bool = true;");
+    Dispatch::new(gpu, &source, stage.name)
+}
+
+fn compact_scan() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let stage = Dispatch::new(gpu, &COMPACT.wgsl(), "compact_scan");
+    // Blocks of one light, the last of four that counts have room for.
+    let blocks = 256 * stated("SCAN_BLOCKS");
+    let counts: Vec<u32> = (0..blocks).map(|block| block % 7 + block / 1000 % 3).collect();
+    let (places, totals) = (gpu.storage(&counts), gpu.storage(&[9_u32; 4]));
+    let chunk = uniform(gpu, &[0, 256 * blocks, 3, 1, blocks, 0, 0, 0]);
+    stage.run_bound(gpu, &[&[(0, &chunk), (2, &places), (3, &totals)]], 1)?;
+    let mut sum = 0;
+    let before = counts.iter().map(|count| {
+        sum += count;
+        sum - count
+    });
+    let before: Vec<u32> = before.collect();
+    let found: Vec<u32> = gpu.read(&places, counts.len())?;
+    same("places", &found, &before)?;
+    same("totals", &gpu.read::<u32>(&totals, 4)?, &[9, 9, 9, sum])?;
+    must_fail("counts", &same("places", &counts, &before))
+}
+
+/// Small faces, and behind them one that is larger than all others.
+fn one_large(faces: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let positions = vec![
+        [0.0; 3],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 1.0],
+        [-2.0, -3.0, -4.0],
+        [5.0, 6.0, 7.0],
+        [0.5, f32::MIN_POSITIVE, -0.0],
+    ];
+    let faces = (1..=faces).map(|face| if face == faces { [3, 4, 5] } else { [0, 1, 2] }).collect();
+    (positions, faces)
+}
+
+fn bounds() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (positions, faces) = one_large(64 * CHUNK * stated("BOUND_CHUNKS"));
+    let twin = cpu::bounds(&positions, &faces);
+    let mesh = Mesh::from_faces(positions.len(), vec![[0, 1, 2]]).map_err(text)?;
+    let shape = uniform(gpu, &ShadowShape { faces: faces.len() as u32, ..shape(&mesh, 1) });
+    let (table, nothing) = (gpu.storage(&table(&mesh, PLACES[0], &[], &[])), gpu.storage(&[0_u32; 8]));
+    let (found, faces_buffer) = (gpu.storage(&[0_u32; 7]), gpu.storage(&faces));
+    let positions_buffer = placed(gpu, &positions, PLACES[0]);
+    let buffers = [&shape, &table, &positions_buffer, &faces_buffer, &found, &nothing, &nothing];
+    Dispatch::stage(gpu, &BOUNDS).run(gpu, &buffers, 1)?;
+    same("box", &gpu.read(&found, 7)?, &twin)?;
+    must_fail("without the last face", &same("box", &cpu::bounds(&positions, &faces[..64]), &twin))
+}
+
+/// Only the last place of choices says that the box is needed, and only the last batch has a light.
+fn bounds_of_many() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let chunks = 64 * stated("BOUND_CHUNKS");
+    let (positions, faces) = one_large(chunks * CHUNK);
+    let twin = cpu::bounds(&positions, &faces);
+    let places = stated("BOUND_PLACES");
+    let (batches, views) = (32, places / 32);
+    let caster = SceneCaster { faces: faces.len() as u32, position_stride: 3, ..bytemuck::Zeroable::zeroed() };
+    let mut words: Vec<u32> = bytemuck::cast_slice(&[caster]).to_vec();
+    let face_chunks_at = words.len() as u32 / 4;
+    words.extend((0..chunks).map(|_| 0));
+    let mesh = Mesh::from_faces(positions.len(), vec![[0, 1, 2]]).map_err(text)?;
+    let own = ShadowShape { faces: faces.len() as u32, batches, views, face_chunks_at, ..shape(&mesh, 1) };
+    let mut choices = vec![0_u32; cpu::CHOICE_WORDS * places as usize];
+    let mut lit = vec![0_u32; batches as usize];
+    let stage = of_many(gpu, &BOUNDS);
+    let (shape, table) = (uniform(gpu, &own), gpu.storage(&words));
+    let (positions, faces) = (placed(gpu, &positions, PLACES[0]), gpu.storage(&faces));
+    let mut run = |is_fresh: u32, is_lit: u32| {
+        choices[cpu::CHOICE_WORDS * places as usize - 1] = is_fresh;
+        lit[batches as usize - 1] = is_lit;
+        let (choices, lit, found) = (gpu.storage(&choices), gpu.storage(&lit), gpu.storage(&[0_u32; 7]));
+        stage.run(gpu, &[&shape, &table, &positions, &faces, &found, &choices, &lit], 1)?;
+        gpu.read::<u32>(&found, 7)
+    };
+    same("box", &run(1, 1)?, &twin)?;
+    same("a box that is not read", &run(0, 1)?, &[0; 7])?;
+    same("a caster without a light", &run(1, 0)?, &[0; 7])
+}
+
+fn camera() -> ShadowCamera {
+    let view_projection = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, -1.0], [0.0, 0.0, 0.1, 0.0]];
+    ShadowCamera { view_projection, origin: [0.1, 0.2, 3.0], depth: DepthDirection::Reversed }
+}
+
+/// All faces have far caps for 32 lights, and some have near caps.
+fn caps() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let plane = shapes::plane_grid(128, stated("ITEMS"));
+    let mesh = plane.mesh().map_err(text)?;
+    let faces = mesh.faces().len();
+    same("faces", &[faces as u32], &[256 * stated("ITEMS")])?;
+    let camera = camera();
+    let view = shadow::view(&camera).map_err(text)?;
+    let plain: Vec<Light> = (0..32).map(|number| Light::point([number as f32 / 8.0 - 2.0, -0.1, -0.9])).collect();
+    let given: Vec<ShadowLight> = plain.iter().map(|&light| shadow::light(&camera, &view, light)).collect();
+    let chosen = |light: &ShadowLight| ShadowLight { casting: CAST_EVERY, counting: COUNT_ZP_PLUS, ..*light };
+    let lights: Vec<ShadowLight> = given.iter().map(chosen).collect();
+    let facing = cpu::facing(&plane.positions, mesh.faces(), &plain, Predicate::Exact, Threads::all());
+    let none = vec![0; faces];
+    let twin = cpu::caps(&view, &plane.positions, mesh.faces(), &facing, &none, &lights, false);
+    let own = ShadowShape { proxies: 1, ..shape(&mesh, 32) };
+    let mut list = vec![0_u32; 128];
+    list.resize(128 + 64 * faces, u32::MAX);
+    let capped = vec![false; 32];
+    let table = with_depth(table(&mesh, PLACES[0], &lights, &capped), false);
+    let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
+    let (shape, draw, seen) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&seen(view, &given)));
+    let (positions, table) = (placed(gpu, &plane.positions, PLACES[0]), gpu.storage(&table));
+    let (faces_buffer, facing, excluded) = (gpu.storage(mesh.faces()), gpu.storage(&facing), gpu.storage(&none));
+    let (choices, list) = (gpu.storage(&choices(&lights, &capped)), gpu.storage(&list));
+    let buffers = [&shape, &draw, &seen, &table, &positions, &faces_buffer, &facing, &excluded, &choices, &list];
+    Dispatch::stage(gpu, &CAPS).run(gpu, &buffers, 1)?;
+    let list: Vec<u32> = gpu.read(&list, usize::MAX)?;
+    let (counts, lists) = list.split_at(128);
+    let mut near = 0;
+    for (light, (twin, runs)) in twin.iter().zip(lists.chunks(2 * faces)).enumerate() {
+        let lengths = [0, 1, 2, 3].map(|kind| twin[kind].len());
+        same(&format!("light {light}, counts"), &counts[4 * light..][..4], &lengths.map(|length| length as u32))?;
+        for (kind, twin) in twin.iter().enumerate() {
+            let run = &runs[kind / 2 * faces..][..faces];
+            let own = if kind % 2 == 0 { &run[..twin.len()] } else { &run[faces - twin.len()..] };
+            let mut own = own.to_vec();
+            own.sort_unstable();
+            same(&format!("light {light}, list {kind}"), &own, twin)?;
+        }
+        same(&format!("light {light}, faces with caps"), &[lengths[2] + lengths[3]], &[faces])?;
+        near += lengths[0] + lengths[1];
+    }
+    println!("{near} near caps");
+    if near > 100 { Ok(()) } else { Err("too few near caps".to_owned()) }
+}
+
+/// Every edge has a side of weight 1 or 2, but where one face of two faces the light.
+fn list_sides() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let most = 64 * stated("LISTED_ITEMS");
+    let mesh = shapes::plane_grid(295, 295).mesh().map_err(text)?;
+    let (faces, packed) = (mesh.faces().len(), mesh.edges().packed_faces());
+    if !(most - 600..=most).contains(&(packed.len() as u32)) {
+        return Err(format!("{} edges for {most} items", packed.len()));
+    }
+    let mut random = Random::new(4711);
+    let facing: Vec<u32> = (0..faces).map(|_| random.next_u64() as u32).collect();
+    let none = vec![0; faces];
+    let light = ShadowLight { casting: CAST_EVERY, counting: COUNT_Z_PASS, ..bytemuck::Zeroable::zeroed() };
+    let twin = cpu::list_sides(packed, &facing, &none, faces, &[light], &[false]).concat().concat();
+    let room = 2 * packed.len();
+    let own = ShadowShape { capacity: 1, side_capacity: room as u32, ..shape(&mesh, 1) };
+    let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
+    // Silhouettes that do not fit their list, so that all edges are gone over.
+    let (counts, raw) = (gpu.storage(&[packed.len() as u32]), gpu.storage(&[u32::MAX]));
+    let (shape, draw) = (uniform(gpu, &own), uniform(gpu, &draw));
+    let (table, edge_faces) = (gpu.storage(&table(&mesh, PLACES[0], &[light], &[false])), gpu.storage(packed));
+    let (facing, excluded, zeros) = (gpu.storage(&facing), gpu.storage(&none), gpu.storage(&[0_u32; 5]));
+    let sides = gpu.storage(&vec![u32::MAX; 64 + room]);
+    gpu.queue.write_buffer(&sides, 0, &[0; 256]);
+    let buffers = [&shape, &draw, &table, &counts, &raw, &edge_faces, &facing, &excluded, &sides, &zeros];
+    Dispatch::stage(gpu, &LIST_SIDES).run(gpu, &buffers, 1)?;
+    let sides: Vec<u32> = gpu.read(&sides, usize::MAX)?;
+    same("counts", &sides[..2], &[twin.len() as u32, 0])?;
+    let mut found = sides[64..][..twin.len()].to_vec();
+    found.sort_by_key(|entry| entry & !cpu::WINDING);
+    same("sides", &found, &twin)?;
+    let doubled = twin.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    println!("{} sides, {doubled} of them twice", twin.len());
+    if doubled > 50_000 { Ok(()) } else { Err("too few sides of weight 2".to_owned()) }
+}
+
+/// As many casters as a table has room for, with what is chosen for them. The light is among them, and they are turned.
+fn stencil_pencil() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let casters = (BINDING / (size_of::<SceneCaster>() + 4 * cpu::CHOICE_WORDS)) as u32;
+    // Each of 256 invocations has nearly as many as the bound of its loops counts.
+    if casters.div_ceil(256) > stated("PENCIL_CASTERS") || casters.div_ceil(256) < stated("PENCIL_CASTERS") * 3 / 4 {
+        return Err(format!("{casters} casters"));
+    }
+    const RIGID: u32 = 4;
+    // Whole numbers, so that boxes are exact. The last casters are on the axes, fewest on the third.
+    let end = |caster: u32| [-900.0, 900.0][(caster % 2) as usize];
+    let place = |caster: u32| match casters - caster {
+        1..=256 => [0.0, end(caster), 0.0],
+        257..=512 => [end(caster), 0.0, 0.0],
+        513..=600 => [0.0, 0.0, end(caster)],
+        _ => [(caster % 400) as f32 + 8.0, (caster / 400 % 400) as f32 + 8.0, (caster % 3) as f32],
+    };
+    let of = |caster: u32| {
+        let [x, y, z] = place(caster);
+        SceneCaster {
+            row_0: [0.0, 2.0, 0.0, x],
+            row_1: [-2.0, 0.0, 0.0, y],
+            row_2: [0.0, 0.0, 1.0, z],
+            low: [-1.0; 3],
+            scale: 1.0,
+            high: [1.0; 3],
+            flags: RIGID,
+            faces: 1 + caster % 3,
+            ..bytemuck::Zeroable::zeroed()
+        }
+    };
+    let casting = |caster: u32| {
+        let [x, y, z] = place(caster);
+        CastingBox { low: [x - 2.0, y - 2.0, z - 1.0], high: [x + 2.0, y + 2.0, z + 1.0], faces: 1 + caster % 3 }
+    };
+    let does_cast = |caster: &u32| caster % 5 != 3;
+    let boxes: Vec<CastingBox> = (0..casters).filter(does_cast).map(casting).collect();
+    let camera = camera();
+    let view = shadow::view(&camera).map_err(text)?;
+    let light = shadow::light(&camera, &view, Light::point([0.0; 3]));
+    let twin = cpu::stencil_pencil(light.light, &boxes);
+    let row = cpu::stencil_crossings(&twin, boxes.iter().map(|own| (*own, Vec::new())));
+    let all: Vec<SceneCaster> = (0..casters).map(of).collect();
+    let mut words: Vec<u32> = bytemuck::cast_slice(&all).to_vec();
+    let choices_at = words.len() as u32 / 4;
+    words.extend((0..casters).flat_map(|caster| [u32::from(does_cast(&caster)), 0, 0, 0, 0, 0, 0, 0]));
+    let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).map_err(text)?;
+    let own = ShadowShape { casters, choices_at, ..shape(&mesh, 1) };
+    let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
+    let (shape, draw, seen) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&seen(view, &[light])));
+    let (table, boxes_buffer) = (gpu.storage(&words), gpu.storage(&[0_u32; 8]));
+    let (pencils, crossings) = (gpu.storage(&[[0_u32; size_of::<StencilPencil>() / 4]]), gpu.storage(&[0_u32; 1028]));
+    let buffers = [&shape, &draw, &seen, &table, &boxes_buffer, &pencils, &crossings];
+    of_many(gpu, &STENCIL_PENCIL).run(gpu, &buffers, 1)?;
+    same("pencil", &gpu.read::<StencilPencil>(&pencils, 1)?, &[twin])?;
+    same("row", &gpu.read::<u32>(&crossings, row.len())?, &row)?;
+    same("a pencil around an axis", &[twin.kind], &[2])?;
+    let fewer = cpu::stencil_pencil(light.light, &boxes[..boxes.len() - 512]);
+    must_fail("without the last casters", &same("pencil", &[fewer], &[twin]))
+}
+
+/// Sides in the middle of bins, around an axis that their caster does not meet: each crosses from a half plane to another, some
+/// across the place where numbers begin anew.
+fn stencil_crossings() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let most = 64 * stated("LISTED_ITEMS");
+    let casters = [[8.0, 8.0, 0.0], [-900.0, -900.0, -900.0]].map(|low: [f32; 3]| CastingBox {
+        low,
+        high: low.map(|c| c + 4.0),
+        faces: 1,
+    });
+    // A light among these two, with its axis at zero.
+    let pencil = cpu::stencil_pencil([0.0, 0.0, 0.0, 1.0], &casters);
+    // |u| + |v| is 512 and u is odd, so that places are whole numbers of bins and a half.
+    let axes = [0, 1, 2].map(|axis| (pencil.forward[axis], pencil.aside[axis]));
+    let end = |number: u32| {
+        let u = 2.0 * (number % 512) as f32 - 511.0;
+        let v = (512.0 - u.abs()) * if number % 1024 < 512 { 1.0 } else { -1.0 };
+        axes.map(|(forward, aside): (f32, f32)| forward * u + aside * v)
+    };
+    let positions: Vec<[f32; 3]> = (0..1024).map(end).collect();
+    let edges = (0..4096_u32).map(|edge| [edge % 1024, (7 * edge + edge / 5) % 1024]);
+    // Half a turn is the shorter way on either side.
+    let is_half = |[a, b]: &[u32; 2]| positions[*a as usize].map(|c| -c) == positions[*b as usize];
+    let edges: Vec<[u32; 2]> = edges.filter(|edge| !is_half(edge)).collect();
+    let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).map_err(text)?;
+    let plain = most / 3;
+    let own = ShadowShape { edges: edges.len() as u32, side_capacity: most, ..shape(&mesh, 1) };
+    let named = |entry: u32| (entry / 64 + 31 * (entry % 64)) % edges.len() as u32;
+    let mut sides = vec![0; 64];
+    sides[..2].copy_from_slice(&[plain, most - plain]);
+    sides.extend((0..most).map(|entry| named(entry) | if entry % 2 == 0 { cpu::WINDING } else { 0 }));
+    let listed = (0..most).map(|entry| (edges[named(entry) as usize].map(|vertex| positions[vertex as usize]), 1));
+    let twin = cpu::stencil_crossings(&pencil, [(casters[0], listed.collect())]);
+    let light = ShadowLight { casting: CAST_EVERY, counting: COUNT_Z_PASS, ..bytemuck::Zeroable::zeroed() };
+    let mut words = table(&mesh, PLACES[0], &[light], &[false]);
+    words[std::mem::offset_of!(SceneCaster, edges) / 4] = edges.len() as u32;
+    let ordered = |c: f32| if c.is_sign_negative() { !c.to_bits() } else { c.to_bits() | 0x8000_0000 };
+    let CastingBox { low, high, .. } = casters[0];
+    let boxes = [low.map(|c| !ordered(c)).to_vec(), high.map(ordered).to_vec(), vec![0]].concat();
+    let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
+    let (shape, draw, table) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&words));
+    let (boxes, positions) = (gpu.storage(&boxes), placed(gpu, &positions, PLACES[0]));
+    let (edges, sides, pencils) = (gpu.storage(&edges), gpu.storage(&sides), gpu.storage(&[pencil]));
+    let crossings = gpu.storage(&[0_u32; 1028]);
+    let buffers = [&shape, &draw, &table, &boxes, &positions, &edges, &sides, &pencils, &crossings];
+    Dispatch::stage(gpu, &STENCIL_CROSSINGS).run(gpu, &buffers, 1)?;
+    same("bins", &gpu.read::<u32>(&crossings, 1025)?, &twin[..1025])?;
+    let crossed = twin[..1024].iter().filter(|&&change| change != 0).count();
+    if pencil.kind == 2 && crossed > 500 { Ok(()) } else { Err(format!("{pencil:?}, {crossed} bins")) }
+}
+
+/// As many batches of casters as rows of a light have room for.
+fn stencil_bound() -> Result<(), String> {
+    const ROW: usize = 1028;
+    let gpu = &*Gpu::shared()?;
+    let rows = BINDING / (4 * ROW);
+    if rows.div_ceil(64) > stated("COUNT_BATCHES") as usize / 64 || rows < stated("COUNT_BATCHES") as usize * 9 / 10 {
+        return Err(format!("{rows} rows"));
+    }
+    let mut words = vec![0_u32; rows * ROW];
+    for (number, row) in words.chunks_mut(ROW).enumerate() {
+        // Some weights that cross the last bins, and more where the row is the last.
+        let weight = if number + 1 == rows { 777 } else { (number % 500) as u32 };
+        (row[1000 + number % 23], row[1026]) = (weight, 100_000);
+        row[1024] = 0_u32.wrapping_sub(weight);
+    }
+    let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).map_err(text)?;
+    let own = ShadowShape { count_batches: rows as u32, ..shape(&mesh, 1) };
+    let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
+    let statistics = gpu.storage(&[0_u32; size_of::<ShadowStatistics>() / 4]);
+    let (shape, draw, crossings) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&words));
+    Dispatch::stage(gpu, &STENCIL_BOUND).run(gpu, &[&shape, &draw, &crossings, &statistics], 1)?;
+    let bounds: Vec<u32> = words.chunks(ROW).map(cpu::stencil_bound).collect();
+    let most = |bounds: &[u32]| bounds.iter().copied().max().unwrap_or(0);
+    let expected = |count_bound| ShadowStatistics { count_bound, may_wrap: 1, ..bytemuck::Zeroable::zeroed() };
+    let found = gpu.read::<ShadowStatistics>(&statistics, 1)?;
+    same("statistics", &found, &[expected(most(&bounds))])?;
+    must_fail("without the last row", &same("statistics", &found, &[expected(most(&bounds[..rows - 1]))]))
+}
