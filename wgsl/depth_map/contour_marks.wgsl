@@ -3,7 +3,7 @@
 // Reads depths and objects. Writes `marks`, which `contour_tiles`, `contour_places`, `contour_walls` and the near cap of
 // `depth_walls` read.
 // A slope is no jump, however steep: surfaces must have no walls within, or they would have specks of their own shadow. Integers
-// decide, so marks are the same on every device. ?.
+// decide, so marks are the same on every device. docs/numerics/contours.md, "Jumps and places".
 
 #import depth_map/contour
 #import depth_map/edge_code

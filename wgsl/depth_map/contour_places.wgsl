@@ -4,7 +4,7 @@
 // depths, `marks`, `counts`. Writes `places`, which `contour_walls` reads and moves, and then the near cap of `depth_walls`
 // reads.
 // An invocation writes the words of its own samples only. Integers, so places are the same on every device. A place is at least
-// LEAST from both samples. docs/numerics/contours.md, "Jumps and places" and "Jumps and places", shows that nothing overflows.
+// LEAST from both samples. docs/numerics/contours.md, "Jumps and places", shows that nothing overflows.
 
 #import depth_map/contour
 #import depth_map/contour_rim
