@@ -1,6 +1,5 @@
 // Depth edges: marks edges between samples, continues those that dangle, and decides about cells from the marks. It takes the
-// place of the first pass of depth cells, for detectors that look farther than an edge or continue edges, and for steps in world units
-// with several bits. A word of marks has 16 samples of a row of the lattice: a bit for the edge to the right of each, and 16 bits
+// place of the first pass of depth cells, for detectors that look farther than an edge or continue edges. A word of marks has 16 samples of a row of the lattice: a bit for the edge to the right of each, and 16 bits
 // higher one for the edge below it.
 
 #import depth_map/cell_words
@@ -275,7 +274,7 @@ fn word_by_marks(upper: vec2<u32>, lower: vec2<u32>, rings: vec2<u32>, split: u3
   let diagonal = select_bits(rings.x | (rings.y >> 1u), rings.y | (rings.x >> 1u), split);
   let first = upper.x | diagonal | select_bits((upper.y | rings.x) >> 1u, upper.y | rings.x, split);
   let second = lower.x | diagonal | select_bits(upper.y | rings.y, (upper.y | rings.y) >> 1u, split);
-  let own = vec3<u32>(split, either(first, second), either(second, first)) >> vec3<u32>(2u);
+  let own = vec3<u32>(split, first, second) >> vec3<u32>(2u);
   return apart(own.x & 255u) | (apart(own.y & 255u) << 1u) | (apart(own.z & 255u) << 2u);
 }
 

@@ -7,7 +7,6 @@ const MERGES: &[&str] = &["--test depth_map_gpu merge"];
 const CUBES: &[&str] = &["--test depth_map_gpu cube"];
 const OBJECTS: &[&str] = &["--test depth_map_gpu objects"];
 const DETECTORS: &[&str] = &["--test depth_map_gpu lists_of_detectors"];
-const WORLD: &[&str] = &["--test depth_map_gpu world"];
 const MIXED: &[&str] = &["--test shadow_gpu counts_"];
 const PICTURES: &[&str] = &["--test depth_map_gpu parity", "--test depth_map_gpu shadows"];
 
@@ -50,23 +49,6 @@ pub(super) const MUTATIONS: &[Mutation] = &[
                 "(splits & right) | (~splits & (left | top));",
             ),
             ("src/cpu/depth_map/edge_code.rs", "[top || right, bottom || left]", "[right, bottom || left || top]"),
-        ],
-        tests: LISTS,
-    },
-    Mutation {
-        name: "depth maps: a fixed mesh has half cells where the second triangle has no edge",
-        changes: &[
-            ("wgsl/depth_map/depth_cells.wgsl", "(either(second, first) << 2u);", "(second << 2u);"),
-            (
-                "wgsl/depth_map/edge_code.wgsl",
-                "either(code & (15u - first), code & first) != 0u",
-                "(code & (15u - first)) != 0u",
-            ),
-            (
-                "src/cpu/depth_map/edge_code.rs",
-                "if self.is_whole { [own[0] || own[1]; 2] }",
-                "if self.is_whole { [own[0] || own[1], own[1]] }",
-            ),
         ],
         tests: LISTS,
     },
@@ -217,18 +199,13 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: &["--test depth_map_gpu cube_samples"],
     },
     Mutation {
-        name: "depth maps: floats decide about steps in world units that are nearly met",
-        changes: &[("wgsl/depth_map/edge_code.wgsl", "(most > 1.0001 * step)", "(most >= step)")],
-        tests: WORLD,
-    },
-    Mutation {
         name: "depth maps: exact sums lose what is carried twice",
         changes: &[(
-            "wgsl/depth_map/edge_code.wgsl",
+            "wgsl/depth_map/edge_rule.wgsl",
             "carry = select(0u, 1u, once < digit) | select(0u, 1u, twice < once);",
             "carry = select(0u, 1u, once < digit);",
         )],
-        tests: WORLD,
+        tests: DETECTORS,
     },
     Mutation {
         name: "depth maps of second differences: samples of the next map of a cube are slopes",
@@ -398,88 +375,5 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "bits of counts: batches are resolved into every bit",
         changes: &[("src/gpu/shadow/scene_pipelines.rs", "write_mask: format.count_mask() }", "write_mask: 0xff }")],
         tests: MIXED,
-    },
-    Mutation {
-        name: "depth maps in counts: mirrored cameras do not matter",
-        changes: &[(
-            "src/gpu/depth_map/view.rs",
-            "light.mirrors() == eye.mirrors()",
-            "light.mirrors() == light.mirrors()",
-        )],
-        tests: &["--test depth_map_gpu the_surface_counts"],
-    },
-    Mutation {
-        name: "skipped maps: shadows end at the light's near plane",
-        changes: &[(
-            "src/gpu/depth_map/convex.rs",
-            "direction.dot(along) < -SLACK * along.length()",
-            "direction.dot(along) < -2.0 * along.length()",
-        )],
-        tests: &["--lib convex", "--test depth_map_gpu by_hand"],
-    },
-    Mutation {
-        name: "skipped maps: a frustum is narrower than what is seen",
-        changes: &[("src/gpu/depth_map/convex.rs", "x * (1.0 + MARGIN + more[0])", "x * (0.8 + MARGIN + more[0])")],
-        tests: &["--lib convex"],
-    },
-    Mutation {
-        name: "skipped maps: the range is taken by half",
-        changes: &[("src/gpu/depth_map/convex.rs", "> range * (1.0 + MARGIN)", "> 0.5 * range * (1.0 + MARGIN)")],
-        tests: &["--lib convex"],
-    },
-    Mutation {
-        name: "skipped maps: a cone is its axis",
-        changes: &[("src/gpu/depth_map/convex.rs", "< -sine - SPREAD", "< -SPREAD")],
-        tests: &["--lib convex"],
-    },
-    Mutation {
-        name: "kept cells: any version is the same",
-        changes: &[(
-            "src/gpu/depth_map/casters.rs",
-            "version == Some(self.version) && ",
-            "version.is_some() && self.version < u64::MAX && ",
-        )],
-        tests: &["--test depth_map_gpu are_kept"],
-    },
-    Mutation {
-        name: "kept cells: encoders are never dropped",
-        changes: &[("src/gpu/depth_map/casters.rs", "self.is_lost.store(true,", "self.is_lost.store(false,")],
-        tests: &["--test depth_map_gpu are_kept"],
-    },
-    Mutation {
-        name: "skipped maps: one map of a cube stands for all",
-        changes: &[(
-            "src/gpu/depth_map/cast.rs",
-            "caster.cameras.iter().map(|camera|",
-            "caster.cameras.iter().take(1).map(|camera|",
-        )],
-        tests: &["--test depth_map_gpu maps_in_a_scene"],
-    },
-    Mutation {
-        name: "skipped maps: what a light does not reach is taken by half of what is seen",
-        changes: &[(
-            "src/gpu/depth_map/casters.rs",
-            "lit.is_some_and(|light| seen.is_unlit(light))",
-            "lit.is_some_and(|light| seen.is_unlit(&Light { range: light.range / 4.0, ..*light }))",
-        )],
-        tests: &["--test depth_map_gpu maps_in_a_scene", "--test depth_map_gpu cells_of_maps"],
-    },
-    Mutation {
-        name: "skipped maps: the texel at a map's border is left out",
-        changes: &[(
-            "src/gpu/depth_map/convex.rs",
-            "Self::frustum(camera, size.map(|texels| 2.0 / f64::from(texels)))",
-            "Self::frustum(camera, size.map(|_| 0.0))",
-        )],
-        tests: &["--lib convex"],
-    },
-    Mutation {
-        name: "kept cells: another camera has the same",
-        changes: &[(
-            "src/gpu/depth_map/casters.rs",
-            "if !change(&mut entry.cast)? {",
-            "if !change(&mut entry.cast)? && false {",
-        )],
-        tests: &["--test depth_map_gpu are_kept"],
     },
 ];
