@@ -560,12 +560,8 @@ shared_structs! {
         objects: u32,
         /// 1: triangles at the ends of marked edges are drawn, too.
         spread: u32,
-        /// 1: both triangles of a cell are drawn, if one of them is.
-        whole_cells: u32,
-        /// Bits of how many units of depth × distance² make the threshold in world units. 0: the threshold is one of device depth.
-        ratio: u32,
-        /// Bits of the depth at infinity, where there is such a ratio.
-        at_infinity: u32,
+        /// 0.
+        unused: u32,
     }
 
     /// How the contours of a depth map are traced and fitted. Distances count from the near plane on, in units of 2⁻²⁹ of the
@@ -606,18 +602,12 @@ shared_structs! {
         high: u32,
         /// Bits of what every smaller difference is not marked below.
         low: [u32; 2],
-        /// Bits of what depth differences are multiplied with, for steps in world units. 0: thresholds are device depths.
-        ratio: [u32; 2],
         /// Bits of how many times the difference beside it a difference is.
         slopes: [u32; 2],
         /// Bits of what two differences are off by.
         noise: u32,
         /// The same as a share of the depth: so many exponents less. 0: no share.
         noise_exponents: u32,
-        /// Bits of the depth at infinity.
-        at_infinity: u32,
-        /// 0.
-        unused: u32,
     }
 
     /// The samples of a depth map that the near rectangle of a camera is among.

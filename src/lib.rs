@@ -18,7 +18,6 @@
 //! * [`gpu::DepthMapVolumes`]: stencil shadows of what has no mesh, rebuilt from the depth map of a light. [`gpu::DepthMapCube`]
 //!   takes six maps around a light, [`gpu::DepthMapMerge`] makes two maps one, [`gpu::DepthMapConversion`]
 //!   takes distances, and [`gpu::MeshDepth`] and [`gpu::SceneDepth`] draw a mesh or a scene into a map.
-//! * [`gpu::DepthMapCasters`]: such maps as casters of a scene, beside its meshes.
 //! * [`gpu::ShadowQuery`]: counts the faces between points and lights.
 //! * [`AreaLight`]: samples lights that have an area. The samples share one extraction.
 //! * [`cpu`]: extraction, deformation and the shadow depth query without a device. Extraction and query give the same

@@ -48,8 +48,9 @@ pub mod origin {
 /// maps of distances.
 pub mod depth_map {
     use crate::ShadowCamera;
-    use crate::gpu::DepthMapEncodeError;
+    use crate::gpu::DepthMapError;
     use crate::gpu::DepthMetric;
+    pub use crate::gpu::depth_map::frame::DepthMapNearCap;
     use crate::gpu::depth_map::metric;
     use crate::gpu::depth_map::near::{NearReach, near_reach};
     pub use crate::gpu::depth_map::view::Placing;
@@ -59,20 +60,20 @@ pub mod depth_map {
     /// How distances of a metric become device depths, for a map of `size` texels.
     ///
     /// # Errors
-    /// [`DepthMapEncodeError`] if the camera is refused.
+    /// [`DepthMapError`] if the camera is refused.
     pub fn metric_view(
         light: &ShadowCamera,
         size: [u32; 2],
         metric: DepthMetric,
-    ) -> Result<DepthMetricView, DepthMapEncodeError> {
+    ) -> Result<DepthMetricView, DepthMapError> {
         metric::metric_view(light, size, metric)
     }
 
     /// How far depths of a converted map may be off: a share of the depth, and a constant.
     ///
     /// # Errors
-    /// [`DepthMapEncodeError`] if the camera is refused.
-    pub fn metric_steps(light: &ShadowCamera, metric: DepthMetric) -> Result<[f64; 2], DepthMapEncodeError> {
+    /// [`DepthMapError`] if the camera is refused.
+    pub fn metric_steps(light: &ShadowCamera, metric: DepthMetric) -> Result<[f64; 2], DepthMapError> {
         metric::metric_steps(light, metric)
     }
 
@@ -80,12 +81,12 @@ pub mod depth_map {
     /// buffer has a format.
     ///
     /// # Errors
-    /// [`DepthMapEncodeError`] if a camera is refused.
+    /// [`DepthMapError`] if a camera is refused.
     pub fn map_view(
         (light, size, format): (&ShadowCamera, [u32; 2], wgpu::TextureFormat),
         eye: (&ShadowCamera, wgpu::TextureFormat),
         placing: &Placing,
-    ) -> Result<DepthMapView, DepthMapEncodeError> {
+    ) -> Result<DepthMapView, DepthMapError> {
         depth_map_view((light, size), ([0.0; 2], &mut std::iter::once(format)), eye, placing)
     }
 
@@ -181,7 +182,6 @@ pub mod cpu {
     pub use crate::cpu::depth_map::edge_rule::Second;
     pub use crate::cpu::depth_map::mesh_depth::{mesh_depth, scene_depth};
     pub use crate::cpu::depth_map::samples::{Key, Samples};
-    pub use crate::cpu::depth_map::world_step::world_step;
     pub use crate::cpu::extract::arguments::arguments;
     pub use crate::cpu::extract::compact::{CompactedList, WINDING, compact};
     pub use crate::cpu::extract::edges::{edges, silhouettes_into};

@@ -24,8 +24,6 @@ pub(crate) const DEFORM_TERMS: u32 = 60_000;
 pub(crate) const NEEDS_BOXES: usize = 2500;
 /// Triangles of a polygon that is extracted on the GPU.
 pub(crate) const POLYGON_TRIANGLES: usize = 2048;
-/// Blocks of a depth map that an invocation takes in turn at most, where integers may have to decide about all edges.
-pub(crate) const WORLD_BLOCKS: u32 = 4;
 
 /// Undecided faces that an invocation of exact facing takes in turn at most, of a scene with so many lights in a batch. Each has
 /// some 42 turns for each light, and some 40 besides.
@@ -48,7 +46,6 @@ pub fn limits(lights: u32, exact_items: u32) -> std::collections::BTreeMap<&'sta
         ("DEFORM_TERMS", DEFORM_TERMS.into()),
         ("NEEDS_BOXES", NEEDS_BOXES as u64),
         ("POLYGON_TRIANGLES", POLYGON_TRIANGLES as u64),
-        ("WORLD_BLOCKS", WORLD_BLOCKS.into()),
         // Two thousand million edges in blocks of 256, which 256 invocations share.
         ("SCAN_BLOCKS", 32_000),
         // A light of a view has 64 bytes at least, and 32 of them share a place.

@@ -1,11 +1,11 @@
 //! Table 2 of the paper: how many triangles volumes have, and how many times more where the map's side is doubled.
 
 use glam::{DQuat, DVec3};
-use rimline::gpu::DepthMapReconstruction;
+use rimline::gpu::DepthMapMethod;
 use rimline_measure::random::Random;
 
 use crate::scenes::{PAPER, RADIUS, scene};
-use crate::stage::{Bench, DETECTORS, MAP, Way, camera, map_of};
+use crate::stage::{Bench, DETECTORS, MAP, camera, map_of};
 
 const SIDES: [u32; 2] = [256, 512];
 const DISTANCE: f64 = 8.0;
@@ -25,9 +25,9 @@ pub(crate) fn turned(random: &mut Random) -> [DVec3; 3] {
 
 /// The triangles of a list of cells: its number, and entries whose two highest bits tell which triangles are drawn. A list of
 /// walls has two for each.
-fn triangles(way: Way, list: &[u32]) -> u64 {
+fn triangles(way: DepthMapMethod, list: &[u32]) -> u64 {
     let Some((&count, entries)) = list.split_first() else { return 0 };
-    if way.reconstruction != DepthMapReconstruction::Triangles {
+    if let DepthMapMethod::Contours { .. } = way {
         return 2 * u64::from(count);
     }
     entries.iter().take(count as usize).map(|entry| u64::from((entry >> 30).count_ones())).sum()

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use rimline::ShadowCamera;
-use rimline::gpu::{DepthEdges, DepthMapOptions, DepthMapVolumes};
+use rimline::gpu::{DepthMapMethod, DepthMapOptions, DepthMapVolumes};
 use rimline_measure::on_gpu::text;
 
 use crate::scenes::{PAPER, RADIUS, scene};
@@ -79,12 +79,14 @@ pub(crate) fn measure(bench: &Bench, rounds: usize, seed: u64) -> Result<(), Str
             let mut volumes = Vec::new();
             for name in SHOWN {
                 let way = way(name)?;
-                let outlines = DepthMapOptions {
-                    edges: DepthEdges::Outlines,
-                    reconstruction: way.reconstruction,
-                    skip_near_caps: false,
-                    ..Default::default()
+                let threshold = 1.0;
+                let method = match way {
+                    DepthMapMethod::Contours { sideways, depth, .. } => {
+                        DepthMapMethod::Contours { threshold, sideways, depth }
+                    }
+                    _ => DepthMapMethod::Differences { threshold, dangling: None },
                 };
+                let outlines = DepthMapOptions { method, skip_near_caps: false, ..Default::default() };
                 let outlines = DepthMapVolumes::new(&bench.pipelines, [side; 2], outlines).map_err(text)?;
                 volumes.push((bench.volumes(side, way)?, outlines, Vec::new()));
             }

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use glam::{DMat4, DVec3, DVec4};
 use rimline::gpu::{
-    DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapReconstruction, DepthMapVolumes, MeshDepth,
-    PositionBuffer, ShadowFormat,
+    DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, MeshDepth, PositionBuffer,
+    ShadowFormat,
 };
 use rimline::{DepthDirection, Mesh, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -17,40 +17,20 @@ use wgpu::TextureFormat;
 pub(crate) const MAP: TextureFormat = TextureFormat::Depth24Plus;
 pub(crate) const EYE: TextureFormat = TextureFormat::Depth24PlusStencil8;
 
-/// Detectors and their names. The threshold in world units is for scenes of a few units.
-pub(crate) const DETECTORS: [(&str, Way); 7] = [
-    ("every cell", Way::triangles(DepthEdges::EveryCell)),
-    ("differences 0.0005", Way::triangles(DepthEdges::Differences { threshold: 0.0005 })),
-    ("differences 0.02", Way::triangles(DepthEdges::Differences { threshold: 0.02 })),
-    ("world 0.1", Way::triangles(DepthEdges::WorldDifferences { threshold: 0.1 })),
-    ("automatic", Way::triangles(DepthEdges::Automatic)),
-    ("second differences 0.0005, 0.05", Way::triangles(DepthEdges::SecondDifferences { low: 0.0005, high: 0.05 })),
-    (
-        "contours 0.005",
-        Way {
-            edges: DepthEdges::Differences { threshold: 0.005 },
-            reconstruction: DepthMapReconstruction::Contours { sideways: 0.1, depth: 0.02 },
-        },
-    ),
+/// Detectors and their names.
+pub(crate) const DETECTORS: [(&str, DepthMapMethod); 6] = [
+    ("every cell", DepthMapMethod::EveryCell),
+    ("differences 0.0005", DepthMapMethod::Differences { threshold: 0.0005, dangling: None }),
+    ("differences 0.02", DepthMapMethod::Differences { threshold: 0.02, dangling: None }),
+    ("automatic", DepthMapMethod::Automatic { dangling: None }),
+    ("second differences 0.0005, 0.05", DepthMapMethod::SecondDifferences { low: 0.0005, high: 0.05, dangling: None }),
+    ("contours 0.005", DepthMapMethod::Contours { threshold: 0.005, sideways: 0.1, depth: 0.02 }),
 ];
 
 /// One of the detectors.
-pub(crate) fn way(wanted: &str) -> Result<Way, String> {
+pub(crate) fn way(wanted: &str) -> Result<DepthMapMethod, String> {
     let found = DETECTORS.into_iter().find(|(name, _)| *name == wanted);
     found.map(|(_, way)| way).ok_or_else(|| format!("no detector {wanted}"))
-}
-
-/// Edges, and what is built at them.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Way {
-    pub(crate) edges: DepthEdges,
-    pub(crate) reconstruction: DepthMapReconstruction,
-}
-
-impl Way {
-    const fn triangles(edges: DepthEdges) -> Self {
-        Self { edges, reconstruction: DepthMapReconstruction::Triangles }
-    }
 }
 
 /// A near plane as in games, where units are metres.
@@ -145,8 +125,8 @@ impl Bench {
         })
     }
 
-    pub(crate) fn volumes(&self, side: u32, Way { edges, reconstruction }: Way) -> Result<DepthMapVolumes, String> {
-        let options = DepthMapOptions { edges, reconstruction, ..Default::default() };
+    pub(crate) fn volumes(&self, side: u32, method: DepthMapMethod) -> Result<DepthMapVolumes, String> {
+        let options = DepthMapOptions { method, ..Default::default() };
         DepthMapVolumes::new(&self.pipelines, [side; 2], options).map_err(text)
     }
 
@@ -189,7 +169,7 @@ impl Bench {
 
 /// The map of a light.
 pub(crate) fn map_of(target: &Target, light: ShadowCamera) -> DepthMap<'_> {
-    DepthMap { texture: &target.depths, light }
+    DepthMap { texture: &target.depths, light, objects: None }
 }
 
 /// A pass without color. `clear`: the depth that is far; without it, depth is read only and the stencil begins with 0.

@@ -1,5 +1,5 @@
 //! Shadows of what has no mesh: a ray-marched distance field and a tree of alpha-tested cards, from a depth map that the lamp sees.
-//! Boxes and the trunk cast by their meshes, into the same stencil. All are in one scene. Writes `depth_map_shadows.png`. Run it with
+//! Boxes and the trunk cast by their meshes, into the same stencil. Writes `depth_map_shadows.png`. Run it with
 //! `cargo run --release --example depth_map_shadows`.
 
 #[path = "../support/stage.rs"]
@@ -8,8 +8,8 @@ mod stage;
 mod support;
 
 use rimline::gpu::{
-    Caster, DepthMapCaster, DepthMapCasters, DepthMapCastersOptions, DepthMapOptions, DepthMapPipelines,
-    DepthMapVolumes, Pipelines, Scene, SceneOptions, ScenePipelines, ShadowFormat,
+    Caster, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, Pipelines, Scene, SceneOptions,
+    ScenePipelines, ShadowFormat,
 };
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera, wgpu};
@@ -80,22 +80,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         aspect: wgpu::TextureAspect::DepthOnly,
         ..wgpu::TextureViewDescriptor::default()
     });
-    let mut mapped = DepthMapCasters::new(&scene, DepthMapCastersOptions::default());
-    let volumes = DepthMapVolumes::new(&parity, [MAP; 2], DepthMapOptions::default())?;
-    // Leaves that move would raise the version, after each draw of the map.
-    let (camera_of_map, version) = (seen_by(&lamp_view), Some(0));
-    let caster = DepthMapCaster { light: at_lamp, texture: depths, objects: None, camera: camera_of_map, version };
-    mapped.insert(volumes, caster)?;
+    let mut volumes = DepthMapVolumes::new(&parity, [MAP; 2], DepthMapOptions::default())?;
 
     let mut encoder = canvas.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     stage.draw_extras_into(&mut encoder, &lamp_view, &map);
-    let eye = [seen_by(&camera)];
-    let extruded = scene.encode(&mut encoder, &eye, None)?;
-    let rebuilt = mapped.encode(&mut encoder, &extruded, &eye, None)?;
-    // A place is dark where either counts it.
+    let eye = seen_by(&camera);
+    let extruded = scene.encode(&mut encoder, &[eye], None)?;
+    let seen = DepthMap { texture: &depths, light: seen_by(&lamp_view), objects: None };
+    let rebuilt = volumes.encode(&mut encoder, &seen, &eye, None)?;
+    // Two draws into one stencil: a place is dark where either counts it.
     stage.draw(&mut encoder, &bodies, |pass, _| {
         extruded.draw(pass, &counting, 0, at_lamp)?;
-        rebuilt.draw(pass, &parity, 0, at_lamp).map_err(Box::<dyn std::error::Error>::from)
+        rebuilt.draw(pass, &parity).map_err(Box::<dyn std::error::Error>::from)
     })?;
     canvas.save(encoder, "depth_map_shadows.png")
 }

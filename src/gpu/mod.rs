@@ -19,12 +19,9 @@ pub use common::requirements::DeviceError;
 pub use common::timer::{StageTimer, StageTimes, TimerError};
 pub use deform::deformer::{DeformError, Deformer, DeformerOptions};
 pub use depth_map::{
-    CubeMismatch, DanglingEdges, DepthEdges, DepthMap, DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle,
-    DepthMapCasterVolumes, DepthMapCasters, DepthMapCastersError, DepthMapCastersFrame, DepthMapCastersOptions,
-    DepthMapConversion, DepthMapCube, DepthMapCubeCaster, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError,
-    DepthMapFrame, DepthMapMerge, DepthMapNearCap, DepthMapOptions, DepthMapPipelines, DepthMapPipelinesError,
-    DepthMapReconstruction, DepthMapStatistics, DepthMapTexture, DepthMapVolumes, DepthMapVolumesError, DepthMetric,
-    MeshDepth, MeshDepthError, SceneDepth, SceneDepthCounts, SceneDepthError,
+    DanglingEdges, DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapFrame,
+    DepthMapMerge, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapStatistics, DepthMapVolumes,
+    DepthMetric, MeshDepth, SceneDepth, SceneDepthCounts,
 };
 pub use extract::errors::{
     ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, StaleExtraction,

@@ -1,7 +1,7 @@
 //! A device that has less than the stages need: one typed error that names it, and no error of the device.
 
 use rimline::gpu::{
-    DeformError, Deformer, DeformerOptions, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapPipelinesError,
+    DeformError, Deformer, DeformerOptions, DepthMap, DepthMapError, DepthMapOptions, DepthMapPipelines,
     DepthMapVolumes, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions, Pipelines, ShadowFormat,
     ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryError, ShadowQueryOptions,
     ShadowVolumes,
@@ -66,7 +66,7 @@ fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, S
         }
         Subject::DepthMap => match DepthMapPipelines::new(pipelines, &ShadowFormat::default(), 0) {
             Ok(_) => Ok(None),
-            Err(DepthMapPipelinesError::Format(ShadowFormatError::Device(error))) => Ok(Some(error)),
+            Err(DepthMapError::Format(ShadowFormatError::Device(error))) => Ok(Some(error)),
             Err(error) => other(&error),
         },
     }
@@ -288,7 +288,7 @@ fn depth_maps(watched: &Watched) -> Result<(), String> {
     let pipelines = DepthMapPipelines::new(&watched.gpu.pipelines, &ShadowFormat::default(), 0).map_err(text)?;
     let mut volumes = DepthMapVolumes::new(&pipelines, [60, 60], DepthMapOptions::default()).map_err(text)?;
     watched.gpu.submit(|encoder| {
-        let map = DepthMap { texture: &map, light: camera() };
+        let map = DepthMap { texture: &map, light: camera(), objects: None };
         let frame = volumes.encode(encoder, &map, &camera(), None).map_err(text)?;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("volumes"),

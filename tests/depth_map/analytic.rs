@@ -2,7 +2,7 @@
 //! the border of a shadow.
 
 use rimline::DepthDirection;
-use rimline::gpu::{DepthEdges, DepthMapOptions, DepthMapReconstruction, DepthMetric};
+use rimline::gpu::{DepthMapMethod, DepthMapOptions, DepthMetric};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::random::Random;
@@ -46,6 +46,10 @@ struct Way {
     planes: Option<(f64, Option<f64>)>,
     /// What distances are written in, if the options say that the map is one of distances.
     written: DepthMetric,
+    /// Whether there are objects.
+    has_objects: bool,
+    /// Bits of the stencil, less one.
+    more_bits: u32,
 }
 
 fn trial(
@@ -53,7 +57,7 @@ fn trial(
     random: &mut Random,
     world: &World,
     format: TextureFormat,
-    Way { options, off, planes, written }: Way,
+    Way { options, off, planes, written, has_objects, more_bits }: Way,
     tally: &mut Tally,
 ) -> Result<(), String> {
     let Some(view) = View::lit(random, world, MapOf { planes, ..MapOf::default() }) else { return Ok(()) };
@@ -70,7 +74,7 @@ fn trial(
     let on_ground = |seen: &Seen| u32::from(seen.is_some_and(|(place, _)| place.y < 1e-7));
     let mut numbers: Vec<_> = view.light_seen.iter().map(on_ground).collect();
     numbers.rotate_right(off);
-    let objects = options.objects.then(|| objects(gpu, map.size, &numbers));
+    let objects = has_objects.then(|| objects(gpu, map.size, &numbers));
     let picture = Picture {
         map: &texture,
         objects: objects.as_ref(),
@@ -79,15 +83,15 @@ fn trial(
         depths: &eye_depths,
         side: SIDE,
         options,
-        bit: 8 - options.bits,
+        bits: 7 - more_bits..8,
     };
     let stencil = picture.stencil(gpu)?;
     // A texel, and as much as bits move the boundary.
-    let within = 1.5 - 0.5 / f64::from(options.bits);
+    let within = 1.5 - 0.5 / f64::from(1 + more_bits);
     for (pixel, seen) in view.receivers() {
         let is_lit = view.is_lit(seen);
         *(if is_lit { &mut tally.lit } else { &mut tally.dark }) += 1;
-        let off = f64::from(stencil[pixel].count_ones()) / f64::from(options.bits) - if is_lit { 0.0 } else { 1.0 };
+        let off = f64::from(stencil[pixel].count_ones()) / f64::from(1 + more_bits) - if is_lit { 0.0 } else { 1.0 };
         tally.squares += off * off;
         if off == 0.0 {
             continue;
@@ -106,7 +110,7 @@ fn trial(
     Ok(())
 }
 
-fn trials(seed: u64, rounds: usize, options: DepthMapOptions) -> Result<(), String> {
+fn trials(seed: u64, rounds: usize, options: DepthMapOptions, has_objects: bool) -> Result<(), String> {
     println!("seed {seed}");
     let gpu = Gpu::shared()?;
     let mut random = Random::new(seed);
@@ -118,10 +122,11 @@ fn trials(seed: u64, rounds: usize, options: DepthMapOptions) -> Result<(), Stri
             let worlds = worlds(&mut random);
             // Objects that cast no shadow onto themselves.
             let is_convex = |world: &World| matches!(world, World::Sphere { .. } | World::Cuboid { .. });
-            let taken = worlds.iter().enumerate().filter(|(_, world)| !options.objects || is_convex(world));
+            let taken = worlds.iter().enumerate().filter(|(_, world)| !has_objects || is_convex(world));
             for (number, world) in taken {
                 let before = tally.wrong;
-                trial(&gpu, &mut random, world, format, Way { options, ..Default::default() }, &mut tally)?;
+                let way = Way { options, has_objects, ..Default::default() };
+                trial(&gpu, &mut random, world, format, way, &mut tally)?;
                 if tally.wrong > before {
                     println!("{format:?}, round {round}, world {number}: {} wrong", tally.wrong - before);
                 }
@@ -141,53 +146,50 @@ fn trials(seed: u64, rounds: usize, options: DepthMapOptions) -> Result<(), Stri
         pixels += tally.dark + tally.lit;
     }
     // A detector may miss an edge. Walls miss more, at rims that are steeper than the texels tell.
-    let allowed = match (options.edges, options.reconstruction) {
-        (DepthEdges::EveryCell, _) => 0,
-        (_, DepthMapReconstruction::Triangles) => pixels / 100_000,
-        _ => pixels / 10_000,
+    let allowed = match options.method {
+        DepthMapMethod::EveryCell => 0,
+        DepthMapMethod::Contours { .. } => pixels / 10_000,
+        _ => pixels / 100_000,
     };
     if all_wrong > allowed { Err(format!("{all_wrong} of {pixels} are wrong away from borders")) } else { Ok(()) }
 }
 
 fn every_cell() -> Result<(), String> {
-    trials(1631, 4, DepthMapOptions { edges: DepthEdges::EveryCell, ..Default::default() })
+    trials(1631, 4, DepthMapOptions { method: DepthMapMethod::EveryCell, ..Default::default() }, false)
 }
 
 fn marked() -> Result<(), String> {
-    let edges = DepthEdges::Differences { threshold: 0.0005 };
-    trials(1632, 4, DepthMapOptions { edges, ..Default::default() })
+    let edges = DepthMapMethod::Differences { threshold: 0.0005, dangling: None };
+    trials(1632, 4, DepthMapOptions { method: edges, ..Default::default() }, false)
 }
 
 /// Steep sides of the boxes are left out. Moved, they would leave the boxes behind, and rays would miss a crossing there, so they
 /// are not moved.
 fn of_objects() -> Result<(), String> {
-    trials(
-        1634,
-        4,
-        DepthMapOptions { edges: DepthEdges::Outlines, objects: true, slope_bias: 0.0, ..Default::default() },
-    )
+    let method = DepthMapMethod::Differences { threshold: 1.0, dangling: None };
+    trials(1634, 4, DepthMapOptions { method, slope_bias: 0.0, ..Default::default() }, true)
 }
 
+const CONTOURS: DepthMapMethod = DepthMapMethod::Contours { threshold: 0.0005, sideways: 0.25, depth: 0.002 };
+
 fn of_contours() -> Result<(), String> {
-    let edges = DepthEdges::Differences { threshold: 0.0005 };
-    let reconstruction = DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.002 };
-    trials(1636, 4, DepthMapOptions { edges, reconstruction, ..Default::default() })
+    trials(1636, 4, DepthMapOptions { method: CONTOURS, ..Default::default() }, false)
 }
 
 /// The same views with one bit and with more. The error of a pixel is the difference between the share of its bits that are dark
 /// and the truth.
 fn of_bits() -> Result<(), String> {
     let mut errors = Vec::new();
-    let marked = DepthEdges::Differences { threshold: 0.0005 };
-    let every = DepthEdges::EveryCell;
+    let marked = DepthMapMethod::Differences { threshold: 0.0005, dangling: None };
+    let every = DepthMapMethod::EveryCell;
     for (bits, edges) in [(1, every), (4, every), (8, every), (4, marked)] {
         println!("seed 1635, {bits} bits, {edges:?}");
         let gpu = Gpu::shared()?;
         let mut random = Random::new(1635);
         let mut tally = Tally::default();
         for world in worlds(&mut random).into_iter().chain(worlds(&mut random)) {
-            let options = DepthMapOptions { bits, edges, ..Default::default() };
-            let way = Way { options, ..Default::default() };
+            let options = DepthMapOptions { method: edges, ..Default::default() };
+            let way = Way { options, more_bits: bits - 1, ..Default::default() };
             trial(&gpu, &mut random, &world, TextureFormat::Depth32Float, way, &mut tally)?;
         }
         println!("{tally:?}");
@@ -227,20 +229,18 @@ fn of_distances() -> Result<(), String> {
                 trial(&gpu, &mut random, &world, TextureFormat::R32Float, way, &mut tally)?;
             }
         }
-        println!("{:?} {:?}, written {written:?}: {tally:?}", options.metric, options.edges);
+        println!("{:?} {:?}, written {written:?}: {tally:?}", options.metric, options.method);
         Ok::<_, String>(tally)
     };
-    let edges = DepthEdges::Differences { threshold: 0.0005 };
-    let reconstruction = DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.002 };
     let [axis, ray] = [DepthMetric::AlongAxis, DepthMetric::AlongRay];
     let ways = [
-        (DepthMapOptions { edges: DepthEdges::EveryCell, ..Default::default() }, &[axis][..]),
-        (DepthMapOptions { edges: DepthEdges::Automatic, ..Default::default() }, &[ray]),
-        (DepthMapOptions { edges, reconstruction, ..Default::default() }, &[ray]),
+        (DepthMapOptions { method: DepthMapMethod::EveryCell, ..Default::default() }, &[axis][..]),
+        (DepthMapOptions { method: DepthMapMethod::Automatic { dangling: None }, ..Default::default() }, &[ray]),
+        (DepthMapOptions { method: CONTOURS, ..Default::default() }, &[ray]),
     ];
     for (options, metrics) in ways {
         // Walls miss some rims, whatever the metric, and so much the more as the threshold is larger in the world.
-        let is_exact = options.reconstruction == DepthMapReconstruction::Triangles;
+        let is_exact = options.method != CONTOURS;
         let allowed = if is_exact { 0 } else { trials(options, DepthMetric::Device)?.wrong };
         for &metric in metrics {
             let tally = trials(DepthMapOptions { metric, ..options }, metric)?;

@@ -52,12 +52,11 @@ pub(crate) fn sample(map: &Map, x: i64, y: i64) -> Option<f64> {
     (!is_far).then(|| depth.clamp(0.0, 1.0))
 }
 
-/// The triangles of cells, from their first corners. `spreads`: those with a depth beside a marked edge are drawn, too. `fills`:
-/// and so are those beside drawn ones in their cells.
+/// The triangles of cells, from their first corners. `spreads`: those with a depth beside a marked edge are drawn, too.
 fn triangles(
     is_reversed: bool,
     threshold: f64,
-    [spreads, fills]: [bool; 2],
+    spreads: bool,
     places: impl Iterator<Item = [i64; 2]>,
     sample: &dyn Fn([i64; 2]) -> Option<f64>,
     vertex: &dyn Fn([i64; 2]) -> DVec4,
@@ -90,14 +89,13 @@ fn triangles(
         let are_drawn = halves.map(|[between, p, q]| {
             is_marked(between, p) || is_marked(between, q) || spreads && [between, p, q].iter().any(is_beside_edge)
         });
-        for (half, ([between, p, q], own)) in halves.into_iter().zip(are_drawn).enumerate() {
+        for (half, ([between, p, q], is_drawn)) in halves.into_iter().zip(are_drawn).enumerate() {
             let corners = [between, p, q].map(vertex);
             if corners.iter().all(|corner| corner.w == 0.0) {
                 continue;
             }
             let axis = |axis: DVec4| determinant(axis, corners[0], corners[1], corners[2]);
             let plane = DVec4::new(axis(DVec4::X), axis(DVec4::Y), axis(DVec4::Z), axis(DVec4::W));
-            let is_drawn = own || fills && are_drawn.contains(&true);
             triangles.push(Triangle { name: ([x, y], half), corners, plane, is_drawn });
         }
     }
@@ -107,18 +105,12 @@ fn triangles(
 impl Boundary {
     /// The boundary of a map. Edges are marked where depths differ by more than the threshold, or everywhere if it is negative.
     pub(crate) fn new(map: &Map, camera: &ShadowCamera, light: DVec4, threshold: f64) -> Self {
-        Self::edited(map, camera, light, (threshold, false), None)
+        Self::edited(map, camera, light, threshold, None)
     }
 
-    /// The same, moved by parts of a texel, and with whole cells or not.
-    pub(crate) fn edited(
-        map: &Map,
-        camera: &ShadowCamera,
-        light: DVec4,
-        drawn: (f64, bool),
-        by: Option<[f64; 2]>,
-    ) -> Self {
-        Self::moved(map, camera, light, drawn, by, &|[x, y]| sample(map, x, y))
+    /// The same, moved by parts of a texel.
+    pub(crate) fn edited(map: &Map, camera: &ShadowCamera, light: DVec4, threshold: f64, by: Option<[f64; 2]>) -> Self {
+        Self::moved(map, camera, light, threshold, by, &|[x, y]| sample(map, x, y))
     }
 
     /// The same with all depths of samples moved.
@@ -126,7 +118,7 @@ impl Boundary {
         map: &Map,
         camera: &ShadowCamera,
         light: DVec4,
-        (threshold, fills): (f64, bool),
+        threshold: f64,
         by: Option<[f64; 2]>,
         moved: &dyn Fn([i64; 2]) -> Option<f64>,
     ) -> Self {
@@ -147,14 +139,10 @@ impl Boundary {
             (place(x, y, 0.5) - place(x, y, near)).normalize().extend(0.0)
         };
         let places = (-1..height as i64).flat_map(|y| (-1..width as i64).map(move |x| [x, y]));
-        let triangles = triangles(
-            map.is_reversed,
-            threshold,
-            [by.is_some(), fills],
-            places,
-            &|[x, y]| sample(map, x, y),
-            &|[x, y]| vertex(x, y),
-        );
+        let triangles =
+            triangles(map.is_reversed, threshold, by.is_some(), places, &|[x, y]| sample(map, x, y), &|[x, y]| {
+                vertex(x, y)
+            });
         Self { triangles, light }
     }
 
@@ -201,7 +189,7 @@ impl Boundary {
         let of_face = |face: usize| {
             let places = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| [x, y]));
             let ray = |at: [i64; 2]| rays[&name(face, at)];
-            triangles(is_reversed, threshold, [false; 2], places, &|at| ray(at).0, &|at| ray(at).1)
+            triangles(is_reversed, threshold, false, places, &|at| ray(at).0, &|at| ray(at).1)
         };
         Self { triangles: (0..6).flat_map(of_face).collect(), light: light.extend(1.0) }
     }

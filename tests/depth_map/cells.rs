@@ -2,7 +2,7 @@
 
 use num_bigint::BigInt;
 use rimline::reference::cpu::{
-    CELL_MASK, FIRST_TRIANGLE, SECOND_TRIANGLE, SPLIT, depth_cells, depth_cells_of_objects, exceeds, world_step,
+    CELL_MASK, FIRST_TRIANGLE, SECOND_TRIANGLE, SPLIT, depth_cells, depth_cells_of_objects, exceeds,
 };
 use rimline::reference::layout::DepthMapShape;
 use rimline_measure::random::Random;
@@ -32,8 +32,8 @@ pub(crate) fn rank(map: &Map, sample: Option<f32>) -> i64 {
 }
 
 /// The entry of a cell, 0 if it is not listed. `objects`: none, or one for each texel. `spreads`: triangles at the ends of edges
-/// are drawn. `fills`: so is what is beside a drawn triangle in its cell.
-fn expected(map: &Map, objects: &[u32], threshold: f32, [spreads, fills]: [bool; 2], number: u32) -> u32 {
+/// are drawn.
+fn expected(map: &Map, objects: &[u32], threshold: f32, spreads: bool, number: u32) -> u32 {
     let across = i64::from(map.size[0]) + 1;
     let (x, y) = (i64::from(number) % across - 1, i64::from(number) / across - 1);
     // What is cast, and the object.
@@ -61,7 +61,7 @@ fn expected(map: &Map, objects: &[u32], threshold: f32, [spreads, fills]: [bool;
     };
     let diagonal_touches = if is_split { touches(1, 0) || touches(0, 1) } else { touches(0, 0) || touches(1, 1) };
     // The triangle at a corner that the diagonal leaves out has the two edges of that corner.
-    let (mut first, mut second) = if is_split {
+    let (first, second) = if is_split {
         (
             is_marked(a, b) || is_marked(a, c) || touches(0, 0) || diagonal_touches,
             is_marked(d, b) || is_marked(d, c) || touches(1, 1) || diagonal_touches,
@@ -74,9 +74,6 @@ fn expected(map: &Map, objects: &[u32], threshold: f32, [spreads, fills]: [bool;
     };
     if !first && !second {
         return 0;
-    }
-    if fills {
-        (first, second) = (true, true);
     }
     let bit = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
     number | bit(is_split, SPLIT) | bit(first, FIRST_TRIANGLE) | bit(second, SECOND_TRIANGLE)
@@ -96,7 +93,7 @@ fn check(map: &Map, objects: &[u32], threshold: f32, shape: &DepthMapShape) -> R
     let found = depth_cells_of_objects(shape, &map.depths, objects);
     // An entry of 0 is no entry: an entry has a bit for a triangle.
     let all: Vec<_> = (0..shape.cells)
-        .map(|number| expected(map, objects, threshold, [shape.spread, shape.whole_cells].map(|set| set == 1), number))
+        .map(|number| expected(map, objects, threshold, shape.spread == 1, number))
         .filter(|&entry| entry != 0)
         .collect();
     let all = by_strips(map.size, all);
@@ -129,11 +126,9 @@ fn listed_cells_are_those_of_exact_arithmetic() {
                 listed += check(&map, &[], threshold, &shape).expect("as expected");
                 shape.spread = random.below(2) as u32;
                 listed += check(&map, &[], threshold, &shape).expect("as expected");
-                shape.whole_cells = random.below(2) as u32;
-                listed += check(&map, &[], threshold, &shape).expect("as expected");
                 shape.objects = 1;
                 let objects: Vec<_> = (0..depths.len()).map(|_| random.below(3) as u32 * 0x7fff_ffff).collect();
-                // Outlines have the largest threshold.
+                // The largest threshold leaves edges of objects alone.
                 let threshold = if random.below(2) == 0 { threshold } else { 1.0 };
                 let shape = DepthMapShape {
                     every_cell: u32::from(threshold < 0.0),
@@ -163,12 +158,6 @@ fn another_map_is_noticed() {
     let spread = DepthMapShape { spread: 1, ..shape };
     assert!(check(&lone, &[], 0.125, &spread).is_ok());
     assert_ne!(depth_cells(&shape, &lone.depths), depth_cells(&spread, &lone.depths));
-    // An edge that dangles at a fold: half a cell, or all of it.
-    let fold = Map::new([7, 5], false, |texel| if texel % 7 > 2 { 0.5 + (texel / 7) as f32 / 16.0 } else { 0.5 });
-    let whole = DepthMapShape { whole_cells: 1, ..shape };
-    assert!(check(&fold, &[], 0.125, &shape).is_ok());
-    assert!(check(&fold, &[], 0.125, &whole).is_ok());
-    assert_ne!(depth_cells(&shape, &fold.depths), depth_cells(&whole, &fold.depths));
     let objects: Vec<_> = (0..35).map(|texel| texel / 9).collect();
     let shape = map.shape(0.7, u32::MAX);
     assert!(check(&map, &objects, 0.7, &shape).is_err());
@@ -208,59 +197,4 @@ fn differences_are_compared_exactly() {
 fn entries_have_room_for_every_cell() {
     assert_eq!(CELL_MASK | SPLIT | FIRST_TRIANGLE | SECOND_TRIANGLE, u32::MAX);
     assert_eq!(CELL_MASK & SPLIT, 0);
-}
-
-/// Steps in world units, against big integers: random ones, ones that are met exactly or nearly, large and small.
-#[test]
-fn steps_in_world_units_are_compared_exactly() {
-    const SEED: u64 = 1603;
-    println!("seed {SEED}");
-    let mut random = Random::new(SEED);
-    let mut met = [0; 3];
-    for case in 0..200_000 {
-        let number = |random: &mut Random, least: u32, most: u32| {
-            let exponent = least + random.below((most - least + 1) as usize) as u32;
-            let mantissa = [random.next_u64() as u32, 1 << random.below(23), u32::MAX, 0][random.below(4)];
-            f32::from_bits((exponent << 23) | (mantissa & 0x007f_ffff))
-        };
-        let low = [1, 110][random.below(2)];
-        let unit = |random: &mut Random| if random.below(9) == 0 { 0.0 } else { number(random, low, 127).min(1.0) };
-        let (mut a, mut b) = (unit(&mut random), unit(&mut random));
-        let sign = [1.0, -1.0][random.below(2)];
-        let mut infinity =
-            [0.0, 1.0, sign * number(&mut random, 100, 135), sign * number(&mut random, 1, 136)][random.below(4)];
-        let mut ratio = number(&mut random, 1, 254);
-        match case % 3 {
-            // Nearly met.
-            0 => {
-                let at = f64::from(infinity);
-                let [x, y] = [a, b].map(f64::from);
-                let near = ((x - at) * (y - at)).abs() / (x - y).abs();
-                if near > 1e-37 && near < 1e38 {
-                    ratio = f32::from_bits((near as f32).to_bits() + random.below(3) as u32 - 1);
-                }
-            }
-            // Met: with r = a and i = 0, b is half of a.
-            1 => {
-                a = number(&mut random, 3, 126);
-                (b, ratio, infinity) = (a / 2.0, a, 0.0);
-                let moved = [&mut a, &mut b, &mut ratio];
-                if random.below(2) == 0 {
-                    let which = random.below(3);
-                    *moved[which] = f32::from_bits(moved[which].to_bits() + 2 * random.below(2) as u32 - 1);
-                }
-            }
-            _ => {}
-        }
-        let signed = |value: f32| if value < 0.0 { -exact(-value) } else { exact(value) };
-        let [x, y, at, factor] = [a, b, infinity, ratio].map(signed);
-        let left = BigInt::from((factor * (&x - &y)).magnitude().clone());
-        let right = BigInt::from(((x - &at) * (y - &at)).magnitude().clone());
-        let order = left.cmp(&right);
-        met[(order as i8 + 1) as usize] += 1;
-        for [a, b] in [[a, b], [b, a]] {
-            assert_eq!(world_step(a, b, ratio, infinity), order.is_gt(), "{a:e} {b:e} {ratio:e} {infinity:e}");
-        }
-    }
-    assert!(met.iter().all(|&count| count > 10_000), "less, equal, more: {met:?}");
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};
 use rimline::DepthDirection;
-use rimline::gpu::{DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::is_long;
@@ -87,7 +87,7 @@ fn late(
     contact: &Contact,
     towards: DVec3,
     format: TextureFormat,
-    (edges, slope_bias): (DepthEdges, f32),
+    (edges, slope_bias): (DepthMapMethod, f32),
 ) -> Result<Vec<f64>, String> {
     let depth = DepthDirection::Reversed;
     let half_width = Some(TEXEL * f64::from(TEXELS) / 2.0);
@@ -117,10 +117,10 @@ fn late(
     let depths: Vec<_> = seen.iter().map(|seen| seen.map_or(0.0, |(place, _)| device_depth(&eye, place))).collect();
     let shadow = ShadowFormat { depth, ..Default::default() };
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &shadow, 0).map_err(text)?;
-    let options = DepthMapOptions { edges, slope_bias, ..Default::default() };
+    let options = DepthMapOptions { method: edges, slope_bias, ..Default::default() };
     let mut volumes = DepthMapVolumes::new(&pipelines, [TEXELS; 2], options).map_err(text)?;
     let stencil = stencil_of(gpu, &pipelines, (PIXELS, &depths), |encoder| {
-        let map = DepthMap { texture: &depth_view(&map), light: sun.camera };
+        let map = DepthMap { texture: &depth_view(&map), light: sun.camera, objects: None };
         volumes.encode(encoder, &map, &eye, None).map_err(text)
     })?;
     // Along the contact: where the shadow begins by rays, and in the picture.
@@ -155,7 +155,7 @@ fn contacts() -> Result<(), String> {
         .collect();
     println!("| body | edges | places | mean | most |\n|---|---|---:|---:|---:|");
     for contact in contacts_of() {
-        for edges in [DepthEdges::EveryCell, DepthEdges::Automatic] {
+        for edges in [DepthMapMethod::EveryCell, DepthMapMethod::Automatic { dangling: None }] {
             let mut all = Vec::new();
             for (number, &towards) in lights.iter().enumerate() {
                 let format = [TextureFormat::Depth32Float, TextureFormat::Depth24Plus][number % 2];
@@ -170,7 +170,7 @@ fn contacts() -> Result<(), String> {
     }
     // Negative control: surfaces that move too far leave a thin wall behind.
     let [_, wall, ..] = contacts_of();
-    let far = late(&gpu, &wall, lights[0], TextureFormat::Depth32Float, (DepthEdges::EveryCell, 20.0))?;
+    let far = late(&gpu, &wall, lights[0], TextureFormat::Depth32Float, (DepthMapMethod::EveryCell, 20.0))?;
     let most = far.iter().copied().fold(0.0, f64::max);
     println!("{most} texels late with twenty times the move");
     if most > BOUND { Ok(()) } else { Err("a shadow that begins late goes unnoticed".to_owned()) }

@@ -4,8 +4,8 @@ use std::collections::{HashMap, HashSet};
 
 use rimline::DepthDirection;
 use rimline::gpu::{
-    DanglingEdges, DepthEdges, DepthMap, DepthMapCube, DepthMapCubeError, DepthMapOptions, DepthMapPipelines,
-    DepthMapReconstruction, DepthMapVolumes, DepthMapVolumesError, MemoryError, ShadowFormat,
+    DepthMap, DepthMapCube, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
+    MemoryError, ShadowFormat,
 };
 use rimline::reference::cpu::{ContourMap, Samples, contour_marks, contour_places, contour_walls};
 use rimline::reference::layout::{ContourShape, DepthMapShape};
@@ -47,14 +47,9 @@ struct Fit {
 
 impl Fit {
     fn options(self) -> DepthMapOptions {
-        let edges = if self.threshold >= 1.0 {
-            DepthEdges::Outlines
-        } else {
-            DepthEdges::Differences { threshold: self.threshold }
-        };
+        let Self { threshold, sideways, depth, .. } = self;
         DepthMapOptions {
-            edges,
-            reconstruction: DepthMapReconstruction::Contours { sideways: self.sideways, depth: self.depth },
+            method: DepthMapMethod::Contours { threshold, sideways, depth },
             slope_bias: self.slope_bias,
             ..Default::default()
         }
@@ -187,15 +182,12 @@ impl Given {
     }
 
     fn encode(&self, gpu: &Gpu, volumes: &mut DepthMapVolumes, objects: Option<&wgpu::Texture>) -> Result<(), String> {
-        let given = DepthMap { texture: &depth_view(&self.texture), light: camera(direction(&self.map)) };
         let eye = camera(DepthDirection::Reversed);
         let objects = objects.map(|objects| objects.create_view(&wgpu::TextureViewDescriptor::default()));
+        let (texture, light) = (depth_view(&self.texture), camera(direction(&self.map)));
         gpu.submit(|encoder| {
-            let frame = match &objects {
-                Some(objects) => volumes.encode_objects(encoder, &given, objects, &eye, None),
-                None => volumes.encode(encoder, &given, &eye, None),
-            };
-            frame.map(drop).map_err(text)
+            let given = DepthMap { texture: &texture, light, objects: objects.as_ref() };
+            volumes.encode(encoder, &given, &eye, None).map(drop).map_err(text)
         })
     }
 }
@@ -233,16 +225,16 @@ fn lists() -> Result<(), String> {
                 slope_bias: [0.0, 1.0, 5.5][random.below(3)],
             };
             let numbers: Vec<_> = map.depths.iter().map(|_| u32::from(random.below(19) == 0)).collect();
+            let has_objects = random.below(4) == 0;
             let options = DepthMapOptions {
-                objects: random.below(4) == 0,
                 capacity: Some(if random.below(5) == 0 { random.below(40) as u32 } else { 100_000 }),
                 ..fit.options()
             };
             let given = Given::new(&gpu, &map, format)?;
             let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
-            let numbers_given = options.objects.then(|| objects(&gpu, map.size, &numbers));
+            let numbers_given = has_objects.then(|| objects(&gpu, map.size, &numbers));
             given.encode(&gpu, &mut volumes, numbers_given.as_ref())?;
-            let shape = DepthMapShape { objects: u32::from(options.objects), ..map.shape(fit.threshold, u32::MAX) };
+            let shape = DepthMapShape { objects: u32::from(has_objects), ..map.shape(fit.threshold, u32::MAX) };
             let contour = fit.shape(&map, format, options.capacity.unwrap_or(0));
             let expected = of_twin(&given.map, &shape, &contour, &numbers);
             let found = listed(&volumes, &gpu)?;
@@ -482,7 +474,7 @@ fn closed() -> Result<(), String> {
                 .collect();
             let texture = has_objects.then(|| objects(&gpu, map.size, &numbers));
             let numbers = has_objects.then_some(&numbers[..]);
-            let options = DepthMapOptions { capacity: Some(100_000), objects: has_objects, ..fit.options() };
+            let options = DepthMapOptions { capacity: Some(100_000), ..fit.options() };
             let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
             given.encode(&gpu, &mut volumes, texture.as_ref())?;
             let (_, quads) = listed(&volumes, &gpu)?;
@@ -577,7 +569,7 @@ fn overflow() -> Result<(), String> {
         let fit = Fit { threshold: 0.0005, sideways: 0.25, depth: 0.002, slope_bias: 1.0 };
         let picture = |options| {
             let (light, eye, depths) = (view.sun.camera, view.eye, &eye_depths[..]);
-            Picture { map: &map, objects: None, light, eye, depths, side: SIDE, options, bit: 7 }.stencil(&gpu)
+            Picture { map: &map, objects: None, light, eye, depths, side: SIDE, options, bits: 7..8 }.stencil(&gpu)
         };
         let every = picture(DepthMapOptions::default())?;
         let overflown = picture(DepthMapOptions { capacity: Some(3), ..fit.options() })?;
@@ -611,7 +603,8 @@ fn few() -> Result<(), String> {
                 Ok::<_, String>((head[0], cells))
             };
             walls += 2 * count(fit.options())?.0;
-            let listed = count(DepthMapOptions { reconstruction: DepthMapReconstruction::Triangles, ..fit.options() })?;
+            let method = DepthMapMethod::Differences { threshold: fit.threshold, dangling: None };
+            let listed = count(DepthMapOptions { method, ..fit.options() })?;
             triangles += listed.1[1..].iter().map(|cell| (cell >> 30).count_ones()).sum::<u32>();
         }
         println!("{side}²: {triangles} triangles of cells, {walls} of walls");
@@ -627,41 +620,31 @@ fn refused() -> Result<(), String> {
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
     let options = Fit { threshold: 0.01, sideways: 0.25, depth: 0.01, slope_bias: 1.0 }.options();
     let refused = |options| DepthMapVolumes::new(&pipelines, [8, 8], options).err();
-    let with = |sideways, depth| DepthMapReconstruction::Contours { sideways, depth };
-    for edges in [DepthEdges::EveryCell, DepthEdges::Automatic, DepthEdges::WorldDifferences { threshold: 1.0 }] {
-        let expected = DepthMapVolumesError::ContourEdges(edges);
-        same("edges", &[refused(DepthMapOptions { edges, ..options })], &[Some(expected)])?;
+    let with = |threshold, sideways, depth| {
+        let method = DepthMapMethod::Contours { threshold, sideways, depth };
+        match refused(DepthMapOptions { method, ..options }) {
+            Some(DepthMapError::Option { name, .. }) => Some(name),
+            _ => None,
+        }
+    };
+    for wrong in [-0.1, f32::INFINITY, f32::NAN] {
+        let found = [with(wrong, 0.25, 0.01), with(0.01, wrong, 0.01), with(0.01, 0.25, wrong)];
+        same("contours", &found, &["threshold", "sideways", "depth"].map(Some))?;
     }
-    for sideways in [-0.1, 0.6, f32::INFINITY] {
-        let options = DepthMapOptions { reconstruction: with(sideways, 0.01), ..options };
-        same("sideways", &[refused(options)], &[Some(DepthMapVolumesError::Sideways(sideways))])?;
-    }
-    for depth in [-0.1, 1.5, f32::INFINITY] {
-        let options = DepthMapOptions { reconstruction: with(0.25, depth), ..options };
-        same("depth", &[refused(options)], &[Some(DepthMapVolumesError::ContourDepth(depth))])?;
-    }
-    let bits = refused(DepthMapOptions { bits: 2, ..options });
-    same("bits", &[bits], &[Some(DepthMapVolumesError::ContourBits(2))])?;
+    let found = [with(1.5, 0.25, 0.01), with(0.01, 0.6, 0.01), with(0.01, 0.25, 1.5), with(1.0, 0.5, 1.0)];
+    same("limits", &found, &[Some("threshold"), Some("sideways"), Some("depth"), None])?;
+    let two = DepthMapPipelines::antialiased(&gpu.pipelines, &ShadowFormat::default(), 6..8).map_err(text)?;
+    let bits = DepthMapVolumes::new(&two, [8, 8], options).err();
+    same("bits", &[bits], &[Some(DepthMapError::OneBit(2))])?;
     // Eight bytes for a sample, which one binding holds.
     let side = gpu.device.limits().max_texture_dimension_2d;
     let limit = gpu.device.limits().max_storage_buffer_binding_size / 256 * 256;
     match DepthMapVolumes::new(&pipelines, [side; 2], options).err() {
-        Some(DepthMapVolumesError::Memory(MemoryError::Binding { bytes, limit: told, .. }))
+        Some(DepthMapError::Memory(MemoryError::Binding { bytes, limit: told, .. }))
             if told == limit && bytes > limit => {}
         None if 4 * (u64::from(side) + 2).pow(2) <= limit => {}
         other => return Err(format!("{side}²: {other:?}")),
     }
-    let dangling = refused(DepthMapOptions { dangling: Some(DanglingEdges::default()), ..options });
-    same("dangling", &[dangling], &[Some(DepthMapVolumesError::ContourDangling)])?;
-    if !matches!(
-        refused(DepthMapOptions { reconstruction: with(f32::NAN, 0.01), ..options }),
-        Some(DepthMapVolumesError::Sideways(_))
-    ) {
-        return Err("NaN is no distance".to_owned());
-    }
-    let cameras = [camera(DepthDirection::Reversed); 6];
-    match DepthMapCube::new(&pipelines, 8, &cameras, options).err() {
-        Some(DepthMapCubeError::Contours) => Ok(()),
-        other => Err(format!("{other:?}")),
-    }
+    let cube = DepthMapCube::new(&pipelines, 8, options).err();
+    same("cube", &[cube], &[Some(DepthMapError::CubeContours)])
 }

@@ -3,8 +3,8 @@
 
 use glam::{DQuat, DVec2, DVec3, Mat4};
 use rimline::gpu::{
-    CubeMismatch, DanglingEdges, DepthEdges, DepthMapCube, DepthMapCubeError, DepthMapOptions, DepthMapPipelines,
-    DepthMapVolumesError, MemoryError, ShadowFormat,
+    DanglingEdges, DepthCubeMaps, DepthMapCube, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines,
+    MemoryError, ShadowFormat,
 };
 use rimline::reference::cpu::{
     EdgeDetector, Samples, Second, depth_cells_of_objects, depth_cube_of_objects, depth_edges,
@@ -139,12 +139,16 @@ fn trial(gpu: &Gpu, random: &mut Random, kind: Kind, tally: &mut Tally) -> Resul
         .collect();
     let depths: Vec<_> = centres.iter().map(|&centre| device_depth(&eye, seen(centre).1)).collect();
     let threshold = kind.threshold;
-    let edges = if threshold < 0.0 { DepthEdges::EveryCell } else { DepthEdges::Differences { threshold } };
+    let edges = if threshold < 0.0 {
+        DepthMapMethod::EveryCell
+    } else {
+        DepthMapMethod::Differences { threshold, dangling: None }
+    };
     let capacity = kind.overflows.then(|| random.below(3) as u32);
-    let options = DepthMapOptions { edges, capacity, slope_bias: 0.0, ..Default::default() };
+    let options = DepthMapOptions { method: edges, capacity, slope_bias: 0.0, ..Default::default() };
     let format = ShadowFormat { depth, ..Default::default() };
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 2).map_err(text)?;
-    let mut volumes = DepthMapCube::new(&pipelines, side, &cameras, options).map_err(text)?;
+    let mut volumes = DepthMapCube::new(&pipelines, side, options).map_err(text)?;
     let mut views = Vec::new();
     for map in &maps {
         let texture = |map: &Map| texture(gpu, map.size, TextureFormat::R32Float, &map.depths);
@@ -153,9 +157,10 @@ fn trial(gpu: &Gpu, random: &mut Random, kind: Kind, tally: &mut Tally) -> Resul
     if kind.is_exchanged {
         views.swap(0, 3);
     }
-    let given = [0, 1, 2, 3, 4, 5].map(|face: usize| views[face].as_ref());
+    let textures = [0, 1, 2, 3, 4, 5].map(|face: usize| views[face].as_ref());
+    let given = DepthCubeMaps { textures, lights: cameras, objects: [None; 6] };
     let stencil = stencil_of(gpu, &pipelines, (SIDE, &depths), |encoder| {
-        volumes.encode(encoder, given, &eye, None).map_err(text)
+        volumes.encode(encoder, &given, &eye, None).map_err(text)
     })?;
     let boundary = Boundary::cube(&maps, &cameras, light, f64::from(threshold));
     for (&centre, value) in centres.iter().zip(stencil) {
@@ -288,11 +293,12 @@ fn plane() -> Result<(), String> {
             let format = ShadowFormat { depth, ..Default::default() };
             let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 2).map_err(text)?;
             // Behind the plane nothing of it is in the eye's depth.
-            let options = DepthMapOptions { edges: DepthEdges::EveryCell, ..Default::default() };
-            let mut volumes = DepthMapCube::new(&pipelines, side, &cameras, options).map_err(text)?;
-            let given = [0, 1, 2, 3, 4, 5].map(|face: usize| Some(&views[face]));
+            let options = DepthMapOptions { method: DepthMapMethod::EveryCell, ..Default::default() };
+            let mut volumes = DepthMapCube::new(&pipelines, side, options).map_err(text)?;
+            let textures = [0, 1, 2, 3, 4, 5].map(|face: usize| Some(&views[face]));
+            let given = DepthCubeMaps { textures, lights: cameras, objects: [None; 6] };
             let stencil = stencil_of(&gpu, &pipelines, (SIDE, &depths), |encoder| {
-                volumes.encode(encoder, given, &eye, None).map_err(text)
+                volumes.encode(encoder, &given, &eye, None).map_err(text)
             })?;
             let kind = usize::from(expected);
             seen[kind] += points.iter().flatten().count();
@@ -332,21 +338,21 @@ fn twins() -> Result<(), String> {
             maps = slopes(side, cameras[0].depth);
         }
         let threshold = [-1.0, 0.0, 0.02][round % 3];
-        let edges = if threshold < 0.0 { DepthEdges::EveryCell } else { DepthEdges::Differences { threshold } };
         // Marks, in some: two thresholds, and edges that are continued.
         let second = [None, None, Some([0.2, 1.0]), Some([0.01, 0.1])][round % 4];
         let rings = u32::from(round % 4 == 3);
-        let [is_automatic, is_world] = [7, 6].map(|place| round % 8 == place);
-        let edges = match second {
-            _ if is_automatic => DepthEdges::Automatic,
-            _ if is_world => DepthEdges::WorldDifferences { threshold: 0.25 },
-            Some([low, high]) if rings == 1 => DepthEdges::SecondDifferences { low, high },
-            Some([threshold, _]) => DepthEdges::Differences { threshold },
-            None => edges,
-        };
+        let is_automatic = round % 8 == 7;
         let dangling = second.map(|_| DanglingEdges { share: 0.125, cells: 1 + round as u32 % 5 });
-        let options = DepthMapOptions { edges, objects: round % 3 == 1, dangling, ..Default::default() };
-        let mut volumes = DepthMapCube::new(&pipelines, side, &cameras, options).map_err(text)?;
+        let method = match second {
+            _ if is_automatic => DepthMapMethod::Automatic { dangling },
+            Some([low, high]) if rings == 1 => DepthMapMethod::SecondDifferences { low, high, dangling },
+            Some([threshold, _]) => DepthMapMethod::Differences { threshold, dangling },
+            None if threshold < 0.0 => DepthMapMethod::EveryCell,
+            None => DepthMapMethod::Differences { threshold, dangling },
+        };
+        let has_objects = round % 3 == 1;
+        let options = DepthMapOptions { method, ..Default::default() };
+        let mut volumes = DepthMapCube::new(&pipelines, side, options).map_err(text)?;
         let numbers: Vec<_> = (0..6 * side * side).map(|_| u32::from(random.below(5) == 0) * 7).collect();
         let numbers: Vec<_> = numbers.chunks((side * side) as usize).collect();
         let (mut views, mut of_objects) = (Vec::new(), Vec::new());
@@ -356,19 +362,15 @@ fn twins() -> Result<(), String> {
             let objects = objects(&gpu, [side; 2], numbers);
             of_objects.push(map.is_some().then(|| objects.create_view(&wgpu::TextureViewDescriptor::default())));
         }
-        let [given, given_objects] =
+        let [textures, of_objects] =
             [&views, &of_objects].map(|views| [0, 1, 2, 3, 4, 5].map(|face: usize| views[face].as_ref()));
-        gpu.submit(|encoder| {
-            if options.objects {
-                volumes.encode_objects(encoder, given, given_objects, &eye, None).map(drop).map_err(text)
-            } else {
-                volumes.encode(encoder, given, &eye, None).map(drop).map_err(text)
-            }
-        })?;
+        let given_objects = if has_objects { of_objects } else { [None; 6] };
+        let given = DepthCubeMaps { textures, lights: cameras, objects: given_objects };
+        gpu.submit(|encoder| volumes.encode(encoder, &given, &eye, None).map(drop).map_err(text))?;
         let is_reversed = cameras[0].depth == DepthDirection::Reversed;
         let mut shape = Map { size: [side; 2], is_reversed, depths: Vec::new() }.shape(threshold, u32::MAX);
         (shape.faces, shape.cells, shape.capacity) = (6, 6 * (side - 1) * (side - 1), 6 * (side - 1) * (side - 1));
-        shape.objects = u32::from(options.objects);
+        shape.objects = u32::from(has_objects);
         let given = maps.each_ref().map(|map| map.as_ref().map(|map| &map.depths[..]));
         let (depths, objects) =
             depth_cube_of_objects(&shape, given, [0, 1, 2, 3, 4, 5].map(|face: usize| numbers[face]));
@@ -379,11 +381,6 @@ fn twins() -> Result<(), String> {
             detector(if rings == 1 { Second::Both } else { Second::Nothing }, second.unwrap_or([0.0; 2]), 1.0, 0.125);
         if is_automatic {
             detector = crate::maps::detector(Second::One, [0.0, 1.0], 2.0, 0.125);
-        }
-        if is_world {
-            let rule = |threshold| crate::stages::world_rule(&cameras[0], threshold).map(f32::to_bits);
-            detector.rule.ratio = [0.25, 0.25 * 0.125].map(|threshold| rule(threshold)[0]);
-            detector.rule.at_infinity = rule(0.25)[1];
         }
         (detector.cells, detector.rings) = (dangling.map_or(0, |dangling| dangling.cells), rings);
         let noise = if is_reversed { (0, 21) } else { ((4.0_f32 / 16_777_216.0).to_bits(), 0) };
@@ -418,7 +415,14 @@ fn refused() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
     let options = DepthMapOptions::default();
-    let made = |side, cameras: [ShadowCamera; 6]| DepthMapCube::new(&pipelines, side, &cameras, options).err();
+    let made = |side| DepthMapCube::new(&pipelines, side, options).err();
+    // Nothing is there.
+    let given = |side, lights: [ShadowCamera; 6]| {
+        let mut cube = DepthMapCube::new(&pipelines, side, options).map_err(text)?;
+        let maps = DepthCubeMaps { textures: [None; 6], lights, objects: [None; 6] };
+        let eye = crate::stages::camera(DepthDirection::Reversed);
+        gpu.submit(|encoder| Ok(cube.encode(encoder, &maps, &eye, None).err()))
+    };
     let reversed = DepthDirection::Reversed;
     let right = |place, near, side| DepthMapCube::cameras(place, near, None, reversed, side).map_err(text);
     let place = [1.0, 2.0, 3.0];
@@ -428,9 +432,9 @@ fn refused() -> Result<(), String> {
     let with = |face: usize, camera: ShadowCamera| {
         let mut cameras = cameras;
         cameras[face] = camera;
-        made(16, cameras)
+        given(16, cameras)
     };
-    let apart = |face, what| Some(DepthMapCubeError::Apart { face, what });
+    let apart = |face, what| Some(DepthMapError::Apart { face, what });
     let lost = ShadowCamera { view_projection: [[0.0; 4]; 4], ..cameras[2] };
     let parallel = Eye {
         place: DVec3::ZERO,
@@ -442,43 +446,46 @@ fn refused() -> Result<(), String> {
         half_width: Some(2.0),
     };
     let most = gpu.device.limits().max_texture_dimension_2d;
-    let too_large = DepthMapVolumesError::Texture { size: [3 * most, 2 * most], most };
+    let too_large = DepthMapError::Texture { size: [3 * most, 2 * most], most };
+    let two = DepthMapPipelines::antialiased(&gpu.pipelines, &ShadowFormat::default(), 6..8).map_err(text)?;
+    let found = [made(16), made(2), made(most), made(20_000), made(u32::MAX)];
+    let cells = |side| Some(DepthMapError::Cells(side));
+    let expected = [None, Some(DepthMapError::Side(2)), Some(too_large), cells(20_000), cells(u32::MAX)];
+    same("sizes", &found, &expected)?;
+    same("bits", &[DepthMapCube::new(&two, 16, options).err()], &[Some(DepthMapError::OneBit(2))])?;
     let found = [
-        made(16, cameras),
-        made(2, cameras),
+        given(16, cameras)?,
         // Cameras for 90°: the width of a map with very many texels.
-        made(16, right(place, 0.1, 1 << 20)?),
-        made(16, right(place, 0.1, 15)?),
-        with(1, right([1.0, 2.0, 3.001], 0.1, 16)?[1]),
-        with(5, right(place, 0.2, 16)?[5]),
-        with(3, cameras[2]),
-        with(4, ended[4]),
-        with(3, standard[3]),
-        with(0, parallel.camera()),
-        with(1, lost),
-        made(most, right(place, 0.1, most)?),
-        made(20_000, cameras),
-        made(u32::MAX, cameras),
+        given(16, right(place, 0.1, 1 << 20)?)?,
+        given(16, right(place, 0.1, 15)?)?,
+        with(1, right([1.0, 2.0, 3.001], 0.1, 16)?[1])?,
+        with(5, right(place, 0.2, 16)?[5])?,
+        with(3, cameras[2])?,
+        with(4, ended[4])?,
+        with(3, standard[3])?,
+        with(0, parallel.camera())?,
+        with(1, lost)?,
+    ];
+    let [width, place, depths] = [
+        "the middles of its outermost texels are not 45° from its middle",
+        "it is at another place",
+        "its near or far distance, or the scale of its matrix, differs",
     ];
     let expected = [
         None,
-        Some(DepthMapCubeError::Side(2)),
-        apart(0, CubeMismatch::Width),
-        apart(0, CubeMismatch::Width),
-        apart(1, CubeMismatch::Place),
-        apart(5, CubeMismatch::Depths),
-        apart(3, CubeMismatch::Axes),
-        apart(4, CubeMismatch::Depths),
-        apart(3, CubeMismatch::Direction),
-        Some(DepthMapCubeError::Parallel { face: 0 }),
-        Some(DepthMapCubeError::Light { face: 1, error: rimline::CameraError::Singular }),
-        Some(DepthMapCubeError::Volumes(too_large)),
-        Some(DepthMapCubeError::Cells(20_000)),
-        Some(DepthMapCubeError::Cells(u32::MAX)),
+        apart(0, width),
+        apart(0, width),
+        apart(1, place),
+        apart(5, depths),
+        apart(3, "it does not look along its axis of the cube, or is turned"),
+        apart(4, depths),
+        apart(3, "its depth direction differs"),
+        Some(DepthMapError::Parallel { face: 0 }),
+        Some(DepthMapError::CubeLight { face: 1, error: rimline::CameraError::Singular }),
     ];
     same("cubes", &found, &expected)?;
     cameras_refused()?;
-    memory(&pipelines, &cameras)
+    memory(&gpu, &pipelines, &cameras)
 }
 
 /// Cameras that are none, and what the errors say.
@@ -508,24 +515,44 @@ fn cameras_refused() -> Result<(), String> {
     is_told(&places, "take finite coordinates")
 }
 
-/// The limit of memory holds for textures and buffers together.
-fn memory(pipelines: &DepthMapPipelines, cameras: &[ShadowCamera; 6]) -> Result<(), String> {
-    let needed = |objects, memory_limit| {
-        let options = DepthMapOptions { edges: DepthEdges::Outlines, objects, memory_limit, ..Default::default() };
-        match DepthMapCube::new(pipelines, 16, cameras, options) {
-            Err(DepthMapCubeError::Volumes(DepthMapVolumesError::Memory(MemoryError::Total { bytes, .. }))) => {
-                Ok(bytes)
-            }
-            Err(error) => Err(error.to_string()),
-            Ok(_) => Ok(0),
-        }
+/// The limit of memory holds for textures and buffers together, and for those of the first objects.
+fn memory(gpu: &Gpu, pipelines: &DepthMapPipelines, cameras: &[ShadowCamera; 6]) -> Result<(), String> {
+    let made = |memory_limit| {
+        DepthMapCube::new(pipelines, 16, DepthMapOptions { memory_limit: Some(memory_limit), ..Default::default() })
+    };
+    let needed = |error: Option<DepthMapError>| match error {
+        Some(DepthMapError::Memory(MemoryError::Total { bytes, .. })) => Ok(bytes),
+        other => Err(format!("{other:?}")),
     };
     let texels = 6 * 16 * 16;
-    let [plain, with] = [needed(false, Some(1))?, needed(true, Some(1))?];
-    let volumes = DepthMapCube::new(pipelines, 16, cameras, DepthMapOptions::default()).map_err(text)?;
-    if with - plain != 4 * texels || plain < 4 * texels + volumes.cells().size() {
-        return Err(format!("{plain} bytes, {with} with objects"));
+    let plain = needed(made(1).err())?;
+    let [map, objects] = [TextureFormat::R32Float, TextureFormat::R32Uint].map(|format| {
+        let made = if format == TextureFormat::R32Uint {
+            objects(gpu, [16; 2], &[0; 256])
+        } else {
+            texture(gpu, [16; 2], format, &[0.5; 256]).expect("a texture")
+        };
+        made.create_view(&wgpu::TextureViewDescriptor::default())
+    });
+    let with = |memory_limit, objects| {
+        let mut cube = made(memory_limit).map_err(text)?;
+        let textures = [Some(&map), None, None, None, None, None];
+        let maps = DepthCubeMaps { textures, lights: *cameras, objects };
+        let eye = crate::stages::camera(DepthDirection::Reversed);
+        let found = gpu.submit(|encoder| Ok(cube.encode(encoder, &maps, &eye, None).err()))?;
+        Ok::<_, String>((found, cube.cells().size()))
+    };
+    let (none, some) = ([None; 6], [Some(&objects), None, None, None, None, None]);
+    let (found, cells) = with(plain, none)?;
+    same("without objects", &[found], &[None])?;
+    let all = needed(with(plain, some)?.0)?;
+    if all - plain != 4 * texels || plain < 4 * texels + cells {
+        return Err(format!("{plain} bytes, {all} with objects"));
     }
-    same("enough", &[needed(true, Some(with))?, needed(true, Some(with - 1))?], &[0, with])?;
-    Ok(())
+    same(
+        "enough",
+        &[with(all, some)?.0, with(all, [None, Some(&objects), None, None, None, None])?.0],
+        &[None, Some(DepthMapError::NoObjects { face: 0 })],
+    )?;
+    needed(with(all - 1, some)?.0).map(drop)
 }

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use rimline::gpu::{
-    DanglingEdges, DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat,
+    DanglingEdges, DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat,
 };
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -34,13 +34,13 @@ fn drawn(
     view: &View<'_>,
     map: &wgpu::Texture,
     eye_depths: &[f32],
-    options: DepthMapOptions,
+    (options, bits): (DepthMapOptions, u32),
 ) -> Result<(Vec<u8>, usize), String> {
     let format = ShadowFormat { depth: view.eye.depth, ..Default::default() };
-    let pipelines = DepthMapPipelines::antialiased(&gpu.pipelines, &format, 0..options.bits).map_err(text)?;
+    let pipelines = DepthMapPipelines::antialiased(&gpu.pipelines, &format, 0..bits).map_err(text)?;
     let mut volumes = DepthMapVolumes::new(&pipelines, [SIDE; 2], options).map_err(text)?;
     let stencil = stencil_of(gpu, &pipelines, (SIDE, eye_depths), |encoder| {
-        let map = DepthMap { texture: &depth_view(map), light: view.sun.camera };
+        let map = DepthMap { texture: &depth_view(map), light: view.sun.camera, objects: None };
         volumes.encode(encoder, &map, &view.eye, None).map_err(text)
     })?;
     let list: Vec<u32> = gpu.read(volumes.cells(), usize::MAX)?;
@@ -53,33 +53,25 @@ fn compare() -> Result<(), String> {
     println!("seed {seed}");
     let gpu = Gpu::shared()?;
     let mut random = Random::new(seed);
-    let second = |low, high| DepthEdges::SecondDifferences { low, high };
-    let differences = |threshold| DepthEdges::Differences { threshold };
-    let plain = DepthMapOptions { edges: DepthEdges::EveryCell, ..Default::default() };
-    let automatic = DepthMapOptions::default().edges;
+    let second = |low, high, dangling| DepthMapMethod::SecondDifferences { low, high, dangling };
+    let differences = |threshold, dangling| DepthMapMethod::Differences { threshold, dangling };
+    let automatic = |dangling| DepthMapMethod::Automatic { dangling };
     let continued = Some(DanglingEdges::default());
+    let of = |method| (DepthMapOptions { method, ..Default::default() }, 1);
+    let unmoved = |method| (DepthMapOptions { method, slope_bias: 0.0, ..Default::default() }, 1);
     let ways = [
-        ("every cell", plain),
-        ("differences above 0.02", DepthMapOptions { edges: differences(0.02), ..plain }),
-        ("automatic, continued", DepthMapOptions { edges: automatic, dangling: continued, ..plain }),
-        (
-            "second 0.0005, 0.05, continued",
-            DepthMapOptions { edges: second(0.0005, 0.05), dangling: continued, ..plain },
-        ),
-        ("differences above 0.0005", DepthMapOptions { edges: differences(0.0005), ..plain }),
-        (
-            "differences above 0.005, continued",
-            DepthMapOptions { edges: differences(0.005), dangling: continued, ..plain },
-        ),
-        ("automatic", DepthMapOptions { edges: automatic, ..plain }),
-        ("automatic, no slope bias", DepthMapOptions { edges: automatic, slope_bias: 0.0, ..plain }),
-        ("automatic, four bits", DepthMapOptions { edges: automatic, bits: 4, ..plain }),
-        ("second 0.0005, 0.05", DepthMapOptions { edges: second(0.0005, 0.05), ..plain }),
-        (
-            "second 0.0005, 0.05, no slope bias",
-            DepthMapOptions { edges: second(0.0005, 0.05), slope_bias: 0.0, ..plain },
-        ),
-        ("second 0.0001, 0.02", DepthMapOptions { edges: second(0.0001, 0.02), ..plain }),
+        ("every cell", of(DepthMapMethod::EveryCell)),
+        ("differences above 0.02", of(differences(0.02, None))),
+        ("automatic, continued", of(automatic(continued))),
+        ("second 0.0005, 0.05, continued", of(second(0.0005, 0.05, continued))),
+        ("differences above 0.0005", of(differences(0.0005, None))),
+        ("differences above 0.005, continued", of(differences(0.005, continued))),
+        ("automatic", of(automatic(None))),
+        ("automatic, no slope bias", unmoved(automatic(None))),
+        ("automatic, four bits", (DepthMapOptions::default(), 4)),
+        ("second 0.0005, 0.05", of(second(0.0005, 0.05, None))),
+        ("second 0.0005, 0.05, no slope bias", unmoved(second(0.0005, 0.05, None))),
+        ("second 0.0001, 0.02", of(second(0.0001, 0.02, None))),
     ];
     let ways = &ways[..if is_long() { ways.len() } else { 4 }];
     let mut tallies = vec![Tally::default(); ways.len()];
@@ -98,17 +90,17 @@ fn compare() -> Result<(), String> {
                 let receivers: Vec<_> =
                     view.receivers().map(|(pixel, seen)| (pixel, seen, view.is_lit(seen), OnceCell::new())).collect();
                 pixels += receivers.len();
-                for (tally, (name, options)) in tallies.iter_mut().zip(ways.iter().copied()) {
-                    let (stencil, triangles) = drawn(&gpu, &view, &map, &eye_depths, options)?;
+                for (tally, (name, (options, bits))) in tallies.iter_mut().zip(ways.iter().copied()) {
+                    let (stencil, triangles) = drawn(&gpu, &view, &map, &eye_depths, (options, bits))?;
                     tally.triangles += triangles;
                     // A texel, and as much as bits move the boundary.
-                    let within = 1.5 - 0.5 / f64::from(options.bits);
+                    let within = 1.5 - 0.5 / f64::from(bits);
                     let before = tally.wrong;
                     for &(pixel, seen, is_lit, ref near) in &receivers {
-                        if stencil[pixel] == if is_lit { 0 } else { (1 << options.bits) - 1 } {
+                        if stencil[pixel] == if is_lit { 0 } else { (1 << bits) - 1 } {
                             continue;
                         }
-                        let near = if options.bits == 1 {
+                        let near = if bits == 1 {
                             *near.get_or_init(|| view.near(seen, within))
                         } else {
                             view.near(seen, within)

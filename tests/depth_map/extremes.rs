@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use rimline::DepthDirection;
-use rimline::gpu::{DepthEdges, DepthMapOptions};
+use rimline::gpu::{DepthMapMethod, DepthMapOptions};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use wgpu::TextureFormat;
@@ -61,7 +61,8 @@ fn drawn(
     let depth = |pixel| ground(centre(pixel)).map_or(0.0, |(_, point)| device_depth(&eye, point));
     let depths: Vec<_> = (0..SIDE * SIDE).map(depth).collect();
     let texture = texture(gpu, map.size, TextureFormat::R32Float, &map.depths)?;
-    let picture = Picture { map: &texture, objects: None, light, eye, depths: &depths, side: SIDE, options, bit: 0 };
+    let picture =
+        Picture { map: &texture, objects: None, light, eye, depths: &depths, side: SIDE, options, bits: 0..1 };
     let stencil = picture.stencil(gpu)?;
     let boundary = Boundary::new(map, &light, place.extend(1.0), -1.0);
     let truth = |pixel: u32| {
@@ -124,8 +125,10 @@ fn missed() -> Result<(), String> {
     let threshold = (at(0.0) - at(0.4)) * 1.5;
     let eye = &eyes()[2];
     let mut wrong = [0; 2];
-    for (number, edges) in [DepthEdges::EveryCell, DepthEdges::Differences { threshold }].into_iter().enumerate() {
-        let options = DepthMapOptions { edges, slope_bias: 0.0, ..Default::default() };
+    for (number, edges) in
+        [DepthMapMethod::EveryCell, DepthMapMethod::Differences { threshold, dangling: None }].into_iter().enumerate()
+    {
+        let options = DepthMapOptions { method: edges, slope_bias: 0.0, ..Default::default() };
         let pixels = drawn(&gpu, &map, options, eye, -0.5)?;
         wrong[number] = pixels.iter().filter(|(value, truth)| truth.is_some_and(|dark| dark != (*value != 0))).count();
     }

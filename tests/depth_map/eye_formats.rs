@@ -3,9 +3,7 @@
 
 use glam::DVec2;
 use rimline::DepthDirection;
-use rimline::gpu::{
-    DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapReconstruction, DepthMapVolumes, ShadowFormat,
-};
+use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::is_long;
@@ -179,7 +177,7 @@ fn samples() -> Result<(), String> {
         let seen = seen(&mut random, &rays);
         let boundary = Boundary::new(&map, &camera, at, -1.0);
         let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
-        let given = DepthMap { texture: &depth_view(&texture), light: camera };
+        let given = DepthMap { texture: &depth_view(&texture), light: camera, objects: None };
         let options = DepthMapOptions { slope_bias: 0.0, ..Default::default() };
         for (tally, target) in tallies.iter_mut().zip(targets) {
             let within = if target.1 == 1 { &[CENTRE][..] } else { &SAMPLES };
@@ -250,16 +248,15 @@ fn maps() -> Result<(), String> {
         let seen = seen(&mut random, &rays);
         let centre = |pixel: u32| DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5);
         let depths: Vec<_> = (0..SIDE * SIDE).map(|pixel| device_depth(&eye, seen(centre(pixel)).1)).collect();
-        let contours = DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.02 };
-        let (edges, reconstruction) = [
-            (DepthEdges::EveryCell, DepthMapReconstruction::Triangles),
-            (DepthEdges::Automatic, DepthMapReconstruction::Triangles),
-            (DepthEdges::Differences { threshold: 0.005 }, contours),
+        let method = [
+            DepthMapMethod::EveryCell,
+            DepthMapMethod::Automatic { dangling: None },
+            DepthMapMethod::Contours { threshold: 0.005, sideways: 0.25, depth: 0.02 },
         ][round % 3];
-        let options = DepthMapOptions { edges, reconstruction, ..Default::default() };
+        let options = DepthMapOptions { method, ..Default::default() };
         let mut picture = |format: TextureFormat, map: &Map| {
             let texture = texture(&gpu, map.size, format, &map.depths)?;
-            let given = DepthMap { texture: &depth_view(&texture), light: camera };
+            let given = DepthMap { texture: &depth_view(&texture), light: camera, objects: None };
             let target = (TextureFormat::Depth32FloatStencil8, 1);
             Ok::<_, String>((
                 read(&gpu, &texture)?,
@@ -269,7 +266,7 @@ fn maps() -> Result<(), String> {
         let plain = picture(TextureFormat::Depth32Float, &map)?;
         let beside = picture(TextureFormat::Depth32FloatStencil8, &map)?;
         rimline_measure::same("depths", &beside.0, &plain.0)?;
-        rimline_measure::same(&format!("round {round}, {edges:?}"), &beside.1, &plain.1)?;
+        rimline_measure::same(&format!("round {round}, {method:?}"), &beside.1, &plain.1)?;
         dark += plain.1.iter().filter(|&&value| value != 0).count();
         // Negative control: the map upside down.
         let turned = Map { depths: map.depths.iter().rev().copied().collect(), ..map.clone() };

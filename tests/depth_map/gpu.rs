@@ -3,14 +3,11 @@
 
 mod analytic;
 mod boundary;
-mod casters;
-mod casters_refused;
 #[path = "../shadow/classes.rs"]
 #[allow(dead_code, reason = "only its frames are used here")]
 mod classes;
 mod contact;
 mod contours;
-mod counting;
 mod cube;
 mod detectors;
 mod distances;
@@ -68,12 +65,9 @@ fn main() {
         cube::TESTS,
         detectors::TESTS,
         parity::TESTS,
-        counting::TESTS,
         contours::TESTS,
         extremes::TESTS,
         refusals::TESTS,
-        casters::TESTS,
-        casters_refused::TESTS,
         mesh_depth::TESTS,
         scene_depth::TESTS,
         scene_depth_choices::TESTS,

@@ -3,7 +3,8 @@
 
 use glam::{DVec2, DVec3, Mat4};
 use rimline::gpu::{
-    DepthEdges, DepthMap, DepthMapCube, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat,
+    DepthCubeMaps, DepthMap, DepthMapCube, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
+    ShadowFormat,
 };
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -48,7 +49,7 @@ fn drawn(
 ) -> Result<Vec<u8>, String> {
     let mut volumes = DepthMapVolumes::new(pipelines, [map.width(), map.height()], options).map_err(text)?;
     stencil_of(gpu, pipelines, (SIDE, depths), |encoder| {
-        volumes.encode(encoder, &DepthMap { texture: &depth_view(map), light }, eye, None).map_err(text)
+        volumes.encode(encoder, &DepthMap { texture: &depth_view(map), light, objects: None }, eye, None).map_err(text)
     })
 }
 
@@ -173,7 +174,7 @@ fn grazing() -> Result<(), String> {
         // The bias is a texel's diagonal at most, which along the light is as much times the tangent, and four steps.
         let behind = 2.5 * texel * angle.tan() + 0.01;
         for (is_below, edges) in [(false, 0), (false, 1), (true, 0), (true, 1)] {
-            let edges = [DepthEdges::EveryCell, DepthEdges::Automatic][edges];
+            let edges = [DepthMapMethod::EveryCell, DepthMapMethod::Automatic { dangling: None }][edges];
             let side = if is_below { -1.0 } else { 1.0 };
             let width = half_width * f64::from(random.between(0.3, 1.5));
             // The eye looks at the plane, or from below at what lies behind it.
@@ -192,7 +193,7 @@ fn grazing() -> Result<(), String> {
             };
             let depths: Vec<_> = (0..SIDE * SIDE).map(|pixel| device_depth(&eye, seen(pixel))).collect();
             let draw = |slope_bias| {
-                let options = DepthMapOptions { edges, slope_bias, ..Default::default() };
+                let options = DepthMapOptions { method: edges, slope_bias, ..Default::default() };
                 drawn(&gpu, &pipelines, (&texture, camera), (&eye, &depths), options)
             };
             let stencil = draw(1.0)?;
@@ -287,15 +288,18 @@ fn of_cubes() -> Result<(), String> {
             let format = ShadowFormat { depth: eye_depth, ..Default::default() };
             let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
             let draw = |order: [usize; 6], edges| {
-                let options = DepthMapOptions { edges, ..Default::default() };
-                let mut volumes = DepthMapCube::new(&pipelines, TEXELS, &cameras, options).map_err(text)?;
+                let options = DepthMapOptions { method: edges, ..Default::default() };
+                let mut volumes = DepthMapCube::new(&pipelines, TEXELS, options).map_err(text)?;
                 stencil_of(&gpu, &pipelines, (SIDE, &depths), |encoder| {
-                    volumes.encode(encoder, order.map(|face| Some(&views[face])), &eye, None).map_err(text)
+                    let textures = order.map(|face| Some(&views[face]));
+                    let maps = DepthCubeMaps { textures, lights: cameras, objects: [None; 6] };
+                    volumes.encode(encoder, &maps, &eye, None).map_err(text)
                 })
             };
             let order = [0, 1, 2, 3, 4, 5];
-            let stencils = [draw(order, DepthEdges::EveryCell)?, draw(order, DepthEdges::Automatic)?];
-            let other = draw([1, 0, 2, 3, 5, 4], DepthEdges::EveryCell)?;
+            let stencils =
+                [draw(order, DepthMapMethod::EveryCell)?, draw(order, DepthMapMethod::Automatic { dangling: None })?];
+            let other = draw([1, 0, 2, 3, 5, 4], DepthMapMethod::EveryCell)?;
             for (pixel, seen) in seen.iter().enumerate() {
                 let Some(seen) = *seen else { continue };
                 // The map whose axis is nearest to the way to the place.

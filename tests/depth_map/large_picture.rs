@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, DVec4, Mat4};
 use rimline::DepthDirection;
-use rimline::gpu::{DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::is_long;
@@ -69,12 +69,12 @@ fn large() -> Result<(), String> {
     let depths: Vec<_> = seen.iter().map(|seen| seen.map_or(0.0, |(place, _)| device_depth(&eye, place))).collect();
     let format = ShadowFormat { depth, ..Default::default() };
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
-    let detectors = [DepthEdges::Automatic, DepthEdges::EveryCell];
+    let detectors = [DepthMapMethod::Automatic { dangling: None }, DepthMapMethod::EveryCell];
     for edges in &detectors[..if is_long() { 2 } else { 1 }] {
-        let options = DepthMapOptions { edges: *edges, ..Default::default() };
+        let options = DepthMapOptions { method: *edges, ..Default::default() };
         let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
         let stencil = stencil_of(&gpu, &pipelines, (PIXELS, &depths), |encoder| {
-            let map = DepthMap { texture: &depth_view(&texture), light: camera };
+            let map = DepthMap { texture: &depth_view(&texture), light: camera, objects: None };
             volumes.encode(encoder, &map, &eye, None).map_err(text)
         })?;
         let listed: Vec<u32> = gpu.read(volumes.cells(), 1)?;

@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 
 use glam::DVec2;
 use rimline::DepthDirection;
-use rimline::gpu::{DepthEdges, DepthMapOptions, DepthMapReconstruction};
+use rimline::gpu::{DepthMapMethod, DepthMapOptions};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::is_long;
@@ -24,7 +24,7 @@ const TURN: f64 = 0.5;
 /// How a pixel's shadow is found.
 #[derive(Clone, Copy, Debug)]
 enum Way {
-    Volumes(DepthEdges, DepthMapReconstruction),
+    Volumes(DepthMapMethod),
     /// With a bias of a map that is drawn: steps of its format, and multiples of its slope, as `wgpu::DepthBiasState` has them.
     Lookup {
         constant: f64,
@@ -32,17 +32,17 @@ enum Way {
     },
 }
 
-const MARKED: DepthEdges = DepthEdges::Differences { threshold: 0.0005 };
-const CONTOURS: DepthMapReconstruction = DepthMapReconstruction::Contours { sideways: 0.1, depth: 0.002 };
+const MARKED: DepthMapMethod = DepthMapMethod::Differences { threshold: 0.0005, dangling: None };
+const CONTOURS: DepthMapMethod = DepthMapMethod::Contours { threshold: 0.0005, sideways: 0.1, depth: 0.002 };
 
 const WAYS: [(&str, Way); 6] = [
-    ("volumes, every cell", Way::Volumes(DepthEdges::EveryCell, DepthMapReconstruction::Triangles)),
-    ("volumes, differences above 0.0005", Way::Volumes(MARKED, DepthMapReconstruction::Triangles)),
-    ("contours, differences above 0.0005", Way::Volumes(MARKED, CONTOURS)),
+    ("volumes, every cell", Way::Volumes(DepthMapMethod::EveryCell)),
+    ("volumes, differences above 0.0005", Way::Volumes(MARKED)),
+    ("contours, differences above 0.0005", Way::Volumes(CONTOURS)),
     ("lookup, no bias", Way::Lookup { constant: 0.0, slope_scale: 0.0 }),
     // Those of wgpu's example of shadows.
     ("lookup, bias of 2 steps and 2 slopes", Way::Lookup { constant: 2.0, slope_scale: 2.0 }),
-    ("volumes, automatic", Way::Volumes(DepthEdges::Automatic, DepthMapReconstruction::Triangles)),
+    ("volumes, automatic", Way::Volumes(DepthMapMethod::Automatic { dangling: None })),
 ];
 
 /// Pixels that are wrong.
@@ -94,10 +94,11 @@ fn dark(gpu: &Gpu, view: &View<'_>, format: TextureFormat, way: Way) -> Result<V
     let [light_depths, eye_depths] = view.depths();
     let (light, eye) = (view.sun.camera, view.eye);
     match way {
-        Way::Volumes(edges, reconstruction) => {
+        Way::Volumes(method) => {
             let map = &texture(gpu, [view.side; 2], format, &light_depths)?;
-            let options = DepthMapOptions { edges, reconstruction, ..Default::default() };
-            let picture = Picture { map, objects: None, light, eye, depths: &eye_depths, side: SIDE, options, bit: 7 };
+            let options = DepthMapOptions { method, ..Default::default() };
+            let picture =
+                Picture { map, objects: None, light, eye, depths: &eye_depths, side: SIDE, options, bits: 7..8 };
             Ok(picture.stencil(gpu)?.into_iter().map(|value| value != 0).collect())
         }
         Way::Lookup { constant, slope_scale } => {

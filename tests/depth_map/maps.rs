@@ -31,9 +31,7 @@ impl Map {
             faces: 1,
             objects: 0,
             spread: 0,
-            whole_cells: 0,
-            ratio: 0,
-            at_infinity: 0,
+            unused: 0,
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use rimline::DepthDirection;
 use rimline::gpu::{
-    DepthEdges, DepthMap, DepthMapEncodeError, DepthMapMerge, DepthMapOptions, DepthMapPipelines, DepthMapTexture,
-    DepthMapVolumes, DepthMapVolumesError, ShadowFormat,
+    DepthMap, DepthMapError, DepthMapMerge, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
+    ShadowFormat,
 };
 use rimline::reference::cpu::{depth_cells, depth_merge};
 use rimline_measure::device::Gpu;
@@ -110,7 +110,7 @@ fn taken() -> Result<(), String> {
     let maps = [0, 1, 2]
         .map(|band| Map::new(size, false, |texel| if texel % 20 / 5 == band { 0.3 + 0.1 * band as f32 } else { far }));
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
-    let options = DepthMapOptions { edges: DepthEdges::EveryCell, ..Default::default() };
+    let options = DepthMapOptions { method: DepthMapMethod::EveryCell, ..Default::default() };
     let mut volumes = DepthMapVolumes::new(&pipelines, size, options).map_err(text)?;
     let merges = [DepthMapMerge::new(&gpu.pipelines, size), DepthMapMerge::new(&gpu.pipelines, size)];
     let [first, second] = merges;
@@ -122,7 +122,7 @@ fn taken() -> Result<(), String> {
         let depth = DepthDirection::Standard;
         first.encode(encoder, [&views[0], &views[1]], depth, None).map_err(text)?;
         second.encode(encoder, [&views[2], first.texture()], depth, None).map_err(text)?;
-        let map = DepthMap { texture: second.texture(), light: camera(depth) };
+        let map = DepthMap { texture: second.texture(), light: camera(depth), objects: None };
         volumes.encode(encoder, &map, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
     })?;
     let all = Map::new(size, false, |texel| [0.3, 0.3 + 0.1, 0.3 + 0.1 * 2.0, far][(texel % 20 / 5) as usize]);
@@ -138,11 +138,11 @@ fn refused() -> Result<(), String> {
     let most = gpu.device.limits().max_texture_dimension_2d;
     for size in [[0, 4], [4, 0]] {
         let found = DepthMapMerge::new(&gpu.pipelines, size).err();
-        same("size", &[found], &[Some(DepthMapVolumesError::Size(size[0], size[1]))])?;
+        same("size", &[found], &[Some(DepthMapError::Size(size[0], size[1]))])?;
     }
     let size = [most + 1, 1];
     let found = DepthMapMerge::new(&gpu.pipelines, size).err();
-    same("size", &[found], &[Some(DepthMapVolumesError::Texture { size, most })])?;
+    same("size", &[found], &[Some(DepthMapError::Texture { size, most })])?;
     let merge = DepthMapMerge::new(&gpu.pipelines, [4, 4]).map_err(text)?;
     let right = depth_view(&texture(&gpu, [4, 4], TextureFormat::Depth16Unorm, &[0.5; 16])?);
     let large = depth_view(&texture(&gpu, [4, 5], TextureFormat::R32Float, &[0.5; 20])?);
@@ -150,13 +150,12 @@ fn refused() -> Result<(), String> {
         let mut encode = |maps| merge.encode(encoder, maps, DepthDirection::Standard, None);
         Ok([encode([&right, &large]), encode([&large, &right]), encode([merge.texture(), &right]), encode([&right; 2])])
     })?;
-    let size = |number| {
-        let texture = DepthMapTexture::MergedMap(number);
-        Err(DepthMapEncodeError::Size { texture, given: [4, 5], made: [4, 4] })
+    let size = |number: u32| {
+        Err(DepthMapError::MapSize { map: format!("map {number} of the merge"), given: [4, 5], made: [4, 4] })
     };
-    same("maps", &found, &[size(1), size(0), Err(DepthMapEncodeError::OwnResult), Ok(())])?;
+    same("maps", &found, &[size(1), size(0), Err(DepthMapError::OwnResult), Ok(())])?;
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
     let options = DepthMapOptions { rounded_to: Some(TextureFormat::Rgba8Unorm), ..Default::default() };
     let found = DepthMapVolumes::new(&pipelines, [4, 4], options).err();
-    same("format", &[found], &[Some(DepthMapVolumesError::RoundedTo(TextureFormat::Rgba8Unorm))])
+    same("format", &[found], &[Some(DepthMapError::RoundedTo(TextureFormat::Rgba8Unorm))])
 }

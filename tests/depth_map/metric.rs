@@ -2,10 +2,7 @@
 //! distances", and shadows of maps that were converted.
 
 use glam::{DVec2, DVec3, Mat4};
-use rimline::gpu::{
-    DepthMap, DepthMapConversion, DepthMapEncodeError, DepthMapOptions, DepthMapTexture, DepthMapVolumesError,
-    DepthMetric,
-};
+use rimline::gpu::{DepthMap, DepthMapConversion, DepthMapError, DepthMapOptions, DepthMetric};
 use rimline::reference::cpu::depth_metric;
 use rimline::reference::depth_map::{metric_steps, metric_view};
 use rimline::reference::layout::DepthMapShape;
@@ -119,7 +116,7 @@ pub(crate) fn converted(
 ) -> Result<wgpu::Texture, String> {
     let map = texture(gpu, size, TextureFormat::R32Float, given)?;
     let conversion = DepthMapConversion::new(&gpu.pipelines, size).map_err(text)?;
-    let map = DepthMap { texture: &depth_view(&map), light: *camera };
+    let map = DepthMap { texture: &depth_view(&map), light: *camera, objects: None };
     gpu.submit(|encoder| conversion.encode(encoder, &map, metric, None).map_err(text))?;
     Ok(conversion.texture().texture().clone())
 }
@@ -230,7 +227,11 @@ fn device_depths() -> Result<(), String> {
     }
     let depth16 = texture(&gpu, [2, 1], TextureFormat::Depth16Unorm, &[0.25, 1.0])?;
     let conversion = DepthMapConversion::new(&gpu.pipelines, [2, 1]).map_err(text)?;
-    let map = DepthMap { texture: &depth_view(&depth16), light: crate::stages::camera(DepthDirection::Standard) };
+    let map = DepthMap {
+        texture: &depth_view(&depth16),
+        light: crate::stages::camera(DepthDirection::Standard),
+        objects: None,
+    };
     gpu.submit(|encoder| conversion.encode(encoder, &map, DepthMetric::Device, None).map_err(text))?;
     same("a depth texture", &read(&gpu, conversion.texture().texture())?, &read(&gpu, &depth16)?)
 }
@@ -266,7 +267,7 @@ fn dark(gpu: &Gpu, random: &mut Random, number: usize, is_covered: bool) -> Resu
     let metric = if is_covered { metric } else { DepthMetric::Device };
     let options = DepthMapOptions { metric, ..Default::default() };
     let picture =
-        Picture { map: &map, objects: None, light: camera, eye, depths: &depths, side: SIDE, options, bit: 7 };
+        Picture { map: &map, objects: None, light: camera, eye, depths: &depths, side: SIDE, options, bits: 7..8 };
     let stencil = picture.stencil(gpu)?;
     Ok([stencil.iter().filter(|&&stencil| stencil != 0).count(), stencil.len()])
 }
@@ -292,10 +293,10 @@ fn refused() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let most = gpu.device.limits().max_texture_dimension_2d;
     let found = DepthMapConversion::new(&gpu.pipelines, [0, 4]).err();
-    same("size", &[found], &[Some(DepthMapVolumesError::Size(0, 4))])?;
+    same("size", &[found], &[Some(DepthMapError::Size(0, 4))])?;
     let size = [1, most + 1];
     let found = DepthMapConversion::new(&gpu.pipelines, size).err();
-    same("size", &[found], &[Some(DepthMapVolumesError::Texture { size, most })])?;
+    same("size", &[found], &[Some(DepthMapError::Texture { size, most })])?;
     let conversion = DepthMapConversion::new(&gpu.pipelines, [4, 4]).map_err(text)?;
     let right = depth_view(&texture(&gpu, [4, 4], TextureFormat::R32Float, &[0.5; 16])?);
     let large = depth_view(&texture(&gpu, [4, 5], TextureFormat::R32Float, &[0.5; 20])?);
@@ -311,8 +312,9 @@ fn refused() -> Result<(), String> {
     let tiny = eye(1e-31, None);
     let good = eye(1e-29, None);
     let found = gpu.submit(|encoder| {
-        let mut encode =
-            |texture, light, metric| conversion.encode(encoder, &DepthMap { texture, light }, metric, None);
+        let mut encode = |texture, light, metric| {
+            conversion.encode(encoder, &DepthMap { texture, light, objects: None }, metric, None)
+        };
         Ok([
             encode(&large, light, DepthMetric::AlongRay),
             encode(conversion.texture(), light, DepthMetric::AlongRay),
@@ -326,11 +328,15 @@ fn refused() -> Result<(), String> {
         ])
     })?;
     let truth = [
-        Err(DepthMapEncodeError::Size { texture: DepthMapTexture::Map, given: [4, 5], made: [4, 4] }),
-        Err(DepthMapEncodeError::OwnResult),
-        Err(DepthMapEncodeError::DistanceFormat(TextureFormat::Depth32Float)),
-        Err(DepthMapEncodeError::Light(CameraError::Singular)),
-        Err(DepthMapEncodeError::Light(CameraError::Singular)),
+        Err(DepthMapError::MapSize { map: "the map".to_owned(), given: [4, 5], made: [4, 4] }),
+        Err(DepthMapError::OwnResult),
+        Err(DepthMapError::MapFormat {
+            map: "the map".to_owned(),
+            format: TextureFormat::Depth32Float,
+            taken: "R32Float for distances, or `DepthMetric::Device` for device depths",
+        }),
+        Err(DepthMapError::Light(CameraError::Singular)),
+        Err(DepthMapError::Light(CameraError::Singular)),
         Ok(()),
         Ok(()),
         Ok(()),
@@ -339,7 +345,7 @@ fn refused() -> Result<(), String> {
     same("maps", &found, &truth)?;
     for camera in [narrow, tiny, aside(light, [3000.0, 0.0])] {
         match metric_view(&camera, [4, 4], DepthMetric::AlongRay) {
-            Err(DepthMapEncodeError::Distances { .. }) => {}
+            Err(DepthMapError::Distances { .. }) => {}
             other => return Err(format!("{camera:?}: {other:?}")),
         }
     }

@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use glam::{DVec2, DVec3, DVec4};
-use rimline::gpu::{DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -32,15 +32,15 @@ pub(crate) fn drawn(
     gpu: &Gpu,
     (map, light): (&wgpu::Texture, ShadowCamera),
     (eye, depths): (&ShadowCamera, &[f32]),
-    edges: DepthEdges,
+    edges: DepthMapMethod,
     side: u32,
 ) -> Result<(Vec<u8>, HashSet<Name>), String> {
     let format = ShadowFormat { depth: eye.depth, ..Default::default() };
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
-    let options = DepthMapOptions { edges, ..Default::default() };
+    let options = DepthMapOptions { method: edges, ..Default::default() };
     let mut volumes = DepthMapVolumes::new(&pipelines, [map.width(), map.height()], options).map_err(text)?;
     let stencil = stencil_of(gpu, &pipelines, (side, depths), |encoder| {
-        volumes.encode(encoder, &DepthMap { texture: &depth_view(map), light }, eye, None).map_err(text)
+        volumes.encode(encoder, &DepthMap { texture: &depth_view(map), light, objects: None }, eye, None).map_err(text)
     })?;
     let list: Vec<u32> = gpu.read(volumes.cells(), usize::MAX)?;
     let across = map.width() + 1;
@@ -77,9 +77,9 @@ struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, gpu: &Gpu, given: &Given<'_>, edges: DepthEdges, share: usize) -> Result<(), String> {
+    fn add(&mut self, gpu: &Gpu, given: &Given<'_>, edges: DepthMapMethod, share: usize) -> Result<(), String> {
         let Given { light, at, map: texture, eye, depths, pixels } = *given;
-        let every = drawn(gpu, (texture, light), (&eye, depths), DepthEdges::EveryCell, SIDE)?;
+        let every = drawn(gpu, (texture, light), (&eye, depths), DepthMapMethod::EveryCell, SIDE)?;
         let found = drawn(gpu, (texture, light), (&eye, depths), edges, SIDE)?;
         let missed: HashSet<Name> = every.1.difference(&found.1).copied().collect();
         let size = [texture.width(), texture.height()];
@@ -88,7 +88,7 @@ impl Tally {
         let format = texture.format();
         let moves = Moves { slope_bias: 0.5, steps: steps(format, light.depth), spread: false };
         let moved = |texel| moves.depth(&map, texel).map(|depth| depth.0);
-        let boundary = Boundary::moved(&map, &light, at, (-1.0, false), None, &moved);
+        let boundary = Boundary::moved(&map, &light, at, -1.0, None, &moved);
         let rays = Rays::new(&eye, SIDE);
         for &(pixel, place, is_lit) in pixels {
             let is_right = |stencil: &[u8]| (stencil[pixel] == 0) == is_lit;
@@ -137,7 +137,8 @@ fn of_worlds() -> Result<(), String> {
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
     let mut random = Random::new(SEED);
-    let detectors = [DepthEdges::Automatic, DepthEdges::Differences { threshold: 0.05 }];
+    let detectors =
+        [DepthMapMethod::Automatic { dangling: None }, DepthMapMethod::Differences { threshold: 0.05, dangling: None }];
     let mut tallies = [Tally::default(); 2];
     for round in 0..if is_long() { 12 } else { 1 } {
         for (number, world) in worlds(&mut random).iter().enumerate() {
@@ -197,7 +198,10 @@ fn of_stairs() -> Result<(), String> {
     });
     let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
     let step = device_depth(&light, DVec3::ZERO) - device_depth(&light, DVec3::new(0.0, -0.15, 0.0));
-    let detectors = [DepthEdges::Automatic, DepthEdges::Differences { threshold: 1.5 * step }];
+    let detectors = [
+        DepthMapMethod::Automatic { dangling: None },
+        DepthMapMethod::Differences { threshold: 1.5 * step, dangling: None },
+    ];
     let mut tallies = [Tally::default(); 2];
     for (height, aside) in [(0.9, 0.0), (1.2, 0.6), (0.6, -1.1)] {
         let place = DVec3::new(-5.0, height, aside);

@@ -3,10 +3,11 @@
 use bytemuck::Zeroable;
 use glam::{DVec2, DVec3};
 use rimline::gpu::{
-    DepthEdges, DepthMap, DepthMapCube, DepthMapNearCap, DepthMapOptions, DepthMapPipelines, DepthMapReconstruction,
-    DepthMapVolumes, ShadowFormat,
+    DepthCubeMaps, DepthMap, DepthMapCube, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
+    ShadowFormat,
 };
 use rimline::reference::cpu::{ContourMap, Samples, depth_near, depth_near_walls};
+use rimline::reference::depth_map::DepthMapNearCap;
 use rimline::reference::depth_map::near_box;
 use rimline::reference::layout::{ContourShape, DepthMapShape, DepthNearBox};
 use rimline::{DepthDirection, ShadowCamera};
@@ -122,7 +123,7 @@ fn beyond() -> Result<(), String> {
             };
             let mut volumes = DepthMapVolumes::new(pipelines, map.size, DepthMapOptions::default()).map_err(text)?;
             let mut cap = DepthMapNearCap::Lit;
-            let given = DepthMap { texture: &depth_view(&texture), light };
+            let given = DepthMap { texture: &depth_view(&texture), light, objects: None };
             gpu.submit(|encoder| {
                 cap = volumes.encode(encoder, &given, &eye.camera(), None).map_err(text)?.near_cap().clone();
                 Ok(())
@@ -152,15 +153,14 @@ fn of_maps() -> Result<(), String> {
         let plain = DepthMapOptions::default();
         let options = match way {
             0 => plain,
-            1 => DepthMapOptions { bits: 2, ..plain },
+            1 => plain,
             _ => {
-                let depth = 0.02;
-                let reconstruction = DepthMapReconstruction::Contours { sideways: 0.25, depth };
-                DepthMapOptions { edges: DepthEdges::Differences { threshold: 0.005 }, reconstruction, ..plain }
+                let method = DepthMapMethod::Contours { threshold: 0.005, sideways: 0.25, depth: 0.02 };
+                DepthMapOptions { method, ..plain }
             }
         };
         let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
-        let pipelines = pipelines.get(&gpu, eye.depth, options.bits)?;
+        let pipelines = pipelines.get(&gpu, eye.depth, [1, 2, 1][way])?;
         let tally = &mut tallies[way];
         let mut pictures = Vec::new();
         for skip_near_caps in [true, false] {
@@ -168,7 +168,7 @@ fn of_maps() -> Result<(), String> {
             let mut volumes = DepthMapVolumes::new(pipelines, map.size, options).map_err(text)?;
             let mut cap = DepthMapNearCap::Drawn;
             pictures.push(stencil_of(&gpu, pipelines, (SIDE, &depths), |encoder| {
-                let map = DepthMap { texture: &depth_view(&texture), light: camera };
+                let map = DepthMap { texture: &depth_view(&texture), light: camera, objects: None };
                 let frame = volumes.encode(encoder, &map, &eye, None).map_err(text)?;
                 cap = frame.near_cap().clone();
                 Ok(frame)
@@ -214,11 +214,12 @@ fn of_cubes() -> Result<(), String> {
         let mut pictures = Vec::new();
         for skip_near_caps in [true, false] {
             let options = DepthMapOptions { skip_near_caps, ..Default::default() };
-            let mut volumes = DepthMapCube::new(pipelines, CUBE_SIDE, &cameras, options).map_err(text)?;
+            let mut volumes = DepthMapCube::new(pipelines, CUBE_SIDE, options).map_err(text)?;
             let mut cap = DepthMapNearCap::Drawn;
             pictures.push(stencil_of(&gpu, pipelines, (SIDE, &depths), |encoder| {
-                let given = [0, 1, 2, 3, 4, 5].map(|face: usize| views[face].as_ref());
-                let frame = volumes.encode(encoder, given, &eye, None).map_err(text)?;
+                let textures = [0, 1, 2, 3, 4, 5].map(|face: usize| views[face].as_ref());
+                let maps = DepthCubeMaps { textures, lights: cameras, objects: [None; 6] };
+                let frame = volumes.encode(encoder, &maps, &eye, None).map_err(text)?;
                 cap = frame.near_cap().clone();
                 Ok(frame)
             })?);

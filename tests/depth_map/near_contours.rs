@@ -4,9 +4,7 @@
 use std::collections::HashSet;
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
-use rimline::gpu::{
-    DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapReconstruction, DepthMapVolumes, ShadowFormat,
-};
+use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -253,8 +251,8 @@ fn behind_a_rim() -> Result<(), String> {
         let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
         let threshold = (leaf.small * 100.0) as f32;
         let options = DepthMapOptions {
-            edges: DepthEdges::Differences { threshold },
-            reconstruction: DepthMapReconstruction::Contours {
+            method: DepthMapMethod::Contours {
+                threshold,
                 sideways: [0.0, 0.25, 0.5][random.below(3)],
                 depth: threshold,
             },
@@ -266,7 +264,7 @@ fn behind_a_rim() -> Result<(), String> {
             let options = DepthMapOptions { skip_near_caps, ..options };
             let mut volumes = DepthMapVolumes::new(pipelines, map.size, options).map_err(text)?;
             let stencil = stencil_of(&gpu, pipelines, (SIDE, &depths), |encoder| {
-                let map = DepthMap { texture: &depth_view(&texture), light: leaf.light };
+                let map = DepthMap { texture: &depth_view(&texture), light: leaf.light, objects: None };
                 volumes.encode(encoder, &map, &eye, None).map_err(text)
             })?;
             Ok::<_, String>((stencil, listed(&volumes, &gpu)?))
@@ -330,15 +328,14 @@ fn behind_a_flap() -> Result<(), String> {
     let eye = camera(near - 0.5 * forward, 0.02);
     for skip_near_caps in [true, false] {
         let options = DepthMapOptions {
-            edges: DepthEdges::Differences { threshold: 0.01 },
-            reconstruction: DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.02 },
+            method: DepthMapMethod::Contours { threshold: 0.01, sideways: 0.25, depth: 0.02 },
             slope_bias: 0.0,
             skip_near_caps,
             ..Default::default()
         };
         let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
         let stencil = stencil_of(&gpu, &pipelines, (SIDE, &[0.5; (SIDE * SIDE) as usize]), |encoder| {
-            let map = DepthMap { texture: &depth_view(&texture), light };
+            let map = DepthMap { texture: &depth_view(&texture), light, objects: None };
             volumes.encode(encoder, &map, &eye, None).map_err(text)
         })?;
         let (_, quads) = listed(&volumes, &gpu)?;

@@ -3,7 +3,7 @@
 //! they may be.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
-use rimline::gpu::{DepthMap, DepthMapCube, DepthMapOptions, DepthMapPipelines, ShadowFormat};
+use rimline::gpu::{DepthCubeMaps, DepthMap, DepthMapCube, DepthMapOptions, DepthMapPipelines, ShadowFormat};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -146,7 +146,7 @@ fn pictures(
     let middle = |pixel: u32| DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5);
     let depths: Vec<_> = (0..SIDE * SIDE).map(|pixel| device_depth(eye, seen(middle(pixel)).1)).collect();
     let texture = texture(gpu, map.size, TextureFormat::R32Float, &map.depths)?;
-    let given = DepthMap { texture: &depth_view(&texture), light: camera };
+    let given = DepthMap { texture: &depth_view(&texture), light: camera, objects: None };
     let target = (TextureFormat::Depth32FloatStencil8, 1);
     let mut picture = |skip_near_caps| {
         let options = DepthMapOptions { slope_bias: 0.0, skip_near_caps, ..Default::default() };
@@ -259,9 +259,11 @@ fn across() -> Result<(), String> {
         }
         let picture = |skip_near_caps, order: [usize; 6]| {
             let options = DepthMapOptions { slope_bias: 0.0, skip_near_caps, ..Default::default() };
-            let mut volumes = DepthMapCube::new(&pipelines, 6, &cameras, options).map_err(text)?;
+            let mut volumes = DepthMapCube::new(&pipelines, 6, options).map_err(text)?;
             stencil_of(&gpu, &pipelines, (SIDE, &depths), |encoder| {
-                volumes.encode(encoder, order.map(|face| views[face].as_ref()), &eye, None).map_err(text)
+                let textures = order.map(|face| views[face].as_ref());
+                let maps = DepthCubeMaps { textures, lights: cameras, objects: [None; 6] };
+                volumes.encode(encoder, &maps, &eye, None).map_err(text)
             })
         };
         let plain = [0, 1, 2, 3, 4, 5];

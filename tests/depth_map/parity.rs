@@ -1,7 +1,7 @@
 //! The stencil against the crossings of each pixel's ray with the boundary, which an oracle of its own builds.
 
 use glam::{DVec2, DVec3, DVec4, Mat4};
-use rimline::gpu::{DepthEdges, DepthMapOptions, DepthMapReconstruction};
+use rimline::gpu::{DepthMapMethod, DepthMapOptions};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -19,7 +19,6 @@ use crate::textures::texture;
 pub(crate) const TESTS: &[Test] = &[
     ("parity_is_that_of_rays", every_cell),
     ("parity_of_marked_cells_is_that_of_rays", differences),
-    ("parity_of_a_fixed_mesh_is_that_of_rays", fixed_mesh),
     ("parity_with_a_cut_near_rectangle_is_that_of_rays", cut),
     ("parity_of_lists_that_overflow_is_that_of_rays", overflow),
     ("parity_of_each_bit_is_that_of_its_rays", of_bits),
@@ -102,24 +101,14 @@ struct Way<'a> {
     near: [f32; 2],
     threshold: f32,
     overflows: bool,
-    reconstruction: DepthMapReconstruction,
-    /// Whether the boundary that is told the truth by has whole cells.
-    fills: bool,
     /// Parts of a texel that each bit is moved by, if there is more than one.
     moves: &'a [[f64; 2]],
 }
 
-const EVERY_CELL: Way<'_> = Way {
-    near: [0.05, 0.2],
-    threshold: -1.0,
-    overflows: false,
-    reconstruction: DepthMapReconstruction::Triangles,
-    fills: false,
-    moves: &[],
-};
+const EVERY_CELL: Way<'_> = Way { near: [0.05, 0.2], threshold: -1.0, overflows: false, moves: &[] };
 
 fn trial(gpu: &Gpu, random: &mut Random, tally: &mut Tally, way: Way<'_>) -> Result<(), String> {
-    let Way { near, threshold, overflows, reconstruction, fills, moves } = way;
+    let Way { near, threshold, overflows, moves } = way;
     let near = f64::from(random.between(near[0], near[1]));
     let capacity = overflows.then(|| random.below(3) as u32);
     let (camera, light) = light(random);
@@ -135,19 +124,24 @@ fn trial(gpu: &Gpu, random: &mut Random, tally: &mut Tally, way: Way<'_>) -> Res
         (0..SIDE * SIDE).map(|pixel| DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5));
     let centres: Vec<_> = centres.collect();
     let depths: Vec<_> = centres.iter().map(|&centre| device_depth(&eye, seen(centre).1)).collect();
-    let edges = if threshold < 0.0 { DepthEdges::EveryCell } else { DepthEdges::Differences { threshold } };
+    let edges = if threshold < 0.0 {
+        DepthMapMethod::EveryCell
+    } else {
+        DepthMapMethod::Differences { threshold, dangling: None }
+    };
     let bits = moves.len().max(1) as u32;
-    let options = DepthMapOptions { edges, capacity, reconstruction, slope_bias: 0.0, bits, ..Default::default() };
+    let options = DepthMapOptions { method: edges, capacity, slope_bias: 0.0, ..Default::default() };
     let texture = texture(gpu, map.size, TextureFormat::R32Float, &map.depths)?;
-    let bit = random.below(9 - options.bits as usize) as u32;
-    let mask = u8::try_from(((1 << options.bits) - 1) << bit).map_err(text)?;
+    let bit = random.below(9 - bits as usize) as u32;
+    let mask = u8::try_from(((1 << bits) - 1) << bit).map_err(text)?;
+    let bits = bit..bit + bits;
     let picture =
-        Picture { map: &texture, objects: None, light: camera, eye, depths: &depths, side: SIDE, options, bit };
+        Picture { map: &texture, objects: None, light: camera, eye, depths: &depths, side: SIDE, options, bits };
     let stencil = picture.stencil(gpu)?;
     if let Some(value) = stencil.iter().find(|&value| value & !mask != 0) {
         return Err(format!("{value:08b} where {mask:08b} are drawn"));
     }
-    let edited = |by| Boundary::edited(&map, &camera, light, (f64::from(threshold), fills), by);
+    let edited = |by| Boundary::edited(&map, &camera, light, f64::from(threshold), by);
     let boundaries = match moves {
         [] => vec![edited(None)],
         moves => moves.iter().map(|&by| edited(Some(by))).collect(),
@@ -212,15 +206,6 @@ fn every_cell() -> Result<(), String> {
 
 fn differences() -> Result<(), String> {
     trials(1622, 60, Way { threshold: 0.01, ..EVERY_CELL }).map(drop)
-}
-
-/// Whole cells. Half cells have other crossings where edges dangle, so they are the negative control.
-fn fixed_mesh() -> Result<(), String> {
-    let fixed = Way { threshold: 0.01, reconstruction: DepthMapReconstruction::FixedMesh, fills: true, ..EVERY_CELL };
-    trials(1628, 40, fixed)?;
-    trials(1629, 12, Way { overflows: true, ..fixed })?;
-    let halves = Way { reconstruction: DepthMapReconstruction::Triangles, ..fixed };
-    must_fail("half cells", &trials(1628, 15, halves))
 }
 
 /// Near rectangles that are large: most cut the boundary.

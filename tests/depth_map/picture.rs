@@ -1,5 +1,7 @@
 //! A picture of an eye whose depth buffer is given: the stencil after the volumes of a depth map.
 
+use std::ops::Range;
+
 use rimline::ShadowCamera;
 use rimline::gpu::{DepthMap, DepthMapFrame, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
 use rimline_measure::device::Gpu;
@@ -18,24 +20,21 @@ pub(crate) struct Picture<'a> {
     pub(crate) depths: &'a [f32],
     pub(crate) side: u32,
     pub(crate) options: DepthMapOptions,
-    /// The first bit of the stencil that is drawn into.
-    pub(crate) bit: u32,
+    /// The bits of the stencil that are drawn into.
+    pub(crate) bits: Range<u32>,
 }
 
 impl Picture<'_> {
     /// The stencil of each pixel, from 0 on.
     pub(crate) fn stencil(&self, gpu: &Gpu) -> Result<Vec<u8>, String> {
         let format = ShadowFormat { depth: self.eye.depth, ..Default::default() };
-        let pipelines = DepthMapPipelines::antialiased(&gpu.pipelines, &format, self.bit..self.bit + self.options.bits)
-            .map_err(text)?;
+        let pipelines = DepthMapPipelines::antialiased(&gpu.pipelines, &format, self.bits.clone()).map_err(text)?;
         let size = [self.map.width(), self.map.height()];
         let mut volumes = DepthMapVolumes::new(&pipelines, size, self.options).map_err(text)?;
         stencil_of(gpu, &pipelines, (self.side, self.depths), |encoder| {
-            let map = DepthMap { texture: &depth_view(self.map), light: self.light };
-            match self.objects.map(|objects| objects.create_view(&wgpu::TextureViewDescriptor::default())) {
-                Some(objects) => volumes.encode_objects(encoder, &map, &objects, &self.eye, None).map_err(text),
-                None => volumes.encode(encoder, &map, &self.eye, None).map_err(text),
-            }
+            let objects = self.objects.map(|objects| objects.create_view(&wgpu::TextureViewDescriptor::default()));
+            let map = DepthMap { texture: &depth_view(self.map), light: self.light, objects: objects.as_ref() };
+            volumes.encode(encoder, &map, &self.eye, None).map_err(text)
         })
     }
 }

@@ -1,8 +1,7 @@
 //! What is refused, and how the errors tell.
 
 use rimline::gpu::{
-    DanglingEdges, DepthEdges, DepthMap, DepthMapDrawError, DepthMapEncodeError, DepthMapOptions, DepthMapPipelines,
-    DepthMapPipelinesError, DepthMapReconstruction, DepthMapTexture, DepthMapVolumes, DepthMapVolumesError,
+    DanglingEdges, DepthMap, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
     MemoryError, ShadowFormat, ShadowFormatError,
 };
 use rimline::{CameraError, DepthDirection, ShadowCamera};
@@ -35,59 +34,51 @@ fn making() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let refused = |format: ShadowFormat, bit| DepthMapPipelines::new(&gpu.pipelines, &format, bit).err();
     let format = |depth_stencil| ShadowFormat { depth_stencil, ..Default::default() };
-    same("bit", &[refused(ShadowFormat::default(), 8)], &[Some(DepthMapPipelinesError::Bit(8))])?;
+    same("bit", &[refused(ShadowFormat::default(), 8)], &[Some(DepthMapError::Bits(8..9))])?;
     let no_stencil = ShadowFormatError::NoStencil(TextureFormat::Depth32Float).into();
     same("stencil", &[refused(format(TextureFormat::Depth32Float), 0)], &[Some(no_stencil)])?;
     let pipelines = pipelines(&gpu)?;
     let refused = |size, options| DepthMapVolumes::new(&pipelines, size, options).err();
-    let with = |threshold| DepthMapOptions { edges: DepthEdges::Differences { threshold }, ..Default::default() };
     for size in [[0, 5], [5, 0], [u32::MAX, u32::MAX], [1 << 15, 1 << 15]] {
-        let expected = DepthMapVolumesError::Size(size[0], size[1]);
+        let expected = DepthMapError::Size(size[0], size[1]);
         same("size", &[refused(size, DepthMapOptions::default())], &[Some(expected)])?;
     }
-    for threshold in [-0.1, 1.5, f32::INFINITY] {
-        let expected = DepthMapVolumesError::Threshold(threshold);
-        same("threshold", &[refused([4, 4], with(threshold))], &[Some(expected)])?;
+    // The name of the number that is refused.
+    let wrong = |options| match refused([4, 4], options) {
+        Some(DepthMapError::Option { name, .. }) => Some(name),
+        _ => None,
+    };
+    let with = |method| wrong(DepthMapOptions { method, ..Default::default() });
+    for threshold in [-0.1, 1.5, f32::INFINITY, f32::NAN] {
+        let found = with(DepthMapMethod::Differences { threshold, dangling: None });
+        same("threshold", &[found], &[Some("threshold")])?;
     }
-    if !matches!(refused([4, 4], with(f32::NAN)), Some(DepthMapVolumesError::Threshold(_))) {
-        return Err("NaN is no threshold".to_owned());
-    }
-    for threshold in [-0.1, f32::INFINITY] {
-        let edges = DepthEdges::WorldDifferences { threshold };
-        let expected = DepthMapVolumesError::WorldThreshold(threshold);
-        same("distance", &[refused([4, 4], DepthMapOptions { edges, ..Default::default() })], &[Some(expected)])?;
-    }
-    for [low, high] in [[-0.1, 0.5], [0.5, 0.4], [0.5, 1.5]] {
-        let edges = DepthEdges::SecondDifferences { low, high };
-        let expected = DepthMapVolumesError::SecondThresholds { low, high };
-        same("two", &[refused([4, 4], DepthMapOptions { edges, ..Default::default() })], &[Some(expected)])?;
-    }
-    let automatic = DepthMapOptions { edges: DepthEdges::Automatic, ..Default::default() };
-    for (share, cells) in [(-0.1, 1), (1.5, 1), (0.5, 0), (0.5, 65)] {
+    let second = |low, high| with(DepthMapMethod::SecondDifferences { low, high, dangling: None });
+    let found = [second(-0.1, 0.5), second(0.5, 0.4), second(0.5, 1.5), second(f32::NAN, 0.5), second(0.5, 0.5)];
+    same("two", &found, &[Some("low"), Some("low"), Some("high"), Some("low"), None])?;
+    for (share, cells, expected) in
+        [(-0.1, 1, "share"), (1.5, 1, "share"), (f32::NAN, 1, "share"), (0.5, 0, "cells"), (0.5, 65, "cells")]
+    {
         let dangling = Some(DanglingEdges { share, cells });
-        let expected = DepthMapVolumesError::Dangling { share, cells };
-        same("dangling", &[refused([4, 4], DepthMapOptions { dangling, ..automatic })], &[Some(expected)])?;
+        for method in [
+            DepthMapMethod::Automatic { dangling },
+            DepthMapMethod::Differences { threshold: 0.5, dangling },
+            DepthMapMethod::SecondDifferences { low: 0.5, high: 0.5, dangling },
+        ] {
+            same("dangling", &[with(method)], &[Some(expected)])?;
+        }
     }
-    // Without effect.
-    let dangling = Some(DanglingEdges::default());
-    let every = DepthMapOptions { edges: DepthEdges::EveryCell, ..Default::default() };
-    let of_every = [DepthMapOptions { objects: true, ..every }, DepthMapOptions { dangling, ..every }];
-    let found = of_every.map(|options| refused([4, 4], options));
-    let expected = ["objects", "dangling"].map(|name| Some(DepthMapVolumesError::EveryCell(name)));
-    same("every cell", &found, &expected)?;
-    let found = of_every.map(|options| refused([4, 4], DepthMapOptions { edges: DepthEdges::Automatic, ..options }));
-    same("automatic", &found, &[None, None])?;
-    for slope_bias in [-1.0, f32::INFINITY] {
-        let options = DepthMapOptions { slope_bias, ..Default::default() };
-        same("bias", &[refused([4, 4], options)], &[Some(DepthMapVolumesError::Bias(slope_bias))])?;
+    for slope_bias in [-1.0, f32::INFINITY, f32::NAN] {
+        let found = wrong(DepthMapOptions { slope_bias, ..Default::default() });
+        same("bias", &[found], &[Some("slope_bias")])?;
     }
-    let contours = DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.01 };
-    let walled = DepthMapOptions { reconstruction: contours, edges: DepthEdges::Outlines, ..Default::default() };
-    let biased = [255.0, 255.5].map(|slope_bias| refused([4, 4], DepthMapOptions { slope_bias, ..walled }));
-    same("contours' bias", &biased, &[None, Some(DepthMapVolumesError::ContourBias(255.5))])?;
+    let method = DepthMapMethod::Contours { threshold: 1.0, sideways: 0.25, depth: 0.01 };
+    let walled = DepthMapOptions { method, ..Default::default() };
+    let biased = [255.0, 255.5].map(|slope_bias| wrong(DepthMapOptions { slope_bias, ..walled }));
+    same("contours' bias", &biased, &[None, Some("slope_bias")])?;
     // The limit of memory holds for all buffers together.
     let limited = |memory_limit| refused([40, 40], DepthMapOptions { memory_limit: Some(memory_limit), ..walled });
-    let Some(DepthMapVolumesError::Memory(MemoryError::Total { bytes, .. })) = limited(1) else {
+    let Some(DepthMapError::Memory(MemoryError::Total { bytes, .. })) = limited(1) else {
         return Err("a byte is enough".to_owned());
     };
     let largest = DepthMapVolumes::new(&pipelines, [40, 40], walled).map_err(text)?.cells().size();
@@ -96,7 +87,7 @@ fn making() -> Result<(), String> {
     }
     let options = DepthMapOptions { memory_limit: Some(100), ..Default::default() };
     match refused([40, 40], options) {
-        Some(DepthMapVolumesError::Memory(MemoryError::Total { limit: 100, .. })) => Ok(()),
+        Some(DepthMapError::Memory(MemoryError::Total { limit: 100, .. })) => Ok(()),
         other => Err(format!("{other:?}")),
     }
 }
@@ -134,15 +125,16 @@ fn encoding() -> Result<(), String> {
     let mut volumes = DepthMapVolumes::new(&pipelines, [8, 8], DepthMapOptions::default()).map_err(text)?;
     let (drawn, read) = (wgpu::TextureUsages::RENDER_ATTACHMENT, wgpu::TextureUsages::TEXTURE_BINDING);
     let mut refused = |texture: &wgpu::TextureView, light: ShadowCamera, eye: ShadowCamera| {
-        gpu.submit(|encoder| Ok(volumes.encode(encoder, &DepthMap { texture, light }, &eye, None).err()))
+        gpu.submit(|encoder| Ok(volumes.encode(encoder, &DepthMap { texture, light, objects: None }, &eye, None).err()))
     };
-    let (depth, half, texture) = (TextureFormat::Depth32Float, TextureFormat::R16Float, DepthMapTexture::Map);
+    let taken = "Depth16Unorm, Depth24Plus, Depth32Float, or R32Float";
+    let (depth, half, name) = (TextureFormat::Depth32Float, TextureFormat::R16Float, || "the map".to_owned());
     for (format, side, samples, usage, expected) in [
         (depth, 8, 1, drawn | read, None),
-        (half, 8, 1, drawn | read, Some(DepthMapEncodeError::Format { texture, format: half })),
-        (depth, 9, 1, drawn | read, Some(DepthMapEncodeError::Size { texture, given: [9, 9], made: [8, 8] })),
-        (depth, 8, 4, drawn | read, Some(DepthMapEncodeError::Samples { texture, samples: 4 })),
-        (depth, 8, 1, drawn, Some(DepthMapEncodeError::Usage(texture))),
+        (half, 8, 1, drawn | read, Some(DepthMapError::MapFormat { map: name(), format: half, taken })),
+        (depth, 9, 1, drawn | read, Some(DepthMapError::MapSize { map: name(), given: [9, 9], made: [8, 8] })),
+        (depth, 8, 4, drawn | read, Some(DepthMapError::Samples { map: name(), samples: 4 })),
+        (depth, 8, 1, drawn, Some(DepthMapError::Usage(name()))),
     ] {
         let texture = attachment(&gpu, format, side, samples, usage);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
@@ -154,26 +146,26 @@ fn encoding() -> Result<(), String> {
         let descriptor =
             wgpu::TextureViewDescriptor { base_mip_level: level, mip_level_count: Some(1), ..Default::default() };
         let found = refused(&texture.create_view(&descriptor), camera(STANDARD), camera(REVERSED))?;
-        let expected = DepthMapEncodeError::MipLevels { texture: DepthMapTexture::Map, levels: 2 };
+        let expected = DepthMapError::MipLevels { map: name(), levels: 2 };
         same("levels", &[found], &[Some(expected)])?;
     }
     let both = attachment(&gpu, TextureFormat::Depth24PlusStencil8, 8, 1, drawn | read);
     let found =
         refused(&both.create_view(&wgpu::TextureViewDescriptor::default()), camera(STANDARD), camera(REVERSED))?;
-    if !matches!(found, Some(DepthMapEncodeError::Refused { .. })) {
+    if !matches!(found, Some(DepthMapError::Refused { .. })) {
         return Err(format!("two aspects: {found:?}"));
     }
     let view = depth_view(&both);
     let (good, singular) = (camera(REVERSED), ShadowCamera { view_projection: [[0.0; 4]; 4], ..camera(REVERSED) });
-    let mismatch = DepthMapEncodeError::Depth { camera: STANDARD, pipelines: REVERSED };
+    let mismatch = DepthMapError::Depth { what: "the eye", given: STANDARD, made: REVERSED };
     same("depth", &[refused(&view, good, camera(STANDARD))?], &[Some(mismatch)])?;
-    same("eye", &[refused(&view, good, singular)?], &[Some(DepthMapEncodeError::Camera(CameraError::Singular))])?;
-    same("light", &[refused(&view, singular, good)?], &[Some(DepthMapEncodeError::Light(CameraError::Singular))])?;
+    same("eye", &[refused(&view, good, singular)?], &[Some(DepthMapError::Camera(CameraError::Singular))])?;
+    same("light", &[refused(&view, singular, good)?], &[Some(DepthMapError::Light(CameraError::Singular))])?;
     // Near and far are told apart by the light's own depth: its w ends before its depth does.
     let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, -0.999, -0.1], [0.0, 0.0, -1.0, 0.0]];
     let columns = std::array::from_fn(|column| rows.map(|row: [f32; 4]| row[column]));
     let behind = ShadowCamera { view_projection: columns, origin: [0.0; 3], depth: STANDARD };
-    same("far plane", &[refused(&view, behind, good)?], &[Some(DepthMapEncodeError::FarPlane)])
+    same("far plane", &[refused(&view, behind, good)?], &[Some(DepthMapError::FarPlane)])
 }
 
 fn drawing() -> Result<(), String> {
@@ -186,20 +178,16 @@ fn drawing() -> Result<(), String> {
     let has_other = gpu.device.features().contains(other.required_features());
     let other = ShadowFormat { depth_stencil: other, ..Default::default() };
     let other = has_other.then(|| DepthMapPipelines::new(&gpu.pipelines, &other, 0)).transpose().map_err(text)?;
-    let counting = DepthMapPipelines::counting(&gpu.pipelines, &ShadowFormat::default()).map_err(text)?;
     let mut volumes = DepthMapVolumes::new(&pipelines, [8, 8], DepthMapOptions::default()).map_err(text)?;
-    let options = DepthMapOptions {
-        edges: DepthEdges::Outlines,
-        reconstruction: DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.001 },
-        ..Default::default()
-    };
+    let method = DepthMapMethod::Contours { threshold: 1.0, sideways: 0.25, depth: 0.001 };
+    let options = DepthMapOptions { method, ..Default::default() };
     let mut walled = DepthMapVolumes::new(&pipelines, [8, 8], options).map_err(text)?;
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
     let texture = depth_view(&attachment(&gpu, TextureFormat::Depth32Float, 8, 1, usage));
     let target = attachment(&gpu, TextureFormat::Depth24PlusStencil8, 8, 1, usage);
     let view = target.create_view(&wgpu::TextureViewDescriptor::default());
     let found = gpu.submit(|encoder| {
-        let map = DepthMap { texture: &texture, light: camera(REVERSED) };
+        let map = DepthMap { texture: &texture, light: camera(REVERSED), objects: None };
         let first = volumes.encode(encoder, &map, &camera(REVERSED), None).map_err(text)?;
         let second = volumes.encode(encoder, &map, &camera(REVERSED), None).map_err(text)?;
         let walls = walled.encode(encoder, &map, &camera(REVERSED), None).map_err(text)?;
@@ -212,22 +200,19 @@ fn drawing() -> Result<(), String> {
             }),
             ..Default::default()
         });
-        let drawn = [(&first, &pipelines), (&second, &standard), (&second, &pipelines), (&second, &counting)];
-        let walls = [(&walls, &counting), (&walls, &pipelines)];
+        let drawn = [(&first, &pipelines), (&second, &standard), (&second, &pipelines), (&walls, &pipelines)];
         let other = other.iter().map(|other| (&second, other));
         Ok(drawn
             .into_iter()
-            .chain(walls)
             .chain(other)
             .map(|(frame, pipelines)| frame.draw(&mut pass, pipelines))
             .collect::<Vec<_>>())
     })?;
-    let mismatch = DepthMapDrawError::Depth { volumes: REVERSED, pipelines: STANDARD };
-    let walls = Err(DepthMapDrawError::CountedWalls);
-    let mut expected = vec![Err(DepthMapDrawError::StaleFrame), Err(mismatch), Ok(()), Ok(()), walls, Ok(())];
+    let mismatch = DepthMapError::Depth { what: "the pipelines", given: STANDARD, made: REVERSED };
+    let mut expected = vec![Err(DepthMapError::StaleFrame), Err(mismatch), Ok(()), Ok(())];
     let [volumes, own] = [TextureFormat::Depth24PlusStencil8, TextureFormat::Depth32FloatStencil8];
     if has_other {
-        expected.push(Err(DepthMapDrawError::DepthFormat { volumes, pipelines: own }));
+        expected.push(Err(DepthMapError::DepthFormat { volumes, pipelines: own }));
     }
     same("draws", &found, &expected)
 }
@@ -248,75 +233,51 @@ fn objects_refused() -> Result<(), String> {
         view(TextureFormat::R32Uint, 8, wgpu::TextureUsages::COPY_DST),
         view(TextureFormat::R32Sint, 8, read),
     ];
-    let [mut with, mut without] = [true, false].map(|objects| {
-        let options = DepthMapOptions { objects, edges: DepthEdges::Outlines, ..Default::default() };
-        DepthMapVolumes::new(&pipelines, [8, 8], options)
-    });
-    let (with, without) =
-        (with.as_mut().map_err(|error| text(&*error))?, without.as_mut().map_err(|error| text(&*error))?);
-    let map = DepthMap { texture: &map, light: camera(REVERSED) };
+    let mut volumes = DepthMapVolumes::new(&pipelines, [8, 8], DepthMapOptions::default()).map_err(text)?;
     let found = gpu.submit(|encoder| {
-        let eye = camera(REVERSED);
-        let none = [with.encode(encoder, &map, &eye, None).err(), without.encode(encoder, &map, &eye, None).err()];
-        let unused = without.encode_objects(encoder, &map, &right, &eye, None).err();
-        let found = [&right, &large, &unbound, &other, &many]
-            .map(|objects| with.encode_objects(encoder, &map, objects, &eye, None).err());
-        Ok([&none[..], &[unused], &found[..]].concat())
+        let given = [None, Some(&right), Some(&large), Some(&unbound), Some(&other), Some(&many)];
+        Ok(given.map(|objects| {
+            let map = DepthMap { texture: &map, light: camera(REVERSED), objects };
+            volumes.encode(encoder, &map, &camera(REVERSED), None).err()
+        }))
     })?;
-    let texture = DepthMapTexture::Objects;
+    let name = || "the texture of objects".to_owned();
     let expected = [
-        Some(DepthMapEncodeError::NoObjects { face: None }),
         None,
-        Some(DepthMapEncodeError::UnusedObjects),
         None,
-        Some(DepthMapEncodeError::Size { texture, given: [9, 9], made: [8, 8] }),
-        Some(DepthMapEncodeError::Usage(texture)),
-        Some(DepthMapEncodeError::Format { texture, format: TextureFormat::R32Sint }),
-        Some(DepthMapEncodeError::MipLevels { texture, levels: 2 }),
+        Some(DepthMapError::MapSize { map: name(), given: [9, 9], made: [8, 8] }),
+        Some(DepthMapError::Usage(name())),
+        Some(DepthMapError::MapFormat { map: name(), format: TextureFormat::R32Sint, taken: "R32Uint" }),
+        Some(DepthMapError::MipLevels { map: name(), levels: 2 }),
     ];
     same("objects", &found, &expected)
 }
 
 /// Whole sentences: what is wrong, where, and what to do.
 fn sentences() -> Result<(), String> {
-    use DepthMapTexture::{CubeMap, CubeObjects, Map, MergedMap, Objects};
-    let size = |texture| DepthMapEncodeError::Size { texture, given: [9, 8], made: [4, 4] }.to_string();
-    let found = [Map, Objects, CubeMap(3), CubeObjects(5), MergedMap(1)].map(size);
-    let expected = [
-        "the map has 9 × 8 texels, and 4 × 4 are needed; give a map of the size of `DepthMapVolumes::new`, or make volumes of \
-         this one",
-        "the texture of objects has 9 × 8 texels, and 4 × 4 are needed; give objects of the size of `DepthMapVolumes::new`, one \
-         for each texel of the map",
-        "map 3 of the cube has 9 × 8 texels, and 4 × 4 are needed; give six maps of the `side` of `DepthMapCube::new`, or make a \
-         cube of this one",
-        "the texture of objects of map 5 of the cube has 9 × 8 texels, and 4 × 4 are needed; give objects of the `side` of \
-         `DepthMapCube::new`, one for each texel of the map",
-        "map 1 of the merge has 9 × 8 texels, and 4 × 4 are needed; give two maps of the size of `DepthMapMerge::new`",
-    ]
-    .map(str::to_owned);
-    same("sizes", &found, &expected)?;
+    let map = || "map 2 of the cube".to_owned();
     let found = [
-        DepthMapEncodeError::Usage(MergedMap(0)),
-        DepthMapEncodeError::Samples { texture: CubeMap(2), samples: 4 },
-        DepthMapEncodeError::Format { texture: Objects, format: TextureFormat::R32Sint },
-        DepthMapEncodeError::Format { texture: CubeMap(1), format: TextureFormat::R16Float },
-        DepthMapEncodeError::MipLevels { texture: Map, levels: 3 },
-        DepthMapEncodeError::NoObjects { face: None },
-        DepthMapEncodeError::NoObjects { face: Some(4) },
+        DepthMapError::MapSize { map: map(), given: [9, 8], made: [4, 4] },
+        DepthMapError::Usage(map()),
+        DepthMapError::Samples { map: map(), samples: 4 },
+        DepthMapError::MapFormat { map: map(), format: TextureFormat::R32Sint, taken: "R32Uint" },
+        DepthMapError::MipLevels { map: map(), levels: 3 },
+        DepthMapError::NoObjects { face: 4 },
+        DepthMapError::Option { name: "share", given: 1.5, range: "a share from 0 to 1" },
     ]
     .map(|error| error.to_string());
     let expected = [
-        "map 0 of the merge lacks usage TEXTURE_BINDING; make the texture with it",
+        "map 2 of the cube has 9 × 8 texels, and 4 × 4 are needed; give textures of the size that `new` was given, or make it \
+         anew",
+        "map 2 of the cube lacks usage TEXTURE_BINDING; make the texture with it",
         "map 2 of the cube has 4 samples a texel; resolve it, or render it with one",
-        "the texture of objects has R32Sint, which is no format of objects; take R32Uint",
-        "map 1 of the cube has R16Float, which is no format of a depth map; take Depth16Unorm, Depth24Plus, Depth32Float, or \
-         R32Float",
-        "the map has 3 mip levels; give a texture of one, for example a copy of that level",
-        "the options say `objects`; give a texture of them (`encode_objects`, or `objects` of a caster)",
-        "the options say `objects`; give a texture of them for map 4 of the cube, too",
+        "map 2 of the cube has R32Sint; take R32Uint",
+        "map 2 of the cube has 3 mip levels; give a texture of one, for example a copy of that level",
+        "map 4 of the cube has no texture of objects; give one for each map that is there, or none",
+        "`share` is 1.5; take a share from 0 to 1",
     ]
     .map(str::to_owned);
-    same("textures", &found, &expected)
+    same("sentences", &found, &expected)
 }
 
 /// Parity bits beside counts of meshes.
@@ -326,10 +287,10 @@ fn beside_meshes() -> Result<(), String> {
         let format = ShadowFormat { count_bits, ..Default::default() };
         DepthMapPipelines::beside_meshes(&gpu.pipelines, &format, bits)
     };
-    let counted = |bit, count_bits| Some(DepthMapPipelinesError::Counted { bit, count_bits });
+    let counted = |bit, count_bits| Some(DepthMapError::Counted { bit, count_bits });
     let found =
         [made(8, 7..8).err(), made(8, 0..1).err(), made(7, 6..8).err(), made(7, 8..9).err(), made(4, 5..5).err()];
-    let refused = |bits| Some(DepthMapPipelinesError::Bits(bits));
+    let refused = |bits| Some(DepthMapError::Bits(bits));
     same("beside", &found, &[counted(7, 8), counted(0, 8), counted(6, 7), refused(8..9), refused(5..5)])?;
     same("bits", &[made(7, 7..8).map_err(text)?.bits(), made(4, 4..8).map_err(text)?.bits()], &[7..8, 4..8])
 }

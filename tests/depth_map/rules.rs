@@ -60,9 +60,8 @@ fn is_marked(map: &Map, objects: &[u32], detector: &EdgeDetector, level: usize, 
     }
 }
 
-/// The entries of all cells that are listed, and how many edges were continued. `fills`: both triangles of a cell are drawn if one
-/// is.
-fn expected(map: &Map, objects: &[u32], detector: &EdgeDetector, fills: bool) -> (Vec<u32>, usize) {
+/// The entries of all cells that are listed, and how many edges were continued.
+fn expected(map: &Map, objects: &[u32], detector: &EdgeDetector) -> (Vec<u32>, usize) {
     let [width, height] = map.size.map(i64::from);
     let places = || (-1..=height).flat_map(move |y| (-1..=width).map(move |x| (x, y)));
     let all = || places().flat_map(|(x, y)| [(x, y, 0), (x, y, 1)]);
@@ -104,11 +103,7 @@ fn expected(map: &Map, objects: &[u32], detector: &EdgeDetector, fills: bool) ->
             [top || right || a || b || d, left || bottom || a || c || d]
         };
         let bit = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
-        let drawn = match bit(first, FIRST_TRIANGLE) | bit(second, SECOND_TRIANGLE) {
-            0 => 0,
-            _ if fills => FIRST_TRIANGLE | SECOND_TRIANGLE,
-            drawn => drawn,
-        };
+        let drawn = bit(first, FIRST_TRIANGLE) | bit(second, SECOND_TRIANGLE);
         (drawn != 0).then_some(number | bit(is_split, SPLIT) | drawn)
     };
     let entries = (0..((width + 1) * (height + 1)) as u32).filter_map(entry).collect();
@@ -118,7 +113,7 @@ fn expected(map: &Map, objects: &[u32], detector: &EdgeDetector, fills: bool) ->
 /// How many edges were continued.
 fn check(map: &Map, objects: &[u32], shape: &DepthMapShape, detector: &EdgeDetector) -> Result<usize, String> {
     let found = depth_edges(&Samples { shape, depths: &map.depths, objects }, detector);
-    let (all, continued) = expected(map, objects, detector, shape.whole_cells == 1);
+    let (all, continued) = expected(map, objects, detector);
     if found.count as usize != all.len() || found.entries != all[..all.len().min(shape.capacity as usize)] {
         return Err(format!("{:?} with {detector:?}: {} cells, {} expected", map.size, found.count, all.len()));
     }
@@ -150,11 +145,7 @@ fn detectors_list_the_cells_of_exact_arithmetic() {
             (detector.cells, detector.rings) = ([0, 1, 2, 9][random.below(4)], random.below(3) as u32);
             let objects: Vec<_> = (0..depths.len()).map(|_| u32::from(random.below(9) == 0)).collect();
             let objects = if round % 3 == 0 { &objects[..] } else { &[] };
-            let shape = DepthMapShape {
-                objects: u32::from(!objects.is_empty()),
-                whole_cells: random.below(2) as u32,
-                ..map.shape(-1.0, u32::MAX)
-            };
+            let shape = DepthMapShape { objects: u32::from(!objects.is_empty()), ..map.shape(-1.0, u32::MAX) };
             continued += check(&map, objects, &shape, &detector).expect("as expected");
             let samples = Samples { shape: &shape, depths, objects };
             fewer += usize::from(depth_edges(&samples, &detector).count < depth_cells(&shape, depths).count);

@@ -1,7 +1,7 @@
 //! Which casters of a scene are drawn into a map, which vertices their chunks have, and what is refused.
 
 use glam::DVec3;
-use rimline::gpu::{Caster, LightMask, SceneDepth, SceneDepthCasters, SceneDepthCounts, SceneDepthError, SceneError};
+use rimline::gpu::{Caster, DepthMapError, LightMask, SceneDepth, SceneDepthCasters, SceneDepthCounts, SceneError};
 use rimline::reference::cpu::{mesh_depth, scene_depth};
 use rimline::reference::layout::{MeshDepthCaster, MeshDepthView};
 use rimline::{CameraError, DepthDirection, Light, ShadowCamera};
@@ -205,20 +205,24 @@ fn refused() -> Result<(), String> {
         ];
         Ok(())
     })?;
-    let of_scene = |error| Some(SceneDepthError::Scene(error));
+    let of_scene = |error| Some(DepthMapError::Scene(error));
     let truth = [
         of_scene(SceneError::Stale { what: "caster" }),
         of_scene(SceneError::Stale { what: "caster" }),
         of_scene(SceneError::OtherScene { what: "caster" }),
         of_scene(SceneError::Stale { what: "light" }),
         of_scene(SceneError::OtherScene { what: "light" }),
-        Some(SceneDepthError::Depth { light: DepthDirection::Standard, made: DepthDirection::Reversed }),
-        Some(SceneDepthError::Light(CameraError::Singular)),
+        Some(DepthMapError::Depth {
+            what: "the light",
+            given: DepthDirection::Standard,
+            made: DepthDirection::Reversed,
+        }),
+        Some(DepthMapError::Light(CameraError::Singular)),
     ];
     same("refused", &found, &truth)?;
     same("nothing is drawn", &depths, &[0.0; (SIDE * SIDE) as usize])?;
     let color = SceneDepth::new(&gpu.pipelines, TextureFormat::R32Float, light.depth).err();
-    same("format", &[color], &[Some(SceneDepthError::Format(TextureFormat::R32Float))])?;
+    same("format", &[color], &[Some(DepthMapError::NoDepth(TextureFormat::R32Float))])?;
     // A scene of another device.
     let another = gpu.another(wgpu::Features::empty(), wgpu::Limits::default())?;
     let mut of_another = Casters::new(&another)?;
@@ -238,7 +242,7 @@ fn refused() -> Result<(), String> {
         Ok(())
     })?;
     match outcome {
-        Some(SceneDepthError::Refused { .. }) => Ok(()),
+        Some(DepthMapError::Refused { .. }) => Ok(()),
         other => Err(format!("another device: {other:?}")),
     }
 }

@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 use rimline::gpu::{
-    DepthEdges, DepthMap, DepthMapCube, DepthMapNearCap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
+    DepthCubeMaps, DepthMap, DepthMapCube, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
     ShadowFormat,
 };
+use rimline::reference::depth_map::DepthMapNearCap;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -98,12 +99,13 @@ impl Tally {
 /// Which maps are drawn from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Maps {
-    Right(DepthEdges),
+    Right(DepthMapMethod),
     /// Negative control: their rows and columns are exchanged.
     Turned,
 }
 
-const WAYS: [Maps; 3] = [Maps::Right(DepthEdges::EveryCell), Maps::Right(DepthEdges::Automatic), Maps::Turned];
+const WAYS: [Maps; 3] =
+    [Maps::Right(DepthMapMethod::EveryCell), Maps::Right(DepthMapMethod::Automatic { dangling: None }), Maps::Turned];
 
 fn measure<'a>(
     gpu: &Gpu,
@@ -128,9 +130,9 @@ fn measure<'a>(
     for (way, tally) in ways {
         let (edges, is_turned) = match *way {
             Maps::Right(edges) => (edges, false),
-            Maps::Turned => (DepthEdges::EveryCell, true),
+            Maps::Turned => (DepthMapMethod::EveryCell, true),
         };
-        let options = DepthMapOptions { edges, ..Default::default() };
+        let options = DepthMapOptions { method: edges, ..Default::default() };
         let mut views = Vec::new();
         for (camera, seen) in cameras.iter().zip(&in_maps) {
             let mut own = depths(camera, seen);
@@ -145,17 +147,18 @@ fn measure<'a>(
         let stencil = if let &[light] = &cameras[..] {
             let mut volumes = DepthMapVolumes::new(&pipelines, [TEXELS; 2], options).map_err(text)?;
             stencil_of(gpu, &pipelines, (SIDE, &eye_depths), |encoder| {
-                let map = DepthMap { texture: &views[0], light };
+                let map = DepthMap { texture: &views[0], light, objects: None };
                 let frame = volumes.encode(encoder, &map, &eye, None).map_err(text)?;
                 cap = frame.near_cap().clone();
                 Ok(frame)
             })?
         } else {
             let six = <&[ShadowCamera; 6]>::try_from(&cameras[..]).map_err(text)?;
-            let mut volumes = DepthMapCube::new(&pipelines, TEXELS, six, options).map_err(text)?;
+            let mut volumes = DepthMapCube::new(&pipelines, TEXELS, options).map_err(text)?;
             stencil_of(gpu, &pipelines, (SIDE, &eye_depths), |encoder| {
-                let maps = [0, 1, 2, 3, 4, 5].map(|face| Some(&views[face]));
-                let frame = volumes.encode(encoder, maps, &eye, None).map_err(text)?;
+                let textures = [0, 1, 2, 3, 4, 5].map(|face| Some(&views[face]));
+                let maps = DepthCubeMaps { textures, lights: *six, objects: [None; 6] };
+                let frame = volumes.encode(encoder, &maps, &eye, None).map_err(text)?;
                 cap = frame.near_cap().clone();
                 Ok(frame)
             })?

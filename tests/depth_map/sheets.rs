@@ -5,7 +5,7 @@
 use std::collections::HashSet;
 
 use glam::{DVec2, DVec3, Mat4};
-use rimline::gpu::DepthEdges;
+use rimline::gpu::DepthMapMethod;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -121,7 +121,7 @@ fn beside() -> Result<(), String> {
         let boundary = |slope_bias| {
             let moves = Moves { slope_bias, steps: steps(texels.format(), depth), spread: false };
             let moved = |texel| moves.depth(&map, texel).map(|depth| depth.0);
-            Boundary::moved(&map, &light, towards.extend(0.0), (-1.0, false), None, &moved)
+            Boundary::moved(&map, &light, towards.extend(0.0), -1.0, None, &moved)
         };
         let (moved, unmoved) = (boundary(0.5), boundary(0.0));
         for _ in 0..6 {
@@ -144,7 +144,7 @@ fn beside() -> Result<(), String> {
             let eye_depths: Vec<_> =
                 seen.iter().map(|seen| seen.map_or(0.0, |(_, place, _)| device_depth(&eye, place))).collect();
             let of = |edges| drawn(&gpu, (&texels, light), (&eye, &eye_depths), edges, SIDE);
-            let (every, own) = (of(DepthEdges::EveryCell)?, of(DepthEdges::Automatic)?);
+            let (every, own) = (of(DepthMapMethod::EveryCell)?, of(DepthMapMethod::Automatic { dangling: None })?);
             let missed: HashSet<Name> = every.1.difference(&own.1).copied().collect();
             for (pixel, seen) in (0..).zip(&seen) {
                 let Some((_, place, true)) = *seen else { continue };

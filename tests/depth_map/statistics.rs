@@ -1,10 +1,11 @@
 //! What the GPU found, as it is copied for those who read it: lists that overflow, and near caps that are left out.
 
 use rimline::gpu::{
-    DepthEdges, DepthMap, DepthMapCaster, DepthMapCasterCounts, DepthMapDrawError, DepthMapFrame, DepthMapNearCap,
-    DepthMapOptions, DepthMapPipelines, DepthMapReconstruction, DepthMapStatistics, DepthMapVolumes, ShadowFormat,
+    DepthMap, DepthMapFrame, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapStatistics, DepthMapVolumes,
+    ShadowFormat,
 };
 use rimline::reference::cpu::depth_cells;
+use rimline::reference::depth_map::DepthMapNearCap;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -13,16 +14,12 @@ use rimline_measure::random::Random;
 use rimline_measure::same;
 use wgpu::TextureFormat;
 
-use crate::casters::lone;
 use crate::maps::{Map, maps};
 use crate::stages::{camera, direction};
 use crate::textures::{depth_view, texture};
 
-pub(crate) const TESTS: &[Test] = &[
-    ("statistics_tell_of_lists_that_overflow", lists),
-    ("statistics_tell_of_walls_that_overflow", walls),
-    ("statistics_of_casters_are_in_the_order_of_draws", casters),
-];
+pub(crate) const TESTS: &[Test] =
+    &[("statistics_tell_of_lists_that_overflow", lists), ("statistics_tell_of_walls_that_overflow", walls)];
 
 /// The statistics of an encode, and the arguments of its draws.
 fn encoded(
@@ -33,7 +30,8 @@ fn encoded(
 ) -> Result<(DepthMapFrame, DepthMapStatistics, Vec<u32>), String> {
     let texture = depth_view(&texture(gpu, map.size, TextureFormat::R32Float, &map.depths)?);
     let (frame, buffer) = gpu.submit(|encoder| {
-        let frame = volumes.encode(encoder, &DepthMap { texture: &texture, light }, eye, None).map_err(text)?;
+        let frame =
+            volumes.encode(encoder, &DepthMap { texture: &texture, light, objects: None }, eye, None).map_err(text)?;
         let buffer = frame.statistics(encoder).map_err(text)?;
         Ok((frame, buffer))
     })?;
@@ -61,8 +59,8 @@ fn lists() -> Result<(), String> {
     for map in maps(&mut random) {
         for capacity in [None, Some(random.below(30) as u32)] {
             let skip_near_caps = random.below(3) > 0;
-            let edges = DepthEdges::EveryCell;
-            let options = DepthMapOptions { edges, capacity, skip_near_caps, ..Default::default() };
+            let edges = DepthMapMethod::EveryCell;
+            let options = DepthMapOptions { method: edges, capacity, skip_near_caps, ..Default::default() };
             let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
             let light = camera(direction(&map));
             // An eye beside the light, and one where it looks at.
@@ -98,9 +96,9 @@ fn walls() -> Result<(), String> {
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
     let map = Map::new([24, 24], true, |texel| if (texel % 24 + texel / 24) % 2 == 0 { 0.5 } else { 0.0 });
     let light = camera(DepthDirection::Reversed);
-    let reconstruction = DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.01 };
+    let method = DepthMapMethod::Contours { threshold: 1.0, sideways: 0.25, depth: 0.01 };
     let of = |capacity| {
-        let options = DepthMapOptions { edges: DepthEdges::Outlines, reconstruction, capacity, ..Default::default() };
+        let options = DepthMapOptions { method, capacity, ..Default::default() };
         let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
         let (_, found, arguments) = encoded(&gpu, &mut volumes, (&map, light), &light)?;
         same("capacity", &[found.capacity], &[volumes.capacity()])?;
@@ -115,49 +113,4 @@ fn walls() -> Result<(), String> {
     let told = [all, exact, few].map(|found| (found.found, found.is_overflowed()));
     same("told", &told, &[(all.found, false), (all.found, false), (all.found, true)])?;
     if all.found > 1000 { Ok(()) } else { Err(format!("{} walls", all.found)) }
-}
-
-fn casters() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let (mut world, towards, away) = lone(gpu)?;
-    let own = world.casts[0].caster.clone();
-    // Two more maps of the light: one whose list has no room, and one whose cells are not kept.
-    for (capacity, version) in [(Some(3), Some(1)), (None, None)] {
-        let options = DepthMapOptions { capacity, slope_bias: 0.0, ..Default::default() };
-        let volumes = DepthMapVolumes::new(&world.pipelines[0], crate::casters::SIZE, options).map_err(text)?;
-        world.casters[0].insert(volumes, DepthMapCaster { version, ..own.clone() }).map_err(text)?;
-    }
-    let cameras = [away.eye, towards.eye, own.camera];
-    let mut encode = || {
-        let (scene, casters) = (&mut world.scene, &mut world.casters[0]);
-        let (frame, buffer) = gpu.submit(|encoder| {
-            let frame = scene.encode(encoder, &cameras, None).map_err(text)?;
-            let frame = casters.encode(encoder, &frame, &cameras, None).map_err(text)?;
-            let buffer = frame.statistics(encoder).map_err(text)?;
-            Ok((frame, buffer))
-        })?;
-        let buffer = buffer.ok_or("nothing is drawn")?;
-        Ok::<_, String>((frame, gpu.read::<DepthMapStatistics>(&buffer, usize::MAX)?))
-    };
-    let (first, found) = encode()?;
-    let (second, again) = encode()?;
-    same("again", &found, &again)?;
-    let counts = second.counts();
-    let of_caps = counts.near_caps_lit + counts.near_caps_told;
-    let expected = DepthMapCasterCounts { encoded: 1, kept: 2, draws: 6, ..counts };
-    same("counts", &[counts], &[expected])?;
-    let drawn: Vec<_> = first.drawn().collect();
-    same("views", &drawn.iter().map(|(_, view)| *view).collect::<Vec<_>>(), &[1, 2, 1, 2, 1, 2])?;
-    let is_of_each = drawn[0].0 == drawn[1].0 && drawn[2].0 == drawn[3].0 && drawn[0].0 != drawn[2].0;
-    let cells = found[0].found;
-    same("cells", &found.iter().map(|found| found.found).collect::<Vec<_>>(), &[cells; 6])?;
-    let overflowed: Vec<_> = found.iter().map(DepthMapStatistics::is_overflowed).collect();
-    same("overflowed", &overflowed, &[false, false, true, true, false, false])?;
-    println!("{cells} cells, {of_caps} near caps are lit or told, {counts:?}");
-    if !is_of_each || cells < 10 || drawn[0].0 != world.casts[0].handles[0] || of_caps == 0 {
-        return Err(format!("{drawn:?}, {found:?}"));
-    }
-    // The map without a version is overwritten.
-    let stale = gpu.submit(|encoder| Ok(first.statistics(encoder).map(drop)))?;
-    same("stale", &[stale], &[Err(DepthMapDrawError::StaleFrame.into())])
 }

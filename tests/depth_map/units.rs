@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use rimline::ShadowCamera;
-use rimline::gpu::{DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::text;
@@ -42,16 +42,18 @@ fn depths(camera: &ShadowCamera, seen: &[Seen], by: f64) -> Vec<f32> {
 type Drawn = (Vec<f32>, Vec<u32>, Vec<u8>);
 
 /// The depths of a map, the list of cells and the stencil, in another unit.
-fn drawn(gpu: &Gpu, view: &View<'_>, edges: DepthEdges, by: f64) -> Result<Drawn, String> {
+fn drawn(gpu: &Gpu, view: &View<'_>, edges: DepthMapMethod, by: f64) -> Result<Drawn, String> {
     let [light, eye] = [&view.sun.camera, &view.eye].map(|camera| scaled(camera, by));
     let of_light = depths(&light, &view.light_seen, by);
     let map = texture(gpu, [SIDE; 2], TextureFormat::Depth32Float, &of_light)?;
     let format = ShadowFormat { depth: eye.depth, ..Default::default() };
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
-    let options = DepthMapOptions { edges, ..Default::default() };
+    let options = DepthMapOptions { method: edges, ..Default::default() };
     let mut volumes = DepthMapVolumes::new(&pipelines, [SIDE; 2], options).map_err(text)?;
     let stencil = stencil_of(gpu, &pipelines, (SIDE, &depths(&eye, &view.eye_seen, by)), |encoder| {
-        volumes.encode(encoder, &DepthMap { texture: &depth_view(&map), light }, &eye, None).map_err(text)
+        volumes
+            .encode(encoder, &DepthMap { texture: &depth_view(&map), light, objects: None }, &eye, None)
+            .map_err(text)
     })?;
     let list: Vec<u32> = gpu.read(volumes.cells(), usize::MAX)?;
     let count = list[0] as usize;
@@ -78,7 +80,7 @@ fn units() -> Result<(), String> {
                 continue;
             }
             let Some(view) = View::random(&mut random, world) else { continue };
-            for edges in [DepthEdges::Automatic, DepthEdges::EveryCell] {
+            for edges in [DepthMapMethod::Automatic { dangling: None }, DepthMapMethod::EveryCell] {
                 let own = drawn(&gpu, &view, edges, 1.0)?;
                 for by in [1.0 / 4096.0, 1024.0] {
                     let found = drawn(&gpu, &view, edges, by)?;
@@ -91,7 +93,7 @@ fn units() -> Result<(), String> {
                     let found = drawn(&gpu, &view, edges, by)?;
                     tally[0] += own.1.len() - 1;
                     tally[1] += apart(&found.1, &own.1);
-                    if edges == DepthEdges::EveryCell && apart(&found.1, &own.1) > 0 {
+                    if edges == DepthMapMethod::EveryCell && apart(&found.1, &own.1) > 0 {
                         return Err(format!("world {number}: every cell is not, {by} times as large"));
                     }
                     for (pixel, seen) in view.receivers() {
@@ -105,11 +107,11 @@ fn units() -> Result<(), String> {
                     }
                 }
             }
-            // Negative control: a threshold in units of the scene.
-            let world_units = DepthEdges::WorldDifferences { threshold: 0.2 };
-            let lists = [1.0, 1024.0].map(|by| drawn(&gpu, &view, world_units, by).map(|drawn| drawn.1));
-            let [own, found] = lists;
-            must_fail("a threshold in the scene's unit", &same("cells", &found?, &own?))?;
+            // Negative control: another detector.
+            let lists =
+                [DepthMapMethod::EveryCell, DepthMapMethod::default()].map(|method| drawn(&gpu, &view, method, 1.0));
+            let [every, automatic] = lists;
+            must_fail("another detector", &same("cells", &automatic?.1, &every?.1))?;
             other += 1;
         }
     }

@@ -1,20 +1,19 @@
-//! Zero of anything with depth maps: meshes without a triangle, no map, no caster, no view, no light, no bit. Nothing is drawn,
+//! Zero of anything with depth maps: meshes without a triangle, no map, no bit. Nothing is drawn,
 //! or a typed error says what is missing.
 
 use rimline::gpu::{
-    DepthEdges, DepthMap, DepthMapCasterCounts, DepthMapCasters, DepthMapCastersOptions, DepthMapCube,
-    DepthMapCubeError, DepthMapOptions, DepthMapPipelines, DepthMapPipelinesError, DepthMapReconstruction,
-    DepthMapVolumes, DepthMapVolumesError, MemoryError, MeshDepth, PositionBuffer, Scene, SceneOptions, ShadowFormat,
+    DepthCubeMaps, DepthMap, DepthMapCube, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines,
+    DepthMapVolumes, MemoryError, MeshDepth, PositionBuffer, ShadowFormat,
 };
 use rimline::mesh::{PolygonLoops, Weld};
-use rimline::{DepthDirection, Light, Mesh};
+use rimline::{DepthDirection, Mesh};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::text;
 use rimline_measure::{must_fail, same};
 use wgpu::TextureFormat::{Depth32Float, R32Float};
 
-use crate::picture::{stencil_after, stencil_of};
+use crate::picture::stencil_of;
 use crate::scene_depth::map;
 use crate::stages::camera;
 use crate::textures::{depth_view, texture};
@@ -22,7 +21,6 @@ use crate::textures::{depth_view, texture};
 pub(crate) const TESTS: &[Test] = &[
     ("meshes_without_a_triangle_have_no_depth", without_triangles),
     ("maps_of_nothing_cast_nothing", without_depths),
-    ("scenes_without_maps_lights_and_views_cast_nothing", without_casters),
     ("no_bits_sides_and_memory_are_typed_errors", without_room),
 ];
 
@@ -60,20 +58,19 @@ fn without_depths() -> Result<(), String> {
     let depths = vec![0.01; (SIDE * SIDE) as usize];
     let empty = depth_view(&texture(&gpu, [1; 2], R32Float, &[0.0])?);
     let full = depth_view(&texture(&gpu, [1; 2], R32Float, &[0.5])?);
-    let contours = DepthMapReconstruction::Contours { sideways: 0.0, depth: 0.0 };
-    let outlines = DepthEdges::Outlines;
+    let contours = DepthMapMethod::Contours { threshold: 1.0, sideways: 0.0, depth: 0.0 };
     let plain = DepthMapOptions { capacity: Some(0), slope_bias: 0.0, ..Default::default() };
     let lit = vec![0; (SIDE * SIDE) as usize];
     for options in [
         plain,
         DepthMapOptions { capacity: None, ..plain },
-        DepthMapOptions { edges: DepthEdges::EveryCell, ..plain },
-        DepthMapOptions { edges: outlines, reconstruction: contours, ..plain },
+        DepthMapOptions { method: DepthMapMethod::EveryCell, ..plain },
+        DepthMapOptions { method: contours, ..plain },
     ] {
         let mut volumes = DepthMapVolumes::new(&pipelines, [1; 2], options).map_err(text)?;
         let mut drawn = |view: &wgpu::TextureView| {
             stencil_of(&gpu, &pipelines, (SIDE, &depths), |encoder| {
-                let map = DepthMap { texture: view, light: eye };
+                let map = DepthMap { texture: view, light: eye, objects: None };
                 volumes.encode(encoder, &map, &eye, None).map_err(text)
             })
         };
@@ -83,39 +80,12 @@ fn without_depths() -> Result<(), String> {
     let cameras = DepthMapCube::cameras([0.0, 0.0, 3.0], 0.1, None, REVERSED, 3).map_err(text)?;
     for capacity in [Some(0), None] {
         let options = DepthMapOptions { capacity, ..Default::default() };
-        let mut cube = DepthMapCube::new(&pipelines, 3, &cameras, options).map_err(text)?;
+        let mut cube = DepthMapCube::new(&pipelines, 3, options).map_err(text)?;
         let drawn = stencil_of(&gpu, &pipelines, (SIDE, &depths), |encoder| {
-            cube.encode(encoder, [None; 6], &eye, None).map_err(text)
+            let maps = DepthCubeMaps { textures: [None; 6], lights: cameras, objects: [None; 6] };
+            cube.encode(encoder, &maps, &eye, None).map_err(text)
         })?;
         same("a cube without maps", &drawn, &lit)?;
-    }
-    Ok(())
-}
-
-fn without_casters() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
-    let mut casters = DepthMapCasters::new(&scene, DepthMapCastersOptions::default());
-    let light = scene.add_light(Light::point([0.0, 5.0, 0.0])).map_err(text)?;
-    let pipelines = DepthMapPipelines::counting(&gpu.pipelines, &ShadowFormat::default()).map_err(text)?;
-    let eye = camera(REVERSED);
-    for views in [&[][..], &[eye]] {
-        let (mut found, mut statistics) = (Vec::new(), Vec::new());
-        let stencil = stencil_after(&gpu, (SIDE, &vec![0.01; (SIDE * SIDE) as usize]), |encoder| {
-            let frame = scene.encode(encoder, views, None).map_err(text)?;
-            let frame = casters.encode_for(encoder, &frame, views, &[], None).map_err(text)?;
-            statistics.push(frame.statistics(encoder).map_err(text)?.is_none());
-            found.push((frame.counts(), frame.drawn().count()));
-            let (pipelines, has_view) = (&pipelines, !views.is_empty());
-            Ok(
-                move |pass: &mut wgpu::RenderPass<'_>| {
-                    if has_view { frame.draw(pass, pipelines, 0, light).map_err(text) } else { Ok(()) }
-                },
-            )
-        })?;
-        same("stencil", &stencil, &[0; (SIDE * SIDE) as usize])?;
-        same("counts", &found, &[(DepthMapCasterCounts::default(), 0)])?;
-        same("no statistics", &statistics, &[true])?;
     }
     Ok(())
 }
@@ -124,19 +94,13 @@ fn without_room() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let format = ShadowFormat::default();
     let antialiased = DepthMapPipelines::antialiased(&gpu.pipelines, &format, 3..3).err();
-    same("no bits", &[antialiased], &[Some(DepthMapPipelinesError::Bits(3..3))])?;
+    same("no bits", &[antialiased], &[Some(DepthMapError::Bits(3..3))])?;
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
-    let volumes = |options| DepthMapVolumes::new(&pipelines, [4, 4], options).err();
-    let none = volumes(DepthMapOptions { bits: 0, ..Default::default() });
-    same("volumes of no bits", &[none], &[Some(DepthMapVolumesError::Bits(0))])?;
-    let none = volumes(DepthMapOptions { memory_limit: Some(0), ..Default::default() });
-    if !matches!(none, Some(DepthMapVolumesError::Memory(MemoryError::Total { limit: 0, .. }))) {
+    let options = DepthMapOptions { memory_limit: Some(0), ..Default::default() };
+    let none = DepthMapVolumes::new(&pipelines, [4, 4], options).err();
+    if !matches!(none, Some(DepthMapError::Memory(MemoryError::Total { limit: 0, .. }))) {
         return Err(format!("no memory: {none:?}"));
     }
-    let cameras = DepthMapCube::cameras([0.0; 3], 0.1, None, REVERSED, 3).map_err(text)?;
-    let cube = |side, bits| {
-        DepthMapCube::new(&pipelines, side, &cameras, DepthMapOptions { bits, ..Default::default() }).err()
-    };
-    same("a cube without texels", &[cube(0, 1)], &[Some(DepthMapCubeError::Side(0))])?;
-    same("a cube of no bits", &[cube(3, 0)], &[Some(DepthMapCubeError::Bits(0))])
+    let cube = DepthMapCube::new(&pipelines, 0, DepthMapOptions::default()).err();
+    same("a cube without texels", &[cube], &[Some(DepthMapError::Side(0))])
 }

@@ -90,7 +90,7 @@ fn share() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (texture, light) = map(gpu, 1681)?;
     let view = textures::depth_view(&texture);
-    let map = DepthMap { texture: &view, light };
+    let map = DepthMap { texture: &view, light, objects: None };
     let mut wrapped = 0;
     for (placing, counting) in [
         (Placing::Alone, Counting::Auto),
@@ -109,7 +109,7 @@ fn share() -> Result<(), String> {
             let format = |count_bits| ShadowFormat { depth: frame.eye.depth, count_bits, ..Default::default() };
             let of_bits = |format| DepthMapPipelines::antialiased(&gpu.pipelines, &format, count_bits..8);
             let pipelines = of_bits(format(count_bits)).map_err(text)?;
-            let options = DepthMapOptions { bits: parity_bits, ..Default::default() };
+            let options = DepthMapOptions::default();
             let orders: &[bool] = if parity_bits == 2 { &[true, false] } else { &[true] };
             for &is_first in orders {
                 let what = format!("{placing:?} {counting:?} {parity_bits} {is_first}");
@@ -139,13 +139,13 @@ fn batches() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (texture, light) = map(gpu, 1682)?;
     let view = textures::depth_view(&texture);
-    let map = DepthMap { texture: &view, light };
+    let map = DepthMap { texture: &view, light, objects: None };
     for (count_bits, count, count_batches) in [(4, 32, 6), (6, 64, 3)] {
         let frame = shells(count, false);
         let truths = rays::trace(&shells(count, true), CENTRE);
         let format = ShadowFormat { depth: frame.eye.depth, count_bits, ..Default::default() };
         let pipelines = DepthMapPipelines::antialiased(&gpu.pipelines, &format, count_bits..8).map_err(text)?;
-        let options = DepthMapOptions { bits: 8 - count_bits, ..Default::default() };
+        let options = DepthMapOptions::default();
         let beside = Some(Beside { map, pipelines: &pipelines, options, is_first: true });
         let bounded = ShadowOptions { bound_counts: true, ..ShadowOptions::default() };
         let renderer = |count_batches| Renderer {
@@ -192,7 +192,7 @@ fn batches() -> Result<(), String> {
 
 fn refusals() -> Result<(), String> {
     use rimline::gpu::{
-        DepthMapPipelinesError, Scene, SceneError, SceneOptions, ScenePipelines, ShadowFormatError, ShadowPipelines,
+        DepthMapError, Scene, SceneError, SceneOptions, ScenePipelines, ShadowFormatError, ShadowPipelines,
     };
     let gpu = &*Gpu::shared()?;
     let format = |count_bits| ShadowFormat { count_bits, ..Default::default() };
@@ -201,7 +201,7 @@ fn refusals() -> Result<(), String> {
         let found = ShadowPipelines::new(&gpu.pipelines, &format(given), Counting::Auto).err();
         same("volumes", &[found], &[Some(error.clone())])?;
         let found = DepthMapPipelines::new(&gpu.pipelines, &format(given), 7).err();
-        same("maps", &[found], &[Some(DepthMapPipelinesError::Format(error.clone()))])?;
+        same("maps", &[found], &[Some(DepthMapError::Format(error.clone()))])?;
         let options = SceneOptions { count_bits: given, ..Default::default() };
         let found = Scene::new(&gpu.pipelines, &gpu.queue, options).err();
         same("scene", &[found], &[Some(SceneError::Format(error))])?;
@@ -213,7 +213,7 @@ fn refusals() -> Result<(), String> {
     let found = Scene::new(&gpu.pipelines, &gpu.queue, options).err();
     same("scene in batches", &[found], &[Some(SceneError::Format(error))])?;
     let found = DepthMapPipelines::antialiased(&gpu.pipelines, &format(6), 5..8).err();
-    same("a bit of counts", &[found], &[Some(DepthMapPipelinesError::Counted { bit: 5, count_bits: 6 })])?;
+    same("a bit of counts", &[found], &[Some(DepthMapError::Counted { bit: 5, count_bits: 6 })])?;
     // Volumes for counts of other bits.
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
     let light = scene.add_light(Light::point([0.0; 3])).map_err(text)?;

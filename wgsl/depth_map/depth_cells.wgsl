@@ -17,10 +17,7 @@
 // The indirect draw.
 @group(0) @binding(5) var<storage, read_write> draws: array<u32>;
 
-// Whether the threshold may be one in world units. Then `every_cell` is for lists that overflow alone.
-override WORLD: bool = false;
-
-// The lowest of the three bits of a cell in its entry.
+// An entry has the three bits of a cell here.
 const ENTRY_BITS: u32 = 29u;
 
 // `decided` for each cell by itself, where edges out of the cell count, too.
@@ -48,42 +45,10 @@ fn column_at(at: vec2<u32>) -> Column {
   return Column(upper, vec4<u32>(upper.yzw, key_at(at + 4u * down)));
 }
 
-// Whether the edge between two samples is marked: 0 or 1; or 2, where it is left to `settled`.
-fn state_of(a: u32, b: u32) -> u32 {
-  if (!WORLD) {
-    return select(0u, 1u, is_marked(a, b));
-  }
-  let depths = vec2<u32>(depth_bits(a), depth_bits(b));
-  let is_step = exceeds(max(depths.x, depths.y), min(depths.x, depths.y), depth_map.threshold);
-  let state = select(
-    select(0u, 1u, is_step), world_step_by_floats(depths.x, depths.y, depth_map.ratio, depth_map.at_infinity),
-    depth_map.ratio != 0u);
-  return select(state, select(0u, 1u, a != b), max(a, b) == FAR_KEY);
-}
-
-fn state_of_each(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
-  return vec4<u32>(state_of(a.x, b.x), state_of(a.y, b.y), state_of(a.z, b.z), state_of(a.w, b.w));
-}
-
-// The open edges of a strip that are marked, four bits a cell as in `decided`. One after another, because some devices execute a
-// loop's body for all invocations if one needs it.
-fn settled(corner: vec2<u32>, open: vec4<u32>) -> vec4<u32> {
-  var marked = vec4<u32>(0u);
-  var left = open;
-  // Turns: WORLD_BLOCKS * 4 * 25 in all.
-  while (any(left != vec4<u32>(0u))) {
-    let row = select(select(select(3u, 2u, left.z != 0u), 1u, left.y != 0u), 0u, left.x != 0u);
-    let bit = firstTrailingBit(left[row]);
-    let edge = bit % 4u;
-    // Sample (1, 0) of the cell for the edge at the right, (0, 1) for that at the bottom.
-    let first = corner + vec2<u32>(bit / 4u, row) + select(vec2<u32>(0u), vec2<u32>(1u), vec2<u32>(edge) == vec2<u32>(1u, 2u));
-    let second = first + select(vec2<u32>(1u, 0u), vec2<u32>(0u, 1u), edge % 2u == 1u);
-    let depths = vec2<u32>(depth_bits(key_at(first)), depth_bits(key_at(second)));
-    let is_step = exact_world_step(depths.x, depths.y, depth_map.ratio, depth_map.at_infinity);
-    marked[row] |= select(0u, 1u << bit, is_step);
-    left[row] &= left[row] - 1u;
-  }
-  return marked;
+// Which of the edges between samples are marked.
+fn marked_each(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
+  let marked = vec4<bool>(is_marked(a.x, b.x), is_marked(a.y, b.y), is_marked(a.z, b.z), is_marked(a.w, b.w));
+  return select(vec4<u32>(0u), vec4<u32>(1u), marked);
 }
 
 // `object_edges` for the cells of four rows.
@@ -105,10 +70,7 @@ fn decided(strip: u32) -> vec4<u32> {
   let far = Column(vec4<u32>(FAR_KEY), vec4<u32>(FAR_KEY));
   var before = column_at(own.corner);
   // Four bits a cell: its edges at the top, right and bottom, and of the first cell that at the left.
-  let one = vec4<u32>(1u);
-  let left = state_of_each(before.upper, before.lower);
-  var marked = (left & one) << vec4<u32>(3u);
-  var open = (left >> one) << vec4<u32>(3u);
+  var marked = marked_each(before.upper, before.lower) << vec4<u32>(3u);
   var splits = vec4<u32>(0u);
   if (OBJECTS) {
     marked |= (object_edges_each(own.corner, far, before) & vec4<u32>(2u)) << vec4<u32>(2u);
@@ -116,10 +78,10 @@ fn decided(strip: u32) -> vec4<u32> {
   for (var cell = 0u; cell < WORD_CELLS; cell++) {
     let at = own.corner + vec2<u32>(cell + 1u, 0u);
     let keys = column_at(at);
-    let top = state_of_each(before.upper, keys.upper);
-    let right = state_of_each(keys.upper, keys.lower);
-    let bottom = vec4<u32>(top.yzw, state_of(before.lower.w, keys.lower.w));
-    var edges = (top & one) | ((right & one) << one) | ((bottom & one) << vec4<u32>(2u));
+    let top = marked_each(before.upper, keys.upper);
+    let right = marked_each(keys.upper, keys.lower);
+    let bottom = vec4<u32>(top.yzw, select(0u, 1u, is_marked(before.lower.w, keys.lower.w)));
+    var edges = top | (right << vec4<u32>(1u)) | (bottom << vec4<u32>(2u));
     if (OBJECTS) {
       edges |= object_edges_each(at, before, keys);
     }
@@ -130,14 +92,8 @@ fn decided(strip: u32) -> vec4<u32> {
       is_split(vec4<u32>(before.upper.w, keys.upper.w, before.lower.w, keys.lower.w)));
     let shift = vec4<u32>(4u * cell);
     marked |= edges << shift;
-    if (WORLD) {
-      open |= ((top >> one) | ((right >> one) << one) | ((bottom >> one) << vec4<u32>(2u))) << shift;
-    }
     splits |= select(vec4<u32>(0u), vec4<u32>(1u), split) << shift;
     before = keys;
-  }
-  if (WORLD) {
-    marked |= settled(own.corner, open & ~marked);
   }
   return taken_of(own, vec4<u32>(
     triangles_of_word(marked.x, splits.x), triangles_of_word(marked.y, splits.y),
@@ -152,7 +108,7 @@ fn triangles_of_word(marked: u32, splits: u32) -> u32 {
   let left = (right << 4u) | ((marked >> 3u) & 1u);
   let first = top | (splits & left) | (~splits & right);
   let second = bottom | (splits & right) | (~splits & left);
-  return splits | (either(first, second) << 1u) | (either(second, first) << 2u);
+  return splits | (first << 1u) | (second << 2u);
 }
 
 // An invocation decides about a strip; a workgroup takes blocks in turn.

@@ -1,7 +1,6 @@
 // Stage `depth_edges`: marks edges between neighbouring samples of a depth map, continues those that dangle (end in a cell
 // without another marked edge), and decides about cells from the marks. It replaces `depth_cells_count` for detectors that look
-// beside an edge, continue edges, or with several bits of stencil have a threshold in world units. First in an encode, but after
-// `depth_cube`.
+// beside an edge or continue edges. First in an encode, but after `depth_cube`.
 // `depth_edges_mark`, one invocation for 16 × 4 samples, reads depths and objects and writes `edges`, `faint_edges`,
 // `sample_bits`. `depth_edges_continue`, one invocation a word of 16 samples, runs up to 64 times; two buffers of marks take
 // turns. It adds marks only, so the order of cells does not matter. `depth_edges_count`, a workgroup for blocks of cells in turn,
@@ -282,7 +281,7 @@ fn word_by_marks(upper: vec2<u32>, lower: vec2<u32>, rings: vec2<u32>, split: u3
   let diagonal = select_bits(rings.x | (rings.y >> 1u), rings.y | (rings.x >> 1u), split);
   let first = upper.x | diagonal | select_bits((upper.y | rings.x) >> 1u, upper.y | rings.x, split);
   let second = lower.x | diagonal | select_bits(upper.y | rings.y, (upper.y | rings.y) >> 1u, split);
-  let own = vec3<u32>(split, either(first, second), either(second, first)) >> vec3<u32>(2u);
+  let own = vec3<u32>(split, first, second) >> vec3<u32>(2u);
   return apart(own.x & 255u) | (apart(own.y & 255u) << 1u) | (apart(own.z & 255u) << 2u);
 }
 

@@ -1,4 +1,4 @@
-// The rule of detectors that look beside an edge (second differences), continue edges, or have a threshold in world units.
+// The rule of detectors that look beside an edge (second differences) or continue edges.
 // Imported by `depth_edges` alone, which gives it keys: samples as integers that grow with the distance from the light.
 // `told` decides by floats, only where rounding cannot matter: 0 or 1. Where it may, it gives 2, and the caller asks `exactly`,
 // which decides by integers. So marks are exact and the same on every device. Only the two together may be changed.
@@ -18,17 +18,11 @@ struct DepthEdgeRule {
   high: u32,
   // Bits of the threshold up to which no difference is marked.
   low: vec2<u32>,
-  // Bits of how many units of depth × distance² make the threshold in world units. 0: the threshold is one of device depth.
-  ratio: vec2<u32>,
-  // Bits of the factor by which a difference has to exceed one beside it.
+  // Bits of how many times the difference beside it a difference is.
   slopes: vec2<u32>,
   // Bits of what two differences may be off by: a constant, and the depth with so many exponents less. 0: no share of the depth.
   noise: u32,
   noise_exponents: u32,
-  // Bits of the depth at infinity, which may be slightly out of range.
-  at_infinity: u32,
-  // 0.
-  unused: u32,
 }
 
 @group(0) @binding(6) var<uniform> edge_rule: DepthEdgeRule;
@@ -37,8 +31,58 @@ struct DepthEdgeRule {
 // marked that is larger than both beside it. 2: one that is larger than one of them, with no other threshold.
 override SECOND: u32 = 0u;
 
-// Whether thresholds may be steps in world units.
-override WORLD: bool = false;
+// Words of an integer in units of 2⁻²⁹⁸, lowest first, negative as two's complement.
+const WIDE: u32 = 14u;
+// Products of a sum.
+const TERMS: u32 = 5u;
+const MINUS: u32 = 0x80000000u;
+
+// The mantissa of a float that is 0 or normal, and how many places it is moved up, in units of 2⁻¹⁴⁹.
+fn mantissa_and_places(bits: u32) -> vec2<u32> {
+  let exponent = (bits >> 23u) & 0xffu;
+  return vec2<u32>(select((bits & 0x7fffffu) | 0x800000u, 0u, exponent == 0u), max(exponent, 1u) - 1u);
+}
+
+// The product of two numbers below 2²⁴: low and high word.
+fn wide_product(a: u32, b: u32) -> vec2<u32> {
+  let low = (a & 0xffffu) * (b & 0xffffu);
+  let middle = (a & 0xffffu) * (b >> 16u) + (a >> 16u) * (b & 0xffffu);
+  let sum = low + (middle << 16u);
+  return vec2<u32>(sum, (a >> 16u) * (b >> 16u) + (middle >> 16u) + select(0u, 1u, sum < low));
+}
+
+// Whether a sum of products of two floats is above 0.
+fn is_positive(terms: array<vec2<u32>, TERMS>) -> bool {
+  var factors = terms;
+  var sum = array<u32, WIDE>();
+  for (var term = 0u; term < opaque(TERMS); term++) {
+    let own = factors[term];
+    let a = mantissa_and_places(own.x);
+    let b = mantissa_and_places(own.y);
+    let mantissa = wide_product(a.x, b.x);
+    let first = (a.y + b.y) >> 5u;
+    let shift = (a.y + b.y) & 31u;
+    let carried = vec2<u32>(32u - shift) & vec2<u32>(31u);
+    let over = select(mantissa >> carried, vec2<u32>(0u), shift == 0u);
+    let digits = vec3<u32>(mantissa.x << shift, (mantissa.y << shift) | over.x, over.y);
+    // A negative product is added as the complement, and one.
+    let sign = (own.x ^ own.y) >> 31u;
+    var carry = sign;
+    for (var word = 0u; word < opaque(WIDE); word++) {
+      let at = word - first;
+      let digit = select(select(select(0u, digits.z, at == 2u), digits.y, at == 1u), digits.x, at == 0u) ^ (0u - sign);
+      let once = sum[word] + digit;
+      let twice = once + carry;
+      carry = select(0u, 1u, once < digit) | select(0u, 1u, twice < once);
+      sum[word] = twice;
+    }
+  }
+  var any = 0u;
+  for (var word = 0u; word < opaque(WIDE); word++) {
+    any |= sum[word];
+  }
+  return any != 0u && sum[WIDE - 1u] < MINUS;
+}
 
 // Samples of the lattice across, and down.
 fn lattice() -> vec2<u32> {
@@ -93,7 +137,7 @@ fn bends(ends: vec2<u32>, beside: vec2<u32>, slopes: u32) -> bool {
   return is_positive(array<vec2<u32>, TERMS>(
     vec2<u32>(ONE, max(ends.x, ends.y)), vec2<u32>(ONE, min(ends.x, ends.y) | MINUS),
     vec2<u32>(slopes, max(beside.x, beside.y) | MINUS), vec2<u32>(slopes, min(beside.x, beside.y)),
-    vec2<u32>(ONE, noise | MINUS), vec2<u32>(0u)));
+    vec2<u32>(ONE, noise | MINUS)));
 }
 
 // Whether an edge is marked, by the keys of `keys_along`: 0 or 1; or 2, where it is left to `exactly`.
@@ -111,10 +155,6 @@ fn told(keys: vec4<u32>, level: u32) -> u32 {
       let is_sure = !is_step || exceeds(large, small, edge_rule.high);
       state = select(bends_by_floats(keys, ends, edge_rule.slopes[level]), state, is_sure);
     }
-    if (WORLD) {
-      let ratio = edge_rule.ratio[level];
-      state = select(state, world_step_by_floats(ends.x, ends.y, ratio, edge_rule.at_infinity), ratio != 0u);
-    }
   }
   return select(state, select(0u, 1u, keys.y != keys.z), max(keys.y, keys.z) == FAR_KEY || keys.y == keys.z);
 }
@@ -122,17 +162,9 @@ fn told(keys: vec4<u32>, level: u32) -> u32 {
 // Whether an edge is marked for which `told` gives 2. It is never asked for far samples or equal keys.
 fn exactly(keys: vec4<u32>, level: u32) -> bool {
   let ends = vec2<u32>(depth_bits(keys.y), depth_bits(keys.z));
-  var is_step = false;
-  // The ratio is the same for all invocations.
-  // Turns: of one branch.
-  if (WORLD && edge_rule.ratio[level] != 0u) {
-    is_step = exact_world_step(ends.x, ends.y, edge_rule.ratio[level], edge_rule.at_infinity);
-  } else {
-    var count = 0u;
-    for (var side = 0u; side < opaque(2u); side++) {
-      count += select(0u, 1u, bends(ends, step_beside(keys, side == 1u), edge_rule.slopes[level]));
-    }
-    is_step = count >= select(1u, 2u, SECOND == 1u);
+  var count = 0u;
+  for (var side = 0u; side < opaque(2u); side++) {
+    count += select(0u, 1u, bends(ends, step_beside(keys, side == 1u), edge_rule.slopes[level]));
   }
-  return is_step;
+  return count >= select(1u, 2u, SECOND == 1u);
 }

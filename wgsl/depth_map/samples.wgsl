@@ -28,12 +28,8 @@ struct DepthMapShape {
   objects: u32,
   // 1: triangles at the ends of marked edges are drawn, too.
   spread: u32,
-  // 1: both triangles of a cell are drawn, if one is.
-  whole_cells: u32,
-  // Bits of how many units of depth × distance² make the threshold in world units. 0: the threshold is one of device depth.
-  ratio: u32,
-  // Bits of the depth at infinity, which may be slightly out of range.
-  at_infinity: u32,
+  // 0.
+  unused: u32,
 }
 
 @group(0) @binding(0) var<uniform> depth_map: DepthMapShape;

@@ -224,23 +224,11 @@ pub(crate) enum UsageError {
     CoveredPolygons { file: PathBuf },
     #[error(
         "light {light} is among the models or close to them, so it has six depth maps, whose device depths are nearly all \
-         alike; take \
-         --detector every, automatic or world=T"
+         alike; take --detector every or automatic"
     )]
     DetectorInCube { light: usize },
     #[error(
-        "light {light} is among the models or close to them, so it has six depth maps, and --reconstruct vector takes one; \
-         leave it out, and \
-         take --detector every, automatic or world=T"
-    )]
-    VectorInCube { light: usize },
-    #[error(
-        "--reconstruct vector traces jumps of depth; add --detector differences=T, or objects with a file of --depth"
-    )]
-    VectorDetector,
-    #[error(
-        "--dangling continues edges that a detector finds; add --detector automatic, second=LOW,HIGH or another, and no \
-         --reconstruct vector"
+        "--dangling continues edges that a detector finds; add --detector automatic, second=LOW,HIGH or differences=T"
     )]
     Dangling,
     #[error(
@@ -250,10 +238,6 @@ pub(crate) enum UsageError {
     DepthLights { count: usize },
     #[error("--light is {given}, but the map of --depth was seen from {map}; give this light, or leave --light out")]
     DepthLightApart { given: String, map: String },
-    #[error(
-        "--detector objects takes a number of an object for each texel, which only a file of --depth has; take another detector"
-    )]
-    NoObjects,
     #[error("--eye and --target are the same point; move one")]
     EyeAtTarget,
     #[error("--size {width}x{height} is too large: {adapter} can draw at most {limit} pixels in each direction")]

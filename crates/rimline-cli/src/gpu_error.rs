@@ -4,11 +4,9 @@ use std::path::{Path, PathBuf};
 
 use rimline::LightError;
 use rimline::gpu::{
-    DeformError, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapPipelinesError,
-    DepthMapVolumesError, ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError,
-    MAX_OUTLINE_EDGES, MemoryError, MeshDepthError, PositionError, ReadError, SceneError, ShadowDrawError,
-    ShadowEncodeError, ShadowFormatError, ShadowQueryEncodeError, ShadowQueryError, ShadowVolumesError,
-    StaleExtraction, TimerError,
+    DeformError, DepthMapError, ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError,
+    MAX_OUTLINE_EDGES, MemoryError, PositionError, ReadError, SceneError, ShadowDrawError, ShadowEncodeError,
+    ShadowFormatError, ShadowQueryEncodeError, ShadowQueryError, ShadowVolumesError, StaleExtraction, TimerError,
 };
 
 use crate::device::{Gpu, describe};
@@ -52,17 +50,7 @@ pub(crate) enum GpuError {
     #[error(transparent)]
     Stale(#[from] StaleExtraction),
     #[error(transparent)]
-    DepthMap(#[from] DepthMapVolumesError),
-    #[error(transparent)]
-    DepthMapCube(#[from] DepthMapCubeError),
-    #[error(transparent)]
-    DepthMapPipelines(#[from] DepthMapPipelinesError),
-    #[error(transparent)]
-    DepthMapEncode(#[from] DepthMapEncodeError),
-    #[error(transparent)]
-    DepthMapDraw(#[from] DepthMapDrawError),
-    #[error(transparent)]
-    MeshDepth(#[from] MeshDepthError),
+    DepthMap(#[from] DepthMapError),
     /// The user's depth map is the reason.
     #[error("{}: {error}", .file.display())]
     GivenMap { file: PathBuf, error: Box<GivenMapError> },
@@ -83,20 +71,12 @@ impl GpuError {
 
     /// Makes a map of the user's the reason, where it is one.
     pub(crate) fn of_map(self, file: &Path) -> Self {
+        use DepthMapError::{Camera, Device, Format, Memory, Positions, Refused, StaleFrame};
         let error: GivenMapError = match self {
-            Self::DepthMap(error)
-                if !matches!(error, DepthMapVolumesError::Device(_) | DepthMapVolumesError::Memory(_)) =>
-            {
-                error.into()
-            }
-            Self::DepthMapCube(DepthMapCubeError::Volumes(error)) => return Self::DepthMap(error).of_map(file),
-            Self::DepthMapCube(error) => error.into(),
-            Self::DepthMapEncode(
-                error @ (DepthMapEncodeError::Light(_)
-                | DepthMapEncodeError::FarPlane
-                | DepthMapEncodeError::NearFar
-                | DepthMapEncodeError::Distances { .. }),
-            ) => error.into(),
+            Self::DepthMap(
+                error @ (Camera(_) | Device(_) | Format(_) | Memory(_) | Positions(_) | Refused { .. } | StaleFrame),
+            ) => return Self::DepthMap(error),
+            Self::DepthMap(error) => error.into(),
             other => return other,
         };
         Self::GivenMap { file: file.to_owned(), error: Box::new(error) }
@@ -104,14 +84,15 @@ impl GpuError {
 
     fn of_device(self, gpu: &Gpu) -> Failure {
         match &self {
-            Self::Shadow(ShadowEncodeError::Camera(camera))
-            | Self::DepthMapEncode(DepthMapEncodeError::Camera(camera)) => return UsageError::Camera(*camera).into(),
+            Self::Shadow(ShadowEncodeError::Camera(camera)) | Self::DepthMap(DepthMapError::Camera(camera)) => {
+                return UsageError::Camera(*camera).into();
+            }
             Self::Scene(SceneError::Camera { error, .. }) => return UsageError::Camera(*error).into(),
             Self::Shadow(ShadowEncodeError::Light(lights)) => return UsageError::Lights(*lights).into(),
             // The CPU would do.
             Self::Deform(DeformError::TooManyTerms { .. })
             | Self::Extractor(ExtractorError::Polygons | ExtractorError::OutlineTooLarge { .. })
-            | Self::DepthMapCube(DepthMapCubeError::Volumes(DepthMapVolumesError::Texture { .. })) => {
+            | Self::DepthMap(DepthMapError::Texture { .. }) => {
                 return self.too_small(gpu);
             }
             _ => {}
@@ -167,9 +148,7 @@ impl GpuError {
                 | ExtractionIncludeError::Positions(PositionError::Memory(memory)),
             )
             | Self::ShadowVolumes(ShadowVolumesError::Memory(memory))
-            | Self::DepthMap(DepthMapVolumesError::Memory(memory))
-            | Self::DepthMapCube(DepthMapCubeError::Volumes(DepthMapVolumesError::Memory(memory)))
-            | Self::MeshDepth(MeshDepthError::Positions(PositionError::Memory(memory)))
+            | Self::DepthMap(DepthMapError::Memory(memory) | DepthMapError::Positions(PositionError::Memory(memory)))
             | Self::Scene(SceneError::Memory(memory) | SceneError::Positions(PositionError::Memory(memory)))
             | Self::Shadow(
                 ShadowEncodeError::Positions(PositionError::Memory(memory))

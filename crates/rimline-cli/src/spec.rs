@@ -1,6 +1,6 @@
 //! The small languages of the command line: lights, points and picture sizes.
 
-use rimline::gpu::{DanglingEdges, DepthEdges};
+use rimline::gpu::{DanglingEdges, DepthMapMethod};
 use rimline::mesh::{WeldDistance, WeldDistanceError};
 use rimline::{AreaShape, Light};
 
@@ -89,14 +89,12 @@ pub(crate) enum SpecError {
     RangeAtInfinity,
     #[error("there is no shape `{0}`; write rect, rect:W,H, disc, disc:R, sphere or sphere:R")]
     Area(String),
-    #[error("there is no detector `{0}`; write every, automatic, differences=T, second=LOW,HIGH, world=T or objects")]
+    #[error("there is no detector `{0}`; write every, automatic, differences=T, second=LOW,HIGH or contours=T")]
     Detector(String),
     #[error("second=LOW,HIGH has the lower threshold first, not {low},{high}")]
     SecondThresholds { low: f32, high: f32 },
     #[error("device depths differ by 0 to 1, not {0}")]
     DepthThreshold(f32),
-    #[error("a distance must not be negative")]
-    WorldThreshold,
     #[error("edges that dangle go on by SHARE,CELLS: 0 to 1 of the thresholds, and 1 to 64 whole cells, such as 0.5,8")]
     Dangling,
     #[error("a light's size is more than 0, and at most {MOST_AREA_SIZE}")]
@@ -300,29 +298,34 @@ fn within(text: &str, least: f32, most: f32) -> Result<f32, SpecError> {
     if (least..=most).contains(&given) { Ok(given) } else { Err(SpecError::Range { given, least, most }) }
 }
 
-/// Edges of depth maps.
-pub(crate) fn detector(text: &str) -> Result<DepthEdges, SpecError> {
+/// How far a segment may be from its contour, in texels.
+const CONTOUR_SIDEWAYS: f32 = 0.1;
+/// How far the ends of a wall may be from the surfaces that it joins, in thresholds.
+const CONTOUR_THRESHOLDS: f32 = 4.0;
+
+/// How shadows are found in depth maps.
+pub(crate) fn detector(text: &str) -> Result<DepthMapMethod, SpecError> {
     let unknown = || SpecError::Detector(text.to_owned());
     match text.split_once('=') {
-        None if text == "every" => Ok(DepthEdges::EveryCell),
-        None if text == "automatic" => Ok(DepthEdges::Automatic),
-        None if text == "objects" => Ok(DepthEdges::Outlines),
+        None if text == "every" => Ok(DepthMapMethod::EveryCell),
+        None if text == "automatic" => Ok(DepthMapMethod::Automatic { dangling: None }),
         Some(("differences", threshold)) => {
-            Ok(DepthEdges::Differences { threshold: depth_difference(number(threshold)?)? })
+            Ok(DepthMapMethod::Differences { threshold: depth_difference(number(threshold)?)?, dangling: None })
         }
         Some(("second", thresholds)) => {
             let [low, high] = numbers(thresholds)?;
             let (low, high) = (depth_difference(low)?, depth_difference(high)?);
             if low <= high {
-                Ok(DepthEdges::SecondDifferences { low, high })
+                Ok(DepthMapMethod::SecondDifferences { low, high, dangling: None })
             } else {
                 Err(SpecError::SecondThresholds { low, high })
             }
         }
-        Some(("world", threshold)) => match number(threshold)? {
-            threshold if threshold >= 0.0 => Ok(DepthEdges::WorldDifferences { threshold }),
-            _ => Err(SpecError::WorldThreshold),
-        },
+        Some(("contours", threshold)) => {
+            let threshold = depth_difference(number(threshold)?)?;
+            let depth = (CONTOUR_THRESHOLDS * threshold).min(1.0);
+            Ok(DepthMapMethod::Contours { threshold, sideways: CONTOUR_SIDEWAYS, depth })
+        }
         _ => Err(unknown()),
     }
 }

@@ -24,8 +24,6 @@ pub struct Cell {
     pub ends: [bool; 4],
     /// It is split from sample (1, 0) to (0, 1).
     pub is_split: bool,
-    /// Both of its triangles are drawn, if one is.
-    pub is_whole: bool,
 }
 
 /// Whether `large` is more than `small` + `threshold`, exactly. Each is the bits of a number from 0 to 1, none subnormal,
@@ -71,8 +69,7 @@ impl Cell {
         let marked = [(0, 1), (1, 3), (2, 3), (0, 2)].map(|(p, q)| is_marked([corners[p], corners[q]]));
         let distance = |p: Key, q: Key| p.code().abs_diff(q.code());
         let ends = corners.map(is_end);
-        let is_whole = samples.shape.whole_cells == 1;
-        Self { at, marked, ends, is_split: distance(a, d) > distance(b, c), is_whole }
+        Self { at, marked, ends, is_split: distance(a, d) > distance(b, c) }
     }
 
     /// The corners of its two triangles, from its place. The diagonal is the last two corners of the first and the first and
@@ -85,14 +82,13 @@ impl Cell {
         }
     }
 
-    /// Which of the two triangles are drawn: those with a marked edge, or a sample at the end of one, or both if one is.
+    /// Which of the two triangles are drawn: those with a marked edge, or a sample at the end of one.
     pub fn is_drawn(&self) -> [bool; 2] {
         let [top, right, bottom, left] = self.marked;
         let has_edge = if self.is_split { [top || left, right || bottom] } else { [top || right, bottom || left] };
         let [a, b, c, d] = self.ends;
         let has_end = if self.is_split { [a || b || c, b || c || d] } else { [a || b || d, a || c || d] };
-        let own = [0, 1].map(|number| has_edge[number] || has_end[number]);
-        if self.is_whole { [own[0] || own[1]; 2] } else { own }
+        [0, 1].map(|number| has_edge[number] || has_end[number])
     }
 
     /// Its entry in a list.

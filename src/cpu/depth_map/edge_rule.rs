@@ -1,8 +1,9 @@
 //! The rule by which an edge between two samples is marked: from first differences, or from these and those beside them.
 
+use std::cmp::Ordering;
+
 use super::edge_code::exceeds;
 use super::samples::{Key, Samples};
-use super::world_step::{distance, order, product, sum, wide, world_step};
 use crate::layout::DepthEdgeRule;
 
 /// What second differences tell.
@@ -27,6 +28,61 @@ fn noise_at(rule: &DepthEdgeRule, large: f32) -> f32 {
     share.max(f32::from_bits(rule.noise))
 }
 
+/// An integer, lowest word first, in units of 2⁻¹⁴⁹ or their square.
+type Wide = [u32; 16];
+
+/// The absolute value of a float that is 0 or normal.
+fn wide(value: f32) -> Wide {
+    let bits = value.to_bits() & 0x7fff_ffff;
+    let mut result = [0; 16];
+    if bits != 0 {
+        let places = (bits >> 23) - 1;
+        let moved = u64::from(bits & 0x007f_ffff | 0x0080_0000) << (places % 32);
+        let at = (places / 32) as usize;
+        (result[at], result[at + 1]) = (moved as u32, (moved >> 32) as u32);
+    }
+    result
+}
+
+fn order(a: &Wide, b: &Wide) -> Ordering {
+    a.iter().rev().cmp(b.iter().rev())
+}
+
+fn sum(a: &Wide, b: &Wide) -> Wide {
+    let mut carry = 0;
+    std::array::from_fn(|at| {
+        carry += u64::from(a[at]) + u64::from(b[at]);
+        let word = carry as u32;
+        carry >>= 32;
+        word
+    })
+}
+
+fn distance(a: &Wide, b: &Wide) -> Wide {
+    let (large, small) = if order(a, b).is_lt() { (b, a) } else { (a, b) };
+    let mut borrow = 0;
+    std::array::from_fn(|at| {
+        borrow += i64::from(large[at]) - i64::from(small[at]);
+        let word = borrow as u32;
+        borrow >>= 32;
+        word
+    })
+}
+
+/// Words beyond the last are 0 for what is multiplied here.
+fn product(a: &Wide, b: &Wide) -> Wide {
+    let mut result = [0_u32; 16];
+    for (i, &x) in a.iter().enumerate() {
+        let mut carry = 0;
+        for (word, &y) in result[i..].iter_mut().zip(b) {
+            carry += u64::from(*word) + u64::from(x) * u64::from(y);
+            *word = carry as u32;
+            carry >>= 32;
+        }
+    }
+    result
+}
+
 /// Whether the difference of two depths is larger than multiples of that of two others, and noise.
 fn bends(rule: &DepthEdgeRule, ends: [f32; 2], beside: Option<[f32; 2]>, slopes: f32) -> bool {
     let noise = noise_at(rule, ends[0].max(ends[1]));
@@ -49,10 +105,6 @@ pub(super) fn is_marked(samples: &Samples<'_>, rule: &DepthEdgeRule, second: Sec
         return false;
     }
     let ends = [a, b].map(|steps| samples.depth(steps));
-    if rule.ratio[level] != 0 {
-        let [ratio, at_infinity] = [rule.ratio[level], rule.at_infinity].map(f32::from_bits);
-        return world_step(ends[0], ends[1], ratio, at_infinity);
-    }
     let [small, large] = [ends[0].min(ends[1]), ends[0].max(ends[1])].map(f32::to_bits);
     let is_above = |threshold: u32| exceeds(large, small, threshold);
     // The step between two samples, if it goes the same way.

@@ -22,4 +22,3 @@ pub(crate) mod edge_marks;
 pub(crate) mod edge_rule;
 pub(crate) mod mesh_depth;
 pub(crate) mod samples;
-pub(crate) mod world_step;

@@ -1,9 +1,9 @@
 //! The stages that rebuild a map's boundary as walls over its contours.
 
-use super::bound::{BoundStage, Workgroups};
-use super::options::{DepthEdges, DepthMapOptions, DepthMapReconstruction};
+use super::error::DepthMapError;
+use super::options::{DepthMapMethod, DepthMapOptions};
 use super::pipelines::DepthMapPipelines;
-use super::volumes_errors::DepthMapVolumesError;
+use super::stage::{BoundStage, ObjectStage, Workgroups};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, buffer, filled, guarded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
@@ -25,15 +25,15 @@ const RANGE: f64 = (1_u32 << 29) as f64;
 const SURE: f64 = 16.0;
 /// Units that a tolerance has at least, if it has as many: it and distances are moved down by what it has more.
 const TOLERANCE_BITS: u32 = 3;
-/// The largest numbers that the stages calculate with.
-pub(super) const MOST_SLOPE_BIAS: f32 = 255.0;
+/// The largest share that the stages calculate with.
 const MOST_SHARE: f64 = 4095.0;
 
 /// Stages and buffers for the contours of a map.
 #[derive(Debug)]
 pub(super) struct Contours {
-    /// Marks, find tiles, list them, places, count, scan, list.
-    stages: [Pipeline; 7],
+    mark: ObjectStage,
+    /// Find tiles, list them, places, count, scan, list.
+    stages: [Pipeline; 6],
     pub(super) shape: ContourShape,
     marks: wgpu::Buffer,
     places: wgpu::Buffer,
@@ -61,28 +61,13 @@ impl ContourPlan {
         pipelines: &DepthMapPipelines,
         size: [u32; 2],
         options: &DepthMapOptions,
-    ) -> Result<Option<Self>, DepthMapVolumesError> {
-        let DepthMapReconstruction::Contours { sideways, depth } = options.reconstruction else { return Ok(None) };
-        let threshold = match options.edges {
-            DepthEdges::Differences { threshold } => f64::from(threshold),
-            DepthEdges::Outlines => 1.0,
-            edges => return Err(DepthMapVolumesError::ContourEdges(edges)),
-        };
-        if !(0.0..=0.5).contains(&sideways) {
-            return Err(DepthMapVolumesError::Sideways(sideways));
+    ) -> Result<Option<Self>, DepthMapError> {
+        let DepthMapMethod::Contours { threshold, sideways, depth } = options.method else { return Ok(None) };
+        let bits = pipelines.bits().len() as u32;
+        if bits > 1 {
+            return Err(DepthMapError::OneBit(bits));
         }
-        if !(0.0..=1.0).contains(&depth) {
-            return Err(DepthMapVolumesError::ContourDepth(depth));
-        }
-        if options.bits > 1 {
-            return Err(DepthMapVolumesError::ContourBits(options.bits));
-        }
-        if options.dangling.is_some() {
-            return Err(DepthMapVolumesError::ContourDangling);
-        }
-        if options.slope_bias > MOST_SLOPE_BIAS {
-            return Err(DepthMapVolumesError::ContourBias(options.slope_bias));
-        }
+        let threshold = f64::from(threshold);
         let limits = DispatchLimits::new(&pipelines.shared().device().limits());
         let tiles = size.map(|texels| (texels + 1).div_ceil(TILE));
         let all = u64::from(tiles[0]) * u64::from(tiles[1]);
@@ -125,13 +110,10 @@ impl Contours {
     pub(super) fn new(
         pipelines: &DepthMapPipelines,
         ContourPlan { shape, allocations }: ContourPlan,
-        objects: bool,
-    ) -> Result<Self, DepthMapVolumesError> {
+    ) -> Result<Self, DepthMapError> {
         let shared = pipelines.shared();
         // Here rather than in a draw, which would wait for the compiler.
-        if !pipelines.is_counting() {
-            pipelines.walls()?;
-        }
+        pipelines.walls()?;
         let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let indirect = storage | wgpu::BufferUsages::INDIRECT;
@@ -140,12 +122,10 @@ impl Contours {
             [0, 1, 2, 3, 4, 5]
                 .map(|at| buffer(shared.device(), allocations[at].label, allocations[at].bytes, usages[at]))
         })?;
-        let objects = ("OBJECTS", f64::from(u8::from(objects)));
         let most = shared.device().limits().max_compute_workgroups_per_dimension;
         let most = [("MOST_WORKGROUPS", f64::from(most))];
         let lists = |lists: bool| [("LISTS", f64::from(u8::from(lists)))];
         let stages = [
-            shared.compute(&CONTOUR_MARKS, "contour_marks", &[objects]),
             shared.compute(&CONTOUR_TILES, "contour_tiles_find", &[]),
             shared.compute(&CONTOUR_TILES, "contour_tiles_list", &most),
             shared.compute(&CONTOUR_PLACES, "contour_places", &[]),
@@ -153,58 +133,68 @@ impl Contours {
             shared.compute(&CONTOUR_WALLS, "contour_walls_places", &[]),
             shared.compute(&CONTOUR_WALLS, "contour_walls_take", &lists(true)),
         ];
-        Ok(Self { stages, shape, marks, places, counts, workgroups, walls, draws })
+        Ok(Self {
+            mark: ObjectStage::new(shared, &CONTOUR_MARKS, "contour_marks", &[]),
+            stages,
+            shape,
+            marks,
+            places,
+            counts,
+            workgroups,
+            walls,
+            draws,
+        })
     }
 
-    /// The stages with what they are bound to, and their workgroups. `view` has the move away from the light.
+    /// The stages with what they are bound to, and their workgroups.
     pub(super) fn bind(
         &self,
-        device: &wgpu::Device,
-        uniform: &wgpu::Buffer,
+        shared: &Pipelines,
+        map: &wgpu::Buffer,
         contour: &wgpu::Buffer,
-        [texture, objects]: [wgpu::BindingResource<'_>; 2],
-    ) -> Vec<BoundStage<'_>> {
-        let most = device.limits().max_compute_workgroups_per_dimension;
-        let words = self.marks.size() / 4;
-        let over = |items: u64| {
-            let blocks = items.div_ceil(u64::from(WORKGROUP)) as u32;
-            let rows = blocks.div_ceil(most).min(most);
-            Workgroups::Known([blocks.div_ceil(rows.max(1)).min(most), rows])
-        };
+        [texture, objects]: &[wgpu::BindingResource<'_>; 2],
+        has_objects: bool,
+    ) -> Vec<BoundStage> {
+        let device = shared.device();
+        let over = |items: u64| Workgroups::over(device, items.div_ceil(u64::from(WORKGROUP)) as u32);
         // Contours cross few of all tiles, and a workgroup costs a CPU more than a turn.
         let written = |at: u64| Workgroups::Written(self.workgroups.clone(), at);
-        let tiles = u64::from(self.shape.tiles[1]);
-        let shapes = [("depth_map", entry::<DepthMapShape>(uniform)), ("contour", entry::<ContourShape>(contour))];
-        let texture = ("depth_texture", texture);
-        let marks = ("marks", self.marks.as_entire_binding());
+        let alone = || Workgroups::Known([1, 1]);
+        let shared_by_all = [
+            ("depth_map", entry::<DepthMapShape>(map)),
+            ("contour", entry::<ContourShape>(contour)),
+            ("depth_texture", texture.clone()),
+            ("marks", self.marks.as_entire_binding()),
+        ];
+        let counts = ("counts", self.counts.as_entire_binding());
         let places = ("places", self.places.as_entire_binding());
         let walls = [
-            marks.clone(),
             places.clone(),
-            ("counts", self.counts.as_entire_binding()),
+            counts.clone(),
             ("walls", self.walls.as_entire_binding()),
             ("draws", self.draws.as_entire_binding()),
         ];
-        let counts = ("counts", self.counts.as_entire_binding());
-        let listing = [marks.clone(), counts.clone(), ("workgroups", self.workgroups.as_entire_binding())];
+        let listing = [counts.clone(), ("workgroups", self.workgroups.as_entire_binding())];
         let own: [(&[_], Workgroups); 7] = [
-            (&[marks.clone(), ("object_texture", objects)], over(words)),
-            (&listing, over(tiles)),
-            (&listing, Workgroups::Known([1, 1])),
-            (&[marks, counts, places], written(0)),
+            (&[("object_texture", objects.clone())], over(self.marks.size() / 4)),
+            (&listing, over(u64::from(self.shape.tiles[1]))),
+            (&listing, alone()),
+            (&[counts, places], written(0)),
             (&walls, written(12)),
-            (&walls, Workgroups::Known([1, 1])),
+            (&walls, alone()),
             (&walls, written(12)),
         ];
-        let bound = self.stages.iter().zip(own).map(|(stage, (own, workgroups))| {
-            let resources = [&shapes[..], std::slice::from_ref(&texture), own].concat();
-            (stage, stage.bind(device, &resources), workgroups)
+        let stages = std::iter::once(self.mark.get(shared, has_objects)).chain(self.stages.iter().cloned());
+        let bound = stages.zip(own).map(|(stage, (own, workgroups))| BoundStage {
+            groups: vec![stage.bind(device, &[&shared_by_all, own].concat())],
+            stage,
+            workgroups,
         });
         bound.collect()
     }
 
     /// The uniform of an encode whose surfaces move as the view says.
-    pub(super) fn uniform(&self, shared: &Pipelines, view: &DepthMapView) -> wgpu::Buffer {
+    pub(super) fn uniform(&self, device: &wgpu::Device, view: &DepthMapView) -> wgpu::Buffer {
         let [slope_bias, share, constant, _] = view.bias.map(f64::from);
         let shape = ContourShape {
             slope_bias: (slope_bias * 256.0).round() as i32,
@@ -212,7 +202,7 @@ impl Contours {
             constant: (constant * RANGE).ceil().min(RANGE) as i32,
             ..self.shape
         };
-        filled(shared.device(), "contours", bytemuck::bytes_of(&shape), wgpu::BufferUsages::UNIFORM)
+        filled(device, "contours", bytemuck::bytes_of(&shape), wgpu::BufferUsages::UNIFORM)
     }
 
     /// Bound to draws besides what all draws have: places, the uniform, counts and marks.

@@ -1,9 +1,8 @@
 //! A depth map from a map of distances.
 
-use super::frame_errors::{DepthMapEncodeError, DepthMapTexture};
+use super::error::DepthMapError;
 use super::metric::{DepthMetric, metric_view};
 use super::options::DepthMap;
-use super::volumes_errors::DepthMapVolumesError;
 use super::written::WrittenMap;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::Subject;
@@ -32,8 +31,8 @@ use crate::stages::DEPTH_METRIC;
 /// let options = DepthMapOptions { metric, ..Default::default() };
 /// let mut volumes = DepthMapVolumes::new(pipelines, [512, 512], options)?;
 /// // Every frame, after what writes `distances`:
-/// conversion.encode(encoder, &DepthMap { texture: distances, light }, metric, None)?;
-/// let shadows = volumes.encode(encoder, &DepthMap { texture: conversion.texture(), light }, camera, None)?;
+/// conversion.encode(encoder, &DepthMap { texture: distances, light, objects: None }, metric, None)?;
+/// let shadows = volumes.encode(encoder, &DepthMap { texture: conversion.texture(), light, objects: None }, camera, None)?;
 /// # Ok(())
 /// # }
 /// ```
@@ -46,8 +45,8 @@ impl DepthMapConversion {
     /// Makes a texture of `size` texels for the result.
     ///
     /// # Errors
-    /// [`DepthMapVolumesError`] if the device lacks what the stage needs, or the texture does not fit it.
-    pub fn new(pipelines: impl Into<Pipelines>, size: [u32; 2]) -> Result<Self, DepthMapVolumesError> {
+    /// [`DepthMapError`] if the device lacks what the stage needs, or the texture does not fit it.
+    pub fn new(pipelines: impl Into<Pipelines>, size: [u32; 2]) -> Result<Self, DepthMapError> {
         let pipelines = pipelines.into();
         pipelines.clone().construct(Subject::DepthMap, || {
             Ok(Self { converted: WrittenMap::new(pipelines, &DEPTH_METRIC, "converted depth map", size)? })
@@ -55,21 +54,22 @@ impl DepthMapConversion {
     }
 
     /// Records the stage. `map` has distances of `metric`, in a texture of `R32Float`, and the camera that they were measured
-    /// for. With [`DepthMetric::Device`] it has any format of a map, and the result has its depths, clamped. Draws of volumes
+    /// for; its objects do not matter. With [`DepthMetric::Device`] it has any format of a map, and the result has its depths, clamped. Draws of volumes
     /// read the result, too, so record them before the next conversion.
     ///
     /// # Errors
-    /// [`DepthMapEncodeError`] if the texture or the camera is refused. Nothing is recorded then.
+    /// [`DepthMapError`] if the texture or the camera is refused. Nothing is recorded then.
     pub fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         map: &DepthMap<'_>,
         metric: DepthMetric,
         timer: Option<&mut StageTimer>,
-    ) -> Result<(), DepthMapEncodeError> {
-        let format = self.converted.check(map.texture, DepthMapTexture::Map)?;
+    ) -> Result<(), DepthMapError> {
+        let format = self.converted.check(map.texture, "the map")?;
         if metric != DepthMetric::Device && format != wgpu::TextureFormat::R32Float {
-            return Err(DepthMapEncodeError::DistanceFormat(format));
+            let taken = "R32Float for distances, or `DepthMetric::Device` for device depths";
+            return Err(DepthMapError::MapFormat { map: "the map".to_owned(), format, taken });
         }
         let view = metric_view(&map.light, self.converted.size(), metric)?;
         let maps = [("depth_texture", map.texture)];

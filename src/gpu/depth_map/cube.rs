@@ -2,24 +2,23 @@
 
 use bytemuck::Zeroable;
 
-use super::bound::{BoundStage, Workgroups};
+use super::error::DepthMapError;
 use super::frame::DepthMapFrame;
-use super::frame_errors::{DepthMapEncodeError, DepthMapTexture};
 use super::meeting::{cameras, check_meeting};
-use super::options::{DepthMapOptions, DepthMapReconstruction};
+use super::options::{DepthCubeMaps, DepthMapMethod, DepthMapOptions};
 use super::pipelines::DepthMapPipelines;
-use super::recording::{Eye, Planned};
+use super::recording::Inputs;
+use super::stage::{BoundStage, ObjectStage, Workgroups};
 use super::texture::{check_objects, check_texture, written_texture};
 use super::volumes::{DepthMapVolumes, MOST_CELLS};
-use super::volumes_errors::{DepthMapCubeError, DepthMapVolumesError};
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::WORKGROUP;
-use crate::gpu::common::memory::{Allocation, any_error, filled, guarded};
-use crate::gpu::common::pipelines::{Pipeline, Pipelines};
-use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
+use crate::gpu::common::memory::{Allocation, check, filled, guarded};
+use crate::gpu::common::pipelines::Pipelines;
+use crate::gpu::common::requirements::{Subject, check_alive};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
-use crate::layout::{DepthMapShape, DepthMapView};
+use crate::layout::DepthMapShape;
 use crate::shadow::DepthDirection;
 use crate::stages::DEPTH_CUBE;
 
@@ -36,17 +35,19 @@ use crate::stages::DEPTH_CUBE;
 #[derive(Debug)]
 pub struct DepthMapCube {
     shared: Pipelines,
-    stage: Pipeline,
-    pub(super) volumes: DepthMapVolumes,
-    cameras: [ShadowCamera; 6],
+    stage: ObjectStage,
+    volumes: DepthMapVolumes,
     shape: DepthMapShape,
     view: wgpu::TextureView,
     /// What is bound where a map is not there.
     nothing: wgpu::TextureView,
-    has_objects: bool,
-    /// The objects of all maps.
-    objects: wgpu::TextureView,
     no_objects: wgpu::TextureView,
+    /// What is bound in the place of the objects of all maps, where there are none.
+    unwritten_objects: wgpu::TextureView,
+    /// The objects of all maps, from the first encode with some on.
+    objects: Option<wgpu::TextureView>,
+    /// Bytes of all else, and the limit of all.
+    memory: (u64, Option<u64>),
 }
 
 impl DepthMapCube {
@@ -54,7 +55,7 @@ impl DepthMapCube {
     /// +y, and −z for the one along −y.
     ///
     /// # Errors
-    /// [`DepthMapCubeError`] if `side` is below 3, the place or a distance is not finite, `near` is not above 0, or `far` not
+    /// [`DepthMapError`] if `side` is below 3, the place or a distance is not finite, `near` is not above 0, or `far` not
     /// above `near`; and where they are so extreme that rounding to floats leaves no cameras that meet.
     pub fn cameras(
         place: [f32; 3],
@@ -62,237 +63,142 @@ impl DepthMapCube {
         far: Option<f32>,
         depth: DepthDirection,
         side: u32,
-    ) -> Result<[ShadowCamera; 6], DepthMapCubeError> {
+    ) -> Result<[ShadowCamera; 6], DepthMapError> {
         cameras(place, near, far, depth, side)
     }
 
-    /// Makes buffers for six maps of `side` × `side` texels, on the device of `pipelines`. The cameras may be turned all
-    /// together, against those of [`Self::cameras`].
+    /// Makes buffers for six maps of `side` × `side` texels, on the device of `pipelines`.
     ///
     /// # Errors
-    /// [`DepthMapCubeError`] if the maps of the cameras do not meet, the side or an option is refused, or buffers and texture do
-    /// not fit the device.
-    pub fn new(
-        pipelines: &DepthMapPipelines,
-        side: u32,
-        cameras: &[ShadowCamera; 6],
-        options: DepthMapOptions,
-    ) -> Result<Self, DepthMapCubeError> {
-        let shared = pipelines.shared();
-        shared.construct(Subject::DepthMap, || Self::with(pipelines, side, cameras, options))
+    /// [`DepthMapError`] if the side, an option or the number of bits is refused, or buffers and texture do not fit the device.
+    pub fn new(pipelines: &DepthMapPipelines, side: u32, options: DepthMapOptions) -> Result<Self, DepthMapError> {
+        pipelines.shared().construct(Subject::DepthMap, || Self::with(pipelines, side, options))
     }
 
-    fn with(
-        pipelines: &DepthMapPipelines,
-        side: u32,
-        cameras: &[ShadowCamera; 6],
-        options: DepthMapOptions,
-    ) -> Result<Self, DepthMapCubeError> {
+    fn with(pipelines: &DepthMapPipelines, side: u32, options: DepthMapOptions) -> Result<Self, DepthMapError> {
         if side < 3 {
-            return Err(DepthMapCubeError::Side(side));
+            return Err(DepthMapError::Side(side));
         }
-        if matches!(options.reconstruction, DepthMapReconstruction::Contours { .. }) {
-            return Err(DepthMapCubeError::Contours);
+        if let DepthMapMethod::Contours { .. } = options.method {
+            return Err(DepthMapError::CubeContours);
         }
-        if options.bits != 1 {
-            return Err(DepthMapCubeError::Bits(options.bits));
+        // Each map would be moved along its own axes, and leave the others.
+        if pipelines.bits().len() > 1 {
+            return Err(DepthMapError::OneBit(pipelines.bits().len() as u32));
         }
         let cells = u64::from(side - 1).pow(2).saturating_mul(6);
         if cells > MOST_CELLS {
-            return Err(DepthMapCubeError::Cells(side));
+            return Err(DepthMapError::Cells(side));
         }
-        check_meeting(cameras, side)?;
         let shared = pipelines.shared().clone();
         let device = shared.device();
         let most = device.limits().max_texture_dimension_2d;
         let size = [side.saturating_mul(3), side.saturating_mul(2)];
         if size[0] > most {
-            return Err(DepthMapVolumesError::Texture { size, most }.into());
+            return Err(DepthMapError::Texture { size, most });
         }
         let texels = u64::from(size[0]) * u64::from(size[1]);
-        let mut textures = vec![Allocation { label: "cube of depth maps", bytes: 4 * texels }];
-        if options.objects {
-            textures.push(Allocation { label: "objects of a cube", bytes: 4 * texels });
-        }
-        let bytes = textures.iter().map(|texture| texture.bytes).sum();
-        let volumes = DepthMapVolumes::with(pipelines, [side; 2], (6, &textures), options)?;
+        let texture = Allocation { label: "cube of depth maps", bytes: 4 * texels };
+        let volumes = DepthMapVolumes::with(pipelines, [side; 2], (6, &[texture]), options)?;
         let (floats, numbers) = (wgpu::TextureFormat::R32Float, wgpu::TextureFormat::R32Uint);
         // What is not there has one texel.
-        let [one, objects] = [[1, 1], if options.objects { size } else { [1, 1] }];
-        let make = || {
+        let made = guarded(device, texture.bytes, || {
             [
                 ("cube of depth maps", size, floats),
-                ("no depth map", one, floats),
-                ("objects of a cube", objects, numbers),
-                ("no objects", one, numbers),
+                ("no depth map", [1, 1], floats),
+                ("no objects", [1, 1], numbers),
+                ("no objects of a cube", [1, 1], numbers),
             ]
             .map(|(label, size, format)| written_texture(device, label, size, format))
-        };
-        let made = guarded(device, bytes, make);
-        let [view, nothing, objects, no_objects] = made
-            .map_err(DepthMapVolumesError::from)?
-            .map(|texture| texture.create_view(&wgpu::TextureViewDescriptor::default()));
+        });
+        let [view, nothing, no_objects, unwritten_objects] =
+            made?.map(|texture| texture.create_view(&wgpu::TextureViewDescriptor::default()));
         let blocks = texels.div_ceil(u64::from(WORKGROUP)) as u32;
         let shape = DepthMapShape { size: [side; 2], blocks, faces: 6, ..DepthMapShape::zeroed() };
-        let stage = shared.compute(&DEPTH_CUBE, "depth_cube", &[("OBJECTS", f64::from(u8::from(options.objects)))]);
-        let has_objects = options.objects;
-        Ok(Self { shared, stage, volumes, cameras: *cameras, shape, has_objects, view, nothing, objects, no_objects })
+        let stage = ObjectStage::new(&shared, &DEPTH_CUBE, "depth_cube", &[]);
+        let memory = (volumes.bytes + texture.bytes, options.memory_limit);
+        Ok(Self { stage, volumes, shape, view, nothing, no_objects, unwritten_objects, objects: None, memory, shared })
     }
 
-    /// Moves the light: its cameras from the next encode on.
+    /// Records the stages: makes the six maps one, and finds its edges, for `camera`. What was encoded before can no longer be
+    /// drawn. The first encode with objects makes a texture and a pipeline for them.
     ///
     /// # Errors
-    /// [`DepthMapCubeError`] if the maps of the cameras do not meet. The cameras stay as they were then.
-    pub fn set_cameras(&mut self, cameras: &[ShadowCamera; 6]) -> Result<(), DepthMapCubeError> {
-        check_meeting(cameras, self.shape.size[0])?;
-        self.cameras = *cameras;
-        Ok(())
-    }
-
-    /// Records the stages: makes the six maps one, and finds its edges, for `camera`. A map is a view as
-    /// [`DepthMap::texture`](crate::gpu::DepthMap::texture), in the order of the cameras. `None` casts nothing. What was encoded
-    /// before can no longer be drawn.
-    ///
-    /// # Errors
-    /// [`DepthMapEncodeError`] if a texture or the camera is refused. Nothing is recorded then.
+    /// [`DepthMapError`] if a texture or a camera is refused, the maps of the cameras do not meet, or the first objects do not fit.
+    /// Nothing is recorded then.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        maps: [Option<&wgpu::TextureView>; 6],
+        maps: &DepthCubeMaps<'_>,
         camera: &ShadowCamera,
         timer: Option<&mut StageTimer>,
-    ) -> Result<DepthMapFrame, DepthMapEncodeError> {
-        if self.has_objects {
-            return Err(DepthMapEncodeError::NoObjects { face: None });
-        }
-        self.encode_maps(encoder, maps, [None; 6], camera, timer)
-    }
-
-    /// As [`Self::encode`], with [`DepthMapOptions::objects`]: for each map that is there a texture of objects, as for
-    /// [`DepthMapVolumes::encode_objects`]. A sample that maps share has the object of the map that its depth is from.
-    ///
-    /// # Errors
-    /// [`DepthMapEncodeError`] if a texture or the camera is refused. Nothing is recorded then.
-    pub fn encode_objects(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        maps: [Option<&wgpu::TextureView>; 6],
-        objects: [Option<&wgpu::TextureView>; 6],
-        camera: &ShadowCamera,
-        timer: Option<&mut StageTimer>,
-    ) -> Result<DepthMapFrame, DepthMapEncodeError> {
-        if !self.has_objects {
-            return Err(DepthMapEncodeError::UnusedObjects);
-        }
-        self.check_objects(maps, objects)?;
-        self.encode_maps(encoder, maps, objects, camera, timer)
-    }
-
-    fn encode_maps(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        maps: [Option<&wgpu::TextureView>; 6],
-        objects: [Option<&wgpu::TextureView>; 6],
-        camera: &ShadowCamera,
-        timer: Option<&mut StageTimer>,
-    ) -> Result<DepthMapFrame, DepthMapEncodeError> {
-        check_timer(timer.as_deref(), self.shared.device())?;
-        let formats = self.formats(maps)?;
-        let views = self.views(&formats, camera)?;
-        check_alive(self.shared.device())?;
-        let planned = self.plan(maps, objects, &formats, &[(camera, views)], true)?;
-        let mut frames = planned.record(encoder, timer).into_iter();
-        frames.next().ok_or_else(|| DepthMapEncodeError::Refused { message: "no camera".to_owned() })
-    }
-
-    /// The formats of the maps. One that is not there has any.
-    pub(super) fn formats(
-        &self,
-        maps: [Option<&wgpu::TextureView>; 6],
-    ) -> Result<[wgpu::TextureFormat; 6], DepthMapEncodeError> {
+    ) -> Result<DepthMapFrame, DepthMapError> {
+        let side = self.shape.size[0];
+        check_meeting(&maps.lights, side)?;
+        // One that is not there has any.
         let mut formats = [wgpu::TextureFormat::R32Float; 6];
-        for (face, (map, format)) in maps.iter().zip(&mut formats).enumerate() {
+        for (face, (map, format)) in maps.textures.iter().zip(&mut formats).enumerate() {
             if let Some(map) = map {
-                *format = check_texture(map.texture(), self.shape.size, DepthMapTexture::CubeMap(face))?;
+                *format = check_texture(map.texture(), self.shape.size, &format!("map {face} of the cube"))?;
             }
         }
-        Ok(formats)
+        self.check_objects(maps)?;
+        check_alive(self.shared.device())?;
+        let has_objects = self.volumes.takes_objects && maps.objects != [None; 6];
+        if has_objects && self.objects.is_none() {
+            self.objects = Some(self.object_texture()?);
+        }
+        let Self { shared, stage, shape, view, nothing, no_objects, unwritten_objects, .. } = &*self;
+        let objects = self.objects.as_ref().filter(|_| has_objects);
+        let before = || {
+            let device = shared.device();
+            let is_reversed = u32::from(maps.lights[0].depth == DepthDirection::Reversed);
+            let shape = DepthMapShape { is_reversed, ..*shape };
+            let uniform = filled(device, "depth map", bytemuck::bytes_of(&shape), wgpu::BufferUsages::UNIFORM);
+            let of = wgpu::BindingResource::TextureView;
+            let mut resources = vec![("depth_map", entry::<DepthMapShape>(&uniform))];
+            let names = ["depth_texture", "texture_1", "texture_2", "texture_3", "texture_4", "texture_5"];
+            resources.extend(names.into_iter().zip(maps.textures.map(|map| of(map.unwrap_or(nothing)))));
+            resources.push(("cube_texture", of(view)));
+            let names = ["objects_0", "objects_1", "objects_2", "objects_3", "objects_4", "objects_5"];
+            let given = maps.objects.map(|objects| of(objects.filter(|_| has_objects).unwrap_or(no_objects)));
+            resources.extend(names.into_iter().zip(given));
+            resources.push(("cube_objects", of(objects.unwrap_or(unwritten_objects))));
+            let stage = stage.get(shared, has_objects);
+            let groups = vec![stage.bind(device, &resources)];
+            Some(BoundStage { stage, groups, workgroups: Workgroups::over(device, shape.blocks) })
+        };
+        let inputs = Inputs { texture: view, objects, lights: &maps.lights, formats: &formats, eye: camera };
+        self.volumes.record(encoder, &inputs, before, timer)
     }
 
     /// Refuses objects that do not fit the maps.
-    pub(super) fn check_objects(
-        &self,
-        maps: [Option<&wgpu::TextureView>; 6],
-        objects: [Option<&wgpu::TextureView>; 6],
-    ) -> Result<(), DepthMapEncodeError> {
-        if !self.has_objects {
-            return if objects == [None; 6] { Ok(()) } else { Err(DepthMapEncodeError::UnusedObjects) };
+    fn check_objects(&self, maps: &DepthCubeMaps<'_>) -> Result<(), DepthMapError> {
+        if maps.objects == [None; 6] {
+            return Ok(());
         }
-        for (face, (map, objects)) in maps.iter().zip(objects).enumerate() {
+        for (face, (map, objects)) in maps.textures.iter().zip(maps.objects).enumerate() {
             match objects {
                 Some(objects) => {
-                    check_objects(objects.texture(), self.shape.size, DepthMapTexture::CubeObjects(face))?;
+                    let name = format!("the texture of objects of map {face} of the cube");
+                    check_objects(objects.texture(), self.shape.size, &name)?;
                 }
-                None if map.is_some() => return Err(DepthMapEncodeError::NoObjects { face: Some(face) }),
+                None if map.is_some() => return Err(DepthMapError::NoObjects { face }),
                 None => {}
             }
         }
         Ok(())
     }
 
-    /// The views of the maps for a camera, in the only bit. All move by the errors of the coarsest, because samples on their
-    /// borders are shared.
-    pub(super) fn views(
-        &self,
-        formats: &[wgpu::TextureFormat; 6],
-        camera: &ShadowCamera,
-    ) -> Result<Vec<Vec<DepthMapView>>, DepthMapEncodeError> {
-        let view = |light| self.volumes.view(light, formats, camera, 0.0, [0.0; 2]);
-        Ok(vec![self.cameras.iter().map(view).collect::<Result<_, _>>()?])
-    }
-
-    /// Binds the stages, unless the list of an encode before is drawn, and the draws for each camera.
-    pub(super) fn plan(
-        &self,
-        maps: [Option<&wgpu::TextureView>; 6],
-        objects: [Option<&wgpu::TextureView>; 6],
-        formats: &[wgpu::TextureFormat; 6],
-        eyes: &[Eye<'_>],
-        is_listed_anew: bool,
-    ) -> Result<Planned<'_>, DepthMapEncodeError> {
-        let textures = [Some(&self.view), self.has_objects.then_some(&self.objects)];
-        let planned = self.volumes.plan(textures, (&self.cameras, formats), eyes, is_listed_anew)?;
-        let one = is_listed_anew.then(|| self.bind_one(maps, objects)).transpose()?;
-        Ok(planned.after(one))
-    }
-
-    /// The stage that makes the maps one.
-    fn bind_one(
-        &self,
-        maps: [Option<&wgpu::TextureView>; 6],
-        objects: [Option<&wgpu::TextureView>; 6],
-    ) -> Result<BoundStage<'_>, DepthMapEncodeError> {
+    /// A texture for the objects of all maps.
+    fn object_texture(&self) -> Result<wgpu::TextureView, DepthMapError> {
+        let (size, label) = ([3, 2].map(|maps| maps * self.shape.size[0]), "objects of a cube");
+        let bytes = 4 * u64::from(size[0]) * u64::from(size[1]);
+        let own = [Allocation { label: "all else of a cube", bytes: self.memory.0 }, Allocation { label, bytes }];
+        check(&own, u64::MAX, self.memory.1)?;
         let device = self.shared.device();
-        let is_reversed = u32::from(self.cameras[0].depth == DepthDirection::Reversed);
-        let shape = DepthMapShape { is_reversed, ..self.shape };
-        let bind = || {
-            let uniform = filled(device, "depth map", bytemuck::bytes_of(&shape), wgpu::BufferUsages::UNIFORM);
-            let view = wgpu::BindingResource::TextureView;
-            let mut resources = vec![("depth_map", entry::<DepthMapShape>(&uniform))];
-            let names = ["depth_texture", "texture_1", "texture_2", "texture_3", "texture_4", "texture_5"];
-            let maps = maps.map(|map| view(map.unwrap_or(&self.nothing)));
-            resources.extend(names.into_iter().zip(maps));
-            resources.push(("cube_texture", view(&self.view)));
-            let names = ["objects_0", "objects_1", "objects_2", "objects_3", "objects_4", "objects_5"];
-            let objects = objects.map(|objects| view(objects.unwrap_or(&self.no_objects)));
-            resources.extend(names.into_iter().zip(objects));
-            resources.push(("cube_objects", view(&self.objects)));
-            self.stage.bind(device, &resources)
-        };
-        let group = any_error(device, bind).map_err(|message| DepthMapEncodeError::Refused { message })?;
-        let most = device.limits().max_compute_workgroups_per_dimension;
-        let rows = shape.blocks.div_ceil(most).min(most);
-        Ok((&self.stage, group, Workgroups::Known([shape.blocks.div_ceil(rows).min(most), rows])))
+        let texture = guarded(device, bytes, || written_texture(device, label, size, wgpu::TextureFormat::R32Uint))?;
+        Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
     }
 
     /// The listed cells, as [`DepthMapVolumes::cells`] has them. A map has (side − 1)² cells, and its cells follow those of the

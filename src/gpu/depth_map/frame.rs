@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::frame_errors::DepthMapDrawError;
+use super::error::DepthMapError;
 use super::pipelines::DepthMapPipelines;
 use crate::gpu::common::requirements::check_same;
 use crate::shadow::DepthDirection;
@@ -53,25 +53,19 @@ pub struct DepthMapFrame {
     /// Of the eye. It decides how far the boundary moves away from it.
     pub(super) format: wgpu::TextureFormat,
     pub(super) depth: DepthDirection,
-    /// Triangles that show the light their front turn clockwise on the screen.
-    pub(super) is_turned: bool,
     pub(super) encodes: Arc<AtomicU64>,
     pub(super) encode: u64,
 }
 
 impl DepthMapFrame {
     /// Draws into a pass with the attachments of `pipelines`: turns their bit of the stencil round wherever the surface
-    /// that is seen is in shadow (or counts one more there), or each of their bits for the boundary moved by its part of a texel.
+    /// that is seen is in shadow, or each of their bits for the boundary moved by its part of a texel.
     /// The depth attachment holds what is seen, and may be read-only. The stencil may not. It changes the pipeline and bind group
     /// 0 of the pass.
     ///
     /// # Errors
-    /// [`DepthMapDrawError`] if the pipelines do not fit, or a later encode overwrites what is drawn. Nothing is drawn then.
-    pub fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        pipelines: &DepthMapPipelines,
-    ) -> Result<(), DepthMapDrawError> {
+    /// [`DepthMapError`] if the pipelines do not fit, or a later encode overwrites what is drawn. Nothing is drawn then.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &DepthMapPipelines) -> Result<(), DepthMapError> {
         self.check(pipelines)?;
         if let (true, [group, ..]) = (self.has_walls, &self.groups[..]) {
             let own = pipelines.walls()?;
@@ -85,8 +79,7 @@ impl DepthMapFrame {
         }
         for (group, own) in self.groups.iter().zip(&pipelines.draws) {
             pass.set_bind_group(0, group, &[]);
-            let [front, turned] = &own.surface;
-            pass.set_pipeline(if self.is_turned { turned } else { front });
+            pass.set_pipeline(&own.surface);
             pass.draw_indirect(&self.draws, 0);
             self.near_cap.draw(pass, &own.near_cap);
         }
@@ -95,7 +88,7 @@ impl DepthMapFrame {
 
     /// The arguments of its indirect draws, as the GPU wrote them: vertices, instances, first vertex, first instance. There are
     /// six vertices for each listed cell, and for each cell of the map if the list overflowed. With
-    /// [`DepthMapReconstruction::Contours`](crate::gpu::DepthMapReconstruction::Contours) six for each wall, or 0 if the list
+    /// [`DepthMapMethod::Contours`](crate::gpu::DepthMapMethod::Contours) six for each wall, or 0 if the list
     /// overflowed; then the arguments of a second draw follow, with six for each cell of the map, or 0 if it did not. Usage
     /// `COPY_SRC`.
     pub fn draw_arguments(&self) -> &wgpu::Buffer {
@@ -103,33 +96,31 @@ impl DepthMapFrame {
     }
 
     /// Whether its near cap is drawn.
+    #[cfg(feature = "reference")]
     pub fn near_cap(&self) -> &DepthMapNearCap {
         &self.near_cap
     }
 
     /// Refuses pipelines that do not fit, and a frame whose list a later encode overwrites.
-    pub(super) fn check(&self, pipelines: &DepthMapPipelines) -> Result<(), DepthMapDrawError> {
+    pub(super) fn check(&self, pipelines: &DepthMapPipelines) -> Result<(), DepthMapError> {
         check_same(["the pipelines", "the volumes"], [pipelines.shared().device(), &self.device])?;
         let (volumes, other) = (self.depth, pipelines.format().depth);
         if volumes != other {
-            return Err(DepthMapDrawError::Depth { volumes, pipelines: other });
+            return Err(DepthMapError::Depth { what: "the pipelines", given: other, made: volumes });
         }
         let (volumes, other) = (self.format, pipelines.format().depth_stencil);
         if volumes != other {
-            return Err(DepthMapDrawError::DepthFormat { volumes, pipelines: other });
+            return Err(DepthMapError::DepthFormat { volumes, pipelines: other });
         }
         let [volumes, other] = [self.groups.len(), pipelines.draws.len()].map(|bits| bits as u32);
         if volumes != other {
-            return Err(DepthMapDrawError::Bits { volumes, pipelines: other });
-        }
-        if self.has_walls && pipelines.is_counting() {
-            return Err(DepthMapDrawError::CountedWalls);
+            return Err(DepthMapError::DrawBits { volumes, pipelines: other });
         }
         self.check_current()
     }
 
     /// Refuses a frame whose list a later encode overwrites.
-    pub(super) fn check_current(&self) -> Result<(), DepthMapDrawError> {
-        if self.encodes.load(Ordering::Relaxed) == self.encode { Ok(()) } else { Err(DepthMapDrawError::StaleFrame) }
+    pub(super) fn check_current(&self) -> Result<(), DepthMapError> {
+        if self.encodes.load(Ordering::Relaxed) == self.encode { Ok(()) } else { Err(DepthMapError::StaleFrame) }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec3, DVec4, Mat4};
 
-use super::volumes_errors::{CubeMismatch, DepthMapCubeError};
+use super::error::DepthMapError;
 use crate::ShadowCamera;
 use crate::shadow::DepthDirection;
 
@@ -31,20 +31,20 @@ pub(super) fn cameras(
     far: Option<f32>,
     depth: DepthDirection,
     side: u32,
-) -> Result<[ShadowCamera; 6], DepthMapCubeError> {
+) -> Result<[ShadowCamera; 6], DepthMapError> {
     if side < 3 {
-        return Err(DepthMapCubeError::Side(side));
+        return Err(DepthMapError::Side(side));
     }
     if !place.iter().all(|coordinate| coordinate.is_finite()) {
-        return Err(DepthMapCubeError::Place(place));
+        return Err(DepthMapError::Place(place));
     }
     if !(near.is_finite() && near > 0.0) {
-        return Err(DepthMapCubeError::Near(near));
+        return Err(DepthMapError::Near(near));
     }
     if let Some(far) = far
         && !(far.is_finite() && far > near)
     {
-        return Err(DepthMapCubeError::Far { near, far });
+        return Err(DepthMapError::Far { near, far });
     }
     let (near, far) = (f64::from(near), far.map(f64::from));
     let cameras = AXES.map(|[forward, right, up]| {
@@ -75,13 +75,13 @@ struct Seen {
     near: f64,
 }
 
-fn seen(face: usize, camera: &ShadowCamera, side: u32) -> Result<Seen, DepthMapCubeError> {
-    camera.check_any_hand().map_err(|error| DepthMapCubeError::Light { face, error })?;
+fn seen(face: usize, camera: &ShadowCamera, side: u32) -> Result<Seen, DepthMapError> {
+    camera.check_any_hand().map_err(|error| DepthMapError::CubeLight { face, error })?;
     let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
     let [x, y, z, w] = [0, 1, 2, 3].map(|row| matrix.row(row));
     let scale = w.truncate().length();
     if scale == 0.0 {
-        return Err(DepthMapCubeError::Parallel { face });
+        return Err(DepthMapError::Parallel { face });
     }
     let origin = DVec3::from_array(camera.origin.map(f64::from));
     // The place where x, y and w are 0.
@@ -101,35 +101,35 @@ fn seen(face: usize, camera: &ShadowCamera, side: u32) -> Result<Seen, DepthMapC
 }
 
 /// Whether the maps of these cameras have their outermost samples on the same rays, with the same depths.
-pub(super) fn check_meeting(cameras: &[ShadowCamera; 6], side: u32) -> Result<(), DepthMapCubeError> {
+pub(super) fn check_meeting(cameras: &[ShadowCamera; 6], side: u32) -> Result<(), DepthMapError> {
     let seen = |face: usize| seen(face, &cameras[face], side);
     let first = seen(0)?;
     let frame = glam::DMat3::from_cols(first.axes[0], seen(2)?.axes[0], seen(4)?.axes[0]);
-    let apart = |face, what| Err(DepthMapCubeError::Apart { face, what });
+    let apart = |face, what| Err(DepthMapError::Apart { face, what });
     let is_off = |value: f64, most: f64| value.is_nan() || value > most;
     for (face, axes) in AXES.into_iter().enumerate() {
         if cameras[face].depth != cameras[0].depth {
-            return apart(face, CubeMismatch::Direction);
+            return apart(face, "its depth direction differs");
         }
         let own = seen(face)?;
         let [forward, right, up] =
             [0, 1, 2].map(|axis| is_off((own.axes[axis] - frame * axes[axis]).length(), TOLERANCE));
         let lengths = [1, 2].map(|axis| is_off((own.axes[axis].length() - 1.0).abs(), TOLERANCE));
         if lengths != [false; 2] {
-            return apart(face, CubeMismatch::Width);
+            return apart(face, "the middles of its outermost texels are not 45° from its middle");
         }
         let is_skew = is_off(own.axes[0].dot(own.axes[1]).abs().max(own.axes[0].dot(own.axes[2]).abs()), TOLERANCE);
         if forward || right || up || is_skew {
-            return apart(face, CubeMismatch::Axes);
+            return apart(face, "it does not look along its axis of the cube, or is turned");
         }
         // Rounding of an origin or a translation is that of its size.
         if is_off((own.place - first.place).length(), TOLERANCE * (first.place.length() + first.near)) {
-            return apart(face, CubeMismatch::Place);
+            return apart(face, "it is at another place");
         }
         let scale = is_off((own.scale / first.scale - 1.0).abs(), TOLERANCE);
         let infinity = is_off((own.depths[0] - first.depths[0]).abs(), TOLERANCE);
         if scale || infinity || is_off((own.depths[1] / first.depths[1] - 1.0).abs(), TOLERANCE) {
-            return apart(face, CubeMismatch::Depths);
+            return apart(face, "its near or far distance, or the scale of its matrix, differs");
         }
     }
     Ok(())

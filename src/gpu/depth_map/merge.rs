@@ -1,7 +1,6 @@
 //! Two depth maps of one light in one.
 
-use super::frame_errors::{DepthMapEncodeError, DepthMapTexture};
-use super::volumes_errors::DepthMapVolumesError;
+use super::error::DepthMapError;
 use super::written::WrittenMap;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::Subject;
@@ -24,8 +23,8 @@ impl DepthMapMerge {
     /// Makes a texture of `size` texels for the result.
     ///
     /// # Errors
-    /// [`DepthMapVolumesError`] if the device lacks what the stage needs, or the texture does not fit it.
-    pub fn new(pipelines: impl Into<Pipelines>, size: [u32; 2]) -> Result<Self, DepthMapVolumesError> {
+    /// [`DepthMapError`] if the device lacks what the stage needs, or the texture does not fit it.
+    pub fn new(pipelines: impl Into<Pipelines>, size: [u32; 2]) -> Result<Self, DepthMapError> {
         let pipelines = pipelines.into();
         pipelines.clone().construct(Subject::DepthMap, || {
             Ok(Self { merged: WrittenMap::new(pipelines, &DEPTH_MERGE, "merged depth map", size)? })
@@ -36,16 +35,16 @@ impl DepthMapMerge {
     /// what lies beyond the far end count as far. Draws of volumes read the result, too, so record them before the next merge.
     ///
     /// # Errors
-    /// [`DepthMapEncodeError`] if a texture is refused. Nothing is recorded then.
+    /// [`DepthMapError`] if a texture is refused. Nothing is recorded then.
     pub fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         maps: [&wgpu::TextureView; 2],
         depth: DepthDirection,
         timer: Option<&mut StageTimer>,
-    ) -> Result<(), DepthMapEncodeError> {
+    ) -> Result<(), DepthMapError> {
         for (number, map) in maps.into_iter().enumerate() {
-            self.merged.check(map, DepthMapTexture::MergedMap(number))?;
+            self.merged.check(map, &format!("map {number} of the merge"))?;
         }
         let [first, second] = maps;
         let maps = [("depth_texture", first), ("second_texture", second)];

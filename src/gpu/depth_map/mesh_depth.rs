@@ -1,6 +1,6 @@
 //! The depth of a mesh, as the light of a depth map sees it.
 
-use super::mesh_depth_errors::MeshDepthError;
+use super::error::DepthMapError;
 use crate::gpu::PositionBuffer;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{any_error, filled};
@@ -36,18 +36,18 @@ impl MeshDepth {
     /// is near, as [`ShadowCamera::depth`] of the light does.
     ///
     /// # Errors
-    /// [`MeshDepthError`] if `format` has no depth, or the device lacks something or refuses it.
+    /// [`DepthMapError`] if `format` has no depth, or the device lacks something or refuses it.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         mesh: &Mesh,
         format: wgpu::TextureFormat,
         depth: DepthDirection,
-    ) -> Result<Self, MeshDepthError> {
+    ) -> Result<Self, DepthMapError> {
         if !format.has_depth_aspect() {
-            return Err(MeshDepthError::Format(format));
+            return Err(DepthMapError::NoDepth(format));
         }
         let count = 3 * mesh.faces().len() as u64;
-        let count = u32::try_from(count).map_err(|_| MeshDepthError::Faces(mesh.faces().len()))?;
+        let count = u32::try_from(count).map_err(|_| DepthMapError::Faces(mesh.faces().len()))?;
         let shared = pipelines.into();
         shared.clone().construct(Subject::DepthMap, || {
             let device = shared.device().clone();
@@ -64,7 +64,7 @@ impl MeshDepth {
                 depth,
                 shared,
             })
-            .map_err(|message| MeshDepthError::Refused { message })
+            .map_err(|message| DepthMapError::Refused { message })
         })
     }
 
@@ -72,13 +72,13 @@ impl MeshDepth {
     /// pass to the far end before: 0 with reversed depth, else 1.
     ///
     /// # Errors
-    /// [`MeshDepthError`] if the positions or the light are refused. Nothing is drawn then.
+    /// [`DepthMapError`] if the positions or the light are refused. Nothing is drawn then.
     pub fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         positions: PositionBuffer<'_>,
         light: &ShadowCamera,
-    ) -> Result<(), MeshDepthError> {
+    ) -> Result<(), DepthMapError> {
         self.draw_rigid(pass, positions, UNMOVED, light)
     }
 
@@ -89,17 +89,17 @@ impl MeshDepth {
     /// [`CasterPositions::Rigid`](crate::gpu::CasterPositions::Rigid).
     ///
     /// # Errors
-    /// [`MeshDepthError`] if the positions or the light are refused. Nothing is drawn then.
+    /// [`DepthMapError`] if the positions or the light are refused. Nothing is drawn then.
     pub fn draw_rigid(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         positions: PositionBuffer<'_>,
         mesh_to_world: Matrix3x4,
         light: &ShadowCamera,
-    ) -> Result<(), MeshDepthError> {
+    ) -> Result<(), DepthMapError> {
         light.check_any_hand()?;
         if light.depth != self.depth {
-            return Err(MeshDepthError::Depth { light: light.depth, made: self.depth });
+            return Err(DepthMapError::Depth { what: "the light", given: light.depth, made: self.depth });
         }
         let device = self.shared.device();
         check_alive(device)?;
@@ -121,7 +121,7 @@ impl MeshDepth {
             let resources = [view.as_entire_binding(), bound, caster.as_entire_binding()];
             group(device, "mesh depth", &layout(&self.shared), &resources)
         });
-        let group = group.map_err(|message| MeshDepthError::Refused { message })?;
+        let group = group.map_err(|message| DepthMapError::Refused { message })?;
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);

@@ -4,7 +4,7 @@
 use bytemuck::Zeroable;
 use glam::{DMat4, DVec3, DVec4};
 
-use super::frame_errors::DepthMapEncodeError;
+use super::error::DepthMapError;
 use super::view::{infinity, matrix};
 use crate::ShadowCamera;
 use crate::layout::DepthMetricView;
@@ -61,8 +61,8 @@ struct Planes {
 }
 
 impl Planes {
-    fn new(light: &ShadowCamera, metric: DepthMetric) -> Result<Self, DepthMapEncodeError> {
-        light.check_any_hand().map_err(DepthMapEncodeError::Light)?;
+    fn new(light: &ShadowCamera, metric: DepthMetric) -> Result<Self, DepthMapError> {
+        light.check_any_hand().map_err(DepthMapError::Light)?;
         let matrix = matrix(light);
         let inverse: DMat4 = matrix.inverse();
         let planes = match infinity(light, &inverse)? {
@@ -79,10 +79,7 @@ impl Planes {
         if is_in_range && has_near && close <= MOST_GROWTH && stretch <= MOST_GROWTH {
             Ok(planes)
         } else {
-            Err(DepthMapEncodeError::Distances {
-                near: planes.near,
-                far: planes.far.map_or(f64::INFINITY, |[far, _]| far),
-            })
+            Err(DepthMapError::Distances { near: planes.near, far: planes.far.map_or(f64::INFINITY, |[far, _]| far) })
         }
     }
 
@@ -126,9 +123,9 @@ pub(crate) fn metric_view(
     light: &ShadowCamera,
     size: [u32; 2],
     metric: DepthMetric,
-) -> Result<DepthMetricView, DepthMapEncodeError> {
+) -> Result<DepthMetricView, DepthMapError> {
     if metric == DepthMetric::Device {
-        return light.check_any_hand().map_err(DepthMapEncodeError::Light).map(|()| DepthMetricView::zeroed());
+        return light.check_any_hand().map_err(DepthMapError::Light).map(|()| DepthMetricView::zeroed());
     }
     let planes = Planes::new(light, metric)?;
     let [width, height] = size.map(f64::from);
@@ -156,7 +153,7 @@ pub(crate) fn metric_view(
 }
 
 /// How far depths of a converted map may be off: a share of the depth, which may be negative, and a constant.
-pub(crate) fn metric_steps(light: &ShadowCamera, metric: DepthMetric) -> Result<[f64; 2], DepthMapEncodeError> {
+pub(crate) fn metric_steps(light: &ShadowCamera, metric: DepthMetric) -> Result<[f64; 2], DepthMapError> {
     if metric == DepthMetric::Device {
         return Ok([0.0; 2]);
     }

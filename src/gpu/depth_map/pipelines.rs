@@ -1,41 +1,37 @@
-//! Render pipelines that turn a bit of the stencil round at each triangle of the boundary, or count it.
+//! Render pipelines that turn a bit of the stencil round at each triangle of the boundary.
 
 use std::ops::Range;
 use std::sync::OnceLock;
 
 use wgpu::{CompareFunction, StencilOperation};
 
-use super::volumes_errors::DepthMapPipelinesError;
+use super::error::DepthMapError;
 use crate::gpu::common::bindings::{FLOAT_TEXTURE, UINT_TEXTURE};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::{DeviceError, Subject, check_sample_shading};
-use crate::gpu::shadow::format::{Casters, Count};
-use crate::gpu::shadow::pipelines::{check, check_count_bits, stencil};
+use crate::gpu::shadow::format::Casters;
+use crate::gpu::shadow::pipelines::{check, check_count_bits};
 use crate::gpu::shadow::{ShadowFormat, ShadowFormatError};
 use crate::shadow::DepthDirection;
 use crate::stages::{DEPTH_SURFACE, DEPTH_WALLS, Stage};
 
-/// The pipelines that draw volumes from depth maps, for one [`ShadowFormat`] and one bit of the stencil, or some, or the bits
-/// that counts own.
+/// The pipelines that draw volumes from depth maps, for one [`ShadowFormat`] and one bit of the stencil, or some.
 #[derive(Debug)]
 pub struct DepthMapPipelines {
     shared: Pipelines,
     format: ShadowFormat,
     bits: Range<u32>,
-    /// The bits are a count, and no parities.
-    is_counting: bool,
-    /// For each bit, or for the count.
+    /// For each bit.
     pub(super) draws: Vec<BitPipelines>,
     /// Made with the first volumes that have walls, or for the first draw of others' volumes.
     walls: OnceLock<WallPipelines>,
 }
 
-/// The pipelines of a bit, or of a count.
+/// The pipelines of a bit.
 #[derive(Debug)]
 pub(super) struct BitPipelines {
-    /// Where the surface shows its front to the light, and where it shows its back.
-    pub(super) surface: [wgpu::RenderPipeline; 2],
+    pub(super) surface: wgpu::RenderPipeline,
     pub(super) near_cap: wgpu::RenderPipeline,
 }
 
@@ -52,8 +48,7 @@ impl DepthMapPipelines {
     /// Makes the pipelines. They count by parity in bit `bit` of the stencil, and leave the other bits as they are. A draw
     /// turns the bit round at each pixel that is in shadow.
     ///
-    /// This is for maps alone, or beside a scene ([`DepthMapCasters`](crate::gpu::DepthMapCasters)), whose frame refuses a bit
-    /// that the scene's counts own. **Where other volumes of meshes count in the same stencil, take [`Self::beside_meshes`].** A
+    /// This is for maps alone. **Where volumes of meshes count in the same stencil, take [`Self::beside_meshes`].** A
     /// format with all 8 [`ShadowFormat::count_bits`], the default, is taken here to have no counts beside, so that any bit will
     /// do. With fewer, a bit that they own is refused.
     ///
@@ -61,17 +56,10 @@ impl DepthMapPipelines {
     /// [`wgpu::DownlevelFlags::MULTISAMPLED_SHADING`], because the near rectangle is looked up at each sample.
     ///
     /// # Errors
-    /// [`DepthMapPipelinesError`] if the device lacks what they need or cannot draw into the attachments, or there is no
+    /// [`DepthMapError`] if the device lacks what they need or cannot draw into the attachments, or there is no
     /// such bit.
-    pub fn new(
-        pipelines: impl Into<Pipelines>,
-        format: &ShadowFormat,
-        bit: u32,
-    ) -> Result<Self, DepthMapPipelinesError> {
-        if bit > 7 {
-            return Err(DepthMapPipelinesError::Bit(bit));
-        }
-        Self::of_bits(pipelines.into(), format, bit..bit + 1, false)
+    pub fn new(pipelines: impl Into<Pipelines>, format: &ShadowFormat, bit: u32) -> Result<Self, DepthMapError> {
+        Self::antialiased(pipelines, format, bit..bit.saturating_add(1))
     }
 
     /// Makes pipelines that count by parity in each of `bits`, as [`Self::antialiased`] does, beside volumes of meshes that count
@@ -79,61 +67,36 @@ impl DepthMapPipelines {
     /// example. Neither then changes the bits of the other, and a place is dark where any bit is set.
     ///
     /// # Errors
-    /// [`DepthMapPipelinesError`], as for [`Self::antialiased`], or if counts own one of the bits. They own all 8 by default.
+    /// [`DepthMapError`], as for [`Self::antialiased`], or if counts own one of the bits. They own all 8 by default.
     pub fn beside_meshes(
         pipelines: impl Into<Pipelines>,
         format: &ShadowFormat,
         bits: Range<u32>,
-    ) -> Result<Self, DepthMapPipelinesError> {
+    ) -> Result<Self, DepthMapError> {
         let count_bits = format.count_bits;
         if !bits.is_empty() && bits.end <= 8 && bits.start < count_bits {
-            return Err(DepthMapPipelinesError::Counted { bit: bits.start, count_bits });
+            return Err(DepthMapError::Counted { bit: bits.start, count_bits });
         }
         Self::antialiased(pipelines, format, bits)
     }
 
-    /// Makes pipelines that count the surface as a volume, in the bits that counts own ([`ShadowFormat::count_bits`]): up where a
-    /// ray enters the shadow, down where it leaves it. So a map is one more caster among volumes of meshes, which takes no bit of
-    /// its own, and several maps of a light may lie in each other. Each adds up to 1 to a count, which `bound_counts` of meshes does
-    /// not know of: counts may wrap where a bound and the maps together exceed what the bits hold.
-    ///
-    /// Take [`DepthEdges::EveryCell`](crate::gpu::DepthEdges::EveryCell) with it, which is not the default. An edge that a
-    /// detector misses turns a parity bit round along rays through the gap, and leaves the shadows of meshes alone. In a count it
-    /// takes shadows of meshes away, too: 1 for a mesh and -1 for a shadow that was left and never entered are 0.
-    /// Walls ([`DepthMapReconstruction::Contours`](crate::gpu::DepthMapReconstruction::Contours)) are not counted: a draw of them
-    /// is refused.
-    ///
-    /// # Errors
-    /// [`DepthMapPipelinesError`] if the device lacks what they need or cannot draw into the attachments.
-    pub fn counting(pipelines: impl Into<Pipelines>, format: &ShadowFormat) -> Result<Self, DepthMapPipelinesError> {
-        Self::of_bits(pipelines.into(), format, 0..format.count_bits, true)
-    }
-
-    /// Makes pipelines that count by parity in each of `bits`, for volumes with as many
-    /// [`DepthMapOptions::bits`](crate::gpu::DepthMapOptions::bits). Each bit takes the boundary moved sideways by another part
-    /// of a texel, so borders of shadows are grey: [`Self::lit_share`] resolves them.
+    /// Makes pipelines that count by parity in each of `bits`. Each bit takes the boundary moved sideways by another part of a
+    /// texel, so borders of shadows have as many levels of grey, and one more: [`Self::lit_share`] resolves them. The surface
+    /// moves away from the light by up to as much again, and volumes are drawn as often. After section 8.3 of the paper.
     ///
     /// Where volumes of meshes count in the same stencil, take [`Self::beside_meshes`], as for [`Self::new`].
     ///
     /// # Errors
-    /// [`DepthMapPipelinesError`], as for [`Self::new`].
+    /// [`DepthMapError`], as for [`Self::new`].
     pub fn antialiased(
         pipelines: impl Into<Pipelines>,
         format: &ShadowFormat,
         bits: Range<u32>,
-    ) -> Result<Self, DepthMapPipelinesError> {
+    ) -> Result<Self, DepthMapError> {
         if bits.is_empty() || bits.end > 8 {
-            return Err(DepthMapPipelinesError::Bits(bits));
+            return Err(DepthMapError::Bits(bits));
         }
-        Self::of_bits(pipelines.into(), format, bits, false)
-    }
-
-    fn of_bits(
-        pipelines: Pipelines,
-        format: &ShadowFormat,
-        bits: Range<u32>,
-        is_counting: bool,
-    ) -> Result<Self, DepthMapPipelinesError> {
+        let pipelines = pipelines.into();
         let count_bits = format.count_bits;
         pipelines.clone().construct(Subject::DepthMap, || {
             check(pipelines.device(), format, false)?;
@@ -141,34 +104,24 @@ impl DepthMapPipelines {
                 check_sample_shading(pipelines.device(), Subject::DepthMap).map_err(ShadowFormatError::from)?;
             }
             check_count_bits(count_bits, Casters::One)?;
-            if !is_counting && count_bits < 8 && bits.start < count_bits {
-                return Err(DepthMapPipelinesError::Counted { bit: bits.start, count_bits });
+            if count_bits < 8 && bits.start < count_bits {
+                return Err(DepthMapError::Counted { bit: bits.start, count_bits });
             }
             let device = pipelines.device().clone();
-            any_error(&device, || Self::with(pipelines, format, bits, is_counting))
+            any_error(&device, || Self::with(pipelines, format, bits))
                 .map_err(|message| ShadowFormatError::Refused { message }.into())
         })
     }
 
-    fn with(shared: Pipelines, format: &ShadowFormat, bits: Range<u32>, is_counting: bool) -> Self {
+    fn with(shared: Pipelines, format: &ShadowFormat, bits: Range<u32>) -> Self {
         let layout = layout(&shared);
-        let surface = |stencil| make(&shared, format, stencil, &layout, [SURFACE, NOTHING], nearer(format));
         let cap = [NEAR_CAP, BEHIND_TRIANGLES];
-        let near_cap = |stencil| make(&shared, format, stencil, &layout, cap, CompareFunction::Always);
-        let draws = if is_counting {
-            let mask = format.count_mask();
-            let surface = [false, true].map(|turned| surface(stencil(Count::Visible, turned, mask)));
-            let up = face(StencilOperation::IncrementWrap);
-            let up = wgpu::StencilState { front: up, back: up, read_mask: 0xff, write_mask: mask };
-            vec![BitPipelines { surface, near_cap: near_cap(up) }]
-        } else {
-            let of_bit = |bit| {
-                let surface = surface(turned(bit));
-                BitPipelines { surface: [surface.clone(), surface], near_cap: near_cap(turned(bit)) }
-            };
-            bits.clone().map(of_bit).collect()
+        let of_bit = |bit| BitPipelines {
+            surface: make(&shared, format, turned(bit), &layout, [SURFACE, NOTHING], nearer(format)),
+            near_cap: make(&shared, format, turned(bit), &layout, cap, CompareFunction::Always),
         };
-        Self { shared, format: format.clone(), bits, is_counting, draws, walls: OnceLock::new() }
+        let draws = bits.clone().map(of_bit).collect();
+        Self { shared, format: format.clone(), bits, draws, walls: OnceLock::new() }
     }
 
     /// The pipelines of walls.
@@ -196,25 +149,17 @@ impl DepthMapPipelines {
         &self.shared
     }
 
-    /// Whether the bits are a count.
-    pub(super) fn is_counting(&self) -> bool {
-        self.is_counting
-    }
-
     /// The bits of the stencil that the pipelines draw into.
     pub fn bits(&self) -> Range<u32> {
         self.bits.clone()
     }
 
-    /// The share of the bits that say light, from 0 to 1, in the stencil of a pixel; 0 or 1 for a count. A test of the stencil tells
+    /// The share of the bits that say light, from 0 to 1, in the stencil of a pixel. A test of the stencil tells
     /// no shares, so light is to be added by a later pass that reads the stencil as a texture. In WGSL, of a texture of
     /// the stencil aspect and with `mask` for the bits: `1.0 - f32(countOneBits(textureLoad(stencil, pixel, 0).x & mask)) /
     /// f32(countOneBits(mask))`.
     pub fn lit_share(&self, stencil: u8) -> f32 {
         let dark = self.bits().filter(|bit| stencil >> bit & 1 == 1).count();
-        if self.is_counting {
-            return if dark == 0 { 1.0 } else { 0.0 };
-        }
         1.0 - dark as f32 / self.bits.len() as f32
     }
 

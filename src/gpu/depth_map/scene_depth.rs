@@ -2,8 +2,8 @@
 
 use glam::{DMat4, DVec3};
 
+use super::error::DepthMapError;
 use super::mesh_depth::{UNMOVED, depth_layout, depth_pipeline, placed, storage};
-use super::mesh_depth_errors::SceneDepthError;
 use super::view::{matrix, origin};
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
@@ -15,8 +15,8 @@ use crate::gpu::scene::scene::Scene;
 use crate::layout::{CHUNK, MeshDepthCaster, MeshDepthView};
 use crate::shadow::DepthDirection;
 
-/// Draws the depth of casters of a [`Scene`] into a depth map, for [`DepthMapVolumes`](crate::gpu::DepthMapVolumes) and
-/// [`DepthMapCasters`](crate::gpu::DepthMapCasters). Front and back faces are drawn alike, and faces that are excluded or
+/// Draws the depth of casters of a [`Scene`] into a depth map, for [`DepthMapVolumes`](crate::gpu::DepthMapVolumes).
+/// Front and back faces are drawn alike, and faces that are excluded or
 /// hidden for a light are drawn, too. The same pass may hold several draws, and anything else that writes depth.
 ///
 /// Casters with the same source of positions are drawn together: one draw for those that are rigid, and one for each buffer of
@@ -53,21 +53,21 @@ impl SceneDepth {
     /// [`ShadowCamera::depth`] of the light does.
     ///
     /// # Errors
-    /// [`SceneDepthError`] if `format` has no depth, or the device lacks something or refuses it.
+    /// [`DepthMapError`] if `format` has no depth, or the device lacks something or refuses it.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         format: wgpu::TextureFormat,
         depth: DepthDirection,
-    ) -> Result<Self, SceneDepthError> {
+    ) -> Result<Self, DepthMapError> {
         if !format.has_depth_aspect() {
-            return Err(SceneDepthError::Format(format));
+            return Err(DepthMapError::NoDepth(format));
         }
         let shared = pipelines.into();
         shared.clone().construct(Subject::DepthMap, || {
             let layout = depth_layout(&shared, BINDINGS);
             let make = || depth_pipeline(&shared, "scene_depth", &layout, format, depth);
             let pipeline = any_error(shared.device(), make);
-            Ok(Self { pipeline: pipeline.map_err(|message| SceneDepthError::Refused { message })?, depth, shared })
+            Ok(Self { pipeline: pipeline.map_err(|message| DepthMapError::Refused { message })?, depth, shared })
         })
     }
 
@@ -81,17 +81,17 @@ impl SceneDepth {
     /// [`MeshDepth::draw`](crate::gpu::MeshDepth::draw) gives their positions.
     ///
     /// # Errors
-    /// [`SceneDepthError`] if a handle or the light is refused, or the device refuses a buffer. Nothing is drawn then.
+    /// [`DepthMapError`] if a handle or the light is refused, or the device refuses a buffer. Nothing is drawn then.
     pub fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         scene: &Scene,
         casters: SceneDepthCasters<'_>,
         light: &ShadowCamera,
-    ) -> Result<SceneDepthCounts, SceneDepthError> {
+    ) -> Result<SceneDepthCounts, DepthMapError> {
         light.check_any_hand()?;
         if light.depth != self.depth {
-            return Err(SceneDepthError::Depth { light: light.depth, made: self.depth });
+            return Err(DepthMapError::Depth { what: "the light", given: light.depth, made: self.depth });
         }
         let device = self.shared.device();
         check_alive(device)?;
@@ -101,7 +101,7 @@ impl SceneDepth {
         let view = any_error(device, || {
             storage(device, bytemuck::bytes_of(&MeshDepthView { columns: light.view_projection }))
         });
-        let view = view.map_err(|message| SceneDepthError::Refused { message })?;
+        let view = view.map_err(|message| DepthMapError::Refused { message })?;
         for group in scene.depth_groups(casters)? {
             let (drawn, outside): (Vec<_>, Vec<_>) = group.casters.iter().partition(|caster| !seen.is_outside(caster));
             counts.drawn += drawn.len();
@@ -126,7 +126,7 @@ impl SceneDepth {
         of: &DepthGroup<'_>,
         drawn: &[DepthCaster],
         light: &ShadowCamera,
-    ) -> Result<(wgpu::BindGroup, u32), SceneDepthError> {
+    ) -> Result<(wgpu::BindGroup, u32), DepthMapError> {
         let device = self.shared.device();
         let casters: Vec<MeshDepthCaster> =
             drawn.iter().map(|caster| placed(caster.rows.unwrap_or(UNMOVED), light, caster.place)).collect();
@@ -152,7 +152,7 @@ impl SceneDepth {
             ];
             group(device, "scene depth", &depth_layout(&self.shared, BINDINGS), &resources)
         });
-        let group = group.map_err(|message| SceneDepthError::Refused { message })?;
+        let group = group.map_err(|message| DepthMapError::Refused { message })?;
         Ok((group, u32::try_from(chunks.len()).unwrap_or(u32::MAX)))
     }
 }

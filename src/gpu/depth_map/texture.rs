@@ -1,6 +1,6 @@
 //! Textures that are taken as depth maps.
 
-use super::frame_errors::{DepthMapEncodeError, DepthMapTexture};
+use super::error::DepthMapError;
 
 /// The formats of maps.
 pub(super) const MAP_FORMATS: [wgpu::TextureFormat; 6] = [
@@ -16,43 +16,41 @@ pub(super) const MAP_FORMATS: [wgpu::TextureFormat; 6] = [
 pub(super) fn check_texture(
     map: &wgpu::Texture,
     made: [u32; 2],
-    texture: DepthMapTexture,
-) -> Result<wgpu::TextureFormat, DepthMapEncodeError> {
-    check_read(map, made, texture, MAP_FORMATS.contains(&map.format()))
+    name: &str,
+) -> Result<wgpu::TextureFormat, DepthMapError> {
+    let taken = "Depth16Unorm, Depth24Plus, Depth32Float, or R32Float";
+    check_read(map, made, name, (MAP_FORMATS.contains(&map.format()), taken))
 }
 
 /// Whether a texture can be taken as the objects of a map of `made` texels.
-pub(super) fn check_objects(
-    objects: &wgpu::Texture,
-    made: [u32; 2],
-    texture: DepthMapTexture,
-) -> Result<(), DepthMapEncodeError> {
-    check_read(objects, made, texture, objects.format() == wgpu::TextureFormat::R32Uint).map(|_| ())
+pub(super) fn check_objects(objects: &wgpu::Texture, made: [u32; 2], name: &str) -> Result<(), DepthMapError> {
+    check_read(objects, made, name, (objects.format() == wgpu::TextureFormat::R32Uint, "R32Uint")).map(|_| ())
 }
 
 fn check_read(
     given: &wgpu::Texture,
     made: [u32; 2],
-    texture: DepthMapTexture,
-    has_format: bool,
-) -> Result<wgpu::TextureFormat, DepthMapEncodeError> {
+    name: &str,
+    (has_format, taken): (bool, &'static str),
+) -> Result<wgpu::TextureFormat, DepthMapError> {
     let (format, samples, levels) = (given.format(), given.sample_count(), given.mip_level_count());
     let size = [given.width(), given.height()];
+    let map = || name.to_owned();
     if !has_format {
-        return Err(DepthMapEncodeError::Format { texture, format });
+        return Err(DepthMapError::MapFormat { map: map(), format, taken });
     }
     if samples != 1 {
-        return Err(DepthMapEncodeError::Samples { texture, samples });
+        return Err(DepthMapError::Samples { map: map(), samples });
     }
     // A view does not tell its level, and so not its size.
     if levels != 1 {
-        return Err(DepthMapEncodeError::MipLevels { texture, levels });
+        return Err(DepthMapError::MipLevels { map: map(), levels });
     }
     if size != made {
-        return Err(DepthMapEncodeError::Size { texture, given: size, made });
+        return Err(DepthMapError::MapSize { map: map(), given: size, made });
     }
     if !given.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING) {
-        return Err(DepthMapEncodeError::Usage(texture));
+        return Err(DepthMapError::Usage(map()));
     }
     Ok(format)
 }

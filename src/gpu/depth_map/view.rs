@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
 
-use super::frame_errors::DepthMapEncodeError;
+use super::error::DepthMapError;
 use crate::ShadowCamera;
 use crate::layout::DepthMapView;
 use crate::shadow::DepthDirection;
@@ -40,7 +40,7 @@ fn eye_matrix(eye: &ShadowCamera, format: wgpu::TextureFormat) -> DMat4 {
 }
 
 /// The depth at infinity of a perspective map, for x, y and a constant in device coordinates. `None` for a parallel light.
-pub(super) fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<DVec3>, DepthMapEncodeError> {
+pub(super) fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<DVec3>, DepthMapError> {
     if matrix(light).row(3).truncate() == DVec3::ZERO {
         return Ok(None);
     }
@@ -58,47 +58,9 @@ pub(super) fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<D
         !(if light.depth == DepthDirection::Reversed { at < far } else { at > far })
     };
     if [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].into_iter().any(is_behind) {
-        return Err(DepthMapEncodeError::FarPlane);
+        return Err(DepthMapError::FarPlane);
     }
     Ok(Some(depth))
-}
-
-/// Whether the triangles of the boundary, of which a light sees the front, turn clockwise on the screen of an eye on their lit
-/// side. All go round alike on the lattice, which counts rows downwards. docs/numerics/depth-maps.md.
-pub(super) fn is_turned(light: &ShadowCamera, eye: &ShadowCamera) -> bool {
-    light.mirrors() == eye.mirrors()
-}
-
-/// What decides about a step in world units: bits of the threshold in device depth, of the ratio, and of the depth at infinity.
-pub(super) fn world_step(light: &ShadowCamera, threshold: f32) -> Result<[u32; 3], DepthMapEncodeError> {
-    light.check_any_hand().map_err(DepthMapEncodeError::Light)?;
-    let matrix = matrix(light);
-    let (z, w) = (matrix.row(2), matrix.row(3));
-    let threshold = f64::from(threshold);
-    let device = |threshold: f64| {
-        let threshold = threshold.min(1.0) as f32;
-        [if threshold < f32::MIN_POSITIVE { 0 } else { threshold.to_bits() }, 0, 0]
-    };
-    let scale = w.truncate().length();
-    if scale == 0.0 {
-        return Ok(device(threshold * z.truncate().length() / w.w.abs()));
-    }
-    // Depth is `at_infinity` + `share` / distance.
-    let at_infinity = z.truncate().dot(w.truncate()) / (scale * scale);
-    let share = (z - at_infinity * w).w.abs() / scale;
-    let ratio = share / threshold;
-    if at_infinity.abs() >= 1000.0 {
-        return Err(DepthMapEncodeError::NearFar);
-    }
-    if ratio > f64::from(f32::MAX) {
-        return Ok(device(0.0));
-    }
-    if ratio < f64::from(f32::MIN_POSITIVE) {
-        return Ok(device(1.0));
-    }
-    let at_infinity = at_infinity as f32;
-    let at_infinity = if at_infinity.abs() < f32::MIN_POSITIVE { 0.0 } else { at_infinity };
-    Ok([0, (ratio as f32).to_bits(), at_infinity.to_bits()])
 }
 
 /// Where the boundary of a map is drawn.
@@ -146,9 +108,9 @@ pub(crate) fn depth_map_view(
     (off, formats): ([f64; 2], &mut dyn Iterator<Item = wgpu::TextureFormat>),
     (eye, format): (&ShadowCamera, wgpu::TextureFormat),
     placing: &Placing,
-) -> Result<DepthMapView, DepthMapEncodeError> {
-    light.check_any_hand().map_err(DepthMapEncodeError::Light)?;
-    eye.check_any_hand().map_err(DepthMapEncodeError::Camera)?;
+) -> Result<DepthMapView, DepthMapError> {
+    light.check_any_hand().map_err(DepthMapError::Light)?;
+    eye.check_any_hand().map_err(DepthMapError::Camera)?;
     let [width, height] = size.map(f64::from);
     let (to_light, to_eye) = (moved_matrix(light, size, placing), eye_matrix(eye, format));
     let inverse = to_light.inverse();

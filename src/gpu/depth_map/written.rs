@@ -2,8 +2,8 @@
 
 use bytemuck::Zeroable;
 
-use super::frame_errors::{DepthMapEncodeError, DepthMapTexture};
-use super::volumes_errors::DepthMapVolumesError;
+use super::error::DepthMapError;
+use super::stage::{BoundStage, Workgroups};
 use crate::gpu::common::dispatch_limits::WORKGROUP;
 use crate::gpu::common::memory::{any_error, filled, guarded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
@@ -33,13 +33,13 @@ impl WrittenMap {
         stage: &'static Stage,
         label: &'static str,
         size: [u32; 2],
-    ) -> Result<Self, DepthMapVolumesError> {
+    ) -> Result<Self, DepthMapError> {
         let most = shared.device().limits().max_texture_dimension_2d;
         if size.contains(&0) {
-            return Err(DepthMapVolumesError::Size(size[0], size[1]));
+            return Err(DepthMapError::Size(size[0], size[1]));
         }
         if size.into_iter().any(|side| side > most) {
-            return Err(DepthMapVolumesError::Texture { size, most });
+            return Err(DepthMapError::Texture { size, most });
         }
         let texels = u64::from(size[0]) * u64::from(size[1]);
         let texture = guarded(shared.device(), 4 * texels, || {
@@ -61,13 +61,9 @@ impl WrittenMap {
     }
 
     /// Whether a map can be read: its format.
-    pub(super) fn check(
-        &self,
-        map: &wgpu::TextureView,
-        texture: DepthMapTexture,
-    ) -> Result<wgpu::TextureFormat, DepthMapEncodeError> {
-        let format = check_texture(map.texture(), self.shape.size, texture)?;
-        if *map.texture() == self.texture { Err(DepthMapEncodeError::OwnResult) } else { Ok(format) }
+    pub(super) fn check(&self, map: &wgpu::TextureView, name: &str) -> Result<wgpu::TextureFormat, DepthMapError> {
+        let format = check_texture(map.texture(), self.shape.size, name)?;
+        if *map.texture() == self.texture { Err(DepthMapError::OwnResult) } else { Ok(format) }
     }
 
     /// Records the stage. `maps` are the names of the textures that it reads, `written` that of the map, `further` the bytes of
@@ -79,7 +75,7 @@ impl WrittenMap {
         (maps, written): (&[(&str, &wgpu::TextureView)], &str),
         further: Option<(&str, &[u8])>,
         timer: Option<&mut StageTimer>,
-    ) -> Result<(), DepthMapEncodeError> {
+    ) -> Result<(), DepthMapError> {
         let device = self.shared.device();
         check_timer(timer.as_deref(), device)?;
         check_alive(device)?;
@@ -95,15 +91,9 @@ impl WrittenMap {
             resources.extend(further.iter().map(|(name, buffer)| (*name, buffer.as_entire_binding())));
             self.stage.bind(device, &resources)
         };
-        let group = any_error(device, bind).map_err(|message| DepthMapEncodeError::Refused { message })?;
-        let most = device.limits().max_compute_workgroups_per_dimension;
-        let rows = shape.blocks.div_ceil(most).min(most);
-        let timestamp_writes = timer.and_then(|timer| timer.compute_pass(self.stage.label));
-        let label = Some(self.stage.label);
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
-        pass.set_pipeline(&self.stage.compute);
-        pass.set_bind_group(0, &group, &vec![0; self.stage.uniforms()]);
-        pass.dispatch_workgroups(shape.blocks.div_ceil(rows).min(most), rows, 1);
+        let group = any_error(device, bind).map_err(|message| DepthMapError::Refused { message })?;
+        let (stage, workgroups) = (self.stage.clone(), Workgroups::over(device, shape.blocks));
+        BoundStage { stage, groups: vec![group], workgroups }.record(encoder, timer);
         Ok(())
     }
 }

@@ -112,13 +112,11 @@ fn bits(element: ElementType, bytes: &[u8]) -> Result<u32, i128> {
 }
 
 /// Reads a depth map, or six, with what they were drawn with; either byte order, either array order. `objects` are read if
-/// `with_objects`, and are needed then if `needs_objects`. What takes more than `memory_limit` bytes is refused before it is
-/// read.
+/// `with_objects`. What takes more than `memory_limit` bytes is refused before it is read.
 pub fn read_depth_map(
     reader: impl Read + Seek,
     memory_limit: u64,
     with_objects: bool,
-    needs_objects: bool,
 ) -> Result<DepthMapArrays, NpzError> {
     let mut archive = ZipArchive::new(reader).map_err(NpzError::Archive)?;
     let (archive, budget) = (&mut archive, &mut Budget { limit: memory_limit, used: 0 });
@@ -166,7 +164,7 @@ pub fn read_depth_map(
         Some(other) => return Err(wrong(&METRIC, other)),
     };
     let mut objects = None;
-    if needs_objects || (with_objects && OBJECTS.is_in(archive)) {
+    if with_objects && OBJECTS.is_in(archive) {
         objects = Some(OBJECTS.values(archive, budget, index, |of| *of == [height, width])?.elements);
     }
     let size = [width as u32, height as u32];
@@ -263,7 +261,7 @@ mod tests {
     fn read(map: &DepthMapArrays, memory_limit: u64) -> Result<DepthMapArrays, NpzError> {
         let mut bytes = io::Cursor::new(Vec::new());
         map.write(&mut bytes).expect("it goes to memory");
-        read_depth_map(bytes, memory_limit, true, false)
+        read_depth_map(bytes, memory_limit, true)
     }
 
     #[test]

@@ -4,15 +4,15 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use rimline::gpu::{DanglingEdges, DepthEdges};
+use rimline::gpu::{DanglingEdges, DepthMapMethod};
 use rimline::{Counting, Origin};
 
 use crate::coordinates::Coordinate;
-use crate::failure::{Failure, UsageError};
+use crate::failure::Failure;
 use crate::help::verbatim;
 use crate::input_args::{MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device};
 use crate::load_args::LoadArgs;
-use crate::shadow::from_depth::{FromDepth, MapSource, Reconstruction};
+use crate::shadow::from_depth::{FromDepth, MapSource};
 use crate::shadow::given_map::GivenMap;
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
@@ -59,17 +59,6 @@ pub(crate) enum ModeArg {
     Black,
     /// Full light; each shadow on a place halves its light, highlights included
     Composited,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ReconstructArg {
-    /// Triangles between samples, both of each cell that has an edge that the detector finds. Exact to a texel
-    Fixed,
-    /// Triangles between samples, those at such edges. Exact to a texel, with fewer triangles
-    Template,
-    /// Walls over contours that are traced between samples and fitted with segments, to 0.1 texels and 4 T of depth: fewer
-    /// triangles and smoother borders. One map a light, --detector differences=T or objects (with 0.002 of depth), no --dangling
-    Vector,
 }
 
 /// What the pictures with shadows have alike.
@@ -216,21 +205,23 @@ pub(crate) struct ShadowArgs {
     #[arg(long, value_name = "PREFIX", requires = "from_depth", conflicts_with_all = ["area", "depth"])]
     pub(crate) save_depth: Option<PathBuf>,
 
-    /// With --from-depth or --depth: which edges of a map bound shadows. `automatic`, the default with --from-depth: those where
-    /// depths jump by more than slopes beside them tell; `every` one, the default with --depth; those where device depths differ
-    /// by more than T, 0 to 1; by more than HIGH, or by more than LOW and than beside them; those where distances along the map's
-    /// view differ by more than T; or, with a file that has `objects`, those between objects, which --depth takes with all others
-    /// but `every`, too. What a map casts must then be among the models, at the same place. A threshold that is too large turns
-    /// shadows round in streaks. Six maps of --from-depth take no thresholds of device depth
+    /// With --from-depth or --depth: how shadows are found in a map. `automatic`, the default with --from-depth, takes edges where
+    /// depths jump by more than slopes beside them tell; `every` takes all, and is the default with --depth; `differences` those
+    /// where device depths differ by more than T, 0 to 1; `second` by more than HIGH, or by more than LOW and than beside them.
+    /// `contours` draws walls over contours that are traced along jumps of more than T and fitted to 0.1 texels and 4 T of depth:
+    /// fewer triangles and smoother borders, but specks at rims of facets close to the eye. All but `every` and `automatic` take
+    /// one map a light with --from-depth. Edges between `objects` of a file of --depth are taken, too. What a map casts must then
+    /// be among the models, at the same place, unless every edge is taken. A threshold that is too large turns shadows round in
+    /// streaks
     #[arg(
         long,
-        value_name = "automatic|every|differences=T|second=LOW,HIGH|world=T|objects",
+        value_name = "automatic|every|differences=T|second=LOW,HIGH|contours=T",
         requires = "depth_maps",
         value_parser = spec::detector,
     )]
-    pub(crate) detector: Option<DepthEdges>,
+    pub(crate) detector: Option<DepthMapMethod>,
 
-    /// With any --detector but `every`: go on where an edge dangles, that is, ends in a cell that has no other. There SHARE of
+    /// With any --detector but `every` and `contours`: go on where an edge dangles, that is, ends in a cell that has no other. There SHARE of
     /// the detector's thresholds, 0 to 1, is left, for up to CELLS cells, 1 to 64. Without values: 0.5,8
     #[arg(
         long,
@@ -242,11 +233,6 @@ pub(crate) struct ShadowArgs {
     )]
     pub(crate) dangling: Option<DanglingEdges>,
 
-    /// With --from-depth or --depth: how the boundary of shadows is rebuilt between the samples of a map.
-    /// Close to the eye, `vector` shows specks at rims of facets with any threshold: 122 to 137 pixels in one trial
-    #[arg(long, value_enum, requires = "depth_maps", default_value_t = ReconstructArg::Template)]
-    pub(crate) reconstruct: ReconstructArg,
-
     /// Print the chosen methods, counts and times as JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -256,23 +242,17 @@ impl ShadowArgs {
     /// The depth maps that cast, if there are any, relative to the origin. Reads the file of `--depth`.
     pub(crate) fn depth_maps(&self, origin: Origin) -> Result<Option<FromDepth>, Failure> {
         // What a given map casts need not be among the models, unless edges are left out.
-        let drawn_or_given = if self.from_depth.is_some() { DepthEdges::Automatic } else { DepthEdges::EveryCell };
-        let edges = self.detector.unwrap_or(drawn_or_given);
+        let usual = if self.from_depth.is_some() { DepthMapMethod::default() } else { DepthMapMethod::EveryCell };
+        let method = self.detector.unwrap_or(usual);
         let source = match (self.from_depth, &self.depth) {
-            (Some(_), _) if edges == DepthEdges::Outlines => return Err(UsageError::NoObjects.into()),
             (Some(side), _) => MapSource::Drawn { side },
             (None, Some(file)) => {
                 let limit = self.scene.load.memory_limit();
-                MapSource::Given(Arc::new(GivenMap::read(file, edges, limit, origin)?))
+                MapSource::Given(Arc::new(GivenMap::read(file, method, limit, origin)?))
             }
             (None, None) => return Ok(None),
         };
-        let reconstruction = match self.reconstruct {
-            ReconstructArg::Fixed => Reconstruction::Fixed,
-            ReconstructArg::Template => Reconstruction::Template,
-            ReconstructArg::Vector => Reconstruction::Vector,
-        };
-        Ok(Some(FromDepth::new(source, (edges, self.dangling), reconstruction)?))
+        Ok(Some(FromDepth::new(source, method, self.dangling)?))
     }
 }
 
@@ -301,8 +281,8 @@ file, casting, counting, silhouette_edges, each with one value a sample with --a
 most that any instance in the file needs; with --hide-covered also covered: tried, hidden, undecided, without_room and left_out \
 count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth or --depth \
 also \
-depth_map: size, side (null unless square), maps, reconstruction, cells (those that the boundary of the shadow has \
-triangles in, null with vector), walls (with their flaps; null but with vector) and overflowed (whether these are more than their list has \
+depth_map: size, side (null unless square), maps, reconstruction (triangles or contours), cells (those that the boundary of the shadow has \
+triangles in, null with contours), walls (with their flaps; null but with contours) and overflowed (whether these are more than their list has \
 room for: every cell is drawn then); casting is then depth map, and counting and method are parity), statistics (a list, one \
 for each file, of file, skipped, every_face, \
 capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \

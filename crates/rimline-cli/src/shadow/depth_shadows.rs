@@ -119,7 +119,7 @@ impl DepthShadows {
     /// What was found. Waits for the device.
     pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthsFound, ReadError> {
         let lights = self.lights.iter().map(|maps| maps.found(gpu)).collect::<Result<_, _>>()?;
-        Ok(DepthsFound { size: self.from.size(), reconstruction: self.from.reconstruction, lights })
+        Ok(DepthsFound { size: self.from.size(), has_walls: self.from.has_walls(), lights })
     }
 
     pub(super) fn shown(&self, light: usize) -> Option<ShownDepths<'_>> {

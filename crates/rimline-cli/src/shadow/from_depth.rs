@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::{DanglingEdges, DepthEdges, DepthMapOptions, DepthMapReconstruction};
+use rimline::gpu::{DanglingEdges, DepthMapMethod, DepthMapOptions};
 use rimline::{Light, wgpu};
 
 use super::given_map::GivenMap;
@@ -19,25 +19,8 @@ pub(super) const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 #[derive(Clone, Debug)]
 pub(crate) struct FromDepth {
     pub(crate) source: MapSource,
-    pub(crate) edges: DepthEdges,
-    pub(crate) dangling: Option<DanglingEdges>,
-    pub(crate) reconstruction: Reconstruction,
+    pub(crate) method: DepthMapMethod,
 }
-
-/// How shadows are rebuilt between the samples of a map: `--reconstruct`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Reconstruction {
-    Fixed,
-    Template,
-    Vector,
-}
-
-/// How far a segment may be from its contour, in texels.
-const SIDEWAYS: f32 = 0.1;
-/// How far the ends of a wall may be from the surfaces that it joins, in thresholds.
-const THRESHOLDS: f32 = 4.0;
-/// The same in device depth, where there is no threshold.
-const WITHOUT_THRESHOLD: f32 = 0.002;
 
 /// Where maps come from.
 #[derive(Clone, Debug)]
@@ -53,59 +36,42 @@ impl FromDepth {
     /// same.
     pub(crate) fn check(&self, lights: &[Light], bodies: &[PosedModel<'_>]) -> Result<(), UsageError> {
         let MapSource::Drawn { side } = self.source else { return Ok(()) };
-        if !matches!(self.edges, DepthEdges::Differences { .. } | DepthEdges::SecondDifferences { .. }) {
+        use DepthMapMethod::{Contours, Differences, SecondDifferences};
+        if !matches!(self.method, Contours { .. } | Differences { .. } | SecondDifferences { .. }) {
             return Ok(());
         }
         let points = points(bodies);
         let is_cube = |light: &Light| !matches!(LightCameras::new(light, &points, side), Ok(LightCameras::One(_)));
-        match (lights.iter().position(is_cube), self.reconstruction) {
-            (None, _) => Ok(()),
-            (Some(light), Reconstruction::Fixed | Reconstruction::Template) => {
-                Err(UsageError::DetectorInCube { light })
-            }
-            (Some(light), Reconstruction::Vector) => Err(UsageError::VectorInCube { light }),
-        }
+        lights.iter().position(is_cube).map_or(Ok(()), |light| Err(UsageError::DetectorInCube { light }))
     }
 
-    /// Refuses detectors that contours are not traced with, and edges that are continued where none can be.
+    /// Refuses edges that are continued where none can be.
     pub(crate) fn new(
         source: MapSource,
-        (edges, dangling): (DepthEdges, Option<DanglingEdges>),
-        reconstruction: Reconstruction,
+        mut method: DepthMapMethod,
+        continued: Option<DanglingEdges>,
     ) -> Result<Self, UsageError> {
-        let is_traced = matches!(edges, DepthEdges::Differences { .. } | DepthEdges::Outlines);
-        if reconstruction == Reconstruction::Vector && !is_traced {
-            return Err(UsageError::VectorDetector);
+        match &mut method {
+            DepthMapMethod::Automatic { dangling }
+            | DepthMapMethod::Differences { dangling, .. }
+            | DepthMapMethod::SecondDifferences { dangling, .. } => *dangling = continued,
+            _ if continued.is_some() => return Err(UsageError::Dangling),
+            _ => {}
         }
-        if dangling.is_some() && (edges == DepthEdges::EveryCell || reconstruction == Reconstruction::Vector) {
-            return Err(UsageError::Dangling);
-        }
-        Ok(Self { source, edges, dangling, reconstruction })
+        Ok(Self { source, method })
+    }
+
+    /// Whether walls over contours are drawn, and no triangles between samples.
+    pub(super) fn has_walls(&self) -> bool {
+        matches!(self.method, DepthMapMethod::Contours { .. })
     }
 
     /// What maps are rebuilt with.
     pub(super) fn options(&self) -> DepthMapOptions {
-        let (edges, dangling) = (self.edges, self.dangling);
-        let mut options = DepthMapOptions { edges, dangling, ..DepthMapOptions::default() };
+        let mut options = DepthMapOptions { method: self.method, ..DepthMapOptions::default() };
         if let MapSource::Given(map) = &self.source {
-            options.objects = map.has_objects();
             options.rounded_to = map.rounded_to;
             options.metric = map.metric;
-        }
-        if self.edges == DepthEdges::Outlines && self.reconstruction != Reconstruction::Vector {
-            // Steep sides of objects are left out, and what is drawn must stay with them.
-            options.slope_bias = 0.0;
-        }
-        match self.reconstruction {
-            Reconstruction::Template => {}
-            Reconstruction::Fixed => options.reconstruction = DepthMapReconstruction::FixedMesh,
-            Reconstruction::Vector => {
-                let depth = match self.edges {
-                    DepthEdges::Differences { threshold } => (THRESHOLDS * threshold).min(1.0),
-                    _ => WITHOUT_THRESHOLD,
-                };
-                options.reconstruction = DepthMapReconstruction::Contours { sideways: SIDEWAYS, depth };
-            }
         }
         options
     }
@@ -203,7 +169,7 @@ impl DepthsFound {
 pub(crate) struct DepthsFound {
     /// Texels of a map across and down.
     pub(crate) size: [u32; 2],
-    pub(crate) reconstruction: Reconstruction,
+    pub(crate) has_walls: bool,
     pub(crate) lights: Vec<DepthFound>,
 }
 
@@ -215,7 +181,7 @@ mod tests {
     fn maps_that_are_borders_all_over_are_busy() {
         let found = |listed, capacity, side| DepthsFound {
             size: [side; 2],
-            reconstruction: Reconstruction::Template,
+            has_walls: false,
             lights: vec![DepthFound { maps: 1, listed, capacity }],
         };
         assert_eq!(found(50_000, 100_000, 4096).busy(), None);

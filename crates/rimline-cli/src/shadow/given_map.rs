@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use rimline::gpu::{DepthEdges, DepthMetric};
+use rimline::gpu::{DepthMapMethod, DepthMetric};
 use rimline::{CameraError, DepthDirection, Light, Origin, ShadowCamera, wgpu};
 
 use super::given_map_error::GivenMapError;
@@ -30,10 +30,15 @@ pub(crate) struct GivenMap {
 
 impl GivenMap {
     /// `objects` are read only if the detector takes them.
-    pub(super) fn read(file: &Path, edges: DepthEdges, memory_limit: u64, origin: Origin) -> Result<Self, Failure> {
-        let (takes, needs) = (edges != DepthEdges::EveryCell, edges == DepthEdges::Outlines);
+    pub(super) fn read(
+        file: &Path,
+        method: DepthMapMethod,
+        memory_limit: u64,
+        origin: Origin,
+    ) -> Result<Self, Failure> {
+        let takes = method != DepthMapMethod::EveryCell;
         let read = || -> Result<_, InputError> {
-            let arrays = npz::read_depth_map(begins::archive(source::open(file)?)?, memory_limit, takes, needs)?;
+            let arrays = npz::read_depth_map(begins::archive(source::open(file)?)?, memory_limit, takes)?;
             Ok(Self::new(file, arrays, origin)?)
         };
         read().map_err(Failure::input(file))
@@ -78,10 +83,6 @@ impl GivenMap {
             _ => None,
         };
         Ok(Self { file: file.to_owned(), size, cameras, depths, objects, rounded_to, metric })
-    }
-
-    pub(super) fn has_objects(&self) -> bool {
-        self.objects.is_some()
     }
 
     /// Copies the maps into textures, one for each.

@@ -1,7 +1,7 @@
 //! Errors of depth maps that the caller made.
 
 use rimline::CameraError;
-use rimline::gpu::{CubeMismatch, DepthMapCubeError, DepthMapEncodeError, DepthMapVolumesError};
+use rimline::gpu::DepthMapError;
 
 /// What is wrong with a map whose arrays are sound.
 #[derive(Debug, thiserror::Error)]
@@ -23,28 +23,24 @@ pub(crate) enum GivenMapError {
         "`depth_bits` is that of a depth buffer, and `metric` says that `depth` has distances; leave one of them out"
     )]
     DistanceBits,
-    #[error(transparent)]
-    Volumes(#[from] DepthMapVolumesError),
     #[error(
         "map {map} does not meet the others: {what}; take the views that docs/formats.md states for six maps, or turn all six \
          together"
     )]
-    Apart { map: usize, what: CubeMismatch },
-    #[error("it has six maps, and --reconstruct vector takes one; leave --reconstruct out, or give one map")]
-    VectorOfCube,
+    Apart { map: usize, what: &'static str },
+    #[error("it has six maps, and --detector contours takes one; take another detector, or give one map")]
+    ContoursOfCube,
     #[error(transparent)]
-    Cube(DepthMapCubeError),
-    #[error(transparent)]
-    Encode(#[from] DepthMapEncodeError),
+    Map(DepthMapError),
 }
 
 /// In words of the command: users have a file, and no cameras of the library.
-impl From<DepthMapCubeError> for GivenMapError {
-    fn from(error: DepthMapCubeError) -> Self {
+impl From<DepthMapError> for GivenMapError {
+    fn from(error: DepthMapError) -> Self {
         match error {
-            DepthMapCubeError::Apart { face, what } => Self::Apart { map: face, what },
-            DepthMapCubeError::Contours => Self::VectorOfCube,
-            other => Self::Cube(other),
+            DepthMapError::Apart { face, what } => Self::Apart { map: face, what },
+            DepthMapError::CubeContours => Self::ContoursOfCube,
+            other => Self::Map(other),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! The depth maps of one light, and the shadows rebuilt from them.
 
 use rimline::gpu::{
-    DepthMap, DepthMapConversion, DepthMapCube, DepthMapDrawError, DepthMapFrame, DepthMapPipelines, DepthMapVolumes,
-    DepthMetric, ReadError, StageTimer, read_back_vec,
+    DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapFrame, DepthMapPipelines,
+    DepthMapVolumes, DepthMetric, ReadError, StageTimer, read_back_vec,
 };
 use rimline::{Origin, ShadowCamera, wgpu};
 
@@ -49,9 +49,7 @@ impl LightMaps {
         let (options, size) = (from.options(), from.size());
         let maps = match cameras {
             LightCameras::One(_) => Maps::One(Box::new(DepthMapVolumes::new(pipelines, size, options)?)),
-            LightCameras::Cube(cameras) => {
-                Maps::Cube(Box::new(DepthMapCube::new(pipelines, size[0], cameras, options)?))
-            }
+            LightCameras::Cube(_) => Maps::Cube(Box::new(DepthMapCube::new(pipelines, size[0], options)?)),
         };
         let (mut views, objects): (Vec<_>, _) = match &from.source {
             MapSource::Drawn { side } => (cameras.all().iter().map(|_| drawn(gpu, *side)).collect(), None),
@@ -72,7 +70,7 @@ impl LightMaps {
             objects,
             cameras: cameras.clone(),
             frame: None,
-            shown: ShownMaps::new(gpu, from.reconstruction),
+            shown: ShownMaps::new(gpu, from.has_walls()),
         })
     }
 
@@ -95,26 +93,24 @@ impl LightMaps {
     ) -> Result<(), GpuError> {
         let mut timer = timer;
         for (Distances { given, conversion, metric }, light) in self.distances.iter().zip(cameras.all()) {
-            let map = DepthMap { texture: given, light: *light };
+            let map = DepthMap { texture: given, light: *light, objects: None };
             conversion.encode(encoder, &map, *metric, timer.as_deref_mut())?;
         }
         let mut views = self.views.iter();
         let size = self.views.first().map_or([1; 2], |view| [view.texture().width(), view.texture().height()]);
         let frame = match (&mut self.maps, cameras) {
             (Maps::Cube(cube), LightCameras::Cube(cameras)) => {
-                cube.set_cameras(cameras)?;
-                cube.encode(encoder, [0; 6].map(|_| views.next()), eye, timer)?
+                let textures = [0; 6].map(|_| views.next());
+                let maps = DepthCubeMaps { textures, lights: **cameras, objects: [None; 6] };
+                cube.encode(encoder, &maps, eye, timer)?
             }
             (Maps::One(volumes), LightCameras::One(light)) => {
-                let texture = views.next().ok_or(DepthMapDrawError::StaleFrame)?;
-                let map = DepthMap { texture, light: *light };
-                match &self.objects {
-                    Some(objects) => volumes.encode_objects(encoder, &map, objects, eye, timer)?,
-                    None => volumes.encode(encoder, &map, eye, timer)?,
-                }
+                let texture = views.next().ok_or(DepthMapError::StaleFrame)?;
+                let map = DepthMap { texture, light: *light, objects: self.objects.as_ref() };
+                volumes.encode(encoder, &map, eye, timer)?
             }
             // The caller asks `fits`.
-            _ => return Err(DepthMapDrawError::StaleFrame.into()),
+            _ => return Err(DepthMapError::StaleFrame.into()),
         };
         self.shown.encode(gpu, encoder, (cameras, size), eye, (frame.draw_arguments(), self.capacity()));
         self.cameras = cameras.clone();

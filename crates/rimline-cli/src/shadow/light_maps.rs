@@ -1,7 +1,7 @@
 //! The cameras of a light's depth map: one that sees all casters, or six around the light.
 
 use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3};
-use rimline::gpu::{DepthMapCube, DepthMapCubeError};
+use rimline::gpu::{DepthMapCube, DepthMapError};
 use rimline::{DepthDirection, Light, ShadowCamera};
 
 /// How a light sees the casters.
@@ -21,7 +21,7 @@ const MARGIN: f64 = 1.02;
 
 impl LightCameras {
     /// Sees `points`, of which there is at least one, with a map of `side` texels or six.
-    pub(super) fn new(light: &Light, points: &[[f32; 3]], side: u32) -> Result<Self, DepthMapCubeError> {
+    pub(super) fn new(light: &Light, points: &[[f32; 3]], side: u32) -> Result<Self, DepthMapError> {
         let points = || points.iter().map(|&point| Vec3::from(point).as_dvec3());
         let (low, high) = points()
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), point| (low.min(point), high.max(point)));
@@ -96,7 +96,7 @@ impl LightCameras {
         Light::point((place + Vec3::from(camera.origin).as_dvec3()).as_vec3().into())
     }
 
-    fn around(centre: Vec3, place: DVec3, extent: f64, side: u32) -> Result<Self, DepthMapCubeError> {
+    fn around(centre: Vec3, place: DVec3, extent: f64, side: u32) -> Result<Self, DepthMapError> {
         // No camera may have a nearer one.
         let near = (1e-4 * extent).max(1e-33) as f32;
         let place = (centre.as_dvec3() + place).as_vec3().to_array();

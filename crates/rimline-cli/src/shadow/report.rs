@@ -13,7 +13,7 @@ use super::casters::Casters;
 use super::counts::{self, CountBound};
 use super::covered::CoveredFaces;
 use super::found::Found;
-use super::from_depth::{DepthFound, DepthsFound, Reconstruction};
+use super::from_depth::{DepthFound, DepthsFound};
 use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
 use crate::coordinates;
@@ -134,18 +134,15 @@ impl Report {
             if let Some(covered) = self.covered.as_ref().and_then(|covered| covered.get(number)) {
                 of_light["covered"] = covered_json(covered);
             }
-            if let Some(DepthsFound { size, reconstruction, lights: found }) = &self.depth {
+            if let Some(DepthsFound { size, has_walls, lights: found }) = &self.depth {
                 let of_sample = |at: usize| found.get(at).copied();
                 let each =
                     |value: fn(DepthFound) -> Value| per_sample(of.clone().filter_map(of_sample).map(value).collect());
                 let side = (size[0] == size[1]).then_some(size[0]);
                 let (maps, listed) = (each(|found| found.maps.into()), each(|found| found.listed.into()));
                 let overflowed = each(|found| found.is_overflowed().into());
-                let (name, cells, walls) = match reconstruction {
-                    Reconstruction::Fixed => ("fixed", listed, Value::Null),
-                    Reconstruction::Template => ("template", listed, Value::Null),
-                    Reconstruction::Vector => ("vector", Value::Null, listed),
-                };
+                let (name, cells, walls) =
+                    if *has_walls { ("contours", Value::Null, listed) } else { ("triangles", listed, Value::Null) };
                 of_light["depth_map"] = json!({
                     "size": size, "side": side, "maps": maps, "reconstruction": name, "cells": cells, "walls": walls,
                     "overflowed": overflowed,
@@ -237,8 +234,8 @@ impl Report {
                 line("no shadow", &format!("{}: the shadow is out of range or out of sight", counted(*skipped)));
             }
         }
-        let what = match self.depth.as_ref().map(|found| found.reconstruction) {
-            Some(Reconstruction::Vector) => "walls and flaps of",
+        let what = match self.depth.as_ref().map(|found| found.has_walls) {
+            Some(true) => "walls and flaps of",
             _ => "cells with",
         };
         for (light, found) in self.depth.iter().flat_map(|found| &found.lights).enumerate() {

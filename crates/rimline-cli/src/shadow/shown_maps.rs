@@ -3,7 +3,6 @@
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
 use rimline::{DepthDirection, ShadowCamera, wgpu};
 
-use super::from_depth::Reconstruction;
 use super::light_maps::LightCameras;
 use crate::device::Gpu;
 
@@ -40,11 +39,11 @@ pub(super) struct ShownMaps {
     pub(super) views: wgpu::Buffer,
     /// Arguments of the draws of triangles and of lines: of what is listed, then of every cell where a list of walls overflowed.
     pub(super) draws: wgpu::Buffer,
-    reconstruction: Reconstruction,
+    has_walls: bool,
 }
 
 impl ShownMaps {
-    pub(super) fn new(gpu: &Gpu, reconstruction: Reconstruction) -> Self {
+    pub(super) fn new(gpu: &Gpu, has_walls: bool) -> Self {
         let buffer = |label, size: usize, usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -57,7 +56,7 @@ impl ShownMaps {
         let of_each = INSTANCES.map(|instances| [0, instances, 0, 0]);
         gpu.queue.write_buffer(&draws, 0, bytemuck::cast_slice(&[of_each, of_each]));
         let views = buffer("shown depth maps", size_of::<DepthViews>(), wgpu::BufferUsages::UNIFORM);
-        Self { views, draws, reconstruction }
+        Self { views, draws, has_walls }
     }
 
     /// Takes the maps as the eye sees them, and what `arguments` of the draws say once the commands are done.
@@ -79,7 +78,7 @@ impl ShownMaps {
         }
         let is_reversed = u32::from(all.first().is_some_and(|camera| camera.depth == DepthDirection::Reversed));
         // No maps: the list is one of walls.
-        let has_walls = self.reconstruction == Reconstruction::Vector;
+        let has_walls = self.has_walls;
         let maps = if has_walls { 0 } else { all.len() as u32 };
         let views = DepthViews { size, maps, is_reversed, capacity, unused: [0; 3], views };
         gpu.queue.write_buffer(&self.views, 0, bytemuck::bytes_of(&views));

@@ -11,7 +11,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("depth_shadows::lights_among_the_models_have_six_maps", cube),
     ("depth_shadows::each_detector_draws_every_mode", modes),
     ("depth_shadows::volumes_are_shown_as_those_of_meshes", volumes),
-    ("depth_shadows::walls_over_contours_are_fewer_and_cast_as_meshes_do", vector),
+    ("depth_shadows::walls_over_contours_are_fewer_and_cast_as_meshes_do", contours),
     ("depth_shadows::options_that_do_not_go_with_it_end_with_2", wrong_options),
 ];
 
@@ -87,8 +87,8 @@ fn cube() -> Outcome {
     ensure!(found["lights"][0]["depth_map"]["maps"] == 6, "{found:#}");
     let [different, dark, lit] = differences(&folder, ["mesh.0.png", "map.0.png"])?;
     ensure!(dark > 1000 && lit > 1000 && different < 200, "{different} of {dark} and {lit} differ");
-    let message = ["light 0", "--detector every, automatic or world=T"];
-    for detector in ["differences=0.01", "second=0.01,0.1"] {
+    let message = ["light 0", "--detector every or automatic"];
+    for detector in ["differences=0.01", "second=0.01,0.1", "contours=0.01"] {
         run(folder.path(), &line(&format!("--from-depth --detector {detector} --mask @m"))).expect(2, &message)?;
     }
     let automatic = run(folder.path(), &line("--from-depth 512 --mask @automatic")).json()?;
@@ -96,8 +96,6 @@ fn cube() -> Outcome {
     ensure!(different < 200, "{different} differ with automatic");
     let cells = |found: &serde_json::Value| found["lights"][0]["depth_map"]["cells"].as_u64().unwrap_or(0);
     ensure!(3 * cells(&automatic) < cells(&found), "{automatic:#}");
-    let vector = "--from-depth --detector differences=0.01 --reconstruct vector --mask @m";
-    run(folder.path(), &line(vector)).expect(2, &["light 0", "--reconstruct vector takes one"])?;
     ensure!(!folder.path().join("m.0.png").exists(), "a mask is left");
     Ok(())
 }
@@ -108,11 +106,10 @@ fn modes() -> Outcome {
     for (mode, detector) in [
         ("ambient", "every"),
         ("black", "differences=0.0005"),
-        ("composited", "world=0.02"),
-        ("additive", "world=0"),
+        ("composited", "differences=0.0002"),
+        ("additive", "differences=0"),
         ("black", "automatic"),
         ("black", "second=0.0005,0.05"),
-        ("black", "differences=0.0005 --reconstruct fixed"),
         ("black", "second=0.0005,0.05 --dangling"),
         ("black", "automatic --dangling 0.25,4"),
     ] {
@@ -126,18 +123,6 @@ fn modes() -> Outcome {
         let apart = apart([&mesh, &map], 1, 24)?;
         ensure!(mesh != map && apart * 30 < mesh.len(), "{mode}: {apart} of {} are apart", mesh.len());
     }
-    // Whole cells have as many cells, and other pictures of what is drawn.
-    let shown = |name: &str| {
-        let line = format!(
-            "shadow @ball.npz @ring.npz {VIEW} {lights} --from-depth 32 --detector differences=0.1 --reconstruct {name} --volumes"
-        );
-        let found = run(folder.path(), &format!("{line} --out @{name}.png --json")).json()?;
-        ensure!(found["lights"][0]["depth_map"]["reconstruction"] == name, "{found:#}");
-        let cells = found["lights"][0]["depth_map"]["cells"].clone();
-        Ok::<_, String>((cells, Image::read(&folder.path().join(format!("{name}.png")))?.bytes))
-    };
-    let (halves, wholes) = (shown("template")?, shown("fixed")?);
-    ensure!(halves.0 == wholes.0 && halves.1 != wholes.1, "{} and {} cells", halves.0, wholes.0);
     // Edges that dangle go on, the farther, the more cells.
     let continued = |dangling: &str| {
         let map = "--from-depth 128 --detector second=0.02,0.3";
@@ -163,7 +148,7 @@ fn modes() -> Outcome {
 /// A ball's boundary is that of its mesh's volume, but for what lies behind its surface.
 fn volumes() -> Outcome {
     let folder = models()?;
-    for (light, detector) in [("point:6,12,3", "every"), ("dir:-1,2,0.5", "world=0.5"), ("point:1.2,3.2,0.3", "every")]
+    for (light, detector) in [("point:6,12,3", "every"), ("dir:-1,2,0.5", "automatic"), ("point:1.2,3.2,0.3", "every")]
     {
         let draw = |name: &str, options: &str| {
             let line = format!("shadow @ball.npz {VIEW} --light {light} {options} --out @{name}.png");
@@ -190,7 +175,7 @@ fn volumes() -> Outcome {
     Ok(())
 }
 
-fn vector() -> Outcome {
+fn contours() -> Outcome {
     let folder = models()?;
     let lights = "--light point:6,12,3 --light dir:-1,2,0.5";
     let draw = |name: &str, options: &str| {
@@ -198,26 +183,26 @@ fn vector() -> Outcome {
         run(folder.path(), &line).json()
     };
     draw("mesh", "")?;
-    let map = "--from-depth 512 --detector differences=0.002";
-    let template = draw("template", map)?;
-    let vector = draw("vector", &format!("{map} --reconstruct vector"))?;
+    let map = "--from-depth 512 --detector";
+    let triangles = draw("triangles", &format!("{map} differences=0.002"))?;
+    let contours = draw("contours", &format!("{map} contours=0.002"))?;
     for light in 0..2 {
         let names = |name: &str| [format!("mesh.{light}.png"), format!("{name}.{light}.png")];
         let against = |name: &str| {
             let [mesh, other] = names(name);
             differences(&folder, [&mesh, &other])
         };
-        let [different, dark, lit] = against("vector")?;
+        let [different, dark, lit] = against("contours")?;
         ensure!(dark > 1000 && lit > 1000 && different < 60, "light {light}: {different} of {dark} and {lit} differ");
-        let [cells, walls] = [&template, &vector].map(|found| &found["lights"][light]["depth_map"]);
-        ensure!(cells["reconstruction"] == "template" && cells["walls"].is_null(), "{cells:#}");
-        ensure!(walls["reconstruction"] == "vector" && walls["cells"].is_null(), "{walls:#}");
+        let [cells, walls] = [&triangles, &contours].map(|found| &found["lights"][light]["depth_map"]);
+        ensure!(cells["reconstruction"] == "triangles" && cells["walls"].is_null(), "{cells:#}");
+        ensure!(walls["reconstruction"] == "contours" && walls["cells"].is_null(), "{walls:#}");
         let [cells, walls] = [&cells["cells"], &walls["walls"]].map(|count| count.as_u64().unwrap_or(0));
         ensure!(0 < walls && 4 * walls < cells, "light {light}: {walls} walls, {cells} cells");
     }
     // Walls are shown.
     let shown = |name: &str, options: &str| {
-        let line = format!("shadow @ball.npz {VIEW} {lights} {map} --reconstruct vector {options} --out @{name}.png");
+        let line = format!("shadow @ball.npz {VIEW} {lights} {map} contours=0.002 {options} --out @{name}.png");
         run(folder.path(), &line).expect(0, &[])?;
         Ok::<_, String>(Image::read(&folder.path().join(format!("{name}.png")))?.bytes)
     };
@@ -233,22 +218,17 @@ fn wrong_options() -> Outcome {
         ("--from-depth --method zp+", "--method"),
         ("--from-depth --hide-covered", "--hide-covered"),
         ("--detector every", "--from-depth"),
-        ("--reconstruct vector", "--from-depth"),
-        ("--from-depth --reconstruct vector", "--detector differences=T"),
-        ("--from-depth --reconstruct vector --detector world=1", "--detector differences=T"),
-        ("--from-depth --reconstruct round", "round"),
         ("--from-depth 2", "3..=4096"),
         ("--from-depth 5000", "3..=4096"),
         ("--from-depth --detector some", "there is no detector `some`"),
         ("--from-depth --detector differences=1.5", "0 to 1, not 1.5"),
-        ("--from-depth --detector world=-1", "must not be negative"),
+        ("--from-depth --detector contours=-1", "0 to 1, not -1"),
         ("--from-depth --detector second=0.1", "second"),
         ("--from-depth --detector second=0.1,0.05", "lower threshold first, not 0.1,0.05"),
         ("--from-depth --detector second=0.1,2", "0 to 1, not 2"),
-        ("--from-depth --reconstruct vector --detector automatic", "--detector differences=T"),
         ("--dangling", "--from-depth"),
         ("--from-depth --detector every --dangling", "add --detector automatic"),
-        ("--from-depth --detector differences=0.1 --reconstruct vector --dangling", "no --reconstruct vector"),
+        ("--from-depth --detector contours=0.1 --dangling", "add --detector automatic"),
         ("--from-depth --detector automatic --dangling 1.5,8", "SHARE,CELLS"),
         ("--from-depth --detector automatic --dangling 0.5,65", "1 to 64 whole cells"),
         ("--from-depth --detector automatic --dangling 0.5,2.5", "1 to 64 whole cells"),

@@ -96,7 +96,7 @@ fn arrays() -> Outcome {
         (zeros("objects", "<f4", "(16, 16)", 1024), ["`objects`", "integer"]),
         (array("objects", "<i4", "False", "(16, 16)", &[255; 1024]), ["`objects`, row 0", "-1"]),
     ] {
-        refused(&folder, &with(&map, changed), "--detector objects", &parts)?;
+        refused(&folder, &with(&map, changed), "--detector automatic", &parts)?;
     }
     Ok(())
 }
@@ -140,8 +140,7 @@ fn cubes() -> Outcome {
     let exchanged = array("view_projection", "<f4", "False", "(6, 4, 4)", &exchanged);
     refused(&folder, &with(&map, exchanged), "", &["map", "does not meet the others", "docs/formats.md"])?;
     // Options of the command, and nothing of the library.
-    let vector = "--reconstruct vector --detector differences=0.1";
-    refused(&folder, &write_zip(&map), vector, &["six maps", "--reconstruct vector takes one"])?;
+    refused(&folder, &write_zip(&map), "--detector contours=0.1", &["six maps", "--detector contours takes one"])?;
     let mut broken = matrices.clone();
     broken[3 * 64..3 * 64 + 4].copy_from_slice(&f32::NAN.to_le_bytes());
     let broken = array("view_projection", "<f4", "False", "(6, 4, 4)", &broken);
@@ -151,7 +150,7 @@ fn cubes() -> Outcome {
     let small = array("depth", "<f4", "False", "(6, 2, 2)", &[0; 96]);
     refused(&folder, &with(&map, small), "", &["at least 3 texels"])?;
     let objects = array("objects", "|u1", "False", "(16, 16)", &[0; 256]);
-    refused(&folder, &with(&map, objects), "--detector objects", &["`objects`", "six"])
+    refused(&folder, &with(&map, objects), "--detector automatic", &["`objects`", "six"])
 }
 
 fn damage() -> Outcome {

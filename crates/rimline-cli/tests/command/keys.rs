@@ -73,7 +73,7 @@ fn described() -> Outcome {
         (&shadow, &["--area", "disc", "--samples", "2"]),
         (&shadow, &["--hide-covered"]),
         (&shadow, &["--from-depth", "64"]),
-        (&shadow, &["--from-depth", "64", "--reconstruct", "vector", "--detector", "differences=0.001"]),
+        (&shadow, &["--from-depth", "64", "--detector", "contours=0.001"]),
         (&["info", &model], &[]),
         (&["info", &gltf], &[]),
         (&["verify", &at("bits")], &["--device", "cpu"]),

@@ -39,12 +39,12 @@ fn lights() -> Outcome {
     let folder = with_cube()?;
     let small = super::shadow::model(&rimline_measure::shapes::cube(), 0.05, [0.0; 3]);
     std::fs::write(folder.path().join("small.npz"), small).map_err(|error| error.to_string())?;
-    let line = "shadow @small.npz --size 64x48 --light point:0.3,0.4,0.2 --from-depth 64 --reconstruct vector \
-        --detector differences=0.01 --mask @m";
+    let line = "shadow @small.npz --size 64x48 --light point:0.3,0.4,0.2 --from-depth 64 \
+        --detector contours=0.01 --mask @m";
     run(folder.path(), line).expect(0, &[])?;
     let json = run(folder.path(), &format!("{line} --json")).json()?;
     ensure!(json["lights"][0]["depth_map"]["maps"] == 1, "{}", json["lights"]);
     // Negative control: a light in the cube has six maps, and that is said.
     let among = line.replace("0.3,0.4,0.2", "0.01,0,0");
-    run(folder.path(), &among).expect(2, &["--reconstruct vector takes one"])
+    run(folder.path(), &among).expect(2, &["--detector every or automatic"])
 }

@@ -24,7 +24,7 @@ const SEEDS: [&str; 19] = [
     "draw tetra.npz --out out.png --size 64x64 --eye 1,2,3 --target 0,0,0 --device gpu",
     "shadow tetra.npz --out out.png --size 64x48 --light dir:0,1,0 --ground -1 --fov 40 --near 0.01",
     "shadow tetra.npz --mask m --light point:1,2,3 --area 0.5 --samples 16",
-    "shadow tetra.npz --mask m --size 32x32 --from-depth 16 --detector world=0.1",
+    "shadow tetra.npz --mask m --size 32x32 --from-depth 16 --detector contours=0.1",
     "film tetra.npz --out frames --frames 2 --size 32x32 --displace wave.wgsl",
     "verify folder --device cpu",
     "verify --make folder tetra.npz",

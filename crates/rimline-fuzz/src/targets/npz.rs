@@ -152,7 +152,7 @@ impl Seeds {
         let points = npz::read_points(Cursor::new(bytes), MEMORY_LIMIT);
         let are_points = points.is_ok();
         points.map_or(Ok(()), check_points)?;
-        let map = npz::read_depth_map(Cursor::new(bytes), MEMORY_LIMIT, true, false);
+        let map = npz::read_depth_map(Cursor::new(bytes), MEMORY_LIMIT, true);
         let is_short = |map: &npz::DepthMapArrays| {
             let texels = map.size[0] as usize * map.size[1] as usize;
             let depths = match &map.depths {

@@ -1,0 +1,266 @@
+//! What is refused of depth maps.
+
+use std::ops::Range;
+
+use crate::gpu::common::memory::MemoryError;
+use crate::gpu::common::positions::PositionError;
+use crate::gpu::common::requirements::DeviceError;
+use crate::gpu::scene::errors::SceneError;
+use crate::gpu::shadow::ShadowFormatError;
+use crate::shadow::{CameraError, DepthDirection};
+
+/// Why depth maps, their volumes or what draws them cannot be made, recorded or drawn.
+///
+/// `map` names a texture: the map, its objects, the map of a cube or of a merge.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DepthMapError {
+    /// The device lacks something, is lost, or is not that of the others.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// Buffers or textures do not fit.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
+    /// The device cannot draw into the attachments.
+    #[error(transparent)]
+    Format(#[from] ShadowFormatError),
+    /// The positions of a mesh cannot be read.
+    #[error(transparent)]
+    Positions(#[from] PositionError),
+    /// A handle is of another scene, or names what was removed.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The camera of the eye is refused.
+    #[error("the eye: {0}")]
+    Camera(CameraError),
+    /// The camera of a map is refused.
+    #[error("the light of the map: {0}")]
+    Light(#[from] CameraError),
+    /// The device refuses a texture, a pipeline or a bind group.
+    #[error(
+        "the device refuses what depth maps need: {message}; give two-dimensional views of one layer and aspect, and buffers that \
+         are not destroyed, all on the same device"
+    )]
+    Refused {
+        /// The message of the device.
+        message: String,
+    },
+    /// The depth directions of two things differ that are used together.
+    #[error("{what} has {given:?} depth, and {made:?} is needed; give both the same `DepthDirection`")]
+    Depth {
+        /// Which of them is wrong.
+        what: &'static str,
+        /// Its direction.
+        given: DepthDirection,
+        /// That of the other.
+        made: DepthDirection,
+    },
+
+    /// There are no such bits in the stencil.
+    #[error(
+        "the stencil has bits 0 to 7, and `bits` are from {} to {} without the latter; take at least one of them",
+        .0.start, .0.end
+    )]
+    Bits(Range<u32>),
+    /// Volumes of meshes count in the bit.
+    #[error(
+        "bit {bit} of the stencil is one of the {count_bits} that counts own (`ShadowFormat::count_bits`); take a higher one \
+         for parity, or let counts own fewer, in the format of all pipelines and in `SceneOptions::count_bits`"
+    )]
+    Counted {
+        /// The lowest bit given.
+        bit: u32,
+        /// Low bits that counts own.
+        count_bits: u32,
+    },
+
+    /// The map has no texel, or too many.
+    #[error(
+        "a map of {0} × {1} texels cannot be taken; it has at least one texel, and at most 2²⁹ cells: (width + 1) × (height + 1)"
+    )]
+    Size(u32, u32),
+    /// The device has no texture of this size.
+    #[error(
+        "the device has textures of up to {most} texels a side, and one of {} × {} is needed; take a smaller map, or a device \
+         with a larger `max_texture_dimension_2d`",
+        .size[0], .size[1]
+    )]
+    Texture {
+        /// Texels that the texture needs.
+        size: [u32; 2],
+        /// Largest side of textures on the device.
+        most: u32,
+    },
+    /// A number of [`DepthMapOptions`](crate::gpu::DepthMapOptions) or its method is out of range.
+    #[error("`{name}` is {given}; take {range}")]
+    Option {
+        /// Name of the field.
+        name: &'static str,
+        /// Its value.
+        given: f32,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// No map is rounded to the format.
+    #[error(
+        "`rounded_to` is {0:?}, which is no format of a depth map; take Depth16Unorm, Depth24Plus, Depth32Float, or R32Float"
+    )]
+    RoundedTo(wgpu::TextureFormat),
+    /// Contours and cubes have one bit.
+    #[error("pipelines of {0} bits; contours and cubes take those of one bit")]
+    OneBit(u32),
+    /// Maps of a cube take triangles.
+    #[error("`DepthMapMethod::Contours` of a cube; take another method")]
+    CubeContours,
+
+    /// The maps of a cube are too small.
+    #[error("maps of a cube have at least 3 texels a side, and `side` is {0}")]
+    Side(u32),
+    /// The maps of a cube have too many cells.
+    #[error(
+        "six maps of {0} × {0} texels have more than the 2²⁹ cells that volumes can have, 6 · (side − 1)²; take a `side` of at \
+         most 9,459"
+    )]
+    Cells(u32),
+    /// The light of a cube is nowhere.
+    #[error("the light is at {0:?}; take finite coordinates")]
+    Place([f32; 3]),
+    /// The near plane is nowhere before the light.
+    #[error("`near` is {0}; take a finite distance above 0")]
+    Near(f32),
+    /// The far plane is not behind the near plane.
+    #[error("`far` is {far} and `near` {near}; take a finite distance above `near`, or `None` for no far plane")]
+    Far {
+        /// The distance of the near plane.
+        near: f32,
+        /// That of the far plane.
+        far: f32,
+    },
+    /// A camera of a cube is refused.
+    #[error("the light of map {face}: {error}")]
+    CubeLight {
+        /// Number of the map.
+        face: usize,
+        /// Why.
+        error: CameraError,
+    },
+    /// A camera of a cube is orthographic.
+    #[error("the camera of map {face} is orthographic; a light in a cube is at a place")]
+    Parallel {
+        /// Number of the map.
+        face: usize,
+    },
+    /// A map of a cube does not meet its neighbours.
+    #[error(
+        "map {face} does not meet the others: {what}; take the cameras of `DepthMapCube::cameras`, or turn them all \
+         together"
+    )]
+    Apart {
+        /// Number of the map.
+        face: usize,
+        /// In what it differs.
+        what: &'static str,
+    },
+
+    /// A texture is of another size than what takes it was made for.
+    #[error(
+        "{map} has {} × {} texels, and {} × {} are needed; give textures of the size that `new` was given, or make it anew",
+        .given[0], .given[1], .made[0], .made[1]
+    )]
+    MapSize {
+        /// Which texture.
+        map: String,
+        /// Its size.
+        given: [u32; 2],
+        /// The size that is needed.
+        made: [u32; 2],
+    },
+    /// A texture holds nothing that is known.
+    #[error("{map} has {format:?}; take {taken}")]
+    MapFormat {
+        /// Which texture.
+        map: String,
+        /// Its format.
+        format: wgpu::TextureFormat,
+        /// Formats that it may have.
+        taken: &'static str,
+    },
+    /// A texture cannot be read.
+    #[error("{map} has {samples} samples a texel; resolve it, or render it with one")]
+    Samples {
+        /// Which texture.
+        map: String,
+        /// Its samples.
+        samples: u32,
+    },
+    /// A texture has several levels. wgpu does not tell which of them a view shows, and so of which size it is.
+    #[error("{map} has {levels} mip levels; give a texture of one, for example a copy of that level")]
+    MipLevels {
+        /// Which texture.
+        map: String,
+        /// Its levels.
+        levels: u32,
+    },
+    /// A texture lacks a usage.
+    #[error("{0} lacks usage TEXTURE_BINDING; make the texture with it")]
+    Usage(String),
+    /// A map of a cube has no objects, and another has.
+    #[error("map {face} of the cube has no texture of objects; give one for each map that is there, or none")]
+    NoObjects {
+        /// Number of the map.
+        face: usize,
+    },
+    /// The map is the result that is written.
+    #[error("a map is the result of the same merge or conversion; give it to another one")]
+    OwnResult,
+    /// Some depths of the map lie behind infinity.
+    #[error(
+        "rounding put the far plane of the map's camera behind infinity; use a projection without a far plane, or a larger near \
+         distance"
+    )]
+    FarPlane,
+    /// Distances cannot be told apart in the map's range of depths.
+    #[error(
+        "distances are not converted for a camera with its near plane at {near} and its far plane at {far}, or as wide or as \
+         far aside; the planes are from 2⁻¹⁰⁰ to 2¹⁰⁰ units away and not within a thousandth of each other, and rays at most 1000 \
+         times longer than the way along the axis"
+    )]
+    Distances {
+        /// Distance of the near plane, as the metric has it.
+        near: f64,
+        /// Distance of the far plane.
+        far: f64,
+    },
+
+    /// The formats of the eye's depth differ, and so does what the boundary is moved by.
+    #[error(
+        "the volumes were made for an eye's depth of {volumes:?}, and the pipelines have {pipelines:?}; use the same \
+         `ShadowFormat::depth_stencil`"
+    )]
+    DepthFormat {
+        /// Format of the pipelines that the volumes were made with.
+        volumes: wgpu::TextureFormat,
+        /// Format of the pipelines.
+        pipelines: wgpu::TextureFormat,
+    },
+    /// The numbers of bits differ.
+    #[error("the volumes were made with {volumes} bits, and the pipelines have {pipelines}; take the same pipelines")]
+    DrawBits {
+        /// Bits of the pipelines that the volumes were made with.
+        volumes: u32,
+        /// Bits of the pipelines.
+        pipelines: u32,
+    },
+    /// A later encode overwrites what is drawn.
+    #[error(
+        "a later encode of these volumes overwrites this frame; draw a frame before the next encode, or make further volumes"
+    )]
+    StaleFrame,
+
+    /// The format of a map that is drawn holds no depth.
+    #[error("{0:?} has no depth; take a depth format, such as Depth32Float")]
+    NoDepth(wgpu::TextureFormat),
+    /// One draw cannot have so many vertices.
+    #[error("the mesh has {0} faces, and one draw has at most 1,431,655,765; divide the mesh")]
+    Faces(usize),
+}
