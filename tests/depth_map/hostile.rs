@@ -229,6 +229,11 @@ fn grazing() -> Result<(), String> {
     }
 }
 
+/// Maps without objects.
+fn maps_of<'a>(textures: [Option<&'a wgpu::TextureView>; 6], lights: &[ShadowCamera; 6]) -> DepthCubeMaps<'a> {
+    DepthCubeMaps { textures, lights: *lights, objects: [None; 6] }
+}
+
 /// Bodies on a ground around a light, against rays to the light: every cell, and the default detector.
 fn of_cubes() -> Result<(), String> {
     const SEED: u64 = 16_403;
@@ -291,8 +296,7 @@ fn of_cubes() -> Result<(), String> {
                 let options = DepthMapOptions { method: edges, ..Default::default() };
                 let mut volumes = DepthMapCube::new(&pipelines, TEXELS, options).map_err(text)?;
                 stencil_of(&gpu, &pipelines, (SIDE, &depths), |encoder| {
-                    let textures = order.map(|face| Some(&views[face]));
-                    let maps = DepthCubeMaps { textures, lights: cameras, objects: [None; 6] };
+                    let maps = maps_of(order.map(|face| Some(&views[face])), &cameras);
                     volumes.encode(encoder, &maps, &eye, None).map_err(text)
                 })
             };

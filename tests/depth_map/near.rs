@@ -152,8 +152,7 @@ fn of_maps() -> Result<(), String> {
         let way = round % 3;
         let plain = DepthMapOptions::default();
         let options = match way {
-            0 => plain,
-            1 => plain,
+            0 | 1 => plain,
             _ => {
                 let method = DepthMapMethod::Contours { threshold: 0.005, sideways: 0.25, depth: 0.02 };
                 DepthMapOptions { method, ..plain }

@@ -35,8 +35,8 @@ impl FromDepth {
     /// Refuses what has no sensible result: six maps around a light have so near a near plane that all device depths are much the
     /// same.
     pub(crate) fn check(&self, lights: &[Light], bodies: &[PosedModel<'_>]) -> Result<(), UsageError> {
-        let MapSource::Drawn { side } = self.source else { return Ok(()) };
         use DepthMapMethod::{Contours, Differences, SecondDifferences};
+        let MapSource::Drawn { side } = self.source else { return Ok(()) };
         if !matches!(self.method, Contours { .. } | Differences { .. } | SecondDifferences { .. }) {
             return Ok(());
         }
