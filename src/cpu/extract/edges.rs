@@ -116,7 +116,7 @@ fn masks_beside_twisted([face_0, face_1]: [u32; 2], facing: &[u32], twisted: &[u
     let counts = |face: u32| live & !mask(twisted, face);
     let counts_0 = counts(face_0 & !INCONSISTENT_BIT);
     let counts_1 = if face_1 == NO_FACE { 0 } else { counts(face_1) };
-    // Whether face 1 runs against face 0, or the same way.
+    // Face 1 walks the edge against face 0, unless the record is inconsistent.
     let turned_1 = if is_inconsistent { f1 } else { !f1 };
     let alone = counts_0 ^ counts_1;
     let both = counts_0 & counts_1;

@@ -79,7 +79,8 @@ pub struct HiddenStatistics {
 /// The faces that occlude others are back-facing ones of closed meshes, and all faces of other meshes. They are never
 /// occluded themselves. Polygons take part if they are exactly planar and strictly convex, as a whole. The method is Batagelo
 /// and Costa Júnior's (1999): an SVBSP grows front to back, and a face that straddles a plane goes to both sides. The choice
-/// among the occluded faces gives silhouettes the fewest edges, so silhouettes never gain edges.
+/// among the occluded faces gives silhouettes the fewest edges, so they never gain any, unless
+/// [`HiddenOptions::leave_out_all`] is set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HiddenFaces {
     light: Light,

@@ -39,7 +39,7 @@ pub struct Taken {
     /// For each batch and caster the bits of the lights whose bits are computed.
     pub taken: Vec<u32>,
     /// The inputs of the bits: the number of the layout, three zeros, then for each batch the versions of 32 lights. Last
-    /// come, for each batch and caster, the caster's version and the lights that reach it.
+    /// come, for each batch and caster, the caster's version and the lights that culling leaves.
     pub kept: Vec<u32>,
     /// For each group of casters and batch the lights whose lists are made anew.
     pub anew: Vec<u32>,
