@@ -96,7 +96,7 @@ pub enum DisplaceError {
     Enable {
         /// The line, from 1.
         line: u32,
-        /// What is enabled.
+        /// The names that the directive enables.
         names: String,
     },
     /// The length of an array is an expression whose value has no known bound. See [`Self::TooLarge`].

@@ -125,7 +125,7 @@ shared_structs! {
         blocks: u32,
     }
 
-    /// What turns counts of edges into draws.
+    /// The sizes for turning counts of edges into draws.
     struct DrawShape {
         /// Number of lights in all batches.
         lights: u32,
@@ -189,7 +189,7 @@ shared_structs! {
         /// If the first face continues a polygon, the place of the first triangle of that. Places count faces from the first
         /// cluster of the run that one binding holds.
         head: u32,
-        /// The number that the mesh has for the first face. Those of the others follow it.
+        /// The mesh's index of the first face. The indices of the others follow it.
         first_face: u32,
         /// 0.
         padding: u32,
@@ -261,7 +261,7 @@ shared_structs! {
         count: u32,
         /// The word of the first vertex in the rest positions.
         rest: u32,
-        /// The word of the first vertex's first morph target. Those of a target follow each other.
+        /// The word of the first vertex's first morph target. The offsets of one target follow each other.
         morph: u32,
         /// The word where its influences begin: offsets, then joints and weights.
         skin: u32,
@@ -282,7 +282,7 @@ shared_structs! {
         before: u32,
     }
 
-    /// What the WGSL include reads of a batch of lights.
+    /// The part of a batch of lights that the WGSL include reads.
     struct RimlineInfo {
         /// Edge records of the mesh.
         edges: u32,
@@ -341,12 +341,12 @@ shared_structs! {
         group: u32,
         /// The first caster of the group.
         first_caster: u32,
-        /// Of a rigid caster the word of the page's clusters where those of its mesh begin, or [`NO_CLUSTERS`]. Of another its
-        /// number among the figures that may not be needed, counted from 1, or 0 if it is none.
+        /// A rigid caster: the word of the page's clusters where the clusters of its mesh begin, or [`NO_CLUSTERS`]. Any
+        /// other caster: its number among the figures that may not be needed, counted from 1, or 0 if it is none.
         clusters_or_figure: u32,
     }
 
-    /// What the stage that finds the needed figures of a scene goes over.
+    /// The input of the stage that finds the needed figures of a scene.
     struct NeedsDispatch {
         /// Figures.
         figures: u32,
@@ -398,8 +398,8 @@ shared_structs! {
         face_chunks: u32,
         /// Edge chunks of the group.
         edge_chunks: u32,
-        /// Word of the work lists with the number of listed face chunks. That of edge chunks is next, then the lights whose
-        /// lists are made anew, and the lights of which bits are kept.
+        /// Word of the work lists with the number of listed face chunks. The number of edge chunks is next. Then come the
+        /// lights whose lists are made anew, and the lights of which bits are cached.
         work_count: u32,
         /// Word of the work lists where the listed face chunks begin.
         face_work: u32,
@@ -422,11 +422,11 @@ shared_structs! {
         world_lights_at: u32,
     }
 
-    /// What an encode of a scene computed.
+    /// Counts of an encode of a scene.
     struct SceneStatistics {
         /// Pairs of caster and light that matter: the light is allowed, and may reach the caster.
         pairs: u32,
-        /// Those of them whose facing bits were kept from an earlier encode.
+        /// The part of `pairs` whose facing bits an earlier encode cached.
         kept_pairs: u32,
         /// Pairs of caster and allowed light that do not matter, because the light does not reach the caster.
         unreached_pairs: u32,
@@ -518,7 +518,7 @@ shared_structs! {
         axis: [f32; 4],
     }
 
-    /// What the shadows of a view may fall on.
+    /// The receivers of a view.
     struct ReceiverView {
         /// Columns of the matrix from normalised device coordinates to the camera's frame.
         inverse: [[f32; 4]; 4],
@@ -592,7 +592,8 @@ shared_structs! {
         constant: i32,
     }
 
-    /// How edges of a depth map are marked. Of two values, the second is that next to the end of a marked edge.
+    /// The rule that marks edges of a depth map. Where a field has two values, the second applies next to the end of a marked
+    /// edge.
     struct DepthEdgeRule {
         /// Words of a row of the lattice, and rows.
         words: [u32; 2],
@@ -634,13 +635,13 @@ shared_structs! {
         middle: [f32; 4],
         /// The far distance, or without a far plane what depth times distance is.
         head: f32,
-        /// What rounding took off `head`, if there is a far plane.
+        /// The part of the far distance that rounding took off `head`, if there is a far plane.
         rest: f32,
         /// 1: there is a far plane.
         has_far: f32,
-        /// What is left of the way to the far plane becomes a depth by this factor.
+        /// The factor from the distance left to the far plane to a depth.
         scale: f32,
-        /// What smaller distances are clamped to.
+        /// The least distance. Smaller ones are clamped to it.
         least: f32,
         /// The distance from which on nothing casts, whatever the planes are.
         most: f32,
@@ -660,11 +661,11 @@ shared_structs! {
         depth: [f32; 4],
         /// Clip space at the middle and depth 0.
         middle: [f32; 4],
-        /// As `across`, at infinity.
+        /// Like `across`, at infinity.
         far_across: [f32; 4],
-        /// As `down`, at infinity.
+        /// Like `down`, at infinity.
         far_down: [f32; 4],
-        /// As `middle`, at infinity.
+        /// Like `middle`, at infinity.
         far_middle: [f32; 4],
         /// Homogeneous place on the lattice and depth, for each unit of x on the near rectangle.
         near_across: [f32; 4],
@@ -850,11 +851,11 @@ shared_structs! {
         /// Pairs of light and view whose lists of sides and caps were kept from an earlier encode, for each group of casters of
         /// a scene. A group has one page of topology and one source of positions.
         kept_lists: u32,
-        /// Of the pairs that are skipped, those whose volume no receiver can be in. What was skipped in an earlier encode, and is
-        /// kept, is not among them.
+        /// Skipped pairs whose volume no receiver can be in. Pairs that were skipped in an earlier encode, and are cached,
+        /// are not among them.
         hidden: u32,
-        /// Of the pairs that are skipped, those whose box the light does not reach, likewise. Scenes leave most of them out
-        /// before: [`SceneStatistics::unreached_pairs`].
+        /// Skipped pairs whose box the light does not reach, likewise. Scenes cull most of these pairs earlier:
+        /// [`SceneStatistics::unreached_pairs`].
         unreached: u32,
         /// Pieces of L-twisted polygons that there was no room for. Shadows are wrong where they would be.
         lost_pieces: u32,

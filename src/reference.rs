@@ -39,13 +39,13 @@ pub mod shadow {
     }
 }
 
-/// What an [`Origin`](crate::Origin) is chosen by.
+/// The choice of an [`Origin`](crate::Origin).
 pub mod origin {
     pub use crate::origin::{bounds, smallest};
 }
 
-/// What is told of near caps of volumes from depth maps before the map is looked at, what the draws are given, and what converts
-/// maps of distances.
+/// Internals of depth maps: the decision on near caps before the map is read, the input of draws, and the conversion of maps
+/// of distances.
 pub mod depth_map {
     use crate::ShadowCamera;
     use crate::gpu::DepthMapError;
@@ -77,8 +77,8 @@ pub mod depth_map {
         metric::metric_steps(light, metric)
     }
 
-    /// What the vertex stages are given of a map of `size` texels, whose depths have the format `format`, for an eye whose depth
-    /// buffer has a format.
+    /// The input of the vertex stages for a map of `size` texels with depths in `format`. `eye` has the format of its depth
+    /// buffer.
     ///
     /// # Errors
     /// [`DepthMapError`] if a camera is refused.

@@ -99,7 +99,7 @@ pub enum DepthDirection {
 ///     depth: DepthDirection::Standard,
 /// };
 /// camera.check()?;
-/// // What is drawn with must know; z-fail then needs `Features::DEPTH_CLIP_CONTROL`.
+/// // The format of the pipelines must say so; z-fail then needs `Features::DEPTH_CLIP_CONTROL`.
 /// let has_far_plane = camera.has_far_plane();
 /// let format = ShadowFormat { depth: camera.depth, has_far_plane, ..ShadowFormat::default() };
 /// assert!(format.has_far_plane);
@@ -214,7 +214,7 @@ impl ShadowCamera {
     /// The camera as the GPU needs it.
     ///
     /// # Errors
-    /// As [`Self::check`].
+    /// The errors of [`Self::check`].
     pub(crate) fn view(&self) -> Result<ShadowView, CameraError> {
         let matrix = Mat4::from_cols_array_2d(&self.view_projection).as_dmat4();
         let origin = Vec3::from_array(self.origin);
@@ -244,7 +244,7 @@ impl ShadowCamera {
         if near_w <= 0.0 || growth < 0.0 {
             return Err(CameraError::Backwards);
         }
-        // Of an orthographic camera w is constant, and so is the distance between depths.
+        // An orthographic camera has a constant w, and a constant distance between depths.
         if growth > 0.0 && near_w.min(near_w / growth) < LEAST_NEAR {
             return Err(CameraError::DepthRange);
         }

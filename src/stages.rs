@@ -1,5 +1,5 @@
-//! The one list of stages and of WGSL files. Pipelines, labels, twins and tests use it. What a stage computes, for whom
-//! and what it promises stands at the top of its file in `wgsl`.
+//! The one list of stages and of WGSL files. Pipelines, labels, twins and tests use it. The top of each file in `wgsl` says
+//! what its stage computes, for whom, and what it promises.
 
 use crate::compose::{Composed, compose};
 

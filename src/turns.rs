@@ -18,7 +18,7 @@ pub(crate) const LISTED_ITEMS: u32 = 4096;
 pub(crate) const BOUND_CHUNKS: u32 = 128;
 /// Undecided faces that an invocation of exact facing takes in turn at most, of a single mesh with 32 lights.
 pub const EXACT_ITEMS: u32 = 44;
-/// Morph targets and influences of a vertex together. What is left of the turns is the displacement's.
+/// Morph targets and influences of a vertex together. The displacement has the rest of the turns.
 pub(crate) const DEFORM_TERMS: u32 = 60_000;
 /// Boxes that an invocation of `needs` looks at: views times lights and one more.
 pub(crate) const NEEDS_BOXES: usize = 2500;
@@ -31,8 +31,8 @@ pub fn scene_exact_items(lights: u32) -> u32 {
     (60_000 / (50 + 45 * lights.clamp(1, 32))).min(400)
 }
 
-/// The names that the comments above loops use, besides constants of the WGSL. Those of sizes follow from what one binding of
-/// llvmpipe holds, 128 MiB, and from its largest texture, 16,384 texels a side.
+/// The names that the comments above loops use, besides constants of the WGSL. The names of sizes follow from the most that
+/// one binding of llvmpipe holds, 128 MiB, and from its largest texture, 16,384 texels a side.
 #[cfg(feature = "reference")]
 pub fn limits(lights: u32, exact_items: u32) -> std::collections::BTreeMap<&'static str, u64> {
     std::collections::BTreeMap::from([
@@ -62,8 +62,8 @@ pub fn limits(lights: u32, exact_items: u32) -> std::collections::BTreeMap<&'sta
         ("MAP_BLOCKS", 1 << 17),
         ("NEAR_SAMPLES", 1 << 16),
         ("WALKER_TILES", 2),
-        // What the walks of a subgroup go over in all, for two tiles: each cell through which a contour goes once, and both ends
-        // of 16 walks that the lanes begin together.
+        // Cells that the walks of a subgroup go over in all, for two tiles. They are each cell through which a contour goes,
+        // once, and both ends of 16 walks that the lanes begin together.
         ("TILE_NODES", 2 * (256 + 32)),
         ("TILE_WALLS", 2048),
         ("OUTLINE_EDGES", 1024),

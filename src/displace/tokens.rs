@@ -76,11 +76,11 @@ fn check_directives(tokens: &[Token<'_>]) -> Result<(), DisplaceError> {
     Err(DisplaceError::Enable { line: tokens[at].line, names: names.concat().replace(',', ", ") })
 }
 
-/// What a message keeps of a directive: tokens, and characters of each.
+/// Limits on the part of a directive that a message shows: tokens, and characters of each.
 const MOST_NAMES: usize = 16;
 const LONGEST_NAME: usize = 40;
 
-/// What is open at a token: brackets, the operators since the last separator in each, and the `else` of a chain.
+/// Nesting at a token: open brackets, the operators since the last separator in each, and the `else` of a chain.
 #[derive(Clone, Copy, Default)]
 struct Level {
     operators: u64,
@@ -97,7 +97,7 @@ fn check_nesting(tokens: &[Token<'_>]) -> Result<(), DisplaceError> {
         let is_outermost = top == 0;
         match token.text {
             "(" | "[" | "{" => {
-                // What follows a bracket applies to it: `a[0][0]` nests like `a + 0 + 0`.
+                // A bracket counts as an operator: `a[0][0]` nests like `a + 0 + 0`.
                 open[top].operators += u64::from(token.text != "{");
                 outside += 1 + open[top].operators + open[top].elses;
                 open.push(Level::default());

@@ -53,7 +53,7 @@ pub struct Asset {
     /// The joints that each geometry uses, ascending.
     pub(super) used_joints: Vec<Vec<u32>>,
     pub(super) named_files: Vec<PathBuf>,
-    /// What poses and lights are relative to.
+    /// The origin of poses and lights.
     pub(super) origin: Origin,
     /// The box of each geometry in its own space, once it was asked for.
     pub(super) boxes: OnceLock<Vec<Option<[[f64; 3]; 2]>>>,
@@ -156,7 +156,7 @@ impl Asset {
         &self.named_files
     }
 
-    /// What was left out of the file, or read in another way than it is written. The command prints all of them.
+    /// Parts of the file that were skipped, or read in another way than they are written. The command prints all of them.
     ///
     /// A damaged part of the file is refused only where the scene needs it. Such parts are animations, lights that are
     /// not asked for, and meshes, skins, nodes and data that the chosen scene does not show. Every other one is a
@@ -177,7 +177,7 @@ impl Asset {
         &self.built.model
     }
 
-    /// What welding did to the geometry with this index, or `None` past the end.
+    /// Result of welding the geometry with this index, or `None` past the end.
     pub fn weld_counts(&self, geometry: usize) -> Option<WeldCounts> {
         self.built.weld_counts.get(geometry).copied()
     }
@@ -210,7 +210,7 @@ impl Asset {
     }
 }
 
-/// What a glTF says of itself, before its buffers are read.
+/// A parsed glTF before its buffers are read.
 struct Header<'a> {
     document: Document,
     graph: Graph,
@@ -238,7 +238,7 @@ impl<'a> Header<'a> {
     }
 }
 
-/// Warns of faults that nothing asked for. What the scene needs was refused before.
+/// Warns of faults in parts that the scene does not need. Faults in parts that it needs were refused before.
 fn warn_of_the_rest(
     document: &Document,
     graph: &Graph,

@@ -14,9 +14,9 @@ pub(super) struct Budget {
     limit: u64,
     /// Bytes in use.
     used: Cell<u64>,
-    /// Those of `used` that are never given back: see [`Budget::charge_lasting`].
+    /// The part of `used` that is never given back: see [`Budget::charge_lasting`].
     lasting: Cell<u64>,
-    /// Those of `used` that are gone once the asset is made: the content of files.
+    /// The part of `used` that is gone once the asset is made: the content of files.
     files: Cell<u64>,
     /// Bytes that the mesh of all instances takes while it is made, beside the asset.
     placed: Cell<u64>,
@@ -24,7 +24,7 @@ pub(super) struct Budget {
     charged: Cell<u64>,
 }
 
-/// What is in use at some time, to give back all that was charged later.
+/// State of a budget at some time, to give back all that was charged later.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mark {
     used: u64,
@@ -186,7 +186,7 @@ impl Budget {
     }
 }
 
-/// What is kept of a mesh once it is welded: the geometry, and the list of its joints in use.
+/// Bytes that a mesh keeps once it is welded: the geometry, and the list of its joints in use.
 pub(super) fn kept(geometry: &Geometry) -> u64 {
     geometry.bytes() + geometry.influences().map_or(0, |i| USED_JOINT * i.joints().len() as u64)
 }
@@ -206,7 +206,7 @@ pub(super) fn welding(vertices: u64, targets: usize, faces: u64) -> u64 {
     geometry(vertices, targets, faces).saturating_mul(2).saturating_add(vertices.saturating_mul(WELDING))
 }
 
-/// What an instance takes while the mesh of all instances is made.
+/// Bytes that an instance takes while the mesh of all instances is made.
 pub(super) fn placed(vertices: u64, faces: u64) -> u64 {
     vertices.saturating_mul(PLACED_VERTEX).saturating_add(faces.saturating_mul(PLACED_FACE))
 }

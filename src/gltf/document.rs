@@ -85,7 +85,7 @@ pub(super) struct Primitive {
     pub(super) position: Option<usize>,
     /// The accessors of `JOINTS_n` and `WEIGHTS_n`, by n.
     pub(super) influences: Vec<InfluenceSet>,
-    /// What is wrong with `JOINTS_n` and `WEIGHTS_n`, which only a skin needs.
+    /// The fault of `JOINTS_n` and `WEIGHTS_n`, which only a skin needs.
     pub(super) influences_fault: Option<Box<GltfError>>,
     /// The accessor of each target's POSITION. `None`: the target moves nothing here.
     pub(super) targets: Vec<Option<usize>>,

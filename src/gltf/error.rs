@@ -21,7 +21,7 @@ pub enum GltfError {
     Glb {
         /// The place, in bytes from the start of the file.
         offset: usize,
-        /// What is wrong at this place.
+        /// The fault at this offset.
         problem: String,
     },
     /// The text is not JSON.
@@ -68,7 +68,7 @@ pub enum GltfError {
         name: String,
         /// Where the file needs it.
         place: String,
-        /// What the user can do instead.
+        /// Advice to the user.
         advice: &'static str,
     },
     /// The content of the file does not make a model.
@@ -106,7 +106,7 @@ pub enum GltfError {
         accessor: usize,
         /// JSON path of the property that refers to it.
         user: String,
-        /// What is wrong.
+        /// The fault of the accessor.
         problem: AccessorProblem,
     },
     /// Loading would take more memory than the caller allows. This guards against small files that fill the memory.
@@ -115,7 +115,7 @@ pub enum GltfError {
          the file is meant to be that large, else split it"
     )]
     TooLarge {
-        /// What would be allocated next: a file, or a JSON path.
+        /// The next allocation: a file, or a JSON path.
         what: String,
         /// Bytes that would be in use at one time, including this allocation.
         needed: u64,
@@ -233,7 +233,7 @@ pub enum GltfError {
     Keyframes {
         /// JSON path of the sampler.
         place: String,
-        /// What is wrong.
+        /// The fault of the sampler.
         problem: String,
     },
     /// An animation moves a node with a fixed matrix, which glTF forbids.
@@ -327,7 +327,7 @@ pub enum AnimationError {
     Damaged {
         /// The index that was asked for.
         index: usize,
-        /// What is wrong, and where.
+        /// The fault, and where it is.
         source: Box<GltfError>,
     },
     /// Two of the animations move the same property of a node, so they cannot play together.
@@ -347,7 +347,7 @@ pub enum AnimationError {
     DamagedLight {
         /// Index of the light's node.
         node: usize,
-        /// What is wrong, and where.
+        /// The fault, and where it is.
         source: Box<GltfError>,
     },
     /// The time is NaN.

@@ -1,4 +1,4 @@
-//! What a document's meshes will take of memory, by the counts that it states, before any data is read.
+//! Estimates of the memory that a document's meshes will take, by the counts that it states, before any data is read.
 
 use std::collections::HashSet;
 

@@ -40,7 +40,7 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
     let mut blocks = HashMap::new();
     let mark = reader.budget.mark();
     for (p, primitive) in mesh.primitives.iter().enumerate() {
-        // What the last primitive was read by is freed.
+        // Reading the last primitive took memory that is free again.
         reader.budget.settle(mark, draft.bytes());
         let Some(position) = primitive.position else {
             continue;

@@ -58,7 +58,7 @@ impl Graph {
         }
     }
 
-    /// What is wrong with nodes that spoil a place.
+    /// Faults that leave the transforms of nodes unknown.
     pub(super) fn faults(&self, document: &Document) -> impl Iterator<Item = GltfError> {
         let is_at_fault = |&node: &usize| self.spoilt_by[node] == Some(node);
         // All nodes of cycles together are one fault.
@@ -84,7 +84,7 @@ impl Graph {
     }
 }
 
-/// What is wrong with a node that spoils a place. One without a fault is in a cycle or below one.
+/// The fault of a node whose transform is unknown. A node without a fault of its own is in a cycle or below one.
 fn fault(document: &Document, node: usize) -> GltfError {
     match &document.nodes[node].fault {
         Some(fault) => GltfError::clone(fault),

@@ -1,4 +1,4 @@
-//! What is told of a file's animations, skins, meshes and skipped primitives.
+//! Descriptions of a file's animations, skins, meshes and skipped primitives.
 
 use gltf::json::mesh::Mode;
 

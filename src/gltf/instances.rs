@@ -25,7 +25,7 @@ pub(super) struct Built {
     pub(super) placements: Vec<Placement>,
     /// The mesh of each geometry.
     pub(super) meshes: Vec<usize>,
-    /// What welding did to each geometry.
+    /// Result of welding each geometry.
     pub(super) weld_counts: Vec<WeldCounts>,
 }
 
@@ -125,7 +125,7 @@ fn left_out(reader: &Reader<'_>, mesh: usize, fault: GltfError) -> Result<Geomet
 /// The nodes that use a mesh, in any scene.
 #[derive(Clone, Debug, Default)]
 struct Users {
-    /// Nodes with a skin. Those that are shown come first.
+    /// Nodes with a skin. Nodes that are shown come first.
     skinned: Vec<usize>,
     /// How many of them are shown.
     skinned_shown: usize,

@@ -1,4 +1,4 @@
-//! What nodes are at one time: their transforms and morph weights, as animations set them.
+//! State of nodes at one time: their transforms and morph weights, as animations set them.
 
 use std::collections::HashMap;
 

@@ -27,7 +27,8 @@ struct Placed<'a> {
 }
 
 impl Asset {
-    /// What [`Asset::pose`] and [`Asset::lights`] are relative to. It is zero until [`Asset::set_origin`] is called.
+    /// The origin that [`Asset::pose`] and [`Asset::lights`] are relative to. It is zero until [`Asset::set_origin`] is
+    /// called.
     pub fn origin(&self) -> Origin {
         self.origin
     }

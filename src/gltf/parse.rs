@@ -16,8 +16,8 @@ use super::{extensions, parse_mesh, parse_scene};
 
 const COMPONENT: &str = "a component type (5120, 5121, 5122, 5123, 5125 or 5126)";
 
-/// Reads a document and checks its version, its required extensions, and every index that is used. What is wrong with a
-/// part that the scene may not need is kept as the part's fault.
+/// Reads a document and checks its version, its required extensions, and every index that is used. A fault of a part that the
+/// scene may not need is kept with the part.
 pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) -> Result<Document, GltfError> {
     let root = Json::new(value, String::new())?;
     version(&root)?;

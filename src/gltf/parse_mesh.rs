@@ -8,7 +8,7 @@ use super::json::Json;
 use super::lengths::Lengths;
 use super::warning::{GltfWarning, Warnings};
 
-/// Reads a mesh. What is wrong with it is its fault.
+/// Reads a mesh. An error in it becomes its fault.
 pub(super) fn mesh(
     json: Result<Json<'_>, GltfError>,
     lengths: Lengths,
@@ -113,7 +113,7 @@ fn influences(attributes: &Json<'_>, lengths: Lengths) -> Result<Vec<InfluenceSe
     Ok(sets)
 }
 
-/// Reads a skin. What is wrong with it is its fault.
+/// Reads a skin. An error in it becomes its fault.
 pub(super) fn skin(
     json: Result<Json<'_>, GltfError>,
     lengths: Lengths,

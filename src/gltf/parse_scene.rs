@@ -15,7 +15,7 @@ use super::scene_light::SceneLightKind;
 use super::transforms::{affine, unit};
 use super::warning::{GltfWarning, Warnings};
 
-/// Reads a node. What is wrong with what it places is its fault.
+/// Reads a node. An error in its content becomes its fault. A light reference keeps its own fault.
 pub(super) fn node(
     json: Result<Json<'_>, GltfError>,
     lengths: Lengths,
@@ -87,7 +87,7 @@ fn instancing(json: &Json<'_>, lengths: Lengths) -> Result<Instancing, GltfError
     Ok(Instancing { translation: index("TRANSLATION")?, rotation: index("ROTATION")?, scale: index("SCALE")? })
 }
 
-/// Reads a light. What is wrong with it is its fault.
+/// Reads a light. An error in it becomes its fault.
 pub(super) fn light(json: Result<Json<'_>, GltfError>, warnings: &Warnings<'_>) -> Result<NamedLight, GltfError> {
     let json = match warnings.keep(json)? {
         Ok(json) => json,
@@ -143,7 +143,7 @@ fn cone(json: &Json<'_>) -> Result<[f32; 2], GltfError> {
     Ok([inner, outer].map(|angle| angle.min(FRAC_PI_2) as f32))
 }
 
-/// Reads an animation. What is wrong with it is its fault.
+/// Reads an animation. An error in it becomes its fault.
 pub(super) fn animation(
     json: Result<Json<'_>, GltfError>,
     lengths: Lengths,
@@ -174,7 +174,7 @@ fn animation_content(json: &Json<'_>, lengths: Lengths, warnings: &Warnings<'_>)
     Ok(Animation { name: None, samplers, channels, fault: None })
 }
 
-/// What a channel moves, or why it moves nothing.
+/// The target of a channel, or why it moves nothing.
 fn channel_target(target: &Json<'_>, lengths: Lengths) -> Result<Result<(usize, Property), String>, GltfError> {
     let path = target.required("path", target.string("path")?)?;
     if let Ok(Some(extension)) = target.extension("KHR_animation_pointer")

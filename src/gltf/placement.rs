@@ -2,7 +2,7 @@
 
 use glam::DAffine3;
 
-/// What moves an instance.
+/// The transform of an instance.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Frame {
     /// The node's world matrix times this matrix.

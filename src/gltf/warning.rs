@@ -1,4 +1,4 @@
-//! What a file's reader should know about it, although the file was loaded.
+//! Warnings about a file that was loaded.
 
 use std::cell::RefCell;
 use std::collections::HashSet;
@@ -16,7 +16,7 @@ pub enum GltfWarning {
     /// gets this fault as an error.
     #[error("{fault}; the scene can be shown without it, so it is left out")]
     Damaged {
-        /// What is wrong, and where.
+        /// The fault, and where it is.
         fault: Box<GltfError>,
     },
     /// The file uses an extension that is not read, and that may place, shape or move what is drawn.
@@ -134,7 +134,7 @@ pub enum GltfWarning {
 pub(super) struct Warnings<'a> {
     budget: &'a Budget,
     list: RefCell<Vec<GltfWarning>>,
-    /// What was said already. A damaged accessor spoils all that use it.
+    /// The texts of warnings so far. They keep a warning from being repeated: a damaged accessor spoils all that use it.
     said: RefCell<HashSet<String>>,
 }
 

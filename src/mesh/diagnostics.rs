@@ -1,9 +1,9 @@
-//! What a user wants to know about a mesh: whether it is closed and, if it is not, where it is open.
+//! Diagnostics of a mesh: whether it is closed and, if it is not, where it is open.
 
 use super::faces::Mesh;
 use super::topology::{Edge, EdgeCounts, EdgeKind, is_degenerate};
 
-/// What [`MeshDiagnostics::of`] finds out about a mesh.
+/// Result of [`MeshDiagnostics::of`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MeshDiagnostics {
     /// The number of parts that share no vertex with each other. Degenerate faces do not count.

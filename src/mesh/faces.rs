@@ -16,8 +16,8 @@ use super::weld::{self, Weld, WeldCounts};
 /// vertex at its smallest position where vertices are welded by distance. So the stages read the caller's own position buffer
 /// as it is.
 ///
-/// Memory besides positions and indices: 16 bytes for each edge record. That is 24 bytes a face on closed meshes (1.5
-/// records a face), and at most 48 bytes (no two faces share an edge).
+/// Memory besides positions and indices: 16 bytes for each edge record. A closed mesh takes 24 bytes a face (1.5 records a
+/// face). The most is 48 bytes (no two faces share an edge).
 #[derive(Clone, Debug)]
 pub struct Mesh {
     id: MeshId,
@@ -106,7 +106,7 @@ impl Mesh {
     /// move.
     ///
     /// # Errors
-    /// As [`Self::from_polygons`].
+    /// The errors of [`Self::from_polygons`].
     pub fn from_polygons_by_loop(
         positions: &[[f32; 3]],
         polygons: PolygonLoops<'_>,
@@ -169,7 +169,7 @@ impl Mesh {
         &self.edges
     }
 
-    /// What welding did.
+    /// Result of welding.
     pub fn weld_counts(&self) -> WeldCounts {
         self.weld
     }

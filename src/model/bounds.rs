@@ -7,8 +7,8 @@ use super::{Geometry, InstancePose, Model, Pose, PoseMismatch};
 /// A box by its lowest and its highest corner.
 pub type Box3 = [[f32; 3]; 2];
 
-/// What tells where the instances of a model are in a pose, without looking at vertices: for each joint the box of the
-/// vertices that it moves, and for each morph target the box of its offsets.
+/// Bounds on the positions of the instances of a model in a pose, without looking at vertices. For each joint there is the
+/// box of the vertices that it moves, and for each morph target the box of its offsets.
 ///
 /// The boxes hold for the positions that [`gpu::Deformer`](crate::gpu::Deformer) and [`cpu::deform`](crate::cpu::deform)
 /// compute in this pose, rounding included. The box of a model at rest does not. They are for
@@ -20,7 +20,7 @@ pub struct ModelBounds {
     instances: Vec<usize>,
 }
 
-/// What is known of a geometry.
+/// The boxes of a geometry: at rest, for each joint, and for each morph target.
 #[derive(Clone, Debug, PartialEq)]
 struct GeometryBounds {
     /// Numbers that a pose must have.
@@ -37,7 +37,7 @@ struct GeometryBounds {
     most_influences: usize,
 }
 
-/// What is known of the weights of all vertices.
+/// Bounds on the weights of all vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Weights {
     sums: Span,
@@ -116,7 +116,7 @@ fn hull(points: impl IntoIterator<Item = [f32; 3]>) -> Option<[Span; 3]> {
 
 /// One unit in the last place, relative: WGSL names no direction of rounding.
 const UNIT: f64 = 1.0 / 8_388_608.0;
-/// What flushing takes, for each term: 2⁻¹²¹.
+/// The most that flushing takes off each term: 2⁻¹²¹.
 const FLUSHED: f64 = f64::from_bits((1023 - 121) << 52);
 /// No sum of absolute values may exceed this, so that nothing overflows: 2¹²⁶.
 const LARGEST: f64 = f64::from_bits((1023 + 126) << 52);

@@ -19,7 +19,7 @@ impl Influences {
     /// * `offsets` says where the entries of each vertex begin in `joints` and `weights`. It has one element more than
     ///   there are vertices, begins with 0 and ends with the number of entries.
     /// * `joints` are indices into the instance's palette ([`InstancePose::palette`](super::InstancePose::palette)).
-    /// * `weights` are used as given. Those of a vertex should sum to 1.
+    /// * `weights` are used as given. The weights of a vertex should sum to 1.
     ///
     /// # Errors
     /// [`ModelError`] when offsets, joints and weights do not fit together, or a weight is not finite.

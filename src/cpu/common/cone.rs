@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::layout::LightCone;
 
-/// What is larger or smaller may overflow or underflow, and nothing is said.
+/// Sizes outside this range may overflow or underflow. The test then returns true.
 const LARGEST: f32 = f32::from_bits((127 + 60) << 23);
 const LEAST: f32 = f32::from_bits((127 - 30) << 23);
 /// 512 units in the last place of the largest coordinate.
@@ -16,7 +16,7 @@ fn dot(a: Vec3, b: Vec3) -> f32 {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
-/// Of a vector, the part across the axis, at length 1.
+/// The part of a vector across the axis, at length 1.
 fn across_axis(v: Vec3, axis: Vec3) -> Vec3 {
     let across = v - dot(v, axis) * axis;
     across / dot(across, across).sqrt()
@@ -32,7 +32,7 @@ pub fn may_be_in_cone(cone: &LightCone, low: [f32; 3], high: [f32; 3], terms: f3
     }
     let (begin, end) = (low - apex, high - apex);
     if cosine < 0.0 {
-        // What is outside is convex.
+        // The outside of a cone wider than a half-space is convex, so its corners decide for the box.
         let is_outside = |number: usize| {
             let pick = |axis: usize| if number >> axis & 1 == 0 { begin[axis] } else { end[axis] };
             let corner = Vec3::from([0, 1, 2].map(pick));

@@ -15,7 +15,7 @@ impl Threads {
         Self(NonZeroUsize::new(count).unwrap_or(NonZeroUsize::MIN))
     }
 
-    /// As many threads as the machine runs at the same time.
+    /// The number of threads that the machine runs at the same time, or one if it is unknown.
     pub fn all() -> Self {
         std::thread::available_parallelism().map_or(Self::ONE, Self)
     }

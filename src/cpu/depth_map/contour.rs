@@ -29,7 +29,7 @@ pub(crate) const OUT: [[i32; 2]; 4] = [[0, -1], [1, 0], [0, 1], [-1, 0]];
 pub struct Map<'a> {
     /// The samples.
     pub samples: &'a Samples<'a>,
-    /// What is asked for.
+    /// Thresholds and sizes of the contours.
     pub shape: &'a ContourShape,
 }
 
@@ -153,7 +153,7 @@ impl Map<'_> {
         if before == FAR || own == FAR || after == FAR { 0 } else { smaller(own - before, after - own).abs() }
     }
 
-    /// What the depths of the map and of the eye may be off by, at a distance.
+    /// The largest error of the depths of the map and of the eye, at a distance.
     pub(crate) fn precision(&self, own: i32) -> i32 {
         let depth = if self.samples.shape.is_reversed == 1 { RANGE - own } else { own };
         (((depth >> 10) * self.shape.share) >> 19) + self.shape.constant

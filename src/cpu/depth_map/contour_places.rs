@@ -7,7 +7,7 @@ use super::contour_rim::rim_beyond;
 
 /// Edges that the contour is followed over to each side, for a line.
 const REACH: usize = 12;
-/// Those of a parabola at most.
+/// Edges to each side for a parabola, at most.
 const BENT: usize = 8;
 /// Edges to each side from which on a line is tried first.
 const LINE: usize = 5;

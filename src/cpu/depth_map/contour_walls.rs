@@ -18,7 +18,7 @@ pub type WallVertex = [i32; 3];
 /// A quadrilateral: a wall, or the flap that joins it to the nearer surface.
 pub type Wall = [WallVertex; 4];
 
-/// What the stage writes.
+/// The output of the stage.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WallList {
     /// Walls of all tiles, whether there is room for them or not.

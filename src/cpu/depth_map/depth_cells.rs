@@ -4,7 +4,7 @@ use super::edge_code::Cell;
 use super::samples::Samples;
 use crate::layout::DepthMapShape;
 
-/// What the stage writes.
+/// The output of the stage.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CellList {
     /// Cells that have a triangle to draw, whether the list has room for them or not.

@@ -12,7 +12,7 @@ use crate::layout::DepthEdgeRule;
 pub struct EdgeDetector {
     /// Thresholds.
     pub rule: DepthEdgeRule,
-    /// What second differences tell.
+    /// How second differences decide.
     pub second: Second,
     /// Cells by which an edge that dangles is continued at most.
     pub cells: u32,

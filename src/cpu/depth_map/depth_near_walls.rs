@@ -9,7 +9,7 @@ pub fn depth_near_walls(map: &Map<'_>, near: &DepthNearBox) -> bool {
     samples_of_box(near).any(|at| {
         let at = at.map(|at| at as i32);
         let own = map.distance(at);
-        // As much nearer as a neighbour on the other side is farther away.
+        // The sample moves nearer by the largest step to a neighbour that is farther away.
         let nearing = |step: [i32; 2]| {
             let beside = [step, step.map(|step| -step)].map(|step| map.distance(sum(at, step)));
             beside.into_iter().filter(|&other| other != FAR).map(|other| (other - own).max(0)).max().unwrap_or(0)

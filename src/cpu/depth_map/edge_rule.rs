@@ -6,7 +6,7 @@ use super::edge_code::exceeds;
 use super::samples::{Key, Samples};
 use crate::layout::DepthEdgeRule;
 
-/// What second differences tell.
+/// How second differences decide whether an edge above the threshold is marked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Second {
     /// Nothing: all edges above the threshold are marked.

@@ -28,7 +28,7 @@ pub(crate) struct FaceMasks<'a> {
     pub(crate) twisted: &'a [u32],
 }
 
-/// As [`edges`], into a vector that is reused.
+/// Like [`edges`], into a vector that is reused.
 pub(crate) fn edges_into(
     masks: &mut Vec<EdgeMasks>,
     records: &EdgeRecords,
@@ -108,15 +108,15 @@ fn edge_masks([face_0, face_1]: [u32; 2], facing: &[u32], live: u32) -> EdgeMask
     EdgeMasks { silhouette, winding }
 }
 
-/// The bits of one edge record where faces may be twisted: those have the sign 0. What is left of a record with one
-/// other face is its boundary.
+/// The bits of one edge record where faces may be twisted. Twisted faces have the sign 0. A record with one other face is
+/// then the boundary of that face.
 fn masks_beside_twisted([face_0, face_1]: [u32; 2], facing: &[u32], twisted: &[u32], live: u32) -> EdgeMasks {
     let is_inconsistent = face_0 & INCONSISTENT_BIT != 0;
     let (f0, f1) = (mask(facing, face_0 & !INCONSISTENT_BIT), mask(facing, face_1));
     let counts = |face: u32| live & !mask(twisted, face);
     let counts_0 = counts(face_0 & !INCONSISTENT_BIT);
     let counts_1 = if face_1 == NO_FACE { 0 } else { counts(face_1) };
-    // As face 0 would have it: face 1 runs against it, or alike.
+    // Face 1 walks the edge against face 0, unless the record is inconsistent.
     let turned_1 = if is_inconsistent { f1 } else { !f1 };
     let alone = counts_0 ^ counts_1;
     let both = counts_0 & counts_1;

@@ -63,10 +63,10 @@ impl Extraction {
         Ok(())
     }
 
-    /// As [`Self::update`], by any method.
+    /// Like [`Self::update`], by any method.
     ///
     /// # Errors
-    /// As [`Self::update`].
+    /// The errors of [`Self::update`].
     #[cfg(feature = "reference")]
     pub fn update_by(
         &mut self,
@@ -94,7 +94,7 @@ impl Extraction {
 /// reuses memory.
 ///
 /// # Errors
-/// As [`Extraction::update`].
+/// The errors of [`Extraction::update`].
 pub fn extract(
     positions: &[[f32; 3]],
     mesh: &Mesh,
@@ -107,10 +107,10 @@ pub fn extract(
     Ok(extraction)
 }
 
-/// As [`extract`], by any method.
+/// Like [`extract`], by any method.
 ///
 /// # Errors
-/// As [`extract`].
+/// The errors of [`extract`].
 #[cfg(feature = "reference")]
 pub fn extract_by(
     positions: &[[f32; 3]],

@@ -16,8 +16,8 @@ use crate::method::Predicate;
 pub struct FacingStatistics {
     /// Faces with a vertex that is infinite, NaN or missing. They face no light.
     pub non_finite_faces: u32,
-    /// Pairs of face and light that the filter left to exact arithmetic. Of polygons: those that were not convex as seen
-    /// from the light.
+    /// Pairs of face and light that the filter left to exact arithmetic. With polygons: pairs whose polygon is not convex as
+    /// seen from the light.
     pub undecided_pairs: u32,
     /// The undecided pairs whose determinant is exactly zero: the light is in the face's plane.
     pub exact_zeros: u32,
@@ -48,7 +48,7 @@ pub fn facing(
     masks
 }
 
-/// As [`facing`], into a vector that is reused and whose length is adapted. Returns the statistics.
+/// Like [`facing`], into a vector that is reused and whose length is adapted. Returns the statistics.
 pub fn facing_into(
     masks: &mut Vec<u32>,
     positions: &[[f32; 3]],
@@ -129,7 +129,7 @@ impl Run<'_> {
             let face = Face::new(self.positions, corners);
             let n = normal(face.a, face.b, face.c);
             *mask = u32::from(local_form(n, face.a, light) > 0.0);
-            // As in `Batch::finite`.
+            // `Batch::finite` has the same test.
             if !(n[0] + n[1] + n[2]).is_finite() || is_degenerate(corners) {
                 *mask = face.mask_by_f32(self.light_batch, &mut statistics);
             }

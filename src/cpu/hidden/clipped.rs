@@ -42,7 +42,7 @@ impl Clipped {
         })
     }
 
-    /// What may be on this side of the plane, the plane itself included. `None` if nothing is.
+    /// The part that may be on this side of the plane, the plane itself included. `None` if there is none.
     pub(crate) fn cut(&self, plane: &Plane, side: i32) -> Option<Self> {
         // The largest that each may be: below zero, a corner is on the other side for certain.
         let mut heights = [0.0; MOST];

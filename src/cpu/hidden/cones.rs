@@ -33,7 +33,8 @@ fn middle(face: &Face) -> DVec3 {
     face.corners.iter().map(|corner| DVec3::from(corner.map(f64::from))).sum::<DVec3>() / 3.0
 }
 
-/// What distinguishes directions to places: the direction, or from a light at infinity the place, along two axes.
+/// The coordinates by which directions to points are compared: the direction. A light at infinity takes the point along two
+/// axes.
 fn seen(place: DVec3, light: Light) -> DVec3 {
     let (l, w) = (DVec3::from(light.xyz.map(f64::from)), f64::from(light.w));
     if w > 0.0 { (place - l / w).normalize_or_zero() } else { place - place.dot(l) / l.length_squared() * l }

@@ -19,8 +19,8 @@ use crate::mesh::{Mesh, Polygons, is_degenerate};
 pub struct HiddenCaster<'a> {
     /// Its mesh.
     pub mesh: &'a Mesh,
-    /// The positions of the mesh's source vertices, in world space: the bits that the scene has. Of a rigid caster of a scene
-    /// these are the positions of its mesh, and its transform is the identity.
+    /// The positions of the mesh's source vertices, in world space. Their bits are those that the scene has. A rigid caster
+    /// has the positions of its mesh, and its transform in the scene is the identity.
     pub positions: &'a [[f32; 3]],
     /// The version of the positions, as in [`Scene::set_position_version`](crate::gpu::Scene::set_position_version). `None` for
     /// a rigid caster.
@@ -76,10 +76,11 @@ pub struct HiddenStatistics {
 /// The faces of static casters whose shadow lies wholly in the shadow of other faces, for one light. They need not cast: see
 /// [`Scene::set_hidden_faces`](crate::gpu::Scene::set_hidden_faces). All decisions are exact.
 ///
-/// The faces that hide others are averted ones of closed meshes, and all of others. They are never hidden themselves. Polygons
-/// take part if they are exactly planar and strictly convex, as a whole. The method is Batagelo and Costa Júnior's (1999): an
-/// SVBSP grows front to back, and a face that straddles a plane goes to both sides. Of the hidden faces those are left out
-/// without which silhouettes have the fewest edges, so they never have more.
+/// The faces that occlude others are back-facing ones of closed meshes, and all faces of other meshes. They are never
+/// occluded themselves. Polygons take part if they are exactly planar and strictly convex, as a whole. The method is Batagelo
+/// and Costa Júnior's (1999): an SVBSP grows front to back, and a face that straddles a plane goes to both sides. The choice
+/// among the occluded faces gives silhouettes the fewest edges, so they never gain any, unless
+/// [`HiddenOptions::leave_out_all`] is set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HiddenFaces {
     light: Light,
@@ -87,7 +88,7 @@ pub struct HiddenFaces {
     statistics: HiddenStatistics,
 }
 
-/// What was found of a caster, and what it was found for.
+/// The result for one caster, and the state of the caster that it holds for.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct HiddenOfCaster {
     pub(crate) version: Option<u64>,

@@ -4,9 +4,9 @@ const UNSEEN: u32 = u32::MAX;
 
 /// Costs of keeping faces or leaving them out. A face is a node.
 pub(crate) struct MinCut {
-    /// What leaving a node out costs: the flow into it.
+    /// The cost of leaving a node out: the flow into it.
     inflow: Vec<u32>,
-    /// What keeping it costs: the flow out of it.
+    /// The cost of keeping it: the flow out of it.
     outflow: Vec<u32>,
     /// Nodes of which keeping just one costs 1.
     pairs: Vec<[u32; 2]>,
@@ -38,7 +38,7 @@ impl MinCut {
         }
     }
 
-    /// Which nodes to keep for the least cost. Of several such choices it keeps the fewest nodes.
+    /// Which nodes to keep for the least cost. Where several choices have this cost, it keeps the fewest nodes.
     pub(crate) fn solve(self) -> Vec<bool> {
         let mut flow = Flow::new(self);
         while flow.set_levels() {

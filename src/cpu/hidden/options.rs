@@ -10,7 +10,7 @@ pub struct HiddenOptions {
     pub max_nodes: usize,
     /// The most nodes and leaves that a face visits in a tree.
     pub max_steps: usize,
-    /// Threads that search. What is found does not depend on them.
+    /// Threads that search. The result does not depend on them.
     pub threads: Threads,
     /// Leave out all hidden faces, as published, also where that gives silhouettes more edges. Else the choice among them is the
     /// one with the fewest edges, and of several the one that leaves out most faces.

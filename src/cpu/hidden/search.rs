@@ -11,17 +11,17 @@ use crate::light::Light;
 /// Faces from one call of the progress to the next.
 const STRIDE: usize = 256;
 
-/// What came of faces.
+/// The result of searching some faces.
 #[derive(Default)]
 pub(crate) struct Searched {
-    /// Those that are not hidden in some cone, in no order.
+    /// Faces that are not occluded in some cone, in no order.
     pub(crate) staying: Vec<usize>,
     pub(crate) undecided: usize,
     pub(crate) without_room: usize,
     pub(crate) nodes: usize,
 }
 
-/// What threads share.
+/// State that threads share.
 struct Work<'a> {
     faces: &'a [Face],
     light: Light,
@@ -34,8 +34,8 @@ struct Work<'a> {
     is_cancelled: AtomicBool,
 }
 
-/// Searches all cones, each by itself. What comes out does not depend on the number of threads. `None` if `progress`, which is
-/// called on this thread, ends it.
+/// Searches all cones, each by itself. The result does not depend on the number of threads. `None` if `progress`, which is
+/// called on this thread, ends the search.
 pub(crate) fn search(
     faces: &[Face],
     light: Light,

@@ -14,7 +14,7 @@ pub(crate) struct Face {
     pub(crate) may_hide: bool,
 }
 
-/// What a face came to.
+/// The result for one face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Found {
     Hidden,
@@ -133,7 +133,7 @@ impl Tree {
                     let on = |edge: usize| sides[edge] == 0 && sides[(edge + 1) % 3] == 0;
                     let edges = (0..3).filter(|&edge| on(edge)).fold(edges, |edges, edge| edges | 1 << edge);
                     for (child, sign) in [1, -1].into_iter().enumerate() {
-                        // What lies in the plane is on both sides.
+                        // A face in the plane is on both sides.
                         if (sides.contains(&sign) || sides == [0; 3])
                             && let Some(part) = part.cut(plane, sign)
                         {

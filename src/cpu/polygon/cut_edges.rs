@@ -33,9 +33,9 @@ pub struct Piece {
     pub is_turned: bool,
 }
 
-/// The pieces of an outline's edges. What they wind around has an odd number of `triangles` between it and the light, and all
-/// else has an even number. `triangles` are those of the polygon: their boundary is the outline. Where edges overlap in space,
-/// their pieces cancel but for one, or all.
+/// The pieces of an outline's edges. A point that they wind around has an odd number of `triangles` between it and the light.
+/// Any other point has an even number. `triangles` are those of the polygon: their boundary is the outline. Where edges
+/// overlap in space, their pieces cancel except for one, or all.
 pub fn cut_edges(outline: &Outline, triangles: &[[[f32; 3]; 3]], light: [f32; 4]) -> Vec<Piece> {
     let edges = outline.edges();
     let mut pieces = Vec::new();

@@ -5,14 +5,14 @@ use super::turn::turn;
 /// A directed edge.
 pub(crate) type Edge = [[f32; 3]; 2];
 
-/// What two edges `e` and `f` are to each other as seen from a light.
+/// How two edges `e` and `f` lie to each other as seen from a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EdgePair {
     /// Whether they cross, or touch elsewhere than at an end that they share.
     pub meets: bool,
-    /// What `f` adds to the winding number on the left of `e`: 1, 0 or −1.
+    /// The part of `f` in the winding number on the left of `e`: 1, 0 or −1.
     pub left_of_e: i32,
-    /// What `e` adds to the winding number on the left of `f`.
+    /// The part of `e` in the winding number on the left of `f`.
     pub left_of_f: i32,
 }
 
@@ -47,10 +47,10 @@ fn meets([a, b]: Edge, [c, d]: Edge, of_e: [i32; 2], of_f: [i32; 2]) -> bool {
     }
 }
 
-/// What an edge `(c, d)` adds to the winding number on the left of an edge `(a, b)`, counted along the line through `a`
-/// and `b`, moved to the left by next to nothing, beyond the point where `b` was. So points on the line, `a` and `b`
-/// among them, are on its right. `sides` are the turns from `(a, b)` to `c` and `d`. `b_of_f` is that from `(c, d)` to
-/// `b`; where it is 0, the edge begins or ends at `b`, and passes beyond.
+/// The part of an edge `(c, d)` in the winding number on the left of an edge `(a, b)`. It is counted along the line through
+/// `a` and `b`, beyond the point where `b` was. The line is moved to the left by next to nothing, so points on it, `a` and
+/// `b` among them, are on its right. `sides` are the turns from `(a, b)` to `c` and `d`. `b_of_f` is the turn from `(c, d)`
+/// to `b`; where it is 0, the edge begins or ends at `b`, and passes beyond.
 fn passes(sides: [i32; 2], b_of_f: i32) -> i32 {
     match sides.map(|side| side > 0) {
         [false, true] => i32::from(b_of_f >= 0),

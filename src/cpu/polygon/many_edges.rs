@@ -53,7 +53,8 @@ fn chains(edges: &[Edge]) -> Vec<usize> {
     let key = |point: [f32; 3]| point.map(|c| (c + 0.0).to_bits());
     let mut starts: Vec<_> = edges.iter().enumerate().map(|(edge, &[start, _])| (key(start), edge)).collect();
     starts.sort_unstable();
-    // As many edges begin at a corner as end there. The next edge, if it is the only one.
+    // The number of edges that begin at a corner equals the number that end there. This is the next edge, if it is the only
+    // one.
     let next = |edge: usize| {
         let end = key(edges[edge][1]);
         let first = starts.partition_point(|&(start, _)| start < end);

@@ -7,7 +7,7 @@ use crate::cpu::extract::batch::{Batch, LANES};
 use crate::layout::LightBatch;
 use crate::mesh::Polygons;
 
-/// What is certain of a polygon for 32 lights.
+/// Decision for a polygon in `f32`, for 32 lights.
 #[derive(Clone, Copy)]
 pub(crate) struct Decided {
     /// The lights that it faces.

@@ -37,14 +37,14 @@ pub fn shadow_depth(
     shadow_depth_on_faces(positions, mesh, points, None, lights, threads)
 }
 
-/// As [`shadow_depth`], for points on the surface. `on_face` has an entry for each point: the face that it is on, or [`NO_FACE`].
-/// That face does not count for that point, as if the point were exactly in it, wherever rounding put it. Faces are numbers in
-/// [`Mesh::faces`]. Of a mesh with polygons that is a triangle; the other triangles of its polygon count, as where the point is in
-/// the triangle.
+/// Like [`shadow_depth`], for points on the surface. `on_face` has an entry for each point: the index in [`Mesh::faces`] of
+/// the face that it is on, or [`NO_FACE`]. This face does not count for its point, as if the point were exactly in it,
+/// wherever rounding put it. In a mesh with polygons the index names a triangle. The other triangles of its polygon count, as
+/// where the point is in the triangle.
 ///
 /// # Errors
-/// Those of [`shadow_depth`], and [`ArgumentError`] if `on_face` has not an entry for each point, or names a face that the mesh
-/// lacks.
+/// The errors of [`shadow_depth`], and [`ArgumentError`] if `on_face` has not an entry for each point, or names a face that
+/// the mesh lacks.
 pub fn shadow_depth_on_faces(
     positions: &[[f32; 3]],
     mesh: &Mesh,

@@ -10,7 +10,7 @@ const SLOTS: u32 = 64;
 /// Words of a bound.
 const BOUND_WORDS: usize = 12;
 
-/// What is known of the faces of a cluster.
+/// The facing of all faces of a cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Whole {
     /// Every face faces the light. The light is in no face's plane.
@@ -83,7 +83,7 @@ pub fn list_faces(
 ) -> ListedFaces {
     let mut listed = ListedFaces { kept: before.to_vec(), ..ListedFaces::default() };
     listed.kept.resize(2 * group.face_chunks as usize, 0);
-    // What is decided of the cluster at hand, and whether the masks have it already.
+    // The decision for the current cluster, and whether the masks have it already.
     let (mut decision, mut is_known) = ([0; 2], false);
     for chunk in 0..group.face_chunks {
         let index = table.word(group.face_chunks_at, chunk);
@@ -128,7 +128,7 @@ fn bound(words: &[u32], caster: &SceneCaster, cluster: u32) -> ClusterBound {
     words.unwrap_or_else(bytemuck::Zeroable::zeroed)
 }
 
-/// Those of the lights that are decided, and that the faces face.
+/// The lights that the cluster decides, and those of them that its faces face.
 fn decide(table: SceneTable<'_>, group: &SceneDispatch, caster: u32, taken: u32, bound: ClusterBound) -> [u32; 2] {
     let lights = table.lights(group, caster, group.batch);
     let of_caster = (0..32).filter(|light| lights.allowed >> light & 1 != 0).zip((lights.first..).step_by(2));

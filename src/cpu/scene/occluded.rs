@@ -17,8 +17,8 @@ pub const SLACK: f32 = f32::from_bits((127 - 18) << 23);
 /// Occluders that are tried. Others hide nothing.
 const MOST_OCCLUDERS: u32 = 128;
 
-/// Those of some lights for which a caster is hidden. A GPU may decide pairs at the very end of what is proven differently,
-/// because WGSL leaves it some freedom in rounding. So `slack` may be given, which is [`SLACK`].
+/// The lights, out of some, from which a caster is hidden by occluders. WGSL leaves a GPU some freedom in rounding, so a GPU
+/// may decide pairs at the very end of the proof differently. `slack` bounds this rounding, [`SLACK`] outside of tests.
 pub fn occluded(table: SceneTable<'_>, group: &SceneDispatch, caster: u32, batch: u32, lights: u32, slack: f32) -> u32 {
     let own = table.caster(caster);
     if own.flags & BOXED == 0 || own.low[0] > own.high[0] {

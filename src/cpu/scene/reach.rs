@@ -33,13 +33,13 @@ pub fn reach(table: SceneTable<'_>, group: &SceneDispatch, unneeded: &[u32]) -> 
     pairs.map(of_pair).collect()
 }
 
-/// What is computed anew, and what of it is noted.
+/// The active pairs of caster and light, and the versions that the next encode compares.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Taken {
     /// For each batch and caster the bits of the lights whose bits are computed.
     pub taken: Vec<u32>,
-    /// What the bits are computed from: the number of the layout, three zeros, for each batch the versions of 32 lights, and
-    /// for each batch and caster the caster's version and the lights that matter.
+    /// The inputs of the bits: the number of the layout, three zeros, then for each batch the versions of 32 lights. Last
+    /// come, for each batch and caster, the caster's version and the lights that culling leaves.
     pub kept: Vec<u32>,
     /// For each group of casters and batch the lights whose lists are made anew.
     pub anew: Vec<u32>,
@@ -47,8 +47,8 @@ pub struct Taken {
     pub keeps: Vec<u32>,
 }
 
-/// What is taken of the pairs that matter, which [`reach`] returns. `kept` is that of the encode before, and empty before the
-/// first.
+/// Selects the pairs to compute among those that [`reach`] returns. `kept` is [`Taken::kept`] of the encode before, and empty
+/// before the first.
 pub fn take(table: SceneTable<'_>, group: &SceneDispatch, lit: &[u32], kept: &[u32]) -> Taken {
     let SceneDispatch { casters, batches, structure, ranges_at, keeps, .. } = *group;
     let word = |at: u32| kept.get(at as usize).copied().unwrap_or(0);

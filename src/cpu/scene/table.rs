@@ -4,7 +4,7 @@ use bytemuck::Zeroable;
 
 use crate::layout::{CasterLights, LightCone, SceneCaster, SceneDispatch};
 
-/// The scene table, in units of 16 bytes. What it lacks is zero.
+/// The scene table, in units of 16 bytes. Reading past its end gives zero.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneTable<'a>(pub &'a [[u32; 4]]);
 

@@ -16,8 +16,8 @@ pub fn light_cap(view: &ShadowView, face: [End; 3]) -> [Vec4; 3] {
     face.map(|(_, position)| to_clip(view, position))
 }
 
-/// What the eye sees of a face at its place, if the depth buffer does not have the caster, in clip space: as [`light_cap`], but
-/// with ZP+ it ends on the near plane. It has up to four vertices.
+/// The polygon that the eye sees in place of a face whose caster is not in the depth buffer, in clip space. It is like
+/// [`light_cap`], but with ZP+ it ends on the near plane. It has up to four vertices.
 pub fn seen_light_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Vec<Vec4> {
     if !has_near_cap(light) {
         return light_cap(view, face).to_vec();

@@ -127,7 +127,7 @@ struct Vertex {
     height_size: f32,
 }
 
-/// What is known of the hull of vertices.
+/// The hull of vertices in clip space.
 struct Hull {
     /// Whether all are outside the left, right, bottom and top plane.
     out: [bool; 4],

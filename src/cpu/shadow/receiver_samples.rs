@@ -3,7 +3,7 @@
 use super::receivers::farthest;
 use crate::layout::ReceiverView;
 
-/// As [`receiver_depth`](super::receiver_depth::receiver_depth). `depths` has `samples` depths for each pixel.
+/// Like [`receiver_depth`](super::receiver_depth::receiver_depth). `depths` has `samples` depths for each pixel.
 pub fn receiver_samples(view: &ReceiverView, depths: &[f32], samples: usize) -> Vec<u32> {
     farthest(view, depths, samples)
 }

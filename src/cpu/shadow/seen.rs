@@ -1,5 +1,4 @@
-//! What can be told of a box and its shadow before anything is computed: whether a light reaches it, and whether a camera may
-//! see it or its shadow.
+//! Early tests of a box and its shadow: whether a light reaches the box, and whether a camera may see the box or its shadow.
 
 use glam::Vec3;
 

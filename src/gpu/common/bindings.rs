@@ -47,8 +47,8 @@ impl Bindings {
         &self.names
     }
 
-    /// Numbers the resources by their names. Those that the module does not use are left out: a module has what its entry
-    /// points reach. If one that it uses is missing, the device refuses the bind group. Tests bind every stage.
+    /// Numbers the resources by their names. It skips resources that the module does not use: a module has what its entry
+    /// points reach. If a resource that it uses is missing, the device refuses the bind group. Tests bind every stage.
     pub(crate) fn numbered<'a>(
         &self,
         resources: &[(&str, wgpu::BindingResource<'a>)],

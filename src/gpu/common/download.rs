@@ -16,7 +16,7 @@ struct Answer {
     waker: Option<Waker>,
 }
 
-/// A copy that was submitted. As a future, it is ready once the copy can be read.
+/// A copy that was submitted. It is a future, ready once the copy can be read.
 pub(crate) struct Download {
     /// `None` once the future is ready.
     copied: Option<Copied>,

@@ -27,7 +27,7 @@ pub enum MemoryError {
         /// `max_buffer_size` of the device.
         limit: u64,
     },
-    /// What has to be bound at once, such as the share of a single workgroup, does not fit one binding.
+    /// An array that has to be bound at once, such as the share of a single workgroup, does not fit one binding.
     #[error("{what} needs {bytes} bytes in one binding, and the device allows {limit}; request a larger limit")]
     Binding {
         /// The array that is bound.

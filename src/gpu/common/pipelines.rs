@@ -160,8 +160,8 @@ impl Pipelines {
         self.made(&program.key(), || program.stage.wgsl())
     }
 
-    /// Makes the pipelines of these programs that do not exist, at the same time. What the device refuses is not kept, so that
-    /// who asks for it gets the error.
+    /// Makes the pipelines of these programs that do not exist, at the same time. A pipeline that the device refuses is not
+    /// cached, so that the next request for it returns the error.
     pub(crate) fn make_together(&self, programs: &[Program]) {
         let missing = programs.iter().map(|program| (program.key(), program.stage));
         let missing = missing.filter(|(key, _)| !self.0.compute.has(key));

@@ -65,7 +65,7 @@ pub fn read_back_async<F: FnMut(&[u8])>(
 /// [`read_back_vec_async`] does not.
 ///
 /// # Errors
-/// As [`read_back`].
+/// The errors of [`read_back`].
 pub fn read_back_vec<T: bytemuck::Pod>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -79,7 +79,7 @@ pub fn read_back_vec<T: bytemuck::Pod>(
 /// Reads a whole buffer as [`read_back_vec`] does, without waiting. [`read_back_async`] says who polls.
 ///
 /// # Errors
-/// As [`read_back_async`].
+/// The errors of [`read_back_async`].
 pub fn read_back_vec_async<T: bytemuck::Pod>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,

@@ -37,7 +37,7 @@ pub enum TimerError {
     },
 }
 
-/// What a [`StageTimer`] measured.
+/// Results of a [`StageTimer`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct StageTimes {
     /// Name and time of each stage in milliseconds, summed over its passes, in the order first recorded.
@@ -148,7 +148,7 @@ impl StageTimer {
     /// stages. Otherwise it is like [`Self::read`].
     ///
     /// # Errors
-    /// As [`Self::read`].
+    /// The errors of [`Self::read`].
     pub fn read_span(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<f64, TimerError> {
         self.read_times(device, queue).map(|times| times.span_ms)
     }
@@ -163,7 +163,7 @@ impl StageTimer {
     /// again at once.
     ///
     /// # Errors
-    /// As [`Self::read`].
+    /// The errors of [`Self::read`].
     pub fn read_async(
         &self,
         device: &wgpu::Device,

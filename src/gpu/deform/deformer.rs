@@ -17,7 +17,7 @@ use crate::layout::{DeformChunk, DeformDispatch};
 use crate::model::{Geometry, Model, Pose, PoseMismatch};
 use crate::turns::DEFORM_TERMS;
 
-/// What a [`Deformer`] computes besides morph targets and skins, and its memory limit.
+/// The displacement of a [`Deformer`], beside morph targets and skins, and its memory limit.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DeformerOptions<'a> {
     /// The caller's displacement. Its loops may take 5,000 turns for a vertex; software devices silently end longer
@@ -236,13 +236,13 @@ impl Deformer {
         self.record(encoder, pose, time_s, resources, None, timer)
     }
 
-    /// As [`Self::encode`], but for the instances alone that a frame needs: entry i of `needs` says it of instance i
-    /// ([`Scene::encode_needs`](crate::gpu::Scene::encode_needs)). All positions of any other instance are the point (0, 0, 0),
-    /// so that nothing is drawn of it. Record this in every frame, also where the pose is the same: what was not needed before
-    /// may be needed now.
+    /// Like [`Self::encode`], but only for the instances that a frame needs. Entry i of `needs` decides for instance i
+    /// ([`Scene::encode_needs`](crate::gpu::Scene::encode_needs)). All positions of any other instance are the point (0, 0,
+    /// 0), so nothing is drawn of it. Record this in every frame, also where the pose is the same: the next frame may need an
+    /// instance that this one does not.
     ///
     /// # Errors
-    /// As [`Self::encode`], and [`DeformError::Needs`].
+    /// The errors of [`Self::encode`], and [`DeformError::Needs`].
     pub fn encode_needed(
         &self,
         encoder: &mut wgpu::CommandEncoder,

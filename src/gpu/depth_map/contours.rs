@@ -38,7 +38,7 @@ pub(super) struct Contours {
     marks: wgpu::Buffer,
     places: wgpu::Buffer,
     counts: wgpu::Buffer,
-    /// Of places, and of walks.
+    /// Workgroups of the stages that go over places, and of those that walk.
     workgroups: wgpu::Buffer,
     pub(super) walls: wgpu::Buffer,
     pub(super) draws: wgpu::Buffer,
@@ -49,7 +49,7 @@ fn distance(depth: f64) -> i32 {
     (depth * RANGE).round().clamp(0.0, RANGE) as i32
 }
 
-/// What contours of maps of a size are made with.
+/// Parameters and buffer sizes for the contours of maps of a size.
 pub(super) struct ContourPlan {
     pub(super) shape: ContourShape,
     pub(super) allocations: [Allocation; 6],

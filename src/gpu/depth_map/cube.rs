@@ -39,10 +39,10 @@ pub struct DepthMapCube {
     volumes: DepthMapVolumes,
     shape: DepthMapShape,
     view: wgpu::TextureView,
-    /// What is bound where a map is not there.
+    /// Bound in place of a map that is missing.
     nothing: wgpu::TextureView,
     no_objects: wgpu::TextureView,
-    /// What is bound in the place of the objects of all maps, where there are none.
+    /// Bound in place of the objects of all maps, where there are none.
     unwritten_objects: wgpu::TextureView,
     /// The objects of all maps, from the first encode with some on.
     objects: Option<wgpu::TextureView>,
@@ -101,7 +101,7 @@ impl DepthMapCube {
         let texture = Allocation { label: "cube of depth maps", bytes: 4 * texels };
         let volumes = DepthMapVolumes::with(pipelines, [side; 2], (6, &[texture]), options)?;
         let (floats, numbers) = (wgpu::TextureFormat::R32Float, wgpu::TextureFormat::R32Uint);
-        // What is not there has one texel.
+        // Stand-ins for missing maps have one texel.
         let made = guarded(device, texture.bytes, || {
             [
                 ("cube of depth maps", size, floats),
@@ -120,8 +120,8 @@ impl DepthMapCube {
         Ok(Self { stage, volumes, shape, view, nothing, no_objects, unwritten_objects, objects: None, memory, shared })
     }
 
-    /// Records the stages: makes the six maps one, and finds its edges, for `camera`. What was encoded before can no longer be
-    /// drawn. The first encode with objects makes a texture and a pipeline for them.
+    /// Records the stages: makes the six maps one, and finds its edges, for `camera`. Frames of earlier encodes can no longer
+    /// be drawn. The first encode with objects makes a texture and a pipeline for them.
     ///
     /// # Errors
     /// [`DepthMapError`] if a texture or a camera is refused, the maps of the cameras do not meet, or the first objects do not fit.

@@ -36,7 +36,7 @@ const SLOPES: f32 = 2.0;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Detector {
     rule: DepthEdgeRule,
-    /// What second differences tell, as the stage's constant has it.
+    /// The use of second differences, as a constant of the stage.
     second: u32,
     dangling: Option<DanglingEdges>,
     rings: u32,

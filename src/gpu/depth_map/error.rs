@@ -1,4 +1,4 @@
-//! What is refused of depth maps.
+//! Errors of depth maps.
 
 use std::ops::Range;
 
@@ -52,7 +52,7 @@ pub enum DepthMapError {
         what: &'static str,
         /// Its direction.
         given: DepthDirection,
-        /// That of the other.
+        /// The direction of the other.
         made: DepthDirection,
     },
 
@@ -98,7 +98,7 @@ pub enum DepthMapError {
         name: &'static str,
         /// Its value.
         given: f32,
-        /// What it may be.
+        /// The allowed values.
         range: &'static str,
     },
     /// No map is rounded to the format.
@@ -133,7 +133,7 @@ pub enum DepthMapError {
     Far {
         /// The distance of the near plane.
         near: f32,
-        /// That of the far plane.
+        /// The distance of the far plane.
         far: f32,
     },
     /// A camera of a cube is refused.

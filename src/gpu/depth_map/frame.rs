@@ -50,7 +50,7 @@ pub struct DepthMapFrame {
     /// Cells or walls: their number, then they themselves.
     pub(super) list: wgpu::Buffer,
     pub(super) capacity: u32,
-    /// Of the eye. It decides how far the boundary moves away from it.
+    /// The format of the eye's depth. It decides how far the boundary moves away from the eye.
     pub(super) format: wgpu::TextureFormat,
     pub(super) depth: DepthDirection,
     pub(super) encodes: Arc<AtomicU64>,

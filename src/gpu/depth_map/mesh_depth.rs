@@ -82,8 +82,9 @@ impl MeshDepth {
         self.draw_rigid(pass, positions, UNMOVED, light)
     }
 
-    /// As [`Self::draw`], with `positions` in mesh space, which `mesh_to_world` places in world space: three rows of four. It may
-    /// mirror. With a singular matrix, or one that is not finite, nothing is drawn, as such a caster of a scene casts nothing.
+    /// Like [`Self::draw`], with `positions` in mesh space. `mesh_to_world` places them in world space: three rows of four.
+    /// It may mirror. With a singular matrix, or one that is not finite, nothing is drawn, as such a caster of a scene casts
+    /// nothing.
     ///
     /// A vertex less the light's origin is at `row.xyz · position + (row.w − origin)` for each axis, as for
     /// [`CasterPositions::Rigid`](crate::gpu::CasterPositions::Rigid).

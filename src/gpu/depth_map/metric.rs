@@ -10,13 +10,13 @@ use crate::ShadowCamera;
 use crate::layout::DepthMetricView;
 use crate::shadow::DepthDirection;
 
-/// What the texels of an `R32Float` map hold.
+/// The quantity in the texels of an `R32Float` map.
 ///
-/// Distances are in the units of the positions that the light's camera takes. What is infinite, NaN, or at the far plane or
-/// beyond it casts nothing. (Without a far plane that is what is 2¹²⁰ units away or more along the axis.) What is nearer than
-/// the near plane is at the near plane, and so is what is negative, minus infinity included. Distances that are so far away
-/// that their device depth rounds to that of the far end cast nothing, as in any map of device depths; reversed depth has none
-/// such.
+/// Distances are in the units of the positions that the light's camera takes. A distance that is infinite, NaN, or at the far
+/// plane or beyond it casts nothing. Without a far plane, a distance of 2¹²⁰ units or more along the axis casts nothing. A
+/// distance nearer than the near plane counts as one at the near plane. So does a negative one, minus infinity included.
+/// A distance also casts nothing if its device depth rounds to that of the far end, as in any map of device depths. Reversed
+/// depth has no such distances.
 ///
 /// A distance is taken to be right to one unit in its last place. Add to it by how much a caller's own errors may make it too
 /// short, such as the tolerance at which a marched ray stops before a surface: a boundary that is nearer to the light than the
@@ -44,10 +44,10 @@ const RANGE: [f64; 2] = [1.0 / (1_u128 << 100) as f64, (1_u128 << 100) as f64];
 const NOTHING: f64 = (1_u128 << 120) as f64;
 /// The most by which a factor may enlarge errors.
 const MOST_GROWTH: f64 = 1024.0;
-/// The largest share of a depth that is a share in the bias. What is more is a part of the constant.
+/// The largest share of a depth that is a share in the bias. The rest is part of the constant.
 const MOST_SHARE: f64 = 56.0 * U;
 
-/// What is known of the rays and planes of a camera. Nearness is 1 at the near plane and 0 at the far end.
+/// The rays and planes of a camera. Nearness is 1 at the near plane and 0 at the far end.
 struct Planes {
     /// How the ray through a place changes with x, with y, and at the middle. Empty if rays are parallel.
     rays: Option<[DVec3; 3]>,
@@ -71,7 +71,7 @@ impl Planes {
         };
         let [least, most] = RANGE;
         let far = planes.far.map_or(planes.near, |[far, _]| far);
-        // Of rays that meet, the near distance for each unit between the planes, and the sums of rays.
+        // If rays meet: the near distance for each unit between the planes, and the sums of rays.
         let close = if planes.rays.is_some() { planes.far.map_or(0.0, |[_, scale]| scale) } else { 0.0 };
         let stretch = planes.rays.map_or(0.0, |rays| stretch(&rays));
         let is_in_range = planes.near <= most && far >= least && far <= most;
@@ -158,7 +158,7 @@ pub(crate) fn metric_steps(light: &ShadowCamera, metric: DepthMetric) -> Result<
         return Ok([0.0; 2]);
     }
     let planes = Planes::new(light, metric)?;
-    // Of the nearness, and everywhere.
+    // The share applies to the nearness, the constant everywhere.
     let [share, constant] = match &planes.rays {
         None => [5.0 * U, U],
         Some(rays) => {

@@ -1,5 +1,5 @@
-//! Whether the near rectangle of an eye may be in shadow. What the samples of the map have to tell about it is found on the
-//! CPU, in `f64`, and a stage looks at them. docs/numerics/depth-maps.md, "Near caps".
+//! Whether the near rectangle of an eye may be in shadow. The CPU finds, in `f64`, which samples of the map decide this, and
+//! a stage reads them. docs/numerics/depth-maps.md, "Near caps".
 
 use glam::DVec4;
 
@@ -10,7 +10,7 @@ use crate::shadow::DepthDirection;
 
 /// By how much the near rectangle is widened: a share of it.
 const WIDER: f64 = 1e-4;
-/// What rounding to floats may move a place by: a share of the terms that add up to it.
+/// The distance that rounding to floats may move a point by: a share of the terms that add up to it.
 const ROUNDING: f64 = 1e-5;
 /// The largest share that distances from the light may be off by, for anything to be told.
 const MOST_ROUNDING: f64 = 1e-3;
@@ -27,7 +27,7 @@ const MOST_SAMPLES: u64 = 1 << 16;
 const RANGE: f64 = (1_u32 << 29) as f64;
 const DISTANCE_SLACK: i32 = 8;
 
-/// What is known of a near rectangle.
+/// The part of a map that decides whether a near rectangle is in shadow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum NearReach {
     /// No place of it is behind a surface.
@@ -155,7 +155,7 @@ impl Rectangle {
     }
 }
 
-/// What samples are compared with.
+/// The depth that samples are compared with.
 enum Limit {
     /// It is nearer to the light than any sample.
     BeforeAll,

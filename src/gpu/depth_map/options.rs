@@ -1,4 +1,4 @@
-//! What volumes are rebuilt from, and how.
+//! The input of volumes from depth maps, and their options.
 
 use super::error::DepthMapError;
 use super::metric::DepthMetric;
@@ -7,8 +7,8 @@ use crate::ShadowCamera;
 
 /// A depth map: what a light sees.
 ///
-/// What is in the map must be in the eye's depth buffer at the same place, because the parts of the boundary that are left
-/// out lie on it.
+/// Everything in the map must be in the eye's depth buffer at the same position, because the omitted parts of the boundary
+/// lie on it.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthMap<'a> {
     /// A view of the depth aspect, or of the only aspect, of one layer. The texture has one mip level, one sample a texel, usage
@@ -36,8 +36,8 @@ pub struct DepthCubeMaps<'a> {
     /// The cameras that the maps were made with: those of [`DepthMapCube::cameras`](crate::gpu::DepthMapCube::cameras), which
     /// may be turned all together.
     pub lights: [ShadowCamera; 6],
-    /// As [`DepthMap::objects`]: none, or one for each map that is there. A sample that maps share has the object of the map
-    /// that its depth is from.
+    /// Like [`DepthMap::objects`]: none, or one for each map that is there. A sample that maps share has the object of the
+    /// map that its depth is from.
     pub objects: [Option<&'a wgpu::TextureView>; 6],
 }
 
@@ -88,10 +88,9 @@ pub enum DepthMapMethod {
     /// segments. Fewer triangles, and smoother borders of shadows, which lie between the samples and not at the outer
     /// ones. After section 8.1 of the paper.
     ///
-    /// Of the differences above the threshold it takes jumps alone: those that are more than the threshold larger than the slopes
-    /// to both sides tell, but not where three samples lie on a plane. A jump of less than 16 thresholds does not count
-    /// beside one that is more than half as large. No wall is drawn on a slope, so surfaces have no specks of their own
-    /// shadow. Keep a `slope_bias` of 1.
+    /// A jump is a difference that exceeds the slopes on both sides by more than the threshold. Samples of which three lie on
+    /// a plane have no jump. A jump of less than 16 thresholds does not count beside one that is more than half as large. No
+    /// wall is drawn on a slope, so surfaces have no specks of their own shadow. Keep a `slope_bias` of 1.
     ///
     /// Rims whose last facets are narrower than a texel, rims that are close to the eye, and near rectangles within two texels of
     /// a rim may be wrong (docs/measured.md). Finding contours takes several times as long as finding cells.
@@ -155,9 +154,9 @@ pub struct DepthMapOptions {
     /// own. The boundary moves by four of its steps. Without it, a map of `R32Float` that was copied or merged from
     /// `Depth16Unorm` has specks of shadow.
     pub rounded_to: Option<wgpu::TextureFormat>,
-    /// What the map was converted from by [`DepthMapConversion`](crate::gpu::DepthMapConversion): the boundary moves by what the
-    /// conversion may be off, besides. The map itself holds device depths. Left at [`DepthMetric::Device`], a map that was
-    /// converted from distances may have specks of shadow, with reversed depth above all near the far plane.
+    /// The quantity that [`DepthMapConversion`](crate::gpu::DepthMapConversion) converted the map from. The boundary also
+    /// moves by the error of the conversion. The map itself holds device depths. Without the right value, a map converted
+    /// from distances may have specks of shadow, with reversed depth above all near the far plane.
     pub metric: DepthMetric,
     /// Whether near caps are left out where the near rectangle is in light as a whole. The image does not change.
     pub skip_near_caps: bool,

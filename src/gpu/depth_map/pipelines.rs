@@ -179,7 +179,7 @@ const NEAR_CAP: EntryPoint = (&DEPTH_SURFACE, "depth_near_cap");
 const BEHIND_TRIANGLES: EntryPoint = (&DEPTH_SURFACE, "depth_near_cap_fragment");
 const BEHIND_CONTOURS: EntryPoint = (&DEPTH_WALLS, "depth_walls_near_cap_fragment");
 
-/// What passes the depth test where it is nearer.
+/// The depth comparison that nearer fragments pass.
 fn nearer(format: &ShadowFormat) -> CompareFunction {
     match format.depth {
         DepthDirection::Reversed => CompareFunction::Greater,

@@ -22,17 +22,17 @@ use crate::gpu::common::uniforms::entry;
 use crate::layout::{DepthMapShape, DepthMapView, DepthNearBox};
 use crate::shadow::DepthDirection;
 
-/// What an encode is of: one map, or the six of a cube in one texture.
+/// The inputs of an encode: one map, or the six of a cube in one texture.
 pub(super) struct Inputs<'a> {
     pub(super) texture: &'a wgpu::TextureView,
     pub(super) objects: Option<&'a wgpu::TextureView>,
     pub(super) lights: &'a [ShadowCamera],
-    /// What the depths of the maps were rounded to.
+    /// The formats that the depths of the maps were rounded to.
     pub(super) formats: &'a [wgpu::TextureFormat],
     pub(super) eye: &'a ShadowCamera,
 }
 
-/// What stages and draws read of the map.
+/// The bindings of the map for stages and draws.
 struct Bound<'a> {
     textures: [wgpu::BindingResource<'a>; 2],
     shape: DepthMapShape,

@@ -29,12 +29,12 @@ pub struct SceneDepth {
     depth: DepthDirection,
 }
 
-/// What a draw of [`SceneDepth`] did.
+/// Counts of a draw of [`SceneDepth`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SceneDepthCounts {
     /// Casters that were drawn.
     pub drawn: usize,
-    /// Chosen casters that were left out, because the light sees nothing of them. Those with a singular transform count
+    /// Chosen casters that were culled, because they are outside of the light's view. Casters with a singular transform count
     /// nowhere.
     pub outside: usize,
     /// Draws.
@@ -157,7 +157,7 @@ impl SceneDepth {
     }
 }
 
-/// What a light sees.
+/// The light view.
 struct Seen {
     matrix: DMat4,
     origin: DVec3,

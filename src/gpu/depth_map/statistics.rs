@@ -1,18 +1,18 @@
-//! What the GPU found in an encode of volumes, for those who want to read it.
+//! Results of the GPU in an encode of volumes, for those who want to read them.
 
 use super::error::DepthMapError;
 use super::frame::{DepthMapFrame, DepthMapNearCap};
 use crate::gpu::common::memory::filled;
 
-/// What the GPU found in an encode of volumes. Nothing is read back by itself: [`DepthMapFrame::statistics`] copies
-/// it into a buffer, which [`read_back_vec`](crate::gpu::read_back_vec) reads.
+/// Results of the GPU in an encode of volumes. Nothing is read back by itself: [`DepthMapFrame::statistics`] copies them into
+/// a buffer, which [`read_back_vec`](crate::gpu::read_back_vec) reads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct DepthMapStatistics {
     /// Cells that the boundary has triangles in. With
     /// [`DepthMapMethod::Contours`](crate::gpu::DepthMapMethod::Contours), walls and flaps.
     pub found: u32,
-    /// Those that the list has room for: [`DepthMapOptions::capacity`](crate::gpu::DepthMapOptions::capacity).
+    /// Entries that the list has room for: [`DepthMapOptions::capacity`](crate::gpu::DepthMapOptions::capacity).
     pub capacity: u32,
     /// Vertices of the near cap: 3 if it is drawn, 0 if it is left out.
     pub near_cap_vertices: u32,

@@ -83,7 +83,7 @@ pub struct DepthMapVolumes {
     /// Tells whether near caps are drawn. `None`: they always are.
     pub(super) near: Option<Pipeline>,
     pub(super) shape: DepthMapShape,
-    /// Of all buffers.
+    /// Bytes of all buffers.
     pub(super) bytes: u64,
     /// Whether edges of objects are more than the method takes.
     pub(super) takes_objects: bool,
@@ -210,8 +210,8 @@ impl DepthMapVolumes {
         })
     }
 
-    /// Records the stages: finds the edges of `map`, for `camera`. `timer` takes the time of each stage. What was encoded
-    /// before can no longer be drawn. The first encode with objects compiles a pipeline for them.
+    /// Records the stages: finds the edges of `map`, for `camera`. `timer` takes the time of each stage. Frames of earlier
+    /// encodes can no longer be drawn. The first encode with objects compiles a pipeline for them.
     ///
     /// # Errors
     /// [`DepthMapError`] if a texture or a camera is refused. Nothing is recorded then.

@@ -166,7 +166,7 @@ impl Extraction {
     /// bytes. It is for callers that record their own draws.
     ///
     /// # Errors
-    /// As [`Self::draw`].
+    /// The errors of [`Self::draw`].
     pub fn draw_arguments(&self, light: usize) -> Result<(&wgpu::Buffer, u64), ExtractionDrawError> {
         self.check_current()?;
         let lights = self.lights.len();

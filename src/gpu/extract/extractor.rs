@@ -37,7 +37,7 @@ pub struct Extractor {
     from_positions: Option<Pass>,
     /// Exact facing, if the options ask for it. It has the dispatches of facing, with fewer workgroups.
     exact: Option<Pass>,
-    /// What takes the place of facing and exact facing for a mesh of polygons.
+    /// The passes that replace facing and exact facing for a mesh of polygons.
     polygons: Option<PolygonPasses>,
     polygon_dispatches: Vec<Dispatch>,
     /// Edges, compaction and arguments, as the options ask for them, in order.

@@ -24,9 +24,9 @@ pub struct ExtractorOptions {
     /// The lists of silhouette edges. `None`: no lists. With lists, [`Predicate::Exact`] also keeps 4 bytes for each face
     /// and batch of 32 lights. Shadow volumes read from them which faces have a light in their plane.
     pub lists: Option<ListOptions>,
-    /// The largest device memory for the extractor, in bytes. It is checked before anything is allocated. `None`: no
-    /// limit. wgpu does not tell the memory of a device, so only the device then finds that a mesh is too large. What
-    /// was allocated is freed.
+    /// The largest device memory for the extractor, in bytes. It is checked before anything is allocated. `None`: no limit.
+    /// wgpu does not tell the memory of a device, so only the device then finds that a mesh is too large. Buffers allocated
+    /// before that are freed.
     pub memory_limit: Option<u64>,
 }
 

@@ -120,7 +120,7 @@ impl PolygonPasses {
     }
 }
 
-/// What a stage binds besides positions.
+/// The bindings of a stage besides positions.
 fn resources<'a>(
     binder: &BindGroupBuilder<'a>,
     pipeline: &Pipeline,

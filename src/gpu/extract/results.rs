@@ -6,11 +6,11 @@
 pub struct ExtractionResults<'a> {
     /// The vertices `(a, b)` of each edge record: two `u32`.
     pub edge_vertices: &'a wgpu::Buffer,
-    /// The faces of each edge record: two `u32`. See [`crate::mesh::EdgeRecords::packed_faces`]. Of a mesh of polygons they are
-    /// named by their first triangle.
+    /// The faces of each edge record: two `u32`. See [`crate::mesh::EdgeRecords::packed_faces`]. In a mesh of polygons, the
+    /// first triangle of a polygon stands for it.
     pub edge_faces: &'a wgpu::Buffer,
-    /// One buffer for each batch, with a facing mask for each face: one `u32`. Empty for the per-edge method. Of a mesh of
-    /// polygons it has one for each triangle, which are alike for all of a polygon, and then as many masks of the lights for
+    /// One buffer for each batch, with a facing mask for each face: one `u32`. Empty for the per-edge method. A mesh of
+    /// polygons has one for each triangle, the same for all of a polygon. After these come as many masks of the lights for
     /// which the polygon is L-twisted.
     pub facing: &'a [wgpu::Buffer],
     /// One buffer for each batch, with an [`EdgeMasks`](crate::gpu::EdgeMasks) for each edge record. Empty unless

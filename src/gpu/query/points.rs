@@ -11,9 +11,10 @@ pub struct QueryPoints<'a> {
     /// Bytes from the x of a point to the number of the face that it is on, a `u32` in the same buffer. A multiple of 4 from 12
     /// on, with the number before the next point: 12 where the stride is 16. `None`: points name no face.
     ///
-    /// That face does not count for that point, as if the point were exactly in it. It is a number in
-    /// [`Mesh::faces`](crate::Mesh::faces), a triangle where the mesh has polygons. [`NO_FACE`](crate::mesh::NO_FACE) is none. A number
-    /// that the mesh lacks is none, too, since nothing reads the buffer back; [`crate::cpu::shadow_depth_on_faces`] refuses it.
+    /// This face does not count for its point, as if the point were exactly in it. It is an index in
+    /// [`Mesh::faces`](crate::Mesh::faces), a triangle where the mesh has polygons. [`NO_FACE`](crate::mesh::NO_FACE) is
+    /// none. An index that the mesh lacks is none, too, since nothing reads the buffer back;
+    /// [`crate::cpu::shadow_depth_on_faces`] refuses it.
     pub on_face: Option<u64>,
 }
 

@@ -63,7 +63,7 @@ struct Passes {
     recount: Pipeline,
 }
 
-/// What shaders are specialised for. Where points name no face, the inner loop has no test of it.
+/// The constants that specialise shaders. Where points name no face, the inner loop has no test of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PassKind {
     skip_by_boxes: bool,

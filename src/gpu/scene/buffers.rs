@@ -12,7 +12,7 @@ use crate::method::Predicate;
 /// 256.
 pub(crate) const LISTS_HEAD: u64 = 256;
 
-/// What a group of casters has for a batch of lights.
+/// The buffers of a group of casters for a batch of lights.
 #[derive(Clone, Debug)]
 pub(crate) struct GroupBuffers {
     /// One `u32` a face slot: the lights that the face faces.
@@ -82,8 +82,8 @@ pub(crate) struct Buffers {
     pub(crate) lit: wgpu::Buffer,
     /// For each batch and caster those of them whose bits are computed.
     pub(crate) taken: wgpu::Buffer,
-    /// What the bits in the masks were computed from: `wgsl/scene/table.wgsl`. It goes with the masks and lists: where it is
-    /// made anew, they are.
+    /// The inputs of the bits in the masks: `wgsl/scene/table.wgsl`. It goes with the masks and lists: a new one comes with
+    /// new masks and lists.
     pub(crate) kept: wgpu::Buffer,
     /// For each group and batch four words, then the lists of chunks.
     pub(crate) work: wgpu::Buffer,
@@ -91,7 +91,7 @@ pub(crate) struct Buffers {
     pub(crate) statistics: wgpu::Buffer,
 }
 
-/// What buffers are wanted for.
+/// The needs that decide the sizes of buffers.
 #[derive(Clone, Copy)]
 pub(crate) struct Wanted<'a> {
     /// The sizes of each group and batch.
@@ -129,7 +129,7 @@ struct Maker<'a> {
 
 impl Maker<'_> {
     fn fits(old: &wgpu::Buffer, bytes: u64) -> bool {
-        // What is far too large is given back.
+        // Give back a buffer that is far too large.
         old.size() >= padded(bytes) && old.size() <= 4 * padded(bytes).max(1 << 16)
     }
 

@@ -74,7 +74,7 @@ pub enum CasterPositions {
     },
 }
 
-/// What the scene keeps of a mesh.
+/// The scene's record of a mesh.
 #[derive(Debug)]
 pub(crate) struct MeshEntry {
     pub(crate) run: Run,
@@ -87,7 +87,7 @@ pub(crate) struct MeshEntry {
     pub(crate) high: [f32; 3],
     /// Whether another face has a corner that is not finite.
     pub(crate) is_holed: bool,
-    /// What its slots hold, if they do not have its order: it is in clusters.
+    /// The contents of its slots if they are in clusters. `None`: they have the order of the mesh.
     pub(crate) order: Option<Arc<SlotOrder>>,
     pub(crate) casters: usize,
 }
@@ -116,7 +116,7 @@ impl MeshEntry {
     }
 }
 
-/// What the scene keeps of a caster.
+/// The scene's record of a caster.
 #[derive(Debug)]
 pub(crate) struct CasterEntry {
     pub(crate) mesh: DefaultKey,
@@ -137,7 +137,7 @@ pub(crate) struct CasterEntry {
     pub(crate) version: u32,
     /// A box, in world space, in which the caller says that all positions of its buffer are.
     pub(crate) bounds: Option<[[f32; 3]; 2]>,
-    /// What the caller says of the positions in its buffer. `None`: they may change at any time.
+    /// The caller's version of the positions in its buffer. `None`: they may change at any time.
     pub(crate) positions_version: Option<u64>,
     /// Its number among the figures of the last encode, counted from 1. 0: it is none.
     pub(crate) figure: u32,

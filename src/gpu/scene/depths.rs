@@ -25,7 +25,7 @@ pub enum SceneDepthCasters<'a> {
     Only(&'a [CasterHandle]),
     /// All but these.
     Except(&'a [CasterHandle]),
-    /// Those whose [`Caster::lights`](crate::gpu::Caster::lights) do not have this light: so those that have no volume for it.
+    /// Casters whose [`Caster::lights`](crate::gpu::Caster::lights) do not have this light, so they have no volume for it.
     NotCastingFor(LightHandle),
 }
 
@@ -43,7 +43,7 @@ pub(crate) struct DepthGroup<'a> {
 /// A caster of a group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DepthCaster {
-    /// What places its positions in world space. `None`: they are there.
+    /// The matrix that places its positions in world space. `None`: they are there.
     pub(crate) rows: Option<Matrix3x4>,
     /// The word of x of vertex 0, the words from one vertex to the next, the first face, and how many there are.
     pub(crate) place: [u32; 4],

@@ -45,14 +45,13 @@ impl Scene {
         self.encode_for(encoder, cameras, &[], timer)
     }
 
-    /// As [`Self::encode`], for cameras whose depth is there already. `receivers` are those of the first cameras. A camera
-    /// with receivers has no volume that none of them can be in (receiver culling), which spares the passes that
-    /// draw. Its lists are made anew in each encode, since what it sees may have changed, unless [`Receivers::version`] says that
-    /// it did not.
-    ///
+    /// Like [`Self::encode`], for cameras whose depth is there already. `receivers` are those of the first cameras. A camera
+    /// with receivers has no volume that none of them can be in (receiver culling), which spares the passes that draw. Each
+    /// encode makes its lists anew, since the depth may have changed. It uses cached lists only if [`Receivers::version`]
+    /// says that the depth is the same.
     ///
     /// # Errors
-    /// As [`Self::encode`], and [`SceneError::Receivers`].
+    /// The errors of [`Self::encode`], and [`SceneError::Receivers`].
     pub fn encode_for(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -63,11 +62,12 @@ impl Scene {
         self.record(encoder, cameras, receivers, None, timer)
     }
 
-    /// As [`Self::encode_for`], after figures were deformed as far as `needs` says ([`Self::encode_needs`]). Nothing is computed
-    /// of the others. `cameras` are the same, and nothing of the scene has changed since.
+    /// Like [`Self::encode_for`], after figures were deformed as far as `needs` says ([`Self::encode_needs`]). Nothing is
+    /// computed for figures that the frame does not need. `cameras` are the same as there, and the scene has not changed
+    /// since.
     ///
     /// # Errors
-    /// As [`Self::encode_for`], and [`SceneError::StaleNeeds`].
+    /// The errors of [`Self::encode_for`], and [`SceneError::StaleNeeds`].
     pub fn encode_needed(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -204,7 +204,7 @@ impl Scene {
         made
     }
 
-    /// What pipelines must be to draw a camera's volumes.
+    /// The settings that pipelines must have to draw a camera's volumes.
     fn convention(&self, camera: &ShadowCamera) -> Convention {
         let counting = self.options.counting;
         let is_unclipped = counting.may_fail() && camera.has_far_plane();

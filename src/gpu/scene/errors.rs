@@ -50,13 +50,13 @@ pub enum SceneError {
     /// A handle belongs to another scene.
     #[error("the handle of a {what} is of another scene; use it with the scene that returned it")]
     OtherScene {
-        /// What the handle names.
+        /// The kind of the handle.
         what: &'static str,
     },
-    /// What a handle names was removed.
+    /// The mesh, caster or light of a handle was removed.
     #[error("the {what} of this handle was removed from the scene; use the handle that the last insertion returned")]
     Stale {
-        /// What the handle named.
+        /// The kind of the handle.
         what: &'static str,
     },
     /// A caster was given twice to [`Scene::encode_needs`](crate::gpu::Scene::encode_needs).
@@ -210,7 +210,7 @@ pub enum ReceiversError {
         "the device cannot read the depth: {message}; give a view of the depth aspect alone, of one layer and level"
     )]
     Refused {
-        /// What the device says.
+        /// The message of the device.
         message: String,
     },
 }

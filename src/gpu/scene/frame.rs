@@ -26,7 +26,7 @@ pub struct SceneFrame {
     pub(crate) structure: Arc<Structure>,
     /// `None`: no view was asked for.
     pub(crate) volumes: Option<Arc<Volumes>>,
-    /// What pipelines must be, for each view.
+    /// The settings that pipelines must have, for each view.
     pub(crate) views: Arc<[Convention]>,
     pub(crate) count_batches: u32,
     pub(crate) device: wgpu::Device,
@@ -83,17 +83,17 @@ pub struct SceneResults<'a> {
     pub taken: &'a wgpu::Buffer,
     /// The [`SceneStatistics`](crate::gpu::SceneStatistics).
     pub statistics: &'a wgpu::Buffer,
-    /// What the bits were computed from, as `reference::cpu::keep` makes it.
+    /// The inputs of the bits, as [`Taken::kept`](crate::reference::cpu::Taken::kept) has them.
     pub kept: &'a wgpu::Buffer,
     /// The counts of listed chunks, then the lists.
     pub work: &'a wgpu::Buffer,
-    /// What was chosen: for each view, batch and caster eight words, as `reference::cpu::chosen` reads them. `None`: no view.
+    /// The choices: for each view, batch and caster eight words, as `reference::cpu::chosen` reads them. `None`: no view.
     pub choices: Option<&'a wgpu::Buffer>,
     /// For each view, after one word, what its shadows may fall on: so many words as the number says, as
     /// `reference::cpu::receiver_pyramid` returns them. `None`: no view.
     pub receivers: Option<(&'a wgpu::Buffer, u64)>,
-    /// What the lists for views were made from: for each group, batch and view 32 pairs of words, as `reference::cpu::relist`
-    /// reads them. `None`: no view.
+    /// The inputs of the lists for views: for each group, batch and view 32 pairs of words, as `reference::cpu::relist` reads
+    /// them. `None`: no view.
     pub listed: Option<&'a wgpu::Buffer>,
     /// For each view and light bit a [`StencilPencil`](crate::layout::StencilPencil), and for each batch of casters its row, as
     /// `reference::cpu::stencil_crossings` makes it. `None`: no bound was asked for.
@@ -112,7 +112,8 @@ impl SceneFrame {
         &self.lights
     }
 
-    /// What [`Scene::set_hidden_faces`](crate::gpu::Scene::set_hidden_faces) came to in this encode.
+    /// Counts of the faces that [`Scene::set_hidden_faces`](crate::gpu::Scene::set_hidden_faces) culled in this encode, or
+    /// could not.
     pub fn hidden(&self) -> HiddenCounts {
         self.hidden
     }

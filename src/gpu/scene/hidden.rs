@@ -11,7 +11,7 @@ use super::scene::Scene;
 use crate::Matrix3x4;
 use crate::cpu::HiddenFaces;
 
-/// What a frame has of hidden faces.
+/// Counts of hidden faces in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HiddenCounts {
     /// Faces left out, summed over lights.
@@ -30,12 +30,17 @@ impl Scene {
     /// [`HiddenFaces::find`] was given, in that order. `hidden` replaces what was set for the light before; `None` ends it.
     /// Other casters of the scene do not matter.
     ///
-    /// Each encode asks whether all of this holds, else it ignores all hidden faces of the light, and
-    /// [`SceneFrame::hidden`](crate::gpu::SceneFrame::hidden) counts that. The light has the same bits. Each caster is there and
-    /// casts for the light. It is rigid with the identity for its transform, or its positions have the version that was searched.
-    /// [`Self::set_excluded`] excludes no face of it for the light. What was ignored is used again once it holds again. A
-    /// change lays the scene out anew. [`SceneOptions::skip_hidden_faces`](crate::gpu::SceneOptions::skip_hidden_faces) switches
-    /// all of it off.
+    /// Each encode checks these conditions:
+    ///
+    /// * The light has the same bits.
+    /// * Each caster is there and casts for the light. It is rigid with the identity for its transform, or its positions have
+    ///   the version that was searched.
+    /// * [`Self::set_excluded`] excludes no face of a caster for the light.
+    ///
+    /// If one fails, the encode ignores all hidden faces of the light, and
+    /// [`SceneFrame::hidden`](crate::gpu::SceneFrame::hidden) counts them. It uses them again once all hold again. A change
+    /// lays the scene out anew. [`SceneOptions::skip_hidden_faces`](crate::gpu::SceneOptions::skip_hidden_faces) switches all
+    /// of it off.
     ///
     /// The caller sees to it that the positions are those that were searched: of a rigid caster those of its mesh.
     ///
@@ -94,7 +99,7 @@ impl Scene {
     /// Asks for each light whether its hidden faces hold, and leaves out those that do.
     pub(super) fn renew_hidden(&mut self) {
         let mut all = std::mem::take(&mut self.hidden);
-        // What was found for a light goes with it.
+        // Hidden faces of a removed light go with it.
         all.retain(|of| self.lights.check(of.light).is_ok());
         for of in &mut all {
             let holds = self.holds(of);

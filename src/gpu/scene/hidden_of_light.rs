@@ -6,7 +6,7 @@ use slotmap::DefaultKey;
 
 use super::handles::LightHandle;
 
-/// What was found for a light, and of which casters.
+/// The hidden faces that were found for a light, and their casters.
 #[derive(Debug)]
 pub(super) struct HiddenOfLight {
     pub(super) light: LightHandle,

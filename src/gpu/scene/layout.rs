@@ -40,13 +40,13 @@ pub(crate) struct Group {
     pub(crate) is_given: bool,
 }
 
-/// What changes only when casters or lights come and go.
+/// The part of a scene that changes only when casters or lights come and go.
 #[derive(Debug, Default)]
 pub(crate) struct Layout {
     pub(crate) groups: Vec<Group>,
     /// The casters in the order of the table.
     pub(crate) order: Vec<DefaultKey>,
-    /// What their slots hold, where a mesh is in clusters.
+    /// The contents of their slots, where a mesh is in clusters.
     #[cfg(feature = "reference")]
     pub(crate) slot_orders: Vec<Option<Arc<SlotOrder>>>,
     /// Where occluders are in the table. None are there unless they are heeded.
@@ -120,7 +120,7 @@ impl Layout {
         encode: u32,
         limits: &DispatchLimits,
     ) -> Result<Self, MemoryError> {
-        // What was excluded for a light goes with it.
+        // Excluded faces of a removed light go with it.
         for caster in casters.values_mut() {
             caster.excluded.retain(|(light, _)| lights.check(*light).is_ok());
             caster.hidden.retain(|(light, _)| lights.check(*light).is_ok());

@@ -1,4 +1,4 @@
-//! What a frame needs: which figures must be deformed, found on the GPU before they are.
+//! The needs of a frame: which figures must be deformed, found on the GPU before they are.
 
 use std::ops::Range;
 
@@ -114,7 +114,7 @@ impl Scene {
         check_timer(timer.as_deref(), self.pipelines.device())?;
         let views = self.check_views(cameras)?;
         let keys = self.number_figures(casters)?;
-        // What is laid out now is not when the frame is encoded.
+        // Lay out the scene now, so that the encode of the frame does not.
         self.prepare_views(cameras.len())?;
         self.needs += 1;
         let (seen, figures) = (self.seen_for_needs(cameras, &views), self.figures(&keys));
@@ -157,7 +157,7 @@ impl Scene {
         Ok(keys)
     }
 
-    /// What the stage reads of each figure.
+    /// The records of the figures that the stage reads.
     fn figures(&self, keys: &[DefaultKey]) -> Vec<[u32; 4]> {
         let batches = self.lights.batches();
         let mut figures = Vec::with_capacity(keys.len() * (2 + batches.div_ceil(4)));
@@ -249,7 +249,7 @@ impl Scene {
         if is_same { Ok(()) } else { Err(SceneError::StaleNeeds) }
     }
 
-    /// Numbers the figures of an encode. What was computed of casters that become figures, or cease to be, is not kept.
+    /// Numbers the figures of an encode. Results of casters that become figures, or cease to be, are not cached.
     pub(super) fn heed_needs(&mut self, needs: Option<&SceneNeeds>) {
         let keys = needs.map_or(&[][..], |needs| &needs.keys);
         if self.figures == keys {

@@ -41,7 +41,8 @@ pub(crate) fn check(corners: &[[f32; 3]], mesh: &MeshEntry) -> Result<(), Occlud
     Ok(())
 }
 
-/// The occluders of a scene that may hide something, with their casters. Those of which faces are excluded hide nothing.
+/// The occluders of a scene that may hide something, with their casters. Occluders of a caster with excluded faces hide
+/// nothing.
 fn occluders<'a>(
     order: &'a [DefaultKey],
     casters: &'a SlotMap<DefaultKey, CasterEntry>,

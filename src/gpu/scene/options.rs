@@ -16,7 +16,7 @@ pub struct SceneOptions {
     /// Faces that the list of undecided faces has room for, in each group of casters and batch of 32 lights. `None`: a
     /// quarter of them, and at least 4,096. An overflow loses nothing: every face then goes through the exact stage.
     pub undecided_capacity: Option<u32>,
-    /// How shadow volumes are counted. Those that draw them have [`ScenePipelines`](crate::gpu::ScenePipelines) of the same.
+    /// How shadow volumes are counted. The [`ScenePipelines`](crate::gpu::ScenePipelines) that draw them must have the same.
     pub counting: Counting,
     /// Neither deform nor compute anything of a figure that a frame does not need. It takes effect where the caller asks
     /// ([`Scene::encode_needs`](crate::gpu::Scene::encode_needs)).
@@ -104,7 +104,7 @@ impl SceneOptions {
         if self.measuring.has(Measuring::FAST) { Predicate::Fast } else { Predicate::Exact }
     }
 
-    /// What these say of volumes. `has_receivers`: views may have receivers.
+    /// The settings of volumes. `has_receivers`: views may have receivers.
     pub(crate) fn volumes(&self, has_receivers: bool) -> VolumeSettings {
         let Self { counting, measuring, end_at_range, bound_counts, count_bits, cap_capacity, memory_limit, .. } =
             *self;

@@ -9,7 +9,7 @@ use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, any_error, buffer, check, guarded};
 use crate::gpu::common::requirements::DeviceError;
 
-/// What a page has of each mesh: faces, edge records, vertices, and words of clusters.
+/// The kinds of elements in a page: faces, edge records, vertices, and words of clusters.
 const KINDS: usize = 4;
 /// So many of each has the first page. Page k has 4^k times as many, so that few pages hold any scene.
 const FIRST: [u64; KINDS] = [1 << 14, 3 << 13, 1 << 14, 1 << 13];
@@ -34,7 +34,7 @@ pub(crate) struct Page {
     pub(crate) positions: wgpu::Buffer,
     /// The words of [`Topology::clusters`].
     pub(crate) clusters: wgpu::Buffer,
-    /// What is free of each kind.
+    /// Free ranges of each kind.
     free: [RangeAllocator<u32>; KINDS],
 }
 

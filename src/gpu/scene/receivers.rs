@@ -19,15 +19,16 @@ const TILE: u32 = 8;
 const TILES_PER_WORKGROUP: u32 = 64;
 
 /// The depth attachment that the volumes of a view will be drawn against, as it is when the encode's commands run. So draw
-/// what is seen before. A caster throws no volume for a view in which no receiver can be in it.
+/// the visible surfaces before. A caster throws no volume for a view in which no receiver can be in it.
 ///
-/// What is drawn after that must be nearer than what was there. Where nothing was there, set [`Self::sky_receives`].
+/// Draws after that must be nearer than the depth that was there. If they cover pixels where nothing was, set
+/// [`Self::sky_receives`].
 #[derive(Clone, Copy, Debug)]
 pub struct Receivers<'a> {
     /// A view of the depth aspect alone, of one layer and level. The texture has usage `TEXTURE_BINDING` besides. It has the
     /// size of the viewport that the volumes are drawn with. All samples of a pixel enter.
     pub depth: &'a wgpu::TextureView,
-    /// Whether shadows fall on pixels at the depth that is cleared to, 0 with reversed depth and else 1. As a rule nothing is
+    /// Whether shadows fall on pixels at the depth that is cleared to, 0 with reversed depth and else 1. Usually nothing is
     /// lit there.
     pub sky_receives: bool,
     /// Which version of the depths it is. While the version and the camera stay the same, the depths are the same, and lists
@@ -35,7 +36,7 @@ pub struct Receivers<'a> {
     pub version: Option<u64>,
 }
 
-/// What an encode knew of the receivers of a view.
+/// The receivers of a view as an encode knew them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum SeenReceivers {
     None,
@@ -85,7 +86,7 @@ impl Receivers<'_> {
     }
 }
 
-/// What the stages of receivers read of a view.
+/// The view of receivers that their stages read.
 fn receiver_view(camera: &ShadowCamera, view: &ShadowView, receivers: &Receivers<'_>, at: u32) -> ReceiverView {
     let inverse = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse();
     ReceiverView {

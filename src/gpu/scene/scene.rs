@@ -69,7 +69,7 @@ pub struct Scene {
     /// Casters that the last encode took to be needed or not, and how often needs were found.
     pub(super) figures: Vec<DefaultKey>,
     pub(super) needs: u64,
-    /// What was found of faces that other faces hide.
+    /// The hidden faces of each light.
     pub(super) hidden: Vec<HiddenOfLight>,
     /// Structures so far.
     pub(super) structures: u32,
@@ -152,7 +152,8 @@ impl Scene {
         Ok(MeshHandle { scene: self.id, key })
     }
 
-    /// What is uploaded of a mesh. Other predicates than the exact one may decide faces differently from clusters.
+    /// The topology of a mesh to upload. Predicates other than the exact one may decide faces differently from clusters, so
+    /// they use no clusters.
     fn topology<'a>(&self, mesh: &'a Mesh, positions: &[[f32; 3]]) -> Topology<'a> {
         let clusters_from = self.options.clusters_from;
         let is_in_clusters = clusters_from.is_some_and(|least| mesh.faces().len() >= least.max(1) as usize);

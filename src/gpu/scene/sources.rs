@@ -12,7 +12,7 @@ use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
 
-/// What tells sources apart.
+/// The key that tells sources apart.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct SourceKey {
     page: usize,

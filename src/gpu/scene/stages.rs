@@ -199,13 +199,13 @@ impl<'a> Binder<'a> {
         self.structure.buffers.groups.get(part.group)?.get(part.batch)
     }
 
-    /// What all stages of the scene but `arguments` bind.
+    /// The bindings that all stages of the scene but `arguments` have.
     fn common(&self) -> Resources<'a> {
         let Structure { table, uniforms, .. } = self.structure;
         vec![("group", entry::<SceneDispatch>(uniforms)), ("table", table.as_entire_binding())]
     }
 
-    /// What is bound by those that find what changed, with these lights of casters.
+    /// The bindings of stages that find what changed, with these lights of casters.
     fn versions(&self, lights: &[(&'static str, &'a wgpu::Buffer)]) -> Resources<'a> {
         let mut resources = self.with_work(self.common());
         let Buffers { kept, statistics, .. } = &self.structure.buffers;
@@ -237,13 +237,13 @@ impl<'a> Binder<'a> {
         Some(resources)
     }
 
-    /// What is bound by those that write or read the lists of chunks.
+    /// Adds the binding of stages that write or read the lists of chunks.
     fn with_work(&self, mut resources: Resources<'a>) -> Resources<'a> {
         resources.push(("work", self.structure.buffers.work.as_entire_binding()));
         resources
     }
 
-    /// What both facing stages bind.
+    /// The bindings that both facing stages have.
     fn faces(&self, part: &GroupBatch) -> Option<Resources<'a>> {
         let (page, source) = self.structure.source(self.making, part.group)?;
         let buffers = self.of(part)?;

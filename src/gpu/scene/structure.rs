@@ -1,4 +1,4 @@
-//! What is made anew only when casters or lights come and go: the layout, the buffers, the uniforms.
+//! The layout, the buffers and the uniforms of a scene. They are made anew only when casters or lights come and go.
 
 use slotmap::{DefaultKey, SlotMap};
 

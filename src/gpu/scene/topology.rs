@@ -1,4 +1,4 @@
-//! What the scene uploads of a mesh: its faces and edge records in the order of their slots.
+//! The topology that the scene uploads for a mesh: its faces and edge records in the order of their slots.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ pub(crate) struct Topology<'a> {
     pub(crate) order: Option<Arc<SlotOrder>>,
 }
 
-/// What the slots of a mesh hold, if they do not have its order.
+/// The contents of the slots of a mesh, if they do not have its order.
 #[derive(Debug)]
 pub(crate) struct SlotOrder {
     /// The face of each face slot.

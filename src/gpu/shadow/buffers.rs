@@ -17,7 +17,7 @@ pub(crate) struct Lists {
     counts: [u64; 2],
 }
 
-/// What bounds stencil counts.
+/// The buffers that bound stencil counts.
 #[derive(Debug)]
 pub(crate) struct BoundBuffers {
     /// A [`StencilPencil`](crate::layout::StencilPencil) for each view and light.
@@ -42,7 +42,7 @@ pub(crate) struct VolumeBuffers {
     pub(crate) boxes: wgpu::Buffer,
     /// Choices, then measures.
     pub(crate) choices: wgpu::Buffer,
-    /// What the lists for views were made from.
+    /// The inputs of the lists for views.
     pub(crate) listed: wgpu::Buffer,
     /// For each view what its shadows may fall on.
     pub(crate) receivers: wgpu::Buffer,
@@ -122,8 +122,8 @@ impl VolumeBuffers {
         }
     }
 
-    /// Records that everything is as before the first stage. Lists of batches of lights from `batches` on are not used. Those
-    /// of a scene are emptied by `relist`.
+    /// Clears the statistics, draws, boxes and counts before the first stage. Lists of batches of lights from `batches` on
+    /// are not used. The stage `relist` empties the lists of a scene.
     pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder, batches: usize, is_scene: bool) {
         let Self { sizes, boxes, choices, statistics, lists, draws, piece_draws, bound, .. } = self;
         let [choice_bytes, _] = sizes.choice_bytes();

@@ -166,9 +166,9 @@ pub(crate) enum Polygons {
 pub(crate) enum Casters {
     /// One, at the beginning of the table.
     One,
-    /// Those of a scene.
+    /// The casters of a scene.
     Scene,
-    /// Those of a scene, counted in batches: the highest bit of counts tells what earlier batches darken.
+    /// The casters of a scene, counted in batches: the highest bit of counts tells what earlier batches darken.
     Batches,
 }
 

@@ -28,7 +28,7 @@ pub(crate) struct Layouts {
     pub(crate) piece_data: wgpu::BindGroupLayout,
 }
 
-/// What draws a list of polygons: one pipeline, or one for each part of trimmed polygons.
+/// The pipelines for a list of polygons: one, or one for each part of trimmed polygons.
 pub(crate) type Drawing = Vec<wgpu::RenderPipeline>;
 
 /// A list of polygons that is drawn, and how.
@@ -469,7 +469,7 @@ fn parts(entry_point: &str) -> u32 {
     }
 }
 
-/// An operation adds to the whole byte. What it carries out of the bits of `write_mask`, which are the lowest, is not written.
+/// An operation adds to the whole byte. A carry out of the bits of `write_mask`, which are the lowest, is not written.
 pub(crate) fn stencil(count: Count, turned: bool, write_mask: u32) -> wgpu::StencilState {
     let face = |is_front: bool| {
         let ups = is_front == (count != Count::Hidden);

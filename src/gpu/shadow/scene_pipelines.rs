@@ -23,7 +23,7 @@ pub struct ScenePipelines {
     resolve: Option<Resolve>,
 }
 
-/// What turns counts into the bit of darkness.
+/// The pipeline that turns counts into the bit of darkness.
 #[derive(Debug)]
 struct Resolve {
     pipeline: wgpu::RenderPipeline,
@@ -51,7 +51,7 @@ impl ScenePipelines {
     /// tells what earlier batches darken.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn in_batches(
         pipelines: impl Into<Pipelines>,
         format: &ShadowFormat,

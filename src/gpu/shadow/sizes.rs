@@ -24,7 +24,7 @@ const BOX: u64 = 28;
 /// Bytes of the uniform of a batch of casters, view and light.
 const DRAW_LIGHT: u64 = UniformTable::stride::<ShadowDraw>() as u64;
 
-/// What the caller asks for.
+/// The caller's settings of volumes.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub(crate) struct VolumeSettings {
@@ -92,13 +92,13 @@ pub(crate) struct Room {
     pub(crate) lights: u32,
     /// The word of what is kept of the extraction where the encodes are that made its lists. A single caster has none.
     pub(crate) lists_at: u32,
-    /// Of the list of silhouettes.
+    /// Entries of the list of silhouettes.
     pub(crate) silhouettes: u32,
-    /// Of both lists of sides together.
+    /// Entries of both lists of sides together.
     pub(crate) sides: u32,
-    /// Of both lists of near caps together.
+    /// Entries of both lists of near caps together.
     pub(crate) near: u32,
-    /// Of both lists of other caps together.
+    /// Entries of both lists of other caps together.
     pub(crate) far: u32,
 }
 
@@ -222,7 +222,7 @@ impl VolumeSizes {
         LISTED * (self.rooms.len() * self.views) as u64
     }
 
-    /// Bytes for the receivers of all views. Those of the first begin after a word.
+    /// Bytes for the receivers of all views. The receivers of the first view begin after a word.
     pub(crate) fn receiver_bytes(&self) -> u64 {
         4 * (1 + self.views as u64 * self.receivers)
     }
@@ -269,7 +269,7 @@ impl VolumeSizes {
         }
     }
 
-    /// What the stages and draws of a group and batch read, by its number among `rooms`.
+    /// The sizes and offsets that stages and draws of a group and batch read. `part` is its index in `rooms`.
     pub(crate) fn shape(&self, part: usize) -> ShadowShape {
         let group = self.groups.get(part / self.batches().max(1));
         let (Some(group), Some(room), settings) = (group, self.rooms.get(part), &self.settings) else {

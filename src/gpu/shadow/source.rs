@@ -1,4 +1,4 @@
-//! What shadow volumes are made from: the results of an extraction, of a scene or of a single mesh.
+//! The input of shadow volumes: the results of an extraction, of a scene or of a single mesh.
 
 use wgpu::BindingResource;
 
@@ -8,7 +8,7 @@ pub(crate) struct VolumeSource<'a> {
     pub(crate) table: &'a wgpu::Buffer,
     /// For each batch and caster the lights that matter. A single caster has none.
     pub(crate) lit: Option<&'a wgpu::Buffer>,
-    /// What the extraction was computed from. A single caster has none.
+    /// The inputs of the extraction. A single caster has none.
     pub(crate) kept: Option<&'a wgpu::Buffer>,
     /// [`ExtractionStatistics`](crate::layout::ExtractionStatistics) of all casters, if there is one for all.
     pub(crate) statistics: Option<BindingResource<'a>>,
@@ -26,7 +26,7 @@ pub(crate) struct GroupSource<'a> {
     pub(crate) batches: Vec<BatchSource<'a>>,
 }
 
-/// What was found for a batch of lights.
+/// The results of an extraction for a batch of lights.
 pub(crate) struct BatchSource<'a> {
     pub(crate) facing: BindingResource<'a>,
     pub(crate) excluded: BindingResource<'a>,

@@ -111,7 +111,7 @@ struct GroupDraws {
     pieces: Vec<wgpu::BindGroup>,
 }
 
-/// What prepares and draws the volumes of some casters, with everything bound.
+/// The stages and draws of the volumes of some casters, with everything bound.
 #[derive(Debug)]
 pub(crate) struct VolumeStages {
     table: wgpu::Buffer,
@@ -187,7 +187,7 @@ impl VolumeStages {
     }
 }
 
-/// What binds stages and draws.
+/// The inputs for binding stages and draws.
 struct Binder<'a> {
     pipelines: &'a StagePipelines,
     sizes: &'a VolumeSizes,

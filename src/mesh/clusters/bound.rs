@@ -7,17 +7,17 @@ use super::order::Order;
 use super::plane::{Kind, Plane};
 use crate::cpu::Threads;
 
-/// What bounds are widened by, as a part of the largest component: 14 units in the last place. It pays for all rounding,
-/// here and where a light is decided.
+/// The widening of bounds, as a part of the largest component: 14 units in the last place. It pays for all rounding, here and
+/// where a light is decided.
 pub const WIDENING: f64 = 14.0 / 8_388_608.0;
 
-/// What may be decided of a cluster.
+/// Kinds of clusters, by the decisions that their bounds allow.
 pub(crate) mod cluster_kinds {
     /// Nothing. A face has no bound.
     pub(crate) const MIXED: u32 = 0;
-    /// That all faces face a light, or that none does.
+    /// All faces face a light, or none does.
     pub(crate) const BOUNDED: u32 = 1;
-    /// That no face faces a light. Some name a vertex twice.
+    /// No face faces a light. Some faces name a vertex twice.
     pub(crate) const AT_MOST_AVERTED: u32 = 2;
     /// Every light is averted: all faces name a vertex twice.
     pub(crate) const AVERTED: u32 = 3;

@@ -33,8 +33,8 @@ pub const CLUSTER_FACES: usize = 2 * CHUNK as usize;
 
 /// The clusters of a rigid mesh.
 ///
-/// Memory: 4 bytes a face for the order, 48 bytes a cluster for bounds, and what [`EdgeOrder`] has. That is 10.5 bytes a
-/// face on closed meshes.
+/// Memory: 4 bytes a face for the order, 48 bytes a cluster for bounds, and the size of [`EdgeOrder`]. Together these are
+/// 10.5 bytes a face on closed meshes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clusters {
     faces: Vec<u32>,

@@ -15,7 +15,7 @@ const LEAST_NORMAL: f64 = 1.0 / 1_048_576.0;
 /// is not finite or is large, or the corners are nearly on a line.
 pub(super) type Plane = [[f32; 3]; 2];
 
-/// What a plane is.
+/// Kinds of planes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Regular,
@@ -46,7 +46,7 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    /// Takes at most [`LANES`] faces. What unused places hold does not matter.
+    /// Takes at most [`LANES`] faces. The values of unused lanes do not matter.
     #[inline]
     pub(super) fn new(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Self {
         let mut corners = [[[0.0; LANES]; 3]; 3];
@@ -64,7 +64,7 @@ impl Batch {
             [cross(&u, &v, 1, 2), cross(&u, &v, 2, 0), cross(&u, &v, 0, 1)];
         let mut scales = [f64::NAN; LANES];
         for lane in 0..LANES {
-            // As bits, so that numbers that are not finite are large, too.
+            // Compare bits, so that numbers that are not finite are large, too.
             let mut magnitude = 0;
             for coordinates in corners.as_flattened() {
                 let bits = (coordinates[lane].to_bits() & 0x7fff_ffff) as i32;

@@ -1,4 +1,4 @@
-//! What is wrong with polygons as they are given.
+//! Checks of polygons as they are given.
 
 use super::{MAX_POLYGON_CORNERS, PolygonLoops};
 use crate::mesh::error::{MAX_FACES, MeshError};

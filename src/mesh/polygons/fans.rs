@@ -1,6 +1,6 @@
 //! Fans over closed loops of edges.
 
-/// Directed edges that have no triangle yet. As many begin at a vertex as end there.
+/// Directed edges that have no triangle yet. Equally many begin and end at each vertex.
 #[derive(Default)]
 pub(super) struct OpenEdges {
     /// Edges with their lower vertex first, and whether they were turned for that.

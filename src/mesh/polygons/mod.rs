@@ -36,7 +36,7 @@ impl PolygonLoops<'_> {
     /// that names a vertex twice, which is drawn nowhere.
     ///
     /// # Errors
-    /// As [`Mesh::from_polygons`](crate::Mesh::from_polygons).
+    /// The errors of [`Mesh::from_polygons`](crate::Mesh::from_polygons).
     pub fn triangulate(self, positions: &[[f32; 3]], weld: Weld) -> Result<(Vec<[u32; 3]>, WeldCounts), MeshError> {
         let (groups, mut counts) = weld::weld_positions(positions, weld);
         let (polygons, triangles) = Polygons::new(positions, self, &groups)?;
@@ -124,8 +124,8 @@ impl Polygons {
         of.map(|index| &self.corners[range(&self.corner_starts, index)])
     }
 
-    /// The directed edges of a polygon's outline. As many begin at a vertex as end there. Without the edges that it walks
-    /// both ways, they are in the order of its corners.
+    /// The directed edges of a polygon's outline. Equally many begin and end at each vertex. They are in the order of the
+    /// polygon's corners, without the edges that it walks both ways.
     ///
     /// # Panics
     /// If there are not so many polygons.

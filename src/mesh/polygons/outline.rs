@@ -9,8 +9,8 @@ pub(super) struct Walker {
 }
 
 impl Walker {
-    /// Appends the outline of a polygon with these loops, in the order of its corners. Edges from a vertex to itself are
-    /// left out. Of the edges between two vertices the earliest of either direction cancel.
+    /// Appends the outline of a polygon with these loops, in the order of its corners. Edges from a vertex to itself are left
+    /// out. Edges of opposite directions between two vertices cancel, the earliest first.
     pub(super) fn append_outline<'a>(&mut self, outline: &mut Vec<[u32; 2]>, loops: impl Iterator<Item = &'a [u32]>) {
         let first = outline.len();
         for corners in loops {

@@ -10,7 +10,7 @@ use super::distance::WeldDistance;
 use super::near::{FEW_PAIRS, Node, Tree, any_near, near};
 use super::{Keys, bits, groups, same_bits};
 
-/// What welding by distance found.
+/// Result of welding by distance.
 pub(crate) struct NearGroups {
     /// For each vertex the vertex that its group takes: the one at the lexicographically smallest position.
     pub(crate) groups: Vec<u32>,
@@ -21,8 +21,8 @@ pub(crate) struct NearGroups {
 /// Times the distance that a group may be wide without being counted as wide.
 pub(crate) const WIDE: u32 = 10;
 
-/// The groups of vertices of one class each. `class` is the same for vertices that may be joined. Those that are not finite
-/// are joined if all their bits are the same.
+/// The groups of vertices of one class each. `class` is the same for vertices that may be joined. Vertices that are not
+/// finite are joined if all their bits are the same.
 pub(crate) fn near_groups(positions: &[[f32; 3]], distance: WeldDistance, class: impl Fn(usize) -> u32) -> NearGroups {
     let is_finite = |v: &usize| positions[*v].iter().all(|c| c.is_finite());
     let finite = (0..positions.len()).filter(is_finite);
@@ -128,7 +128,7 @@ struct Cell {
 struct Cells {
     cells: Vec<Cell>,
     points: Vec<[f32; 3]>,
-    /// Of cells that took one.
+    /// For each cell its tree, if the cell needed one.
     trees: Vec<Option<Tree>>,
     parents: Vec<u32>,
 }

@@ -79,8 +79,8 @@ pub(super) fn near(a: Node<'_>, b: Node<'_>, distance: WeldDistance) -> bool {
     let length = (towards[0].powi(2) + towards[1].powi(2) + towards[2].powi(2)).sqrt();
     // Rounding adds less than 2⁻⁴⁵ of it.
     let limit = f64::from(distance.get()) * length * (1.0 + 1.0 / (1_u64 << 40) as f64);
-    // The points themselves tell more than their boxes. Those of one node are looked at only where the other has about as
-    // many or more, so that many are not looked at again for every few.
+    // Points give a closer bound than their boxes. A node's points are read only if the other node has at least about a
+    // quarter as many. Otherwise many points would be read again for every few.
     let along = |p: &[f32; 3]| {
         let [x, y, z] = [0, 1, 2].map(|axis| f64::from(p[axis]) - f64::from(box_a.low[axis]));
         towards[0] * x + towards[1] * y + towards[2] * z

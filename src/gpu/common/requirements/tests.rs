@@ -211,7 +211,7 @@ fn only_draws_with_several_samples_need_sample_shading() {
         let taken = [1, 4].map(|samples| is_taken_without_sample_shading(&drawn_wgsl(stage, samples)));
         assert_eq!(taken, [true, false], "{}", stage.name);
     }
-    // What is tried needs nothing else.
+    // The check by itself: this module needs sample shading and nothing else.
     assert!(!is_taken_without_sample_shading(SAMPLE_SHADING));
     assert!(is_taken_without_sample_shading(&SAMPLE_SHADING.replace(", sample", "")));
 }
