@@ -26,7 +26,7 @@ use measure::Measured;
 use results::{SkipEntry, SkipResults, SkipRow};
 use scenes::SkipScene;
 
-/// What is measured.
+/// Plan of the bench of skipping.
 #[derive(Clone, Debug)]
 pub(crate) struct SkipPlan {
     /// Scenes with their numbers of casters.
