@@ -13,7 +13,7 @@ use crate::extract::report::per_light;
 use crate::shown::Line;
 use crate::times::Times;
 
-/// What came out, in numbers.
+/// Results in numbers.
 pub(super) struct Report {
     vertices: u32,
     faces: usize,
