@@ -7,7 +7,7 @@ use libtest_mimic::{Failed, Trial};
 
 use super::{Outcome, ensure};
 
-/// What a run left behind.
+/// The result of a run.
 pub(crate) struct Run {
     pub(crate) code: i32,
     pub(crate) stdout: String,
