@@ -26,7 +26,6 @@ use measure::Measured;
 use results::{SkipEntry, SkipResults, SkipRow};
 use scenes::SkipScene;
 
-/// Plan of the bench of skipping.
 #[derive(Clone, Debug)]
 pub(crate) struct SkipPlan {
     /// Scenes with their numbers of casters.

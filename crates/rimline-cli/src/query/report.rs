@@ -13,7 +13,6 @@ use crate::extract::report::per_light;
 use crate::shown::Line;
 use crate::times::Times;
 
-/// Results in numbers.
 pub(super) struct Report {
     vertices: u32,
     faces: usize,

@@ -30,7 +30,6 @@ struct File {
     found: Found,
 }
 
-/// Results in numbers.
 pub(super) struct Report {
     adapter: String,
     files: Vec<File>,

@@ -27,7 +27,6 @@ impl Setting {
     }
 }
 
-/// Casters of a setting.
 pub(super) enum Casters {
     /// Shapes, and for each caster its shape and where it stands.
     Rigid { shapes: Vec<Shape>, placed: Vec<(usize, Matrix3x4)> },
