@@ -7,7 +7,6 @@ use libtest_mimic::{Failed, Trial};
 
 use super::{Outcome, ensure};
 
-/// The result of a run.
 pub(crate) struct Run {
     pub(crate) code: i32,
     pub(crate) stdout: String,
