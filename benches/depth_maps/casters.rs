@@ -14,13 +14,13 @@ use crate::stage::{Bench, EYE, MAP, axes, camera, map_of, medians, pass, way};
 
 /// Texels of the map and pixels of the picture a side.
 const SIDE: u32 = 1024;
-/// Of spheres: 8 n² faces.
+/// Subdivisions n of the spheres: 8 n² faces.
 const SUBDIVISIONS: [u32; 4] = [11, 35, 112, 354];
 
 /// Methods as tables and data name them; the first is counted in none of the others.
 const METHODS: [&str; 6] =
     ["the eye's depth, not counted below", VOLUMES[0], VOLUMES[1], VOLUMES[2], VOLUMES[3], "lookup"];
-/// Those that draw volumes.
+/// Methods that draw volumes.
 const VOLUMES: [&str; 4] =
     ["volumes of the mesh", "of the map, every cell", "of the map, automatic", "of the map, contours 0.005"];
 
@@ -66,7 +66,7 @@ pub(crate) fn measure(bench: &Bench, rounds: usize, json: Option<&str>) -> Resul
         let options = ExtractorOptions { max_lights: 1, ..Default::default() };
         let mut extractor = Extractor::new(&bench.gpu.pipelines, &sphere.mesh, options).map_err(text)?;
         let mut volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default()).map_err(text)?;
-        // Of a frame's shadows, and of its stencil pass, which is drawn again.
+        // Times of a frame's shadows, and of its stencil pass, which is drawn again.
         let of_map = |volumes: &mut DepthMapVolumes| {
             let mut drawn = None;
             let frame = bench.clock(|encoder| {

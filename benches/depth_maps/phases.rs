@@ -19,7 +19,7 @@ const PHASES: [&str; 6] = [
 ];
 const SHOWN: [&str; 4] = ["every cell", "automatic", "differences 0.02", "contours 0.005"];
 
-/// What a frame is drawn with.
+/// Resources of a frame.
 struct Frame<'a> {
     bench: &'a Bench,
     drawn: &'a Drawn,

@@ -5,8 +5,8 @@ use glam::{Mat3, Quat, Vec3};
 use rimline_measure::random::Random;
 use rimline_measure::shapes::{self, Shape};
 
-/// The paper's numbers of triangles, and its mean numbers of volume triangles with maps of 256² and 512² texels. That of A at
-/// 256² is not legible in our copy.
+/// The paper's numbers of triangles, and its mean numbers of volume triangles with maps of 256² and 512² texels. The
+/// number of A at 256² is not legible in our copy.
 pub(crate) const PAPER: [(&str, usize, &str); 4] =
     [("A", 3_756, "—"), ("B", 3_132, "1.89"), ("C", 450_132, "1.80"), ("D", 7_332, "1.67")];
 

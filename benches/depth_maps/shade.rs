@@ -1,4 +1,4 @@
-//! What ends a frame: black where the stencil is not 0, or where a lookup in the map says so.
+//! The end of a frame: black where the stencil is not 0, or where a lookup in the map finds shadow.
 
 use glam::Mat4;
 use rimline::ShadowCamera;
@@ -121,7 +121,7 @@ impl Shade {
         pass.draw(0..3, 0..1);
     }
 
-    /// What a lookup reads.
+    /// Resources that a lookup reads.
     pub(crate) fn group(
         &self,
         bench: &Bench,

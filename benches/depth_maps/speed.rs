@@ -91,7 +91,7 @@ pub(crate) fn measure(bench: &Bench, rounds: usize, seed: u64) -> Result<(), Str
     Ok(())
 }
 
-/// What each stage takes, once.
+/// Time of each stage, measured once.
 fn stages(bench: &Bench, volumes: &mut DepthMapVolumes, map: &DepthMap<'_>) -> Result<String, String> {
     let (device, queue) = (&bench.gpu.device, &bench.gpu.queue);
     let mut timer = StageTimer::new(device, queue).ok_or("no timestamps")?;

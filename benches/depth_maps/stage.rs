@@ -1,4 +1,4 @@
-//! What all measurements share: the device, cameras, maps, passes, and times of commands.
+//! Parts that all measurements share: the device, cameras, maps, passes, and times of commands.
 
 use std::time::Instant;
 

@@ -22,10 +22,10 @@ use crate::scenes::{Body, Setting};
 pub(crate) const SIZE: [u32; 2] = [640, 480];
 pub(crate) const NEAR: f32 = 0.5;
 pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth24PlusStencil8;
-/// Runs, of which the least time of each part counts. Those of scenes that are compared take turns.
+/// Runs; the least time of each part counts. Runs of scenes that are compared take turns.
 const ROUNDS: usize = 7;
 
-// As volumes compute positions, bit for bit: z-fail asks for that.
+// Positions equal those of the volumes bit for bit, because z-fail needs equal depths.
 const SHADER: &str = "
 @group(0) @binding(0) var<uniform> columns: mat4x4<f32>;
 struct Out { @invariant @builtin(position) clip: vec4<f32> }
@@ -66,7 +66,7 @@ pub(crate) struct Frames {
     resolved: wgpu::Buffer,
 }
 
-/// What of a setting is drawn before shadows, and from where.
+/// Geometry of a setting that is drawn before shadows, and the camera.
 pub(crate) struct View {
     pub(crate) camera: ShadowCamera,
     pipeline: wgpu::RenderPipeline,

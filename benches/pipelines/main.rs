@@ -13,7 +13,7 @@ use rimline_measure::shapes;
 
 const ROUNDS: usize = 15;
 
-/// What a further mesh finds made.
+/// Pipelines that a further mesh finds made.
 #[derive(Clone, Copy, PartialEq)]
 enum Shared {
     Nothing,

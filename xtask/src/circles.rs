@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 use crate::process;
 
-/// What each module imports. A module is named by its full path, for example `crate::gltf::pose`.
+/// Imports of each module. A module is named by its full path, for example `crate::gltf::pose`.
 type Imports = BTreeMap<String, BTreeSet<String>>;
 
 /// Prints a line for each crate; the error has every circle, and every file that cannot be read.
@@ -45,7 +45,7 @@ fn source_folders(root: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(folders)
 }
 
-/// What is in a folder, in the order of names.
+/// Entries of a folder, in the order of names.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let paths = std::fs::read_dir(folder).and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
     let mut paths: Vec<PathBuf> = paths.map_err(|error| format!("cannot read {}: {error}", folder.display()))?;
@@ -114,7 +114,7 @@ fn code(text: &str) -> String {
 /// Every path that code names, as it is written there but with groups taken apart.
 fn paths(code: &str, is_parent: bool) -> Vec<String> {
     let mut paths = Vec::new();
-    // What lies between the `use` statements.
+    // Code between the `use` statements.
     let mut rest = String::new();
     let mut end = 0;
     for (start, word) in code.match_indices("use ") {
@@ -192,7 +192,7 @@ fn resolve(from: &str, path: &str, modules: &BTreeSet<String>) -> Option<String>
             name => parts.push(name),
         }
     }
-    // What the path ends with may be items, not modules.
+    // The last names of the path may be items, not modules.
     (2..=parts.len()).rev().map(|length| parts[..length].join("::")).find(|path| modules.contains(path))
 }
 
@@ -242,7 +242,7 @@ mod tests {
         files.iter().map(|(file, text)| ((*file).into(), (*text).into())).collect()
     }
 
-    /// What one module imports.
+    /// Imports of one module.
     fn imports_of(module: &str, texts: &[(&str, &str)]) -> Vec<String> {
         imports(&files(texts)).remove(module).into_iter().flatten().collect()
     }

@@ -1,4 +1,4 @@
-//! What a user of the library alone compiles.
+//! Checks of the library alone: builds with each set of features, and dependencies.
 
 use std::path::Path;
 use std::process::Command;
@@ -66,7 +66,7 @@ pub(crate) fn no_command_dependencies() -> Result<(), String> {
     if found.is_empty() { Ok(()) } else { Err(format!("it depends on {}", found.join(", "))) }
 }
 
-/// Those of some packages that are in a list, one `NAME VERSION` a line.
+/// Filters `packages` for names in a list with one `NAME VERSION` a line.
 fn among<'a>(packages: &[&'a str], tree: &str) -> Vec<&'a str> {
     let names: Vec<_> = tree.lines().filter_map(|line| line.split_whitespace().next()).collect();
     packages.iter().copied().filter(|name| names.contains(name)).collect()

@@ -11,7 +11,7 @@ use crate::test::BENCH;
 const TARGETS: [&str; 5] = ["gltf", "npz", "obj", "wgsl", "args"];
 /// Seconds for each target, unless asked otherwise.
 pub(crate) const SECONDS: u64 = 60;
-/// What continuous integration takes for each target.
+/// Seconds that continuous integration spends on each target.
 pub(crate) const CI_SECONDS: u64 = 10;
 
 /// A case that takes longer hangs. Software devices on a busy machine take seconds.

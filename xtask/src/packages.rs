@@ -36,7 +36,7 @@ impl Manager {
         })
     }
 
-    /// What installs the driver and the loader, step by step.
+    /// Commands that install the driver and the loader, step by step.
     fn steps(self) -> &'static [&'static [&'static str]] {
         match self {
             Self::Apt => &[
@@ -48,7 +48,7 @@ impl Manager {
         }
     }
 
-    /// What installs a browser that brings `SwiftShader`; none where its place is not known.
+    /// Commands that install a browser with `SwiftShader`. Empty where its location is not known.
     fn steps_of_swiftshader(self) -> &'static [&'static [&'static str]] {
         match self {
             Self::Apt => {

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-/// What the tests and checks of a run came to.
+/// Counts of the tests and checks of a run.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Summary {
     passed: usize,

@@ -27,7 +27,7 @@ impl Samples {
     }
 }
 
-/// What the processor calls itself, where that can be read.
+/// Name of the processor, where it can be read, its number of threads, and its architecture.
 pub(crate) fn cpu_name() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = info

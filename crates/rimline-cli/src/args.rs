@@ -258,7 +258,7 @@ pub(crate) struct VerifyArgs {
     pub(crate) json: bool,
 }
 
-/// What `verify` reads models with goes with --make, too.
+/// Makes `--memory-limit` and `--allow-outside` require `--make`, because `verify` reads models only then.
 fn when_making(arg: clap::Arg) -> clap::Arg {
     if arg.get_id() == "memory_limit" || arg.get_id() == "allow_outside" { arg.requires("make") } else { arg }
 }

@@ -1,4 +1,4 @@
-//! What a file is, by how it begins. Its ending is a name that anybody may give.
+//! Formats of files, recognised by their first bytes. A file's ending is a name that anybody may give.
 
 use std::io::{self, Read, Seek};
 
@@ -18,7 +18,7 @@ pub(crate) enum Begins {
     Unknown,
 }
 
-/// What a file of another kind is, and what to do about it.
+/// A format that is not read, with advice for the user.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("it is {what}, which is not read here; {advice}")]
 pub(crate) struct Foreign {
@@ -85,7 +85,7 @@ const FIRST_WORDS: &[(&[u8], &str, &str)] = &[
     ),
 ];
 
-/// What a file is by its first bytes. The reader stands at its start then.
+/// Finds the format of a file by its first bytes, and leaves the reader at its start.
 ///
 /// # Errors
 /// [`FormatError::Foreign`] for a file that is certainly of another kind.
@@ -136,7 +136,7 @@ fn text(start: &[u8]) -> &[u8] {
     start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start).trim_ascii_start()
 }
 
-/// What else it is, by its first bytes and its length.
+/// Finds a format that is not read, by the first bytes and the length of the file.
 fn foreign(start: &[u8], length: u64) -> Option<Foreign> {
     let of = |what, advice| Some(Foreign { what, advice });
     if let Some(&(_, what, advice)) = FIRST_BYTES.iter().find(|(first, ..)| start.starts_with(first)) {
@@ -188,8 +188,8 @@ fn is_utf16(start: &[u8]) -> bool {
                 || pairs.iter().all(|[high, low]| is_text(low) && *high == 0))
 }
 
-/// What an archive is that has no arrays, if its entries tell. Others, and those that cannot be read, are left to the reader of
-/// arrays, which says what it misses.
+/// Finds the format of an archive without arrays, by the names of its entries. Returns `None` for any other archive,
+/// readable or not: the reader of arrays then says what is missing.
 fn in_zip(reader: &mut (impl Read + Seek)) -> Result<Option<Foreign>, FormatError> {
     let archive = ZipArchive::new(&mut *reader);
     let of = |what, advice| Some(Foreign { what, advice });

@@ -70,7 +70,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         note("warning: this build is not optimised: its times of the CPU mean nothing, its errors do");
     }
     print(&heading(&results))?;
-    // What was measured before a failure is worth writing, too.
+    // Results from before a failure are written, too.
     let measured = measure_all(&plan, &wanted, gpu, &progress, &mut results);
     drop(progress);
     if !results.is_empty() {

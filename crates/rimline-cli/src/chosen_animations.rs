@@ -42,7 +42,7 @@ fn named(input: &Input, wanted: &str) -> Result<Vec<usize>, Failure> {
 /// Checks that these animations can be played together.
 fn check(input: &Input, animations: &[usize]) -> Result<(), Failure> {
     match &input.source {
-        // What fails at one time fails at all.
+        // An error at one time occurs at all times.
         Source::Gltf(asset) if !animations.is_empty() => {
             asset.each_light(animations.iter().copied(), 0.0).map(drop).map_err(|error| input.not_posed(error))
         }

@@ -78,7 +78,7 @@ mod tests {
         std::fs::write(folder.path().join(NAME), "4294967295").expect("there is room");
         let claim = Claim::take(folder.path()).expect("its process is gone");
         drop(claim);
-        // What is no number may be a claim in the making.
+        // A file without a number may be a claim in the making.
         std::fs::write(folder.path().join(NAME), "").expect("there is room");
         Claim::take(folder.path()).expect_err("it may be in the making");
     }

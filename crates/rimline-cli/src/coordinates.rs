@@ -88,7 +88,7 @@ impl Point {
     }
 }
 
-/// As `x,y,z`, as the command line takes it.
+/// Formats a point as `x,y,z`, the form that the command line takes.
 impl std::fmt::Display for Point {
     fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -105,7 +105,7 @@ pub(crate) fn add_origin(report: &mut Value, origin: Origin) {
     }
 }
 
-/// What a report for people says of the origin, unless it is zero.
+/// Text about the origin, for a report for people. `None` if the origin is zero.
 pub(crate) fn origin_text(origin: Origin) -> Option<String> {
     let [x, y, z] = origin.to_array();
     (!origin.is_zero()).then(|| format!("{x},{y},{z}: what is written is relative to it"))

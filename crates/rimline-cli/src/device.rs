@@ -16,7 +16,7 @@ pub(crate) const OPTIONAL_FEATURES: [(Features, &str); 2] = [
     (Features::DEPTH32FLOAT_STENCIL8, "shadows far away from a near plane that is next to the eye"),
 ];
 
-/// What `--device` stands for.
+/// Value of `--device`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
     Auto,
@@ -70,7 +70,7 @@ pub(crate) struct Gpu {
     pub(crate) queue: wgpu::Queue,
     /// Shared by all meshes and methods on this device.
     pub(crate) pipelines: Pipelines,
-    /// What it is opened for can be done on the CPU as well.
+    /// Whether the CPU can do the work that the device is opened for.
     pub(crate) cpu_would_do: bool,
     failure: Arc<Mutex<Option<String>>>,
     /// Pixels that the trial of slivers has wrong, once it ran.
@@ -102,7 +102,7 @@ fn kind_rank(kind: DeviceType) -> u8 {
     }
 }
 
-/// What an adapter lacks of what every stage needs, if anything.
+/// A capability that every stage needs and the adapter lacks, if any.
 pub(crate) fn lacks(adapter: &wgpu::Adapter) -> Option<String> {
     let flags = adapter.get_downlevel_capabilities().flags;
     if !flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS) {
@@ -216,7 +216,7 @@ pub(crate) fn open_every(wanted: &Wanted) -> (Vec<Gpu>, Vec<NoDevice>) {
     (opened, unusable)
 }
 
-/// What the trial of slivers that leave the picture says of an adapter: wrong pixels. `None`: it cannot be tried.
+/// Wrong pixels in the trial of slivers that leave the picture. `None` if the adapter cannot run the trial.
 pub(crate) fn wrong_slivers(adapter: &wgpu::Adapter) -> Option<usize> {
     request(adapter).ok().and_then(|gpu| gpu.wrong_slivers().as_ref().ok().copied())
 }
@@ -346,7 +346,7 @@ mod tests {
     use super::*;
     use crate::failure::UsageError;
 
-    /// What becomes of work that fails once, and how often it ran.
+    /// Result of work that fails once, and how often it ran.
     fn tried(wanted: &Wanted, failure: impl Fn() -> Failure) -> (Result<Device, Failure>, u32) {
         let mut runs = 0;
         let first = || -> Result<(), Failure> { Err(failure()) };

@@ -90,7 +90,7 @@ fn to_text(adapter: &wgpu::Adapter) -> String {
     text
 }
 
-/// What wrong pixels of slivers mean to the user.
+/// Text for the user about wrong pixels of slivers.
 fn clipping(wrong: Option<usize>) -> String {
     match wrong {
         None => "not tried".into(),

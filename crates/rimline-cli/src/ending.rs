@@ -18,7 +18,7 @@ pub(crate) enum Written {
 }
 
 impl Written {
-    /// What it is called, and how its names end.
+    /// Name of the format, and ending of its files.
     fn words(self) -> (&'static str, &'static str) {
         match self {
             Self::Png => ("a PNG picture", "png"),

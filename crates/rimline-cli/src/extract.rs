@@ -24,11 +24,11 @@ use crate::progress::Progress;
 use crate::times::Times;
 use report::Report;
 
-/// What either device finds; masks lie in ⌈N/32⌉ planes, item after item.
+/// Results of either device. Masks lie in ⌈N/32⌉ planes, item after item.
 pub(crate) struct Found<'a> {
     positions: std::borrow::Cow<'a, [[f32; 3]]>,
     facing: Vec<u32>,
-    /// Of polygons; otherwise empty.
+    /// Twisted polygons; empty unless faces are polygons.
     twisted: Vec<u32>,
     masks: Vec<EdgeMasks>,
     statistics: FacingStatistics,

@@ -12,7 +12,7 @@ use crate::obj::ObjError;
 use crate::shadow::given_map_error::GivenMapError;
 use crate::spec::SpecError;
 
-/// What to do about a machine without any adapter.
+/// Advice for a machine without any adapter.
 pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {
     "`rimline extract --device cpu` needs none. To use a GPU, install its Vulkan driver, or Mesa's software one: on Debian \
      and Ubuntu `sudo apt-get install mesa-vulkan-drivers`, on Fedora `sudo dnf install mesa-vulkan-drivers`, on Arch \
@@ -61,7 +61,7 @@ pub(crate) enum Failure {
     },
 }
 
-/// What is wrong with the input.
+/// Errors in the input.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum InputError {
     #[error("cannot be read: {0}")]
@@ -124,7 +124,7 @@ pub(crate) enum InputError {
     SameName { other: PathBuf },
 }
 
-/// What is wrong with the command line, beyond what the parser of options sees.
+/// Errors in the command line that the parser of options does not see.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum UsageError {
     #[error("--displace needs a GPU, because WGSL runs on GPUs only; leave out `--device cpu` or `--displace`")]
@@ -276,7 +276,7 @@ impl NoDevice {
     }
 }
 
-/// What to do about an adapter that is too small.
+/// Advice for an adapter that is too small.
 fn remedy(cpu_would_do: bool) -> &'static str {
     if cpu_would_do {
         "`--device cpu` or another device (`rimline devices` lists them)"

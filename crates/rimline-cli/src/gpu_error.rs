@@ -59,7 +59,7 @@ pub(crate) enum GpuError {
 impl GpuError {
     /// The failure that this is, on this device: a model that is too large means that the device will not do.
     pub(crate) fn on(self, gpu: &Gpu) -> Failure {
-        // What the device itself reported comes first; the rest follows from it.
+        // The error that the device reported comes first, because the others follow from it.
         if let Err(failure) = gpu.check() {
             return failure;
         }
@@ -110,7 +110,7 @@ impl GpuError {
         NoDevice::TooSmall { adapter, reason, cpu_would_do: gpu.cpu_would_do }.into()
     }
 
-    /// What does not fit, in words for who cannot change the device's limits.
+    /// Reason why something does not fit, in words for users who cannot change the device's limits.
     fn reason(&self) -> String {
         let of_scene =
             if let Self::Scene(_) = self { "; it may fit with fewer instances, joined to fewer meshes" } else { "" };

@@ -10,7 +10,7 @@ use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::shown::Line;
 
-/// What the user is told of a picture that is complete.
+/// Message for the user about a complete picture.
 pub(crate) fn wrote(file: &Path, [width, height]: [u32; 2]) -> String {
     format!("wrote {} ({width}×{height})", Line(file.display()))
 }

@@ -26,18 +26,18 @@ use crate::spec::LightSpec;
 pub(crate) struct Input {
     pub(crate) file: PathBuf,
     pub(crate) source: Source,
-    /// What positions and lights are relative to: at first the file's own, and once it has moved there the run's.
+    /// Origin of positions and lights: the file's own at first, the run's once the file has moved there.
     pub(crate) origin: Origin,
 }
 
 /// A light that was asked for.
 pub(crate) struct ChosenLight {
     pub(crate) light: Light,
-    /// As the file has it, if it is the file's.
+    /// The light in the file, if it comes from the file.
     pub(crate) own: Option<SceneLight>,
 }
 
-/// What the file holds.
+/// Contents of the file.
 pub(crate) enum Source {
     Gltf(Box<Asset>),
     /// World-space positions less the origin, welded: one geometry, one instance.
@@ -103,7 +103,7 @@ impl Input {
         }
     }
 
-    /// What the file has that is not read, or read otherwise.
+    /// Prints the warnings about contents that the reader of glTF skips or changes.
     fn note_warnings(&self) {
         const SHOWN: usize = 20;
         let Source::Gltf(asset) = &self.source else { return };
@@ -154,7 +154,7 @@ impl Input {
         }
     }
 
-    /// What welding did to one of the model's geometries.
+    /// Result of welding one of the model's geometries.
     pub(crate) fn weld_counts(&self, geometry: usize) -> WeldCounts {
         match &self.source {
             Source::Gltf(asset) => asset.weld_counts(geometry).unwrap_or_default(),
@@ -271,7 +271,7 @@ impl Input {
         match check_lights(&lights, MAX_LIGHTS) {
             Ok(()) => Ok(chosen),
             Err(error @ (LightError::NoRoom | LightError::TooMany { .. })) => Err(UsageError::Lights(error).into()),
-            // Those of the command line were checked when they were read.
+            // Lights of the command line were checked when they were parsed, so the file has the wrong one.
             Err(error) => Err(Failure::input(&self.file)(InputError::Lights(error))),
         }
     }
@@ -321,7 +321,7 @@ fn of_asset(asset: Asset) -> (Source, Origin) {
     (Source::Gltf(Box::new(asset)), Origin::ZERO)
 }
 
-/// What is wrong with a glTF, with advice for users of the command.
+/// Converts an error of a glTF, with advice for users of the command.
 fn of_gltf(file: &Path, error: GltfError) -> InputError {
     match error {
         // The file is named already; only other files that it names need to be.

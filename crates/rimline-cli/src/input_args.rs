@@ -28,7 +28,7 @@ pub(crate) struct ModelArgs {
     load: LoadArgs,
 }
 
-/// What polygons are.
+/// Options for polygons.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct PolygonArgs {
     /// Take each polygon of an .obj as one face, after Bergeron (1986): its outline decides whether it faces a light or the

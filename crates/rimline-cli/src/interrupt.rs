@@ -49,7 +49,7 @@ fn is_ignored(signal: i32) -> bool {
     status.ok().and_then(|status| in_status(&status, signal)).unwrap_or_else(|| by_shell(signal))
 }
 
-/// What Linux says of a process that has this status.
+/// Whether a process ignores a signal, from its status file on Linux.
 #[cfg(unix)]
 fn in_status(status: &str, signal: i32) -> Option<bool> {
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;

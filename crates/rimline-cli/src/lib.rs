@@ -1,5 +1,5 @@
-//! What other programs of this repository need of the command: its reading and writing of NumPy archives and of OBJ files, for
-//! fuzzing. The command itself is `main.rs`. Nothing here is meant for others, and anything may change.
+//! Parts of the command that fuzzing needs: reading and writing of NumPy archives, and reading of OBJ files. The
+//! command itself is `main.rs`. The interface is only for other programs of this repository, and anything may change.
 #![allow(clippy::doc_markdown, reason = "NumPy is a name")]
 
 #[doc(hidden)]

@@ -1,4 +1,4 @@
-//! What a file has of a kind, for messages: by number and name.
+//! Lists, for messages, of a file's items of one kind: index and name of each.
 
 use rimline::gltf::{AnimationInfo, Asset};
 

@@ -4,7 +4,7 @@ use clap::Args;
 use rimline::gltf::LoadOptions;
 use rimline::mesh::Weld;
 
-/// What a model file may do.
+/// Limits for model files.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct LoadArgs {
     /// The largest memory that reading one file, and making its mesh, may take at one time, such as 512MiB, 16GiB or a number
@@ -27,10 +27,10 @@ impl LoadArgs {
     }
 }
 
-/// What is made of the polygons of an .obj. Those of an .npz are always taken whole.
+/// How polygons of an .obj are taken. Polygons of an .npz are always taken whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TakenPolygons {
-    /// What is drawn: triangles.
+    /// Triangles, which are drawn.
     Triangles,
     /// Triangles, and polygons to describe.
     Described,

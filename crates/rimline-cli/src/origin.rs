@@ -71,7 +71,7 @@ impl Extent {
 }
 
 impl Input {
-    /// The origin that the file needs. That of arrays is known since they were read.
+    /// The origin that the file needs. The origin of arrays is known since they were read.
     fn suggested_origin(&self, extent: &Extent, animations: &[usize], time_s: f32) -> Result<Origin, Failure> {
         let Source::Gltf(asset) = &self.source else { return Ok(self.origin) };
         let mut failure = None;

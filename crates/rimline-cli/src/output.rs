@@ -19,9 +19,9 @@ static HOLDS_RESULT: AtomicBool = AtomicBool::new(false);
 /// The files being written, for the handler of Ctrl-C to remove.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// A result's file. It takes its name only once it is complete: it is written beside its target and then renamed. What is
-/// no regular file, a pipe or a device, gets the complete result instead. Dropped before, or stopped by a signal, the
-/// partial file is removed.
+/// A result's file. It takes its name only once it is complete: it is written beside its target and then renamed. A
+/// target that is no regular file, such as a pipe or device, gets the complete result instead. The partial file is
+/// removed if this is dropped before, or if a signal stops the command.
 #[derive(Debug)]
 pub(crate) struct Output {
     name: PathBuf,
@@ -122,7 +122,7 @@ fn beside(target: &Path, existing: Option<&Metadata>) -> io::Result<(TempPath, F
     Ok((temporary, file))
 }
 
-/// What is wrong with the file that a result for a pipe or device is made in.
+/// Describes an error of the temporary file in which a result for a pipe or device is made.
 fn on_the_way(error: &io::Error) -> io::Error {
     let folder = std::env::temp_dir();
     let text = format!("a temporary file in {}: {error}; TMPDIR can name another folder", folder.display());
@@ -148,7 +148,7 @@ impl Drop for Output {
 /// A folder for results: made where it is not there, and removed again if it was and nothing was finished in it.
 #[derive(Debug)]
 pub(crate) struct Folder {
-    /// Those made, the innermost first.
+    /// The folders that were made, the innermost first.
     made: Vec<PathBuf>,
 }
 
@@ -217,7 +217,7 @@ pub(crate) fn create_unfinished(file: &Path) -> io::Result<File> {
     Ok(made)
 }
 
-/// Removes those of the files being written. That it fails can have no remedy here.
+/// Removes those of the files being written. Errors are ignored, because nothing can be done about them here.
 pub(crate) fn remove_unfinished(is_meant: impl Fn(&PathBuf) -> bool) {
     let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
     for path in unfinished.extract_if(.., |path| is_meant(path)) {
@@ -275,7 +275,7 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     printed(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
 }
 
-/// What became of a text for standard output.
+/// Turns the result of writing to standard output into the command's. A closed pipe is no error.
 pub(crate) fn printed(result: io::Result<()>) -> Result<(), Failure> {
     match result {
         Err(source) if source.kind() != io::ErrorKind::BrokenPipe => {

@@ -15,7 +15,7 @@ impl Inputs {
     pub(crate) fn new<P: AsRef<Path>>(files: impl IntoIterator<Item = P>) -> Self {
         let place = |file: P| {
             let file = file.as_ref();
-            // What is named and not there cannot be lost, nor what a pipe or device had.
+            // Missing files, pipes and devices have no contents that could be lost.
             let there = source::metadata(file).ok().filter(std::fs::Metadata::is_file)?;
             Some((identity(file, &there)?, file.to_owned()))
         };

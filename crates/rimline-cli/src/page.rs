@@ -11,7 +11,7 @@ pub(crate) struct Page {
     pub(crate) lead: String,
     /// On which machine, with what, when.
     pub(crate) facts: Vec<Fact>,
-    /// What a reader must know first.
+    /// Notices that a reader must know first.
     pub(crate) notices: Vec<String>,
     pub(crate) sections: Vec<Section>,
 }

@@ -37,7 +37,7 @@ pub(crate) fn run_again_quietly(command: &Command) {
 #[cfg(not(all(unix, not(target_vendor = "apple"))))]
 pub(crate) fn run_again_quietly(_: &Command) {}
 
-/// What libwayland complains of.
+/// Whether libwayland complains of this value.
 fn is_missing(value: Option<&OsStr>) -> bool {
     value.is_none_or(|value| !Path::new(value).is_absolute())
 }

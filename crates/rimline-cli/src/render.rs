@@ -1,4 +1,4 @@
-//! What the commands that make pictures share: camera, shading normals, a short way to pipelines.
+//! Parts that the commands that make pictures share: camera, shading normals, a short way to pipelines.
 
 pub(crate) mod camera;
 pub(crate) mod coincident;

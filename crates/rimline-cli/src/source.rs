@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// The most that is read from standard input.
 const MAX_STDIN_BYTES: u64 = 1 << 32;
 
-/// What archives are read from.
+/// A seekable reader, which archives need.
 pub(crate) trait ReadSeek: Read + Seek {}
 
 impl<T: Read + Seek> ReadSeek for T {}

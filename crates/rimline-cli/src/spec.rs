@@ -176,7 +176,7 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
         }
     }
     if let LightSpec::Given(given) = shaded.light {
-        // What a light of the file has of its own is known once the file is read.
+        // The options that a light has in the file are known once the file is read.
         shaded.check(given.light, None)?;
     }
     Ok(shaded)

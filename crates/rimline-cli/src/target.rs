@@ -42,7 +42,7 @@ fn is_stdout(name: &Path) -> bool {
     name.as_os_str() == "-"
 }
 
-/// What is there already, of whatever standard output is where the name stands for that.
+/// Metadata of the existing file. For the name of standard output, it is the metadata of its stream.
 pub(crate) fn metadata(name: &Path) -> io::Result<Metadata> {
     match is_stdout(name).then(|| standard(&io::stdout())).flatten() {
         Some(stream) => stream.metadata(),
@@ -70,7 +70,7 @@ fn existing(name: &Path, there: Metadata) -> io::Result<Target> {
     Ok(Target::Through { file, is_cut: there.is_file(), is_stdout: false })
 }
 
-/// What a link that leads nowhere would name.
+/// The path that a chain of links ends at, which need not exist.
 pub(crate) fn end_of_links(name: &Path) -> io::Result<PathBuf> {
     let mut path = name.to_owned();
     for _ in 0..MAX_LINKS {
@@ -112,13 +112,13 @@ fn is_character_device(_: &Metadata) -> bool {
     false
 }
 
-/// What tells files apart, whatever names they have.
+/// Identity of a file, the same for all its names.
 #[cfg(unix)]
 pub(crate) type Identity = (u64, u64);
 #[cfg(not(unix))]
 pub(crate) type Identity = PathBuf;
 
-/// That of a file that is there.
+/// Identity of an existing file.
 #[cfg(unix)]
 #[expect(clippy::unnecessary_wraps, reason = "elsewhere it may not be known")]
 pub(crate) fn identity(_: &Path, there: &Metadata) -> Option<Identity> {

@@ -20,8 +20,8 @@ fn triangle() -> Option<Model> {
     Model::new(vec![geometry], vec![Instance::new(0, None)]).ok()
 }
 
-/// Runs `work` with a triangle. `is_posed` deforms it on the GPU, as a model is. What the triangle cannot have is no
-/// failure: then the first run compiles.
+/// Runs `work` with a triangle. `is_posed` deforms it on the GPU, as a model is. If no such triangle can be made,
+/// nothing fails: then the first run compiles.
 pub(crate) fn with_triangle(
     is_posed: bool,
     work: impl FnOnce(&Scene<'_>) -> Result<(), Failure>,

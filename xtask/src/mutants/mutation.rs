@@ -36,7 +36,7 @@ impl Mutation {
     }
 }
 
-/// All mutations of `xtask/mutations.txt`. Those of a subject are neighbours.
+/// All mutations of `xtask/mutations.txt`. Mutations of a subject are neighbours.
 pub(super) fn all() -> Result<Vec<Mutation>, String> {
     parse(include_str!("../../mutations.txt"))
 }

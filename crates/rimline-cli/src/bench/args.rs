@@ -1,4 +1,4 @@
-//! What `rimline bench` is asked.
+//! Options of `rimline bench`.
 
 use std::path::PathBuf;
 

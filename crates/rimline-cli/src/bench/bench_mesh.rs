@@ -1,4 +1,4 @@
-//! What is measured: smooth closed meshes of growing size, and the stress scenes.
+//! Subjects of measurements: smooth closed meshes of growing size, and the stress scenes.
 
 use rimline::Light;
 use rimline::mesh::{Mesh, MeshError};
@@ -26,7 +26,7 @@ pub(crate) struct Made {
     scene: Option<stress::Scene>,
 }
 
-/// What one row is about.
+/// Input of one row.
 pub(crate) struct Case<'a> {
     pub(crate) positions: &'a [[f32; 3]],
     pub(crate) mesh: &'a Mesh,
@@ -52,7 +52,7 @@ impl BenchMesh {
         }
     }
 
-    /// What a progress line says.
+    /// Name for a progress line.
     pub(crate) fn title(self) -> String {
         match self {
             Self::Torus(faces) => format!("torus of {} faces", super::grouped::grouped(faces)),

@@ -23,7 +23,6 @@ use measure::{DrawTimes, StageTimes, Stopwatch, allocated_bytes};
 use recorder::{MeshRecorders, Recorder, SceneRecorder, Until};
 use results::{BothTimes, CastersResults, CastersRow, Change, Compared, Edges, OneMeshRow};
 
-/// What is measured.
 #[derive(Clone, Debug)]
 pub(crate) struct CastersPlan {
     /// Numbers of casters. Empty: nothing is measured.

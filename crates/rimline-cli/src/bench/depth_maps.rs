@@ -26,7 +26,7 @@ pub(crate) struct DepthMapRow {
     pub(crate) faces: u64,
     /// A frame's shadows.
     pub(crate) frames: Times,
-    /// What of them draws into the stencil.
+    /// The part of `frames` that draws into the stencil.
     pub(crate) stencil_passes: Times,
 }
 
@@ -47,7 +47,7 @@ impl DepthMapResults {
         Some(Self { device: data["device"].as_str()?.to_owned(), size: data["size"].as_u64()?, rows })
     }
 
-    /// As `bench.schema.json` describes.
+    /// JSON, as `bench.schema.json` describes it.
     pub(crate) fn json(&self) -> Value {
         json!({
             "device": self.device,

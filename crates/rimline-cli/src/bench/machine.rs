@@ -4,7 +4,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use rimline::reference::cpu::Threads;
 
-/// What the figures were measured on.
+/// The machine on which the figures were measured.
 #[derive(Clone, Debug)]
 pub(crate) struct Machine {
     pub(crate) os: String,

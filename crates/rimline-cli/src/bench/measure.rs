@@ -30,7 +30,7 @@ pub(crate) struct Rounds {
     pub(crate) time: Duration,
 }
 
-/// What runs once a round.
+/// Work that runs once a round.
 pub(crate) type Contender<'a, T = Sample> = Box<dyn FnMut() -> Result<T, Failure> + 'a>;
 
 /// Runs all contenders in turn, once to warm up and then counted, every other round backwards, so that none always
@@ -53,7 +53,7 @@ pub(crate) fn interleave<T>(
                 return Ok(None);
             }
             last = begin.elapsed();
-            // What takes long has settled.
+            // A run this long needs no further warm-up.
             if last > rounds.time / 8 {
                 break;
             }

@@ -10,7 +10,7 @@ use crate::chart::Key;
 /// A way to silhouettes. Its times are those of positions that just changed: facing and edges, nothing kept.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Contestant {
-    /// What the data call it.
+    /// Name in the data.
     pub(crate) id: &'static str,
     pub(crate) name: &'static str,
     pub(crate) runs: Runs,
@@ -28,14 +28,14 @@ pub(crate) enum Runs {
     Cpu(OnCpu, Share),
 }
 
-/// What the CPU does.
+/// Algorithms on the CPU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OnCpu {
     /// The library's twins.
     Twin(Predicate),
     /// A plain loop over facing in `f64`, and the twin of the edge stage.
     Double,
-    /// What one writes down first, for one light and a closed mesh: a byte a face in `f32`, then a byte an edge.
+    /// The naive loop for one light and a closed mesh: a byte a face in `f32`, then a byte an edge.
     Plain,
 }
 

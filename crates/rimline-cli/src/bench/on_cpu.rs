@@ -35,7 +35,7 @@ pub(super) fn contender<'a>(case: &'a Case<'_>, on_cpu: OnCpu, share: Share) -> 
     })
 }
 
-/// A contestant's bits. Those of the plain loop are the twin's, by the same arithmetic.
+/// Bits of a contestant. For the plain loop these are the twin's bits, because both use the same arithmetic.
 pub(super) fn extraction(case: &Case<'_>, on_cpu: OnCpu) -> cpu::Extraction {
     let mut found = cpu::Extraction::default();
     found.statistics = fill_facing(&mut found.facing, case, on_cpu, Threads::all());
@@ -48,7 +48,7 @@ fn add_masks(case: &Case<'_>, mut found: cpu::Extraction) -> cpu::Extraction {
     found
 }
 
-/// What is right: the sign of each pair in integers, none decided by a filter.
+/// The reference: the sign of each pair, computed in integers without a filter.
 pub(super) fn reference(case: &Case<'_>) -> cpu::Extraction {
     let mut found = cpu::Extraction::default();
     let sign = |[a, b, c]: [[f32; 3]; 3], light: Light| cpu::exact_facing(a, b, c, light.to_array()) > 0;

@@ -1,4 +1,4 @@
-//! What is measured, in which order.
+//! Selection and order of the measurements.
 
 use std::time::Duration;
 
@@ -29,7 +29,7 @@ const MESHES: [usize; 7] = [1 << 10, 1 << 12, 1 << 14, 1 << 16, 1 << 18, 1 << 20
 const QUICK_MESHES: [usize; 3] = [1 << 10, 1 << 14, 1 << 18];
 const SCENE_FACES: usize = 1 << 16;
 const QUICK_SCENE_FACES: usize = 1 << 14;
-/// Of each class of scenes one.
+/// One scene of each class.
 const QUICK_SCENES: [&str; 10] = [
     "translation-1e6",
     "scale-1e-20",
@@ -102,7 +102,7 @@ impl Plan {
     }
 }
 
-/// What `--scenes` and `--casters` ask for.
+/// Scenes that `--scenes` and `--casters` ask for.
 struct Scenes {
     /// Names of stress scenes.
     stress: Vec<&'static str>,

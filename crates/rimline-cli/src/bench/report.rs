@@ -48,7 +48,7 @@ impl Destination {
         let page = page(results);
         let origin = origin(results);
         let file = |id: &str| folder.join(format!("{id}.png"));
-        // Those of an earlier report may be of what this one does not show.
+        // Plots of an earlier report may show results that this one does not have.
         for id in figures::PLOTS {
             match std::fs::remove_file(file(id)) {
                 Err(source) if source.kind() != ErrorKind::NotFound => {

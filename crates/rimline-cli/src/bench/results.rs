@@ -1,4 +1,4 @@
-//! What was measured, and its JSON.
+//! Results of measurements, and their JSON.
 
 use rimline_measure::error_metrics::Score;
 use serde_json::{Value, json};
@@ -83,7 +83,7 @@ impl Results {
         self.rows_done() == self.rows_planned()
     }
 
-    /// As `bench.schema.json` describes.
+    /// JSON, as `bench.schema.json` describes it.
     pub(crate) fn json(&self) -> Value {
         let Machine { os, cpu, threads, is_optimised, date } = &self.machine;
         let methods: Vec<Value> = self.contestants().map(|contestant| {
@@ -209,7 +209,7 @@ impl Entry {
         self.median_run().map(|sample| sample.stages.clone()).unwrap_or_default()
     }
 
-    /// That run.
+    /// The run whose time is the median, or the one above it.
     pub(crate) fn median_run(&self) -> Option<&Sample> {
         let mut sorted: Vec<&Sample> = self.samples.iter().collect();
         sorted.sort_by(|a, b| a.time_ms().total_cmp(&b.time_ms()));

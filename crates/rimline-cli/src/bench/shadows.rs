@@ -19,7 +19,6 @@ use results::{ShadowEntry, ShadowResults, ShadowRow, WrongPixels};
 use scene::{MODELS, PATHS, Path};
 use truth::Truth;
 
-/// What is measured.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShadowPlan {
     /// How many of the models, from the first on.

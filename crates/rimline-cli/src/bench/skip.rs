@@ -26,7 +26,6 @@ use measure::Measured;
 use results::{SkipEntry, SkipResults, SkipRow};
 use scenes::SkipScene;
 
-/// What is measured.
 #[derive(Clone, Debug)]
 pub(crate) struct SkipPlan {
     /// Scenes with their numbers of casters.

@@ -54,7 +54,7 @@ pub(crate) struct Value {
     pub(crate) spread: Option<(f64, f64)>,
     /// Stands at a bar's end.
     pub(crate) label: String,
-    /// What a pointer on it is told.
+    /// Tooltip of the value.
     pub(crate) tip: String,
 }
 

@@ -5,7 +5,7 @@ use super::svg::text_width;
 /// Left, top, right and bottom.
 pub(super) type Extent = [i32; 4];
 
-/// What a plot shows already.
+/// Occupied areas of a plot.
 #[derive(Debug, Default)]
 pub(super) struct Room {
     /// Marks and labels; nothing may lie on them.

@@ -1,6 +1,8 @@
-//! Plots: curves and points in a plane, rows of bars, and tables of small plots. plotters draws them as SVG, in the same
-//! colours for the report's page, whose style sheet gives them those of a dark ground, and for its PNG files. What is
-//! plotted comes from elsewhere; nothing here knows of silhouettes.
+//! Plots: curves and points in a plane, rows of bars, and tables of small plots. The caller supplies the data; this
+//! module knows nothing of silhouettes.
+//!
+//! plotters draws plots as SVG for the report's page, and in the same colours for its PNG files. The page's style sheet
+//! replaces the colours on a dark background.
 
 mod axis;
 mod bars;
@@ -31,8 +33,8 @@ pub(crate) enum Chart {
     Panels(Panels),
 }
 
-/// What several marks of a plot have in common: a name in the legend, a colour and a shape of their own, so that colour
-/// is never the only difference.
+/// The look that several marks of a plot have in common: a name in the legend, a colour and a shape. Shapes differ, so
+/// that colour is never the only difference.
 #[derive(Clone, Debug)]
 pub(crate) struct Key {
     pub(crate) name: String,

@@ -25,7 +25,7 @@ pub(crate) struct Panels {
 #[derive(Clone, Debug)]
 pub(crate) struct PanelRow {
     pub(crate) name: String,
-    /// As many as there are columns; fewer where there is nothing to show yet.
+    /// A panel for each column; fewer where there is nothing to show yet.
     pub(crate) panels: Vec<Panel>,
 }
 
@@ -47,7 +47,7 @@ struct Layout {
     margin: i32,
     left: i32,
     top: i32,
-    /// Of a panel.
+    /// Width of a panel.
     width: i32,
     side_by_side: usize,
 }

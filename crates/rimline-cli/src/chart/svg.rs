@@ -115,7 +115,7 @@ pub(super) fn width(target: Target<'_>) -> i32 {
     if target.is_narrow() { 692 } else { 1920 }
 }
 
-/// What pointers are told: places in the drawing with their texts.
+/// Tooltips: areas of the drawing with their texts.
 #[derive(Debug, Default)]
 pub(super) struct Tips(Vec<([i32; 4], String)>);
 
@@ -232,7 +232,7 @@ pub(super) fn path(area: &Area<'_>, points: &[(i32, i32)], style: ShapeStyle, da
 /// Keys with their names in rows.
 pub(super) struct Legend<'a> {
     places: Vec<((i32, i32), &'a Key)>,
-    /// What it takes, with the space below it.
+    /// Height of the legend, with the space below it.
     pub(super) height: i32,
 }
 

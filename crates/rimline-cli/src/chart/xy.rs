@@ -25,7 +25,7 @@ pub(crate) struct Plane {
     pub(crate) zero: Option<ZeroBand>,
 }
 
-/// What has one key: a curve, or a cloud of points.
+/// Points with one key: a curve, or a cloud of points.
 #[derive(Clone, Debug)]
 pub(crate) struct Curve {
     pub(crate) key: Key,
@@ -44,14 +44,14 @@ pub(crate) struct Point {
     /// Points without lines are linked where their labels are equal, and labelled once if there is room; those in the
     /// strip of zeros are not linked, but labelled each.
     pub(crate) label: String,
-    /// What a pointer on it is told.
+    /// Tooltip of the point.
     pub(crate) tip: String,
 }
 
 /// A strip below a logarithmic y axis for the points whose y is zero, each curve's on a line of its own.
 #[derive(Clone, Debug)]
 pub(crate) struct ZeroBand {
-    /// What zero means, in a word or two.
+    /// Meaning of zero, in a word or two.
     pub(crate) title: String,
 }
 
@@ -82,7 +82,7 @@ struct Frame<'a> {
 }
 
 impl Plane {
-    /// What the legend names; nothing where names stand at the curves' ends.
+    /// Keys of the legend. Empty where names stand at the curves' ends.
     fn keys(&self, narrow: bool) -> Vec<Key> {
         let named = |curve: &Curve| match curve.remark.as_str() {
             "" => curve.key.clone(),

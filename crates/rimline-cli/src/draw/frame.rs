@@ -7,7 +7,7 @@ use super::region::{Region, corners};
 use crate::render::camera::Camera;
 use crate::render::{centre, extent};
 
-/// As in `frame.wgsl`.
+/// Layout of `Frame` in `frame.wgsl`.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(super) struct Frame {

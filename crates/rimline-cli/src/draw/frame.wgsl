@@ -1,4 +1,4 @@
-// What every pass of the picture knows. World space is right-handed with +Y up; depth is reversed, near / distance.
+// Uniforms of all passes of the picture. World space is right-handed with +Y up; depth is reversed, near / distance.
 
 struct Frame {
   eye: vec3<f32>,

@@ -8,7 +8,7 @@
 @group(1) @binding(0) var seen: texture_2d<u32>;
 @group(1) @binding(1) var<storage, read> positions: array<f32>;
 @group(1) @binding(2) var<storage, read> faces: array<u32>;
-// As `veil.wgsl` makes it; each level has squares twice as large.
+// The veils that `veil.wgsl` makes; each level has squares twice as large.
 @group(3) @binding(0) var veils: texture_2d<u32>;
 
 struct Line {
@@ -151,7 +151,7 @@ const BEYOND = 0u;
 const BESIDE = 1u;
 const HIDES = 2u;
 
-// What a face means for a point, both from the eye.
+// Verdict of a face on a point: `BEYOND`, `BESIDE` or `HIDES`. The point is relative to the eye.
 fn verdict(face: u32, point: vec3<f32>) -> u32 {
   // Units in which the point is about 1 away.
   let per_unit = 1.0 / max(max(abs(point.x), abs(point.y)), max(abs(point.z), 1e-37));
@@ -188,14 +188,14 @@ fn face_at(place: vec2<i32>) -> u32 {
   return halves.x | (halves.y << 16u);
 }
 
-// Of the faces seen a pixel or so around the point one hides it; or all are in front, as where faces are smaller than pixels,
-// or meet as exactly over the point as rounding can tell.
+// A point is hidden if one face seen within about a pixel hides it, or if all of these faces are in front of it. All are
+// in front where faces are smaller than pixels, or meet over the point as exactly as rounding can tell.
 fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
   let middle = place_at(at);
   if (is_veiled(middle, middle, certainly_ahead(dot(point, frame.forward), abs(point)))) {
     return true;
   }
-  // What hides a point is mostly seen at it. No order of the faces changes what comes out.
+  // The face seen at the point decides most cases. The result does not depend on the order of the faces.
   let own = face_at(middle);
   var is_open = own == 0u;
   if (!is_open) {

@@ -262,7 +262,7 @@ impl<'a> Canvas<'a> {
         pass.set_bind_group(1, &survey, &[]);
         pass.set_bind_group(2, &results, &[]);
         pass.set_bind_group(3, &veils, &[]);
-        // As many lines as the GPU found; the CPU never learns how many.
+        // The draw is indirect: the CPU never learns how many lines the GPU found.
         extraction.draw(&mut pass, 0)?;
         drop(pass);
         Ok(self.finished)
@@ -298,7 +298,7 @@ fn onto_picture(
     })
 }
 
-/// What is there times what is drawn.
+/// Multiplies the colour of the target by the drawn colour.
 const MULTIPLY: BlendState = {
     let multiply =
         BlendComponent { src_factor: BlendFactor::Dst, dst_factor: BlendFactor::Zero, operation: BlendOperation::Add };

@@ -1,4 +1,5 @@
-//! What the picture shows at each place, several a pixel: the face and its depth. Lines ask it which faces may hide them.
+//! Survey of the picture: the face seen at each of several positions a pixel, and its depth. Lines ask it which faces
+//! may hide them.
 
 use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, ShaderStages, TextureFormat, TextureUsages};
@@ -8,7 +9,7 @@ use crate::render::pipeline_factory::{Pass, PipelineFactory};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba16Uint;
 
-/// What shaders read the survey as.
+/// Binding with which shaders read the survey.
 pub(super) const SEEN: BindingType = BindingType::Texture {
     sample_type: wgpu::TextureSampleType::Uint,
     view_dimension: wgpu::TextureViewDimension::D2,

@@ -7,7 +7,7 @@
 
 // Places of the survey each way in a square of the finest level; as in `lines.wgsl` and `veils.rs`.
 const SQUARE = 8;
-// What rounding may come to, as a share of a distance.
+// Bound on rounding errors, as a share of a distance.
 const SLACK = 1e-5;
 // Bits of infinity: nothing is hidden where the survey sees nothing.
 const OPEN = 0x7f800000u;

@@ -15,7 +15,6 @@ use crate::coordinates::{add_origin, origin_text};
 use crate::shown::Line;
 use crate::times::Times;
 
-/// What came out, in numbers.
 pub(super) struct Report {
     vertices: usize,
     faces: usize,

@@ -1,4 +1,4 @@
-//! What a glTF file holds besides its meshes.
+//! Contents of a glTF file other than its meshes.
 
 use rimline::Origin;
 use rimline::gltf::{Asset, SceneLight, SceneLightKind, SkippedPrimitives};

@@ -1,4 +1,4 @@
-//! What there is to say of polygons: how many corners they have, how many are not planar, and how lights see them.
+//! Report on polygons: how many corners they have, how many are not planar, and how lights see them.
 
 use rimline::reference::cpu::{Outline, Seen};
 use rimline::{Light, Mesh};

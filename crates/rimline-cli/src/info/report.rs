@@ -1,4 +1,4 @@
-//! What there is to say of a mesh, gathered once for text and JSON.
+//! Report on a mesh, gathered once for text and JSON.
 
 use rimline::mesh::{Bounds, Edge, EdgeCounts, EdgeKind, MeshDiagnostics, WeldCounts};
 use rimline::reference::model::most_per_vertex;
@@ -22,7 +22,7 @@ pub(super) struct MeshReport {
     /// The most joints that any vertex follows; 0 for a rigid mesh.
     pub(super) joints_per_vertex: usize,
     pub(super) bounds: Option<Bounds>,
-    /// What positions and bounds are relative to.
+    /// Origin that positions and bounds are relative to.
     pub(super) origin: Origin,
     /// Boundary edges that rounding may have left open. Only of meshes in their own space.
     pub(super) seams: Option<Seams>,

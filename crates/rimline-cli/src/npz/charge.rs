@@ -1,8 +1,8 @@
-//! What of a model counts how many bytes against the limit of memory: what is in use at one time, at the most of it.
+//! Bytes that a model counts against the limit of memory. The count is the peak of the memory in use at one time.
 
-/// Bytes for a vertex and for a face of triangles while the mesh is made of the model: position and source vertex, and lists
-/// of a number for each vertex; two copies of the faces, and of each face the mates of its half-edges and three edge records.
-/// As the library counts those of a glTF.
+/// Bytes for a vertex and for a face of triangles while the mesh is made of the model. A vertex has its position, its
+/// source vertex, and a number in each of several lists. A face has two copies, the mates of its half-edges, and three
+/// edge records. The library counts the same for a glTF.
 pub(crate) const VERTEX: u64 = 12 + 4 + 8;
 pub(crate) const FACE: u64 = 2 * 12 + 12 + 3 * 16;
 /// The same while vertices are welded, which is the most where there are many for each face: both copies, the groups of

@@ -1,4 +1,4 @@
-//! What an archive has otherwise than another, down to the bit.
+//! Differences between two archives, down to the bit.
 
 use std::fmt;
 use std::io::{Cursor, Read};

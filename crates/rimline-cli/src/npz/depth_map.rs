@@ -10,10 +10,10 @@ use super::write::NpzWriter;
 
 /// The most texels of a map across or down.
 pub const MAX_SIDE: u32 = 4096;
-/// What a value takes: as read, in its own type, turned into C order, and on its way to the device.
+/// Bytes for a value: as read, in its own type, turned into C order, and on its way to the device.
 const VALUE: u64 = 4 * 3 + 12;
 
-/// What the values of a map are.
+/// Meaning of the values of a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Metric {
     /// Device depths.
@@ -48,7 +48,7 @@ pub struct DepthMapArrays {
     pub is_reversed: bool,
     /// Bits that the depths were rounded to before, if it is said.
     pub depth_bits: Option<u32>,
-    /// What the depths are: device depths in other types than float32.
+    /// Meaning of the depths. Depths in other types than float32 are device depths.
     pub metric: Metric,
     /// A number for each texel of one map, if they were asked for.
     pub objects: Option<Vec<u32>>,
@@ -111,8 +111,8 @@ fn bits(element: ElementType, bytes: &[u8]) -> Result<u32, i128> {
     Ok(raw(element, bytes) as u32)
 }
 
-/// Reads a depth map, or six, with what they were drawn with; either byte order, either array order. `objects` are read if
-/// `with_objects`. What takes more than `memory_limit` bytes is refused before it is read.
+/// Reads a depth map, or six, with what they were drawn with, in either byte order and either array order. Reads
+/// `objects` if `with_objects`. Refuses arrays that take more than `memory_limit` bytes, before it reads them.
 pub fn read_depth_map(
     reader: impl Read + Seek,
     memory_limit: u64,
@@ -178,7 +178,7 @@ fn number(entry: &Entry, archive: &mut ZipArchive<impl Read + Seek>, budget: &mu
     Ok(elements.first().copied().unwrap_or_default())
 }
 
-/// As float32 where that holds all of them, else as float64.
+/// Writes float32 where it holds all values exactly, else float64.
 fn write_real(npz: &mut NpzWriter<impl Write + Seek>, name: &str, shape: &[usize], values: &[f64]) -> io::Result<()> {
     let single: Vec<f32> = values.iter().map(|&value| value as f32).collect();
     if single.iter().zip(values).all(|(&single, value)| f64::from(single).to_bits() == value.to_bits()) {
@@ -249,7 +249,7 @@ mod tests {
             size: [3, 2],
             depths,
             view_projections: (0..maps).map(matrix).collect(),
-            // Of six maps it takes float64.
+            // The origin of six maps needs float64.
             origin: if maps == 6 { [392_143.517, -2.0, 0.5] } else { [1.0, -2.0, 0.5] },
             is_reversed: maps == 6,
             depth_bits: (maps == 6).then_some(24),

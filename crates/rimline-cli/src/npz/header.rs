@@ -6,7 +6,7 @@
 use std::fmt;
 use std::io::{self, Read};
 
-/// What an array's elements are, as NumPy writes it: `<f4`.
+/// Type of an array's elements, as NumPy writes it: `<f4`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ElementType {
     /// `f` float, `i` and `u` integer.
@@ -64,7 +64,7 @@ impl fmt::Display for ElementType {
 /// The header of an array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Header {
-    /// As written, since it may be anything.
+    /// The type as the file writes it, which may be anything.
     pub(crate) descr: String,
     /// `descr`, where it is one of the plain numeric types.
     pub(crate) element: Option<ElementType>,

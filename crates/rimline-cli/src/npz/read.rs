@@ -116,7 +116,8 @@ pub(super) fn shown(shape: &[u64]) -> String {
     if shape.len() > MOST { format!("{numbers}, … {} numbers in all", shape.len()) } else { numbers }
 }
 
-/// The memory that reading one archive may take, with what is made of it. What is charged is the most in use at one time.
+/// The memory that reading one archive may take, with everything that is made of it. The charge is the peak of the
+/// memory in use at one time.
 pub(super) struct Budget {
     pub(super) limit: u64,
     pub(super) used: u64,
@@ -134,10 +135,12 @@ impl Budget {
     }
 }
 
-/// Reads `positions` (V,3) float32, and `faces` (F,3) integers; either byte order, either array order. In place of `faces`
-/// there may be `polygon_loops`, `loop_sizes` and `loop_corners`, of one dimension each. There may be an `origin` (3), which
-/// positions are relative to. What takes more than `memory_limit` bytes, with the mesh that is made of it, is refused by the
-/// headers of the arrays, before any is read.
+/// Reads `positions` (V,3) float32, and `faces` (F,3) integers, in either byte order and either array order. Instead of
+/// `faces` there may be `polygon_loops`, `loop_sizes` and `loop_corners`, of one dimension each. Positions are relative
+/// to `origin` (3), if there is one.
+///
+/// Refuses arrays that take more than `memory_limit` bytes with the mesh that is made of them. Their headers decide it,
+/// before any array is read.
 pub fn read(reader: impl Read + Seek, memory_limit: u64) -> Result<Arrays, NpzError> {
     let mut budget = Budget { limit: memory_limit, used: 0 };
     read_arrays(&mut ZipArchive::new(reader).map_err(NpzError::Archive)?, &mut budget)
@@ -277,13 +280,13 @@ pub(super) fn is_integer(element: ElementType) -> bool {
     matches!((element.kind, element.size), ('i' | 'u', 1 | 2 | 4 | 8))
 }
 
-/// What one of the arrays must be.
+/// Requirements for one of the arrays.
 pub(super) struct Entry {
     pub(super) array: &'static str,
     pub(super) shape: &'static str,
     /// The most rows.
     pub(super) limit: u64,
-    /// What a row, or a value of an array that is no table, takes of the budget.
+    /// Bytes that a row takes of the budget, or a value of an array that is no table.
     pub(super) row_bytes: u64,
     pub(super) wanted: &'static str,
     pub(super) accepts: fn(ElementType) -> bool,
@@ -401,7 +404,7 @@ impl Entry {
     }
 }
 
-/// What the header of an array says.
+/// Contents of the header of an array.
 struct Head {
     header: Header,
     element: ElementType,

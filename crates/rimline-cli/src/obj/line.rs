@@ -17,7 +17,7 @@ pub(super) struct Statement<'a> {
     text: &'a [u8],
 }
 
-/// What comes next.
+/// Result of reading the next statement.
 pub(super) enum Next<'a> {
     Statement(Statement<'a>),
     End,
@@ -85,8 +85,8 @@ impl<R: BufRead> Lines<R> {
         Ok(read)
     }
 
-    /// What follows a CR: the LF of the same end, or other CRs. These end empty lines, unless a LF follows: some programs
-    /// write CR CR LF. Returns 1 for a LF.
+    /// Consumes the rest of a line's end after a CR: the LF of the same end, or other CRs. Such CRs end empty lines,
+    /// unless a LF follows: some programs write CR CR LF. Returns 1 for a LF.
     fn rest_of_end(&mut self) -> io::Result<u64> {
         let mut empty = 0;
         loop {
@@ -106,7 +106,7 @@ impl<R: BufRead> Lines<R> {
     }
 }
 
-/// What the reader holds, as `BufRead::read_until` asks for it.
+/// Fills the reader's buffer and returns it. Retries when interrupted, like `BufRead::read_until`.
 fn filled(reader: &mut impl BufRead) -> io::Result<&[u8]> {
     while let Err(error) = reader.fill_buf() {
         if error.kind() != ErrorKind::Interrupted {

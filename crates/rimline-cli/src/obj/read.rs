@@ -68,9 +68,11 @@ pub fn begins_like(bytes: &[u8]) -> bool {
     false
 }
 
-/// Reads positions and faces, relative to an origin near them; faces of triangles alone come as triangles, others as polygons.
-/// Everything else is skipped. What takes more than `memory_limit` bytes, with the mesh that is made of it, is refused before it
-/// is kept: a mesh of polygons where these `are_whole`, else of their triangles.
+/// Reads positions and faces, relative to an origin near them, and skips everything else. Faces come as triangles if
+/// all of them are triangles, else as polygons.
+///
+/// Refuses a model that takes more than `memory_limit` bytes with its mesh, before it is kept. The mesh is one of
+/// polygons where these `are_whole`, else one of their triangles.
 pub fn read(reader: impl BufRead, memory_limit: u64, are_whole: bool) -> Result<Arrays, ObjError> {
     let mut lines = Lines::new(reader);
     let mut model = Obj { limit: memory_limit, are_whole, ..Obj::default() };
@@ -94,7 +96,7 @@ const LISTED_VERTEX: u64 = 2 * 24;
 const LISTED_FACE: u64 = 3 * 4;
 const LISTED_CORNER: u64 = 3 * 4;
 
-/// What was read so far.
+/// The model as far as it was read.
 #[derive(Default)]
 struct Obj {
     /// In `f64` until all of them are known.

@@ -84,7 +84,8 @@ const NUMBERS: &[Number] = &[
 /// Options whose values are words, though they may be digits.
 const WORDS: [&str; 3] = ["animation", "device", "scenes"];
 
-/// What clap says of an option's value, once with `=` and once as an argument of its own, or `None` if it takes it.
+/// The error of clap for an option's value, or `None` if clap takes it. Tries the value once with `=` and once as an
+/// argument of its own.
 fn refused(command: &str, option: &str, value: &str) -> Option<ErrorKind> {
     let refusal = |arguments: &[String]| {
         let error = parse(arguments.iter().map(OsString::from)).err()?;

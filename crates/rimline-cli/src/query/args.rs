@@ -1,4 +1,4 @@
-//! What `rimline query` is asked.
+//! Options of `rimline query`.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! What a query asks: points, the faces that they are on, lights, and how far points are lifted.
+//! Contents of a query: points, the faces that they are on, lights, and how far points are lifted.
 
 use std::slice;
 

@@ -13,7 +13,6 @@ use crate::extract::report::per_light;
 use crate::shown::Line;
 use crate::times::Times;
 
-/// What came out, in numbers.
 pub(super) struct Report {
     vertices: u32,
     faces: usize,

@@ -93,8 +93,8 @@ fn mixed(corners: [[u32; 3]; 3]) -> u64 {
     })
 }
 
-/// Whether the eye is behind a face. Of two that coincide it is behind one, unless it is in their plane as far as rounding
-/// tells: their corners are taken in the same order.
+/// Whether the eye is behind a face. The eye is behind one of two opposite faces that coincide, because their corners
+/// are taken in the same order. It is behind neither if it is in their plane as far as rounding tells.
 fn is_averted(corners: [[u32; 3]; 3], is_odd: bool, eye: Vec3) -> bool {
     let [a, b, c] = corners.map(|bits| DVec3::from(bits.map(|bits| f64::from(f32::from_bits(bits)))) - eye.as_dvec3());
     // An eye on the front side sees the corners counter-clockwise.

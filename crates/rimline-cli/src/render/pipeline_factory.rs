@@ -1,4 +1,4 @@
-//! What the passes of a picture share: the frame's uniform, and a short way to pipelines.
+//! Parts that the passes of a picture share: the frame's uniform, and a short way to pipelines.
 
 use rimline::wgpu;
 
@@ -15,7 +15,7 @@ pub(crate) struct PipelineFactory<'a> {
 /// A pipeline without what they all have alike.
 pub(crate) struct Pass<'a> {
     pub(crate) name: &'static str,
-    /// What the vertex entry point's name begins with; often the pass's own.
+    /// Prefix of the vertex entry point's name; often the pass's own name.
     pub(crate) vertex: &'a str,
     /// After the prelude; entry points are the names with `_vertex` and `_fragment`.
     pub(crate) source: &'a str,

@@ -5,8 +5,9 @@ use glam::DVec3;
 /// How many directions are looked in, beside the axes and the diagonals.
 const DIRECTIONS: u32 = 128;
 
-/// For each of many directions the point that lies farthest that way from `centre`, in no order; so never many, and among
-/// them those that the bounds go through. What lies outside of their hull does so by about a hundredth of their size.
+/// Finds, for each of many directions, the point that lies farthest that way from `centre`. The points come in no
+/// meaningful order, are never many, and include those that define the bounds. Other points lie outside of their hull
+/// by at most about a hundredth of the size of all points.
 pub(crate) fn outermost(points: &[[f32; 3]], centre: [f32; 3]) -> Vec<[f32; 3]> {
     let centre = DVec3::from(centre.map(f64::from));
     let directions: Vec<DVec3> = directions().collect();

@@ -61,7 +61,7 @@ pub(crate) enum ModeArg {
     Composited,
 }
 
-/// What the pictures with shadows have alike.
+/// Options that pictures with shadows share.
 #[derive(Args, Debug)]
 pub(crate) struct ShadowSceneArgs {
     /// .gltf, .glb, .obj or .npz files, or - for standard input. Each file casts shadows as one body. An .npz contains
@@ -210,9 +210,9 @@ pub(crate) struct ShadowArgs {
     /// where device depths differ by more than T, 0 to 1; `second` by more than HIGH, or by more than LOW and than beside them.
     /// `contours` draws walls over contours that are traced along jumps of more than T and fitted to 0.1 texels and 4 T of depth:
     /// fewer triangles and smoother borders, but specks at rims of facets close to the eye. All but `every` and `automatic` take
-    /// one map a light with --from-depth. Edges between `objects` of a file of --depth are taken, too. What a map casts must then
-    /// be among the models, at the same place, unless every edge is taken. A threshold that is too large turns shadows round in
-    /// streaks
+    /// one map a light with --from-depth. Edges between `objects` of a file of --depth are taken, too. Unless every
+    /// edge is taken, the models must then contain all that a map casts, at the same position. A threshold that is too
+    /// large turns shadows round in streaks
     #[arg(
         long,
         value_name = "automatic|every|differences=T|second=LOW,HIGH|contours=T",
@@ -241,7 +241,7 @@ pub(crate) struct ShadowArgs {
 impl ShadowArgs {
     /// The depth maps that cast, if there are any, relative to the origin. Reads the file of `--depth`.
     pub(crate) fn depth_maps(&self, origin: Origin) -> Result<Option<FromDepth>, Failure> {
-        // What a given map casts need not be among the models, unless edges are left out.
+        // With every cell, a given map may cast objects that are not among the models.
         let usual = if self.from_depth.is_some() { DepthMapMethod::default() } else { DepthMapMethod::EveryCell };
         let method = self.detector.unwrap_or(usual);
         let source = match (self.from_depth, &self.depth) {

@@ -1,4 +1,4 @@
-//! What casters of all kinds are encoded for.
+//! Inputs of encoding, for casters of all kinds.
 
 use rimline::reference::layout::ShadowStatistics;
 use rimline::{Light, ShadowCamera};
@@ -6,12 +6,12 @@ use rimline::{Light, ShadowCamera};
 use super::posed_model::PosedModel;
 use crate::device::Gpu;
 
-/// What throws shadows now, for whom, and from where.
+/// The casters of a frame, the viewer's camera, and the lights.
 #[derive(Clone, Copy)]
 pub(crate) struct CastInputs<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) bodies: &'a [PosedModel<'a>],
-    /// What depth maps of the lights must see: the bodies, or those that they stand in for.
+    /// Bodies that depth maps of the lights must see: `bodies`, or those that they stand in for.
     pub(crate) seen: &'a [PosedModel<'a>],
     pub(crate) camera: &'a ShadowCamera,
     pub(crate) lights: &'a [Light],

@@ -16,10 +16,10 @@ use crate::gpu_error::GpuError;
 use crate::render::check_model;
 use crate::render::pipeline_factory::PipelineFactory;
 
-/// What all bodies need to be drawn and to throw shadows.
+/// Resources that draw all bodies and make them cast shadows.
 pub(crate) struct Casters {
     pub(crate) shadows: Shadows,
-    /// Of each body, once it was bound.
+    /// A receiver for each body, once it was bound.
     pub(super) receivers: Vec<Receiver>,
     /// The silhouettes of each body by itself, where volumes are shown.
     shown: Option<Vec<Extracted>>,
@@ -98,7 +98,8 @@ impl Casters {
         Ok(())
     }
 
-    /// Makes the bodies ready to be drawn where they are now, and seen from the eye. What was encoded must have been submitted.
+    /// Makes the bodies ready to be drawn in their current pose, and seen from the eye. Encoded commands must have been
+    /// submitted.
     pub(super) fn bind(
         &mut self,
         gpu: &Gpu,

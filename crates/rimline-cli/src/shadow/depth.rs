@@ -12,12 +12,12 @@ pub(crate) fn depth_format(device: &wgpu::Device) -> TextureFormat {
     if device.features().contains(finest.required_features()) { finest } else { TextureFormat::Depth24PlusStencil8 }
 }
 
-/// What depth has to hold. All lengths have the models' unit.
+/// Lengths that the depth format must resolve, in the models' unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seen {
     /// The near plane's distance.
     pub(crate) near: f32,
-    /// That of the farthest surface with a shadow.
+    /// Distance of the farthest surface with a shadow.
     pub(crate) farthest: f32,
     /// The size of a pixel at a distance of 1.
     pub(crate) pixel: f32,
@@ -30,7 +30,7 @@ impl Seen {
         self.farthest / (16_777_216.0 * 0.5 * self.pixel)
     }
 
-    /// What to tell the user, if depth in this format is too coarse.
+    /// Warning for the user, if depth in this format is too coarse.
     fn warning(self, format: TextureFormat) -> Option<String> {
         let (Self { near, farthest, .. }, nearest) = (self, self.nearest());
         (format == TextureFormat::Depth24PlusStencil8 && near < nearest).then(|| {

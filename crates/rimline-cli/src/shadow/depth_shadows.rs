@@ -24,7 +24,7 @@ pub(crate) struct DepthShadows {
     pub(super) from: FromDepth,
     max_lights: usize,
     files: Vec<File>,
-    /// Of each light, from the first encode on.
+    /// Maps of each light, from the first encode on.
     lights: Vec<LightMaps>,
 }
 
@@ -106,7 +106,7 @@ impl DepthShadows {
         self.files.iter().zip(bodies).map(|(file, body)| file.surface.facing(body)).collect()
     }
 
-    /// What was found for each file: no volumes. Waits for the device.
+    /// Results for each file, without volumes. Waits for the device.
     pub(super) fn found_of_files(&self, gpu: &Gpu) -> Result<Vec<Found>, ReadError> {
         let of_file = |file: &File| {
             let (silhouettes, extraction) = file.surface.found(gpu, self.max_lights)?;
@@ -116,7 +116,7 @@ impl DepthShadows {
         self.files.iter().map(of_file).collect()
     }
 
-    /// What was found. Waits for the device.
+    /// Results in the maps of all lights. Waits for the device.
     pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthsFound, ReadError> {
         let lights = self.lights.iter().map(|maps| maps.found(gpu)).collect::<Result<_, _>>()?;
         Ok(DepthsFound { size: self.from.size(), has_walls: self.from.has_walls(), lights })

@@ -33,7 +33,7 @@ struct DepthViews {
 // A sample: where it is in its map, and whether it casts.
 struct Sample {
   map: u32,
-  // Of its texel, from the first. It may be beside the map.
+  // Position of its texel, from the first. It may be beside the map.
   texel: vec2<i32>,
   depth: f32,
   is_far: bool,
@@ -66,7 +66,7 @@ fn overflows() -> bool {
   return cells[0] > maps.capacity;
 }
 
-// As `sample_key`: larger is farther.
+// Same order as `sample_key` of the library: larger is farther.
 fn key_of(s: Sample) -> u32 {
   let bits = bitcast<u32>(s.depth);
   return select(select(bits, 0x3f800000u - bits, maps.is_reversed != 0u), 0x7fffffffu, s.is_far);
@@ -191,7 +191,7 @@ fn is_wall() -> bool {
     }
     return Edge(sample_clip(at), 0.4);
   }
-  // As many rays as there are on a body of some hundred faces.
+  // About as many rays as a body of some hundred faces has.
   let apart = max(i32(maps.size.x) / 32, 1);
   if ((one.texel.x + one.texel.y) % apart != 0) {
     return nothing;

@@ -14,7 +14,7 @@ use crate::gpu_error::GpuError;
 pub(super) struct Extracted {
     pub(super) extractor: Extractor,
     pub(super) extraction: Option<Extraction>,
-    /// What its mesh was made of.
+    /// Topologies that its mesh was made of.
     topologies: Vec<Topology>,
 }
 

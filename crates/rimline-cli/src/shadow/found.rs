@@ -1,19 +1,20 @@
-//! What the stages leave for a file.
+//! Results of the stages for a file.
 
 use std::ops::Range;
 
 use rimline::reference::layout::{ExtractionStatistics, ShadowLight, ShadowStatistics};
 use rimline::wgpu;
 
-/// What was found and chosen for a file.
+/// Results and choices for a file.
 pub(crate) struct Found {
-    /// What was chosen for each light: of a file of many casters the most that any of them needs.
+    /// The choice for each light. For a file of many casters it is the most that any of them needs.
     pub(crate) lights: Vec<ShadowLight>,
     /// The silhouette edges for each light.
     pub(crate) silhouettes: Vec<u32>,
     pub(crate) extraction: ExtractionStatistics,
     pub(crate) shadow: ShadowStatistics,
-    /// The bounds and overflows of `shadow` are the file's own. Of several files they are known for all together.
+    /// Whether the bounds and overflows of `shadow` are the file's own. With several files they are known for all of
+    /// them together.
     pub(crate) is_whole: bool,
 }
 

@@ -7,7 +7,7 @@ use super::part::Part;
 use super::shaded_lights::{SceneBounds, ShadedLight};
 use crate::render::camera::Camera;
 
-/// As in `scene.wgsl`.
+/// Layout of `Frame` in `scene.wgsl`.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(crate) struct Frame {
@@ -56,7 +56,7 @@ impl Frame {
         let unit = unit(camera, stage);
         let in_units = |length: f32| (f64::from(length) / f64::from(unit)) as f32;
         let around = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|side| under + far * side);
-        // As bright as the lit ground, so that it fades into the backdrop unseen.
+        // The backdrop is as bright as the lit ground, so that the ground fades into it unseen.
         let lit = |shaded: &ShadedLight| {
             let share = around.iter().map(|&place| shaded.on_ground(place)).sum::<f32>() / 4.0;
             share * Vec3::from(shaded.color)
@@ -92,8 +92,8 @@ impl Frame {
     }
 }
 
-/// What distances are measured in where light is computed: a power of two of about the scene's size, so that squares of
-/// distances stay within the range of floats, however large or small the models are.
+/// The unit of distances where light is computed: a power of two of about the scene's size. It keeps squares of
+/// distances within the range of floats, for models of any size.
 pub(crate) fn unit(camera: &Camera, stage: &SceneBounds) -> f32 {
     let from_centre = (camera.eye - Vec3::from(stage.centre)).abs().max_element();
     let size = stage.extent.max(from_centre).max((camera.eye.y - stage.ground).abs());

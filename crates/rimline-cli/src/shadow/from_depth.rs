@@ -1,4 +1,4 @@
-//! What is asked of depth maps of the lights, and what was found in them.
+//! Options for depth maps of the lights, and results in these maps.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::output::note;
 /// Floats tell the same part of any distance apart with reversed depth.
 pub(super) const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// What `--from-depth` or `--depth`, `--detector` and `--dangling` ask for.
+/// The request of `--from-depth` or `--depth`, `--detector` and `--dangling`.
 #[derive(Clone, Debug)]
 pub(crate) struct FromDepth {
     pub(crate) source: MapSource,
@@ -66,7 +66,7 @@ impl FromDepth {
         matches!(self.method, DepthMapMethod::Contours { .. })
     }
 
-    /// What maps are rebuilt with.
+    /// Options for reconstruction from the maps.
     pub(super) fn options(&self) -> DepthMapOptions {
         let mut options = DepthMapOptions { method: self.method, ..DepthMapOptions::default() };
         if let MapSource::Given(map) = &self.source {
@@ -104,14 +104,14 @@ pub(super) fn points(bodies: &[PosedModel<'_>]) -> Vec<[f32; 3]> {
     bodies.iter().flat_map(PosedModel::points).collect()
 }
 
-/// What was found in the maps of a light.
+/// Results in the maps of a light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DepthFound {
     /// Maps of the light: 1 or 6.
     pub(crate) maps: usize,
     /// Cells with a triangle in the boundary of its shadow, or walls.
     pub(crate) listed: u32,
-    /// Those that the list has room for. With more listed, every cell is drawn.
+    /// Cells or walls that the list has room for. With more listed, every cell is drawn.
     pub(crate) capacity: u32,
 }
 
@@ -134,7 +134,7 @@ pub(crate) struct BusyMaps {
 }
 
 impl BusyMaps {
-    /// What is done, for a line of progress.
+    /// Text for a line of progress.
     pub(crate) fn step(self) -> String {
         format!("drawing {} borders of shadow, which takes long", self.drawn)
     }
@@ -151,7 +151,7 @@ impl BusyMaps {
 }
 
 impl DepthsFound {
-    /// What takes long to draw, if anything does.
+    /// Maps that take long to draw, if there are any.
     pub(crate) fn busy(&self) -> Option<BusyMaps> {
         // Cells lie between texels, and around the outermost.
         let of_map = self.size.map(|side| u64::from(side) + 1).into_iter().product::<u64>();
@@ -165,7 +165,7 @@ impl DepthsFound {
     }
 }
 
-/// What was found in the maps of all lights.
+/// Results in the maps of all lights.
 pub(crate) struct DepthsFound {
     /// Texels of a map across and down.
     pub(crate) size: [u32; 2],

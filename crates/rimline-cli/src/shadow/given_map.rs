@@ -24,7 +24,7 @@ pub(crate) struct GivenMap {
     objects: Option<Vec<u32>>,
     /// A format that the depths were rounded to, coarser than their own.
     pub(super) rounded_to: Option<wgpu::TextureFormat>,
-    /// What the depths are.
+    /// Meaning of the depths.
     pub(super) metric: DepthMetric,
 }
 

@@ -3,7 +3,7 @@
 use rimline::CameraError;
 use rimline::gpu::DepthMapError;
 
-/// What is wrong with a map whose arrays are sound.
+/// Errors of a map whose arrays are sound.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum GivenMapError {
     #[error(

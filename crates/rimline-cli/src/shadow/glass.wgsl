@@ -1,4 +1,4 @@
-// What boundaries of shadows are drawn with: tinted glass and lines.
+// Boundaries of shadows, drawn as tinted glass and lines.
 
 struct Edge {
   @builtin(position) clip: vec4<f32>,

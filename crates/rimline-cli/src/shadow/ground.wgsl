@@ -47,7 +47,7 @@ fn is_lit() -> bool {
   return vec4<f32>((1.0 - place.faded) * ALBEDO * light.color * max(0.0, light.towards.y), 0.0);
 }
 
-// What a light cannot reach whatever stands in between.
+// Keeps the pixels that the light cannot reach even without casters.
 @fragment fn averted_fragment() -> @location(0) vec4<f32> {
   if (is_lit()) {
     discard;

@@ -18,10 +18,10 @@ pub(super) struct LightMaps {
     maps: Maps,
     /// For each of the maps.
     pub(super) views: Vec<wgpu::TextureView>,
-    /// What the maps are converted from, if that is no depth: one for each, or none.
+    /// Distances that the maps are converted from: one for each map, or none if the maps are depths.
     distances: Vec<Distances>,
     objects: Option<wgpu::TextureView>,
-    /// As they were encoded.
+    /// Cameras with which the maps were encoded.
     cameras: LightCameras,
     pub(super) frame: Option<DepthMapFrame>,
     shown: ShownMaps,
@@ -118,14 +118,14 @@ impl LightMaps {
         Ok(())
     }
 
-    /// What was found. Waits for the device.
+    /// Results in the maps. Waits for the device.
     pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthFound, ReadError> {
         let list: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, self.cells())?;
         let listed = list.first().copied().unwrap_or(0);
         Ok(DepthFound { maps: self.views.len(), listed, capacity: self.capacity() })
     }
 
-    /// What an overlay shows of them.
+    /// Contents of the overlay of the maps.
     pub(super) fn shown(&self) -> Option<ShownDepths<'_>> {
         let texture = match &self.maps {
             Maps::One(_) => self.views.first()?,

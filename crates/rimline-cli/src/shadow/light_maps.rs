@@ -25,7 +25,7 @@ impl LightCameras {
         let points = || points.iter().map(|&point| Vec3::from(point).as_dvec3());
         let (low, high) = points()
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), point| (low.min(point), high.max(point)));
-        // What positions are taken relative to: exactly this float.
+        // Positions are relative to exactly this float.
         let centre = (low.midpoint(high)).as_vec3();
         let from_centre = || points().map(|point| point - centre.as_dvec3());
         let extent = from_centre().map(DVec3::length).fold(0.0, f64::max).max(1e-30);

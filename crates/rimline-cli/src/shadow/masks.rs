@@ -1,4 +1,4 @@
-//! What each light reaches, pixel centre by pixel centre.
+//! Masks: whether a light reaches the surface at each pixel centre.
 
 use rimline::wgpu;
 use wgpu::{TextureFormat, TextureUsages};

@@ -23,9 +23,9 @@ const PART: Target = Target { format: LINEAR.format, samples: 1 };
 /// Draws pictures.
 pub(crate) struct Pictures {
     pub(crate) pipelines: VolumePipelines,
-    /// Of the whole picture or of its parts.
+    /// Attachments of the whole picture or of its parts.
     attachments: Vec<Attachments>,
-    /// What the whole picture's samples are averaged into.
+    /// The average of the whole picture's samples.
     resolved: Option<wgpu::TextureView>,
     finished: wgpu::Texture,
     backdrop: wgpu::RenderPipeline,

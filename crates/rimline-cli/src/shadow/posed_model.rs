@@ -25,9 +25,9 @@ pub(crate) struct PosedModel<'a> {
     displaced: bool,
     shape: Shape<'a>,
     pub(crate) positions: Positions,
-    /// Of each instance.
+    /// Topology of each instance.
     pub(crate) topologies: Vec<Topology>,
-    /// Of all instances, one after the other, as [`Model::mesh`](rimline::Model::mesh) has them.
+    /// Faces of all instances, one after the other, as [`Model::mesh`](rimline::Model::mesh) has them.
     pub(crate) faces: Vec<[u32; 3]>,
     /// World space, as they lie on the GPU.
     pub(crate) world: Vec<[f32; 3]>,

@@ -13,7 +13,7 @@ use crate::render::pipeline_factory::{Pass, PipelineFactory};
 /// Which pixels receivers are drawn onto.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Onto {
-    /// What is nearest, and it is so found.
+    /// The nearest surface, which this pass finds.
     Nearest,
     /// The nearest again, where the stencil is still 0; which it is no more afterwards, so that faces that coincide add
     /// their light once.
@@ -22,7 +22,7 @@ pub(crate) enum Onto {
     Shadowed,
 }
 
-/// What drawing does to the colour that is there.
+/// Adds the drawn colour to the colour of the target.
 pub(crate) const ADD: Option<BlendState> = Some(blend(BlendFactor::One, BlendFactor::One));
 /// There times drawn.
 pub(super) const MULTIPLY: Option<BlendState> = Some(blend(BlendFactor::Dst, BlendFactor::Zero));

@@ -1,4 +1,4 @@
-//! What pictures and masks with shadows share: targets, frame, lights.
+//! Resources that pictures and masks with shadows share: targets, frame, lights.
 
 use rimline::gpu::ShadowFormat;
 use rimline::wgpu;
@@ -23,10 +23,10 @@ pub(crate) struct RenderResources<'a> {
     lamp_group: wgpu::BindGroup,
 }
 
-/// What a picture is of.
+/// Inputs of a picture.
 pub(crate) struct DrawInputs<'a> {
     pub(crate) casters: &'a Casters,
-    /// Of all lights together.
+    /// Samples of all lights together.
     pub(crate) samples: usize,
     pub(crate) has_ground: bool,
     /// Only one pixel is drawn, so that the device compiles the shaders.

@@ -1,4 +1,4 @@
-//! What `rimline shadow` prints.
+//! Output of `rimline shadow`.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -23,24 +23,23 @@ use crate::shadow::args::{ShadowSceneArgs, value_name};
 use crate::shown::Line;
 use crate::times::Times;
 
-/// What the stages found and chose for a file.
+/// Results and choices of the stages for a file.
 struct File {
     name: String,
     faces: usize,
     found: Found,
 }
 
-/// What came out, in numbers.
 pub(super) struct Report {
     adapter: String,
     files: Vec<File>,
-    /// Of all files together.
+    /// Statistics of all files together.
     all: ShadowStatistics,
     origin: Origin,
-    /// Of each light, in the files' coordinates.
+    /// Each light as JSON, in the files' coordinates, with its range and its colour.
     lights: Vec<(Value, f32, [f32; 3])>,
     samples: usize,
-    /// Of each light, if covered faces were asked for.
+    /// Statistics of occluded faces for each light, if they were asked for.
     covered: Option<Vec<HiddenStatistics>>,
     /// Covered faces that were left out.
     left_out: usize,
@@ -151,7 +150,7 @@ impl Report {
             of_light
         };
         let statistics = |File { name, found: Found { shadow, extraction, is_whole, .. }, .. }: &File| {
-            // Of several files these are known for all together.
+            // With several files, these are known for all of them together.
             let own = |count: u32| is_whole.then_some(count);
             json!({
                 "file": name,

@@ -15,12 +15,12 @@ use crate::output::Output;
 use crate::overwrite::Inputs;
 use crate::target::is_same_file;
 
-/// Files in the making. What is dropped before it is finished leaves nothing.
+/// Files in the making. A file that is dropped before it is finished leaves nothing.
 pub(super) struct ResultFiles {
     picture: Option<Output>,
     masks: Vec<Output>,
     maps: Vec<Output>,
-    /// Of picture and masks, and of maps.
+    /// Names of picture and masks, and names of maps.
     pub(super) names: [Vec<PathBuf>; 2],
 }
 

@@ -1,5 +1,5 @@
-// What every pass of a picture with shadows knows. World space is right-handed with +Y up; positions are taken relative
-// to the eye; depth is reversed, near / distance. Light is linear.
+// Uniforms of all passes of a picture with shadows. World space is right-handed with +Y up; positions are relative to
+// the eye. Depth is reversed, near / distance. Light is linear.
 
 struct Frame {
   // From positions less the eye, in units, to clip space. The shadow volumes' camera, whose clip space is a unit times as
@@ -59,7 +59,7 @@ fn from_eye(position: vec3<f32>) -> vec3<f32> {
   return frame.per_unit * (position - frame.eye);
 }
 
-// As `rimline_clip` of the library's include has it.
+// Same arithmetic as `rimline_clip` of the library's include.
 fn to_clip(position: vec3<f32>) -> vec4<f32> {
   let q = from_eye(position);
   return frame.view_projection[0] * q.x + frame.view_projection[1] * q.y + frame.view_projection[2] * q.z +
@@ -74,7 +74,7 @@ fn largest(v: vec3<f32>) -> f32 {
   return max(max(abs(v.x), abs(v.y)), max(abs(v.z), 1e-37));
 }
 
-// As `normalize` and `length`, whose squares leave the range of floats sooner.
+// Like `normalize` and `length`, whose squares leave the range of floats sooner.
 fn direction_of(v: vec3<f32>) -> vec3<f32> {
   return normalize(v / largest(v));
 }
@@ -84,7 +84,8 @@ fn length_of(v: vec3<f32>) -> f32 {
   return scale * length(v / scale);
 }
 
-// What comes of a light at a place relative to the eye, in units, on a surface across its rays.
+// Light that arrives at a position, on a surface perpendicular to its rays. The position is relative to the eye, in
+// units.
 struct Arriving {
   // To the light.
   towards: vec3<f32>,

@@ -1,4 +1,4 @@
-//! What the stages of a scene found and chose, file by file. A file's positions are a buffer of its own, so no group of
+//! Results and choices of a scene's stages, file by file. Each file has its own buffer of positions, so no group of
 //! casters has those of two files.
 
 use std::collections::BTreeSet;
@@ -62,7 +62,7 @@ impl SceneShadows {
         Ok(files)
     }
 
-    /// What was found and chosen for each file.
+    /// Results and choices for each file.
     pub(super) fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, GpuError> {
         let frame = self.frame()?;
         let results = frame.results()?;
@@ -73,7 +73,7 @@ impl SceneShadows {
             batches: frame.batches(),
         };
         let shape = ShadowShape { counting: code(self.counting), ..bytemuck::Zeroable::zeroed() };
-        // Of each light only what is chosen matters.
+        // Only the choice for each light is read from the result, so the other values are zero.
         let seen: Vec<SeenLight> = vec![bytemuck::Zeroable::zeroed(); self.lights.len()];
         let all = self.statistics(gpu)?;
         let mut files = Vec::with_capacity(self.files.len());
@@ -118,7 +118,7 @@ impl SceneShadows {
     }
 }
 
-/// What was chosen for all casters, in words for each batch of lights.
+/// Choices for all casters, in words for each batch of lights.
 struct Choices {
     words: Vec<u32>,
     casters: usize,

@@ -25,14 +25,14 @@ pub(crate) struct SceneShadows {
     /// Each light has the bit of its number.
     pub(super) lights: Vec<LightHandle>,
     pub(super) files: Vec<File>,
-    /// What the last encode left.
+    /// Frame of the last encode.
     frame: Option<SceneFrame>,
     max_lights: usize,
     /// If the bound of the stages leaves it open whether the stencil counts to what lies over each other.
     pub(super) layers: Option<Layers>,
 }
 
-/// What a file has in the scene.
+/// Meshes and casters of a file in the scene.
 #[derive(Default)]
 pub(super) struct File {
     meshes: BTreeMap<Topology, MeshHandle>,
@@ -157,7 +157,7 @@ impl SceneShadows {
         Ok(self.frame()?.draw(pass, pipelines, 0, handle)?)
     }
 
-    /// What the last encode left.
+    /// Frame of the last encode.
     pub(super) fn frame(&self) -> Result<&SceneFrame, SceneError> {
         self.frame.as_ref().ok_or(SceneError::NotEncoded)
     }

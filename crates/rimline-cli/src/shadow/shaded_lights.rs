@@ -31,7 +31,7 @@ pub(crate) struct ShadedLight {
     area: Option<AreaLight>,
 }
 
-/// As in `scene.wgsl`.
+/// Layout of `ShadedLight` in `scene.wgsl`.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(crate) struct ShadedLightData {
@@ -103,7 +103,7 @@ impl ShadedLight {
         Ok(shaded_lights)
     }
 
-    /// What the command line says of a light, and else the file. Its file's brightest light counts as 1.
+    /// Takes a light's options from the command line, or else from the file. The brightest light of its file counts as 1.
     fn new(spec: &ShadedLightSpec, chosen: &ChosenLight, brightest: f64, stage: &SceneBounds) -> Self {
         let light = chosen.light;
         let own = chosen.own.as_ref();
@@ -179,7 +179,7 @@ impl ShadedLight {
             let largest = from_eye.abs().max_element().max(w);
             let scale = if largest > 0.0 { largest } else { 1.0 };
             let [x, y, z] = (from_eye / scale).as_vec3().to_array();
-            // Of the light's distance times its w, as the shaders have it.
+            // Shaders compare lengths with the light's distance times its w, so lengths get the same factor.
             let reach = |distance: f32| (f64::from(distance) / unit * (w / scale)).min(1e38) as f32;
             ShadedLightData {
                 light: [x, y, z, (w / scale) as f32],
@@ -255,8 +255,8 @@ fn vector(v: [f32; 3]) -> DVec3 {
     Vec3::from(v).as_dvec3()
 }
 
-/// What the file's light brings to the middle of the models, in lux, on a surface across its rays and out of range and
-/// cone. Lights among the models count as half their extent away.
+/// Illuminance of the file's light at the middle of the models, in lux, on a surface perpendicular to its rays. It
+/// ignores range and cone. Lights among the models count as half their extent away.
 fn illuminance(own: &SceneLight, stage: &SceneBounds) -> f64 {
     let intensity = f64::from(own.intensity);
     if own.light.w == 0.0 {
@@ -290,7 +290,7 @@ fn check_options(spec: &ShadedLightSpec, lights: &[ChosenLight]) -> Result<(), U
             break;
         }
     }
-    // Of `file:all` those that can, do.
+    // With `file:all`, options apply to the lights that can have them.
     first.filter(|_| wrong == lights.len()).map_or(Ok(()), Err)
 }
 

@@ -32,10 +32,10 @@ use crate::shadow::args::{ModeArg, ShadowSceneArgs, value_name};
 /// Degrees that the eye is above the models by default: enough to see shadows on the ground.
 const ELEVATION: f64 = 24.0;
 
-/// What was read before any device is opened.
+/// Inputs that are read before any device is opened.
 pub(crate) struct ShadowInputs {
     pub(crate) inputs: Vec<Input>,
-    /// Of each input.
+    /// Animations of each input.
     pub(crate) animations: Vec<Vec<usize>>,
     pub(crate) displacement: Option<Displacement>,
 }
@@ -283,7 +283,7 @@ fn reach(shaded_lights: &[ShadedLight], points: &[[f32; 3]], stage: &SceneBounds
     shadows.map(from_centre).fold(0.0, f32::max).min(MOST as f32 * stage.extent)
 }
 
-/// The models' lowest point. What lies flat hovers, or the ground would be in the same plane.
+/// The height of the ground: the models' lowest point. Flat models hover, or the ground would be in the same plane.
 fn ground(bounds: &Bounds) -> f32 {
     let extent = extent(bounds);
     let is_flat = bounds.max[1] - bounds.min[1] < 0.01 * extent;
@@ -313,7 +313,7 @@ fn farthest(camera: &Camera, stage: &SceneBounds) -> f32 {
 
 /// Refuses a near plane that is so near that depths lose bits: devices flush slopes of depth that are no normal numbers.
 fn check_near(near: f32, farthest: f32) -> Result<(), UsageError> {
-    // Of depths from here on slopes keep 22 bits.
+    // Slopes of depths above 2⁻¹⁰⁴ keep 22 bits.
     let least = farthest * 2.0_f32.powi(-104);
     if near < least { Err(UsageError::Near { near, farthest, least }) } else { Ok(()) }
 }

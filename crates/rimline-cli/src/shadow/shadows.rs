@@ -1,4 +1,4 @@
-//! What throws shadows, and what draws them: a scene of all files, or a single caster for each file.
+//! Casters of shadows, and pipelines that draw them: a scene of all files, or a single caster for each file.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ use crate::gpu_error::GpuError;
 use crate::input::Input;
 use crate::npz::DepthMapArrays;
 
-/// What maps have for a method of counting volumes of meshes, where one must be named.
+/// Counting that is named for maps, which count no volumes of meshes.
 const NO_COUNTING: Counting = Counting::Auto;
 
 /// The bit of the stencil that maps turn round. Each light has a stencil of its own.
@@ -69,7 +69,7 @@ impl ShadowMethod {
     }
 }
 
-/// What draws volumes into attachments of one format.
+/// Pipelines that draw volumes into attachments of one format.
 #[derive(Clone)]
 pub(crate) enum VolumePipelines {
     Scene(Arc<ScenePipelines>, BatchPipelines),
@@ -124,7 +124,7 @@ impl Shadows {
         })
     }
 
-    /// Takes the bodies with the faces that they have now. Those that are there already stay.
+    /// Takes the bodies with their current faces. Bodies that are there already stay.
     pub(crate) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         match self {
             Self::Scene(scene) => scene.place(gpu, bodies),
@@ -200,7 +200,7 @@ impl Shadows {
         }
     }
 
-    /// What was found in maps, if they cast. Waits for the device.
+    /// Results in maps, if maps cast. Waits for the device.
     pub(super) fn depth_found(&self, gpu: &Gpu) -> Result<Option<DepthsFound>, ReadError> {
         match self {
             Self::Scene(_) | Self::Single(_) => Ok(None),
@@ -208,7 +208,7 @@ impl Shadows {
         }
     }
 
-    /// What an overlay shows of a light's maps, if they cast.
+    /// Contents of the overlay of a light's maps, if maps cast.
     pub(super) fn shown_depths(&self, light: usize) -> Option<ShownDepths<'_>> {
         match self {
             Self::Scene(_) | Self::Single(_) => None,
@@ -229,7 +229,7 @@ impl Shadows {
         }
     }
 
-    /// Where the facing masks of each file lie. What was encoded must have been submitted. Waits for the device.
+    /// Buffers of the facing masks of each file. Encoded commands must have been submitted. Waits for the device.
     pub(crate) fn facing(&self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
         match self {
             Self::Scene(scene) => scene.facing(gpu, bodies),
@@ -238,7 +238,7 @@ impl Shadows {
         }
     }
 
-    /// What was found and chosen for each file. Waits for the device.
+    /// Results and choices for each file. Waits for the device.
     pub(crate) fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, GpuError> {
         match self {
             Self::Scene(scene) => scene.found(gpu),

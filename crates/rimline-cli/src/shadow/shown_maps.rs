@@ -1,4 +1,4 @@
-//! What an overlay shows of a light's depth maps.
+//! Overlay of a light's depth maps.
 
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
 use rimline::{DepthDirection, ShadowCamera, wgpu};
@@ -10,7 +10,7 @@ use crate::device::Gpu;
 /// lines eight, two lines for each triangle.
 const INSTANCES: [u32; 2] = [1, 2];
 
-/// As in `depth_volumes.wgsl`.
+/// Layout of `DepthView` in `depth_volumes.wgsl`.
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 struct DepthView {
@@ -34,7 +34,7 @@ struct DepthViews {
     views: [DepthView; 6],
 }
 
-/// What is shown of a light's maps.
+/// Buffers of the overlay of a light's maps.
 pub(super) struct ShownMaps {
     pub(super) views: wgpu::Buffer,
     /// Arguments of the draws of triangles and of lines: of what is listed, then of every cell where a list of walls overflowed.

@@ -27,10 +27,11 @@ pub(crate) struct SingleCasters {
 /// A file.
 struct Caster {
     extracted: Extracted,
-    /// Of polygons: their triangles, which are drawn. A polygon may face a light that one of its triangles is averted from.
+    /// Triangles of polygons, which are drawn. A polygon may be front-facing to a light while one of its triangles is
+    /// back-facing.
     surface: Option<Extracted>,
     volumes: ShadowVolumes,
-    /// What the last encode left to draw.
+    /// Frame of the last encode, to draw.
     frame: Option<ShadowFrame>,
 }
 

@@ -2,14 +2,14 @@
 
 @vertex fn volumes_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32)
   -> @builtin(position) vec4<f32> {
-  // As a triangle strip.
+  // Corners of a triangle strip.
   return corner(instance, (vertex & 1u) != 0u, vertex >= 2u);
 }
 
 @vertex fn edges_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Edge {
   // Many lines would hide everything.
   let opacity = 0.4 * min(1.0, 100.0 / f32(rimline_silhouettes(shaded.bit)));
-  // As a line strip: from infinity along one ray, along the edge, and out along the other.
+  // Corners of a line strip: from infinity along one ray, along the edge, and out along the other.
   return Edge(corner(instance, vertex >= 2u, vertex == 0u || vertex == 3u), opacity);
 }
 

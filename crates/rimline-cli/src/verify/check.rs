@@ -15,7 +15,7 @@ use crate::input::{Scene, Shape};
 use crate::npz::{self, Arrays, Difference};
 use crate::source;
 
-/// What a file holds, and what each device finds of it.
+/// Contents of a file, and results of each device for it.
 pub(super) struct Checked {
     pub(super) faces: usize,
     pub(super) edges: usize,
@@ -44,7 +44,7 @@ pub(super) fn file(file: &Path, devices: &[Device]) -> Result<Checked, Failure> 
             Ok(bytes)
         });
         results.push(match written {
-            // What cannot be read of the file is the file's fault, whatever the device.
+            // An array that cannot be read is the file's fault on every device.
             Ok(written) => Ok(npz::compare(&given, &written).map_err(|error| failed(error.into()))?),
             Err(failure) => Err(failure),
         });

@@ -1,4 +1,4 @@
-//! What `verify` prints.
+//! Output of `verify`.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ pub(super) struct Report {
     files: Vec<Value>,
     faces: usize,
     facing_bits: u64,
-    /// Of a file on a device.
+    /// Checks of a file on a device.
     checks: usize,
     different: usize,
     /// Could not be done, and the first reason.

@@ -28,7 +28,7 @@ const FILES: &[&str] = &[
     "bad/unresolved_positions.gltf",
 ];
 
-/// What is wrong with these is nothing that is drawn, or can be read all the same.
+/// Files with a warning: the error is in nothing that is drawn, or the file can be read all the same.
 const WARNED: &[&str] = &[
     "bad/BoxWithInfinites.glb",
     "bad/badUint.gltf",

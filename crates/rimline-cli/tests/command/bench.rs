@@ -138,14 +138,14 @@ fn check_skipping(skipping: &Value, has_timestamps: bool) -> Result<u64, String>
             let (one, all_on) = (variant["fragments"].as_f64(), variants[1]["fragments"].as_f64());
             let ratio = one.zip(all_on).map(|(one, all_on)| one / all_on).filter(|ratio| ratio.is_finite());
             ensure!(variant["fragments_ratio"].as_f64() == ratio, "fragments of {variant}");
-            // What is skipped is not seen, so this may be fewer fragments and never more.
+            // Levels skip only unseen volumes, so no variant has fewer fragments than all levels on.
             ensure!(ratio.is_none_or(|ratio| ratio >= 1.0), "levels add fragments: {variant}");
         }
     }
     Ok(rows.len() as u64)
 }
 
-/// What a variant's stages counted.
+/// A counter of a variant's stages.
 fn count(variant: &Value, counter: &str) -> Option<u64> {
     let counters = variant["counters"].as_array()?;
     counters.iter().find(|found| found["counter"] == counter)?["count"].as_u64()

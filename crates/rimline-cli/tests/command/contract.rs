@@ -212,7 +212,7 @@ fn displaced() -> Outcome {
         let expected = [f32::from(p[0]) + 2.0, f32::from(p[1]) + vertex as f32, f32::from(p[2])];
         ensure!(found == expected.map(f32::to_bits), "vertex {vertex} is elsewhere");
     }
-    // What is wrong with it is said with its own line.
+    // An error in the WGSL is reported with its own line.
     std::fs::write(&wgsl, source.replace("time,", "tyme,")).map_err(|error| error.to_string())?;
     let model_file = folder.path().join("m.npz");
     std::fs::write(&model_file, model(1.0)).map_err(|error| error.to_string())?;

@@ -156,7 +156,7 @@ fn volumes() -> Outcome {
             Ok::<_, String>(Image::read(&folder.path().join(format!("{name}.png")))?.bytes)
         };
         let from_depth = format!("--from-depth 512 --detector {detector}");
-        // Of squares of 8 × 8 pixels, so that lines do not count one by one.
+        // Sums over squares of 8 × 8 pixels, so that lines do not count one by one.
         let blurred = |bytes: &[u8]| {
             let square = |at: usize| {
                 let (x, y) = (at % 20 * 8, at / 20 * 8);

@@ -89,7 +89,7 @@ fn picture() -> Outcome {
     Ok(())
 }
 
-/// What is too large to be drawn is said in words of the command, before anything is drawn.
+/// A model that is too large to be drawn is reported in words of the command, before anything is drawn.
 fn large() -> Outcome {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();

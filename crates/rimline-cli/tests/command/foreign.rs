@@ -41,7 +41,7 @@ const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\n";
 const COLLADA: &str = "<?xml version=\"1.0\"?>\n<COLLADA xmlns=\"http://www.collada.org/\" version=\"1.4.1\">\n";
 const POINTER: &str = "version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n";
 
-/// What others bring, what it is called, and what is said to do.
+/// Files of other formats, the name of each format, and a word of the advice.
 fn others() -> Vec<(Vec<u8>, &'static str, &'static str)> {
     let text = |text: &str| text.as_bytes().to_vec();
     vec![

@@ -1,4 +1,4 @@
-//! What `info` says of the model files, held against counts made by another program.
+//! Reports of `info` on the model files, compared with counts made by another program.
 
 use std::path::Path;
 

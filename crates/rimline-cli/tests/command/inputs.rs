@@ -143,7 +143,7 @@ fn names() -> Outcome {
     let shown = rimline([Path::new("info"), &model]).stdout;
     ensure!(shown.contains("\\u001b[2J"), "the name is not shown: {shown}");
 
-    // What errors cite.
+    // Texts that errors cite.
     let cited = serde_json::json!({ "asset": { "version": HOSTILE }, "extensionsRequired": [HOSTILE] });
     let version = serde_json::json!({ "asset": { "version": "2.0" }, "extensionsRequired": [HOSTILE] });
     let uri = serde_json::json!({ "asset": { "version": "2.0" }, "buffers": [{ "uri": HOSTILE, "byteLength": 4 }] });

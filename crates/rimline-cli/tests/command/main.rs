@@ -60,7 +60,7 @@ use libtest_mimic::{Arguments, Failed, Trial};
 
 /// A test's name and body.
 type Test = (&'static str, fn() -> Outcome);
-/// What is wrong, if anything.
+/// The result of a test: an error says what is wrong.
 type Outcome = Result<(), String>;
 
 /// Fails with a message unless the condition holds.

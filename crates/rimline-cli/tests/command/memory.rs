@@ -1,4 +1,4 @@
-//! What is asked for by the limit of memory, against what the process takes at most, as the system counts it.
+//! Charges against the limit of memory, compared with the peak of the process, as the system counts it.
 
 use std::fmt::Write as _;
 use std::path::Path;

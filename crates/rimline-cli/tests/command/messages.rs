@@ -1,4 +1,4 @@
-//! What is wrong, in words of the command: where, with which name, and before long work.
+//! Errors in words of the command: where, with which name, and before long work.
 
 use std::process::{Command, Stdio};
 

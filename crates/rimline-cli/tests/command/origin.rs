@@ -168,7 +168,7 @@ fn archives() -> Outcome {
     let last = data(&found[found.len() - 1], "<f8", "(3,)")?;
     let origin = origin(&json)?;
     ensure!(last == origin.iter().flat_map(|c| c.to_le_bytes()).collect::<Vec<_>>(), "origin.npy is not {origin:?}");
-    // What is decided is what is decided near zero.
+    // Decisions are the same as near zero.
     for name in ["faces", "edges", "edge_faces", "edge_kind", "facing", "silhouette", "winding"] {
         ensure!(entry(&found, name)? == entry(&expected, name)?, "{name} differs");
     }
@@ -253,12 +253,12 @@ fn queries() -> Outcome {
     for (points, device) in [("double", "cpu"), ("double", "gpu"), ("relative", "cpu"), ("both", "cpu")] {
         let found = query("far", points, device)?;
         ensure!(depth(&found)? == depth(&expected)?, "{points} on {device}: other depths");
-        // Those that come relative to another point are rounded twice.
+        // Points relative to another origin are rounded twice.
         if points == "double" {
             compare(&found, &first).map_err(|error| format!("{points} on {device}: {error}"))?;
         }
     }
-    // What was written is what is asked again.
+    // A written result gives the same result when it is queried again.
     std::fs::write(folder.path().join("again.npz"), &first).map_err(|error| error.to_string())?;
     compare(&query("far", "again", "cpu")?, &first)?;
     // Points in float32 without an origin are in the world, and too coarse there.

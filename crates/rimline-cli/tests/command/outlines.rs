@@ -28,8 +28,8 @@ const SIZE: [f64; 2] = [1000.0, 840.0];
 const EYE: [f64; 3] = [4.5, 3.75, 6.0];
 const TARGET: [f64; 3] = [0.0, 0.75, 0.0];
 const FOV: f64 = 34.0;
-/// Of the distance from the eye: a face that lies less in front of a point holds it; one that lies more hides it; in
-/// between both are right.
+/// Shares of the distance from the eye. A face hides a point if it lies more than `HIDES` in front. It does not hide the
+/// point if it lies less than `HOLDS` in front. In between both answers are right.
 const HOLDS: f64 = 5e-7;
 const HIDES: f64 = 2e-5;
 

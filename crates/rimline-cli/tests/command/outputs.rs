@@ -20,7 +20,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("outputs::a_folder_is_no_file", folder_name),
 ];
 
-/// What a folder holds, by name; nothing for what is no regular file.
+/// Contents of a folder by name; empty for an entry that is no regular file.
 pub(crate) fn contents(folder: &Path) -> Result<BTreeMap<OsString, Vec<u8>>, String> {
     let mut contents = BTreeMap::new();
     for entry in fs::read_dir(folder).map_err(|error| error.to_string())? {
@@ -67,7 +67,7 @@ fn endings() -> Outcome {
         let line = [command, &model, "--out", &out].into_iter().chain(options.iter().copied());
         refused(folder.path(), 2, parts, || rimline(line)).map_err(|error| format!("{command} {out}: {error}"))?;
     }
-    // What is no format's ending is a part of the name.
+    // An ending that belongs to no format is a part of the name.
     let line = extraction(folder.path(), &folder.path().join("v1.2"))?;
     rimline(line).expect(0, &[])
 }

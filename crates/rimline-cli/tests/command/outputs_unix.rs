@@ -88,7 +88,7 @@ fn inputs() -> Outcome {
         refused(folder.path(), 2, &[out, "is an input"], || rimline_with(line, HIDDEN))
             .map_err(|error| format!("{out}: {error}"))?;
     }
-    // As standard input.
+    // The input comes through standard input.
     let script = "exec \"$0\" draw - --out \"$1/copy\" < \"$1/model.npz\"";
     fs::write(at("model.npz"), tetrahedron()).map_err(text)?;
     fs::hard_link(at("model.npz"), at("copy")).map_err(text)?;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// What names things in it.
+/// Names of things in the file.
 pub(crate) struct Names<'a> {
     pub(crate) mesh: &'a str,
     pub(crate) animation: &'a str,

@@ -117,7 +117,7 @@ fn outline() -> Outcome {
     Ok(())
 }
 
-/// What a ray sees of the light: 255, 0, or 128 for nothing. The ground is at 0, the bar's lowest point.
+/// Light on the surface that a ray meets: 255, 0, or 128 for no surface. The ground is at 0, the bar's lowest point.
 fn seen(surface: &Tracer<()>, ray: DVec3) -> u8 {
     let on_surface = surface.first((EYE, ray)).map(|(at, triangle)| {
         let [a, b, c] = triangle.corners;

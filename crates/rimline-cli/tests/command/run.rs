@@ -7,7 +7,6 @@ use libtest_mimic::{Failed, Trial};
 
 use super::{Outcome, ensure};
 
-/// What a run left behind.
 pub(crate) struct Run {
     pub(crate) code: i32,
     pub(crate) stdout: String,

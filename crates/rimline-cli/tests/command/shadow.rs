@@ -306,7 +306,7 @@ fn stack(layers: u16) -> Vec<u8> {
     model(&shape, 2.0, [0.0, 2.0, 0.0])
 }
 
-/// What the stencil cannot count at once is counted in batches, without a word.
+/// Counts that are too large for the stencil are made in batches, without a message.
 fn may_wrap() -> Outcome {
     let folder = folder();
     let line = |files: &str, command: &str| {

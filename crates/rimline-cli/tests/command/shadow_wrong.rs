@@ -149,7 +149,7 @@ fn help() -> Outcome {
         ensure!(run.stdout.contains("--device <auto|gpu|NAME>"), "{}", run.stdout);
         ensure!(!run.stdout.contains("cpu") && !run.stdout.contains("the CPU"), "{}", run.stdout);
     }
-    // As its help shows it, but for the model.
+    // The folder in the example of the help works as it is shown.
     let folder = with_cube()?;
     let example = rimline(["film", "--help"]).stdout;
     let (_, out) = example.rsplit_once("--out ").ok_or("no example")?;

@@ -54,7 +54,7 @@ fn ignored() -> Outcome {
     ensure!(code == 0 && text.contains(" 6/6"), "it ended with {code}: {text}");
     let (code, text) = measured("trap '' HUP INT;", folder.path(), &rows(6), &["-HUP", "-INT"])?;
     ensure!(code == 0 && text.contains(" 6/6"), "it ended with {code}: {text}");
-    // What is not ignored still ends it.
+    // A signal that is not ignored still ends the run.
     let (code, text) = measured("trap '' HUP;", folder.path(), &rows(60), &["-HUP", "-INT"])?;
     ensure!(code == 130 && !text.contains(" 60/"), "it ended with {code}: {text}");
     Ok(())

@@ -64,7 +64,7 @@ fn list(v: DVec3) -> String {
     format!("{},{},{}", v.x, v.y, v.z)
 }
 
-/// What the ground looks like in so much light of strength 1, as `scene.wgsl`, `ground.wgsl` and `tone.wgsl` have it.
+/// Colour of the ground in so much light of strength 1, by the formulas of `scene.wgsl`, `ground.wgsl` and `tone.wgsl`.
 fn shade(light: f64) -> [f64; 3] {
     let (albedo, around) = ([0.80, 0.79, 0.77], [0.86, 0.95, 1.08]);
     std::array::from_fn(|c| {
@@ -75,7 +75,8 @@ fn shade(light: f64) -> [f64; 3] {
     })
 }
 
-/// Of each pixel of the ground that the box leaves free: how much of the disc's light comes, and which share of the disc.
+/// Light of the disc that reaches each pixel of the ground, and the share of the disc that is visible from there.
+/// `None` for a pixel that shows no ground.
 fn expected() -> Vec<Option<(f64, f64)>> {
     let normal = (0.5 * (LOW + HIGH) - LIGHT).normalize();
     let (right, up) = normal.any_orthonormal_pair();

@@ -1,4 +1,4 @@
-//! What the command says of its use, and how it ends when it is used wrongly.
+//! Help of the command, and its messages and exit codes when it is used wrongly.
 
 use super::npz_input::tetrahedron;
 use super::run::{folder, is_empty, rimline, rimline_with};

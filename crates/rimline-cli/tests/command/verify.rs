@@ -40,7 +40,7 @@ pub(crate) fn make(folder: &Path, options: &[&OsStr]) -> Outcome {
     rimline(line.iter().chain(options)).expect(0, &[])
 }
 
-/// What checking a folder says as JSON, with the exit code it must end with.
+/// Checks a folder and returns the JSON. The command must end with the exit code `code`.
 pub(crate) fn check(folder: &Path, options: &[&str], code: i32) -> Result<Value, String> {
     let line = ["verify".as_ref(), folder.as_os_str(), "--json".as_ref()];
     let run = rimline(line.into_iter().chain(options.iter().map(AsRef::as_ref)));

@@ -8,7 +8,7 @@ use super::{Outcome, Test, ensure};
 pub(crate) const TESTS: &[Test] =
     &[("warm_up::only_json_waits_for_it", only_json), ("warm_up::it_sees_lights_as_the_models_do", lights)];
 
-/// What the text says of stages.
+/// Whether the text lists compiling among the stages.
 fn has_compiled(run: &Run) -> bool {
     run.stdout.lines().any(|line| line.starts_with("by stage") && line.contains("compile"))
 }

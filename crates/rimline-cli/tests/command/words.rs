@@ -1,4 +1,4 @@
-//! What the command says: nothing but its own words, examples that can be pasted, messages that name what to do.
+//! Texts of the command: nothing but its own words, examples that can be pasted, messages that name what to do.
 
 use std::path::Path;
 use std::process::Command;

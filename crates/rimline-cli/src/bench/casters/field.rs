@@ -1,7 +1,7 @@
-//! What is recorded: casters of one mesh at integer places in a cube, lights and a camera outside it.
+//! Recorded scenes: casters of one mesh at integer positions in a cube, with lights and a camera outside it.
 //!
-//! Positions and places have so few digits that their sums are exact. So a caster in the scene has exactly the
-//! silhouettes that its part of the merged mesh has.
+//! Positions of vertices and casters have so few digits that their sums are exact. So a caster in the scene has exactly
+//! the silhouettes that its part of the merged mesh has.
 
 use glam::Vec3;
 use rimline::{Light, Matrix3x4, ShadowCamera};
@@ -30,7 +30,7 @@ pub(crate) enum CasterMesh {
 }
 
 impl CasterMesh {
-    /// What the data call it.
+    /// Name in the data.
     pub(crate) fn id(self) -> &'static str {
         match self {
             Self::Cube => "box",

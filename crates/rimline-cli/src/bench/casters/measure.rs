@@ -12,7 +12,7 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
 
-/// What every device has.
+/// A format that every device has.
 pub(in super::super) const DEPTH: TextureFormat = TextureFormat::Depth24PlusStencil8;
 /// The passes that draw, as the timer has them.
 pub(in super::super) const STENCIL: &str = "stencil";
@@ -24,7 +24,7 @@ const EXTRACTION: [&str; 6] = ["reach", "chunks", "facing", "exact_facing", "edg
 pub(crate) struct StageTimes {
     /// The stages that find silhouettes.
     pub(crate) extraction_ms: f64,
-    /// Those and the stages that prepare volumes.
+    /// The stages that find silhouettes, and those that prepare volumes.
     pub(crate) all_ms: f64,
 }
 
@@ -40,7 +40,7 @@ pub(crate) struct DrawTimes {
 /// The milliseconds of each stage, and from the first stage's beginning to the last one's end.
 pub(in super::super) type Timestamps = (Vec<(&'static str, f64)>, f64);
 
-/// What was recorded and run.
+/// Times of a frame that was recorded and run.
 pub(in super::super) struct Timed {
     /// Milliseconds of the CPU for recording.
     pub(in super::super) recording_ms: f64,
@@ -225,7 +225,7 @@ impl StageTimes {
 
 /// Bytes that the device has allocated in buffers and textures, where its backend tells.
 pub(super) fn allocated_bytes(gpu: &Gpu) -> Result<Option<u64>, Failure> {
-    // What was dropped is freed here.
+    // Waiting frees the resources that were dropped.
     gpu.wait()?;
     Ok(gpu.device.generate_allocator_report().map(|report| report.total_allocated_bytes))
 }

@@ -38,7 +38,7 @@ pub(super) trait Recorder {
     fn silhouette_edges(&self, gpu: &Gpu) -> Result<[u64; LIGHTS], GpuError>;
 }
 
-/// What volumes are drawn with.
+/// Pipelines that draw volumes, of a scene and of one mesh.
 pub(in super::super) struct DrawPipelines {
     pub(in super::super) scene: ScenePipelines,
     pub(super) volumes: ShadowPipelines,

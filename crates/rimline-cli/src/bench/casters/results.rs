@@ -1,4 +1,4 @@
-//! What the bench of scenes found, and its JSON.
+//! Results of the bench of scenes, and their JSON.
 
 use serde_json::{Value, json};
 
@@ -24,14 +24,14 @@ pub(crate) type Edges = [[u64; LIGHTS]; 2];
 /// A scene.
 pub(crate) struct CastersRow {
     pub(crate) mesh: CasterMesh,
-    /// Of each caster.
+    /// Faces of each caster.
     pub(crate) faces: usize,
     pub(crate) casters: usize,
     /// Milliseconds of the CPU for recording a frame, a value a round.
     pub(crate) recording: Vec<(Change, Vec<f64>)>,
     /// The scene's buffers but topology.
     pub(crate) scene_bytes: u64,
-    /// What the device allocated for the scene, topology included. `None` where it does not tell.
+    /// Bytes that the device allocated for the scene, topology included. `None` where the device does not report them.
     pub(crate) scene_device_bytes: Option<u64>,
     /// The same of an extractor with volumes for each caster.
     pub(crate) extractors_device_bytes: Option<u64>,
@@ -49,7 +49,7 @@ pub(crate) struct OneMeshRow {
     pub(crate) edges: Edges,
 }
 
-/// What happens before a frame is recorded, and who records it.
+/// Changes of a scene before a frame is recorded, and the alternative to a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Change {
     /// A scene in which nothing moves.
@@ -67,7 +67,7 @@ pub(crate) enum Change {
 }
 
 impl Change {
-    /// What the data call it.
+    /// Name in the data.
     pub(crate) fn id(self) -> &'static str {
         match self {
             Self::Still => "scene-still",
@@ -108,7 +108,7 @@ impl Change {
 #[derive(Default)]
 pub(crate) struct Compared {
     pub(crate) stages: BothTimes<StageTimes>,
-    /// Of a scene in which nothing changed since the frame before, and again of what it is held against.
+    /// Times of a scene in which nothing changed since the last frame, with new times of what it is compared with.
     pub(crate) still: BothTimes<StageTimes>,
     /// Empty where nothing is drawn.
     pub(crate) draws: BothTimes<DrawTimes>,
@@ -125,7 +125,7 @@ pub(crate) struct BothTimes<T> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
     Extraction,
-    /// Of a scene in which nothing changed.
+    /// Stages of a scene in which nothing changed.
     Still,
     Stages,
     Draws,
@@ -135,7 +135,7 @@ pub(crate) enum Part {
 pub(crate) const PARTS: [Part; 5] = [Part::Extraction, Part::Still, Part::Stages, Part::Draws, Part::Frame];
 
 impl Part {
-    /// What the data call it.
+    /// Name in the data.
     fn id(self) -> &'static str {
         match self {
             Self::Extraction => "extraction",
@@ -262,7 +262,7 @@ impl CastersResults {
         self.rows.len() + self.one_mesh.len()
     }
 
-    /// As `bench.schema.json` describes.
+    /// JSON, as `bench.schema.json` describes it.
     pub(crate) fn json(&self) -> Value {
         json!({
             "planned_rows": self.planned_rows,

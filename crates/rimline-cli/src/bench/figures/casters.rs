@@ -12,7 +12,7 @@ pub(super) const RECORDING: &str = "casters_recording";
 
 const CHANGES: [Change; 6] =
     [Change::Still, Change::OneInHundred, Change::All, Change::Light, Change::NewCaster, Change::Extractors];
-/// Those of the plot; more would lie on top of each other.
+/// Changes in the plot; more curves would overlap.
 const SHOWN: [Change; 4] = [Change::Still, Change::OneInHundred, Change::All, Change::Extractors];
 
 /// All that the rows are enough for; there is at least one.

@@ -1,4 +1,4 @@
-//! What the classes of scenes are.
+//! Descriptions of the classes of scenes.
 
 use super::super::bench_mesh::ORDINARY;
 use super::super::results::Results;

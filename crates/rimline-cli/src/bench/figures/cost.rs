@@ -1,4 +1,4 @@
-//! What exactness costs.
+//! Cost of exactness.
 
 use super::super::bench_mesh::ORDINARY;
 use super::super::measure::Summary;

@@ -15,7 +15,7 @@ struct Spot {
     class: &'static str,
     /// Nanoseconds a face and light, the geometric mean over scenes.
     time_ns: f64,
-    /// Of a million silhouette bits.
+    /// Wrong bits in a million silhouette bits.
     wrong: f64,
     wrong_bits: usize,
     open: usize,
@@ -127,7 +127,7 @@ pub(super) fn time_against_error(results: &Results) -> Figure {
 /// Every scene's errors, the methods beside each other.
 pub(super) fn errors(results: &Results) -> Figure {
     let mut contestants = distinct(results);
-    // Of a table too wide for the page the first columns show.
+    // A table too wide for the page shows its first columns.
     contestants.sort_by_key(|contestant| ![GPU_EXACT, CPU_EXACT].contains(&contestant.id));
     let (ordinary, scenes): (Vec<&Row>, Vec<&Row>) = results.rows.iter().partition(|row| row.subject.class == ORDINARY);
     // Said once where it is the same for all: the table is wide enough.

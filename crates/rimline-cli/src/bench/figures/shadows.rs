@@ -32,7 +32,7 @@ pub(in super::super) fn shadows(results: &ShadowResults) -> Section {
     }
 }
 
-/// What auto costs, in a sentence.
+/// Cost of `auto`, in a sentence.
 fn verdict(results: &ShadowResults) -> String {
     let mean = |part, to| results.mean_ratio(part, AUTO, to).map_or(f64::NAN, |(mean, _)| mean);
     format!(

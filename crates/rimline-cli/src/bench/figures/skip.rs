@@ -54,7 +54,7 @@ fn amounts(entry: &SkipEntry) -> Vec<f64> {
     let mut amounts: Vec<f64> = WORKS.iter().map(|work| of(work.stages)).collect();
     let all: f64 = run.map_or(0.0, |run| run.stages.iter().map(|(_, ms)| ms).sum());
     let known: f64 = amounts.iter().sum();
-    // What rounding leaves is nothing.
+    // A remainder as small as rounding errors counts as no time.
     amounts.push(if all - known > 1e-6 * all { all - known } else { 0.0 });
     amounts.push(entry.part(SkipPart::Stencil).map_or(0.0, |ms| ms.median));
     amounts
@@ -153,7 +153,7 @@ fn frames(results: &SkipResults) -> Figure {
         let together = or_dash(entry.parts_of_frame().map(|share| format!("{:.2}", share.median)));
         let cells = PARTS.into_iter().flat_map(|part| {
             let ratio = row.ratio(entry, part).map(|ratio| format!("{:.2}", ratio.median));
-            // What is not done takes no time.
+            // A part that did not run has a time of 0, which the table shows as a dash.
             let ms = entry.part(part).filter(|ms| ms.median > 0.0).map(|ms| figures(ms.median));
             [or_dash(ms), or_dash(ratio)]
         });
@@ -196,7 +196,7 @@ fn stages(results: &SkipResults) -> Figure {
     }
 }
 
-/// What stages counted, and fragments.
+/// Counters of the stages, and fragments.
 fn counters(results: &SkipResults) -> Figure {
     let mut head = vec!["volume fragments".to_owned(), "÷ all on".to_owned()];
     head.extend(COUNTERS.iter().map(|counter| counter.name.to_owned()));

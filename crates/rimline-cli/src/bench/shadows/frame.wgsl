@@ -23,7 +23,7 @@ fn position(vertex: u32) -> vec3<f32> {
   return vec3<f32>(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
 }
 
-// As `rimline_clip` of the library's include has it: z-fail needs equal depths.
+// Same arithmetic as `rimline_clip` of the library's include, because z-fail needs equal depths.
 fn to_clip(position: vec3<f32>) -> vec4<f32> {
   let q = position - frame.eye;
   return frame.view_projection[0] * q.x + frame.view_projection[1] * q.y + frame.view_projection[2] * q.z +

@@ -7,7 +7,7 @@ use crate::chart::Key;
 /// A way to count shadow volumes.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct ShadowMethod {
-    /// What the data call it.
+    /// Name in the data.
     pub(crate) id: &'static str,
     pub(crate) name: &'static str,
     pub(crate) counting: Counting,

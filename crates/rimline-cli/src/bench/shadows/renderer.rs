@@ -20,7 +20,7 @@ use crate::render::pipeline_factory::{Pass, PipelineFactory};
 use crate::shadow::frame::shadow_camera;
 use crate::shadow::receiver_pipelines::{ADD, Onto};
 
-/// What is drawn: the caster, and the room that receives.
+/// The drawn scene: a caster, and a room that receives.
 pub(super) struct Stage<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) caster: &'a Shape,
@@ -32,13 +32,13 @@ pub(super) struct Stage<'a> {
 /// Milliseconds of a frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FrameTime {
-    /// Of the pass that counts.
+    /// The pass that counts.
     pub(crate) stencil_ms: f64,
-    /// Of all: extraction, choice, depth, stencil, light.
+    /// The whole frame: extraction, choice, depth, stencil, light.
     pub(crate) frame_ms: f64,
 }
 
-/// As in `frame.wgsl`.
+/// Layout of `Frame` in `frame.wgsl`.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 struct Frame {
@@ -50,7 +50,7 @@ struct Frame {
 }
 
 const COLOR: TextureFormat = TextureFormat::Rgba8Unorm;
-/// What every device has.
+/// A format that every device has.
 const DEPTH: TextureFormat = TextureFormat::Depth24PlusStencil8;
 /// The passes that draw, as the timer has them.
 const PASSES: [&str; 3] = ["depth", "stencil", "light"];

@@ -1,4 +1,4 @@
-//! What the shadow bench found, and its JSON.
+//! Results of the shadow bench, and their JSON.
 
 use serde_json::{Value, json};
 
@@ -140,7 +140,7 @@ impl ShadowResults {
         Some((ratios.iter().sum::<f64>() / ratios.len() as f64, [range.0, range.1]))
     }
 
-    /// As `bench.schema.json` describes.
+    /// JSON, as `bench.schema.json` describes it.
     pub(crate) fn json(&self) -> Value {
         let methods: Vec<Value> =
             METHODS.iter().map(|method| json!({ "id": method.id, "name": method.name })).collect();

@@ -1,5 +1,5 @@
-//! What the shadow bench draws, after Hornus, Hoberock, Lefebvre and Hart (2005), section 6: one caster in the middle
-//! of a closed room, a point light, and cameras on paths.
+//! Scenes of the shadow bench, after section 6 of Hornus, Hoberock, Lefebvre and Hart (2005). One caster stands in the
+//! middle of a closed room with a point light; cameras follow paths.
 
 use std::f32::consts::TAU;
 
@@ -84,7 +84,7 @@ impl Path {
         }
     }
 
-    /// What the data call it.
+    /// Name in the data.
     pub(crate) fn id(self) -> &'static str {
         match self {
             Self::LooksAway => "looks-away",

@@ -1,4 +1,4 @@
-//! What is right: rays in `f64` from pixels' centres, and on to the light.
+//! Ground truth: rays in `f64` from the centres of pixels, and on to the light.
 
 use glam::{DMat4, DVec3, DVec4};
 use rimline::Light;
@@ -17,15 +17,15 @@ pub(super) struct Truth {
     size: u32,
 }
 
-/// What is known of a triangle.
+/// Properties of a triangle.
 struct Face {
     /// It faces the light, exactly.
     faces_light: bool,
     casts: bool,
 }
 
-/// What is seen through each pixel, row by row: whether light arrives on a surface; `None` where the surface's other
-/// side is towards the light, so that none is missed.
+/// Whether light reaches the surface at each pixel, row by row. `None` where the visible side is back-facing to the
+/// light, so that it needs no shadow, and where no surface is visible.
 pub(super) struct Seen {
     pixels: Vec<Option<bool>>,
     size: u32,

@@ -50,7 +50,7 @@ impl FragmentCounter {
             lights,
         };
         let pipeline = whole(&gpu.device);
-        // Of different lights different numbers.
+        // Neighbouring lights draw different numbers of instances.
         let times = |light: usize| 1 + light as u64 % 3;
         let draw = |pass: &mut wgpu::RenderPass<'_>, light: usize| {
             pass.set_pipeline(&pipeline);

@@ -5,7 +5,7 @@ use rimline::gpu::{Measuring, SceneOptions};
 /// A level of skipping, with its switch.
 #[derive(Debug)]
 pub(crate) struct Level {
-    /// What the data call it.
+    /// Name in the data.
     pub(crate) id: &'static str,
     pub(crate) name: &'static str,
     switch: fn(&mut SceneOptions, bool),
@@ -59,7 +59,7 @@ impl Variant {
         [Self::AllOff, Self::AllOn].into_iter().chain(LEVELS.iter().map(Self::Without))
     }
 
-    /// What the data call it.
+    /// Name in the data.
     pub(crate) fn id(self) -> String {
         match self {
             Self::AllOff => "all-off".to_owned(),

@@ -108,7 +108,7 @@ impl FrameRun {
     }
 }
 
-/// What is found of a variant.
+/// Results of a variant.
 pub(super) struct Measured {
     /// Both of the same rounds.
     pub(super) runs: Vec<(StageRun, FrameRun)>,

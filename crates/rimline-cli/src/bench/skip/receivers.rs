@@ -7,7 +7,7 @@ use super::super::casters::measure::DEPTH;
 use super::setting::{Casters, Setting};
 use crate::device::Gpu;
 
-/// As in `depth.wgsl`.
+/// Layout of `Camera` in `depth.wgsl`.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 struct Camera {

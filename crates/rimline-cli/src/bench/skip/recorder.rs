@@ -222,7 +222,7 @@ impl<'a> SkipRecorder<'a> {
         Ok(())
     }
 
-    /// What the last frame's stages counted.
+    /// Reads the counters of the last frame's stages.
     pub(super) fn counted(&self, gpu: &Gpu) -> Result<Counted, GpuError> {
         let mut counted = Counted::default();
         let Gpu { device, queue, .. } = gpu;

@@ -1,4 +1,4 @@
-//! What the bench of skipping found, and its JSON.
+//! Results of the bench of skipping, and their JSON.
 
 use bytemuck::Zeroable;
 use rimline::gpu::{SceneStatistics, ShadowStatistics};
@@ -22,7 +22,7 @@ pub(crate) struct SkipResults {
 pub(crate) struct SkipRow {
     pub(crate) scene: SkipScene,
     pub(crate) casters: usize,
-    /// Of all casters together.
+    /// Faces of all casters together.
     pub(crate) faces: usize,
     pub(crate) lights: usize,
     /// Pairs of caster and light in the light's range, in the first frame.
@@ -55,11 +55,11 @@ pub(crate) struct FrameRun {
     pub(crate) stencil_ms: f64,
     /// By the clock: deforming, all stages, stencil passes.
     pub(crate) frame_ms: f64,
-    /// Of the CPU, for recording all of it.
+    /// Time of the CPU for recording the whole frame.
     pub(crate) recording_ms: f64,
 }
 
-/// What the stages of a frame counted.
+/// Counters of a frame's stages.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Counted {
     pub(crate) scene: SceneStatistics,
@@ -74,7 +74,7 @@ impl Default for Counted {
 
 /// Something that stages count.
 pub(crate) struct Counter {
-    /// What the data call it.
+    /// Name in the data.
     pub(crate) id: &'static str,
     pub(crate) name: &'static str,
     pub(crate) of: fn(&Counted) -> u32,
@@ -114,7 +114,7 @@ pub(crate) const PARTS: [SkipPart; 5] =
     [SkipPart::Deform, SkipPart::Compute, SkipPart::Stencil, SkipPart::Frame, SkipPart::Recording];
 
 impl SkipPart {
-    /// What the data call it.
+    /// Name in the data.
     pub(crate) fn id(self) -> &'static str {
         match self {
             Self::Deform => "deform",
@@ -195,7 +195,7 @@ impl SkipRow {
         self.scene.title(self.casters)
     }
 
-    /// What all others are compared with: all levels on.
+    /// The entry that all others are compared with: all levels on.
     pub(crate) fn all_on(&self) -> Option<&SkipEntry> {
         self.entries.iter().find(|entry| matches!(entry.variant, Variant::AllOn))
     }
@@ -247,7 +247,7 @@ impl SkipRow {
 }
 
 impl SkipResults {
-    /// As `bench.schema.json` describes.
+    /// JSON, as `bench.schema.json` describes it.
     pub(crate) fn json(&self) -> Value {
         json!({
             "planned_rows": self.planned_rows,

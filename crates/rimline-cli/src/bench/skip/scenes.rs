@@ -40,7 +40,7 @@ impl SkipScene {
         }
     }
 
-    /// What the command line and the data call it.
+    /// Name on the command line and in the data.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Still => "still",
@@ -51,7 +51,7 @@ impl SkipScene {
         }
     }
 
-    /// What the data call the view.
+    /// Name of the view in the data.
     pub(crate) fn view(self) -> &'static str {
         match self {
             Self::Still | Self::Crowd | Self::Moving | Self::Big(_) => "whole",

@@ -1,4 +1,4 @@
-//! What a scene of skipping consists of: casters, lights, a camera, and the ground.
+//! Setting of a scene of skipping: casters, lights, a camera, and the ground.
 
 use rimline::{Light, Matrix3x4, ShadowCamera};
 use rimline_measure::shapes::Shape;
@@ -27,7 +27,6 @@ impl Setting {
     }
 }
 
-/// What casts.
 pub(super) enum Casters {
     /// Shapes, and for each caster its shape and where it stands.
     Rigid { shapes: Vec<Shape>, placed: Vec<(usize, Matrix3x4)> },

@@ -1,4 +1,5 @@
-//! What draws batches of casters: counts in the low bits of the stencil, and a bit that tells what earlier batches darken.
+//! Pipelines that draw batches of casters. The low bits of the stencil count; another bit marks pixels that earlier
+//! batches darken.
 
 use std::sync::{Arc, OnceLock};
 

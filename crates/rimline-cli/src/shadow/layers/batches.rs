@@ -9,8 +9,8 @@ use super::deepest::deepest;
 /// Batches that may be tried.
 const MOST_BATCHES: usize = 64;
 
-/// The faces of each batch, by number; each light meets at most `most` of a batch. There is none if so many batches do not do.
-/// What hangs together stays together where it can: closed bodies stay closed.
+/// The faces of each batch, by index: each light meets at most `most` of a batch. Returns `None` if `MOST_BATCHES`
+/// batches are not enough. Connected faces stay together where they can, so that closed bodies stay closed.
 pub(super) fn batches(
     lights: &[Light],
     positions: &[[f32; 3]],

@@ -127,7 +127,7 @@ mod tests {
                 let (mut positions, mut faces) = (Vec::new(), Vec::new());
                 (0..layers).for_each(|n| sheet(n as f32 / 256.0, 3, &mut positions, &mut faces));
                 let found = deepest(light, &positions, &faces, 255);
-                // What is not above 255 is right as it is, if not as small as it could be.
+                // A bound of at most 255 is valid, although a smaller one may exist.
                 assert!(found >= layers, "{light:?}, {layers} layers: {found}");
                 assert_eq!(found > 255, layers > 255, "{light:?}, {layers} layers: {found}");
             }

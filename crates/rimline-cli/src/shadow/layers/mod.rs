@@ -18,7 +18,7 @@ use crate::gpu_error::GpuError;
 pub(crate) use batch_pipelines::BatchPipelines;
 use batch_pipelines::{COUNT_BITS, MOST_OF_BATCH};
 
-/// What is known of the layers of all models.
+/// The layers of all models, as far as they are known.
 pub(super) enum Layers {
     /// At most so many faces lie over each other, and the stencil counts them.
     Few(u32),

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rimline::Light;
 
-/// What rounding may come to, as a share of what is computed.
+/// Bound on rounding errors, as a share of the computed value.
 const SLACK: f64 = 1e-11;
 
 /// Faces as rays from the light see them: a place stands for all on its ray. With a light at infinity rays are parallel, and a place
