@@ -207,7 +207,7 @@ pub(crate) fn among(quads: &[Quad], at: DVec4) -> (bool, Vec<(usize, bool)>) {
 struct Tally {
     dark: usize,
     lit: usize,
-    /// Eyes whose near rectangle is between the leaf and a flap.
+    /// Pixels whose point of the near rectangle is between the leaf and a flap.
     between: usize,
     near_borders: usize,
     wrong: usize,

@@ -107,7 +107,7 @@ pub(crate) enum Near {
     Border,
 }
 
-/// The nearest kind of boundary around a point that a pixel sees.
+/// Kind of boundary around a point that a pixel sees: a border if there is one, else a fold.
 pub(crate) fn what_is_near(
     (world, sun): (&World, &Sun),
     (rays, side): (&Rays, u32),
