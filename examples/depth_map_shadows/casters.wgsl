@@ -1,4 +1,4 @@
-// What casts without a mesh: a distance field and a tree of cards. Behind `stage.wgsl`.
+// Casters without a mesh: a distance field and a tree of cards. Behind `stage.wgsl`.
 
 struct Shaded {
   @location(0) color: vec4<f32>,

@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     stage.add_extra(CASTERS, "everywhere", ["field_ambient", "field_lit"], 3);
     stage.add_extra(CASTERS, "card", ["leaf_ambient", "leaf_lit"], 6 * CARDS);
 
-    // What has a mesh.
+    // Casters with a mesh.
     let mut boxes = (Vec::new(), Vec::new());
     push_box(&mut boxes, [-1.5, 0.0, -0.2], [0.2, 1.7, 0.2], 0.05);
     for post in 0..5 {
@@ -72,7 +72,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh = scene.add_mesh(&mesh, &boxes.0)?;
     scene.insert(Caster::rigid(mesh, [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]))?;
 
-    // What has none: the lamp's own view of it.
+    // Casters without a mesh: the lamp renders its own view of them.
     let parity = DepthMapPipelines::beside_meshes(&shared, &format, COUNT_BITS..COUNT_BITS + 1)?;
     let lamp_view = Camera::new(place, [0.1, 1.0, 0.1], 50.0);
     let map = canvas.target([MAP; 2], 1, DEPTH_STENCIL);

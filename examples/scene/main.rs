@@ -88,7 +88,7 @@ impl<'a> World<'a> {
     /// Records a frame.
     pub(crate) fn frame(&mut self, encoder: &mut wgpu::CommandEncoder, seconds: f32) -> Result<(), Box<dyn Error>> {
         let Self { stage, bodies, scene, .. } = self;
-        // What moved. The figures' buffer is read anew by each encode.
+        // Update of everything that moved. Each encode reads the figures' buffer anew.
         self.deformer.encode(encoder, &places::pose(seconds)?, seconds, None, None)?;
         let boxes = places::boxes(seconds);
         stage.place(&bodies[1], &boxes);

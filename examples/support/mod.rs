@@ -1,4 +1,4 @@
-//! What a host program has anyway: a device, something to draw into, a way to see it. Nothing here is Rimline's.
+//! Parts that every host program has: a device, something to draw into, a way to see it. Nothing here is Rimline's.
 #![allow(dead_code, reason = "each example uses its part")]
 
 use rimline::gpu::read_back_vec;
@@ -13,7 +13,7 @@ pub(crate) struct Canvas {
     target: wgpu::Texture,
 }
 
-/// What tells one pipeline from another.
+/// Options in which the pipelines of the examples differ.
 pub(crate) struct PipelineOptions<'a> {
     pub(crate) layouts: &'a [&'a wgpu::BindGroupLayout],
     pub(crate) wgsl: &'a str,

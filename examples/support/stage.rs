@@ -51,7 +51,7 @@ pub(crate) struct Lamp {
     pub(crate) color: [f32; 3],
 }
 
-/// What the renderer draws: instances of one mesh.
+/// Instances of one mesh, drawn by the renderer.
 pub(crate) struct Body {
     group: BindGroup,
     corners: u32,

@@ -144,7 +144,7 @@ fn references(text: &str) -> Vec<(String, Vec<String>)> {
     found.collect()
 }
 
-/// What is wrong with a reference, if anything is.
+/// The fault of a reference, if it has one.
 fn broken_reference(name: &str, titles: &[String]) -> Option<String> {
     let file = root().join("docs").join("numerics").join(format!("{name}.md"));
     if !file.exists() {

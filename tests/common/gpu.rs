@@ -1,4 +1,4 @@
-//! What all subjects share on the GPU. Without an adapter these tests fail; they are never passed over.
+//! GPU tests that concern all subjects. Without an adapter these tests fail; they are never skipped.
 
 mod other_devices;
 mod pipelines;

@@ -77,7 +77,7 @@ fn is_other(error: &DeviceError) -> bool {
 }
 
 fn mixed() -> Result<(), String> {
-    // Of one instance: wgpu takes a thing of another instance for whatever has its number.
+    // Both devices are of one instance. wgpu confuses resources of different instances that have the same id.
     let ours = &Watched::plain()?;
     let theirs = &Watched::of(ours.gpu.another(wgpu::Features::TIMESTAMP_QUERY, wgpu::Limits::default())?);
     let quiet = |what: &str| ours.quiet(what).and_then(|()| theirs.quiet(what));
@@ -103,7 +103,7 @@ fn mixed() -> Result<(), String> {
     let found = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], Some(&mut timer)).map(drop);
     expect("timer", found, |error| matches!(error, ExtractionEncodeError::Device(error) if is_other(error)))?;
     quiet("timer")?;
-    // What was refused left nothing behind.
+    // The refused calls changed no state.
     let extraction = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], None).map_err(text)?;
     let mut volumes = ShadowVolumes::new(&drawing, &extractor, ShadowOptions::default()).map_err(text)?;
     let found = volumes.encode(&mut encoder, &extraction, &camera(), Some(&mut timer));
@@ -178,7 +178,7 @@ fn made_on_lost() -> Result<(), String> {
     watched.quiet("constructors")
 }
 
-/// What encodes, made while the device was alive.
+/// Objects that encode, made while the device was alive.
 struct Made {
     extractor: Extractor,
     drawing: ShadowPipelines,

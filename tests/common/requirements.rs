@@ -22,7 +22,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("the_limits_that_errors_name_are_enough", enough),
 ];
 
-/// What is made on the caller's device by itself.
+/// Objects that a caller creates on its own device, each without the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Subject {
     Extract,
@@ -41,7 +41,7 @@ fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, S
     let other = |error: &dyn std::fmt::Display| Err(format!("{subject:?}: {error}"));
     match subject {
         Subject::Extract => match Extractor::new(pipelines, &mesh, ExtractorOptions::default()) {
-            // What this mesh needs is not what every mesh needs.
+            // A memory error concerns this mesh only, not the limits that every mesh needs.
             Ok(_) | Err(ExtractorError::Memory(_)) => Ok(None),
             Err(ExtractorError::Device(error)) => Ok(Some(error)),
             Err(error) => other(&error),
@@ -130,7 +130,7 @@ fn with(name: &str, value: u64) -> Result<Watched, String> {
     Watched::new(wgpu::Features::empty(), limits)
 }
 
-/// What each subject needs of a limit, as the error for a device with none of it says; 0 where it needs none.
+/// The limit that each subject needs, from the error for a device that has none of it. 0 if the subject does not need it.
 fn needed(name: &'static str) -> Result<[u64; 5], String> {
     let none = with(name, 0)?;
     let mut found = [0; 5];

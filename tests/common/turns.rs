@@ -7,7 +7,8 @@ use rimline_measure::turns::turns;
 
 use crate::Outcome;
 
-/// The turns of the entry points of a stage. Those of exact facing depend on the number of lights: the most of all numbers.
+/// The turns of the entry points of a stage. Turns of exact facing depend on the number of lights: here the maximum over all
+/// numbers.
 fn found(stage: &Stage) -> Result<Vec<(String, u64)>, String> {
     let is_scene = *stage == SCENE_EXACT_FACING;
     let lights = if is_scene { 1..=32 } else { 32..=32 };

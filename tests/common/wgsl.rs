@@ -146,7 +146,7 @@ fn check_constants(module: &Module, listed: &[(&str, u32)]) -> Outcome {
     Ok(())
 }
 
-/// What `casting` and `counting` of shared structs may hold.
+/// `casting` and `counting` of shared structs hold the same constants in Rust and WGSL.
 fn constants() -> Outcome {
     use rimline::reference::layout::{CHUNK, LANES};
     use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING};

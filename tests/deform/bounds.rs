@@ -176,7 +176,7 @@ fn morph_targets_and_displacements_widen() {
     );
     let [low, high] = of(vec![0.0, 0.0], 0.5).expect("a box");
     assert!(low.iter().all(|c| (-0.501..=-0.5).contains(c)) && high.iter().all(|c| (0.5..=0.501).contains(c)));
-    // What is not known has no box.
+    // A NaN target with a weight other than 0 gives no box, and neither does an invalid displacement.
     assert_eq!(of(vec![0.0, 1e-30], 0.0), None);
     for by in [f32::INFINITY, f32::NAN, -1.0] {
         assert_eq!(of(vec![0.0, 0.0], by), None, "{by}");

@@ -175,7 +175,7 @@ fn empty() -> Result<(), String> {
     Ok(())
 }
 
-/// What is done to a pose, and the error that it gives.
+/// A change of a pose, and the error that it gives.
 type Perturbation = (fn(&mut Vec<InstancePose>), PoseMismatch);
 
 /// An instance's pose with another number of matrices or weights.

@@ -63,7 +63,7 @@ fn nothing() -> Result<(), String> {
         check(std::slice::from_ref(geometry), &[0])?;
         check(&geometries, &[number, number])?;
     }
-    // What has no vertex stands between others.
+    // Geometries without vertices stand between others.
     check(&geometries, &(0..geometries.len()).rev().chain(0..geometries.len()).collect::<Vec<_>>())?;
     let model = Model::new(geometries, vec![Instance::new(kinds.len() - 1, None)]).map_err(text)?;
     let options = DeformerOptions { memory_limit: Some(0), ..DeformerOptions::default() };

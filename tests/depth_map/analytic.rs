@@ -44,7 +44,7 @@ struct Way {
     off: usize,
     /// The near and the far plane of the light, if they are others.
     planes: Option<(f64, Option<f64>)>,
-    /// What distances are written in, if the options say that the map is one of distances.
+    /// Metric of the distances in the map, if the options say that the map holds distances.
     written: DepthMetric,
     /// Whether there are objects.
     has_objects: bool,

@@ -36,7 +36,7 @@ pub(crate) fn rank(map: &Map, sample: Option<f32>) -> i64 {
 fn expected(map: &Map, objects: &[u32], threshold: f32, spreads: bool, number: u32) -> u32 {
     let across = i64::from(map.size[0]) + 1;
     let (x, y) = (i64::from(number) % across - 1, i64::from(number) / across - 1);
-    // What is cast, and the object.
+    // The depth that casts, and the object.
     let corner = |dx: i64, dy: i64| {
         let texel = (y + dy) * i64::from(map.size[0]) + x + dx;
         cast(map, x + dx, y + dy).map(|depth| (depth, objects.get(texel as usize).copied()))

@@ -55,7 +55,7 @@ impl Fit {
         }
     }
 
-    /// What the stages are told, for a map in a format.
+    /// Uniform of the stages, for a map in a format.
     fn shape(self, map: &Map, format: TextureFormat, capacity: u32) -> ContourShape {
         let units = |depth: f32| (f64::from(depth) * UNIT).round().min(UNIT) as i32;
         let tolerance = units(self.depth);
@@ -328,7 +328,7 @@ fn is_jump(map: &Map, numbers: Option<&[u32]>, threshold: i64, at: [i32; 2], ste
     if jump <= threshold {
         return false;
     }
-    // As if the second were farther.
+    // The sign makes the second sample the farther one.
     let sign = if b > a { 1 } else { -1 };
     let (nearer, farther) = if b > a { ([2, 1], [4, 5]) } else { ([4, 5], [2, 1]) };
     let beside = |first: usize| difference(first).map(|difference| sign * difference);

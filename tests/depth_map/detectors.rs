@@ -1,4 +1,4 @@
-//! What detectors leave out, and what it costs: wrong pixels and triangles of the same views.
+//! Cost of the edges that detectors leave out: wrong pixels and triangles of the same views.
 
 use std::cell::OnceCell;
 

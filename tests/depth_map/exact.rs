@@ -10,7 +10,7 @@ use crate::maps::Map;
 
 /// A rounding of WGSL: one unit in the last place, of a number in any place of its binade.
 pub(crate) const ROUNDING: f64 = 1.0 / 8_388_608.0;
-/// What products of small errors add, as a factor; and results that are flushed to 0.
+/// Factor for products of small errors. `FLUSHED`: bound on results that are flushed to 0.
 const HIGHER: f64 = 1.001;
 const FLUSHED: f64 = 1e-36;
 

@@ -1,4 +1,4 @@
-//! What flaps change about places near contours, on the GPU and by its twin, against `f64`.
+//! Flaps change the shadow at points near contours: on the GPU and by its twin, against `f64`.
 
 use glam::{DVec4, Vec2};
 use rimline::reference::cpu::{
@@ -104,7 +104,7 @@ fn probe_flaps(place: vec2<f32>, depth: f32, is_behind: bool) -> vec4<u32> {{
                 among(&list.walls, place).1
             };
             let own = at([0.0; 3]);
-            // What floats may move the place by, and the depth.
+            // Rounding in `f32` may move the point and its depth by this much.
             let around = [-1.0, 1.0].map(|sign| {
                 [[1e-4, 0.0, 0.0], [0.0, 1e-4, 0.0], [0.0, 0.0, 4e-6]].map(|off| at(off.map(|off| sign * off)))
             });

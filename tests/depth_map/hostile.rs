@@ -65,7 +65,7 @@ fn beyond() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let pipelines = pipelines_of(&gpu)?;
     let mut random = Random::new(SEED);
-    // Of receivers before the near plane, between, and beyond the far plane: dark, lit, wrong.
+    // Counts of receivers before the near plane, between, and beyond the far plane: dark, lit, wrong.
     let mut tally = [[0_usize; 3]; 3];
     let mut near_borders = 0;
     for _ in 0..if is_long() { 300 } else { 40 } {
@@ -127,8 +127,8 @@ fn beyond() -> Result<(), String> {
     }
 }
 
-/// The light sees a plane at an angle near 90° from its normal. What lies on the plane is lit, as seen from above, and what
-/// lies behind it by more than the bias is dark, as seen from below.
+/// The light sees a plane at an angle near 90° from its normal. Points on the plane are lit, seen from above. Points behind
+/// it by more than the bias are dark, seen from below.
 fn grazing() -> Result<(), String> {
     const SEED: u64 = 16_402;
     const TEXELS: u32 = 64;

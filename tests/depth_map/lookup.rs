@@ -40,7 +40,7 @@ const WAYS: [(&str, Way); 6] = [
     ("volumes, differences above 0.0005", Way::Volumes(MARKED)),
     ("contours, differences above 0.0005", Way::Volumes(CONTOURS)),
     ("lookup, no bias", Way::Lookup { constant: 0.0, slope_scale: 0.0 }),
-    // Those of wgpu's example of shadows.
+    // The bias of wgpu's example of shadows.
     ("lookup, bias of 2 steps and 2 slopes", Way::Lookup { constant: 2.0, slope_scale: 2.0 }),
     ("volumes, automatic", Way::Volumes(DepthMapMethod::Automatic { dangling: None })),
 ];
@@ -138,7 +138,7 @@ fn compare_with(map: MapOf, rounds: usize) -> Result<(), String> {
     let mut random = Random::new(seed);
     let (mut lit, mut pixels) = (0, 0);
     let mut wrong = [Wrong::default(); 6];
-    // Of bodies without narrow facets at their rims, and on the ground.
+    // Wrong pixels on bodies without narrow facets at their rims, and on the ground.
     let (mut of_fields, mut on_ground) = ([0; 6], [0; 6]);
     for format in [TextureFormat::Depth32Float, TextureFormat::Depth24Plus, TextureFormat::Depth16Unorm] {
         for _ in 0..rounds {

@@ -166,7 +166,7 @@ fn depths() -> Result<(), String> {
     if most.iter().all(|&most| most > 0.2) && others > 20 { Ok(()) } else { Err(format!("{most:?}, {others}")) }
 }
 
-/// What is no distance has the depth of the far end or of the near one, to the bit.
+/// Values that are no distance get the depth of the far end or of the near end, to the bit.
 fn special() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let mut random = Random::new(1702);

@@ -39,7 +39,7 @@ const CUBE_SIDE: u32 = 24;
 struct Tally {
     known: [usize; 4],
     dark: usize,
-    /// Those that another limit would tell something else about.
+    /// Pictures whose result changes if surfaces are never nearer: the negative control.
     others: usize,
 }
 

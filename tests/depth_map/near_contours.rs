@@ -1,5 +1,5 @@
-//! Near rectangles right behind the rim of a slanted leaf, where its volume has flaps that join it to its walls. What each pixel
-//! sees is in shadow or not, wherever the near rectangle is.
+//! Near rectangles right behind the rim of a slanted leaf, where its volume has flaps that join it to its walls. The shadow
+//! at each pixel is right, wherever the near rectangle is.
 
 use std::collections::HashSet;
 
@@ -174,8 +174,7 @@ fn crosses([a, b]: [DVec2; 2], at: DVec2) -> bool {
     (a.y > at.y) != (b.y > at.y) && at.x < a.x + (at.y - a.y) / (b.y - a.y) * (b.x - a.x)
 }
 
-/// What a place of the near rectangle is among: whether it is within contours, and the flaps that are there with whether it is
-/// behind them.
+/// Whether a point of the near rectangle is within contours, and the flaps at the point with whether it is behind them.
 pub(crate) fn among(quads: &[Quad], at: DVec4) -> (bool, Vec<(usize, bool)>) {
     let place = DVec2::new(at.x / at.w, at.y / at.w);
     let point = |vertex: [i32; 3]| DVec2::new(f64::from(vertex[0]), f64::from(vertex[1])) / 256.0 - 1.0;
@@ -208,7 +207,7 @@ pub(crate) fn among(quads: &[Quad], at: DVec4) -> (bool, Vec<(usize, bool)>) {
 struct Tally {
     dark: usize,
     lit: usize,
-    /// Those whose near rectangle is between the leaf and a flap.
+    /// Pixels whose point of the near rectangle is between the leaf and a flap.
     between: usize,
     near_borders: usize,
     wrong: usize,

@@ -73,7 +73,7 @@ pub(crate) fn map(random: &mut Random, camera: &ShadowCamera) -> Map {
     })
 }
 
-/// What each pixel sees: places that are near to or far from it alike, on a wavy surface.
+/// For each pixel, the start of its ray and the point that it sees on a wavy surface, near or far.
 pub(crate) fn seen<'a>(random: &mut Random, rays: &'a Rays) -> impl Fn(DVec2) -> (DVec3, DVec3) + use<'a> {
     let middle = f64::from(random.between(3.0, 14.0));
     let waves = [0; 4].map(|_| f64::from(random.between(-0.2, 0.2)));
@@ -84,7 +84,7 @@ pub(crate) fn seen<'a>(random: &mut Random, rays: &'a Rays) -> impl Fn(DVec2) ->
     }
 }
 
-/// What a trial found: pixels with a dark and a lit truth, those too near to a border to tell, and wrong ones.
+/// Results of trials: pixels with a dark and a lit truth, pixels too near to a border to decide, and wrong ones.
 #[derive(Debug, Default)]
 struct Tally {
     dark: usize,
@@ -94,7 +94,7 @@ struct Tally {
     wrong: usize,
 }
 
-/// What trials have in common.
+/// Parameters of trials.
 #[derive(Clone, Copy, Debug)]
 struct Way<'a> {
     /// From the least to the largest distance of the near plane.

@@ -10,7 +10,7 @@ use wgpu::TextureFormat;
 
 use crate::textures::{depth_view, texture};
 
-/// What is drawn: a map of a light, and what an eye sees.
+/// Input of a picture: a map of a light, and the depths that an eye sees.
 pub(crate) struct Picture<'a> {
     pub(crate) map: &'a wgpu::Texture,
     pub(crate) objects: Option<&'a wgpu::Texture>,

@@ -10,7 +10,7 @@ use crate::maps::Map;
 
 const SIDE: u32 = 96;
 
-/// What a map shows before a ground.
+/// Body that a map shows before a ground.
 #[derive(Clone, Copy, Debug)]
 enum Body {
     /// Round towards the light: its depths tell of its rim.
@@ -150,7 +150,7 @@ fn contours_lie_on_rims() {
         let [mut own, mut middles, mut mirrored] = [Errors::default(); 3];
         for round in 0..if is_long() { 400 } else { 30 } {
             let placed = Placed::random(body, &mut random);
-            // Floats, 24 bits and 16 bits. What depths may be off by is four steps.
+            // Floats, 24 bits and 16 bits. The precision of a format is four of its steps.
             let (steps, precision) = [(None, 128), (Some(16_777_215.0), 128), (Some(65_535.0), 1 << 15)][round % 3];
             let given = rounded(&placed.map(round % 2 == 1), steps);
             let (shape, contour) = (given.shape(0.0005, u32::MAX), contour(precision));

@@ -9,7 +9,7 @@ pub(crate) struct Probe {
     layouts: [wgpu::BindGroupLayout; 2],
 }
 
-/// What is bound in group 0.
+/// Resource bound in group 0.
 #[derive(Clone, Copy)]
 pub(crate) enum Bound<'a> {
     Uniform(&'a wgpu::Buffer),

@@ -1,4 +1,4 @@
-//! What is refused, and how the errors tell.
+//! Input that is refused, and the errors for it.
 
 use rimline::gpu::{
     DanglingEdges, DepthMap, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,

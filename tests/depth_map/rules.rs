@@ -20,7 +20,7 @@ fn along((x, y, axis): Edge, steps: i64) -> (i64, i64) {
     if axis == 0 { (x + steps, y) } else { (x, y + steps) }
 }
 
-/// What two depths may be off by, times 2²⁹⁸.
+/// Bound on the error of two depths, times 2²⁹⁸.
 fn noise(detector: &EdgeDetector, large: f32) -> BigInt {
     let rule = &detector.rule;
     let share = exact(large) << (149 - rule.noise_exponents);
@@ -155,7 +155,7 @@ fn detectors_list_the_cells_of_exact_arithmetic() {
     assert!(continued > 1000 && fewer > 100, "{continued}, {fewer}");
 }
 
-/// What the rules are for: a slope has no edges within it, and a step on it has.
+/// The rules find no edges within a slope, and find a step on it.
 #[test]
 fn slopes_are_left_out_and_steps_are_not() {
     let flat = Map::new([20, 20], false, |texel| 0.25 + (texel % 20) as f32 / 64.0);

@@ -257,7 +257,7 @@ fn traced() -> Result<(), String> {
         }
         let (light, format) = (light(&mut random, number), FORMATS[number % 3]);
         let (depths, _) = casters.drawn(&gpu, format, &light, SceneDepthCasters::All)?;
-        // What floats of this size round, and the map's own step.
+        // Bound on the rounding of `f32` depths, or the step of the map's format.
         let step = if format == TextureFormat::Depth16Unorm { 1.0 / 65_535.0 } else { 2e-6 };
         let [bad, covered] = wrong(casters.triangles(), &light, (&depths, step));
         let each = casters.one_by_one(&gpu, format, &light, |_| true)?;

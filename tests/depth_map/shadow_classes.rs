@@ -117,7 +117,7 @@ fn measure<'a>(
     let (casting, drawn) = (world(frame, |body| body.casts), world(frame, |body| body.is_drawn));
     let light_rays: Vec<_> = cameras.iter().map(|camera| Rays::new(camera, TEXELS)).collect();
     let in_maps: Vec<_> = light_rays.iter().map(|rays| seen(&casting, rays, [TEXELS; 2])).collect();
-    // What is nearer to the light than its near plane casts from there.
+    // Frames with a surface near the light's near plane are skipped: a surface before that plane casts from the plane.
     let is_near = |seen: &Seen| seen.is_some_and(|(place, _)| !is_parallel && place.distance(at) < 2.0 * NEAR);
     if in_maps.iter().flatten().any(is_near) {
         return Ok(());

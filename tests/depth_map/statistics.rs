@@ -1,4 +1,4 @@
-//! What the GPU found, as it is copied for those who read it: lists that overflow, and near caps that are left out.
+//! Statistics that the GPU copies for its readers: lists that overflow, and near caps that are left out.
 
 use rimline::gpu::{
     DepthMap, DepthMapFrame, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapStatistics, DepthMapVolumes,

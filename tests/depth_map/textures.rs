@@ -181,7 +181,7 @@ pub(crate) fn sampled(
     Ok(texture)
 }
 
-/// What a shader reads of a texture.
+/// Values of the texels of a texture, read by a shader.
 pub(crate) fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<f32>, String> {
     let texels = texture.width() * texture.height();
     let bits = gpu.storage(&vec![0_u32; texels as usize]);

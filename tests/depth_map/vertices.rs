@@ -32,16 +32,16 @@ pub(crate) const TESTS: &[Test] = &[
     ("vertices_of_meshes_in_maps_are_those_of_f64", of_meshes),
 ];
 
-/// What was compared, and the largest part of a bound that something was off by.
+/// Numbers of vertices compared, and the largest error as a part of its bound.
 #[derive(Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) vertices: usize,
-    /// Those that the GPU and its twin have bit for bit.
+    /// Vertices that are equal on the GPU and by its twin, bit for bit.
     pub(crate) equal: usize,
     pub(crate) far: usize,
-    /// Of the twin, and of the GPU.
+    /// Largest part of the bound, of the twin and of the GPU.
     pub(crate) worst: [f64; 2],
-    /// Those whose move by another 32 units in the last place of the largest component is noticed.
+    /// Vertices for which a move by another 32 units in the last place of the largest component is noticed.
     pub(crate) noticed: usize,
 }
 
@@ -101,7 +101,7 @@ fn drawn(samples: &Samples<'_>) -> (Vec<u32>, Vec<Option<[u32; 2]>>) {
     (std::iter::once(list.count).chain(list.entries).collect(), corners)
 }
 
-/// What the draws of a map are given on the GPU.
+/// Bindings of the draws of a map.
 pub(crate) struct Given {
     shape: wgpu::Buffer,
     map: wgpu::TextureView,
@@ -154,7 +154,7 @@ impl Vertices {
     }
 }
 
-/// What is drawn of a triangle that is left out.
+/// Vertex of a triangle that is left out.
 const NOTHING: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 
 /// Maps of all kinds, and hostile ones, for lights and eyes of all kinds; moved aside and not.

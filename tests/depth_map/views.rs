@@ -72,10 +72,10 @@ pub(crate) fn worlds(random: &mut Random) -> Vec<World> {
     ]
 }
 
-/// What is seen through a pixel: the place and its normal.
+/// The point seen through a pixel, and its normal.
 pub(crate) type Seen = Option<(DVec3, DVec3)>;
 
-/// What the pixels of a picture see.
+/// The points that the pixels of a picture see.
 pub(crate) fn seen(world: &World, rays: &Rays, size: [u32; 2]) -> Vec<Seen> {
     let place = |texel: u32| DVec2::new(f64::from(texel % size[0]) + 0.5, f64::from(texel / size[0]) + 0.5);
     let hit = |texel| {
@@ -97,7 +97,7 @@ pub(crate) fn face_towards(way: DVec3) -> usize {
     (0..6).max_by(|&a, &b| axes[a].dot(way).total_cmp(&axes[b].dot(way))).unwrap_or(0)
 }
 
-/// What is within some texels of a place, as the light sees it.
+/// Kind of shadow boundary within some texels of a point, seen from the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Near {
     Nothing,
@@ -107,7 +107,7 @@ pub(crate) enum Near {
     Border,
 }
 
-/// What is there around what a pixel sees.
+/// Kind of boundary around a point that a pixel sees: a border if there is one, else a fold.
 pub(crate) fn what_is_near(
     (world, sun): (&World, &Sun),
     (rays, side): (&Rays, u32),
@@ -209,7 +209,7 @@ impl<'a> View<'a> {
         Some(Self { world, sun, side, light_rays, light_seen, eye, eye_seen })
     }
 
-    /// What the map and the eye's depth buffer hold.
+    /// Depths of the map and of the eye's depth buffer.
     pub(crate) fn depths(&self) -> [Vec<f32>; 2] {
         [depths(&self.sun.camera, &self.light_seen), depths(&self.eye, &self.eye_seen)]
     }
@@ -221,7 +221,7 @@ impl<'a> View<'a> {
         self.light_seen.iter().map(|seen| seen.map_or(f32::INFINITY, distance)).collect()
     }
 
-    /// What the eye sees of surfaces that are turned to the light: number of the pixel, place and normal.
+    /// Surfaces front-facing to the light that the eye sees: index of the pixel, point and normal.
     pub(crate) fn receivers(&self) -> impl Iterator<Item = (usize, (DVec3, DVec3))> {
         let seen = self.eye_seen.iter().enumerate().filter_map(|(pixel, seen)| Some((pixel, (*seen)?)));
         seen.filter(|&(_, (point, normal))| !self.sun.is_averted(point, normal))
@@ -232,7 +232,7 @@ impl<'a> View<'a> {
         self.sun.is_lit(self.world, point, normal)
     }
 
-    /// What is within some texels of a place, as the light sees it.
+    /// Kind of shadow boundary within some texels of a point, seen from the light.
     pub(crate) fn near(&self, seen: (DVec3, DVec3), within: f64) -> Near {
         what_is_near((self.world, &self.sun), (&self.light_rays, self.side), within, seen)
     }

@@ -81,7 +81,7 @@ pub(crate) fn map(random: &mut Random, is_reversed: bool) -> Map {
     })
 }
 
-/// What is found of a map.
+/// Results of the contour stages for a map.
 struct Found {
     marks: Vec<u32>,
     places: Vec<u32>,
@@ -261,7 +261,7 @@ fn joined() -> Result<(), String> {
                 };
                 for part in [0.25, 0.75] {
                     let expected = first as f64 + f64::from(part) * (last - first) as f64;
-                    // What depths may be off by is added to all, and a 256th of a difference is rounded.
+                    // Both distances include the allowance for errors of depths. A 256th of a difference is rounded.
                     let off = (at(part) - at(0.0)) as f64 - (expected - first as f64);
                     if off.abs() > 1000.0 {
                         return Err(format!("round {round}, {:?}, edge {axis} of {x}, {y}: {off}", map.size));

@@ -1,4 +1,4 @@
-//! What casts in the tests of shadows: distance fields with analytic forms, and meshes; each on a ground.
+//! Casters in the tests of shadows: distance fields with analytic forms, and meshes; each on a ground.
 
 use glam::DVec3;
 use rimline_measure::rays;

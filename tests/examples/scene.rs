@@ -18,7 +18,7 @@ use scene::support::Canvas;
 const SIZE: [u32; 2] = [576, 384];
 const PIXELS: usize = 3000;
 
-/// What a ray from the eye meets.
+/// Surface that a ray from the eye meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Ground,
@@ -70,7 +70,7 @@ impl Truth {
         Self { tracer: Tracer::build(casters.chain(ground)) }
     }
 
-    /// What is seen at a place of the picture, in pixels.
+    /// The sample at a position in the picture, in pixels.
     fn seen(&self, [x, y]: [f64; 2]) -> Option<Sample> {
         let camera = places::camera();
         let matrix: DMat4 = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();

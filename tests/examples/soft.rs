@@ -75,7 +75,7 @@ fn floor() -> Vec<Option<DVec3>> {
 }
 
 struct Expected {
-    /// What the picture should be, 0 to 255, where the floor is seen.
+    /// Expected colours, 0 to 255, where the floor is seen.
     pixels: Vec<[f64; 3]>,
     is_floor: Vec<bool>,
     /// Some of the light comes and some does not.

@@ -83,7 +83,7 @@ impl Scene {
     }
 }
 
-/// What the reader found for a light: the valid edges, eight words each, in the order of the edges.
+/// Entries that the reader found for a light: the valid edges, eight words each, in the order of the edges.
 fn read_light(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<[u32; 8]>, String> {
     let device = &gpu.device;
     let source = format!("{READER}{}", include_wgsl(1));
@@ -148,7 +148,7 @@ fn read_light(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<[u32; 8]>, S
     Ok(valid)
 }
 
-/// What the reader ought to find.
+/// Entries that the reader must find.
 pub(crate) fn expected(scene: &Scene, facing: &[u32], light: usize) -> Vec<[u32; 8]> {
     let mesh = &scene.mesh;
     let masks = cpu::edges(mesh.edges(), facing, mesh.faces().len(), LIGHTS, Threads::ONE);

@@ -1,4 +1,4 @@
-//! Devices with less: results equal those of the shared device. What does not fit is in `refusals.rs`.
+//! Devices with less: results equal those of the shared device. Input that does not fit is in `refusals.rs`.
 
 use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::reference::Method;

@@ -25,7 +25,7 @@ fn sign_by_robust([a, b, c]: [[f32; 3]; 3], light: Light) -> Option<i32> {
     let [x, y, z, w] = light.to_array().map(f64::from);
     let [a, b, c] = [a, b, c].map(|corner| corner.map(f64::from));
     let divided = [x, y, z].map(|coordinate| coordinate / w);
-    // Of two numbers of 24 bits `f64` holds the product.
+    // `f64` holds the product of two numbers of 24 bits exactly.
     let is_exact = |(divided, given): (&f64, f64)| f64::from(*divided as f32) == *divided && divided * w == given;
     let (point, side) = if divided.iter().zip([x, y, z]).all(is_exact) {
         (divided, if w < 0.0 { -1 } else { 1 })
@@ -112,7 +112,7 @@ fn every_class_of_pairs_is_exact() -> Outcome {
     Ok(())
 }
 
-/// What `f32` arithmetic says of these pairs, one sign the other way, and a class without its zeros go not unnoticed.
+/// The checks notice signs of `f32` arithmetic, one wrong sign, and a class without its zeros.
 #[test]
 fn wrong_signs_are_noticed() -> Outcome {
     for class in &CLASSES {

@@ -1,4 +1,4 @@
-//! What does not fit a device is a typed error, before anything is allocated.
+//! Input that does not fit a device gives a typed error, before anything is allocated.
 
 use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, ExtractionEncodeError, ExtractionIncludeError, Extractor, ExtractorError,

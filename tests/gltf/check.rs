@@ -1,4 +1,4 @@
-//! What must hold of every asset that loads, and comparisons, each with a negative control.
+//! Properties of every asset that loads, and comparisons, each with a negative control.
 
 use libtest_mimic::Trial;
 use rimline::gltf::{AnimationError, Asset, GltfWarning};
@@ -174,10 +174,10 @@ impl Parts {
     }
 }
 
-/// What spoils the parts, and whether a constructor refuses them then.
+/// A change that spoils the parts, and whether a constructor refuses them then.
 type Spoiler = (fn(&mut Parts), bool);
 
-/// What is spoilt is refused by a constructor or by the check, whichever comes first.
+/// Spoilt parts are refused by a constructor or by the check, whichever comes first.
 fn model_control() -> Outcome {
     let good = crate::maker::everything().load()?;
     model(good.model())?;

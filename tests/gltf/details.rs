@@ -1,5 +1,5 @@
-//! What the specification says in passing, each with a file that only this decides. Single changes of the loader that no
-//! other test noticed led here.
+//! Details of the specification, each with a file that only this detail decides. Each test catches a change of the loader
+//! that no other test notices.
 
 use std::f32::consts::FRAC_PI_2;
 

@@ -27,7 +27,7 @@ use std::path::PathBuf;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 
-/// What a test returns.
+/// Result of a test.
 type Outcome = Result<(), Failed>;
 
 fn main() {

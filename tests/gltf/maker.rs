@@ -113,7 +113,7 @@ impl Maker {
         glb(self.with_buffer(None).to_string().as_bytes(), &self.bytes)
     }
 
-    /// As text with a data URI.
+    /// The asset as JSON with a data URI.
     pub(crate) fn gltf(&self) -> Vec<u8> {
         use base64::Engine as _;
         let data = base64::engine::general_purpose::STANDARD.encode(&self.bytes);

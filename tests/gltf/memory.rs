@@ -1,7 +1,7 @@
-//! What loading a glTF takes of memory, by an allocator that counts: never more than the limit, whatever the file, and for
-//! ordinary files not much less than was charged.
+//! Memory that loading a glTF takes, measured by an allocator that counts. It never exceeds the limit, for any file.
+//! For ordinary files the loader does not charge much more than it takes.
 //!
-//! A binary of its own, without threads, since the allocator counts what the whole process takes.
+//! A binary of its own, without threads, since the allocator counts the memory of the whole process.
 
 #[path = "maker.rs"]
 #[allow(dead_code)]
@@ -176,7 +176,7 @@ fn primitives_of_one_accessor() -> Maker {
     maker
 }
 
-/// What is read only to be checked takes its time.
+/// The loader charges accessors that it only reads to check, since reading takes time.
 fn points_of_one_accessor() -> Maker {
     let mut maker = zeros(60_000);
     let points = json!({ "attributes": { "POSITION": 0 }, "mode": 0 });

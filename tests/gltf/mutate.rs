@@ -47,7 +47,7 @@ pub(crate) fn tests() -> Vec<Trial> {
     ]
 }
 
-/// Of both tests together.
+/// Number of cases of both tests together.
 fn cases() -> usize {
     if std::env::var_os("RIMLINE_LONG").is_some() { 100_000 } else { 2_000 }
 }

@@ -123,7 +123,7 @@ fn images() -> Outcome {
     Ok(())
 }
 
-/// What is not there cannot be resolved; what would lie outside is refused without a look at it.
+/// A missing file cannot be resolved. A path outside is refused before it is looked up.
 fn missing() -> Outcome {
     let place = Place::new()?;
     match place.load("none.bin", false) {

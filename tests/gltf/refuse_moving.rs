@@ -1,4 +1,4 @@
-//! What spoils a skinned square or an animation, and what the error must say.
+//! Changes that spoil a skinned square or an animation, and texts that the error must contain.
 
 use serde_json::{Value, json};
 
@@ -26,7 +26,7 @@ pub(crate) const SKINNED: &[Row] = &[
     ("instanced", instanced_skin, &["nodes[0]", "EXT_mesh_gpu_instancing", "skin"]),
 ];
 
-/// What spoils the animation of [`everything`]: samplers are rotation, cubic translation, step weights.
+/// Changes that spoil the animation of [`everything`]: samplers are rotation, cubic translation, step weights.
 pub(crate) const ANIMATED: &[Row] = &[
     ("sampler", |m| animation(m)["channels"][0]["sampler"] = json!(3), &["animations[0].channels[0].sampler is 3"]),
     ("path", |m| animation(m)["channels"][0]["target"] = json!({}), &["channels[0].target.path is missing"]),

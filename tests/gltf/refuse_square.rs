@@ -1,4 +1,4 @@
-//! What spoils a square, and what the error must say.
+//! Changes that spoil a square, and texts that the error must contain.
 
 use serde_json::json;
 
@@ -108,7 +108,7 @@ fn sparse_count(maker: &mut Maker) {
     maker.json["accessors"][0]["sparse"]["count"] = json!(5);
 }
 
-/// As gltfpack -c writes it: the view's own buffer is a fallback without data.
+/// The output of gltfpack -c: the view's own buffer is a fallback without data.
 fn meshopt(maker: &mut Maker) {
     let bytes = maker.bytes.len();
     maker.json["buffers"] = json!([{ "byteLength": bytes }, { "byteLength": 48 }]);

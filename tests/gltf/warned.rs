@@ -1,4 +1,4 @@
-//! What does not refuse a file: faults in parts that nothing shows, and slips that can be read in one way only.
+//! Faults that do not refuse a file: in parts that nothing shows, and slips that can be read in one way only.
 
 use libtest_mimic::Trial;
 use rimline::gltf::{AnimationError, Asset, GltfError, GltfWarning, LoadOptions};

@@ -1,4 +1,4 @@
-//! What spoils a square without a need to refuse it, and what the warning must say.
+//! Changes that spoil a square without a need to refuse it, and texts that the warning must contain.
 
 use serde_json::{Value, json};
 

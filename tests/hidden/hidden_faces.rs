@@ -131,7 +131,7 @@ fn all_behind_a_wall_is_hidden_and_nothing_before_it() {
     let before = wall_before(&bodies[..1], -5.0);
     let found = find(&before, HiddenOptions::default());
     assert!(found.faces(0).is_empty());
-    // Of a sphere alone the faces that face the light are before the others, so no face is hidden.
+    // The front faces of a single sphere are before its other faces, so no face is occluded.
     assert!(found.faces(1).is_empty());
 }
 

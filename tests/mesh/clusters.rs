@@ -138,7 +138,7 @@ fn bounds_without_a_part_are_noticed() -> Outcome {
     Ok(())
 }
 
-/// What a decided cluster stands for: the bit of facing, and none of the excluded.
+/// Faces of a decided cluster have its facing bit, and none of them is excluded.
 #[test]
 fn decided_clusters_have_the_bits_of_facing_and_exclude_no_face() -> Outcome {
     let mut random = Random::new(1402);

@@ -171,7 +171,7 @@ fn holes_stay_open() {
     }
 }
 
-/// What records say of each pair of vertices: the faces that run upwards, and those that run downwards.
+/// For each pair of vertices, the faces whose edge runs upwards, and those whose edge runs downwards.
 type Sides = BTreeMap<[u32; 2], [Vec<u32>; 2]>;
 
 fn sides_of_records(mesh: &Mesh) -> Result<Sides, String> {
@@ -373,7 +373,7 @@ fn polygons_are_cut_into_the_triangles_that_are_drawn() -> Outcome {
         }
         let is_drawn = |face: &&[u32; 3]| face[0] != face[1] && face[1] != face[2] && face[2] != face[0];
         let drawn = |mesh: &Mesh| mesh.faces().iter().filter(is_drawn).copied().collect::<Vec<_>>();
-        // Those of random polygons: none has the corners of another.
+        // No two random polygons have the same corners, so lists of triangles compare directly.
         if drawn(&cut) != drawn(&whole) {
             return Err(format!("seed {seed}: {:?}, but taken whole {:?}", cut.faces(), whole.faces()));
         }

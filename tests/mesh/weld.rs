@@ -38,7 +38,7 @@ mod oracle {
         pub(crate) positions: Vec<[f32; 3]>,
         pub(crate) faces: Vec<[u32; 3]>,
         pub(crate) morph_targets: Vec<Vec<[f32; 3]>>,
-        /// Of each vertex.
+        /// Joints and weights of each vertex.
         pub(crate) entries: Vec<Vec<(u32, f32)>>,
         pub(crate) source_vertices: Vec<u32>,
     }
@@ -91,7 +91,7 @@ mod oracle {
         WeldCounts { before: geometry.positions.len(), after: after(weld), apart, collapsed, wide: 0 }
     }
 
-    /// What is wrong with a welded geometry.
+    /// The first part of a welded geometry that is wrong.
     pub(crate) fn difference(source: &Parts, welded: &Parts, weld: Weld) -> Option<String> {
         let groups = groups(source, weld);
         let kept: Vec<usize> = (0..groups.len()).filter(|&v| groups[v] == v).collect();

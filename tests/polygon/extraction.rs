@@ -28,7 +28,7 @@ fn add(sums: &mut Sums, [a, b]: [u32; 2], value: i64) {
     *sums.entry([a.min(b), a.max(b)]).or_default() += if a < b { value } else { -value };
 }
 
-/// What faces add to their edges: 1 if they face the light, −1 if not, nothing if they are twisted.
+/// Sums over the edges of faces: 1 for each face that faces the light, −1 for each other, 0 for a twisted one.
 fn sums_of_faces(mesh: &Mesh, facing: &[u32], twisted: &[u32], light: usize) -> Sums {
     let polygons = mesh.polygons().expect("polygons");
     let mut sums = Sums::new();
@@ -58,7 +58,7 @@ fn sums_of_records(mesh: &Mesh, masks: &[EdgeMasks], twisted: &[u32], light: usi
     sums
 }
 
-/// As many edges begin at each vertex as end there, by their multiplicities.
+/// The number of edges that begin at a vertex equals the number that end there, by their multiplicities.
 fn is_closed(sums: &Sums) -> bool {
     let mut balance = BTreeMap::<u32, i64>::new();
     for (&[a, b], count) in sums {
@@ -155,7 +155,7 @@ fn sums_change(mesh: &Mesh, found: &Extraction, at: usize, lowest: u32) -> bool 
     counts(edge.face_0) || edge.face_1.is_some_and(counts)
 }
 
-/// What is decided for many polygons and lights together is what is decided for each by itself.
+/// Masks of many polygons and lights together equal the masks of each by itself.
 #[test]
 fn masks_are_those_of_each_outline() -> Outcome {
     let mut seen = [0; 4];

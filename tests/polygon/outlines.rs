@@ -248,7 +248,7 @@ fn corners_in_line_are_ordinary() {
     assert_eq!(seen(&loops(&[&collapsed]), ABOVE), Seen::Facing);
 }
 
-/// What the cheap way accepts, all pairs accept, for loops of all sizes; and it does accept convex loops.
+/// All pairs accept each loop that the cheap way accepts, for loops of all sizes. The cheap way accepts convex loops.
 #[test]
 fn convex_outlines_take_the_cheap_way() {
     for seed in 0..400 {

@@ -23,7 +23,7 @@ fn random_lights(random: &mut Random, set: &PolygonSet, count: usize) -> Vec<Lig
     any.filter(|light| light.to_array() != [0.0; 4]).take(count).collect()
 }
 
-/// What is found for triangles, against the facing and twisted bits of their polygons.
+/// Compares the bits of triangles with the facing and twisted bits of their polygons.
 pub(crate) fn check_facing(mesh: &Mesh, found: &Found, masks: &[PolygonMasks]) -> Result<(), String> {
     same("facing", &found.facing, &of_triangles(mesh, masks, |masks| masks.facing)?)?;
     same("twisted", &found.twisted, &of_triangles(mesh, masks, |masks| masks.twisted)?)
@@ -139,7 +139,7 @@ pub(crate) fn listed(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light])
     Ok(lists)
 }
 
-/// As many pieces begin at each point, bit for bit, as end there.
+/// The number of pieces that begin at a point, bit for bit, equals the number that end there.
 pub(crate) fn check_closed(pieces: &[Listed]) -> Result<(), String> {
     let mut balance = BTreeMap::<[u32; 3], i32>::new();
     for [from, to, _] in pieces {

@@ -85,7 +85,7 @@ impl Case {
         pieces.iter().map(ends).collect()
     }
 
-    /// As many pieces begin at each corner, and at each crossing of two edges, as end there.
+    /// At each corner, and at each crossing of two edges, equal numbers of pieces begin and end.
     fn check_closed(&self, pieces: &[Piece]) -> Outcome {
         let mut balance = BTreeMap::<String, i32>::new();
         for piece in pieces {
@@ -142,7 +142,7 @@ impl Case {
         [0, 1, 2].map(|axis| from[axis] + 400.0 * direction[axis] / length)
     }
 
-    /// What the winding number of the pieces is at `p` less that at `q`. `None` where rounding may tell.
+    /// The winding number of the pieces at `p` less that at `q`. `None` where rounding may decide.
     fn winding_from(&self, pieces: &[[Vector; 2]], q: [f32; 3], p: [f32; 3]) -> Option<i32> {
         let [q, p] = [q, p].map(|point| unit(self.seen(point.map(f64::from))));
         if dot(p, q) < -0.9 || dot(p, q) > 0.999_999 {

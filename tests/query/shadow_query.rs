@@ -189,7 +189,7 @@ fn expect<T, E: std::fmt::Debug>(what: &str, outcome: Result<T, E>, fits: fn(&E)
     }
 }
 
-/// What is wrong, positions and points, how many points, lights, and the error that must come.
+/// Name of the fault, positions and points, number of points, lights, and the error that must come.
 type Refused<'a> = (&'a str, [PositionBuffer<'a>; 2], u32, Vec<Light>, fn(&ShadowQueryEncodeError) -> bool);
 
 fn refusals() -> Result<(), String> {

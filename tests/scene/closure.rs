@@ -47,7 +47,7 @@ fn of_faces(faces: &[[u32; 3]], facing: &[bool], excluded: impl Fn(usize) -> boo
     chain
 }
 
-/// What is excluded, by casters and lights, beside what the scene has of it.
+/// Excluded faces, by casters and lights, beside those that the scene has.
 type Excluded = HashMap<(usize, u32), Vec<u32>>;
 
 fn boundary() -> Result<(), String> {

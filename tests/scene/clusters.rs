@@ -108,7 +108,7 @@ fn hostile() -> Result<(), String> {
     if is_vacuous { Err("not as meant".to_owned()) } else { Ok(()) }
 }
 
-/// What is known of clusters follows the order in which frames are submitted.
+/// Cached decisions on clusters follow the order in which frames are submitted.
 fn late() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let encoder = || gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

@@ -26,7 +26,7 @@ fn inside(cone: Cone, apex: DVec3, place: DVec3) -> f64 {
     if away.length() == 0.0 { 1.0 } else { away.normalize().dot(axis) - f64::from(cone.cosine) }
 }
 
-/// As a scene has the cone.
+/// The cone in the scene's layout.
 fn packed(cone: Cone, apex: [f32; 3]) -> LightCone {
     let axis = DVec3::from(cone.axis.map(f64::from)).normalize().as_vec3();
     LightCone { apex: [apex[0], apex[1], apex[2], 1.0], axis: [axis.x, axis.y, axis.z, cone.cosine] }
@@ -230,7 +230,7 @@ fn scenes() -> Result<(), String> {
                 wrong[at] = 0;
                 must_fail("a light that is left out", &check(&wrong))?;
             }
-            // Those left out because of the cone alone: they have no corner in it.
+            // Casters that only the cone culls have no corner in it.
             let mut uncut = table.clone();
             uncut[cones_at as usize..][..64 * first.batches as usize].fill([0; 4]);
             let uncut = cpu::reach(SceneTable(&uncut), &first, &[]);

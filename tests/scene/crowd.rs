@@ -22,7 +22,7 @@ pub(crate) struct Figure {
     pub(crate) version: u64,
 }
 
-/// What does not change.
+/// The constant parts of a crowd.
 pub(crate) struct Crowd {
     pub(crate) model: Model,
     bounds: ModelBounds,

@@ -1,4 +1,4 @@
-//! What a frame left in its buffers, and whether each caster came to what it comes to alone.
+//! Results of a frame, read back from its buffers, and a comparison of each caster with its results alone.
 
 use rimline::gpu::{ExtractionStatistics, SceneFrame, SceneResults, SceneStatistics};
 use rimline::reference::cpu::{self, SceneTable};
@@ -9,7 +9,7 @@ use rimline_measure::same;
 
 use crate::random_scene::{Content, Expected, Own, Placed};
 
-/// What a frame left in its buffers.
+/// Results of a frame, read back from its buffers.
 pub(crate) struct Found {
     pub(crate) table: Vec<[u32; 4]>,
     pub(crate) lit: Vec<u32>,
@@ -100,7 +100,7 @@ fn certainly_reaches(content: &Content, own: &Own, bit: u32) -> bool {
     squares.fold(f64::MAX, f64::min).sqrt() <= f64::from(light.range) * (1.0 - 1e-5)
 }
 
-/// What the pairs of a scene came to, for tests that must not be vacuous.
+/// Counts of pairs of a scene, for tests that must not be vacuous.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) lit: u32,

@@ -84,7 +84,7 @@ fn seen(gpu: &Gpu, scene: &mut Scene) -> Result<Seen, String> {
     Ok((excluded, found.groups.into_iter().map(|group| group.lists).collect(), frame.hidden()))
 }
 
-/// What changes something of what was searched, or changes it back.
+/// A change of something that the search read, or its reversal.
 type Change = Box<dyn Fn(&mut Scene, bool) -> Result<(), SceneError>>;
 
 fn holds() -> Result<(), String> {
@@ -137,7 +137,7 @@ fn holds() -> Result<(), String> {
         change(&mut scene, false).map_err(text)?;
         used(&mut scene, what)?;
     }
-    // What is of another light, or of no account for hidden faces, changes nothing.
+    // Changes of another light, and of properties that occluded faces do not depend on, have no effect.
     scene.set_light(other, Light::point([8.0; 3])).map_err(text)?;
     scene.set_light(other, Light::point([9.0; 3])).map_err(text)?;
     scene.set_light(light, LIGHT.with_range(1e4)).map_err(text)?;

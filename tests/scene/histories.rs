@@ -1,5 +1,5 @@
-//! What a scene was before does not show in its frames: shadow volumes of scenes that changed, whose encoders were dropped
-//! or submitted in any order, against those of a scene made anew.
+//! Frames do not depend on a scene's past. Scenes changed, and their encoders were dropped or submitted in any order; their
+//! shadow volumes must equal those of a new scene.
 
 use glam::Vec3;
 use rimline::gpu::{
@@ -21,7 +21,7 @@ pub(crate) const TESTS: &[Test] = &[("volumes_do_not_depend_on_what_a_scene_was_
 /// Faces that are excluded for a light.
 type Excluded = Vec<(CasterHandle, LightHandle, Vec<u32>)>;
 
-/// What was recorded, and what it must come to: the content, the cameras and the excluded faces of that moment.
+/// A recorded frame, and its expected result: the content, the cameras and the excluded faces of that moment.
 struct Recorded {
     encoder: wgpu::CommandEncoder,
     draws: Vec<wgpu::Buffer>,
@@ -38,7 +38,7 @@ struct Recorded {
 pub(crate) struct Volumes {
     pub(crate) instances: Vec<[u32; 6]>,
     statistics: Vec<u32>,
-    /// What is not compared: lists that were kept.
+    /// Cached lists, which are not compared.
     kept_lists: u32,
 }
 

@@ -32,7 +32,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("late_frames_of_another_layout_spoil_nothing", late),
 ];
 
-/// What each caster and light was when the GPU last computed it: how often it had changed.
+/// Version of each caster and light when the GPU last computed it: how often it had changed.
 #[derive(Clone, Default)]
 struct Memory {
     casters: HashMap<CasterHandle, u64>,
@@ -275,7 +275,7 @@ fn lists() -> Result<(), String> {
             let results = frame.results().map_err(text)?;
             let kept: Vec<u32> = gpu.read(results.kept, usize::MAX)?;
             let listed = Listed::read(gpu, &frame)?;
-            // What each list is made from, and which are made anew: from the words of the frame.
+            // The inputs of each list, and the lists that are recomputed, from the words of the frame.
             let (views, mut fresh) = (cameras.len(), 0);
             for (part, group) in results.groups.iter().enumerate() {
                 for view in 0..views {
@@ -319,7 +319,7 @@ fn lists() -> Result<(), String> {
             return Err(format!("one light of 6 changed, and {fresh} of {all} lists"));
         }
         partly += u32::from(fresh > 0);
-        // What is set to what it was has not changed. A caster that moves has other lists in its group.
+        // A value that is set to itself is no change. A caster that moves changes lists of its group.
         let Placed::Rigid(rows) = scene.content.casters[0].placed else { return Err("not rigid".to_owned()) };
         let moved = rows.map(|row| [row[0], row[1], row[2], row[3] + 1.0]);
         for (rows, changes) in [(rows, false), (moved, true), (moved, false)] {
@@ -361,7 +361,7 @@ fn versions() -> Result<(), String> {
         gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(world));
         scene.content.casters[0].placed = Placed::World(world.to_vec());
     };
-    // What is done to the buffer and the version, and whether the frame keeps all.
+    // Whether the buffer is written, its version, and whether the frame uses all cached results.
     let steps: [(bool, Option<u64>, bool); 9] = [
         (false, None, false),
         (true, None, false),

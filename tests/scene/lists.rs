@@ -10,7 +10,7 @@ use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::text;
 use rimline_measure::{must_fail, same};
 
-/// What earlier frames of one layout knew of clusters, for each group and batch.
+/// Decisions on clusters that are cached from earlier frames of one layout, for each group and batch.
 pub(crate) type Known = HashMap<(usize, usize), Vec<u32>>;
 
 /// The chunks of faces and of edges that a frame listed, and those that it did not list.

@@ -30,7 +30,7 @@ fn options() -> SceneOptions {
 /// Boxes that an invocation looks at: views times lights and one more. With more, all figures are needed.
 const MOST_BOXES: usize = 2500;
 
-/// What the stage is given, made anew.
+/// The twin's result, from an input made anew.
 fn twin(boxes: &[Option<Box3>], masks: &[u32], lights: &[Light], cameras: &[ShadowCamera]) -> Result<Vec<u32>, String> {
     let mut seen = Vec::new();
     for camera in cameras {
@@ -113,7 +113,7 @@ fn positions(gpu: &Gpu, stage: &Stage) -> Result<Vec<[u32; 3]>, String> {
     gpu.read(stage.deformer.positions().buffer, usize::MAX)
 }
 
-/// What the frame did not need is a point, and all else is as where everything is deformed.
+/// A figure that the frame does not need is a point. All others are as where everything is deformed.
 fn check_positions(found: &[[u32; 3]], all: &[[u32; 3]], unneeded: &[u32]) -> Result<(), String> {
     let count = all.len() / unneeded.len();
     for (number, word) in unneeded.iter().enumerate() {
@@ -201,7 +201,7 @@ fn twins() -> Result<(), String> {
         }
     }
     println!("{unneeded} figures not needed, {noticed} seen, {needed} others needed");
-    // What is kept without need is few: boxes near the frustum's edges, and what samples miss.
+    // Few figures are deformed without need: boxes near the frustum's edges, and boxes that samples miss.
     if unneeded < 500 || noticed < 300 || needed > noticed { Err("not as meant".to_owned()) } else { Ok(()) }
 }
 
@@ -299,7 +299,7 @@ fn histories() -> Result<(), String> {
                 recorded.check(gpu, &crowd, &stage, options).map_err(|error| format!("late, {}", what(error)))?;
                 late += 1;
             }
-            // As a rule figures stay as they are, while cameras turn to them and away.
+            // Figures move in a quarter of the frames, cameras in half of them.
             match random.below(4) {
                 0 => walk(&mut figures, &mut random),
                 1 => {
@@ -352,7 +352,7 @@ fn off() -> Result<(), String> {
     Ok(())
 }
 
-/// What is done to a scene after its needs were found.
+/// A change of a scene after its needs were found.
 type Change = fn(&mut Stage) -> Result<(), SceneError>;
 
 fn refusals() -> Result<(), String> {

@@ -53,7 +53,7 @@ fn shapes() -> [Shape; 3] {
     [shapes::cube(), shapes::sphere(2), sheet()]
 }
 
-/// What a mesh declares: sides of the cube, a face of the sphere, the sheet from both sides.
+/// Occluders of a mesh: sides of the cube, faces of the sphere, the sheet from both sides.
 fn occluders(mesh: usize) -> Vec<Vec<[f32; 3]>> {
     match mesh {
         0 => cube_sides(),
@@ -346,9 +346,9 @@ fn edges() -> Result<(), String> {
 /// Occluders that are tried, as in `reach.wgsl`.
 const MOST_OCCLUDERS: usize = 128;
 
-/// As many occluders as are tried, each of as many corners as it may have, for as many lights as a batch has. All but the last have
-/// the box outside of their last edge alone. llvmpipe ends an invocation's loops after 65,535 turns without a word, and reach would
-/// then not come to the last. One more is not tried.
+/// Reach tries the maximum number of occluders, each with the maximum of corners, for all lights of a batch. All but the
+/// last have the box outside of their last edge alone. llvmpipe ends an invocation's loops after 65,535 turns without an
+/// error, and reach would then miss the last occluder. One more occluder is not tried.
 fn most_tried() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     // In the plane of a sheet, with an edge on the right, from its last corner to its first.

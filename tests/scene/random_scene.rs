@@ -23,7 +23,7 @@ pub(crate) struct Own {
     pub(crate) placed: Placed,
     pub(crate) lights: LightMask,
     pub(crate) in_depth: bool,
-    /// What is stated of positions in a buffer.
+    /// Stated bounds of positions in a buffer.
     pub(crate) bounds: Option<[[f32; 3]; 2]>,
 }
 
@@ -40,7 +40,7 @@ pub(crate) struct RandomScene {
     pub(crate) content: Content,
 }
 
-/// What is in a scene at a moment.
+/// Content of a scene at a moment.
 #[derive(Clone)]
 pub(crate) struct Content {
     pub(crate) meshes: Vec<(Arc<Case>, MeshHandle)>,
@@ -48,7 +48,7 @@ pub(crate) struct Content {
     pub(crate) lights: Vec<(LightHandle, Light)>,
 }
 
-/// What one caster must come to: for each batch facing masks, and for each bit its silhouette edges, in order.
+/// Expected results of one caster: facing masks for each batch, and silhouette edges for each bit, in order.
 pub(crate) struct Expected {
     pub(crate) facing: Vec<Vec<u32>>,
     pub(crate) lists: Vec<Vec<u32>>,
@@ -165,7 +165,7 @@ impl RandomScene {
         };
         let bounds = [ends(f32::min, f32::INFINITY), ends(f32::max, f32::NEG_INFINITY)];
         let handle = self.insert_as(mesh, Placed::World(world), CasterPositions::Buffer { buffer, offset, stride })?;
-        // Of some, a box is stated that holds their positions.
+        // Half of the casters have a stated box that holds their positions.
         if bounds[0][0].is_finite() && self.content.casters.len().is_multiple_of(2) {
             self.scene.set_bounds(handle, Some(bounds)).map_err(text)?;
             if let Some(own) = self.content.casters.last_mut() {
@@ -303,7 +303,7 @@ impl Content {
         (mesh, if let Placed::World(world) = &own.placed { world } else { rest })
     }
 
-    /// What a caster comes to alone, for the lights of `lit`, a word for each batch.
+    /// Results of a caster alone, for the lights of `lit`, a word for each batch.
     pub(crate) fn alone(&self, own: &Own, lit: &[u32]) -> Result<Expected, String> {
         let (mesh, positions) = self.mesh_and_positions(own);
         let mut expected = Expected { facing: Vec::new(), lists: Vec::new(), excluded: Vec::new() };

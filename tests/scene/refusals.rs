@@ -1,4 +1,4 @@
-//! What a scene refuses, as typed errors.
+//! Typed errors for input that a scene refuses.
 
 use rimline::gpu::{Caster, CasterPositions, LightMask, MemoryError, PositionError, Scene, SceneError, SceneOptions};
 use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld};
@@ -52,7 +52,7 @@ fn handles() -> Result<(), String> {
     one.remove(caster).map_err(text)?;
     one.remove_light(light).map_err(text)?;
     one.remove_mesh(cube).map_err(text)?;
-    // What comes into the place of the removed has another handle.
+    // An item that reuses the slot of a removed one has another handle.
     let again = one.add_mesh(&mesh, &positions).map_err(text)?;
     one.insert(Caster::rigid(again, IDENTITY)).map_err(text)?;
     one.add_light(Light::directional([0.0, 1.0, 0.0])).map_err(text)?;

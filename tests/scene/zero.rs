@@ -52,7 +52,7 @@ impl Stage {
         gpu.submit(|encoder| self.scene.encode(encoder, cameras, None).map_err(text))
     }
 
-    /// What the draws of a frame have, and its statistics.
+    /// Instances of the draws of a frame, and its statistics.
     fn volumes(&self, gpu: &Gpu, frame: &SceneFrame, views: usize) -> Result<Volumes, String> {
         let (draws, statistics) = buffers(frame)?;
         let bits: Vec<u32> = self.lights.iter().map(|light| light.bit()).collect();

@@ -94,7 +94,7 @@ fn z_fail() -> Result<(), String> {
     Ok(())
 }
 
-/// Of either depth.
+/// Orthographic cameras of both depth directions.
 fn orthographic() -> Result<(), String> {
     // z-fail needs depth to be unclipped here, for there is a far plane.
     let gpu = Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;

@@ -38,8 +38,8 @@ fn text<E: std::fmt::Display>(error: E) -> String {
     error.to_string()
 }
 
-/// What is a distance has a division and a square root in it, which WGSL lets be off by some units of the last place:
-/// nothing is decided by those bits. Eight units are let pass.
+/// Distances come from a division and a square root, which WGSL lets be off by some units of the last place. No decision
+/// depends on these bits. Differences up to eight units are accepted.
 fn rounded_alike(found: Vec<ShadowLight>, twins: &[ShadowLight]) -> Vec<ShadowLight> {
     let near = |found: f32, twin: f32| {
         if (found - twin).abs() <= 8.0 * f32::EPSILON * twin.abs() { twin } else { found }
@@ -52,7 +52,7 @@ fn rounded_alike(found: Vec<ShadowLight>, twins: &[ShadowLight]) -> Vec<ShadowLi
     found.into_iter().zip(twins).map(pair).collect()
 }
 
-/// What the twins make of a scene.
+/// Results of the twins for a scene.
 struct Twins {
     lights: Vec<ShadowLight>,
     draws: Vec<ShadowDraws>,
@@ -263,7 +263,7 @@ fn chain() -> Result<(), String> {
     Ok(())
 }
 
-/// What a frame prepared: lights, draws and statistics.
+/// Results that a frame prepared: lights, draws and statistics.
 type Prepared = (Vec<ShadowLight>, Vec<ShadowDraws>, ShadowStatistics);
 
 /// One extractor and its volumes for frames of other positions, lights and cameras, all in one buffer, against new ones for

@@ -1,4 +1,4 @@
-//! What is chosen for shadow volumes, against truth in `f64`: a cap is never missed, nothing that is seen is skipped.
+//! Choices for shadow volumes, against truth in `f64`: no cap is missing, and no visible volume is skipped.
 
 use glam::{DMat4, DVec3, DVec4};
 use rimline::reference::cpu::{self, Threads};
@@ -43,7 +43,7 @@ fn plane_through([a, b, c]: [DVec4; 3], inside: DVec4) -> Plane {
     Plane(if plane.dot(inside) < 0.0 { -plane } else { plane })
 }
 
-/// What of a polygon of homogeneous points lies inside of all planes is more than its boundary.
+/// Whether the part of a polygon of homogeneous points inside of all planes is more than its boundary.
 fn meets(polygon: &[DVec4], planes: &[Plane]) -> bool {
     let mut polygon = polygon.to_vec();
     for plane in planes {
@@ -67,7 +67,7 @@ fn meets(polygon: &[DVec4], planes: &[Plane]) -> bool {
 struct Eye {
     origin: DVec3,
     matrix: DMat4,
-    /// Of the near rectangle, around it.
+    /// Corners of the near rectangle, in order around it.
     corners: [DVec4; 4],
     middle: DVec4,
     /// The near plane: height over it, up to a factor.
@@ -206,7 +206,7 @@ fn check_caps(scene: &Scene, chosen: &Chosen, tally: &mut Tally) -> Outcome {
         if light.casting == CAST_NOTHING {
             continue;
         }
-        // As the stages see it: any other w than 0 and powers of two moves it by a unit in its last place.
+        // The light in the stages' form. Any w other than 0 and powers of two moves it by a unit in its last place.
         let given = eye.light(Light::homogeneous(light.light));
         let plane = &chosen.facing[index / 32 * faces..][..faces];
         let mut needed = 0;
@@ -243,7 +243,7 @@ fn check_caps(scene: &Scene, chosen: &Chosen, tally: &mut Tally) -> Outcome {
     Ok(())
 }
 
-/// What is skipped is out of range or out of sight; what is clearly out of range is skipped.
+/// Skipped lights are out of range or out of sight. Lights that are clearly out of range are skipped.
 fn check_skipped(scene: &Scene, chosen: &Chosen, tally: &mut Tally) -> Outcome {
     let eye = Eye::new(&scene.camera);
     let triangles = triangles(scene, &eye);

@@ -12,7 +12,7 @@ use rimline_measure::random::Random;
 pub(crate) struct Class {
     pub(crate) name: &'static str,
     pub(crate) frame: fn(&mut Random) -> Frame,
-    /// What the stencil counts is not told by faces between point and light where casters touch.
+    /// Whether casters touch. Faces between point and light then do not predict the stencil's count.
     pub(crate) touches: bool,
 }
 

@@ -50,7 +50,7 @@ pub(crate) fn bits(vertex: Option<&Vec4>) -> [u32; 4] {
     vertex.map_or([0.0, 0.0, 0.0, 1.0], Vec4::to_array).map(f32::to_bits)
 }
 
-/// What a strip of five vertices draws of a polygon.
+/// Vertices of a strip of five that draws a polygon.
 fn strip(polygon: &[Vec4]) -> [[u32; 4]; 5] {
     [0, 1, 4, 2, 3].map(|place| bits(polygon.get(place).or(polygon.last())))
 }
@@ -64,7 +64,7 @@ pub(crate) struct Cap {
     entry_point: &'static str,
     /// The list that is drawn.
     kind: u32,
-    /// Of an instance.
+    /// Vertices of an instance.
     vertices: usize,
     twin: Twin,
 }
@@ -94,7 +94,7 @@ pub(crate) struct Drawn<'a> {
     pub(crate) shape: ShadowShape,
     pub(crate) lights: &'a [ShadowLight],
     pub(crate) index: usize,
-    /// Of the light's word.
+    /// Facing masks of the light's batch, one a face.
     pub(crate) facing: &'a [u32],
     /// Lights for which a face is excluded, likewise.
     pub(crate) excluded: &'a [u32],
@@ -158,7 +158,7 @@ impl Drawn<'_> {
             measures_at: choices_at + 2 * batches,
             ..shape
         };
-        // What is chosen is read from the table alone.
+        // The stage reads choices from the table only, so other values here change nothing.
         let given = ShadowLight { casting: 7, counting: 7, excludes: 7, ..*self.light() };
         let seen = SeenLight {
             view: self.view,
@@ -305,7 +305,7 @@ fn clipped() -> Result<(), String> {
             ..bytemuck::Zeroable::zeroed()
         };
         let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
-        // What a mask says of a face has nothing to do with where the light is.
+        // Random masks are valid input: a mask need not fit the light's position.
         cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), true, &mut lights);
         let excluded: Vec<u32> = (0..2 * mesh.faces().len()).map(|_| 1 << random.below(64).min(31)).collect();
         let plain = &scene.lights;

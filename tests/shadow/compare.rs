@@ -11,11 +11,11 @@ use crate::scene::Frame;
 /// Pixels of a frame that are looked at one by one.
 const MOST_EXPLAINED: usize = 30;
 
-/// What of a frame is compared, for one light.
+/// Input of a comparison, for one light.
 pub(crate) struct Compared<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) truths: &'a [Vec<Truth>],
-    /// Of each pixel, where the stencil counts and the rays go through.
+    /// Position in each pixel where the stencil counts and the rays go through.
     pub(crate) place: DVec2,
     pub(crate) light: usize,
     /// Hairlines and slivers are looked for where a pixel is wrong. They know the frame, not `truths`.

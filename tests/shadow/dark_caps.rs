@@ -44,7 +44,7 @@ fn on_face(random: &mut Random, scene: &Scene) -> DVec3 {
 /// A scene as elsewhere with an orthographic camera, half of its lights so that the camera's direction, or the opposite,
 /// leads from the light to the caster.
 fn ordinary(random: &mut Random, number: usize) -> Result<Scene, String> {
-    // Of 24 numbers, which go through all projections and distances, the last eight are orthographic cameras'.
+    // Every 24 numbers go through all projections and distances; the last eight are orthographic.
     let mut scene = scene(random, number / 8 * 24 + 16 + number % 8, LIGHTS);
     let [x, y, z, _] = shadow::view(&scene.camera).map_err(|error| error.to_string())?.near_plane.map(f64::from);
     let forward = DVec3::new(x, y, z);
@@ -71,7 +71,7 @@ fn ties(random: &mut Random, number: usize) -> Scene {
     Scene { name: "ties".to_owned(), camera: pose.camera(4 + number % 2, false), caster: case("grid", grid), lights }
 }
 
-/// What was compared.
+/// Numbers of faces and lights compared.
 #[derive(Debug, Default)]
 struct Seen {
     faces: usize,

@@ -28,13 +28,13 @@ pub(crate) struct Hairlines<'a> {
     light: DVec4,
     tracer: Tracer,
     rays: Rays,
-    /// Of each pixel, where the rays go through and a rasteriser looks.
+    /// Position in each pixel where the rays go through and a rasteriser samples.
     place: DVec2,
 }
 
 struct Side {
     caster: usize,
-    /// Of the edge that it begins at.
+    /// Ends of the edge at which it begins.
     ends: [DVec3; 2],
     multiplicity: i64,
     /// The ends in the picture, and how far off the GPU's may be along either axis.
@@ -83,7 +83,7 @@ impl<'a> Hairlines<'a> {
         for side in self.sides.iter().filter(|side| side.begins_at(at)) {
             let weight = if every[side.caster] { side.multiplicity } else { side.multiplicity / 2 };
             let (distance, turned) = side.meeting(self.light, ray);
-            // What is turned towards the eye counts up.
+            // A side that faces the eye counts up.
             let counted = if turned == (weight > 0) { weight.abs() } else { -weight.abs() };
             let off = if distance.is_some_and(|distance| distance < surface) { -counted } else { counted };
             reach[usize::from(off > 0)] += off;
@@ -145,8 +145,8 @@ const FOUND: [Found; 7] = [
     Found { class: "coordinates near 1,000", is_hairline: false, ..hairline(75, (74, 78), 2) },
 ];
 
-/// What was found is explained by vertices on the rasteriser's grid or by a sliver of that count. Other counts there
-/// are not, nor is the same at pixels all over the picture or at other samples of the pixel.
+/// Vertices on the rasteriser's grid, or a sliver of that count, explain each wrong pixel in the list. They explain neither
+/// other counts there, nor the same count all over the picture or at other samples.
 fn controls() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     for Found { class, frame, pixel, sample, off, is_hairline } in FOUND {

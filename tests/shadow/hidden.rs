@@ -116,7 +116,7 @@ fn as_the_twin(frame: &Frame, counted: &Counted) -> Result<[u32; 2], String> {
     let view = shadow::view(&camera).map_err(text)?;
     let light = shadow::light(&camera, &view, frame.lights[0]);
     let (mut hidden, mut differs) = (0, false);
-    // What is nearer by half of the depth, for reversed depth.
+    // Receivers that are nearer by half of the depth, for reversed depth.
     let nearer: Vec<u32> = (0..)
         .zip(&counted.receivers)
         .map(|(at, &word)| if (at == 4 || at >= cpu::RECEIVERS_HEAD) && word != 0 { word / 2 + 1 } else { word })
@@ -187,7 +187,7 @@ fn nearer() -> Result<(), String> {
     if hidden < 20 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
-/// What cannot be read is a typed error, and the next encode is as if nothing had been asked.
+/// A texture that cannot be read gives a typed error. The next encode is as if nothing had been asked.
 fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;

@@ -57,7 +57,7 @@ fn turned(random: &mut Random, body: &Body) -> (Vec<[f32; 3]>, Matrix3x4) {
     let turn =
         DMat3::from_quat(DQuat::from_axis_angle(DVec3::new(x, y, z).normalize(), f64::from(random.between(0.0, 6.0))));
     let flip = if random.below(3) == 0 { -1.0 } else { 1.0 };
-    // As the scene gets it.
+    // The matrix is rounded to `f32`, as in the scene.
     let matrix = (turn * DMat3::from_diagonal(DVec3::new(flip, 1.0, 1.0)) * scale).as_mat3();
     let inverse = matrix.as_dmat3().inverse();
     let own = |p: &[f32; 3]| (inverse * (DVec3::from(p.map(f64::from)) - DVec3::from(centre))).as_vec3().to_array();
@@ -141,7 +141,7 @@ fn hiding(body: &Body, mesh: &Mesh, own: &[[f32; 3]], positions: &CasterPosition
     triangles.filter(|triangle| triangle.iter().flatten().all(|c| c.is_finite())).collect()
 }
 
-/// Those of volumes alone, for a scene.
+/// Options of a scene that match those of separate volumes.
 fn scene_options(renderer: &Renderer<'_>, max_lights: usize, counting: Counting) -> SceneOptions {
     let ShadowOptions { end_at_range, cap_capacity, .. } = renderer.options;
     let mut options = SceneOptions {
@@ -225,7 +225,7 @@ impl InScene {
                 scene.set_occluders(caster, &polygons).map_err(text)?;
             }
             if !body.left_out.is_empty() {
-                // What is given last counts.
+                // The last call replaces the earlier one.
                 scene.set_excluded(caster, lights[0], &[0]).map_err(text)?;
                 scene.set_excluded(caster, lights[0], &body.left_out).map_err(text)?;
             }
@@ -246,7 +246,7 @@ impl InScene {
                 let place = if cameras.len() <= view { 0 } else { cameras.len() };
                 cameras.insert(place, other_view(frame, &mut random).camera());
             }
-            // As much once more into the same encoder: it is overwritten.
+            // A later encode into the same encoder overwrites this one.
             scene.encode(encoder, &cameras[..=random.below(3)], None).map_err(text)?;
         }
         let mut of_views = vec![None; cameras.len()];
@@ -269,7 +269,7 @@ impl InScene {
         self.frame.draw(pass, &self.pipelines, self.view, self.lights[light]).map_err(text)
     }
 
-    /// Of what was chosen only which faces cast, and whether near caps may be needed.
+    /// Reads only which faces cast, and whether near caps may be needed.
     pub(crate) fn read(&self, gpu: &Gpu, counted: &mut Counted) -> Result<(), String> {
         let results = self.frame.results().map_err(text)?;
         let choices = results.choices.ok_or("no view")?;

@@ -70,7 +70,7 @@ fn seen(traced: &Traced, counted: &Counted) -> Vec<u8> {
 
 const COUNTERS: [&str; 6] = ["unreached", "unseen", "kept pairs", "kept lists", "hidden", "spared faces"];
 
-/// What tells of each level.
+/// Counters that show the effect of each level.
 fn counters(counted: &Counted) -> Result<[u32; COUNTERS.len()], String> {
     let scene = counted.scene.ok_or("no scene")?;
     let shadows = counted.statistics[0];
@@ -146,7 +146,7 @@ fn levels() -> Result<(), String> {
         println!("{name}: {counts:?}");
     }
     let [none, all, alone @ ..] = counts;
-    // Of each level alone the counter that must tell of it.
+    // Each level alone changes its own counter.
     let acts = alone.iter().zip([0, 1, 2, 3, 4, 5]).all(|(counts, of)| counts[of] != none[of]);
     let acts_with_all = (0..COUNTERS.len()).all(|counter| all[counter] != none[counter]);
     if acts && acts_with_all && shadowed > 0 { Ok(()) } else { Err("not as meant".to_owned()) }
@@ -169,7 +169,7 @@ fn occluded() -> Result<(), String> {
             frame.bodies.push(Body::caster(shapes::sphere(2)).scaled(random.between(0.02, 0.15)).moved(at));
         }
         let counting = [Counting::Auto, Counting::ZpPlus, Counting::ZFail][number as usize % 3];
-        // Those that are mirrored have a matrix, and all stay near, where proofs succeed.
+        // Mirrored bodies have a matrix. All stay near, where proofs succeed.
         for (body, flip) in frame.bodies.iter_mut().zip([1.0, -1.0].into_iter().cycle()) {
             body.mirror = Some(Vec3::new(flip, 1.0, 1.0));
         }

@@ -1,5 +1,5 @@
-//! As many items as an invocation takes in turn: stages of shadow volumes by themselves, in one workgroup, against their twins.
-//! llvmpipe ends an invocation's loops after 65,535 turns without a word. docs/numerics/loops.md.
+//! Stages of shadow volumes with the maximum of items for an invocation, in one workgroup, against their twins.
+//! llvmpipe ends an invocation's loops after 65,535 turns without an error. docs/numerics/loops.md.
 
 use rimline::reference::cpu::{self, CastingBox, Threads};
 use rimline::reference::layout::{SceneCaster, ShadowDraw, ShadowLight, ShadowShape, ShadowStatistics, StencilPencil};
@@ -31,7 +31,7 @@ pub(crate) const TESTS: &[Test] = &[
 
 /// Slots of a chunk.
 const CHUNK: u32 = 64;
-/// What one binding holds: the default limit of devices, and llvmpipe's.
+/// Bytes of one binding: the default limit of devices, and llvmpipe's.
 const BINDING: usize = 128 << 20;
 
 /// A number that the bounds of loops are stated by.
@@ -215,7 +215,7 @@ fn list_sides() -> Result<(), String> {
     if doubled > 50_000 { Ok(()) } else { Err("too few sides of weight 2".to_owned()) }
 }
 
-/// As many casters as a table has room for, with what is chosen for them. The light is among them, and they are turned.
+/// The maximum of casters that fit into a table with their choices. The light is among them, and they are rotated.
 fn stencil_pencil() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let casters = (BINDING / (size_of::<SceneCaster>() + 4 * cpu::CHOICE_WORDS)) as u32;
@@ -327,7 +327,7 @@ fn stencil_crossings() -> Result<(), String> {
     if pencil.kind == 2 && crossed > 500 { Ok(()) } else { Err(format!("{pencil:?}, {crossed} bins")) }
 }
 
-/// As many batches of casters as rows of a light have room for.
+/// The maximum of batches of casters that rows of a light have room for.
 fn stencil_bound() -> Result<(), String> {
     const ROW: usize = 1028;
     let gpu = &*Gpu::shared()?;

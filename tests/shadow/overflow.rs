@@ -49,8 +49,8 @@ fn stack(count: u32) -> Frame {
     frame
 }
 
-/// Counts wrap without a trace, so 256 sheets cast no shadow. Of 300 there is one, but on the fringe where 256 of them are
-/// in the way. The bound warns of both.
+/// Counts wrap without an error, so 256 sheets cast no shadow. 300 sheets cast one, except on the fringe where 256 of them
+/// are in the way. The bound warns of both.
 fn multiples() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     for (sheets, aliases, warns) in [(100, false, false), (256, true, true), (300, false, true)] {

@@ -21,7 +21,7 @@ use crate::trials::Test;
 
 pub(crate) const TESTS: &[Test] = &[("polygons_darken_what_is_behind_them", darken)];
 
-/// What the rays find on a receiver: of how many polygons an odd number of triangles are between it and the light.
+/// Result of the rays on a receiver: the number of polygons that have an odd number of triangles between it and the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Truth {
     /// Nothing, or the polygons themselves.
@@ -245,7 +245,7 @@ fn darken() -> Result<(), String> {
     if failures.is_empty() && dark > 10_000 { Ok(()) } else { Err(failures.join("\n")) }
 }
 
-/// What is wrong in the stencil counts of a frame, with every face and with averted faces.
+/// Faults in the stencil counts of a frame, with every face and with back-facing ones only.
 pub(crate) fn compare(gpu: &Gpu, frame: &Frame, rig: &Rig, truths: &[Truth]) -> Result<Vec<String>, String> {
     let mut failures = Vec::new();
     let most = truths.iter().map(|truth| if let Truth::Odd(count) = truth { *count } else { 0 }).max().unwrap_or(0);

@@ -31,8 +31,8 @@ fn lit_side(point: DVec3, face: &Triangle, light: usize) -> [f32; 3] {
     moved(steps.find(is_right).unwrap_or(0.0))
 }
 
-/// What pixels see of surfaces on the light's side, in `f32`; nothing where rounding moves that by more than a
-/// quarter of a pixel, or to where other faces are between.
+/// Points that pixels see on surfaces on the light's side, in `f32`. `None` where rounding moves the point by more than a
+/// quarter of a pixel, or past other faces.
 fn points(traced: &Traced) -> Vec<Option<[f32; 3]>> {
     let frame = &traced.frame;
     let (tracer, rays) = (Tracer::new(frame), Rays::new(&frame.eye.camera(), frame.size));

@@ -11,7 +11,7 @@ pub(crate) type Triangle = rimline_measure::rays::Triangle<Face>;
 /// The frame's triangles in a tree of boxes.
 pub(crate) struct Tracer(rimline_measure::rays::Tracer<Face>);
 
-/// What is known of a triangle.
+/// Properties of a triangle.
 pub(crate) struct Face {
     /// The exact sides of the lights: 1 in front, -1 behind, 0 in the plane.
     pub(crate) sides: Vec<i32>,
@@ -24,7 +24,7 @@ pub(crate) struct Face {
 /// Casters that a frame may have.
 pub(crate) const MOST_CASTERS: usize = 12;
 
-/// What is seen through a pixel, for one light.
+/// Surface seen through a pixel, for one light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Truth {
     /// Nothing.
@@ -47,7 +47,7 @@ impl Between {
         between
     }
 
-    /// What the stencil holds where `every` says of which casters every face casts.
+    /// Expected stencil value. `every` says for which casters every face casts.
     pub(crate) fn count(&self, every: &[bool]) -> u16 {
         let faces = self.0.iter().zip(every);
         faces.map(|(&[averted, facing], &every)| if every { averted + facing } else { averted }).sum()
@@ -124,7 +124,7 @@ impl Tracer {
         self.between((point, to_light), [begin, end], Some(own), number)
     }
 
-    /// What a pixel's ray sees, for each light.
+    /// Surface that a pixel's ray sees, for each light.
     pub(crate) fn pixel(&self, ray: (DVec3, DVec3), lights: &[Light]) -> Vec<Truth> {
         let Some((point, own)) = self.first(ray) else { return vec![Truth::Background; lights.len()] };
         let is_front = own.is_front(ray.1);
@@ -147,7 +147,7 @@ pub(crate) fn points(frame: &Frame) -> Vec<Option<DVec3>> {
     pixels.map(|(x, y)| tracer.first(rays.ray(x, y)).map(|(point, _)| point)).collect()
 }
 
-/// What is seen through a place of each pixel, row by row, for each light.
+/// Surfaces seen through a position in each pixel, row by row, for each light.
 pub(crate) fn trace(frame: &Frame, place: DVec2) -> Vec<Vec<Truth>> {
     let tracer = Tracer::new(frame);
     let rays = Rays::new(&frame.eye.camera(), frame.size).through(place);

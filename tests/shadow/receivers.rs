@@ -254,7 +254,7 @@ fn filled(gpu: &Gpu, seed: u64) -> Result<Scene, String> {
     Ok(scene)
 }
 
-/// What was chosen for each caster, light and view, the draws, the lists that were kept, and the hidden volumes.
+/// Choices for each caster, light and view; the draws; and the numbers of cached lists and of volumes culled by receivers.
 type Chosen = (Vec<u32>, Vec<u32>, [u32; 2]);
 
 fn chosen(
@@ -274,7 +274,7 @@ fn chosen(
     Ok((words, draws, [statistics.kept_lists, statistics.hidden]))
 }
 
-/// While camera and version stay the same, lists are kept. What is chosen is always what a new scene would choose.
+/// Lists stay cached while camera and version stay the same. Choices always equal those of a new scene.
 fn versions() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (mut kept, mut made, mut hidden, mut noticed) = (0, 0, 0, 0);
@@ -294,7 +294,7 @@ fn versions() -> Result<(), String> {
         let mut scene = filled(gpu, seed)?;
         let mut last = None;
         for _ in 0..24 {
-            // As a rule nothing changes.
+            // On average half of the frames change nothing.
             let (mut view, mut picture, mut sky_receives, mut is_known) = last.unwrap_or((0, 0, false, true));
             match random.below(8) {
                 0 => view = 1 - view,

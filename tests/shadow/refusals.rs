@@ -1,4 +1,4 @@
-//! What would draw wrong shadows is a typed error: formats, cameras, lights, extractors and pipelines that do not go
+//! Typed errors for input that would draw wrong shadows: formats, cameras, lights, extractors and pipelines that do not fit
 //! together.
 
 use glam::camera::rh::proj::directx::{orthographic, perspective, perspective_infinite, perspective_infinite_reverse};
@@ -34,7 +34,7 @@ pub(crate) const TESTS: &[Test] = &[
 const METHODS: [Counting; 5] =
     [Counting::Auto, Counting::ZPass, Counting::ZpPlus, Counting::ZpPlus2005, Counting::ZFail];
 
-/// Those that z-fail is counted with.
+/// Methods that draw z-fail.
 fn is_fail(counting: Counting) -> bool {
     matches!(counting, Counting::ZFail | Counting::ZpPlus2005)
 }
@@ -99,7 +99,7 @@ impl<'a> Caster<'a> {
         Ok(extraction)
     }
 
-    /// What encoding the last extraction comes to.
+    /// Result of encoding the last extraction.
     fn encoded(&self, volumes: &mut ShadowVolumes, camera: &ShadowCamera) -> Result<Encoded, String> {
         let extraction = self.extraction.as_ref().ok_or("nothing was extracted")?;
         encoded(self.gpu, volumes, extraction, camera)
@@ -108,7 +108,7 @@ impl<'a> Caster<'a> {
 
 type Encoded = Result<ShadowFrame, ShadowEncodeError>;
 
-/// What encoding an extraction comes to.
+/// Result of encoding an extraction.
 fn encoded(
     gpu: &Gpu,
     volumes: &mut ShadowVolumes,
@@ -126,7 +126,7 @@ fn camera(projection: Mat4, depth: DepthDirection) -> ShadowCamera {
     ShadowCamera { view_projection: (projection * view).to_cols_array_2d(), origin: [0.0; 3], depth }
 }
 
-/// Of each depth: without a far plane, with one, orthographic.
+/// Cameras of both depth directions: without a far plane, with one, orthographic.
 fn cameras() -> [(ShadowCamera, bool); 6] {
     use DepthDirection::{Reversed, Standard};
     let perspective = |near, far| perspective(1.0, 1.0, near, far);
@@ -257,7 +257,7 @@ fn extractors() -> Result<(), String> {
     same("its own", &[caster.encoded(&mut volumes, &camera)?.map(drop)], &[Ok(())])
 }
 
-/// What was overwritten is refused, by whatever reads it; and so is a light that is not there.
+/// Every reader refuses results that were overwritten, and lights that are not there.
 fn stale() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut caster = Caster::new(gpu)?;
@@ -293,7 +293,7 @@ fn stale() -> Result<(), String> {
     let batch = Err(ExtractionIncludeError::NoSuchBatch { batch: 1, batches: 1 });
     same("a batch past the lights", &[second.bind_group(&layout, 1).map(drop)], &[batch])?;
     same("a good one", &[second.bind_group(&layout, 0).map(drop)], &[Ok(())])?;
-    // What is refused leaves the results as they are.
+    // A refused extraction does not change the results.
     if caster.extract(&[Light::homogeneous([0.0; 4])]).is_ok() {
         return Err("no light was extracted".to_owned());
     }
@@ -325,7 +325,7 @@ fn no_lights() -> Result<(), String> {
     same("batches", &[none.batches()], &[0])
 }
 
-/// What drawing a light comes to.
+/// Result of drawing a light.
 fn drawn(
     gpu: &Gpu,
     frame: &ShadowFrame,

@@ -18,7 +18,7 @@ use rimline_measure::pipelines::Drawing;
 /// How the scene's own depth pass computes positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum DepthPass {
-    /// As the volumes do, bit for bit.
+    /// Equal to the volumes' positions, bit for bit.
     Alike,
     /// In another order.
     Reordered,
@@ -29,7 +29,7 @@ pub(crate) enum DepthPass {
 pub(crate) enum Placing {
     /// Each has an extractor and volumes of its own.
     Alone,
-    /// All are in one scene, at positions in world space. Those that are mirrored have a matrix.
+    /// All are in one scene, at positions in world space. Mirrored casters have a matrix.
     Scene,
     /// The same in a scene with a past: of casters and lights that came and went, of encoders that were dropped, and with
     /// further views. At random from this seed.
@@ -38,18 +38,18 @@ pub(crate) enum Placing {
     Moved(u64),
 }
 
-/// What the GPU counted.
+/// Results that the GPU counted.
 pub(crate) struct Counted {
     /// The stencil value of each pixel, row by row, a light each; of four samples four of them a light.
     pub(crate) stencils: Vec<Vec<u8>>,
-    /// What was chosen, a caster and light each.
+    /// Choices for each caster and light.
     pub(crate) chosen: Vec<Vec<ShadowLight>>,
     /// Words of what the shadows of a scene may fall on.
     pub(crate) receivers: Vec<u32>,
-    /// As `chosen`.
+    /// Draws for each caster and light.
     pub(crate) draws: Vec<Vec<ShadowDraws>>,
     pub(crate) statistics: Vec<ShadowStatistics>,
-    /// What a scene computed.
+    /// Statistics of a scene.
     pub(crate) scene: Option<SceneStatistics>,
 }
 
@@ -92,12 +92,12 @@ pub(crate) struct Renderer<'a> {
     /// 1 or 4.
     pub(crate) samples: u32,
     pub(crate) options: ShadowOptions,
-    /// Of the lists of silhouette edges.
+    /// Capacity of the lists of silhouette edges.
     pub(crate) list_capacity: Option<u32>,
-    /// Of every light.
+    /// Range of every light.
     pub(crate) range: f32,
     pub(crate) placing: Placing,
-    /// Of the casters of a scene.
+    /// Number of batches of a scene's casters.
     pub(crate) count_batches: u32,
     /// Whether a scene is told what its shadows fall on, and whether they fall on the sky.
     pub(crate) receivers: Option<bool>,

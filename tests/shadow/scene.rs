@@ -1,4 +1,4 @@
-//! What is drawn and cast: casters, receivers, camera, lights.
+//! Content of a frame: casters, receivers, camera, lights.
 
 use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4, Mat4, Vec3};
 use rimline::{DepthDirection, Light, ShadowCamera};
@@ -61,7 +61,7 @@ impl Body {
         self
     }
 
-    /// Those with corners that are all finite; the others are holes.
+    /// Faces whose corners are all finite; the others are holes.
     pub(crate) fn finite_faces(&self) -> Vec<[u32; 3]> {
         let is_finite = |v: u32| self.shape.positions[v as usize].iter().all(|c| c.is_finite());
         self.shape.faces.iter().filter(|face| face.iter().all(|&v| is_finite(v))).copied().collect()
@@ -88,7 +88,7 @@ pub(crate) struct Eye {
     pub(crate) depth: DepthDirection,
     /// The distance of the far plane, if there is one.
     pub(crate) far: Option<f64>,
-    /// Of an orthographic camera, which has a far plane, half of what is seen from side to side.
+    /// Half the width of the view of an orthographic camera, which has a far plane.
     pub(crate) half_width: Option<f64>,
 }
 

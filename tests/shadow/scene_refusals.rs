@@ -1,4 +1,4 @@
-//! What a scene refuses when its shadow volumes are recorded or drawn.
+//! Errors of a scene when its shadow volumes are recorded or drawn.
 
 use rimline::gpu::{
     Caster, Scene, SceneError, SceneFrame, SceneOptions, ScenePipelines, ShadowDrawError, ShadowFormat,

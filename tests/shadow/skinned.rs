@@ -17,7 +17,7 @@ use rimline_measure::{must_fail, same};
 pub(crate) const TESTS: &[Test] =
     &[("skinned_figure_in_motion", skinned), ("figures_that_are_not_needed_show_nowhere", unneeded)];
 
-/// One deformer, pose after pose. What rays see of the pose before must not do for the next.
+/// One deformer, pose after pose. Rays through the pose before must not match the counts of the next.
 fn skinned() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let renderer = Renderer::new(&gpu);

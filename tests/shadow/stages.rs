@@ -293,7 +293,7 @@ impl Staged {
     }
 }
 
-/// What the caps stage lists.
+/// Lists of the caps stage.
 #[derive(Default)]
 struct Listed {
     counts: Vec<u32>,
@@ -377,7 +377,7 @@ fn choose_and_caps() -> Result<(), String> {
     if listed.min(skipped).min(z_pass).min(excluded) < 20 { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }
 
-/// What casts of a face for a light: 0 or ±1, where averted or all faces cast, from nothing but the masks.
+/// The share of a face in the shadow of a light: 0 or ±1, from its masks and the light's choice alone.
 fn share(light: &ShadowLight, facing: bool, excluded: bool) -> i32 {
     match (light.casting, facing) {
         _ if excluded && light.excludes == 1 => 0,
@@ -480,7 +480,7 @@ fn list_sides() -> Result<(), String> {
                 let draw = uniform(gpu, &ShadowDraw { light, first_light: light, view: 0, count_batch: 0 });
                 let mut raw = vec![u32::MAX; 32 * room];
                 for (list, raw) in silhouettes[32 * batch..].iter().zip(raw.chunks_mut(room)) {
-                    // What a list that overflowed has of its edges says nothing.
+                    // The stage must not depend on the entries of a list that overflowed.
                     let listed = list.entries.len().min(room);
                     raw[..listed].copy_from_slice(&list.entries[..listed]);
                 }

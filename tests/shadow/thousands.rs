@@ -70,7 +70,7 @@ impl Model {
         Ok(Self { shape, mesh, bounds, is_closed })
     }
 
-    /// What is chosen for a light, what it draws, and the edges of its sides, in mesh space.
+    /// Choices for a light, its draw, and the edges of its sides, in mesh space.
     fn draw(
         &self,
         view: &ShadowView,
@@ -104,7 +104,7 @@ impl Model {
         (lights[0], drawn, plain.iter().chain(clipped).map(ends).collect())
     }
 
-    /// What bounds the counts of a caster.
+    /// Box and sides that bound the counts of a caster.
     fn casting(&self, rows: &Matrix3x4, sides: &[[[f32; 3]; 2]]) -> (CastingBox, Vec<CastingSide>) {
         let sum = |[a, b, c]: [f32; 3]| a + b + c;
         let place = |[x, y, z]: [f32; 3]| rows.map(|[a, b, c, d]| sum([a * x, b * y, c * z]) + d);

@@ -32,7 +32,7 @@ pub(crate) fn seed(class: &Class, number: u64) -> u64 {
     class.name.bytes().fold(number, |seed, byte| seed.wrapping_mul(31).wrapping_add(u64::from(byte)))
 }
 
-/// Of which casters every face casts, as the GPU chose for a light.
+/// For each caster, whether every face casts, as the GPU chose for a light.
 pub(crate) fn every(counted: &Counted, light: usize) -> Vec<bool> {
     counted.chosen.iter().map(|lights: &Vec<ShadowLight>| lights[light].casting == 2).collect()
 }
@@ -68,7 +68,7 @@ impl Traced {
         Compared { frame: &self.frame, truths: &self.truths, place, light: 0, explains: true }
     }
 
-    /// What the GPU counted where the rays go through.
+    /// Counts of the GPU at the samples that the rays go through.
     pub(crate) fn stencil<'a>(&self, counted: &'a Counted) -> &'a [u8] {
         &counted.stencils[self.sample.unwrap_or(0)]
     }
@@ -108,7 +108,7 @@ pub(crate) fn frames() -> u64 {
     if is_long() { 105 } else { 8 }
 }
 
-/// What frames showed.
+/// Counts over frames, and failures.
 #[derive(Default)]
 pub(crate) struct Tally {
     frames: usize,
@@ -150,7 +150,7 @@ impl Tally {
     }
 }
 
-/// What is right everywhere.
+/// Methods that are right everywhere.
 pub(crate) const RIGHT: [Counting; 3] = [Counting::Auto, Counting::ZpPlus, Counting::ZFail];
 
 /// No wrong pixel.

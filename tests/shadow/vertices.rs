@@ -14,7 +14,7 @@ use rimline_measure::scenes::{Scene, scene};
 
 type Outcome = Result<(), String>;
 
-/// What a vertex of a clipped polygon is.
+/// Kind of a vertex of a clipped polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Near,
@@ -61,7 +61,7 @@ impl<'a> Cast<'a> {
         cpu::corner(&self.view, light, self.end(vertex).1)
     }
 
-    /// What a polygon's vertex is, by its bits, among those that the edges have.
+    /// Label of a polygon's vertex, by its bits, among those that the edges have.
     fn label(&self, light: &ShadowLight, clip: Vec4, edges: &[[u32; 2]]) -> Result<Label, String> {
         let bits = clip.to_array().map(f32::to_bits);
         for &[p, q] in edges {

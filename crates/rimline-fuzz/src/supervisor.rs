@@ -18,7 +18,7 @@ pub(crate) const SLOW: &str = "it took more than";
 /// A case's number, and whether the one before was accepted.
 type Message = (u64, bool);
 
-/// What came of one worker.
+/// Result of one worker.
 struct Ended {
     /// The case that it was at.
     last: Option<u64>,
@@ -158,7 +158,7 @@ fn complaints(child: &mut Child) -> Receiver<String> {
     if let Some(from) = child.stderr.take() {
         std::thread::spawn(move || {
             let mut said = Vec::new();
-            // What is sent to nobody matters to nobody.
+            // Sending fails only if the receiver is gone; nobody needs the message then.
             let _ = from.take(4000).read_to_end(&mut said);
             let _ = sender.send(String::from_utf8_lossy(&said).into_owned());
         });

@@ -26,7 +26,7 @@ impl Target {
         TARGETS.iter().find(|(target, ..)| *target == self).map_or("", |(_, name, _)| name)
     }
 
-    /// What files of it end in.
+    /// File extension of its cases.
     pub(crate) fn ending(self) -> &'static str {
         TARGETS.iter().find(|(target, ..)| *target == self).map_or("", |(.., ending)| ending)
     }

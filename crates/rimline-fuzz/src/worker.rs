@@ -7,9 +7,9 @@ use rimline_measure::random::Random;
 use crate::options::Options;
 use crate::targets::{Input, Seeds};
 
-/// What a worker ends with after a case whose result is wrong; the message goes to standard error.
+/// Exit code of a worker after a case with a wrong result. The worker writes the message to standard error.
 pub(crate) const WRONG: i32 = 102;
-/// What Rust itself gives threads; a case that needs more overflows.
+/// Stack size that Rust gives threads by default. A case that needs more overflows.
 const STACK_BYTES: usize = 2 << 20;
 
 /// The case of this number.

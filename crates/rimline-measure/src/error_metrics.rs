@@ -10,11 +10,13 @@ use rimline::reference::light::batches;
 pub struct Score {
     /// Pairs of face and light.
     pub facing_bits: usize,
-    /// Of them, those that were decided wrongly: for a method without facing masks, at one edge of the face at least.
+    /// Pairs of face and light that were decided wrongly. For a method without facing masks: wrongly at one edge of the face
+    /// at least.
     pub wrong_facing_bits: usize,
     /// Pairs of edge record and light.
     pub silhouette_bits: usize,
-    /// Of them, those that are silhouettes and were not found, or were found and are none.
+    /// Pairs of edge record and light whose silhouette bit is wrong: silhouettes that were not found, or edges that are
+    /// none.
     pub wrong_silhouette_bits: usize,
     /// Pairs of vertex and light at which outgoing less incoming multiplicities are not zero.
     pub unclosed_vertices: usize,
@@ -38,7 +40,7 @@ pub enum ScoreError {
     },
 }
 
-/// What [`Score::of`] compares with `exact`.
+/// Masks that [`Score::of`] compares with `exact`.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate<'a> {
     /// Facing masks, ⌈N/32⌉ planes of one a face; `None` for the per-edge method, which has none: what each edge decided
@@ -117,7 +119,7 @@ fn wrong_at_edges(mesh: &Mesh, right: &[u32], masks: &[EdgeMasks]) -> Vec<u32> {
     wrong
 }
 
-/// What the masks say about one light.
+/// Counts of one light, from its masks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LightCounts {
     /// Edge records that are silhouettes; boundaries always are.

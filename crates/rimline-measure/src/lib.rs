@@ -1,4 +1,4 @@
-//! What Rimline's tests, benches and command measure with. Nothing here is part of the library.
+//! Measuring code that Rimline's tests, benches and command share. Nothing here is part of the library.
 //!
 //! * [`shapes`], [`polygons`], [`cases`], [`models`]: meshes and models made by code;
 //! * [`stress`]: scenes that are hard on floating-point arithmetic; [`error_metrics`]: how wrong a method is on them;

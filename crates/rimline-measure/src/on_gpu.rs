@@ -10,9 +10,9 @@ use crate::device::Gpu;
 use crate::same;
 use crate::shapes::{self, Shape};
 
-/// What one extraction left in its buffers.
+/// Results of one extraction, read back from its buffers.
 pub struct Found {
-    /// Of triangles. Those of a polygon have the same bits.
+    /// Facing masks of triangles. All triangles of a polygon have the same bits.
     pub facing: Vec<u32>,
     /// Empty without polygons.
     pub twisted: Vec<u32>,

@@ -11,7 +11,7 @@ use rimline::reference::cpu::Seen;
 
 use super::shadow_oracle::{Vector, least, minus, scaled, sign};
 
-/// What the oracle finds out about an outline and a light.
+/// Result of the oracle for an outline and a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Found {
     /// How the light sees it.
@@ -42,7 +42,7 @@ pub fn find(edges: &[[[f32; 3]; 2]], light: Light) -> Found {
     let edges: Vec<[Vector; 2]> = edges.into_iter().filter(|[a, b]| a != b).collect();
     let touches = (0..edges.len()).any(|i| (0..i).any(|j| touch(&edges[i], &edges[j])));
     let [x, y, z, w] = light.to_array();
-    // Of the light's coordinates times 2^scale, and of w.
+    // Exponent that makes integers of w and of the light's coordinates times 2^scale.
     let common = (-least([x, y, z]) - scale).max(-least([w])).max(0);
     let (l, w) = ([x, y, z].map(|c| scaled(c, scale + common)), scaled(w, common));
     if is_in_plane(&edges, &l, &w) {

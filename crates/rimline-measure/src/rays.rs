@@ -1,4 +1,4 @@
-//! Rays against triangles, in `f64`. What a ray means is told elsewhere.
+//! Rays against triangles, in `f64`. The callers define what a ray means.
 
 use bvh::aabb::{Aabb, Bounded};
 use bvh::bounding_hierarchy::BHShape;
@@ -50,7 +50,7 @@ impl<T> Tracer<T> {
     }
 
     /// Where the line through `from` along `direction` meets triangles, in multiples of `direction` and in no order.
-    /// Those behind `from` may be missing.
+    /// Meetings behind `from` may be missing.
     pub fn meetings(&self, (from, direction): (DVec3, DVec3)) -> impl Iterator<Item = (f64, &Triangle<T>)> {
         let ray = Ray::new(Point3::new(from.x, from.y, from.z), Vector3::new(direction.x, direction.y, direction.z));
         let near = self.tree.traverse(&ray, &self.triangles).into_iter();

@@ -120,7 +120,7 @@ pub fn shadow_depth(positions: &[[f32; 3]], faces: &[[u32; 3]], points: &[[f32; 
 /// The light in the mesh's scale, and moved by (ε, ε², ε³).
 fn moved_light(light: Light, scale: i32, triangles: &[Triangle], points: &[[f32; 3]]) -> (Homogeneous, Homogeneous) {
     let [x, y, z, w] = light.to_array();
-    // Of the light's coordinates times 2^scale, and of w.
+    // Exponent that makes integers of w and of the light's coordinates times 2^scale.
     let common = (-least([x, y, z]) - scale).max(-least([w])).max(0);
     let light = Homogeneous { xyz: [x, y, z].map(|c| scaled(c, scale + common)), w: scaled(w, common) };
     let bits = |v: &Vector| v.iter().map(BigInt::bits).max().unwrap_or(0);

@@ -189,10 +189,10 @@ pub fn unbalanced(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Trian
 }
 
 /// The small trial that tells whether a driver has the fault: pixels counted wrongly of two tubes that leave the picture,
-/// one of them to infinity.
+/// one to infinity.
 ///
 /// # Errors
-/// As [`unbalanced`].
+/// Like [`unbalanced`].
 pub fn wrong_pixels(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<usize, String> {
     let tubes = [End::OUTSIDE, End::Infinity].map(|end| unbalanced(device, queue, &tube(end, 1)));
     tubes.into_iter().sum()

@@ -142,7 +142,7 @@ fn scales_and_places_are_those_named() {
     // A limb bent by half a turn lies on itself: above the joint heights are negated.
     let height = |name: &str| scene(name).positions.iter().map(|p| p[1]).fold(f32::NEG_INFINITY, f32::max);
     assert!(height("bent-60") > 1.0 && height("bent-179") < 0.6);
-    // As far off the plate's plane as named.
+    // The distance from the plate's plane must fit the scene's name.
     let off = |name: &str| {
         let distance = |[x, y, z]: [f32; 3]| {
             let [x, y, z] = [x, y, z].map(f64::from);

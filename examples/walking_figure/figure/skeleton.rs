@@ -17,7 +17,7 @@ pub(crate) const SPINE: usize = 1;
 pub(crate) const CHEST: usize = 2;
 pub(crate) const NECK: usize = 3;
 pub(crate) const HEAD: usize = 4;
-// Those of the left side; see `on`.
+// Bones of the left side; see `on`.
 pub(crate) const UPPER_ARM: usize = 5;
 pub(crate) const LOWER_ARM: usize = 6;
 pub(crate) const HAND: usize = 7;

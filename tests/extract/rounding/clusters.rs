@@ -15,7 +15,7 @@ use super::rounding_models::RoundingModels;
 
 type Outcome = Result<(), String>;
 
-/// What the bound has for rounding and underflow.
+/// Terms of the bound for rounding and underflow.
 #[derive(Clone, Copy)]
 struct Terms {
     /// A part of the widening.
@@ -110,14 +110,14 @@ fn case(random: &mut Random) -> (Vec<[[f32; 3]; 3]>, Light) {
     (faces, light)
 }
 
-/// What trials of the decision came to.
+/// Results of trials of the decision.
 #[derive(Clone, Copy, Debug, Default)]
 struct Trials {
     bounded: usize,
     decided: usize,
     /// Decided, and not the exact sign of some face.
     wrong: usize,
-    /// Of one face, and height or spread are not the twin's, but for rounding and underflow.
+    /// Clusters of one face whose height or spread differs from the twin's by more than rounding and underflow.
     apart: usize,
     /// The largest distance of a face's height from that of its cluster beside the spread, where a cluster has one face.
     largest_error: f64,

@@ -55,7 +55,7 @@ fn the_band_holds_for_any_rounding() -> Outcome {
 /// A bound of the filter at a number of units of the last place.
 type FilterBound = fn(&mut RoundingModels, [[f32; 3]; 3], Light, f32) -> f32;
 
-/// What trials of a bound came to.
+/// Results of trials of a bound.
 #[derive(Clone, Copy, Debug, Default)]
 struct Trials {
     decided: usize,
@@ -76,7 +76,7 @@ fn try_filter(seed: u64, rounds: usize, units: f32, bound_of: FilterBound) -> Tr
         let Some(face) = ExactFace::new(&corners, [0, 1, 2]) else {
             continue;
         };
-        // What the stages leave undecided, whatever the bound.
+        // The stages leave faces with such coordinates undecided, for any bound.
         if is_large {
             continue;
         }
@@ -144,8 +144,8 @@ fn the_filters_constants_are_those_of_the_derivation() {
     let q = u * (1.0 + gamma(8.0)) / ((1.0 - u).powi(10) * (1.0 - 2.0 * u));
     let needed = face.max(p).max(q);
     assert!((needed..1.2 * needed).contains(&relative), "{relative:e}, {needed:e} are needed");
-    // What the determinant may be off by and what flushing takes from the bounds, twelvefold, in units of the smallest
-    // normal number; a power of two.
+    // The error of the determinant and the loss of the bounds by flushing, twelvefold, in units of the smallest normal
+    // number. The constant is the next power of two.
     let least = 12.0 * (81.0 + 24.0) * 2.0_f64.powi(-126);
     assert!((least..2.0 * least).contains(&f64::from(UNDERFLOW)), "{UNDERFLOW:e}, {least:e} are needed");
 }

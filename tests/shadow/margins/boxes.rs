@@ -147,7 +147,7 @@ fn lights_in_the_casters_box_make_every_face_cast() {
     assert!(at_the_edge > 300 && apart > 500, "not vacuous");
 }
 
-/// Of the published ZP+: nothing of the caster is before the near end of the light's frustum.
+/// The published ZP+ clips nothing of the caster: the near end of the light's frustum is before it.
 #[test]
 fn the_published_frustum_begins_before_the_caster() {
     let seed = 203;

@@ -267,7 +267,7 @@ fn bounds_hold_for_lights_among_casters() -> Result<(), String> {
         let w = [1.0, 0.5, 2.0][number % 3];
         let place = DVec3::from(random.direction().map(f64::from)) * [0.0, 1.0, 100.0][random.below(3)];
         let light = Light::homogeneous((place * w).extend(w).as_vec4().to_array());
-        // What the stages see.
+        // Position of the light in the stages, after rounding.
         let place = DVec3::from(light.xyz.map(f64::from)) / w;
         let casting = [CAST_EVERY, CAST_AVERTED][random.below(2)];
         let mut cases = Vec::new();

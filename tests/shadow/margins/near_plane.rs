@@ -11,7 +11,7 @@ use rimline_measure::is_long;
 use rimline_measure::random::Random;
 use rimline_measure::scenes::{PROJECTIONS, Pose, direction};
 
-/// What of a side is behind the near plane by its height is not before it by its depth.
+/// A vertex of a side that is behind the near plane by its height is not before it by its depth.
 #[test]
 fn sides_from_vertices_a_few_ulps_behind_the_near_plane_begin_behind_it() {
     let seed = 221;

@@ -128,7 +128,7 @@ impl Seeds {
                 words.push(String::new());
             }
         }
-        // As many as any system takes.
+        // No system refuses 300 arguments.
         words.iter().take(300).map(|word| tame(word)).collect()
     }
 

@@ -1,4 +1,4 @@
-//! What is fuzzed: seeds made by code, mutations of them, and what must hold.
+//! Targets of fuzzing: seeds made by code, mutations of them, and properties that must hold.
 
 mod arguments;
 mod gltf;
@@ -11,7 +11,7 @@ use rimline_measure::random::Random;
 use crate::options::Options;
 use crate::target::Target;
 
-/// What a case is given.
+/// Input of a case.
 #[derive(Clone, Debug)]
 pub(crate) enum Input {
     Bytes(Vec<u8>),

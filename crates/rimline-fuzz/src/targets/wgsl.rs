@@ -107,7 +107,7 @@ impl Seeds {
     pub(crate) fn case(&self, random: &mut Random) -> String {
         let mut text = self.0[random.below(self.0.len())].clone();
         if random.below(4) == 0 {
-            // What stands before another's function.
+            // The text before the function of another seed.
             let other = &self.0[random.below(self.0.len())];
             text.insert_str(0, other.split(HEAD).next().unwrap_or_default());
         }

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::document::{Document, Values, index, list};
 
-/// What an animation sets: by node and path.
+/// Values that an animation sets, by node and path.
 pub(super) type Moved = HashMap<(usize, String), Vec<f64>>;
 
 /// All that animation `number` sets at `time`.

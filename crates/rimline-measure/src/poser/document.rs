@@ -105,7 +105,7 @@ impl Document {
         values
     }
 
-    /// What an accessor holds: zeros where it has no view, then the sparse elements, then normalised.
+    /// Values of an accessor: zeros where it has no view, then the sparse elements, then normalised.
     pub(super) fn accessor(&self, number: &Value) -> Values {
         let accessor = &self.json["accessors"][index(number)];
         let count = index(&accessor["count"]);

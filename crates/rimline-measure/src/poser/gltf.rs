@@ -17,7 +17,7 @@ pub struct File {
 struct Scene<'a> {
     document: &'a Document,
     moved: Moved,
-    /// Of all nodes, to world space.
+    /// Transforms of all nodes to world space.
     world: Vec<Affine>,
 }
 
@@ -125,8 +125,8 @@ impl Scene<'_> {
         }
     }
 
-    /// What moves each vertex: the joints of the node's skin, by weights brought to the sum 1; or the node alone. The
-    /// node of a skinned mesh counts for nothing (3.7.3.3).
+    /// The transforms that move each vertex: joints of the node's skin, with weights normalised to the sum 1, or the node
+    /// alone. The transform of a node with a skin is ignored (3.7.3.3).
     fn joints(&self, node: usize, attributes: &Value, vertices: usize) -> Vec<Vec<(f64, Affine)>> {
         let Some(skin) = self.node(node)["skin"].as_u64() else {
             return vec![vec![(1.0, self.world[node])]; vertices];

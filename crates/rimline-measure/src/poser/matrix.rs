@@ -7,7 +7,7 @@ pub struct Affine(pub [[f64; 4]; 3]);
 impl Affine {
     pub const IDENTITY: Self = Self([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
 
-    /// Of 16 values, column by column (3.5.3).
+    /// The matrix of 16 values, column by column (3.5.3).
     pub(super) fn from_columns(columns: &[f64]) -> Self {
         Self([0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| columns[4 * column + row])))
     }

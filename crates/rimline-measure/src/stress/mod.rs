@@ -20,11 +20,11 @@ use lights::Placing;
 /// A mesh whose facing is hard to decide, and where its lights are.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// What [`scene`] knows it by, such as `translation-1e6`.
+    /// Name of the scene for [`scene`], such as `translation-1e6`.
     pub name: &'static str,
-    /// What makes it hard; several scenes that differ in degree have the same.
+    /// Kind of difficulty. Several scenes that differ in degree have the same.
     pub class: &'static str,
-    /// Vertex positions, all finite. Those at the same place are meant as one vertex.
+    /// Vertex positions, all finite. Equal positions are meant as one vertex.
     pub positions: Vec<[f32; 3]>,
     /// Triangles, as indices into `positions`. Some scenes have faces without area, or several at one place.
     pub faces: Vec<[u32; 3]>,
@@ -160,7 +160,7 @@ scenes! {
         "noise-1e-6": |faces| rough(faces, 1e-6),
         "noise-1e-8": |faces| rough(faces, 1e-8),
     }
-    // What a modelling program should not have let through.
+    // Faults that a modelling program should have refused.
     "topology" {
         "degenerate-faces": |faces| Scene::new(bodies::with_degenerate_faces(faces), Placing::around(3.0)),
         "touching-boxes": |faces| Scene::new(bodies::touching_boxes(faces), Placing::InFacePlanes),

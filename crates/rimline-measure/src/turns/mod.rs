@@ -106,7 +106,7 @@ impl Walk<'_> {
         self.function(&self.module.functions[function], at)
     }
 
-    /// What the comment above a statement says of turns.
+    /// The number of turns in the comment above a statement, as text.
     fn comment(&self, span: Span) -> Option<&str> {
         let begin = span.to_range()?.start;
         let lines_above = self.source[..begin].lines().rev().skip(1).map(str::trim);
