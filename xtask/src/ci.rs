@@ -4,7 +4,7 @@ use std::process::Command;
 
 use crate::summary::Summary;
 use crate::test::BENCH;
-use crate::{circles, drivers, fuzz, process, test, wgsl};
+use crate::{circles, drivers, fuzz, process, test, wgsl, words};
 
 /// Every check runs, also after one that failed, so that one run shows all there is to mend.
 pub(crate) fn run() -> Summary {
@@ -22,6 +22,7 @@ pub(crate) fn run() -> Summary {
     documentation.args(everything).env("RUSTDOCFLAGS", "-D warnings");
     summary.check("documentation", process::run(&mut documentation));
     summary.check("module circles", circles::run());
+    summary.check("words that comments open with", words::run());
     test::add(&mut summary);
     drivers::add_swiftshader(&mut summary, &drivers::TESTS);
     wgsl::add(&mut summary);

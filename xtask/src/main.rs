@@ -13,6 +13,7 @@ mod summary;
 mod test;
 mod vulkan;
 mod wgsl;
+mod words;
 
 use std::process::ExitCode;
 
