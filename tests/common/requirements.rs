@@ -66,7 +66,7 @@ fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, S
         }
         Subject::DepthMap => match DepthMapPipelines::new(pipelines, &ShadowFormat::default(), 0) {
             Ok(_) => Ok(None),
-            Err(DepthMapError::Format(ShadowFormatError::Device(error))) => Ok(Some(error)),
+            Err(DepthMapError::Device(error)) => Ok(Some(error)),
             Err(error) => other(&error),
         },
     }
