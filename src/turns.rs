@@ -119,7 +119,7 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("polygon_masks", "polygon_masks", 34_898),
     ("edges", "edges", 66),
     ("cut_edges", "cut_edges", 58_408),
-    ("cut_edges", "cut_edges_rank", 53_095),
+    ("cut_edges", "cut_edges_rank", 59_530),
     ("cut_edges", "cut_edges_before", 1_315),
     ("cut_edges", "cut_edges_list", 46),
     ("cut_quads", "cut_quads", 1_328),

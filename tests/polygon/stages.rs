@@ -10,13 +10,17 @@ use rimline::{Light, Mesh, Predicate};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::{Found, extract, text};
-use rimline_measure::polygons::{PolygonSet, edge_on_polygon, folded_polygon, random_set};
+use rimline_measure::polygons::{PolygonSet, edge_on_polygon, folded_polygon, outline_in_planes, random_set};
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, polygon_oracle, same};
 
 use crate::lights::light_for;
 
-pub(crate) const TESTS: &[Test] = &[("masks_equal_their_twin", masks), ("pieces_are_those_of_their_twin", pieces)];
+pub(crate) const TESTS: &[Test] = &[
+    ("masks_equal_their_twin", masks),
+    ("pieces_are_those_of_their_twin", pieces),
+    ("pieces_of_outlines_in_planes_with_the_light_close", in_planes),
+];
 
 fn random_lights(random: &mut Random, set: &PolygonSet, count: usize) -> Vec<Light> {
     let any = std::iter::repeat_with(|| light_for(random, &set.positions).1);
@@ -215,6 +219,42 @@ pub(crate) fn check_listed(
     Ok(())
 }
 
+/// The same where the twin has the places of crossings, to a thousandth of the outline's size.
+fn check_ends(found: &[Listed], expected: &[Piece], outline: &Outline) -> Result<(), String> {
+    let mut places = BTreeMap::new();
+    for piece in expected {
+        for end in piece.ends {
+            if let PieceEnd::Crossing { edge, at } = end {
+                places.insert((piece.edge, edge), at);
+            }
+        }
+    }
+    let place = |piece: &Piece, end: usize| match piece.ends[end] {
+        PieceEnd::Corner => outline.edges()[piece.edge][end].map(f64::from),
+        PieceEnd::Touch(point) => point.map(f64::from),
+        PieceEnd::Crossing { edge, .. } => {
+            let (first, second) = (piece.edge.min(edge), piece.edge.max(edge));
+            let [a, b] = outline.edges()[first].map(|p| p.map(f64::from));
+            let at = places[&(first, second)];
+            [0, 1, 2].map(|axis| a[axis] + at * (b[axis] - a[axis]))
+        }
+    };
+    let size = outline.edges().iter().flatten().flatten().fold(0.0, |size: f64, &c| size.max(f64::from(c).abs()));
+    let mut left: Vec<_> = found.iter().map(|&[from, to, _]| [from, to].map(|p| p.map(f64::from))).collect();
+    for piece in expected {
+        let first = usize::from(piece.is_turned);
+        let ends = [place(piece, first), place(piece, 1 - first)];
+        let distance =
+            |other: &[[f64; 3]; 2]| length(difference(ends[0], other[0])).max(length(difference(ends[1], other[1])));
+        let nearest = (0..left.len()).min_by(|&p, &q| distance(&left[p]).total_cmp(&distance(&left[q])));
+        match nearest.map(|at| left.swap_remove(at)) {
+            Some(nearest) if distance(&nearest) <= 1e-3 * size => {}
+            nearest => return Err(format!("{piece:?} is not there, from {ends:?}, but {nearest:?}")),
+        }
+    }
+    if left.is_empty() { Ok(()) } else { Err(format!("{} pieces too many", left.len())) }
+}
+
 /// Whether the light is on the polygon or next to it, where rounding tells what it sees.
 fn is_lit_from_within(triangles: &[[[f32; 3]; 3]], light: Light) -> bool {
     let [x, y, z, w] = light.to_array().map(f64::from);
@@ -331,4 +371,44 @@ fn pieces() -> Result<(), String> {
     println!("{count} pieces, {large} large outlines, {near} with cuts that are nearly one");
     println!("{touching} outlines touch themselves");
     if count > 5000 && large > 50 && touching > 50 { Ok(()) } else { Err("too few".to_owned()) }
+}
+
+/// Corners in planes with the light but for some: the pieces close, there are as many as the twin has, and where the planes are those
+/// of axes, so that all that are seen in line cut each other in the middle, they are the same.
+fn in_planes() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let first = 700_100;
+    println!("seeds from {first}");
+    let (mut count, mut same_ends) = (0, 0);
+    for (planes, others) in [(1, 1), (1, 2), (1, 5), (2, 0), (2, 1), (3, 0)] {
+        for seed in first..first + if is_long() { 200 } else { 12 } {
+            let mut random = Random::new(seed);
+            let (points, light) = outline_in_planes(&mut random, planes, others);
+            let mut set = PolygonSet::default();
+            set.push_points(&[points]);
+            let mesh = set.mesh(Weld::Position).map_err(text)?;
+            let Some(polygons) = mesh.polygons() else { continue };
+            let outline = Outline::new(polygons.outline(0), &set.positions).ok_or("not finite")?;
+            if outline.seen(light.to_array()).0 != Seen::Twisted {
+                continue;
+            }
+            let what = format!("{planes} planes, {others} others, seed {seed}");
+            let list = listed(gpu, &set, &mesh, &[light])?.pop().ok_or("no list")?;
+            let triangles: Vec<_> = mesh.faces().iter().map(|face| face.map(|v| set.positions[v as usize])).collect();
+            let cut = cut_edges(&outline, &triangles, light.to_array());
+            same(&format!("{what}, pieces"), &[list.len()], &[cut.len()])?;
+            let places: Vec<_> = outline.edges().to_vec();
+            if planes == 1 || !polygon_oracle::find(&places, light).touches {
+                check_closed(&list).map_err(|error| format!("{what}: {error}"))?;
+                count += list.len();
+            }
+            let is_flat = |axis: usize| outline.edges().iter().filter(|[p, _]| p[axis] != 0.0).count() <= others;
+            if planes == 1 && (0..3).any(is_flat) {
+                check_ends(&list, &cut, &outline).map_err(|error| format!("{what}: {error}"))?;
+                same_ends += 1;
+            }
+        }
+    }
+    println!("{count} pieces, {same_ends} outlines have the ends that the twin says");
+    if count > 2000 && same_ends > 5 { Ok(()) } else { Err("too few".to_owned()) }
 }

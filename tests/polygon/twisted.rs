@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rimline::Light;
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{Outline, Piece, PieceEnd, Seen, cut_edges};
-use rimline_measure::polygons::{PolygonSet, edge_on_polygon, folded_polygon, random_polygon};
+use rimline_measure::polygons::{PolygonSet, edge_on_polygon, folded_polygon, outline_in_planes, random_polygon};
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, polygon_oracle, shadow_oracle};
 
@@ -336,4 +336,47 @@ fn outlines_seen_edge_on_but_for_rounding_close() -> Outcome {
     }
     println!("{twisted} twisted, {cut} cuts, {open} open");
     if twisted > 100 && open == 0 { Ok(()) } else { Err(format!("{open} of {twisted} are open")) }
+}
+
+/// Corners in planes with the light but for some, so that it sees edges in line. Turns are those of the moved light, and the order of
+/// cuts is.
+#[test]
+fn outlines_in_planes_with_the_light_close() -> Outcome {
+    let first = 700_000;
+    println!("seeds from {first}");
+    let mut touching = [0; 2];
+    for (planes, others) in [(1, 1), (1, 2), (1, 5), (2, 0), (2, 1), (3, 0), (3, 1)] {
+        let (mut twisted, mut open) = (0, [0; 2]);
+        for seed in first..first + if is_long() { 10_000 } else { 400 } {
+            let mut random = Random::new(seed);
+            let (points, light) = outline_in_planes(&mut random, planes, others);
+            let scale = if seed % 5 == 0 { (random.below(100) as f32 - 50.0).exp2() } else { 1.0 };
+            let mut set = PolygonSet::default();
+            set.push_points(&[points.into_iter().map(|point| point.map(|c| c * scale)).collect()]);
+            let mesh = set.mesh(Weld::Position).expect("a mesh");
+            let Some(polygons) = mesh.polygons() else { continue };
+            let outline = Outline::new(polygons.outline(0), &set.positions).expect("finite");
+            let [x, y, z, w] = light.to_array();
+            let light = if w == 0.0 { light } else { Light::point([x, y, z].map(|c| c * scale)) };
+            if outline.seen(light.to_array()).0 != Seen::Twisted {
+                continue;
+            }
+            twisted += 1;
+            let edges: Vec<_> = outline.edges().to_vec();
+            let case = Case { light, outline, edges, faces: mesh.faces().to_vec(), set };
+            let touches = polygon_oracle::find(&case.edges, light).touches;
+            touching[usize::from(touches)] += 1;
+            if let Err(error) = case.check_closed(&case.pieces()) {
+                println!("{planes} planes, {others} others, seed {seed}, touches: {touches}: {error}");
+                open[usize::from(touches)] += 1;
+            }
+        }
+        println!("{planes} planes, {others} others: {twisted} twisted, {open:?} open");
+        // Outlines that touch themselves in space, and have many edges through one point besides, need not close.
+        if twisted < 300 || open[0] > 0 || planes == 1 && open[1] > 0 || 100 * open[1] > twisted {
+            return Err(format!("{open:?} of {twisted} are open, of {planes} planes and {others} others"));
+        }
+    }
+    println!("{touching:?} that do not touch themselves, and that do");
+    if touching.iter().all(|&count| count > 300) { Ok(()) } else { Err(format!("too few: {touching:?}")) }
 }

@@ -8,6 +8,8 @@
 // so edges that cross must agree on order and point. `turn` is that of three points (polygon/turn.wgsl); `Turns:` is the most
 // turns of the loop below it. docs/numerics/twisted-polygons.md.
 
+#import common/fixed_sign
+#import extract/one_caster
 #import polygon/cut_order
 #import polygon/cuts
 #import polygon/list_pieces
@@ -19,6 +21,9 @@
 // Bit 0: an odd number of the polygon's triangles are, as the light sees them, next to the edge's end on its left. An element an
 // invocation; with a large outline, whose invocations share an edge, the first.
 var<workgroup> odd: array<atomic<u32>, 64>;
+// The window of bits of the outline's corners: its begin, as how far it is below `FAR`, and its end. An element as for `odd`.
+var<workgroup> below_far: array<atomic<i32>, 64>;
+var<workgroup> above: array<atomic<i32>, 64>;
 // How many cuts each invocation found, and the place in the light's list where the row of cuts of its edge begins.
 var<workgroup> found_counts: array<u32, 64>;
 var<workgroup> rows: array<u32, 64>;
@@ -67,6 +72,10 @@ struct Found {
   // The cuts that have an end on it, in space, and the cuts of which it is the second end.
   touches: u32,
   touches_second: u32,
+  // The two bits of `tie` of each cut.
+  ties: vec2<u32>,
+  // The window of bits of the corners of the edges it took: begin and end.
+  span: vec2<i32>,
 }
 
 // Finds the edges that cut the edge, and whether an odd number of triangles have the directions next to its end, on its left: it
@@ -76,6 +85,7 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
   let step = select(1u, OUTLINE_LANES, work.is_large);
   let e = work.edge;
   var found_cuts: Found;
+  found_cuts.span = select(vec2<i32>(FAR, -FAR), window_of(numbers(e.a)), work.exists);
   let is_up = is_below(e.a, e.b);
   let triangles = outline.end_triangle - outline.first_triangle;
   let end = select(0u, outline.count + triangles, work.exists);
@@ -88,6 +98,7 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
       if (item == work.index || !f.has_length) {
         continue;
       }
+      found_cuts.span = hull(found_cuts.span, window_of(numbers(f.a)));
       corners[0] = f.a;
       corners[1] = f.b;
     } else {
@@ -97,6 +108,7 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
     // For an edge f the sides of e.a and e.b at f, then those of f's ends at e. For a triangle its own turn, then for each of its
     // edges the sides of e.b and e.a.
     var signs: array<i32, 7>;
+    var tie = IN_LINE;
     // Turns: CUT_TESTS in all.
     for (var test = 0u; test < select(7u, 4u, is_edge); test++) {
       var p = corners[0];
@@ -124,7 +136,9 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
           r = e.a;
         }
       }
-      signs[test] = turn(p, q, r, work.place).moved;
+      let found = turn(p, q, r, work.place);
+      signs[test] = found.moved;
+      tie = select(tie, min(tie, found.tie), test < 2u);
     }
     if (is_edge) {
       let bit = 1u << select(item, item / OUTLINE_LANES, work.is_large);
@@ -146,6 +160,7 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
         found_cuts.cuts |= bit;
         found_cuts.touches |= select(0u, bit, touch);
         found_cuts.touches_second |= select(0u, bit, touch && is_second);
+        found_cuts.ties |= select(vec2<u32>(0u), vec2<u32>(bit), (vec2<u32>(tie) & vec2<u32>(1u, 2u)) != vec2<u32>(0u));
       }
       continue;
     }
@@ -185,8 +200,10 @@ fn cut_edges(
   }
   let found = take_cuts(own, work, lane);
   found_counts[lane] = countOneBits(found.cuts);
-  workgroupBarrier();
   let slot = select(lane, 0u, work.is_large);
+  atomicMax(&below_far[slot], FAR - found.span.x);
+  atomicMax(&above[slot], found.span.y);
+  workgroupBarrier();
   var cuts = 0u;
   var place = 0u;
   // Turns: OUTLINE_LANES.
@@ -202,23 +219,33 @@ fn cut_edges(
   if (!work.exists) {
     return;
   }
-  let row = Row(polygon, work.index, work.place, rows[slot], cuts, (atomicLoad(&odd[slot]) & 1u) != 0u);
+  let span = vec2<i32>(FAR - atomicLoad(&below_far[slot]), atomicLoad(&above[slot]));
+  let holds = holds_turns(span, given_light(work.place));
+  let is_odd_at_end = (atomicLoad(&odd[slot]) & 1u) != 0u;
+  let row = Row(polygon, work.index, work.place, rows[slot], cuts, is_odd_at_end, holds);
   for (var rest = found.cuts; rest != 0u; rest &= rest - 1u) {
     let item = firstTrailingBit(rest);
     let bit = 1u << item;
     let by = select(item, OUTLINE_LANES * item + lane, work.is_large);
-    write_cut(row, place, Cut(by, (found.touches & bit) != 0u, (found.touches_second & bit) != 0u));
+    let tie = select(vec2<u32>(0u), vec2<u32>(1u, 2u), (found.ties & vec2<u32>(bit)) != vec2<u32>(0u));
+    let cut = Cut(
+      by,
+      (found.touches & bit) != 0u,
+      (found.touches_second & bit) != 0u,
+      select(0u, tie.x | tie.y, holds),
+    );
+    write_cut(row, place, cut);
     place++;
   }
   if (has_row) {
-    write_cut(row, cuts, Cut(CORNER, false, false));
+    write_cut(row, cuts, Cut(CORNER, false, false, 0u));
   }
 }
 
 // The edge that the cuts of a row cut.
 fn edge_of(row: Row) -> CutEdge {
   let outline = outline_of(row.polygon);
-  return CutEdge(outline, edge_at(outline.first + row.edge), row.edge, row.light);
+  return CutEdge(outline, edge_at(outline.first + row.edge), row.edge, row.light, row.holds_turns);
 }
 
 @compute @workgroup_size(64)
@@ -298,7 +325,7 @@ fn cut_edges_before(
   let end = order_of(own.row, own.place, by_turns);
   var earlier = 0u;
   var last = vec2<u32>(0u);
-  var before = packed_cut(Cut(CORNER, false, false));
+  var before = packed_cut(Cut(CORNER, false, false, 0u));
   // Turns: OUTLINE_EDGES.
   for (var number = 0u; number < own.row.cuts; number++) {
     let place = own.row.first + number;

@@ -18,6 +18,9 @@ struct CutEdge {
   edge: Edge,
   index: u32,
   light: u32,
+  // Fixed point holds the outline's turns. If not, nothing tells where edges that are seen in line cut each other, and cuts have
+  // no `tie`.
+  holds_turns: bool,
 }
 
 // Whether a point comes before another on a line, in the direction in which coordinates grow: the first that differs.
@@ -92,6 +95,12 @@ fn side_of_touch(sides: vec2<i32>, is_second: bool, other: Edge, is_nearest: boo
   return select(own, select(sides.x + sides.y, right_of(other), is_nearest), own == 0);
 }
 
+// How far along an edge another is, as the light sees it, or the axis that breaks the tie.
+fn seen_cut_at(f: Edge, e: Edge, light: u32, tie: u32) -> f32 {
+  let axis = bitcast<vec4<f32>>(light_or_axis(light, tie));
+  return cut_at(f, e, select(axis, scaled_light(light), tie == 0u));
+}
+
 // Parts of an edge that are taken for one point of it.
 const ONE_POINT: f32 = 0x1p-18;
 
@@ -100,35 +109,152 @@ struct Three {
   edges: array<Edge, 3>,
   // Their places in the outline.
   indices: vec3<u32>,
+  // The lights that tell where along each the others are, in their order, as `tie` of a cut.
+  ties: array<vec2<u32>, 3>,
 }
 
-// How far along each of three edges the two others cut it: along edge 0 those of 1 and 2, along 1 of 0 and 2, along 2 of 0 and 1.
-fn places_of(three: Three, light: u32) -> array<vec2<f32>, 3> {
+// The order of the cuts of three edges.
+struct Told {
+  // The edge along which the others come in an order, or `NONE`: all three seem to cross in one point.
+  first: u32,
+  // Whether the first of the others, in their order, comes after the second.
+  is_after: bool,
+}
+
+const NONE: u32 = 3u;
+
+// The order of three edges by how far along each the two others cut it: along edge 0 those of 1 and 2, along 1 of 0 and 2, along
+// 2 of 0 and 1. The earliest edge tells it. If some are seen in line, others see these cross in one point, so the edge along
+// which the others are farthest apart tells it.
+fn told_by_places(indices: vec3<u32>, ties: array<vec2<u32>, 3>, places: array<vec2<f32>, 3>) -> Told {
+  let apart = vec3<f32>(places[0].x - places[0].y, places[1].x - places[1].y, places[2].x - places[2].y);
+  let size = abs(apart);
+  var first = earliest_of(indices);
+  if (all((ties[0] | ties[1] | ties[2]) == vec2<u32>(0u))) {
+    first = select(first, NONE, any(size <= vec3<f32>(ONE_POINT)));
+  } else {
+    // The earliest of those that are equal.
+    for (var edge = 0u; edge < 3u; edge++) {
+      let is_earlier = size[edge] == size[first] && indices[edge] < indices[first];
+      first = select(first, edge, size[edge] > size[first] || is_earlier);
+    }
+    first = select(first, NONE, size[first] <= ONE_POINT);
+  }
+  return Told(first, apart[min(first, 2u)] > 0.0);
+}
+
+fn earliest_of(indices: vec3<u32>) -> u32 {
+  let is_earliest = indices == vec3<u32>(min(indices.x, min(indices.y, indices.z)));
+  return select(select(2u, 1u, is_earliest.y), 0u, is_earliest.x);
+}
+
+// Turns of the ends of an edge at two others: of a and b at the one, and of a and b at the other, for the light as given and for
+// the axes. Each is a value of at most 1 times a power of two.
+struct EndTurns {
+  values: array<vec4<f32>, 4>,
+  exponents: array<vec4<i32>, 4>,
+}
+
+// The sign of how much farther along the edge the one is than the other, times the signs of the turns of its end at both, where
+// the light as given sees no difference. If the moved light sees none either, or the given one does see it, it is 0.
+fn sign_apart(turns: EndTurns) -> i32 {
+  // Their places are t/(t - t'), where t and t' are polynomials in how far the light moves. So is what they differ by.
+  for (var power = 0u; power < 7u; power++) {
+    var exponent = -0x10000;
+    var sum = 0.0;
+    var size = 0.0;
+    // First the largest exponent, then the sum.
+    for (var step = 0u; step < 8u; step++) {
+      let i = step % 4u;
+      let k = power - i;
+      if (i > power || k > 3u) {
+        continue;
+      }
+      let products = vec2<f32>(turns.values[2][i] * turns.values[1][k], turns.values[0][i] * turns.values[3][k]);
+      let exponents = vec2<i32>(
+        turns.exponents[2][i] + turns.exponents[1][k],
+        turns.exponents[0][i] + turns.exponents[3][k],
+      );
+      if (step < 4u) {
+        let used = select(vec2<i32>(exponent), exponents, products != vec2<f32>(0.0));
+        exponent = max(exponent, max(used.x, used.y));
+        continue;
+      }
+      let p = times_power(products.x, min(exponents.x - exponent, 0));
+      let q = times_power(products.y, min(exponents.y - exponent, 0));
+      sum += p - q;
+      size += abs(p) + abs(q);
+    }
+    if (abs(sum) > SAME * size) {
+      return select(0, select(-1, 1, sum > 0.0), power > 0u);
+    }
+  }
+  return 0;
+}
+
+// Parts of a sum of products that may be rounding.
+const SAME: f32 = 0x1p-20;
+
+// The order of the cuts of three edges, by turns of ends of edges at others: by where each is along each, and, if this does not
+// tell, as the moved light sees them. If 1 and 2 do not cross each other, only that along 0. One loop, so that turns are
+// compiled once.
+fn told_by(three: Three, own: CutEdge, crosses: bool) -> Told {
+  let light = own.light;
   var places: array<vec2<f32>, 3>;
   var before: TurnValue;
-  // One loop over both ends of both parts of each edge.
-  for (var part = 0u; part < 12u; part++) {
-    let cut = part / 4u;
-    let number = (part / 2u) % 2u;
-    let is_second = part % 2u == 1u;
-    let f = three.edges[select(number, number + 1u, number >= cut)];
-    let point = select(three.edges[cut].a, three.edges[cut].b, vec3<bool>(is_second));
-    let own = turn_value(f.a, f.b, point, given_light(light));
-    if (is_second) {
-      places[cut][number] = share_of_turns(before, own);
-      if (!before.fits || !own.fits) {
-        places[cut][number] = cut_at(f, three.edges[cut], light);
+  var turns: EndTurns;
+  // The earliest edge, and the others in their order.
+  let first = select(0u, earliest_of(three.indices), crosses);
+  var others = vec2<u32>(select(0u, 1u, first == 0u), select(2u, 1u, first == 2u));
+  others = select(others, others.yx, three.indices[others.x] > three.indices[others.y]);
+  // Turns: 28.
+  for (var part = select(12u, 0u, crosses); part < 28u; part++) {
+    if (part == 12u) {
+      var told = Told(NONE, false);
+      if (crosses) {
+        told = told_by_places(three.indices, three.ties, places);
+      }
+      if (told.first != NONE || !own.holds_turns) {
+        return told;
       }
     }
-    before = own;
+    let is_place = part < 12u;
+    // A place takes both ends of an edge at another. Then come each end of the earliest edge at each other for each light.
+    var cut = part / 4u;
+    let number = select((part - 12u) / 8u, (part / 2u) % 2u, is_place);
+    let end = select((part / 4u + 1u) % 2u, part % 2u, is_place);
+    var by = select(number, number + 1u, number >= cut);
+    var tie = part % 4u;
+    if (is_place) {
+      tie = three.ties[cut][number];
+    } else {
+      cut = first;
+      by = others[number];
+    }
+    let f = three.edges[by];
+    let point = select(three.edges[cut].a, three.edges[cut].b, vec3<bool>(end == 1u));
+    let value = turn_value(f.a, f.b, point, light_or_axis(light, tie));
+    if (!is_place) {
+      let parts = frexp(value.value);
+      turns.values[2u * number + end][tie] = parts.fract;
+      turns.exponents[2u * number + end][tie] = parts.exp + value.exponent;
+    } else if (end == 1u) {
+      places[cut][number] = share_of_turns(before, value);
+      if (!before.fits || !value.fits) {
+        places[cut][number] = cut_at(f, three.edges[cut], scaled_light(light));
+      }
+    }
+    before = value;
   }
-  return places;
+  let side = sign_apart(turns) * moved_sign(turns.values[1]) * moved_sign(turns.values[3]);
+  return Told(select(NONE, first, side != 0), (side > 0) == (others.x < others.y));
 }
 
-// Whether all three cross each other in one point, as it seems.
-fn are_in_one_point(places: array<vec2<f32>, 3>) -> bool {
-  let apart = vec3<f32>(places[0].x - places[0].y, places[1].x - places[1].y, places[2].x - places[2].y);
-  return any(abs(apart) <= vec3<f32>(ONE_POINT));
+// The sign of a turn of the moved light, by the values for the light as given and for the axes.
+fn moved_sign(values: vec4<f32>) -> i32 {
+  let signs = vec4<i32>(sign(values));
+  let of_axes = select(select(signs.w, signs.z, signs.z != 0), signs.y, signs.y != 0);
+  return select(of_axes, signs.x, signs.x != 0);
 }
 
 // Which of two of three edges comes before the other in the order of `precedes`.
@@ -142,8 +268,8 @@ fn former(three: Three, one: u32, other: u32) -> u32 {
   return select(other, one, is_before);
 }
 
-// Which of three edges comes before the others. Edges that are seen in line cross nobody knows where, so it is one of these, if
-// there are any: 0 and 1, 0 and 2, or 1 and 2.
+// Which of three edges comes before the others. If nobody knows where edges that are seen in line cross, it is one of these: 0
+// and 1, 0 and 2, or 1 and 2.
 fn foremost(three: Three, in_line: vec3<bool>) -> u32 {
   if (in_line.x) {
     return former(three, 0u, 1u);
@@ -156,10 +282,10 @@ fn foremost(three: Three, in_line: vec3<bool>) -> u32 {
 }
 
 // Whether cut j is before cut i on the edge that both cut. Turns decide where the one cut is on one side of the other's edge.
-// Otherwise all three edges cross each other. If they seem to do so in one point, each is moved to its left a little, and the
-// foremost one farther than the others, out of their crossing. Else how far along the earliest of the three the others cut it
-// decides for all three. Rounded distances also decide where edges cross each other's opposite directions; nothing has to fit
-// there.
+// Otherwise all three edges cross each other. How far along one of the three the others cut it decides for all three. If they
+// seem to cross in one point, the moved light tells them apart. If it sees them in one point, too, each is moved to its left a
+// little, and the foremost one farther than the others, out of their crossing. Rounded distances also decide where edges cross
+// each other's opposite directions; nothing has to fit there.
 fn is_before(own: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
   let e = own.edge;
   let j = cut_j.by;
@@ -174,8 +300,8 @@ fn is_before(own: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
   let g = edge_at(own.outline.first + j);
   // The sides of the end of e at f and g; those of the ends of g at f, and of f at g; those of the ends of g and f at e.
   var signs: array<i32, 10>;
-  // Whether e and g, e and f, and g and f are seen in line.
-  var in_line = vec3<bool>(true);
+  // The lights that tell where along g and f the two others are.
+  var ties = array<vec2<u32>, 2>(vec2<u32>(IN_LINE), vec2<u32>(IN_LINE));
   var crosses = false;
   for (var test = 0u; test < 10u; test++) {
     if (test == 6u) {
@@ -228,17 +354,32 @@ fn is_before(own: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
     let found = turn(p.a, p.b, r, own.light);
     signs[test] = found.moved;
     if (test >= 2u) {
-      let is_of = vec3<bool>(test == 6u || test == 7u, test >= 8u, test < 4u);
-      in_line &= !is_of | vec3<bool>(found.given == 0);
+      let of_f = (test / 2u) % 2u == 0u;
+      let is_of = vec2<bool>(test >= 6u, test < 6u);
+      ties[select(0u, 1u, of_f)] = min(ties[select(0u, 1u, of_f)], select(vec2<u32>(IN_LINE), vec2<u32>(found.tie), is_of));
     }
   }
+  var is_nearer = false;
   if (!crosses) {
     let places = vec2<f32>(place_along(own, cut_j), place_along(own, cut_i));
-    return places.x < places.y || (places.x == places.y && j < i);
+    is_nearer = places.x < places.y || (places.x == places.y && j < i);
+    if (abs(places.x - places.y) > ONE_POINT) {
+      return is_nearer;
+    }
   }
-  let three = Three(array<Edge, 3>(e, g, f), vec3<u32>(own.index, j, i));
-  let places = places_of(three, own.light);
-  if (are_in_one_point(places)) {
+  // Whether e and g, e and f, and g and f are seen in line, and nobody knows where they cross.
+  let in_line = vec3<bool>(!own.holds_turns) & (vec3<u32>(ties[0].x, ties[1].x, ties[0].y) > vec3<u32>(0u));
+  let known = select(vec2<u32>(0u), vec2<u32>(0xffffffffu), own.holds_turns);
+  let three = Three(
+    array<Edge, 3>(e, g, f),
+    vec3<u32>(own.index, j, i),
+    array<vec2<u32>, 3>(vec2<u32>(cut_j.tie, cut_i.tie), ties[0] & known, ties[1] & known),
+  );
+  let told = told_by(three, own, crosses);
+  if (told.first == NONE) {
+    if (!crosses) {
+      return is_nearer;
+    }
     switch (foremost(three, in_line)) {
       case 2u: { return right_of(f) != signs[0]; }
       case 1u: { return right_of(g) == signs[1]; }
@@ -246,21 +387,19 @@ fn is_before(own: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
       default: { return select(signs[2], signs[3], signs[6] == right_of(e)) != signs[0]; }
     }
   }
-  let earliest = min(own.index, min(i, j));
-  if (earliest == own.index) {
-    return places[0].x < places[0].y;
+  if (told.first == 0u) {
+    return !told.is_after;
   }
-  // The sign of the product of what the earliest tells of e and the other one, and of the sides of its end there and of the end
+  // The sign of the product of what the first tells of e and the other one, and of the sides of its end there and of the end
   // of e here.
-  let is_of_f = earliest == i;
-  let along = select(places[1], places[2], is_of_f);
+  let is_of_f = told.first == 2u;
   let of_end = select(vec2<i32>(signs[7], signs[3]), vec2<i32>(signs[9], -signs[5]), is_of_f);
-  return signs[0] * signs[1] * of_end.x * of_end.y * select(-1, 1, along.x > along.y) > 0;
+  return signs[0] * signs[1] * of_end.x * of_end.y * select(-1, 1, told.is_after) > 0;
 }
 
 // How far along the edge a cut is, rounded.
 fn place_along(own: CutEdge, cut: Cut) -> f32 {
   let touch = touch_of(own.outline, cut);
-  let crossing = cut_at(edge_at(own.outline.first + cut.by), own.edge, own.light);
+  let crossing = seen_cut_at(edge_at(own.outline.first + cut.by), own.edge, own.light, cut.tie);
   return select(crossing, along_edge(own.edge, touch.xyz), touch.w == 1u);
 }

@@ -16,23 +16,26 @@ struct Cut {
   touches: bool,
   // If it touches: this is the cutting edge's second end.
   is_second: bool,
+  // If it does not touch: the light that tells where it cuts, 0 as given, 1 to 3 an axis.
+  tie: u32,
 }
 
 const CORNER: u32 = 0xffffu; // Outlines have at most 1,024 edges, so 16 bits hold them.
+const TIE_SHIFT: u32 = 16u;
 const TOUCHES: u32 = 0x40000000u;
 const IS_SECOND: u32 = 0x80000000u;
 
 fn packed_cut(cut: Cut) -> u32 {
-  return cut.by | select(0u, TOUCHES, cut.touches) | select(0u, IS_SECOND, cut.is_second);
+  return cut.by | (cut.tie << TIE_SHIFT) | select(0u, TOUCHES, cut.touches) | select(0u, IS_SECOND, cut.is_second);
 }
 
 fn unpacked_cut(word: u32) -> Cut {
-  return Cut(word & 0xffffu, (word & TOUCHES) != 0u, (word & IS_SECOND) != 0u);
+  return Cut(word & 0xffffu, (word & TOUCHES) != 0u, (word & IS_SECOND) != 0u, (word >> TIE_SHIFT) & 3u);
 }
 
 // Words of a cut: the polygon, or NO_POLYGON if there was no room for the row; the edge that is cut, with the highest bit if, as
-// the light sees it, an odd number of triangles are next to its end on its left; the cut; the place in the light's list of the
-// first of its row, and how many cuts that has, without the end.
+// the light sees it, an odd number of triangles are next to its end on its left, and the next one if fixed point holds the
+// outline's turns; the cut; the place in the light's list of the first of its row, and how many cuts that has, without the end.
 const OF_POLYGON: u32 = 0u;
 const OF_EDGE: u32 = 1u;
 const CUT: u32 = 2u;
@@ -47,6 +50,7 @@ const CUT_BEFORE: u32 = 7u;
 const EARLIER: u32 = 8u;
 const NO_POLYGON: u32 = 0xffffffffu;
 const IS_ODD_AT_END: u32 = 0x80000000u;
+const HOLDS_TURNS: u32 = 0x40000000u;
 
 // The part that all cuts of an edge have in common.
 struct Row {
@@ -56,6 +60,7 @@ struct Row {
   first: u32,
   cuts: u32,
   is_odd_at_end: bool,
+  holds_turns: bool,
 }
 
 // Takes room in a light's list for the cuts of an edge and for its end, and workgroups of the next passes for those that fit. A
@@ -80,7 +85,8 @@ fn write_cut(row: Row, number: u32, cut: Cut) {
   let at = piece_at(row.light, place);
   let fits = row.first + row.cuts < chunk.capacity;
   pieces.words[at + OF_POLYGON] = select(NO_POLYGON, row.polygon, fits);
-  pieces.words[at + OF_EDGE] = row.edge | select(0u, IS_ODD_AT_END, row.is_odd_at_end);
+  pieces.words[at + OF_EDGE] = row.edge | select(0u, IS_ODD_AT_END, row.is_odd_at_end)
+    | select(0u, HOLDS_TURNS, row.holds_turns);
   pieces.words[at + CUT] = packed_cut(cut);
   pieces.words[at + ROW] = row.first;
   pieces.words[at + ROW_CUTS] = row.cuts;
@@ -124,7 +130,8 @@ fn written_cut(workgroup: u32, number: u32) -> Written {
   let edge = pieces.words[written.at + OF_EDGE];
   let first = pieces.words[written.at + ROW];
   let cuts = pieces.words[written.at + ROW_CUTS];
-  written.row = Row(polygon, edge & ~IS_ODD_AT_END, light, first, cuts, edge >= IS_ODD_AT_END);
+  let holds = (edge & HOLDS_TURNS) != 0u;
+  written.row = Row(polygon, edge & 0xffffu, light, first, cuts, edge >= IS_ODD_AT_END, holds);
   written.cut = unpacked_cut(pieces.words[written.at + CUT]);
   return written;
 }

@@ -30,13 +30,12 @@ fn to_unit(v: vec3<f32>) -> vec3<f32> {
   return v / max(largest_of(v), 0x1p-126);
 }
 
-// How far along edge `e` it meets the plane through the light and edge `f`, from 0 to 1, rounded. If the light looks along `f`,
-// it is where the light sees the first end of `f`. `place` is the light's bit.
-fn cut_at(f: Edge, e: Edge, place: u32) -> f32 {
+// How far along edge `e` it meets the plane through a light and edge `f`, from 0 to 1, rounded. If the light looks along `f`,
+// it is where the light sees the first end of `f`.
+fn cut_at(f: Edge, e: Edge, light: vec4<f32>) -> f32 {
   let a = bitcast<vec3<f32>>(e.a);
   let b = bitcast<vec3<f32>>(e.b);
   let c = bitcast<vec3<f32>>(f.a);
-  let light = scaled_light(place);
   let sight = to_unit(light.xyz - light.w * c);
   var normal = cross_product(to_unit(bitcast<vec3<f32>>(f.b) - c), sight);
   if (largest_of(normal) <= END_ON) {
@@ -55,7 +54,7 @@ fn crossing_point(outline: OutlineRange, i: u32, j: u32, place: u32) -> vec3<u32
   let e = edge_at(outline.first + min(i, j));
   let f = edge_at(outline.first + max(i, j));
   let a = bitcast<vec3<f32>>(e.a);
-  return bitcast<vec3<u32>>(a + cut_at(f, e, place) * (bitcast<vec3<f32>>(e.b) - a));
+  return bitcast<vec3<u32>>(a + cut_at(f, e, scaled_light(place)) * (bitcast<vec3<f32>>(e.b) - a));
 }
 
 // A point amid the corners of a polygon, the mean of four. It is hardly ever in the plane of a triangle of its surface, so faces

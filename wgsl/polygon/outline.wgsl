@@ -131,7 +131,7 @@ fn seen_by_pairs(outline: OutlineRange, work: Work, lane: u32) {
           case 3u: { of_f.y = sign; }
           default: {}
         }
-        if (test < 4u && found_turn.given != 0) {
+        if (test < 4u && found_turn.tie == 0u) {
           atomicOr(&found[slot], LEAVES_PLANE);
         }
         if (test == 4u) {

@@ -12,10 +12,13 @@
 #import extract/one_caster
 
 struct Turn {
-  // For the light as given, and for the light moved. The latter is 0 only if the points are in line.
-  given: i32,
+  // For the light moved. It is 0 only if the points are in line.
   moved: i32,
+  // The light that decides it: 0 as given, 1 to 3 an axis, or `IN_LINE`.
+  tie: u32,
 }
+
+const IN_LINE: u32 = 4u;
 
 // The light's bits, or for tie 1 to 3 those of the axis along which it moves, as a light at infinity.
 fn light_or_axis(place: u32, tie: u32) -> vec4<u32> {
@@ -45,13 +48,13 @@ fn certain_turn(a_bits: vec3<u32>, b_bits: vec3<u32>, c_bits: vec3<u32>, place: 
 // The turn of three positions, given by their bits, which must be finite. `place` is the light's.
 fn turn(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, place: u32) -> Turn {
   if (all(a == b) || all(b == c) || all(c == a)) {
-    return Turn(0, 0);
+    return Turn(0, IN_LINE);
   }
   let certain = certain_turn(a, b, c, place);
-  var found = Turn(certain, certain);
   if (certain != 0) {
-    return found;
+    return Turn(certain, 0u);
   }
+  var found = Turn(0, IN_LINE);
   let fixed = fixed_face(a, b, c);
   // Turns: 4.
   for (var tie = 0u; tie < 4u && found.moved == 0; tie++) {
@@ -60,8 +63,7 @@ fn turn(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, place: u32) -> Turn {
     if (sign == 2) {
       sign = exact_sign(a, b, c, light);
     }
-    found.given = select(found.given, sign, tie == 0u);
-    found.moved = sign;
+    found = Turn(sign, select(IN_LINE, tie, sign != 0));
   }
   return found;
 }
@@ -122,6 +124,13 @@ fn turn_value(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light: vec4<u32>) -> Tur
   let value = top * 0x1p24 + (middle.w + middle.z + middle.y + middle.x) * 0x1p-24
     + (low.w + low.z + low.y + low.x) * 0x1p-72;
   return TurnValue(sum.fits, f32(sign) * value, sum.exponent + 72);
+}
+
+// Whether fixed point holds the turns of all points whose bits are in a window, for a light and for the axes.
+fn holds_turns(span: vec2<i32>, light: vec4<u32>) -> bool {
+  let moved = span + window_of(numbers(light.www)) - 149;
+  let of_light = hull(window_of(numbers(light.xyz)), moved);
+  return span.y - span.x <= FACE_BITS && of_light.y - of_light.x <= LIGHT_BITS;
 }
 
 // value * 2^exponent, for an exponent up to 0. 0 where that is -64 or less.

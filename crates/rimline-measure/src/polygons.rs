@@ -1,5 +1,6 @@
 //! Polygons made by code: convex, concave, with holes, with bridges, nonplanar, twisted, degenerate.
 
+use rimline::Light;
 use rimline::mesh::{Mesh, MeshError, PolygonLoops, Weld};
 
 use super::random::Random;
@@ -264,6 +265,55 @@ pub fn edge_on_polygon(random: &mut Random) -> (Vec<[f32; 3]>, [f32; 3]) {
         })
         .collect();
     (points, on_circle(4.0, random.between(0.0, 6.0)))
+}
+
+/// An outline whose corners are in `planes` planes through the light but for `others` of them, and that light. All is exact: whole
+/// numbers, or planes of two axes.
+pub fn outline_in_planes(random: &mut Random, planes: usize, others: usize) -> (Vec<[f32; 3]>, Light) {
+    let is_whole = planes > 1 || random.below(2) == 0;
+    let is_far = random.below(2) == 0;
+    let reach = [3, 20, 300][random.below(3)];
+    let axis = random.below(3);
+    // A number, or a coordinate.
+    let any = |random: &mut Random| {
+        if is_whole { (random.below(2 * reach + 1) as f32) - reach as f32 } else { random.between(-4.0, 4.0) }
+    };
+    let vector = |random: &mut Random| loop {
+        let v = lattice(random, 2);
+        if v != [0.0; 3] {
+            break v;
+        }
+    };
+    let (origin, sight) = (lattice(random, 4), vector(random));
+    let spans: Vec<_> = (0..planes).map(|_| [if is_far { sight } else { vector(random) }, vector(random)]).collect();
+    let is_ahead = random.below(2) == 0;
+    let in_plane = |random: &mut Random| {
+        let [mut along, aside] = [any(random), any(random)];
+        if is_ahead {
+            along = along.abs() + 1.0;
+        }
+        let [u, v] = spans[random.below(planes)];
+        std::array::from_fn(|at| {
+            if is_whole { origin[at] + along * u[at] + aside * v[at] } else { [along, aside, 0.0][(at + axis) % 3] }
+        })
+    };
+    let count = 5 + random.below(24);
+    let mut corners: Vec<[f32; 3]> = (0..count).map(|_| in_plane(random)).collect();
+    for _ in 0..others {
+        corners[random.below(count)] = std::array::from_fn(|_| any(random));
+    }
+    if random.below(4) == 0 {
+        // It comes back to a corner.
+        corners[random.below(count)] = corners[random.below(count)];
+    }
+    let aims: [f32; 3] = std::array::from_fn(|at| [1.0, 0.25, 0.0][(at + axis) % 3]);
+    let light = match (is_whole, is_far) {
+        (true, true) => Light::directional(sight),
+        (true, false) => Light::point(if random.below(6) == 0 { corners[random.below(count)] } else { origin }),
+        (false, true) => Light::directional(aims),
+        (false, false) => Light::point([0, 1, 2].map(|at| [any(random), any(random), 0.0][(at + axis) % 3])),
+    };
+    (corners, light)
 }
 
 /// A polygon with whole coordinates whose edges run back and forth on few lines, so that they overlap in part.

@@ -3,8 +3,9 @@
 
 use super::edge_pair::Edge;
 use super::outline::Outline;
-use super::turn::{turn, turn_as_given};
+use super::turn::{light_of_cut, turn, turn_as_given, turn_values};
 use crate::cpu::common::double_sign::{cross, difference, dot, sum_of_sizes, to_light};
+use crate::cpu::common::fixed_sign::holds_all;
 
 /// Where a piece begins or ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,14 +39,15 @@ pub struct Piece {
 /// overlap in space, their pieces cancel except for one, or all.
 pub fn cut_edges(outline: &Outline, triangles: &[[[f32; 3]; 3]], light: [f32; 4]) -> Vec<Piece> {
     let edges = outline.edges();
+    let of_edges = SeenEdges { edges, light, holds_turns: holds_all(edges.iter().map(|edge| edge[0]), light) };
     let mut pieces = Vec::new();
     for (index, &edge) in edges.iter().enumerate() {
         let others = edges.iter().enumerate().filter(|&(other, _)| other != index);
         let cutting = others.clone().filter_map(|(other, _)| cut(edges, index, other, light));
-        let crossings = in_order(edges, index, &cutting.collect::<Vec<_>>(), light);
+        let crossings = in_order(of_edges, index, &cutting.collect::<Vec<_>>());
         let crossing = |cut: &Cut| match cut.touch {
             Some(end) => PieceEnd::Touch(end),
-            None => PieceEnd::Crossing { edge: cut.edge, at: cut.along(edges, index, light) },
+            None => PieceEnd::Crossing { edge: cut.edge, at: cut_at(edges[cut.edge], edge, light) },
         };
         let ends: Vec<PieceEnd> = std::iter::once(PieceEnd::Corner)
             .chain(crossings.iter().map(crossing))
@@ -63,6 +65,15 @@ pub fn cut_edges(outline: &Outline, triangles: &[[[f32; 3]; 3]], light: [f32; 4]
     pieces
 }
 
+/// The edges of an outline, and what sees them.
+#[derive(Clone, Copy)]
+struct SeenEdges<'a> {
+    edges: &'a [Edge],
+    light: [f32; 4],
+    /// Fixed point holds all turns. If not, nothing tells where edges that are seen in line cut each other.
+    holds_turns: bool,
+}
+
 /// Where an edge is cut by another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cut {
@@ -74,9 +85,9 @@ struct Cut {
 
 impl Cut {
     /// How far along edge `e` it is. It is rounded.
-    fn along(&self, edges: &[Edge], e: usize, light: [f32; 4]) -> f64 {
-        let Some(touch) = self.touch else { return cut_at(edges[self.edge], edges[e], light) };
-        let [a, b] = edges[e].map(|end| end.map(f64::from));
+    fn along(&self, seen: SeenEdges<'_>, e: usize) -> f64 {
+        let Some(touch) = self.touch else { return seen_cut_at(seen, self.edge, e).0 };
+        let [a, b] = seen.edges[e].map(|end| end.map(f64::from));
         let axis = (0..3).max_by(|&i, &j| (b[i] - a[i]).abs().total_cmp(&(b[j] - a[j]).abs())).unwrap_or(0);
         (f64::from(touch[axis]) - a[axis]) / (b[axis] - a[axis])
     }
@@ -140,16 +151,15 @@ fn is_below(p: [f32; 3], q: [f32; 3]) -> bool {
 const MOST_ORDERED: usize = 256;
 
 /// The cuts of edge `e`, in order along it. By turns if their answers fit together, and else by rounded places.
-fn in_order(edges: &[Edge], e: usize, cuts: &[Cut], light: [f32; 4]) -> Vec<Cut> {
+fn in_order(seen: SeenEdges<'_>, e: usize, cuts: &[Cut]) -> Vec<Cut> {
     let ranked = |is_before: &dyn Fn(&Cut, &Cut) -> bool| -> Vec<(usize, Cut)> {
         let rank = |i: &Cut| cuts.iter().filter(|j| j.edge != i.edge && is_before(j, i)).count();
         let mut ranked: Vec<_> = cuts.iter().map(|i| (rank(i), *i)).collect();
         ranked.sort_by_key(|&(rank, cut)| (rank, cut.edge));
         ranked
     };
-    let at = |cut: &Cut| cut.along(edges, e, light);
-    let mut found =
-        if cuts.len() <= MOST_ORDERED { ranked(&|j, i| is_before(edges, e, j, i, light)) } else { Vec::new() };
+    let at = |cut: &Cut| cut.along(seen, e);
+    let mut found = if cuts.len() <= MOST_ORDERED { ranked(&|j, i| is_before(seen, e, j, i)) } else { Vec::new() };
     if found.len() < cuts.len() || found.windows(2).any(|pair| pair[0].0 == pair[1].0) {
         found = ranked(&|j, i| at(j) < at(i) || at(j) == at(i) && j.edge < i.edge);
     }
@@ -157,9 +167,10 @@ fn in_order(edges: &[Edge], e: usize, cuts: &[Cut], light: [f32; 4]) -> Vec<Cut>
 }
 
 /// Whether cut `j` of edge `e` comes before cut `i`. Turns decide where the one cut is on one side of the other edge.
-/// Otherwise all three edges cross each other. If they seem to do so in one point, [`is_before_in_one_point`] decides. Else how
-/// far along the earliest of the three the others cut it decides for all three.
-fn is_before(edges: &[Edge], e: usize, j: &Cut, i: &Cut, light: [f32; 4]) -> bool {
+/// Otherwise all three edges cross each other, and how far along one of the three the others cut it decides for all three. If
+/// they seem to cross in one point, the moved light tells them apart, or [`is_before_in_one_point`] decides.
+fn is_before(seen: SeenEdges<'_>, e: usize, j: &Cut, i: &Cut) -> bool {
+    let SeenEdges { edges, light, .. } = seen;
     let side = |of: usize, point: [f32; 3]| turn(edges[of][0], edges[of][1], point, light);
     let [start, end] = edges[e];
     let (touches, [j, i]) = ([j.touch, i.touch], [j.edge, i.edge]);
@@ -187,23 +198,22 @@ fn is_before(edges: &[Edge], e: usize, j: &Cut, i: &Cut, light: [f32; 4]) -> boo
         (0, sign) => return sign == side(j, end),
         (sign, _) => return sign != side(i, end),
     }
-    let at = |cutting: usize, cut: usize| cut_at(edges[cutting], edges[cut], light);
-    let comes_after = |one: usize, other: usize, cut: usize| at(one, cut) > at(other, cut);
     let crosses = of_j[0] == of_i[1];
     if !crosses {
-        return comes_after(i, j, e) || at(i, e) == at(j, e) && j < i;
+        let [at_j, at_i] = [j, i].map(|cutting| seen_cut_at(seen, cutting, e).0);
+        let is_nearer = at_j < at_i || at_j == at_i && j < i;
+        let told = if (at_j - at_i).abs() > ONE_POINT { None } else { moved_apart(seen, [e, j.min(i), j.max(i)]) };
+        return told.map_or(is_nearer, |is_after| is_after == (i < j));
     }
-    let is_one = |cut: usize, one: usize, other: usize| (at(one, cut) - at(other, cut)).abs() <= ONE_POINT;
-    if is_one(e, i, j) || is_one(i, e, j) || is_one(j, e, i) {
-        return is_before_in_one_point(edges, e, j, i, light);
-    }
-    let first = e.min(i).min(j);
+    let Some((first, is_after)) = decisive(seen, [e, j, i]) else {
+        return is_before_in_one_point(seen, e, j, i);
+    };
+    let comes_after = |one: usize, other: usize| if one < other { is_after } else { !is_after };
     if first == e {
-        return comes_after(i, j, e);
+        return comes_after(i, j);
     }
     let other = if first == i { j } else { i };
-    let sense =
-        if comes_after(e, other, first) { 1 } else { -1 } * side(e, edges[first][1]) * side(other, edges[first][1]);
+    let sense = if comes_after(e, other) { 1 } else { -1 } * side(e, edges[first][1]) * side(other, edges[first][1]);
     let turned = if first == i { -sense } else { sense };
     turned * side(i, end) * side(j, end) > 0
 }
@@ -211,15 +221,76 @@ fn is_before(edges: &[Edge], e: usize, j: &Cut, i: &Cut, light: [f32; 4]) -> boo
 /// Parts of an edge that are taken for one point of it.
 const ONE_POINT: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Likewise, where all three edges cross each other in one point. Then each is moved to its left a little, and the foremost one
-/// farther than the others, out of their crossing. Edges that are seen in line cross nobody knows where, so the foremost is one
-/// of these. Where both are cut, they are beside each other then, and their own crossing is elsewhere.
-fn is_before_in_one_point(edges: &[Edge], e: usize, j: usize, i: usize, light: [f32; 4]) -> bool {
-    let side = |of: usize, point: [f32; 3]| turn(edges[of][0], edges[of][1], point, light);
-    let are_in_line = |one: usize, other: usize| {
-        edges[other].iter().all(|&end| turn_as_given(edges[one][0], edges[one][1], end, light) == 0)
+/// Which of three edges that cross each other tells their order, and whether the earlier of the two others cuts it after the
+/// later one. It is the earliest of them. If some are seen in line, others see these cross in one point, so it is the one along
+/// which the others are farthest apart. `None` if they seem to cross in one point.
+fn decisive(seen: SeenEdges<'_>, mut three: [usize; 3]) -> Option<(usize, bool)> {
+    three.sort_unstable();
+    let [first, second, third] = three;
+    let mut are_in_line = false;
+    let apart = [[first, second, third], [second, first, third], [third, first, second]].map(|[cut, one, other]| {
+        let [one, other] = [one, other].map(|by| seen_cut_at(seen, by, cut));
+        are_in_line |= one.1 || other.1;
+        one.0 - other.0
+    });
+    let told = if are_in_line {
+        // The first of those that are equal.
+        (0..3)
+            .rev()
+            .max_by(|&p, &q| apart[p].abs().total_cmp(&apart[q].abs()))
+            .filter(|&at| apart[at].abs() > ONE_POINT)
+    } else {
+        apart.iter().all(|apart| apart.abs() > ONE_POINT).then_some(0)
     };
+    match told {
+        Some(at) => Some((three[at], apart[at] > 0.0)),
+        None => moved_apart(seen, three).map(|is_after| (first, is_after)),
+    }
+}
+
+/// Where the light as given sees three edges cross in one point, whether the second cuts the first after the third as the moved
+/// light sees it. `None` if that sees them cross in one point, too, or nearly.
+fn moved_apart(seen: SeenEdges<'_>, [e, f, g]: [usize; 3]) -> Option<bool> {
+    let SeenEdges { edges, light, holds_turns } = seen;
+    if !holds_turns {
+        return None;
+    }
+    let values = |of: usize| -> Option<[[f64; 4]; 2]> {
+        let [a, b] = edges[e].map(|end| turn_values(edges[of][0], edges[of][1], end, light));
+        Some([a?, b?])
+    };
+    let ([f_a, f_b], [g_a, g_b]) = (values(f)?, values(g)?);
+    // The place of an edge is t/(t - t'), where t and t' are powers of the light's movement with these factors.
+    for power in 0..7_usize {
+        let (mut sum, mut size) = (0.0_f64, 0.0);
+        for one in 0..4_usize {
+            let Some(other) = power.checked_sub(one).filter(|&other| other < 4) else { continue };
+            let (p, q) = (g_a[one] * f_b[other], f_a[one] * g_b[other]);
+            sum += p - q;
+            size += p.abs() + q.abs();
+        }
+        if sum.abs() > SAME * size {
+            let side = |of: usize| turn(edges[of][0], edges[of][1], edges[e][1], light);
+            let is_after = (sum > 0.0) == (side(f) * side(g) > 0);
+            return (power > 0).then_some(is_after);
+        }
+    }
+    None
+}
+
+/// Parts of a sum of products that may be rounding.
+const SAME: f64 = 1.0 / (1_u64 << 48) as f64;
+
+/// Likewise, where all three edges cross each other in one point. Then each is moved to its left a little, and the foremost one
+/// farther than the others, out of their crossing. If nobody knows where edges that are seen in line cross, the foremost is one
+/// of these. Where both are cut, they are beside each other then, and their own crossing is elsewhere.
+fn is_before_in_one_point(seen: SeenEdges<'_>, e: usize, j: usize, i: usize) -> bool {
+    let SeenEdges { edges, light, holds_turns } = seen;
+    let side = |of: usize, point: [f32; 3]| turn(edges[of][0], edges[of][1], point, light);
     let foremost = |one: usize, other: usize| if precedes(edges, one, other) { one } else { other };
+    let are_in_line = |one: usize, other: usize| {
+        !holds_turns && edges[other].iter().all(|&end| turn_as_given(edges[one][0], edges[one][1], end, light) == 0)
+    };
     let first = if are_in_line(e, j) {
         foremost(e, j)
     } else if are_in_line(e, i) {
@@ -257,6 +328,13 @@ fn side_of_touch(edges: &[Edge], e: usize, touching: usize, point: [f32; 3], oth
         (0, false) => sides[0] + sides[1],
         (sign, _) => sign,
     }
+}
+
+/// How far along edge `e` the moved light sees `f` cross it, and whether it does not do so as given: then it sees them in line.
+fn seen_cut_at(seen: SeenEdges<'_>, f: usize, e: usize) -> (f64, bool) {
+    let (f, e) = (seen.edges[f], seen.edges[e]);
+    let (light, is_given) = if seen.holds_turns { light_of_cut(f, e, seen.light) } else { (seen.light, true) };
+    (cut_at(f, e, light), !is_given)
 }
 
 /// How far along `(a, b)` the plane through the light and `(c, d)` is. If the light looks along `(c, d)`, it is where it sees
