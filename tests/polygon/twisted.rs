@@ -343,11 +343,12 @@ fn outlines_seen_edge_on_but_for_rounding_close() -> Outcome {
 #[test]
 fn outlines_in_planes_with_the_light_close() -> Outcome {
     let first = 700_000;
+    let seeds = if is_long() { 10_000 } else { 120 };
     println!("seeds from {first}");
     let mut touching = [0; 2];
     for (planes, others) in [(1, 1), (1, 2), (1, 5), (2, 0), (2, 1), (3, 0), (3, 1)] {
         let (mut twisted, mut open) = (0, [0; 2]);
-        for seed in first..first + if is_long() { 10_000 } else { 400 } {
+        for seed in first..first + seeds {
             let mut random = Random::new(seed);
             let (points, light) = outline_in_planes(&mut random, planes, others);
             let scale = if seed % 5 == 0 { (random.below(100) as f32 - 50.0).exp2() } else { 1.0 };
@@ -373,10 +374,10 @@ fn outlines_in_planes_with_the_light_close() -> Outcome {
         }
         println!("{planes} planes, {others} others: {twisted} twisted, {open:?} open");
         // Outlines that touch themselves in space, and have many edges through one point besides, need not close.
-        if twisted < 300 || open[0] > 0 || planes == 1 && open[1] > 0 || 100 * open[1] > twisted {
+        if 4 * twisted < 3 * seeds || open[0] > 0 || planes == 1 && open[1] > 0 || 100 * open[1] > twisted {
             return Err(format!("{open:?} of {twisted} are open, of {planes} planes and {others} others"));
         }
     }
     println!("{touching:?} that do not touch themselves, and that do");
-    if touching.iter().all(|&count| count > 300) { Ok(()) } else { Err(format!("too few: {touching:?}")) }
+    if touching.iter().all(|&count| 4 * count > 3 * seeds) { Ok(()) } else { Err(format!("too few: {touching:?}")) }
 }

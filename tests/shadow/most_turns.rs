@@ -217,13 +217,13 @@ fn list_sides() -> Result<(), String> {
 
 /// The maximum of casters that fit into a table with their choices. The light is among them, and they are rotated.
 fn stencil_pencil() -> Result<(), String> {
+    const RIGID: u32 = 4;
     let gpu = &*Gpu::shared()?;
     let casters = (BINDING / (size_of::<SceneCaster>() + 4 * cpu::CHOICE_WORDS)) as u32;
     // Each of 256 invocations has nearly as many as the bound of its loops counts.
     if casters.div_ceil(256) > stated("PENCIL_CASTERS") || casters.div_ceil(256) < stated("PENCIL_CASTERS") * 3 / 4 {
         return Err(format!("{casters} casters"));
     }
-    const RIGID: u32 = 4;
     // Whole numbers, so that boxes are exact. The last casters are on the axes, fewest on the third.
     let end = |caster: u32| [-900.0, 900.0][(caster % 2) as usize];
     let place = |caster: u32| match casters - caster {

@@ -22,7 +22,8 @@ struct ReceiverView {
 // Words before the levels: 0 and 1 tiles across and down, 2 and 3 pixels across and down, 4 the key of the farthest receiver, 5
 // whether the box is finite, from 6 on its lowest corner, from 9 on its highest; four are unused.
 const RECEIVERS_HEAD: u32 = 16u;
-const TILE: u32 = 8u; // Pixels of a tile, across and down.
+// Pixels of a tile, across and down.
+const TILE: u32 = 8u;
 
 // The key of a depth: it grows with the distance, from 1 on. 0 is no receiver. `near_z`: depth of the near plane, 1 if reversed.
 fn far_key(depth: f32, near_z: f32) -> u32 {
