@@ -66,8 +66,11 @@ fn eye() -> ShadowCamera {
     ShadowCamera { view_projection, origin: [0.0, 0.5, 6.0], depth: DepthDirection::Reversed }
 }
 
+/// A mesh, and its positions.
+type Placed = (Mesh, Vec<[f32; 3]>);
+
 /// A face of one vertex, a polygon that walks back, and a hole that fills its polygon: faces without extent, and no edge.
-fn meshes() -> Result<Vec<(Mesh, Vec<[f32; 3]>)>, String> {
+fn meshes() -> Result<Vec<Placed>, String> {
     let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let walked_back = PolygonLoops { polygon_loops: &[1], loop_sizes: &[4], loop_corners: &[0, 1, 1, 0] };
     let filled = PolygonLoops { polygon_loops: &[2], loop_sizes: &[3, 3], loop_corners: &[0, 1, 2, 2, 1, 0] };
