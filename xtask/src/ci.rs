@@ -24,7 +24,7 @@ pub(crate) fn run() -> Summary {
     summary.check("module circles", circles::run());
     summary.check("words that comments open with", words::run());
     test::add(&mut summary);
-    drivers::add_swiftshader(&mut summary, &drivers::TESTS);
+    drivers::add_swiftshader(&mut summary, &drivers::QUICK);
     wgsl::add(&mut summary);
     fuzz::add_after_tests(&mut summary, fuzz::CI_SECONDS);
     summary

@@ -10,7 +10,9 @@ use crate::summary::Summary;
 use crate::{process, vulkan};
 
 /// Tests that compare results bit by bit with the CPU's.
-pub(crate) const TESTS: [&str; 3] = ["extract_gpu", "query_gpu", "scene_gpu"];
+const TESTS: [&str; 3] = ["extract_gpu", "query_gpu", "scene_gpu"];
+/// Those that `SwiftShader` does within minutes.
+pub(crate) const QUICK: [&str; 2] = ["extract_gpu", "scene_gpu"];
 
 /// Where browsers keep the manifest of `SwiftShader`, which no Vulkan loader looks for.
 const BROWSERS: [&str; 4] =
