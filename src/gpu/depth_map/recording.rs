@@ -8,8 +8,10 @@ use super::frame::{DepthMapFrame, DepthMapNearCap};
 use super::jitter::{jitters, reach};
 use super::metric::metric_steps;
 use super::near::{NearReach, near_reach};
+use super::options::DepthMap;
 use super::pipelines::{layout, wall_group};
 use super::stage::{BoundStage, Workgroups};
+use super::texture::{check_objects, check_texture};
 use super::view::{Placing, depth_map_view};
 use super::volumes::DepthMapVolumes;
 use crate::ShadowCamera;
@@ -41,6 +43,28 @@ struct Bound<'a> {
 }
 
 impl DepthMapVolumes {
+    /// Records the stages: finds the edges of `map`, for `camera`. `timer` takes the time of each stage. Frames of earlier
+    /// encodes can no longer be drawn. The first encode with objects compiles a pipeline for them.
+    ///
+    /// # Errors
+    /// [`DepthMapError`] if a texture or a camera is refused. Nothing is recorded then.
+    pub fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        map: &DepthMap<'_>,
+        camera: &ShadowCamera,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<DepthMapFrame, DepthMapError> {
+        let DepthMap { texture, light, objects } = *map;
+        let formats = [check_texture(texture.texture(), self.shape.size, "the map")?];
+        if let Some(objects) = objects {
+            check_objects(objects.texture(), self.shape.size, "the texture of objects")?;
+        }
+        let lights = std::slice::from_ref(&light);
+        let inputs = Inputs { texture, objects, lights, formats: &formats, eye: camera };
+        self.record(encoder, &inputs, || None, timer)
+    }
+
     /// Records the stages, after one that makes the texture. Each encode has uniforms of its own, so encodes may follow each
     /// other.
     pub(super) fn record(

@@ -6,19 +6,15 @@ use std::sync::atomic::AtomicU64;
 use super::contours::{ContourPlan, Contours};
 use super::edges::{Detector, EdgeStages, threshold_bits};
 use super::error::DepthMapError;
-use super::frame::DepthMapFrame;
 use super::metric::DepthMetric;
-use super::options::{DepthMap, DepthMapMethod, DepthMapOptions};
+use super::options::{DepthMapMethod, DepthMapOptions};
 use super::pipelines::DepthMapPipelines;
-use super::recording::Inputs;
 use super::stage::ObjectStage;
-use super::texture::{check_objects, check_texture, object_texture};
-use crate::ShadowCamera;
+use super::texture::object_texture;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, buffer, check, check_bindings, guarded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::requirements::Subject;
-use crate::gpu::common::timer::StageTimer;
 use crate::layout::DepthMapShape;
 use crate::shadow::DepthDirection;
 use crate::stages::{DEPTH_CELLS, DEPTH_NEAR, DEPTH_NEAR_WALLS};
@@ -208,28 +204,6 @@ impl DepthMapVolumes {
             encodes: Arc::default(),
             shared: shared.clone(),
         })
-    }
-
-    /// Records the stages: finds the edges of `map`, for `camera`. `timer` takes the time of each stage. Frames of earlier
-    /// encodes can no longer be drawn. The first encode with objects compiles a pipeline for them.
-    ///
-    /// # Errors
-    /// [`DepthMapError`] if a texture or a camera is refused. Nothing is recorded then.
-    pub fn encode(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        map: &DepthMap<'_>,
-        camera: &ShadowCamera,
-        timer: Option<&mut StageTimer>,
-    ) -> Result<DepthMapFrame, DepthMapError> {
-        let DepthMap { texture, light, objects } = *map;
-        let formats = [check_texture(texture.texture(), self.shape.size, "the map")?];
-        if let Some(objects) = objects {
-            check_objects(objects.texture(), self.shape.size, "the texture of objects")?;
-        }
-        let lights = std::slice::from_ref(&light);
-        let inputs = Inputs { texture, objects, lights, formats: &formats, eye: camera };
-        self.record(encoder, &inputs, || None, timer)
     }
 
     /// Cells, or walls and flaps, that the list has room for. With a larger number at the begin of [`Self::cells`], every cell is
