@@ -63,7 +63,7 @@ const NUMBERS: &[Number] = &[
     number("detector", "differences={}", &["0", "1"], &["-0.1", "1.1"]),
     number("detector", "second={},1", &["0", "1"], &["-0.1", "1.1"]),
     number("detector", "second=0,{}", &["0", "1"], &["-0.1", "1.1"]),
-    number("detector", "world={}", &["0", "7"], &["-0.1"]),
+    number("detector", "contours={}", &["0", "1"], &["-0.1", "1.1"]),
     number("dangling", "{},3", &["0", "1"], &["-1", "1.1"]),
     number("dangling", "0.5,{}", &["1", "64"], &["0", "-1", "65", "1.5"]),
     number("time", "{}", &["0", "-2", "1e9"], &["1e10", "-1e10"]),
