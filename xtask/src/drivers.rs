@@ -7,12 +7,16 @@ use std::process::Command;
 
 use crate::packages::Manager;
 use crate::summary::Summary;
+use crate::test::BENCH;
 use crate::{process, vulkan};
 
 /// Tests that compare results bit by bit with the CPU's.
 const TESTS: [&str; 3] = ["extract_gpu", "query_gpu", "scene_gpu"];
 /// Those that `SwiftShader` does within minutes.
 pub(crate) const QUICK: [&str; 2] = ["extract_gpu", "scene_gpu"];
+
+/// The packages and features of `cargo xtask test`, so that nothing is built twice.
+const EVERYTHING: [&str; 4] = ["--workspace", "--exclude", BENCH, "--all-features"];
 
 /// Where browsers keep the manifest of `SwiftShader`, which no Vulkan loader looks for.
 const BROWSERS: [&str; 4] =
@@ -34,10 +38,8 @@ impl Driver {
 
     /// Runs these tests on it.
     fn test(&self, summary: &mut Summary, tests: &[&str]) {
-        let mut command = process::cargo(["test", "--package", "rimline", "--all-features", "--no-fail-fast"]);
-        for test in tests {
-            command.args(["--test", test]);
-        }
+        let mut command = process::cargo(["test", "--no-fail-fast"]);
+        command.args(EVERYTHING).args(tests.iter().flat_map(|test| ["--test", test]));
         println!("\n{}", self.name);
         command.envs(self.variables.clone());
         let mut own = Summary::default();
@@ -81,9 +83,10 @@ pub(crate) fn add_swiftshader(summary: &mut Summary, tests: &[&str]) {
     }
 }
 
-/// The command, which lists adapters.
+/// The command, which lists adapters, and the tests.
 fn build() -> Result<(), String> {
-    process::run(&mut process::cargo(["build", "--package", "rimline-cli", "--bin", "rimline", "--all-features"]))
+    let mut build = process::cargo(["build", "--bin", "rimline"]);
+    process::run(build.args(EVERYTHING).args(TESTS.iter().flat_map(|test| ["--test", test])))
 }
 
 /// One driver for each adapter's name and backend.
