@@ -12,7 +12,7 @@ use crate::{process, vulkan};
 
 /// Tests that compare results bit by bit with the CPU's.
 const TESTS: [&str; 3] = ["extract_gpu", "query_gpu", "scene_gpu"];
-/// Those that `SwiftShader` does within minutes.
+/// The tests that take `SwiftShader` minutes, not more.
 pub(crate) const QUICK: [&str; 2] = ["extract_gpu", "scene_gpu"];
 
 /// The packages and features of `cargo xtask test`, so that nothing is built twice.

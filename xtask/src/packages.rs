@@ -70,7 +70,8 @@ impl Manager {
 
     /// Installs `SwiftShader`, likewise.
     pub(crate) fn install_swiftshader(self) -> Result<(), String> {
-        run("SwiftShader", self.steps_of_swiftshader())
+        let steps = self.steps_of_swiftshader();
+        if steps.is_empty() { Ok(()) } else { run("SwiftShader", steps) }
     }
 }
 

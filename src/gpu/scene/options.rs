@@ -86,7 +86,8 @@ impl Measuring {
     pub const FAST: Self = Self(1 << 6);
 
     /// All levels of skipping are off.
-    pub const SKIP_NOTHING: Self = Self(0b11_1110);
+    pub const SKIP_NOTHING: Self =
+        Self(Self::UNREACHED.0 | Self::UNSEEN.0 | Self::WITHOUT_RECEIVERS.0 | Self::BITS.0 | Self::LISTS.0);
 
     /// Sets or clears one of these.
     pub const fn set(&mut self, what: Self, on: bool) {
@@ -128,9 +129,9 @@ impl SceneOptions {
 }
 
 impl Default for SceneOptions {
-    /// Up to 32 lights, capacities from the meshes, z-pass or ZP+ as the GPU chooses, averted faces
-    /// where they suffice, figures that are not needed skipped, clusters from 4,096 faces on, infinite volumes, one batch of casters that is counted in all bits of the stencil,
-    /// bits and lists kept, no bound on counts, no memory limit.
+    /// Up to 32 lights, capacities from the meshes, z-pass or ZP+ as the GPU chooses, unneeded deforming casters skipped, clusters
+    /// from 4,096 faces on, infinite volumes, one batch of casters that is counted in all bits of the stencil, no bound on counts,
+    /// no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,
