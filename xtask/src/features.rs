@@ -38,7 +38,13 @@ pub(crate) fn library_for_wasm() -> Result<(), String> {
         return process::run(&mut process::cargo(["check", "--package", "rimline", "--lib", "--target", WASM]));
     }
     let arguments = ["tree", "--package", "rimline", "--target", WASM, "--edges", "normal", "--prefix", "none"];
-    let tree = process::output(process::cargo(arguments).args(["--no-default-features", "--format", "{p} {f}"]))?;
+    let tree = process::output(process::cargo(arguments).args([
+        "--no-default-features",
+        "--features",
+        "gpu",
+        "--format",
+        "{p} {f}",
+    ]))?;
     naga_has_back_end(&tree)
 }
 
