@@ -1,7 +1,7 @@
 //! Composes WGSL modules from files. A file names at its top what it takes (`#import common/positions`), and may have
-//! variants (`#if SCENE`, `#else`, `#endif`). A module holds what its entry points reach, and the constants that a pipeline may
-//! set, so that a device still refuses the name of a constant that is in none of the files. Items are in the order of the imports,
-//! and each file is taken once.
+//! variants (`#if SCENE`, `#else`, `#endif`). A module holds what the entry points of one stage reach, and the constants that a
+//! pipeline may set, so that a device still refuses the name of a constant that is in none of the files. Items are in the order of
+//! the imports, and each file is taken once.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -27,14 +27,27 @@ struct Item {
     name: &'static str,
     /// The names that it uses.
     uses: Vec<&'static str>,
-    is_entry_point: bool,
+    entry: Option<Entry>,
     /// A constant that a pipeline may set.
     is_override: bool,
 }
 
-/// The module of a file: its entry points, all constants that a pipeline may set, and what they, or the names in `further`, reach. `flags` are the names for which
-/// `#if` holds.
-pub(crate) fn compose(file: &'static str, flags: &[&str], further: &str, read: &Read<'_>) -> Result<Composed, String> {
+/// A kind of entry point.
+#[derive(Clone, Copy, PartialEq)]
+enum Entry {
+    Compute,
+    Drawn,
+}
+
+/// A module of a file: the compute entry points of it that are named, all entry points of it for draws, all constants that a
+/// pipeline may set, and what they, or the names in `further`, reach. `flags` are the names for which `#if` holds.
+pub(crate) fn compose(
+    file: &'static str,
+    flags: &[&str],
+    entry_points: &[&str],
+    further: &str,
+    read: &Read<'_>,
+) -> Result<Composed, String> {
     let mut items = Vec::new();
     take(file, flags, read, &mut Vec::new(), &mut items)?;
     let mut places: HashMap<&str, usize> = HashMap::new();
@@ -45,7 +58,12 @@ pub(crate) fn compose(file: &'static str, flags: &[&str], further: &str, read: &
     }
     let named = words(further).into_iter().filter_map(|word| places.get(word.text).copied());
     let mut left: Vec<usize> = named.collect();
-    let is_root = |item: &Item| item.is_override || (item.is_entry_point && item.file == file);
+    let is_own = |item: &Item| match item.entry {
+        Some(Entry::Compute) => item.file == file && entry_points.contains(&item.name),
+        Some(Entry::Drawn) => item.file == file,
+        None => false,
+    };
+    let is_root = |item: &Item| item.is_override || is_own(item);
     left.extend((0..).zip(&items).filter(|(_, item)| is_root(item)).map(|(place, _)| place));
     let mut is_reached = vec![false; items.len()];
     while let Some(place) = left.pop() {
@@ -136,7 +154,8 @@ fn read_code(item: &mut Item, code: &'static str) {
     while let Some(Word { text, before, after }) = words.next() {
         match text {
             "builtin" if before == '@' => _ = words.next(),
-            "compute" | "vertex" | "fragment" if before == '@' && item.name.is_empty() => item.is_entry_point = true,
+            "compute" if before == '@' && item.name.is_empty() => item.entry = Some(Entry::Compute),
+            "vertex" | "fragment" if before == '@' && item.name.is_empty() => item.entry = Some(Entry::Drawn),
             "fn" | "struct" | "const" | "override" | "alias" | "var" if item.name.is_empty() => {
                 // The words of `var<storage, read_write>` are in angle brackets.
                 while words.peek().is_some_and(|next| text == "var" && matches!(next.before, '<' | ',')) {

@@ -3,14 +3,14 @@
 
 use crate::compose::{Composed, compose};
 
-/// A stage. Its WGSL file, pipeline label and CPU twin carry its name.
+/// A stage. Its entry points, pipeline labels and CPU twin carry its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stage {
-    /// The name, also that of `wgsl/SUBJECT/NAME.wgsl` and `src/cpu/SUBJECT/NAME.rs`.
+    /// The name, also that of its twin `src/cpu/SUBJECT/NAME.rs`.
     pub name: &'static str,
     /// The name of its module. A stage with one text for a single mesh and for scenes has two modules.
     pub module: &'static str,
-    /// The file of its entry points, without `.wgsl`.
+    /// The file of its entry points, `SUBJECT/FILE` without `.wgsl`, which may have those of other stages too.
     pub file: &'static str,
     /// The variant: names for which `#if` holds in its files.
     pub flags: &'static [&'static str],
@@ -28,18 +28,19 @@ macro_rules! first {
     };
 }
 
-/// Lists stages: `NAME = SUBJECT / FILE`, for a variant `as MODULE if FLAG`, and entry points that have other names than the file.
+/// Lists stages: `STAGE = SUBJECT / NAME`, with `in FILE` if the file has another name, for a variant `as MODULE if FLAG`, and
+/// entry points that have other names than the stage.
 macro_rules! stages {
-    ($(#[$doc:meta])* $list:ident: $($stage:ident = $subject:ident / $file:ident $(as $module:ident if $flag:ident)?
+    ($(#[$doc:meta])* $list:ident: $($stage:ident = $subject:ident / $name:ident $(in $file:ident)? $(as $module:ident if $flag:ident)?
         $(: $($entry:ident),+)?;)*) => {
         $(
-            #[doc = concat!("The stage of `wgsl/", stringify!($subject), "/", stringify!($file), ".wgsl`.")]
+            #[doc = concat!("The stage `", stringify!($name), "`.")]
             pub const $stage: Stage = Stage {
-                name: stringify!($file),
-                module: first!([$(stringify!($module))?] stringify!($file)),
-                file: concat!(stringify!($subject), "/", stringify!($file)),
+                name: stringify!($name),
+                module: first!([$(stringify!($module))?] stringify!($name)),
+                file: concat!(stringify!($subject), "/", first!([$(stringify!($file))?] stringify!($name))),
                 flags: &[$(stringify!($flag))?],
-                entry_points: first!([$(&[$(stringify!($entry)),+])?] &[stringify!($file)]),
+                entry_points: first!([$(&[$(stringify!($entry)),+])?] &[stringify!($name)]),
             };
         )*
         $(#[$doc])*
@@ -55,23 +56,23 @@ stages! {
     FACING = extract / facing;
     EXACT_FACING = extract / exact_facing;
     POLYGON_FACING = polygon / polygon_facing;
-    POLYGON_TURNS = polygon / polygon_turns;
+    POLYGON_TURNS = polygon / polygon_turns in polygon_facing;
     OUTLINE = polygon / outline;
-    POLYGON_MASKS = polygon / polygon_masks;
+    POLYGON_MASKS = polygon / polygon_masks in polygon_facing;
     EDGES = extract / edges;
     CUT_EDGES = polygon / cut_edges: cut_edges, cut_edges_rank, cut_edges_before, cut_edges_list;
-    CUT_QUADS = polygon / cut_quads;
+    CUT_QUADS = polygon / cut_quads in list_pieces;
     PER_EDGE = extract / per_edge;
     COMPACT = extract / compact: compact_count, compact_scan, compact_scatter;
-    ARGUMENTS = extract / arguments;
+    ARGUMENTS = extract / arguments in compact;
     REACH = scene / reach;
     CLUSTERS = scene / clusters;
-    CHUNKS = scene / chunks;
+    CHUNKS = scene / chunks in clusters;
     SCENE_FACING = extract / facing as scene_facing if SCENE;
     SCENE_EXACT_FACING = extract / exact_facing as scene_exact_facing if SCENE;
     SCENE_EDGES = extract / edges as scene_edges if SCENE;
-    RECEIVER_DEPTH = shadow / receiver_depth;
-    RECEIVER_SAMPLES = shadow / receiver_depth as receiver_samples if SAMPLES;
+    RECEIVER_DEPTH = shadow / receiver_depth in receiver_pyramid;
+    RECEIVER_SAMPLES = shadow / receiver_depth in receiver_pyramid as receiver_samples if SAMPLES;
     RECEIVER_PYRAMID = shadow / receiver_pyramid;
     RELIST = shadow / relist;
     BOUNDS = shadow / bounds;
@@ -80,20 +81,20 @@ stages! {
     CAPS = shadow / caps;
     LIST_SIDES = shadow / list_sides;
     SHADOW_ARGUMENTS = shadow / shadow_arguments;
-    PIECE_ARGUMENTS = shadow / piece_arguments;
+    PIECE_ARGUMENTS = shadow / piece_arguments in shadow_arguments;
     STENCIL_PENCIL = shadow / stencil_pencil;
     STENCIL_CROSSINGS = shadow / stencil_crossings;
-    PIECE_CROSSINGS = shadow / piece_crossings;
+    PIECE_CROSSINGS = shadow / piece_crossings in stencil_crossings;
     STENCIL_BOUND = shadow / stencil_bound;
     SHADOW_BOXES = query / shadow_boxes;
     SHADOW_DEPTH = query / shadow_depth;
-    DEPTH_ARGUMENTS = query / depth_arguments;
+    DEPTH_ARGUMENTS = query / depth_arguments in exact_shadow_depth;
     EXACT_SHADOW_DEPTH = query / exact_shadow_depth: exact_shadow_depth, exact_shadow_depth_recount;
     DEPTH_NEAR = depth_map / depth_near;
-    DEPTH_NEAR_WALLS = depth_map / depth_near_walls;
-    DEPTH_METRIC = depth_map / depth_metric;
-    DEPTH_MERGE = depth_map / depth_merge;
-    DEPTH_CUBE = depth_map / depth_cube;
+    DEPTH_NEAR_WALLS = depth_map / depth_near_walls in depth_near;
+    DEPTH_METRIC = depth_map / depth_metric in made_maps;
+    DEPTH_MERGE = depth_map / depth_merge in made_maps;
+    DEPTH_CUBE = depth_map / depth_cube in made_maps;
     DEPTH_EDGES = depth_map / depth_edges: depth_edges_mark, depth_edges_continue, depth_edges_count;
     DEPTH_CELLS = depth_map / depth_cells: depth_cells_count, depth_cells_places, depth_cells_list;
     CONTOUR_MARKS = depth_map / contour_marks;
@@ -108,7 +109,7 @@ stages! {
     SIDES = shadow / sides: side, side_clipped, zp_plus_2005_side;
     CAP_FACES = shadow / cap_faces: light_cap, seen_light_cap, dark_cap, near_cap, zp_plus_2005_cap;
     PIECES = shadow / pieces: piece_side, piece_side_clipped, piece_near_cap, piece_light_cap, piece_dark_cap;
-    DEPTH_SURFACE = depth_map / depth_surface: depth_surface, depth_near_cap;
+    DEPTH_SURFACE = depth_map / depth_surface in surface: depth_surface, depth_near_cap;
     DEPTH_WALLS = depth_map / depth_walls;
     MESH_DEPTH = depth_map / mesh_depth: mesh_depth, scene_depth;
 }
@@ -124,7 +125,6 @@ pub const FILES: &[(&str, &str)] = files![
     "common/determinant",
     "common/exact_sign",
     "common/extraction",
-    "common/fixed_sign",
     "common/positions",
     "deform/deform",
     "deform/displace",
@@ -135,23 +135,15 @@ pub const FILES: &[(&str, &str)] = files![
     "depth_map/contour_rim",
     "depth_map/contour_tiles",
     "depth_map/contour_walls",
-    "depth_map/cube",
     "depth_map/depth_cells",
-    "depth_map/depth_cube",
     "depth_map/depth_edges",
-    "depth_map/depth_merge",
-    "depth_map/depth_metric",
     "depth_map/depth_near",
-    "depth_map/depth_near_walls",
-    "depth_map/depth_surface",
     "depth_map/depth_walls",
     "depth_map/edge_code",
-    "depth_map/edge_rule",
+    "depth_map/made_maps",
     "depth_map/mesh_depth",
-    "depth_map/near_box",
     "depth_map/samples",
     "depth_map/surface",
-    "extract/arguments",
     "extract/compact",
     "extract/edge_lists",
     "extract/edges",
@@ -162,25 +154,18 @@ pub const FILES: &[(&str, &str)] = files![
     "extract/results",
     "interface/caster",
     "polygon/cut_edges",
-    "polygon/cut_order",
-    "polygon/cut_quads",
     "polygon/cuts",
     "polygon/list_pieces",
     "polygon/outline",
     "polygon/outlines",
     "polygon/polygon_facing",
-    "polygon/polygon_masks",
-    "polygon/polygon_turns",
-    "polygon/quads",
     "polygon/turn",
-    "query/depth_arguments",
     "query/exact_shadow_depth",
     "query/records",
     "query/shadow_boxes",
     "query/shadow_depth",
     "query/shadow_pairs",
     "query/shadow_segments",
-    "scene/chunks",
     "scene/clusters",
     "scene/many_casters",
     "scene/needs",
@@ -196,10 +181,7 @@ pub const FILES: &[(&str, &str)] = files![
     "shadow/list_sides",
     "shadow/lists",
     "shadow/pencil",
-    "shadow/piece_arguments",
-    "shadow/piece_crossings",
     "shadow/pieces",
-    "shadow/receiver_depth",
     "shadow/receiver_pyramid",
     "shadow/receivers",
     "shadow/relist",
@@ -242,7 +224,7 @@ impl Stage {
     /// # Errors
     /// A message names the file that cannot be read or composed.
     pub fn composed_for(&self, further: &str) -> Result<Composed, String> {
-        compose(self.file, self.flags, further, &source)
+        compose(self.file, self.flags, self.entry_points, further, &source)
     }
 
     /// The WGSL of the stage's module. Text that cannot be composed, which tests rule out, gives a message that no

@@ -28,7 +28,7 @@ fn read(name: &str) -> Option<&'static str> {
 }
 
 fn composed(file: &'static str, flags: &[&str], further: &str) -> Result<String, String> {
-    compose(file, flags, further, &read).map(|composed| composed.wgsl)
+    compose(file, flags, &["main", "x"], further, &read).map(|composed| composed.wgsl)
 }
 
 #[test]
@@ -38,6 +38,15 @@ fn a_module_has_what_is_reached_and_no_more() {
     // `left` is a member here, and no call. The entry point of another file is none of this module.
     assert_eq!(composed("main", &[], "").as_deref(), Ok(&*format!("const LIMIT: u32 = 1u;\n{of_one}{entry}")));
     assert_eq!(composed("main", &["WIDE"], "").as_deref(), Ok(&*format!("const LIMIT: u32 = 2u;\n{of_one}{entry}")));
+}
+
+/// A file may have several stages.
+#[test]
+fn a_module_has_the_compute_entry_points_of_its_stage() {
+    let text = "@compute @workgroup_size(1)\nfn x() {}\n@compute @workgroup_size(1)\nfn y() {}\n@fragment\nfn z() {}\n";
+    let found = |own: &[&str]| compose("x", &[], own, "", &|_: &str| Some(text)).map(|found| found.wgsl);
+    assert_eq!(found(&["y"]).as_deref(), Ok("@compute @workgroup_size(1)\nfn y() {}\n@fragment\nfn z() {}\n"));
+    assert_eq!(found(&["x", "y"]).as_deref(), Ok(text));
 }
 
 #[test]
@@ -51,13 +60,13 @@ fn what_a_caller_names_is_kept() {
 #[test]
 fn constants_that_a_pipeline_may_set_are_kept() {
     let text = "const MOST: u32 = 2u;\noverride LEAST: u32 = MOST;\noverride WIDE: bool = false;\nconst FEW = 1;\n@vertex\nfn x() {}\n";
-    let found = compose("x", &[], "", &|_: &str| Some(text)).expect("valid text");
+    let found = compose("x", &[], &["x"], "", &|_: &str| Some(text)).expect("valid text");
     assert_eq!(found.wgsl, text.replace("const FEW = 1;\n", ""));
 }
 
 #[test]
 fn lines_are_told_by_file() {
-    let module = compose("main", &["WIDE"], "", &read).expect("valid files");
+    let module = compose("main", &["WIDE"], &["main"], "", &read).expect("valid files");
     let line = 1 + module.wgsl.lines().position(|line| line.contains("return LIMIT")).expect("it is reached");
     assert_eq!(module.located(line, "no"), "wgsl/one.wgsl:5: no");
     assert_eq!(module.located(1, "no"), "wgsl/other.wgsl:3: no");
@@ -81,7 +90,7 @@ fn wrong_files_are_named() {
         ("const A = 1;\n#endif", "wgsl/x.wgsl:2: no #if before: #endif"),
         ("#if A", "wgsl/x.wgsl: the end of #if is missing"),
     ] {
-        let found = compose("x", &[], "", &|_: &str| Some(text));
+        let found = compose("x", &[], &["x"], "", &|_: &str| Some(text));
         assert_eq!(found, Err(message.to_owned()));
     }
 }
@@ -90,7 +99,7 @@ fn wrong_files_are_named() {
 fn conditions_may_lie_in_each_other() {
     let text = "#if A\n#if B\nconst X = 1;\n#else\nconst X = 2;\n#endif\n#else\nconst X = 3;\n#endif\n@vertex\nfn x() { X; }\n";
     for (flags, value) in [(&["A", "B"][..], 1), (&["A"], 2), (&["B"], 3), (&[], 3)] {
-        let found = compose("x", flags, "", &|_: &str| Some(text)).expect("valid text");
+        let found = compose("x", flags, &["x"], "", &|_: &str| Some(text)).expect("valid text");
         assert!(found.wgsl.starts_with(&format!("const X = {value};\n")), "{flags:?}: {}", found.wgsl);
     }
 }
@@ -101,6 +110,16 @@ fn every_stage_composes() {
         let module = stage.composed().unwrap_or_else(|message| panic!("{message}"));
         for entry_point in stage.entry_points {
             assert!(module.wgsl.contains(&format!("fn {entry_point}(")), "{}: {entry_point}", stage.module);
+        }
+    }
+}
+
+#[test]
+fn every_compute_entry_point_is_of_a_stage() {
+    for &(file, text) in FILES {
+        let is_of_stage = |name| STAGES.iter().any(|stage| stage.file == file && stage.entry_points.contains(&name));
+        for item in whole(file, text).1.iter().filter(|item| item.entry == Some(Entry::Compute)) {
+            assert!(is_of_stage(item.name), "{file}: {}", item.name);
         }
     }
 }

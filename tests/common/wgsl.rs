@@ -102,9 +102,10 @@ fn names() -> Outcome {
     Ok(())
 }
 
-/// The twin's file: in `src/cpu` where the stage's own file is in `wgsl`.
+/// The twin's file: in `src/cpu`, in the folder of the stage's subject.
 fn twin(stage: &Stage) -> PathBuf {
-    root().join("src/cpu").join(format!("{}.rs", stage.file))
+    let subject = stage.file.split('/').next().unwrap_or_default();
+    root().join("src/cpu").join(subject).join(format!("{}.rs", stage.name))
 }
 
 fn check_vertex_shaders(stage: &Stage, twin: &str) -> Outcome {

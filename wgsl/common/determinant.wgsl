@@ -1,9 +1,9 @@
-// det[b - a, c - a, l - w a] in f32, for a face (a, b, c) and a homogeneous light (l, w), and a bound on its rounding error. Its
-// sign tells the light's side of the face: positive on the counter-clockwise side. The local form takes differences only; the
-// plane form takes the face's plane. Stages of extraction, of polygons and of queries use it. Where |determinant| exceeds the
-// bound, its sign is exact on every device; callers take the others to common/fixed_sign.wgsl and common/exact_sign.wgsl. Bounds
-// are derived for these operations, one by one, and for coordinates below LARGE: change neither alone. docs/numerics/facing.md,
-// "Error band", "Per edge" and "Filter".
+// det[b - a, c - a, l - w a] in f32, for a face (a, b, c) and a homogeneous light (l, w), and a bound on its rounding error.
+// Its sign tells the light's side of the face: positive on the counter-clockwise side. The local form takes differences only;
+// the plane form takes the face's plane. Stages of extraction, of polygons and of queries use it. Where |determinant| exceeds
+// the bound, its sign is exact on every device; callers take the others to common/exact_sign.wgsl. Bounds are derived for
+// these operations, one by one, and for coordinates below LARGE: change neither alone. docs/numerics/facing.md, "Error band",
+// "Per edge" and "Filter".
 
 override PLANE: bool = false; // Whether to use the plane form, as published in 2003, instead of the local form.
 
@@ -45,14 +45,16 @@ fn largest_magnitude(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>) -> u32 {
   return max(max(magnitudes.x, magnitudes.y), magnitudes.z);
 }
 
-// The most that underflow adds to the error for a face with coordinates up to `largest`, for a light of size 1; callers multiply.
+// The most that underflow adds to the error for a face with coordinates up to `largest`, for a light of size 1; callers
+// multiply.
 fn underflow_bound(largest: f32) -> f32 {
   let reach = max(2.0 * largest, 1.0);
   return UNDERFLOW * reach * reach;
 }
 
 // One bound for all lights of a batch. `size` is the product of `sum_of_sizes` of b - a and c - a. `largest` bounds the
-// coordinates of the face. `reach` is that of LightBatch: the largest |x|, |y| or |z|, and the largest of all |w| and inexact_w.
+// coordinates of the face. `reach` is that of LightBatch: the largest |x|, |y| or |z|, and the largest of all |w| and
+// inexact_w.
 fn face_bound(size: f32, largest: f32, reach: vec2<f32>) -> f32 {
   let to_light = reach.x + largest * reach.y;
   return (RELATIVE * to_light) * size + underflow_bound(largest) * (1.0 + to_light);

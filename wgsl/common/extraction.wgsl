@@ -1,8 +1,9 @@
-// Shared by the stages of extraction, of scenes and of queries, and by those that read results: structs and constants of batches
-// of lights, ranges of dispatches, masks, statistics, draws. src/layout.rs has the same structs, which a test holds equal: no
-// member may change here alone. Rust has the four constants below, too, and no test compares them: change both. An edge record is
-// a directed edge (a, b) with the faces beside it, in two words: face 0, which traverses it from a to b and always exists, with
-// INCONSISTENT; and face 1, or NO_FACE.
+// Shared by the stages of extraction, of scenes and of queries, and by those that read results: structs and constants of
+// batches of lights, ranges of dispatches, masks, statistics, draws. src/layout.rs has the same structs, which a test holds
+// equal: no member may change here alone. Rust has the values of the four constants below, too (NO_FACE, INCONSISTENT_BIT,
+// WINDING; for BLOCK it is WORKGROUP), and no test compares them: change both. An edge record is a directed edge (a, b) with
+// the faces beside it, in two words: face 0, which traverses it from a to b and always exists, with INCONSISTENT; and face 1,
+// or NO_FACE.
 
 const NO_FACE: u32 = 0xffffffffu; // In the second word of a record, which never has INCONSISTENT.
 // Bit 31 of the first word of a record (in `per_edge`, of its first vertex): face 1 traverses the edge from a to b, too.
@@ -14,8 +15,8 @@ const BLOCK: u32 = 256u;
 
 // A batch of up to 32 lights, one bit each, and the layout of the positions.
 struct LightBatch {
-  // Homogeneous (x, y, z, w), scaled by a power of two so that the largest absolute component is at least 1 and below 2 (a light
-  // of zeros stays). This changes no side. Here and in the next two, entries past `count` repeat the last light.
+  // Homogeneous (x, y, z, w), scaled by a power of two so that the largest absolute component is at least 1 and below 2 (a
+  // light of zeros stays). This changes no side. Here and in the next two, entries past `count` repeat the last light.
   lights: array<vec4<f32>, 32>,
   light_bits: array<vec4<u32>, 32>, // The lights as given, bit for bit.
   // |w| of the scaled lights, four lights in each vector, as far as it adds to the error of products. It is 0 if w is a
@@ -38,7 +39,7 @@ struct Chunk {
   count: u32,
   first_light: u32, // The number of the batch's first light among all lights: 32 times that of the batch.
   capacity: u32, // Entries that the list of each light has room for; for polygons, pieces.
-  blocks: u32, // Blocks of BLOCK edges in the whole mesh, the last one not full. 0 for polygons.
+  blocks: u32, // Blocks of BLOCK edges in the whole mesh; the last one may not be full. 0 for polygons.
 }
 
 // How counts of edges become draws.
@@ -63,15 +64,16 @@ struct ExtractionStatistics {
   // Pairs of face and light that the filter left to exact arithmetic, and those of them whose determinant is zero.
   undecided_pairs: atomic<u32>,
   exact_zeros: atomic<u32>,
-  // Lights for which a polygon is L-twisted: its outline crosses itself as seen from light L, so it has lit and dark parts. Bit n
-  // is set if one of the lights n, n + 32, … is among them.
+  // Lights for which a polygon is L-twisted: its outline crosses itself as seen from light L, so it has lit and dark parts.
+  // Bit n is set if one of the lights n, n + 32, … is among them.
   twisted_lights: atomic<u32>,
 }
 
 // Statistics and the list of undecided faces, in one binding, because a stage may have only eight storage buffers.
 struct FacingRecord {
   statistics: ExtractionStatistics,
-  // How many faces are undecided, also beyond the list's room; then their slots, in a single mesh counted from the chunk's first.
+  // How many faces are undecided, also beyond the list's room; then their slots, in a single mesh counted from the chunk's
+  // first.
   undecided_count: atomic<u32>,
   undecided: array<u32>,
 }

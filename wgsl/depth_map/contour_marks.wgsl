@@ -1,9 +1,8 @@
 // Stage `contour_marks`: marks the edges between samples that a contour crosses: the samples at their ends are of different
-// surfaces. First in an encode with contours. One invocation for each word of marks, 16 samples of a row.
-// Reads depths and objects. Writes `marks`, which `contour_tiles`, `contour_places`, `contour_walls` and the near cap of
-// `depth_walls` read.
-// A slope is no jump, however steep: surfaces must have no walls within, or they would have specks of their own shadow. Integers
-// decide, so marks are the same on every device. docs/numerics/contours.md, "Jumps and places".
+// surfaces. First in an encode with contours. One invocation for each word of marks, 16 samples of a row. Reads depths and
+// objects. Writes `marks`, which `contour_tiles`, `contour_places`, `contour_walls` and the near cap of `depth_walls` read.
+// A slope is no jump, however steep: surfaces must have no walls within, or they would have specks of their own shadow.
+// Integers decide, so marks are the same on every device. docs/numerics/contours.md, "Jumps and places".
 
 #import depth_map/contour
 #import depth_map/edge_code
@@ -14,7 +13,7 @@
 
 const BLOCK: u32 = 256u;
 const WORD_SAMPLES: i32 = 16;
-// Parts of the square of the last difference that a round surface may be off a conic.
+// A surface counts as round if a fifth sample is off the conic by at most the square of the last difference over this.
 const NEAR_CONIC: i32 = 8;
 
 // Whether there is a jump between two samples of distances `a` and `b`, as far as these tell: 0 or 1; 2: ask `is_jump`.
@@ -30,6 +29,7 @@ fn told(at: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> u32 {
 
 // Whether a difference above the threshold is a jump, and not only a slope: it is more than the threshold larger than what the
 // slopes to both sides tell. Unless it is above `contour.sure`, it must be twice as large as the differences beside it, too.
+// Three samples of a plane, and a round surface before its rim, are no jump.
 fn is_jump(at: vec2<i32>, step: vec2<i32>) -> bool {
   let a = distance_at(at);
   let b = distance_at(at + step);
@@ -93,8 +93,8 @@ fn contour_marks(
           own = right;
         }
       }
-      // The edges for which `told` was 2, one after another: some devices execute a loop's body for all invocations if one needs
-      // it.
+      // The edges for which `told` was 2, one after another: some devices execute a loop's body for all invocations if one
+      // needs it.
       // Turns: 32.
       for (; open != 0u; open &= open - 1u) {
         let number = firstTrailingBit(open);

@@ -1,6 +1,6 @@
-// Decides about cells: which of a cell's four edges between samples are marked (a border of shadow may cross them), along which
-// diagonal it is split, and which of its two triangles are drawn. Also exact comparisons of a depth difference with a threshold.
-// Imported by the stages that list cells (`depth_cells`; `depth_edges` and edge_rule.wgsl, which mark edges in their own way), by
+// Decides about cells: which of a cell's four edges between samples are marked (a border of shadow may cross them), along
+// which diagonal it is split, and which of its two triangles are drawn. Also exact comparisons of a depth difference with a
+// threshold. Imported by the stages that list cells (`depth_cells`; `depth_edges`, which marks edges in its own way), by
 // `contour_marks` for objects, and by the draws (`depth_surface`, surface.wgsl), which decide anew where the list overflowed.
 // Importers bind what samples.wgsl has, and `object_texture`.
 // A mark depends on the two samples of its edge alone, so both cells of an edge agree. A triangle with a marked edge is always
@@ -77,8 +77,8 @@ fn differs(a: vec2<u32>, b: vec2<u32>) -> bool {
 }
 
 // Edges of objects at the top, right and bottom of a cell whose samples on the right are `at` and the one below. `before` and
-// `keys` are those of its samples on the left and on the right, from the top. An edge of a far sample is marked already, or lies
-// between two.
+// `keys` are those of its samples on the left and on the right, from the top. An edge of a far sample is marked already, or
+// lies between two.
 fn object_edges(at: vec2<u32>, before: vec2<u32>, keys: vec2<u32>) -> u32 {
   if (depth_map.objects == 0u) {
     return 0u;
@@ -92,7 +92,8 @@ fn object_edges(at: vec2<u32>, before: vec2<u32>, keys: vec2<u32>) -> u32 {
     | select(0u, 4u, !(was_far.y || is_far.y) && differs(left + down, at + down));
 }
 
-// Bits: the edges of the cell at the top, right, bottom and left. `keys` are those of samples (0, 0), (1, 0), (0, 1) and (1, 1).
+// Bits: the edges of the cell at the top, right, bottom and left. `keys` are those of samples (0, 0), (1, 0), (0, 1) and (1,
+// 1).
 fn edge_code(at: vec2<u32>, keys: vec4<u32>) -> u32 {
   let code = edges_on_the_right(keys.xz, keys.yw) | select(0u, 8u, is_marked(keys.x, keys.z));
   if (!OBJECTS) {
@@ -119,8 +120,8 @@ fn sample_of_cell(number: u32) -> vec2<u32> {
   return vec2<u32>(number & 1u, number >> 1u);
 }
 
-// Bits 0 to 3 are those of `edge_code`. Bits 4 to 11: the edges from each of its samples out of the cell, two each: to the left
-// or right, then up or down.
+// Bits 0 to 3 are those of `edge_code`. Bits 4 to 11: the edges from each of its samples out of the cell, two each: to the
+// left or right, then up or down.
 fn edges_around(at: vec2<u32>, keys: vec4<u32>) -> u32 {
   var code = 0u;
   // A loop that is not unrolled has one copy of what decides.

@@ -1,11 +1,11 @@
-// Samples of a light's depth map as integers, and the lattice that holds them. All stages here but `mesh_depth` have it.
-// A sample is the depth in the middle of a texel. Its key is an integer that grows with the distance from the light: the bits of
+// Samples of a light's depth map as integers, and the lattice that holds them. All stages here but `mesh_depth` have it. A
+// sample is the depth in the middle of a texel. Its key is an integer that grows with the distance from the light: the bits of
 // the depth, or with reversed depth the bits of 1, as an integer, less these. FAR_KEY: nothing casts there (at the far end or
 // beyond it, or NaN).
-// The lattice has one more row and column on each side than the map; they are far, so nothing casts outside of a map. Sample (1,
-// 1) is texel (0, 0). A cube has six maps, three in a row in one texture, without that border: sample (0, 0) is texel (0, 0).
-// An importer binds `depth_map` and a texture of that size. A place outside of the lattice is far; in a cube its key is to be
-// dropped.
+// The lattice has one more row and column on each side than the map; they are far, so nothing casts outside of a map. Sample
+// (1, 1) is texel (0, 0). A cube has six maps, three in a row in one texture, without that border: sample (0, 0) is texel (0,
+// 0). An importer binds `depth_map` and a texture of that size. A place outside of the lattice is far; in a cube its key is to
+// be dropped.
 // Keys come from bits, never from float arithmetic, so all devices and the CPU decide alike. Keep it so.
 
 struct DepthMapShape {
@@ -69,7 +69,60 @@ fn key_at(at: vec2<u32>) -> u32 {
   return select(key, FAR_KEY, !is_cube && any(inside != at));
 }
 
-// `turns` itself, if their sum with `cells` does not overflow, but no constant for a compiler: a loop up to it is not unrolled.
+// `turns` itself, if their sum with `cells` does not overflow, but no constant for a compiler: a loop up to it is not
+// unrolled.
 fn opaque(turns: u32) -> u32 {
   return min(turns, turns + depth_map.cells);
+}
+
+// Six depth maps around a light: which samples of two or three of them lie on one ray. `depth_cube` gives such samples one
+// depth, and surface.wgsl (draws) one vertex, so the boundary of shadow closes across the maps.
+// Maps 0 to 5 look along +x, -x, +y, -y, +z, -z. The middles of a map's outermost texels lie on the edges of the cube. `at` is
+// a sample within its map, from (0, 0) on. Directions are integers, so all is exact. Axes are those of
+// src/gpu/depth_map/meeting.rs, which makes cameras: keep both alike.
+
+// The axes of a map: along its view, to its right, and up.
+struct CubeFace {
+  forward: vec3<i32>,
+  right: vec3<i32>,
+  up: vec3<i32>,
+}
+
+fn cube_face(face: u32) -> CubeFace {
+  let sign = 1 - 2 * i32(face & 1u);
+  switch face >> 1u {
+    case 0u: {
+      return CubeFace(vec3<i32>(sign, 0, 0), vec3<i32>(0, 0, sign), vec3<i32>(0, 1, 0));
+    }
+    case 1u: {
+      return CubeFace(vec3<i32>(0, sign, 0), vec3<i32>(1, 0, 0), vec3<i32>(0, 0, sign));
+    }
+    default: {
+      return CubeFace(vec3<i32>(0, 0, sign), vec3<i32>(-sign, 0, 0), vec3<i32>(0, 1, 0));
+    }
+  }
+}
+
+fn product(a: vec3<i32>, b: vec3<i32>) -> i32 {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// The direction of a sample from the light. The size of its largest component is the number of cells along a side of the map.
+fn direction_of(face: u32, at: vec2<u32>) -> vec3<i32> {
+  let axes = cube_face(face);
+  let most = i32(depth_map.size.x) - 1;
+  return most * axes.forward + (2 * i32(at.x) - most) * axes.right + (most - 2 * i32(at.y)) * axes.up;
+}
+
+// Whether a map has a sample in the direction of a sample: its component along the map's view is the largest possible.
+fn has_direction(face: u32, direction: vec3<i32>) -> bool {
+  return product(cube_face(face).forward, direction) == i32(depth_map.size.x) - 1;
+}
+
+// The sample that a map has in a direction. `has_direction` must hold.
+fn sample_of(face: u32, direction: vec3<i32>) -> vec2<u32> {
+  let axes = cube_face(face);
+  let most = i32(depth_map.size.x) - 1;
+  return vec2<u32>(
+    u32((most + product(direction, axes.right)) / 2), u32((most - product(direction, axes.up)) / 2));
 }

@@ -1,14 +1,15 @@
-// The boundary between light and shadow: vertices of its triangles, and whether a place is behind it. Imported by `depth_surface`
-// (triangles of cells, near cap) and `depth_walls` (near cap of contours). Its triangles lie between samples, with one depth for
-// each direction from the light. Samples are moved away from the light by a bias; far ones are at infinity (w is 0).
-// The near rectangle is the part of the eye's near plane in the picture, where rays of the eye begin; a place on it is in shadow
-// if it is behind the boundary.
+// The boundary between light and shadow: its triangles, their vertices, and whether a place is behind it. Stage
+// `depth_surface` draws it into the caller's stencil (`DepthMapFrame::draw`, in the caller's render pass after the eye's
+// depths), once for each bit; `depth_walls`, which draws walls over contours instead, takes the near cap and what it needs
+// from here. Depth is tested and not written; a fragment before what is seen turns the bit round, or counts.
+// Triangles lie between samples, with one depth for each direction from the light. Samples are moved away from the light by a
+// bias; far ones are at infinity (w is 0). The near rectangle is the part of the eye's near plane in the picture, where rays
+// of the eye begin; a place on it is in shadow if it is behind the boundary.
 // Importers bind `cells`: the list of `depth_cells`, or with contours the walls of `contour_walls`; and a view for each map.
 // All triangles at a sample take its vertex from `surface_vertex`, at an invariant position, so a pixel on a common edge is
-// counted once. Do not compute it anywhere else. docs/numerics/depth-maps.md, "Rounding of positions", bounds its rounding: keep
-// operations and order.
+// counted once. Do not compute it anywhere else. docs/numerics/depth-maps.md, "Rounding of positions", bounds its rounding:
+// keep operations and order.
 
-#import depth_map/cube
 #import depth_map/edge_code
 #import depth_map/samples
 
@@ -59,8 +60,8 @@ fn slope_to(key: u32, first: u32, second: u32) -> f32 {
   return min(abs(depth_of(first) - depth_of(key)), abs(depth_of(second) - depth_of(first)));
 }
 
-// The slope at a sample along one axis. A boundary that is moved sideways leaves the surface on either side, so there the larger
-// counts.
+// The slope at a sample along one axis. A boundary that is moved sideways leaves the surface on either side, so there the
+// larger counts.
 fn slope_along(at: vec2<u32>, step: vec2<u32>) -> f32 {
   let key = key_at(at);
   let before = key_at(at - step);
@@ -127,8 +128,8 @@ fn moved_depth(at: vec2<u32>, key: u32) -> f32 {
   return depth + select(offset, -offset, is_reversed);
 }
 
-// The map whose view a sample is taken with (z): the first with a sample on its ray, so that all maps give that one vertex. x and
-// y: twice that sample's place from the middle of the lattice.
+// The map whose view a sample is taken with (z): the first with a sample on its ray, so that all maps give that one vertex. x
+// and y: twice that sample's place from the middle of the lattice.
 fn view_of(at: vec2<u32>) -> vec3<i32> {
   if (depth_map.faces == 1u) {
     return vec3<i32>(2 * vec2<i32>(at) - 1 - vec2<i32>(depth_map.size), 0);
@@ -159,7 +160,8 @@ fn surface_vertex(at: vec2<u32>) -> vec4<f32> {
   return view.across * place.x + view.down * place.y + view.depth * depth + view.middle;
 }
 
-// The sample of corner 0 to 2 of a cell's triangle (`second`: 0 or 1), from sample (0, 0) of the cell. `entry` tells its split.
+// The sample of corner 0 to 2 of a cell's triangle (`second`: 0 or 1), from sample (0, 0) of the cell. `entry` tells its
+// split.
 fn triangle_corner(entry: u32, second: u32, corner: u32) -> vec2<u32> {
   // Numbers of samples, two bits each: 0 is (0, 0), 1 is (1, 0), 2 is (0, 1), 3 is (1, 1).
   let plain = select(0x34u, 0x2cu, second != 0u);
@@ -257,3 +259,54 @@ fn is_behind_triangle(found: NearPlace) -> bool {
   let ahead = found.depth - depth;
   return select(ahead > 0.0, ahead < 0.0, depth_map.is_reversed != 0u);
 }
+
+// Entry points. `depth_surface` with `nothing`: six vertices for each listed cell, an indirect draw whose arguments
+// `depth_cells` wrote. With contours only if the list of walls overflowed. If a list overflowed, it draws every cell and
+// decides about it as the list would. `depth_near_cap` with its fragment shader: one triangle over the picture, which turns
+// the bit round where the near rectangle is in shadow; 3 vertices, or 0 if `depth_near` found it in light. Both together turn
+// the bit just where what is seen is behind the boundary, unless a detector missed an edge.
+
+// Vertices 0 to 2 are the first triangle of a cell, 3 to 5 the second. If it is not drawn, they lie in one point.
+@vertex
+fn depth_surface(@builtin(vertex_index) index: u32) -> SurfaceVertex {
+  let number = index / 6u;
+  let second = (index / 3u) & 1u;
+  var entry = 0u;
+  if (cells[0] > depth_map.capacity) {
+    entry = entry_of_cell(number);
+  } else {
+    entry = cells[1u + number];
+  }
+  if ((entry & (FIRST_TRIANGLE << second)) == 0u) {
+    return SurfaceVertex(vec4<f32>(0.0, 0.0, 0.0, 1.0));
+  }
+  let at = corner_of_cell(entry & CELL_MASK) + triangle_corner(entry, second, index % 3u);
+  return SurfaceVertex(surface_vertex(at));
+}
+
+struct NearVertex {
+  @builtin(position) position: vec4<f32>,
+  @location(0) @interpolate(linear, sample) place: vec2<f32>,
+}
+
+@vertex
+fn depth_near_cap(@builtin(vertex_index) index: u32) -> NearVertex {
+  let place = vec2<f32>(select(-1.0, 3.0, index == 1u), select(-1.0, 3.0, index == 2u));
+  return NearVertex(vec4<f32>(place, 0.5, 1.0), place);
+}
+
+// Whether a place on the near rectangle, from -1 to 1, is behind the boundary.
+fn is_behind(place: vec2<f32>) -> bool {
+  let found = near_place(place);
+  return found.is_in && is_behind_triangle(found);
+}
+
+@fragment
+fn depth_near_cap_fragment(@location(0) @interpolate(linear, sample) place: vec2<f32>) {
+  if (!is_behind(place)) {
+    discard;
+  }
+}
+
+@fragment
+fn nothing() {}

@@ -2,8 +2,8 @@
 // order, from the masks of `edges`, for callers that ask for ordered lists. Dispatched for each batch, after `edges` (or
 // `per_edge`), which then appends nothing. `compact_count`: an invocation an edge; counts the bits of each block of 256 edges.
 // `compact_scan`: a workgroup a light; turns the counts into offsets, and writes the light's count. `compact_scatter`: an
-// invocation an edge; writes the lists, for `arguments`, callers and shadow volumes. Lists are the same on every device. Bit 31
-// of an entry is the winding: face 0 of the edge faces the light. Counts go on where a list has no room.
+// invocation an edge; writes the lists, for `arguments`, callers and shadow volumes. Lists are the same on every device. Bit
+// 31 of an entry is the winding: face 0 of the edge faces the light. Counts go on where a list has no room.
 
 #import common/extraction
 
@@ -118,5 +118,32 @@ fn compact_scatter(
     if (place < chunk.capacity) {
       list[light * chunk.capacity + place] = (chunk.first + id.x) | (((found.winding >> light) & 1u) << 31u);
     }
+  }
+}
+
+// Stage `arguments`: makes the indirect draw of each light's list of silhouette edges, for callers that draw them, and counts
+// lists that overflowed in the statistics. Dispatched once at the end of an extraction, also where nothing was compacted, an
+// invocation a light; in a scene for each group of casters and batch of up to 32 lights. The draw of a list that overflowed
+// goes over all edges, and the caller's vertex shader rejects those that are no silhouettes (extract/results.wgsl): slower,
+// never wrong.
+
+@group(0) @binding(0) var<uniform> shape: DrawShape;
+@group(0) @binding(2) var<storage, read_write> draw_arguments: array<DrawArguments>;
+@group(0) @binding(4) var<storage, read_write> statistics: ExtractionStatistics;
+
+fn write_arguments(light: u32) {
+  var instances = counts[light];
+  if (instances > shape.capacity) {
+    atomicAdd(&statistics.overflowed_lists, 1u);
+    instances = shape.edges;
+  }
+  draw_arguments[light] = DrawArguments(shape.vertices_per_edge, instances, 0u, 0u);
+}
+
+@compute @workgroup_size(64)
+fn arguments(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  // Turns: 16.
+  for (var light = id.x; light < shape.lights; light += 64u * groups.x) {
+    write_arguments(light);
   }
 }

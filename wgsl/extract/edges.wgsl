@@ -1,10 +1,11 @@
-// Edges: a compute stage that computes the silhouette and winding mask of each edge record, a bit for each light of a batch (up
-// to 32), from the facing masks of its faces: where two faces differ, and at boundaries. Dispatched after `exact_facing`, or
-// after `polygon_masks` for a mesh of polygons, an invocation a record. It writes the masks, which `compact` and callers read,
-// appends silhouette edges to the lists of the lights in no particular order, for callers and shadow volumes, or both. In the
-// variant SCENE eight invocations share a chunk (64 slots) that `chunks` listed, for lights whose lists are made anew, and it
-// only appends. A slot is the index of a face or record in masks and lists (interface/caster.wgsl). Facing must be read as it is
-// written, never decided again: so loops of silhouettes close. docs/numerics/watertight.md.
+// Edges: a compute stage that computes the silhouette and winding mask of each edge record, a bit for each light of a batch
+// (up to 32), from the facing masks of its faces: where two faces differ, and at boundaries. Dispatched after `exact_facing`
+// (after `facing` where signs need not be exact), or after `polygon_masks` for a mesh of polygons, an invocation a record. The
+// options say whether it writes the masks, which `compact` and callers read; or appends silhouette edges to the lists of the
+// lights, in no particular order, for callers and shadow volumes; or does both. In the variant SCENE eight invocations share a
+// chunk (64 slots) that `chunks` listed, for lights whose lists are made anew, and it only appends. A slot is the index of a
+// face or record in masks and lists (interface/caster.wgsl). Facing must be read as it is written, never decided again: so
+// loops of silhouettes close. docs/numerics/watertight.md.
 
 #import common/extraction
 #import interface/caster
@@ -14,8 +15,8 @@
 
 @group(0) @binding(2) var<storage, read> facing_masks: array<u32>;
 
-// The number of silhouette edges of each light, with those that its list has no room for; then, behind 256 bytes, the lists. An
-// entry is an edge slot, with the winding bit as bit 31.
+// The number of silhouette edges of each light, with those that its list has no room for; then, behind 256 bytes, the lists.
+// An entry is an edge slot, with the winding bit as bit 31. Word 32 of the counts is KEPT_ZEROS (common/casters.wgsl).
 struct SceneLists {
   counts: array<atomic<u32>, 64>,
   entries: array<u32>,
@@ -43,8 +44,9 @@ fn emit(slot: u32, silhouette: u32, winding: u32) {
 @group(0) @binding(6) var<storage, read> edge_faces: array<vec2<u32>>;
 override TWISTED_AT: u32 = 0u; // Where the twisted masks lie behind the facing masks, for polygons. 0: no face is twisted.
 
-// Decides an edge record. `slot` is its index in masks and lists, `index` that in `edge_faces`. A word of faces has bit 31 set
-// (INCONSISTENT) if both traverse the edge the same way: then their fronts are on different sides, and equal bits differ.
+// Decides an edge record. `slot` is its index in masks and lists, `index` that in `edge_faces`. The first word of its faces
+// has bit 31 set (INCONSISTENT) if both traverse the edge the same way: then their fronts are on different sides, and equal
+// bits differ.
 fn take_item(slot: u32, index: u32) {
   let faces = edge_faces[index];
   if (TWISTED_AT != 0u) {
@@ -64,8 +66,8 @@ fn take_item(slot: u32, index: u32) {
   emit(slot, silhouette, winding);
 }
 
-// The masks of a record where faces may be twisted: such a face counts as absent. If one face is left, the record is a boundary
-// of it, and the winding is that face's as face 0 would have it; if none is left, no silhouette.
+// The masks of a record where faces may be twisted: such a face counts as absent. If one face is left, the record is a
+// boundary of it, and the winding is that face's as face 0 would have it; if none is left, no silhouette.
 fn masks_beside_twisted(faces: vec2<u32>) -> EdgeMasks {
   let first = faces.x & ~INCONSISTENT;
   let counts_0 = live_lights() & ~facing_mask(TWISTED_AT + first);

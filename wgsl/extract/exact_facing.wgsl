@@ -1,15 +1,14 @@
-// Exact facing: a compute stage that computes the masks of the faces that `facing` left undecided, for a single mesh or a scene
-// (interface/caster.wgsl tells what slots and places of lights are). Dispatched right after each dispatch of `facing`, with few
-// invocations that share the list, or all faces if that overflowed. Bits are the signs of det[b - a, c - a, l - w a], all exact,
-// the same on every device. A bound for each light decides most of them (docs/numerics/facing.md, "Filter"). Integers decide the
-// rest, because no compiler can round, fuse or flush them: in fixed point where the numbers fit, else for every finite f32
-// ("Exact facing"). It also writes for which lights a face is excluded: its plane has the light, or a vertex is not finite.
-// `edges` reads the facing masks, and shadow volumes read both.
+// Exact facing: a compute stage that computes the masks of the faces that `facing` left undecided, for a single mesh or a
+// scene (interface/caster.wgsl tells what slots and places of lights are). Dispatched right after each dispatch of `facing`,
+// with few invocations that share the list, or all faces if that overflowed. Bits are the signs of det[b - a, c - a, l - w a],
+// all exact, the same on every device. A bound for each light decides most of them (docs/numerics/facing.md, "Filter").
+// Integers decide the rest, because no compiler can round, fuse or flush them: in fixed point where the numbers fit, else for
+// every finite f32 ("Exact facing"). It also writes for which lights a face is excluded: its plane has the light, or a vertex
+// is not finite. `edges` reads the facing masks, and shadow volumes read both.
 
 #import common/determinant
 #import common/exact_sign
 #import common/extraction
-#import common/fixed_sign
 #import interface/caster
 
 @group(0) @binding(6) var<storage, read> faces: array<u32>;

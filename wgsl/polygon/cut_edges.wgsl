@@ -1,16 +1,15 @@
-// Cut edges: lists the pieces of L-twisted polygons, whose outlines cross themselves as seen from light L. A piece is a part of
-// an edge between cuts, wound so that what the polygon darkens is on its left. Four passes for each batch, after `polygon_masks`
-// and only with lists; each reads in `pieces` what the one before wrote. `cut_edges`: a workgroup an entry, edges and lights that
-// `polygon_masks` listed; finds what cuts each edge. `cut_edges_rank`: a workgroup for 8 cuts; counts how many cuts of its edge
-// come before each. `cut_edges_before`: an invocation a cut; finds the one right before. `cut_edges_list`: the same; writes the
-// piece between both. Pieces come in any order; polygon/list_pieces.wgsl names their readers. Cutting edges and dark sides are
-// exact; orders are, but for those that `is_before` rounds. The same number of pieces begin at a point as end there, bit for bit,
-// so edges that cross must agree on order and point. `turn` is that of three points (polygon/turn.wgsl); `Turns:` is the most
-// turns of the loop below it. docs/numerics/twisted-polygons.md.
+// Cut edges: lists the pieces of L-twisted polygons, whose outlines cross themselves as seen from light L. A piece is a part
+// of an edge between cuts, wound so that what the polygon darkens is on its left. Four passes for each batch, after
+// `polygon_masks` and only with lists; each reads in `pieces` what the one before wrote. `cut_edges`: a workgroup an entry,
+// edges and lights that `polygon_masks` listed; finds what cuts each edge. `cut_edges_rank`: a workgroup for 8 cuts; counts
+// how many cuts of its edge come before each. `cut_edges_before`: an invocation a cut; finds the one right before.
+// `cut_edges_list`: the same; writes the piece between both. Pieces come in any order; polygon/list_pieces.wgsl names their
+// readers. Cutting edges and dark sides are exact; orders are, but for those that `is_before` rounds. The same number of
+// pieces begin at a point as end there, bit for bit, so edges that cross must agree on order and point. `turn` is that of
+// three points (polygon/turn.wgsl); `Turns:` is the most turns of the loop below it. docs/numerics/twisted-polygons.md.
 
-#import common/fixed_sign
+#import common/exact_sign
 #import extract/one_caster
-#import polygon/cut_order
 #import polygon/cuts
 #import polygon/list_pieces
 #import polygon/outlines
@@ -18,8 +17,8 @@
 
 @group(0) @binding(8) var<storage, read> faces: array<u32>;
 
-// Bit 0: an odd number of the polygon's triangles are, as the light sees them, next to the edge's end on its left. An element an
-// invocation; with a large outline, whose invocations share an edge, the first.
+// Bit 0: an odd number of the polygon's triangles are, as the light sees them, next to the edge's end on its left. An element
+// an invocation; with a large outline, whose invocations share an edge, the first.
 var<workgroup> odd: array<atomic<u32>, 64>;
 // The window of bits of the outline's corners: its begin, as how far it is below `FAR`, and its end. An element as for `odd`.
 var<workgroup> below_far: array<atomic<i32>, 64>;
@@ -34,7 +33,8 @@ const RANK_LANES: u32 = 8u;
 // With more cuts, those of an edge are ordered by how far along they are, which is rounded.
 const MOST_ORDERED: u32 = 256u;
 
-// How an edge lies on another that is on the same line. Sides and ends are those seen in the direction in which coordinates grow.
+// How an edge lies on another that is on the same line. Sides and ends are those seen in the direction in which coordinates
+// grow.
 struct InLine {
   // It ends within the other, which it cuts there.
   cuts: bool,
@@ -78,8 +78,8 @@ struct Found {
   span: vec2<i32>,
 }
 
-// Finds the edges that cut the edge, and whether an odd number of triangles have the directions next to its end, on its left: it
-// flips `odd` for each. Both are in one loop, first over edges, then over triangles, so that `turn` is compiled once.
+// Finds the edges that cut the edge, and whether an odd number of triangles have the directions next to its end, on its left:
+// it flips `odd` for each. Both are in one loop, first over edges, then over triangles, so that `turn` is compiled once.
 fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
   let slot = select(lane, 0u, work.is_large);
   let step = select(1u, OUTLINE_LANES, work.is_large);
@@ -105,8 +105,8 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
       let face = 3u * (outline.first_triangle + item - outline.count);
       corners = array<vec3<u32>, 3>(place_of(faces[face]), place_of(faces[face + 1u]), place_of(faces[face + 2u]));
     }
-    // For an edge f the sides of e.a and e.b at f, then those of f's ends at e. For a triangle its own turn, then for each of its
-    // edges the sides of e.b and e.a.
+    // For an edge f the sides of e.a and e.b at f, then those of f's ends at e. For a triangle its own turn, then for each of
+    // its edges the sides of e.b and e.a.
     var signs: array<i32, 7>;
     var tie = IN_LINE;
     // Turns: CUT_TESTS in all.

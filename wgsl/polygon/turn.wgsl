@@ -1,14 +1,13 @@
 // The turn of three points as seen from a light, exactly: the sign of det[b - a, c - a, l - w a], 1 if the light sees a, b, c
 // counter-clockwise. For `outline` and the passes of `cut_edges`, which call `turn`. A bound on rounding decides where it can,
-// then fixed point, then integers, so all devices have the same sign. Where it is 0, the light is moved by (e, e^2, e^3) for an e
-// smaller than anything: the sign is the first that is not 0 with the axes x, y, z for the light. All callers must share this
-// rule, or what they find of one outline does not fit together. Also how large the determinant is, rounded, for the order of
-// cuts. Points are the bits of positions, and must be finite. `Turns:` is the most turns of the loop below it.
+// then fixed point, then integers, so all devices have the same sign. Where it is 0, the light is moved by (e, e^2, e^3) for
+// an e smaller than anything: the sign is the first that is not 0 with the axes x, y, z for the light. All callers must share
+// this rule, or what they find of one outline does not fit together. Also how large the determinant is, rounded, for the order
+// of cuts. Points are the bits of positions, and must be finite. `Turns:` is the most turns of the loop below it.
 // docs/numerics/polygons.md.
 
 #import common/determinant
 #import common/exact_sign
-#import common/fixed_sign
 #import extract/one_caster
 
 struct Turn {
@@ -138,8 +137,8 @@ fn times_power(value: f32, exponent: i32) -> f32 {
   return select(0.0, value * bitcast<f32>(u32(127 + max(exponent, -126)) << 23u), exponent > -64);
 }
 
-// |first| / (|first| + |second|) of two turns of contrary sense: how far along an edge from 0, at the end that has `first`, to 1
-// another edge's plane is crossed. 0.5 if both are 0. Both must fit.
+// |first| / (|first| + |second|) of two turns of contrary sense: how far along an edge from 0, at the end that has `first`, to
+// 1 another edge's plane is crossed. 0.5 if both are 0. Both must fit.
 fn share_of_turns(first: TurnValue, second: TurnValue) -> f32 {
   if (first.value == 0.0 || second.value == 0.0) {
     return select(select(1.0, 0.0, second.value != 0.0), 0.5, first.value == second.value);

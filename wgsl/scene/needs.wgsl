@@ -1,9 +1,9 @@
-// Needs: a compute stage that finds which figures of a scene a frame needs, before they are deformed, from boxes that the caller
-// states. A figure is a caster (a mesh that throws shadows) whose positions `deform` may compute anew. Dispatched if the caller
-// asks for it, before `deform`, an invocation a figure. A frame needs a figure if a camera may see it, or its shadow from a light
-// that may reach it; tests have slack, so none that is seen is left out. It writes a word for each figure: 0 if it is needed. The
-// words are copied for `deform`, which makes the others a point, and for `reach`, which leaves these out. docs/numerics/scene.md,
-// "Deforming casters that a frame needs".
+// Needs: a compute stage that finds which figures of a scene a frame needs, before they are deformed, from boxes that the
+// caller states. A figure is a caster (a mesh that throws shadows) whose positions `deform`, or the caller, may compute anew.
+// Dispatched if the caller asks for it, before `deform`, an invocation a figure. A frame needs a figure if a camera may see
+// it, or its shadow from a light that may reach it; tests have slack, so none that is seen is left out. It writes a word for
+// each figure: 0 if it is needed. The words are copied for `deform`, which makes the others a point, and for `reach`, which
+// leaves these out. docs/numerics/scene.md, "Deforming casters that a frame needs".
 
 #import common/casters
 #import shadow/shadow

@@ -1,11 +1,13 @@
 // The scene table, which the CPU writes for every frame (src/gpu/scene/table.rs), and what is kept from one frame to the next:
-// where things are, for the stages `reach`, `clusters`, `chunks`, `facing`, `exact_facing` and `edges`. The table has the
-// casters, then for each batch (up to 32 lights) and caster its lights, then the ranges of the lights and their versions, four
-// words, the cones of the lights, the lights themselves, and the casters of all chunks (64 slots of faces or edges of one
-// caster). The first of the four words is the number of the encode. The second is the word of the work lists from which on there
-// is a word for each figure (a caster that may be deformed), 1 if it is not needed; it is 0 where all are needed. A page has the
-// topology and clusters of several meshes. The layout is that of the Rust; bits are kept only as long as all versions beside them
-// are right.
+// where things are, for the stages `reach`, `clusters`, `chunks`, `facing`, `exact_facing` and `edges`. (Stages of shadow
+// volumes read the table by shadow/caster.wgsl.) The table has the casters, then for each batch (up to 32 lights) and caster
+// its lights, then the ranges of the lights and their versions, four words, the cones of the lights, the lights themselves,
+// for each rigid caster in its space, then occluders with the scaled lights in world space and the corners, if there are any,
+// and the casters of all chunks (64 slots of faces or edges of one caster). The first of the four words is the number of the
+// encode. The second is the word of the work lists from which on there is a word for each figure (a caster that may be
+// deformed), 1 if it is not needed; it is 0 where all are needed. The third is the largest coordinate of the origins of
+// cameras, for `reach`. A page has the topology and clusters of several meshes. The layout is that of the Rust; bits are kept
+// only as long as all versions beside them are right.
 
 #import common/casters
 
@@ -22,7 +24,8 @@ struct SceneStatistics {
   // Pairs of caster and light that matter, and those of them whose bits were kept.
   pairs: atomic<u32>,
   kept_pairs: atomic<u32>,
-  unreached_pairs: atomic<u32>, // Pairs of caster and allowed light that do not matter.
+  // Pairs of caster and allowed light that range or cone keep apart. Casters that the frame does not need have none.
+  unreached_pairs: atomic<u32>,
   // Pairs of caster and light that do not matter, because an occluder hides the caster from the light.
   occluded_pairs: atomic<u32>,
   // Faces that were tested, for each batch, and edge records.
@@ -50,15 +53,15 @@ struct SceneDispatch {
   // Chunks of the group.
   face_chunks: u32,
   edge_chunks: u32,
-  // The words of the work lists where the group and batch have four words, the face chunks and the edge chunks. The words are the
-  // number of face chunks, that of edge chunks, the lights whose lists are made anew, and those of which bits are kept.
+  // The words of the work lists where the group and batch have four words, the face chunks and the edge chunks. The words are
+  // the number of face chunks, that of edge chunks, the lights whose lists are made anew, and those of which bits are kept.
   work_count: u32,
   face_work: u32,
   edge_work: u32,
   capacity: u32, // Entries that the list of each light has room for.
   // The number of this layout, which tells what was computed for another, and whether bits are kept at all.
   structure: u32,
-  keeps: u32,
+  keeps: u32, // 1: bits of an earlier encode are kept.
   clusters_at: u32, // The word of what is kept where the clusters of the group and batch begin.
   // Where occluders begin in the table, for each batch and occluder, and their number. Then where the scaled lights are.
   occluders_at: u32,
@@ -87,10 +90,10 @@ fn light_version(batch: u32, light: u32) -> u32 {
   return table[group.ranges_at + 8u * (group.batches + batch) + light / 4u][light % 4u];
 }
 
-// Words beside the bits that are kept tell what these were computed from: the number of the layout, and from the fourth word on
-// for each batch the versions of its lights. For each batch and caster follow the caster's version and the lights whose bits are
-// right for these versions. Then for each group and batch the encodes that made the lists of its lights, and two words for each
-// of its chunks of faces.
+// Words beside the bits that are kept tell what these were computed from. Word 0: the number of the layout. From word 4 on,
+// for each batch the versions of its lights. For each batch and caster follow the caster's version and the lights whose bits
+// are right for these versions. Then for all groups and batches the encodes that made the lists of their lights; then, again
+// for all, two words for each chunk of faces.
 fn kept_lights_at(batch: u32) -> u32 { return 4u + 32u * batch; }
 fn kept_pair_at(pair: u32) -> u32 { return 4u + 32u * group.batches + 2u * pair; }
 
@@ -110,7 +113,8 @@ const NO_CLUSTERS: u32 = 0xffffffffu; // A caster whose mesh has no clusters.
 const CLUSTER_FACES: u32 = 128u;
 const CLUSTER_CHUNKS: u32 = 2u;
 const BOUND_WORDS: u32 = 12u; // Words of a bound.
-// Low bits of a chunk's word, which tell where its names begin. The other two tell when the chunk has no silhouette (`chunks`).
+// Low bits of a chunk's word, which tell where its names begin. The other two tell when the chunk has no silhouette
+// (`chunks`).
 const PLACE_BITS: u32 = 30u;
 
 // Whether the clusters of a caster decide anything: bounds hold for the positions of the mesh.

@@ -1,9 +1,11 @@
-// Bounds: a compute stage that finds the box of each caster's finite faces, and whether a caster has other faces. A caster is a
-// mesh that throws shadows. Dispatched before `choose`, once a frame: for a single mesh, whose faces the invocations share, and
-// for each group of a scene with casters in world space, an invocation a chunk of 64 face slots; rigid casters have a box in mesh
-// space already. It reads positions and faces; `choose`, `stencil_pencil` and the stages of crossings read `boxes`, which are
-// zeros before. A group is skipped where nothing reads its boxes. Boxes are exact, the same bits in any order: floats are
-// compared as keys, integers of the same order, so that atomics can join them and no device can flush them.
+// Bounds: a compute stage that finds the box of each caster's finite faces, and whether a caster has faces that are not
+// finite. A caster is a mesh that throws shadows. Dispatched before `choose` (in a scene after `relist`), once a frame: for a
+// single mesh, whose faces the invocations share, and for each group of a scene whose casters are in world space, where
+// invocations take chunks of 64 face slots in turn; rigid casters have a box in mesh space already, in the table. It reads
+// positions and faces, and in a scene `lit` and the bits FRESH that `relist` wrote, by which it skips groups and casters whose
+// boxes nothing reads. `choose`, `stencil_pencil` and the stages of crossings read `boxes`, which are zeros before. Boxes are
+// exact, the same bits in any order: floats are compared as keys, integers of the same order, so that atomics can join them
+// and no device can flush them.
 
 #import common/casters
 #import shadow/caster
@@ -14,8 +16,8 @@
 @group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read> positions: array<u32>;
 @group(0) @binding(3) var<storage, read> faces: array<u32>;
-// For each caster the keys of the lowest x, y, z, inverted, and the highest, so that zeros are an empty box. The last word is 1
-// if a face has a corner that is not finite.
+// For each caster the keys of the lowest x, y, z, inverted, and the highest, so that zeros are an empty box. The last word is
+// 1 if a face that names three different vertices has a corner that is not finite.
 @group(0) @binding(4) var<storage, read_write> boxes: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read> choices: array<u32>;
 // For each batch and caster of a scene the lights that matter. A single caster has none.
@@ -70,7 +72,7 @@ fn bound_faces(caster: u32, first: u32, end: u32, step: u32) {
   }
 }
 
-// With one caster, invocations take turns. With many, each takes a chunk.
+// With one caster, invocations take its faces in turn. With many, they take chunks in turn.
 @compute @workgroup_size(64)
 fn bounds(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   if (!MANY) {

@@ -1,14 +1,68 @@
-// Receiver pyramid: a compute stage, for scenes, that goes on from the tiles of `receiver_depth`, right after it, one workgroup
-// for each view. It writes the upper levels, the farthest receiver of each square of four cells, up to one for all; and the box
-// of all places between the near rectangle (what the camera sees of the near plane) and the receivers, with slack above its
-// rounding errors. A receiver is a pixel that shadows may fall on. `choose` reads both, to leave out volumes that no receiver can
-// be in, so neither may be too small. docs/numerics/receivers.md, "Volumes without a receiver".
+// Receivers of a view, by its depth buffer: two compute stages, for scenes, dispatched once for each view whose depth the
+// caller gives, before the stages of shadow volumes. `receiver_depth`, an invocation a tile of 8 x 8 pixels, and right after
+// it `receiver_pyramid`, one workgroup. A receiver is a pixel that shadows may fall on: all that was drawn, and the sky if the
+// caller says so. They write the view's receivers (shadow/receivers.wgsl). `choose` reads these, to leave out volumes that no
+// receiver can be in, so nothing that is written may be too near or too small. docs/numerics/receivers.md, "Volumes without a
+// receiver".
 
 #import common/casters
 #import shadow/receivers
 
+// Stage `receiver_depth`: finds the farthest receiver of each tile, the first level. The variant SAMPLES takes textures with
+// several samples for each pixel, of which all enter: a receiver that is left out may lose its shadow.
+
 @group(0) @binding(0) var<uniform> receiver_view: ReceiverView;
-@group(0) @binding(1) var<storage, read_write> receivers: array<u32>;
+@group(0) @binding(2) var<storage, read_write> receivers: array<u32>;
+
+#if SAMPLES
+@group(0) @binding(1) var depth_texture: texture_depth_multisampled_2d;
+
+fn samples() -> u32 { return textureNumSamples(depth_texture); }
+fn depth_at(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, sample); }
+#else
+@group(0) @binding(1) var depth_texture: texture_depth_2d;
+
+fn samples() -> u32 { return 1u; }
+fn depth_at(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, 0); }
+#endif
+
+fn farthest_in(tile: vec2<u32>) -> u32 {
+  let first = TILE * tile;
+  let end = min(first + TILE, receiver_view.pixels);
+  let sky = 1.0 - receiver_view.near_z;
+  var key = 0u;
+  // Turns: TILE.
+  for (var y = first.y; y < end.y; y++) {
+    // Turns: TILE.
+    for (var x = first.x; x < end.x; x++) {
+      // Turns: 64.
+      for (var sample = 0u; sample < samples(); sample++) {
+        let depth = depth_at(vec2<u32>(x, y), sample);
+        if (depth != sky || receiver_view.sky_receives != 0u) {
+          key = max(key, far_key(depth, receiver_view.near_z));
+        }
+      }
+    }
+  }
+  return key;
+}
+
+fn take_tile(number: u32) {
+  let tiles = (receiver_view.pixels + TILE - 1u) / TILE;
+  if (number < tiles.x * tiles.y) {
+    receivers[receiver_view.at + RECEIVERS_HEAD + number] = farthest_in(vec2<u32>(number % tiles.x, number / tiles.x));
+  }
+}
+
+@compute @workgroup_size(64)
+fn receiver_depth(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  take_tile(id.x + 64u * groups.x * id.y);
+}
+
+// Stage `receiver_pyramid`: writes the upper levels, the farthest receiver of each square of four cells, up to one for all;
+// and the box of all places between the near rectangle (what the camera sees of the near plane) and the receivers, with slack
+// above its rounding errors.
+
 // The box is taken from the first level that has at most so many cells.
 const MOST_BOXED: u32 = 1024u;
 const UNPROJECTION: f32 = 1e-5; // Above the rounding error of a product of matrix and vector, relative to its terms.

@@ -1,11 +1,16 @@
-// Shadow arguments: a compute stage that makes the indirect draws of shadow volumes from the counts of `list_sides` and `caps`,
-// and counts lists that overflowed in the statistics. Dispatched after `list_sides`, one workgroup for each group of casters,
-// batch (up to 32 lights) and view, an invocation a light. The caller's render pass draws with `shadow_draws`, by the vertex
-// shaders `sides` and `cap_faces`. Where lists overflowed, draws go over all edges or faces, and these shaders reject what does
-// not belong: slower, never wrong. So the instances here and how the shaders read them must stay the same.
+// Arguments of shadow volumes: two compute stages that make indirect draws for the caller's render pass and count what had no
+// room in the statistics. `shadow_arguments` for sides and caps; `piece_arguments`, after it, for the pieces of a mesh of
+// polygons. Each has a workgroup for each batch (up to 32 lights) and view, an invocation a light. Vertex shaders read
+// instances as they are made here: change both together.
 
 #import common/extraction
+#import shadow/choices
+#import shadow/lists
 #import shadow/shadow
+
+// Stage `shadow_arguments`: from the counts of `list_sides` and `caps`, dispatched after `list_sides`, for each group of
+// casters. It writes `shadow_draws`, for the vertex shaders of sides.wgsl and cap_faces.wgsl. Where lists overflowed, draws go
+// over all edges or faces, and these shaders reject what does not belong: slower, never wrong.
 
 // The draws of one light's shadow volume.
 struct ShadowDraws {
@@ -81,5 +86,65 @@ fn write_arguments(bit: u32) {
 fn shadow_arguments(@builtin(local_invocation_index) bit: u32) {
   if (draw.first_light + bit < shape.lights) {
     write_arguments(bit);
+  }
+}
+
+// Stage `piece_arguments`: makes the draws of the pieces of L-twisted polygons, whose outlines cross themselves as seen from
+// light L, so that they have lit and dark parts. A piece is a part of the border between these; `cut_edges` and `cut_quads`
+// listed them (shadow/lists.wgsl). It reads the choices for the only caster, and writes `piece_draws`, for the vertex shaders
+// `piece_…`, and the number of pieces that had no room.
+
+// The draws of the pieces of a light's L-twisted polygons.
+struct PieceDraws {
+  // Sides that are not clipped, and sides clipped at the near plane.
+  plain: DrawArguments,
+  clipped: DrawArguments,
+  // Near caps that count up on their front, or on their back.
+  near_front: DrawArguments,
+  near_back: DrawArguments,
+  // Caps at the polygon, and at the far end.
+  light_cap: DrawArguments,
+  dark_cap: DrawArguments,
+}
+
+@group(0) @binding(6) var<storage, read> seen: array<SeenLight>;
+@group(0) @binding(7) var<storage, read> table: array<vec4<u32>>;
+@group(0) @binding(8) var<storage, read> pieces: array<u32>;
+@group(0) @binding(9) var<storage, read_write> piece_draws: array<PieceDraws>;
+
+fn arguments_if(is_drawn: bool, vertices: u32, instances: u32) -> DrawArguments {
+  return arguments(vertices, select(0u, instances, is_drawn));
+}
+
+fn write_piece_arguments(bit: u32) {
+  let number = draw.first_light + bit;
+  let place = draw.view * shape.lights + number;
+  let light = chosen_light(0u, seen[place].light, number, draw.view);
+  var draws = PieceDraws();
+  if (seen[place].view.near_w != 0.0 && light.casting != CAST_NOTHING) {
+    let count = min(pieces[bit], piece_capacity());
+    if (pieces[bit] > count) {
+      atomicAdd(&shadow_statistics.lost_pieces, pieces[bit] - count);
+    }
+    let is_clipped = light.counting == COUNT_ZP_PLUS;
+    let is_fail = light.counting == COUNT_Z_FAIL;
+    // The faces that pieces make face the light.
+    let kind = near_kind(light, true, false);
+    let ends = light.end > 0.0 && shape.end_at_range != 0u;
+    draws.plain = arguments_if(!is_clipped, 4u, count);
+    draws.clipped = arguments_if(is_clipped, 5u, count);
+    draws.near_front = arguments_if(is_clipped && kind == 0u, 5u, count);
+    draws.near_back = arguments_if(is_clipped && kind == 1u, 5u, count);
+    // The faces that pieces make are not in the depth buffer, so the eye sees through them.
+    draws.light_cap = arguments(4u, count);
+    draws.dark_cap = arguments_if(is_fail || ends, 3u, count);
+  }
+  piece_draws[place] = draws;
+}
+
+@compute @workgroup_size(32)
+fn piece_arguments(@builtin(local_invocation_index) bit: u32) {
+  if (draw.first_light + bit < shape.lights) {
+    write_piece_arguments(bit);
   }
 }

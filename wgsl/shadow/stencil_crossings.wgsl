@@ -1,8 +1,9 @@
-// Stencil crossings: a compute stage that adds the sides of shadow volumes (quads from edges away from the light) to the bins of
-// half planes that they cross (shadow/pencil.wgsl), for `stencil_bound`. Dispatched after `stencil_pencil`, if the caller asks
-// for a bound, for each group of casters, batch of up to 32 lights and view; a row of workgroups shares the lists of a light.
-// Where these overflowed, it goes over all edges, with the largest weight that each may have: bounds are then larger, never too
-// small. Rows are sums of integers, so the order of invocations does not matter. docs/numerics/receivers.md, "Bound on counts".
+// Crossings: two compute stages that add the sides of shadow volumes to the bins of half planes that they cross
+// (shadow/pencil.wgsl), for `stencil_bound`. Dispatched after `stencil_pencil`, if the caller asks for a bound:
+// `stencil_crossings` for each group of casters, batch of up to 32 lights and view, and after it `piece_crossings` if the only
+// caster is a mesh of polygons; a row of workgroups shares the lists of a light. Where lists overflowed, more is added than
+// crosses: bounds are then larger, never too small. Rows are sums of integers, so the order of invocations does not matter.
+// docs/numerics/receivers.md, "Bound on counts".
 
 #import common/extraction
 #import shadow/caster
@@ -10,6 +11,9 @@
 #import shadow/lists
 #import shadow/pencil
 #import shadow/shadow
+
+// Stage `stencil_crossings`: adds sides, the quads from edges away from the light. Where their lists overflowed, it goes over
+// all edges, with the largest weight that each may have.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
@@ -77,5 +81,49 @@ fn stencil_crossings(
       slot = sides[side_place(bit, select(CLIPPED, PLAIN, is_plain), select(item - plain, item, is_plain))] & ~WINDING;
     }
     cross_slot(by, number, slot, is_listed);
+  }
+}
+
+// Stage `piece_crossings`: adds the sides of pieces of L-twisted polygons (see shadow/lists.wgsl), each with the weight 1.
+// Where a list of pieces overflowed, all of them cross every half plane.
+
+@group(0) @binding(4) var<storage, read> pieces: array<u32>;
+
+fn place_at(word: u32) -> vec3<f32> {
+  return bitcast<vec3<f32>>(vec3<u32>(pieces[word], pieces[word + 1u], pieces[word + 2u]));
+}
+
+// A workgroup takes a share of one light's pieces.
+@compute @workgroup_size(64)
+fn piece_crossings(
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(num_workgroups) groups: vec3<u32>,
+  @builtin(local_invocation_index) thread: u32,
+) {
+  let bit = group.y;
+  let number = draw.first_light + bit;
+  let casts = (choice_part(0u, number / 32u, draw.view, 0u)[CASTS] >> (number % 32u)) & 1u;
+  if (casts == 0u) {
+    return;
+  }
+  let by = pencils[draw.view * shape.lights + number];
+  if (by.kind == AROUND) {
+    let own = world_box(0u);
+    if (axis_meets(by.place, axis_of(by), own.low, own.high)) {
+      return;
+    }
+  }
+  let row = row_of(draw.view, number, 0u);
+  let capacity = piece_capacity();
+  if (pieces[bit] > capacity) {
+    if (group.x == 0u && thread == 0u) {
+      cross_bins(row, 0u, BINS - 1u, pieces[bit]);
+    }
+    return;
+  }
+  // Turns: LISTED_ITEMS.
+  for (var piece = group.x * 64u + thread; piece < pieces[bit]; piece += 64u * groups.x) {
+    let at = PIECE_COUNTS + PIECE_WORDS * (bit * capacity + piece);
+    cross_edge(by, row, place_at(at), place_at(at + 3u), 1u);
   }
 }

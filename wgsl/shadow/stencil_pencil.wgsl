@@ -1,9 +1,9 @@
 // Stencil pencil: a compute stage that finds for each light and view a pencil, half planes that begin at one line through the
 // light (shadow/pencil.wgsl), by which stencil counts are bounded. Dispatched after `shadow_arguments` and only if the caller
-// asks for a bound, one workgroup for each light of a batch and view, which shares all casters. It reads choices and the boxes of
-// casters that cast, and writes the pencil, and into its rows, zeros before, the faces of all casters and of those that the line
-// may meet. `stencil_crossings` and `piece_crossings` go on from it. Tests of boxes have slack: a caster that the line may meet
-// must be found. docs/numerics/receivers.md, "Bound on counts".
+// asks for a bound, one workgroup for each light of a batch and view, which shares all casters. It reads choices and the boxes
+// of casters that cast for the light and view. It writes the pencil, and into its rows, zeros before, how many faces all of
+// these casters have, and those of them that the line may meet. `stencil_crossings` and `piece_crossings` go on from it. Tests
+// of boxes have slack: a caster that the line may meet must be found. docs/numerics/receivers.md, "Bound on counts".
 
 #import common/casters
 #import shadow/caster
@@ -19,9 +19,9 @@
 @group(0) @binding(5) var<storage, read_write> pencils: array<StencilPencil>;
 @group(0) @binding(6) var<storage, read_write> crossings: array<atomic<u32>>; // The rows of the pencils. They are zeros before.
 const THREADS: u32 = 256u;
-// The box of all casters, as integers of the same order: the lowest corner, inverted, and the highest.
+// The box of all casters that cast, as integers of the same order: the lowest corner, inverted, and the highest.
 var<workgroup> corners: array<atomic<u32>, 6>;
-// For each coordinate axis the faces of the casters that it may meet.
+// For each coordinate axis through the light how many faces the casters have that it may meet.
 var<workgroup> met: array<atomic<u32>, 3>;
 
 fn does_cast(caster: u32, light: u32, view: u32) -> bool {

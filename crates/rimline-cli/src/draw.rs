@@ -11,7 +11,7 @@ mod veils;
 use std::borrow::Cow;
 use std::thread::ScopedJoinHandle;
 
-use rimline::gpu::{Extractor, ExtractorOptions, Use};
+use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
 use rimline::mesh::Bounds;
 use rimline::reference::cpu::is_finite;
 use rimline::{Light, Mesh, MeshError, wgpu};
@@ -82,7 +82,7 @@ fn draw(
         let line_pipelines = scope.spawn(|| {
             if scene.mesh.polygons().is_none() {
                 // A refusal of the device is told where the pipeline is needed.
-                let _ = gpu.pipelines.warm_up(&[Use::Extraction(&ExtractorOptions::default())]);
+                let _ = gpu.pipelines.warm_up(&[Use::Extraction(&options())]);
             }
             LinePipelines::new(&factory)
         });
@@ -124,7 +124,7 @@ fn draw(
             let drawn = canvas.model(&mut encoder, model, buffer, (&faces, &normals));
             gpu.queue.submit([encoder.finish()]);
 
-            let mut extractor = Extractor::new(&gpu.pipelines, outlined, ExtractorOptions::default())?;
+            let mut extractor = Extractor::new(&gpu.pipelines, outlined, options())?;
             let mut encoder = commands(gpu, "silhouette");
             let eye = Light::point(camera.eye.into());
             let extraction = extractor.encode(&mut encoder, positions.buffer(), &[eye], None)?;
@@ -141,6 +141,14 @@ fn draw(
         }
         Picture::read(gpu, &texture.map_err(fail)?).map_err(fail)
     })
+}
+
+/// Lines are blended in the order of the list, so that order makes each run draw the same bytes.
+fn options() -> ExtractorOptions {
+    ExtractorOptions {
+        lists: Some(ListOptions { ordered: true, ..ListOptions::default() }),
+        ..ExtractorOptions::default()
+    }
 }
 
 fn commands(gpu: &Gpu, label: &str) -> wgpu::CommandEncoder {

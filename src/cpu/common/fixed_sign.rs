@@ -1,5 +1,5 @@
 //! The sign of `det[b − a, c − a, l − w·a]` in fixed point, for faces and lights whose numbers lie in a window of bits.
-//! The WGSL is `wgsl/common/fixed_sign.wgsl`. This code uses wider integers and so decides more lights.
+//! The WGSL is in `wgsl/common/exact_sign.wgsl`. This code uses wider integers and so decides more lights.
 
 use std::array::from_fn;
 
