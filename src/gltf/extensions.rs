@@ -1,5 +1,7 @@
 //! The extensions that a file may require, and those that it may use without a warning.
 
+use std::collections::BTreeSet;
+
 use super::error::GltfError;
 use super::json::{Json, shorten};
 use super::warning::{GltfWarning, Warnings};
@@ -83,7 +85,11 @@ pub(super) fn check(root: &Json<'_>, warnings: &Warnings<'_>) -> Result<Vec<Stri
         }
     }
     let used = warnings.leave_out(root.strings("extensionsUsed"))?.unwrap_or_default();
-    for &name in &used {
+    // A file ought to list what its nodes have, and may not do so.
+    let nodes = root.elements("nodes").into_iter().flatten().flatten();
+    let of_nodes = nodes.filter_map(|node| node.object("extensions").ok().flatten()).flat_map(|own| own.keys());
+    let unlisted: BTreeSet<&str> = of_nodes.filter(|name| !used.contains(name)).collect();
+    for &name in used.iter().chain(&unlisted) {
         // Where the plain data beside Draco data is missing, the mesh is refused.
         if !is_harmless(name) && name != DRACO {
             warnings.push(GltfWarning::Extension { name: shorten(name) })?;

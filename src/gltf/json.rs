@@ -19,6 +19,7 @@ impl<'a> Json<'a> {
     pub(super) fn new(value: &'a Value, path: String) -> Result<Self, GltfError> {
         match value {
             Value::Object(_) => Ok(Self { object: value, path }),
+            other if path.is_empty() => Err(wrong("the file".to_owned(), "an object", other)),
             other => Err(wrong(path, "an object", other)),
         }
     }

@@ -1,7 +1,8 @@
 // Edge lists of a single mesh, for the stages `edges` and `per_edge`: `edges` reads the facing masks here, which may span up to
 // four bindings. Both write masks of edge records, append silhouettes to the lists of the lights in no particular order, or both.
 // A list that has no room counts on, so that `arguments` and all readers can tell. `edges` has its own text for scenes. An edge
-// record is a directed edge with its one or two faces. Bit 31 of an entry is the winding: the facing bit of face 0.
+// record is a directed edge with its one or two faces. Bit 31 of an entry is the winding: the facing bit of face 0, or
+// where face 0 is twisted, that of face 1 turned to suit face 0.
 
 #import common/extraction
 #import extract/one_caster

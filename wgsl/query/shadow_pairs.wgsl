@@ -1,8 +1,8 @@
-// Decides with `f32` bounds whether a face lies between a point and a light, and finds the polygon of a face. For `shadow_depth`
-// and both entry points of exact_shadow_depth.wgsl. `decide` says BETWEEN or NOT_BETWEEN only where exact arithmetic must agree;
-// callers must settle UNDECIDED faces exactly. The polygon of a face is told by its head, the place of its first triangle. A
-// place is 32 times the cluster plus the face's number in it, and counts from the first cluster that is bound.
-// docs/numerics/query.md.
+// Decides with `f32` bounds whether a face lies between a point and a light, and finds the polygon of a face. For
+// `shadow_depth`, `exact_shadow_depth` and `exact_shadow_depth_recount`. `decide` says BETWEEN or NOT_BETWEEN only where exact
+// arithmetic must agree; callers must settle UNDECIDED faces exactly. The polygon of a face is told by its head, the place of
+// its first triangle. A place is 32 times the cluster plus the face's number in it, and counts from the first cluster that is
+// bound. docs/numerics/query.md.
 
 #import common/determinant
 #import common/positions

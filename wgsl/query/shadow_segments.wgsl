@@ -1,7 +1,8 @@
-// The pairs of point and light of a shadow depth query as segments, and whether a segment misses a box. For `shadow_depth` and
-// both entry points of exact_shadow_depth.wgsl, which share these bindings. A pair's number is the point's number in the dispatch
-// times the lights of the batch, plus the light. `misses` may say false where the segment misses the box, but true only where
-// certainly no face in it lies between: its margins must not shrink. docs/numerics/query.md.
+// The pairs of point and light of a shadow depth query as segments, and whether a segment misses a box. For `shadow_depth`,
+// `exact_shadow_depth` and `exact_shadow_depth_recount`, which share these bindings; `depth_arguments` has `range` and
+// `undecided_pairs` of them. A pair's number is the point's number in the dispatch times the lights of the batch, plus the
+// light. `misses` may say false where the segment misses the box, but true only where certainly no face in it lies between:
+// its margins must not shrink. docs/numerics/query.md.
 
 #import common/determinant
 #import common/extraction

@@ -1,10 +1,10 @@
-// Casters of a scene, for the stages `facing`, `exact_facing`, `edges` and `clusters`: what interface/caster.wgsl tells, but for
-// walks. extract/one_caster.wgsl and common/positions.wgsl have the same functions for a single mesh. The functions tell of the
-// caster that was taken last: call `take_caster` or `face_in_slot` before any other. A caster has its lights one after the other,
-// in the order of their bits in the batch (up to 32 lights): a light's place is its number among them. Only lights that `reach`
-// wrote to `taken` are computed, and bits of all others must stay (`renewed`, `cleared`). For `edges` another array of `reach` is
-// bound as `taken`: `lit`, the lights that matter to each caster. A slot is the index of a face or edge in the masks of the
-// group.
+// Casters of a scene, for the stages `facing`, `exact_facing`, `edges` and `clusters`: what interface/caster.wgsl tells, but
+// for `take_faces` and `take_edges` (scene/walks.wgsl). extract/one_caster.wgsl and common/positions.wgsl have the same
+// functions for a single mesh. The functions tell of the caster that was taken last: call `take_caster` or `face_in_slot`
+// before any other. A caster has its lights one after the other, in the order of their bits in the batch (up to 32 lights): a
+// light's place is its number among them. Only lights that `reach` wrote to `taken` are computed, and bits of all others must
+// stay (`renewed`, `cleared`). For `edges` another array of `reach` is bound as `taken`: `lit`, the lights that matter to each
+// caster. A slot is the index of a face or edge in the masks of the group.
 
 #import common/casters
 #import scene/table

@@ -1,13 +1,14 @@
-// The scene table, which the CPU writes for every frame (src/gpu/scene/table.rs), and what is kept from one frame to the next:
-// where things are, for the stages `reach`, `clusters`, `chunks`, `facing`, `exact_facing` and `edges`. (Stages of shadow
-// volumes read the table by shadow/caster.wgsl.) The table has the casters, then for each batch (up to 32 lights) and caster
-// its lights, then the ranges of the lights and their versions, four words, the cones of the lights, the lights themselves,
-// for each rigid caster in its space, then occluders with the scaled lights in world space and the corners, if there are any,
-// and the casters of all chunks (64 slots of faces or edges of one caster). The first of the four words is the number of the
-// encode. The second is the word of the work lists from which on there is a word for each figure (a caster that may be
-// deformed), 1 if it is not needed; it is 0 where all are needed. The third is the largest coordinate of the origins of
-// cameras, for `reach`. A page has the topology and clusters of several meshes. The layout is that of the Rust; bits are kept
-// only as long as all versions beside them are right.
+// The scene table, which each encode of a scene uploads (src/gpu/scene/table.rs) but for the casters of chunks, written once,
+// and what is kept from one frame to the next: where things are, for the stages `reach`, `clusters`, `chunks`, `facing`,
+// `exact_facing` and `edges`. (Stages of shadow volumes read the table by shadow/caster.wgsl.) The table has the casters, then
+// for each batch (up to 32 lights) and caster its lights, then the ranges of the lights and their versions, four words, the
+// cones of the lights, the lights themselves, for each rigid caster in its space, then occluders with the scaled lights in
+// world space and the corners, if there are any, and the casters of all chunks (64 slots of faces or edges of one caster).
+// Choices of shadow volumes are copied behind them. The first of the four words is the number of the encode. The second is the
+// word of the work lists from which on there is a word for each figure (a caster that may be deformed), 1 if it is not needed;
+// it is 0 where all are needed. The third is the largest coordinate of the origins of cameras, for `reach`. A page has the
+// topology and clusters of several meshes. The layout is that of the Rust; bits are kept only as long as all versions beside
+// them are right.
 
 #import common/casters
 
@@ -122,6 +123,6 @@ fn has_clusters(caster: u32) -> bool {
   return caster_part(caster, 7u).w != NO_CLUSTERS && (caster_part(caster, 4u).w & RIGID) != 0u;
 }
 
-// The word of what is kept where a chunk of faces has two: lights for which all faces of its cluster have the same bit, and
-// those of them that they face. They tell what is in the masks.
+// The word of what is kept where a chunk of faces has two; only those of the first chunk of a cluster are used: lights for which
+// all faces of the cluster have the same bit, and those of them that they face. They tell what is in the masks.
 fn kept_cluster_at(chunk: u32) -> u32 { return group.clusters_at + 2u * chunk; }

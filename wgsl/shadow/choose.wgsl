@@ -1,9 +1,10 @@
 // Choose: a compute stage that chooses for each caster (a mesh that throws shadows), light and view which of its faces cast and
-// how the shadow is counted, from its box alone: nothing if its shadow cannot be seen; z-pass unless a face may lie between light
-// and near rectangle (what the camera sees of the near plane); averted faces (those that do not face the light) where they
-// suffice. Dispatched after `bounds`, an invocation a caster and light, a row of workgroups a view, for all batches of 32 lights
-// together. It reads boxes and the statistics of the extraction, and writes choices (shadow/choices.wgsl), for `caps` and all
-// stages after it, and statistics. All tests have slack, which must stay above their rounding errors: what is skipped casts
+// how the shadow is counted, without a look at its faces: nothing if its shadow cannot be seen; z-pass unless a face may lie
+// between light and near rectangle (what the camera sees of the near plane); averted faces (those that do not face the light)
+// where they suffice. Dispatched after `bounds`, an invocation a caster and light, a row of workgroups a view, for all batches of
+// 32 lights together. It reads boxes and flags of casters and what shadows may fall on; for a single caster the statistics of the
+// extraction, in a scene `lit` and FRESH. It writes choices (shadow/choices.wgsl), for `zp_plus_2005_cases`, `caps` and all
+// stages after them, and statistics. All tests have slack, which must stay above their rounding errors: what is skipped casts
 // nothing that is seen, and where a test leaves it open, every face casts, or near caps are looked for.
 // docs/numerics/casting-faces.md, "Which faces cast", docs/numerics/shadow-volumes.md, "Volumes that end", and
 // docs/numerics/receivers.md, "Volumes without a receiver".
@@ -19,7 +20,8 @@
 @group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
 // The words of `ExtractionStatistics`: 3 is how many pairs of face and light have the light in the face's plane, 4 has bits of
-// the lights (modulo 32) for which a polygon is L-twisted: its outline crosses itself as seen from light L.
+// the lights (modulo 32) for which a polygon is L-twisted: its outline crosses itself as seen from light L. In a scene, constants
+// are bound instead, since facing is not waited for: a light may be in the plane of a face, and no polygon is twisted.
 @group(0) @binding(4) var<storage, read> extraction_statistics: array<u32, 5>;
 @group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>; // Choices of all casters, then measures.
 @group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;
@@ -127,7 +129,7 @@ fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec
   return light;
 }
 
-// Counts the choices of an earlier encode, which stay.
+// Counts the choices of an earlier encode, which stay. `ended` has here also volumes that end only behind all receivers.
 fn count_kept(at: u32, bit: u32, measures: u32) {
   if ((atomicLoad(&choices[at + CASTS]) & bit) == 0u) {
     atomicAdd(&shadow_statistics.skipped, 1u);

@@ -145,9 +145,10 @@ fn foreign(start: &[u8], length: u64) -> Option<Foreign> {
     if is_utf16(start) {
         return of("text in UTF-16 or UTF-32", "save it as UTF-8, or by `iconv -f UTF-16 -t UTF-8 IN > OUT`");
     }
-    // A binary STL is a header of 80 bytes, a count, and 50 bytes a triangle.
+    // A binary STL is a header of 80 bytes, a count, and 50 bytes a triangle. Some tools write a little behind them.
     let count = start.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
-    if count.is_some_and(|count| count > 0 && length == 84 + 50 * u64::from(count)) {
+    let fits = |count: u32| (0..=512).contains(&length.wrapping_sub(84 + 50 * u64::from(count)));
+    if count.is_some_and(|count| count > 0 && fits(count)) {
         return of("an STL file", SURFACE);
     }
     // A chunk that is as long as the file.

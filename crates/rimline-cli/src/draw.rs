@@ -104,7 +104,8 @@ fn draw(
         let mut faces: Vec<[u32; 3]> = scene.mesh.faces().iter().filter(is_drawn).copied().collect();
         let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
         let failed = Failure::input(&posed.input.file);
-        let bounds = Bounds::of(corners()).ok_or_else(|| failed(InputError::NoFiniteFace))?;
+        let none = if scene.mesh.faces().is_empty() { InputError::NoArea } else { InputError::NoFiniteFace };
+        let bounds = Bounds::of(corners()).ok_or_else(|| failed(none))?;
         check_bounds(&bounds).map_err(&failed)?;
         let view = args.view.relative_to(posed.input.origin);
         let camera =

@@ -116,6 +116,13 @@ pub(crate) enum InputError {
     Depths { points: usize, lights: usize },
     #[error("no face has finite positions at all of its corners, so there is nothing to draw")]
     NoFiniteFace,
+    #[error("its polygons have no area, so there is nothing to draw")]
+    NoArea,
+    #[error(
+        "its scene has no triangles; nothing is placed in it, or all of that is hidden or lines and points (`rimline info` \
+         lists it)"
+    )]
+    EmptyScene,
     #[error("the model is larger than 32-bit numbers can say, so no camera can see it; scale it down")]
     Boundless,
     #[error("the folder contains no .npz file, so there is nothing to check; `rimline verify --make` writes some")]
@@ -139,7 +146,7 @@ pub(crate) enum UsageError {
     NoFileLights,
     #[error("{}: {error}", .file.display())]
     Together { file: PathBuf, error: rimline::gltf::AnimationError },
-    #[error("the file has no light `{wanted}`; it has {there}")]
+    #[error("the scene of the file has no light `{wanted}`; it has {there}")]
     FileLight { wanted: String, there: String },
     #[error(transparent)]
     Lights(LightError),

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 
 use crate::args::InfoArgs;
 use crate::coordinates::{add_origin, origin_text};
-use crate::failure::Failure;
+use crate::failure::{Failure, InputError};
 use crate::input::{Input, Shape, Source};
 use crate::load_args::TakenPolygons;
 use crate::origin;
@@ -56,17 +56,24 @@ impl Report {
             .map(|(index, geometry)| MeshReport::of_geometry(geometry, input.weld_counts(index), own))
             .collect::<Result<Vec<_>, _>>()
             .map_err(|error| Failure::input(&input.file)(error.into()))?;
-        let scene = input.scene(&[], 0.0, false)?;
-        let positions = match &scene.shape {
+        let total = MeshReport::total(&meshes);
+        let shape = input.shape(&[], 0.0, false)?;
+        let mesh = match input.mesh(&shape) {
+            Err(Failure::Input { source: InputError::EmptyScene, .. }) => {
+                return Ok(Self { meshes, total, placed: MeshReport::default(), polygons: None });
+            }
+            mesh => mesh?,
+        };
+        let positions = match &shape {
             Shape::World(positions) => Cow::Borrowed(*positions),
             Shape::Posed { model, pose } => Cow::Owned(cpu::deform(model, pose, 0.0, None, Threads::all())?),
         };
-        let placed = MeshReport::of_mesh(&scene.mesh, &positions, input.origin);
+        let placed = MeshReport::of_mesh(&mesh, &positions, input.origin);
         let polygons = match input.described() {
             Some(given) => PolygonReport::of_mesh(&given.mesh, &given.positions, lights),
-            None => PolygonReport::of_mesh(&scene.mesh, &positions, lights),
+            None => PolygonReport::of_mesh(&mesh, &positions, lights),
         };
-        Ok(Self { total: MeshReport::total(&meshes), meshes, placed, polygons })
+        Ok(Self { meshes, total, placed, polygons })
     }
 
     /// Keys are stable: they are only ever added to.

@@ -8,7 +8,8 @@ use rimline::gltf::{AnimationError, Asset, GltfError, GltfWarning, LoadOptions, 
 use rimline::mesh::{Weld, WeldCounts, WeldDistance};
 use rimline::reference::light::check_lights;
 use rimline::{
-    Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, Mesh, Model, ModelError, Origin, Pose,
+    Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, Mesh, MeshError, Model, ModelError, Origin,
+    Pose, PosedMeshError,
 };
 
 use crate::begins::{Begins, begins};
@@ -215,10 +216,22 @@ impl Input {
             return Ok(Mesh::clone(mesh));
         }
         let mesh = match shape {
-            Shape::Posed { model, pose } => model.mesh(pose).map_err(InputError::from),
+            Shape::Posed { model, pose } => model.mesh(pose).map_err(|error| match error {
+                PosedMeshError::Mesh(error) => self.no_mesh(error),
+                error => error.into(),
+            }),
             Shape::World(_) => resting().map_err(InputError::from).and_then(|pose| Ok(self.model().mesh(&pose)?)),
         };
         mesh.map_err(Failure::input(&self.file))
+    }
+
+    /// Why there is no mesh, in words for the whole file.
+    pub(crate) fn no_mesh(&self, error: MeshError) -> InputError {
+        match (&self.source, error) {
+            (Source::Gltf(_), MeshError::NoFaces) => InputError::EmptyScene,
+            (Source::World { polygons: Some(_), .. }, MeshError::NoFaces) => InputError::NoArea,
+            (_, error) => error.into(),
+        }
     }
 
     /// The lights asked for, in the order asked for, fit for an extraction.

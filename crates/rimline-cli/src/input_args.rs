@@ -35,7 +35,8 @@ pub(crate) struct PolygonArgs {
     /// eye, and its diagonals are no edges. By default polygons are cut into triangles, and what is drawn is what is decided.
     /// Pictures show triangles in any case. With this option these pixels may not fit a polygon that is not planar: its own,
     /// those of what is within its hull, and those from which an even number of its triangles hide the light: they are lit.
-    /// An .npz with `polygon_loops` is always taken so
+    /// Where more than 255 of their faces lie over each other, shadows may be wrong, and a warning says so. An .npz with
+    /// `polygon_loops` is always taken so
     #[arg(long = "polygons")]
     whole: bool,
 }

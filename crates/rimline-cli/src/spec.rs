@@ -70,7 +70,7 @@ pub(crate) enum SpecError {
     NoPixels,
     #[error("a picture has at most {limit} pixels each way, not {given}")]
     Pixels { given: u32, limit: u32 },
-    #[error("it is {0:e}, and a distance above 0 is needed, 1e30 at most; without a distance leave the option out")]
+    #[error("it is {0}, and a distance above 0 is needed, 1e30 at most; without a distance leave the option out")]
     Lift(f64),
     #[error("it is {given}, and may be {least} to {most}")]
     Range { given: f32, least: f32, most: f32 },

@@ -73,6 +73,9 @@ impl Text {
         self.line("parts", diagnostics.components);
         match report.why_open() {
             None if report.faces == 0 => self.line("closed", "nothing to close: no faces"),
+            None if report.faces == diagnostics.degenerate_faces => {
+                self.line("closed", "nothing to close: no face has an area");
+            }
             None => self.line("closed", "yes"),
             Some(why) => self.line("closed", format!("no: {why}")),
         }

@@ -171,7 +171,8 @@ fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) 
         shape: "(V, 3)",
         limit: u64::from(u32::MAX) - 1,
         row_bytes: 0,
-        wanted: "float32 is needed (NumPy: `positions.astype('f4')`)",
+        wanted: "float32 is needed (NumPy: `positions.astype('f4')`; \
+                 of large coordinates take off a point near the model first, and give that as `origin`)",
         accepts: is_float,
     };
     let faces = Entry {

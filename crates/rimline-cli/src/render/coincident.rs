@@ -1,5 +1,8 @@
-//! Faces that coincide with a face of the opposite direction. Rasterisers give the two depths that differ in their last bits,
-//! so which of them is nearer changes from pixel to pixel. The one towards the eye is to be seen in any case.
+//! Faces that coincide with faces of the opposite direction: one with the same corners, or flat patches with one outline that are
+//! cut into triangles along other diagonals. Rasterisers give the two depths that differ in their last bits, so which of them is
+//! nearer changes from pixel to pixel. The one towards the eye is to be seen in any case.
+
+mod patches;
 
 use std::collections::HashMap;
 
@@ -16,15 +19,33 @@ pub(crate) fn corners<'a>(
     faces.iter().map(|face| face.map(|v| positions[v as usize]))
 }
 
-/// Faces of which another one with the same corners runs the other way around.
+/// Faces of which others in the same place run the other way around.
 pub(crate) struct Coincident {
-    /// For each face the first one with its corners of either direction, where both are there.
-    firsts: Vec<Option<[u32; 2]>>,
+    /// For each face that coincides with a turned one, that one.
+    turned: Vec<Option<u32>>,
+    /// Faces in whose place, in either direction, another one was before.
+    later: Vec<bool>,
 }
 
 impl Coincident {
     /// `None` if no face coincides with a turned one.
     pub(crate) fn of(faces: impl Iterator<Item = Corners> + Clone) -> Option<Self> {
+        let count = faces.clone().count();
+        let mut found = Self::by_corners(faces.clone());
+        for [first, second] in patches::turned(faces) {
+            let own = found.get_or_insert_with(|| Self { turned: vec![None; count], later: vec![false; count] });
+            for (of, others, is_later) in [(&first, &second, false), (&second, &first, true)] {
+                for (at, &face) in of.iter().enumerate() {
+                    own.turned[face as usize] = Some(others[at % others.len()]);
+                    own.later[face as usize] = is_later;
+                }
+            }
+        }
+        found
+    }
+
+    /// Faces with the same corners.
+    fn by_corners(faces: impl Iterator<Item = Corners> + Clone) -> Option<Self> {
         // Most faces are alone at their bit, and need no closer look.
         let bits = (8 * faces.clone().count()).next_power_of_two().max(64);
         let (mut once, mut twice) = (vec![0_u64; bits / 64], vec![0_u64; bits / 64]);
@@ -49,23 +70,26 @@ impl Coincident {
         if by_corners.is_empty() {
             return None;
         }
-        let firsts = |face: Corners| match by_corners.get(&sorted(face).0) {
-            Some(&[Some(even), Some(odd)]) => Some([even, odd]),
-            _ => None,
-        };
-        Some(Self { firsts: faces.map(firsts).collect() })
+        let (mut turned, mut later) = (Vec::new(), Vec::new());
+        for (number, face) in (0..).zip(faces) {
+            let (corners, is_odd) = sorted(face);
+            let firsts = by_corners.get(&corners).map(|firsts| firsts.map(|first| first.unwrap_or(number)));
+            turned.push(firsts.map(|firsts| firsts[usize::from(!is_odd)]));
+            later.push(firsts.is_some_and(|[even, odd]| even.min(odd) != number));
+        }
+        Some(Self { turned, later })
     }
 
-    /// Whether a face is the first with its corners, or coincides with no turned one.
+    /// Whether a face is the first in its place, or coincides with no turned one.
     pub(crate) fn is_first(&self, number: usize) -> bool {
-        self.firsts.get(number).copied().flatten().is_none_or(|[even, odd]| even.min(odd) as usize == number)
+        !self.later.get(number).is_some_and(|&later| later)
     }
 
     /// The face that is seen in the place of this one: the turned one if that is towards the eye and this is not.
     pub(crate) fn seen_instead(&self, number: usize, face: Corners, eye: Vec3) -> Option<usize> {
-        let firsts = self.firsts.get(number).copied().flatten()?;
+        let turned = self.turned.get(number).copied().flatten()?;
         let (corners, is_odd) = sorted(face);
-        is_averted(corners, is_odd, eye).then(|| firsts[usize::from(!is_odd)] as usize)
+        is_averted(corners, is_odd, eye).then_some(turned as usize)
     }
 }
 
@@ -124,6 +148,30 @@ mod tests {
         assert_eq!(instead(&faces, [5.0, 5.0, 0.0]), Some(vec![None; 4]), "in the plane");
         let found = Coincident::of(corners(&POSITIONS, &faces)).expect("two coincide");
         assert_eq!([0, 1, 2, 3].map(|number| found.is_first(number)), [true, false, true, false]);
+    }
+
+    #[test]
+    fn a_square_and_its_back_along_the_other_diagonal_coincide() {
+        let square =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 2.0, 1.0], [0.0, 1.0, 0.001]];
+        let seen = |faces: &[[u32; 3]], eye: [f32; 3]| {
+            let all = || corners(&square, faces);
+            let found = Coincident::of(all())?;
+            let instead: Vec<bool> = all()
+                .enumerate()
+                .map(|(number, face)| found.seen_instead(number, face, eye.into()).is_some())
+                .collect();
+            Some((instead, (0..faces.len()).map(|number| found.is_first(number)).collect::<Vec<_>>()))
+        };
+        // A face at an edge of it, the front, and the back, cut from 1 to 3.
+        let faces = [[2, 3, 4], [0, 1, 2], [0, 2, 3], [3, 1, 0], [3, 2, 1]];
+        let front = vec![true, true, true, false, false];
+        let (above, below) = ([0.3, 0.4, 5.0], [0.3, 0.4, -5.0]);
+        assert_eq!(seen(&faces, above), Some((vec![false, false, false, true, true], front.clone())));
+        assert_eq!(seen(&faces, below), Some((vec![false, true, true, false, false], front)));
+        // It is not flat, and only a part of it has a back.
+        assert_eq!(seen(&[[0, 1, 2], [0, 2, 5], [5, 1, 0], [5, 2, 1]], above), None);
+        assert_eq!(seen(&[[0, 1, 2], [0, 2, 3], [3, 1, 0]], above), None);
     }
 
     #[test]

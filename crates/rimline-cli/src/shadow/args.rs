@@ -23,7 +23,8 @@ pub(crate) enum CountingArg {
     /// z-pass with near caps, which Rimline clips itself
     #[value(name = "zp+")]
     ZpPlus,
-    /// ZP+ as published in 2005, with its corrective quads and its switch to z-fail. For comparison
+    /// ZP+ as published in 2005, with its corrective quads and its switch to z-fail. For comparison. Where more than 255
+    /// faces lie over each other, it may be wrong, and a warning says so
     #[value(name = "zp+paper")]
     ZpPlus2005,
     /// Count the hidden faces of shadow volumes, with light and dark caps

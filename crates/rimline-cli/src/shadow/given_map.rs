@@ -55,7 +55,10 @@ impl GivenMap {
         };
         let cameras: Vec<ShadowCamera> = view_projections.iter().map(camera).collect();
         for (map, camera) in cameras.iter().enumerate() {
-            camera.check().map_err(|error| GivenMapError::Camera { map, error })?;
+            camera.check().map_err(|error| match error {
+                CameraError::Mirrored => GivenMapError::Mirrored { map },
+                error => GivenMapError::Camera { map, error },
+            })?;
         }
         let cameras = match (<[ShadowCamera; 6]>::try_from(cameras.as_slice()), &cameras[..]) {
             (Ok(_), _) if size[0] != size[1] => return Err(GivenMapError::NotSquare(size)),

@@ -11,6 +11,11 @@ pub(crate) enum GivenMapError {
          `reversed` says"
     )]
     Camera { map: usize, error: CameraError },
+    #[error(
+        "`view_projection` of map {map} makes a mirror image; change the sign of its row of x or of y, whichever runs the wrong \
+         way (clip space has x to the right and y up), and turn the rows of `depth` to match"
+    )]
+    Mirrored { map: usize },
     #[error("six maps are square, and these have {}×{} texels", .0[0], .0[1])]
     NotSquare([u32; 2]),
     #[error("`objects` go with one map, not with six; take another detector")]

@@ -43,7 +43,7 @@ impl<'a> PosedModel<'a> {
     ) -> Result<Self, Failure> {
         let displaced = displacement.is_some();
         let shape = input.shape(animations, time_s, displaced)?;
-        let failed = |error: MeshError| Failure::input(&input.file)(error.into());
+        let failed = |error: MeshError| Failure::input(&input.file)(input.no_mesh(error));
         check_faces(input.model().placed_geometries()).map_err(failed)?;
         let positions = Positions::new(gpu, &shape, displacement).map_err(|error| error.on(gpu))?;
         let (topologies, faces, world) = (Vec::new(), Vec::new(), Vec::new());

@@ -7,7 +7,7 @@ use rimline::Light;
 use super::deepest::deepest;
 
 /// Batches that may be tried.
-const MOST_BATCHES: usize = 64;
+const MOST_BATCHES: usize = 1024;
 
 /// The faces of each batch, by index: each light meets at most `most` of a batch. Returns `None` if `MOST_BATCHES`
 /// batches are not enough. Connected faces stay together where they can, so that closed bodies stay closed.
@@ -78,6 +78,16 @@ fn root(parents: &mut [u32], mut vertex: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn random_faces_take_as_many_batches_as_they_need() {
+        // 16,000 triangles over each other, of which a batch holds 127 at most.
+        let positions: Vec<[f32; 3]> =
+            (0..16_000).flat_map(|y| [[0.0, y as f32, 0.0], [0.0, y as f32, 4.0], [4.0, y as f32, 0.0]]).collect();
+        let faces: Vec<[u32; 3]> = (0..16_000).map(|face: u32| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+        let found = batches(&[Light::directional([0.0, 1.0, 0.0])], &positions, &faces, 127).expect("enough batches");
+        assert_eq!((found.len(), found.concat().len()), (128, 16_000));
+    }
 
     #[test]
     fn what_hangs_together_stays_together_and_deep_pieces_are_cut() {

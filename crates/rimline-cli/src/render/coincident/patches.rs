@@ -1,0 +1,149 @@
+//! Flat patches of faces whose outlines run around the same region in opposite directions.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+use super::Corners;
+
+/// Faces of a mesh that are looked at. The edges of more would take longer than the picture.
+const MOST_FACES: usize = 1 << 20;
+
+/// Faces at one side that are looked at: more are no surface.
+const MOST_MEETING: usize = 16;
+
+/// How far a corner may be off the plane of a face for a flat patch, in parts of the face's size; and of its distance from the
+/// origin, whose rounding it has.
+const FLAT: f64 = 1e-6;
+const ROUNDED: f64 = 3e-7;
+
+/// The bits of a position, where −0 is 0.
+type Place = [u32; 3];
+
+/// A side of a face, which it walks from one place to the other.
+struct Side {
+    places: [Place; 2],
+    face: u32,
+    /// The corner opposite.
+    third: [f32; 3],
+}
+
+/// The faces of either direction, in patches that lie in the same place, the earlier patch first.
+pub(super) fn turned(faces: impl Iterator<Item = Corners>) -> Vec<[Vec<u32>; 2]> {
+    let faces: Vec<Corners> = faces.take(MOST_FACES + 1).collect();
+    if faces.len() > MOST_FACES {
+        return Vec::new();
+    }
+    let mut sides: Vec<Side> = (0..).zip(&faces).flat_map(|(number, &face)| sides_of(number, face)).collect();
+    sides.sort_unstable_by_key(|side| undirected(side.places));
+    let mut patches = Joined((0..faces.len() as u32).collect());
+    // Whether a side is inside of a patch, and whether the surface folds back onto itself there.
+    let (mut is_inner, mut folds) = (vec![false; sides.len()], false);
+    let mut first = 0;
+    for run in sides.chunk_by(|a, b| undirected(a.places) == undirected(b.places)) {
+        let meeting = if run.len() > MOST_MEETING { &[] } else { run };
+        for (i, one) in meeting.iter().enumerate() {
+            for (j, other) in meeting.iter().enumerate().skip(i + 1).filter(|(_, other)| other.places != one.places) {
+                match fold(faces[one.face as usize], faces[other.face as usize], other.third) {
+                    Fold::None => {}
+                    Fold::Flat => {
+                        patches.join(one.face, other.face);
+                        is_inner[first + i] = true;
+                        is_inner[first + j] = true;
+                    }
+                    Fold::Back => folds = true,
+                }
+            }
+        }
+        first += run.len();
+    }
+    if folds { with_one_outline(&faces, &mut patches, sides.iter().zip(is_inner)) } else { Vec::new() }
+}
+
+/// Patches of several faces, one of each two whose outlines are the same but for the direction.
+fn with_one_outline<'a>(
+    faces: &[Corners],
+    patches: &mut Joined,
+    sides: impl Iterator<Item = (&'a Side, bool)>,
+) -> Vec<[Vec<u32>; 2]> {
+    let mut members: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for face in 0..faces.len() as u32 {
+        members.entry(patches.root(face)).or_default().push(face);
+    }
+    let mut outlines: BTreeMap<u32, Vec<[Place; 2]>> = BTreeMap::new();
+    for (side, _) in sides.filter(|&(_, is_inner)| !is_inner) {
+        outlines.entry(patches.root(side.face)).or_default().push(side.places);
+    }
+    for outline in outlines.values_mut() {
+        outline.sort_unstable();
+    }
+    let by_outline: BTreeMap<&[[Place; 2]], u32> =
+        outlines.iter().map(|(&root, outline)| (outline.as_slice(), root)).collect();
+    let mut found = Vec::new();
+    for (&root, outline) in &outlines {
+        let mut turned: Vec<[Place; 2]> = outline.iter().map(|&[a, b]| [b, a]).collect();
+        turned.sort_unstable();
+        let other = by_outline.get(turned.as_slice()).copied();
+        let both = other.filter(|&other| root < other).and_then(|other| Some([&members[&root], members.get(&other)?]));
+        if let Some(both) = both.filter(|both| both.iter().any(|faces| faces.len() > 1)) {
+            found.push(both.map(Clone::clone));
+        }
+    }
+    found
+}
+
+fn sides_of(face: u32, corners: Corners) -> [Side; 3] {
+    let place = |at: usize| corners[at].map(|c| (c + 0.0).to_bits());
+    [0, 1, 2].map(|at| Side { places: [place(at), place((at + 1) % 3)], face, third: corners[(at + 2) % 3] })
+}
+
+fn undirected([a, b]: [Place; 2]) -> [Place; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// How two faces meet at a side that they walk in opposite directions.
+enum Fold {
+    /// At an angle.
+    None,
+    /// In one plane.
+    Flat,
+    /// In one plane, the one lying on the other.
+    Back,
+}
+
+/// `third` is the corner of the second face that the first does not have.
+fn fold(first: Corners, second: Corners, third: [f32; 3]) -> Fold {
+    let [a, b, c] = first.map(|corner| DVec3::from(corner.map(f64::from)));
+    let third = DVec3::from(third.map(f64::from));
+    let normal = (b - a).cross(c - a);
+    let size = (b - a).abs().max((c - a).abs()).max((third - a).abs()).max_element();
+    let rounding = FLAT * size + ROUNDED * a.abs().max(third.abs()).max_element();
+    let [p, q, r] = second.map(|corner| DVec3::from(corner.map(f64::from)));
+    let along = normal.dot((q - p).cross(r - p));
+    if along == 0.0 || !along.is_finite() || normal.dot(third - a).abs() > rounding * normal.length() {
+        Fold::None
+    } else if along > 0.0 {
+        Fold::Flat
+    } else {
+        Fold::Back
+    }
+}
+
+/// Sets of faces, each with the lowest as its root.
+struct Joined(Vec<u32>);
+
+impl Joined {
+    fn root(&mut self, mut face: u32) -> u32 {
+        while self.0[face as usize] != face {
+            let next = self.0[self.0[face as usize] as usize];
+            self.0[face as usize] = next;
+            face = next;
+        }
+        face
+    }
+
+    fn join(&mut self, one: u32, other: u32) {
+        let [one, other] = [one, other].map(|face| self.root(face));
+        self.0[one.max(other) as usize] = one.min(other);
+    }
+}
