@@ -27,16 +27,10 @@ struct Item {
     name: &'static str,
     /// The names that it uses.
     uses: Vec<&'static str>,
-    entry: Option<Entry>,
+    /// `compute`, `vertex` or `fragment` of an entry point.
+    entry: Option<&'static str>,
     /// A constant that a pipeline may set.
     is_override: bool,
-}
-
-/// A kind of entry point.
-#[derive(Clone, Copy, PartialEq)]
-enum Entry {
-    Compute,
-    Drawn,
 }
 
 /// A module of a file: the compute entry points of it that are named, all entry points of it for draws, all constants that a
@@ -56,15 +50,10 @@ pub(crate) fn compose(
             return Err(format!("wgsl/{}.wgsl: {} is declared in {} too", item.file, item.name, other.file));
         }
     }
-    let named = words(further).into_iter().filter_map(|word| places.get(word.text).copied());
-    let mut left: Vec<usize> = named.collect();
-    let is_own = |item: &Item| match item.entry {
-        Some(Entry::Compute) => item.file == file && entry_points.contains(&item.name),
-        Some(Entry::Drawn) => item.file == file,
-        None => false,
-    };
-    let is_root = |item: &Item| item.is_override || is_own(item);
-    left.extend((0..).zip(&items).filter(|(_, item)| is_root(item)).map(|(place, _)| place));
+    let mut left: Vec<usize> = words(further).iter().filter_map(|word| places.get(word.text).copied()).collect();
+    let is_own = |entry: &str, item: &Item| entry != "compute" || entry_points.contains(&item.name);
+    let is_entry = |item: &Item| item.file == file && item.entry.is_some_and(|entry| is_own(entry, item));
+    left.extend((0..).zip(&items).filter(|(_, item)| item.is_override || is_entry(item)).map(|(place, _)| place));
     let mut is_reached = vec![false; items.len()];
     while let Some(place) = left.pop() {
         let (Some(reached), Some(item)) = (is_reached.get_mut(place), items.get(place)) else { continue };
@@ -154,8 +143,7 @@ fn read_code(item: &mut Item, code: &'static str) {
     while let Some(Word { text, before, after }) = words.next() {
         match text {
             "builtin" if before == '@' => _ = words.next(),
-            "compute" if before == '@' && item.name.is_empty() => item.entry = Some(Entry::Compute),
-            "vertex" | "fragment" if before == '@' && item.name.is_empty() => item.entry = Some(Entry::Drawn),
+            "compute" | "vertex" | "fragment" if before == '@' && item.name.is_empty() => item.entry = Some(text),
             "fn" | "struct" | "const" | "override" | "alias" | "var" if item.name.is_empty() => {
                 // The words of `var<storage, read_write>` are in angle brackets.
                 while words.peek().is_some_and(|next| text == "var" && matches!(next.before, '<' | ',')) {
