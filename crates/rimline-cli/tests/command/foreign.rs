@@ -49,6 +49,7 @@ fn others() -> Vec<(Vec<u8>, &'static str, &'static str)> {
         (zip(&["model.usdc", "0/texture.png"]), "a USDZ file", "Blender"),
         (zip(&["model/fox.glb"]), "a ZIP archive with a model in it", "unpack"),
         (binary_stl(2), "an STL file", "trimesh"),
+        ([binary_stl(12), vec![0; 2]].concat(), "an STL file", "trimesh"),
         (text(STL), "an STL file", "trimesh"),
         (text(PLY), "a PLY file", "trimesh"),
         (text(&PLY.replace('\n', "\r\n")), "a PLY file", "trimesh"),

@@ -119,7 +119,12 @@ fn projections() -> Outcome {
     let nowhere = array("origin", "<f4", "False", "(3,)", &nowhere);
     refused(&folder, &with(&map, nowhere), "", &[name, "not finite"])?;
     // A y that points down, as Vulkan has it, and a near plane that is next to the light.
-    refused(&folder, &changed(&|matrix| matrix[4..8].iter_mut().for_each(|c| *c = -*c)), "", &[name, "mirror"])?;
+    refused(
+        &folder,
+        &changed(&|matrix| matrix[4..8].iter_mut().for_each(|c| *c = -*c)),
+        "",
+        &[name, "mirror", "row of x or of y"],
+    )?;
     refused(&folder, &changed(&|matrix| matrix.iter_mut().for_each(|c| *c *= 1e-36)), "", &[name, "normal range"])?;
     // The matrix is that of reversed depth.
     let standard = array("reversed", "|b1", "False", "()", &[0]);

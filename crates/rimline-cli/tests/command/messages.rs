@@ -14,6 +14,9 @@ pub(crate) const TESTS: &[Test] = &[
     ("messages::a_variable_that_hides_all_devices_is_named", hidden),
     ("messages::finite_vertices_without_a_face_are_not_denied", no_face),
     ("messages::negative_numbers_are_values", negative_values),
+    ("messages::scenes_without_triangles_are_described_and_not_drawn", empty_scene),
+    ("messages::extensions_that_only_a_node_names_are_warned_of", unlisted_extension),
+    ("messages::faces_that_all_collapse_close_nothing", collapsed),
     ("messages::a_report_replaces_nothing_but_a_report", report),
     ("messages::a_folder_has_one_film_at_a_time", films),
     #[cfg(target_os = "linux")]
@@ -94,6 +97,56 @@ fn no_face() -> Outcome {
         run.expect(1, &["nan.npz", "no face has finite positions"])?;
         ensure!(!run.stderr.contains("no vertex"), "{}", run.stderr);
     }
+    Ok(())
+}
+
+/// Writes a glTF of this text, and runs commands on it.
+fn of_gltf(text: &str, lines: &[(&str, i32, &[&str])]) -> Outcome {
+    let folder = super::run::folder();
+    std::fs::write(folder.path().join("a.gltf"), text).map_err(self::text)?;
+    for (line, code, words) in lines {
+        run(folder.path(), line).expect(*code, words).map_err(|error| format!("{line}: {error}"))?;
+    }
+    Ok(())
+}
+
+fn empty_scene() -> Outcome {
+    let drawn: &[&str] = &["a.gltf", "its scene has no triangles", "info"];
+    let text = r#"{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"name": "nothing"}]}"#;
+    of_gltf(
+        text,
+        &[
+            ("info @a.gltf", 0, &[]),
+            ("info @a.gltf --json", 0, &[]),
+            ("draw @a.gltf --size 16x16 --out @a.png", 1, drawn),
+            ("shadow @a.gltf --size 16x16 --out @a.png", 1, drawn),
+            ("extract @a.gltf --light dir:0,1,0 --device cpu --out @a.npz", 1, drawn),
+        ],
+    )?;
+    of_gltf("[]", &[("info @a.gltf", 1, &["a.gltf: the file: expected an object"])])
+}
+
+fn unlisted_extension() -> Outcome {
+    let text = |extension: &str| {
+        format!(
+            r#"{{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0]}}], "nodes": [{{"extensions": {{"{extension}": {{}}}}}}]}}"#
+        )
+    };
+    of_gltf(&text("ACME_bend"), &[("info @a.gltf", 0, &["ACME_bend"])])?;
+    // Negative control.
+    let folder = super::run::folder();
+    std::fs::write(folder.path().join("a.gltf"), text("KHR_node_hoverability")).map_err(self::text)?;
+    let run = run(folder.path(), "info @a.gltf");
+    ensure!(!run.stderr.contains("warning"), "{}", run.stderr);
+    Ok(())
+}
+
+fn collapsed() -> Outcome {
+    let folder = super::run::folder();
+    std::fs::write(folder.path().join("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").map_err(text)?;
+    let run = run(folder.path(), "info @a.obj --weld-distance 2");
+    run.expect(0, &[])?;
+    ensure!(run.stdout.contains("nothing to close: no face has an area"), "{}", run.stdout);
     Ok(())
 }
 

@@ -19,6 +19,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("polygon_surface::both_sides_of_a_polygon_have_the_same_triangles", both_sides),
     ("polygon_surface::polygons_without_a_surface_are_a_model", without_surface),
     ("polygon_surface::coincident_faces_look_like_one", coincident),
+    ("polygon_surface::flat_faces_with_other_diagonals_behind_them_look_like_one", other_diagonals),
     ("polygon_surface::a_sheet_of_two_sides_has_no_lines_between_them", sheet),
     ("polygon_surface::outlines_of_many_corners_take_no_time", many_corners),
 ];
@@ -257,6 +258,36 @@ fn coincident() -> Outcome {
             let count = apart([&single?.bytes, &double?.bytes], 1, 0)?;
             ensure!(count <= 6, "{command}: {count} pixels of the mask differ");
         }
+    }
+    Ok(())
+}
+
+/// A cube of flat sides, and the same with each side a second time, turned over and cut along the other diagonal.
+fn other_diagonals() -> Outcome {
+    let folder = folder();
+    let mut single = String::new();
+    for corner in 0..8 {
+        let [x, y, z] = [corner & 1, corner >> 1 & 1, corner >> 2].map(|side| 2.0 * f64::from(side) - 0.9);
+        let _ = writeln!(single, "v {x:.3} {y:.3} {z:.3}");
+    }
+    let mut double = single.clone();
+    for [a, b, c, d] in [[1, 5, 7, 3], [2, 4, 8, 6], [1, 2, 6, 5], [3, 7, 8, 4], [1, 3, 4, 2], [5, 6, 8, 7]] {
+        let front = format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+        single.push_str(&front);
+        let _ = writeln!(double, "{front}f {d} {b} {a}\nf {d} {c} {b}");
+    }
+    for (name, text) in [("single", &single), ("double", &double)] {
+        std::fs::write(folder.path().join(format!("{name}.obj")), text).map_err(|error| error.to_string())?;
+        for command in ["draw", "shadow --light point:3,5,4 --method z-fail"] {
+            let kind = if command == "draw" { "draw" } else { "shadow" };
+            let line = format!("{command} @{name}.obj --eye 4,3,5 --size 200x150 --out @{name}.{kind}.png");
+            run(folder.path(), &line).expect(0, &[])?;
+        }
+    }
+    for kind in ["draw", "shadow"] {
+        let [one, both] = ["single", "double"].map(|name| png(&folder.path().join(format!("{name}.{kind}.png"))));
+        let count = apart([one?.pixels.as_flattened(), both?.pixels.as_flattened()], 3, 24)?;
+        ensure!(count == 0, "{kind}: {count} pixels differ");
     }
     Ok(())
 }
