@@ -406,6 +406,12 @@ fn listed_boundary(mesh: &Mesh, lists: &[Vec<u32>; 2]) -> Sums {
     sums.into_iter().filter(|(_, sum)| *sum != 0).collect()
 }
 
+fn by_edge(list: &[u32]) -> Vec<u32> {
+    let mut list = list.to_vec();
+    list.sort_by_key(|entry| entry & !cpu::WINDING);
+    list
+}
+
 /// With lists that fit and overflow, silhouettes that are listed and not, and faces excluded at random: the sides of each edge
 /// record are those that its faces sum to, and together they bound what casts.
 fn list_sides() -> Result<(), String> {
@@ -488,11 +494,6 @@ fn list_sides() -> Result<(), String> {
                         continue;
                     }
                     let number = 32 * batch + at;
-                    let by_edge = |list: &[u32]| {
-                        let mut list = list.to_vec();
-                        list.sort_by_key(|entry| entry & !cpu::WINDING);
-                        list
-                    };
                     let mut found = [by_edge(&lists[..lengths[0]]), by_edge(&lists[capacity - lengths[1]..])];
                     same(&what, &found, expected)?;
                     let boundary = boundary(mesh.faces(), |face| shares[number][face]);

@@ -13,8 +13,11 @@ pub struct Gpu {
     pub name: String,
 }
 
+/// A device that tests share, or why there is none, once it was asked for.
+type Shared = Option<Result<Arc<Gpu>, String>>;
+
 /// The shared device, and the one with features.
-static SHARED: Mutex<[Option<Result<Arc<Gpu>, String>>; 2]> = Mutex::new([None, None]);
+static SHARED: Mutex<[Shared; 2]> = Mutex::new([None, None]);
 
 impl Gpu {
     /// A device with no optional feature and these limits.
