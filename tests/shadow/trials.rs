@@ -225,8 +225,12 @@ fn each_class(renderer: &Renderer<'_>, methods: &[Counting], takes: impl Fn(&Cla
 /// longest shaders, which differ in the front face alone.
 fn trimmed() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let is_tried = |class: &Class| is_long() || class.name != "mirrored instance";
-    each_class(&Renderer { trim: true, ..Renderer::new(&gpu) }, &RIGHT, is_tried)
+    let renderer = Renderer { trim: true, ..Renderer::new(&gpu) };
+    for (index, class) in CLASSES.iter().enumerate() {
+        let is_tried = is_long() || class.name != "mirrored instance";
+        each_class(&renderer, &rotated(&RIGHT, index), |other| is_tried && other.name == class.name)?;
+    }
+    Ok(())
 }
 
 /// A depth pass that rounds differently: z-pass and ZP+ compare with surfaces only where volumes cut them, and z-fail
