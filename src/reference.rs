@@ -150,9 +150,7 @@ pub mod model {
 
 /// Clusters of faces that are decided whole.
 pub mod clusters {
-    pub use crate::cpu::scene::clusters::{
-        LEAST, ListedFaces, PRODUCT, Whole, clusters, height_and_spread, list_faces,
-    };
+    pub use crate::cpu::scene::clusters::{LEAST, PRODUCT, Whole, clusters, height_and_spread};
     pub use crate::mesh::clusters::*;
 }
 
@@ -201,10 +199,6 @@ pub mod cpu {
     pub use crate::cpu::query::depth_arguments::depth_arguments;
     pub use crate::cpu::query::exact_shadow_depth::exactly_between;
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;
-    pub use crate::cpu::scene::chunks::{ListedEdges, chunks};
-    pub use crate::cpu::scene::needs::needs;
-    pub use crate::cpu::scene::occluded::{SLACK, occluded};
-    pub use crate::cpu::scene::reach::{Taken, reach, take};
     pub use crate::cpu::scene::table::SceneTable;
     pub use crate::cpu::shadow::bounds::bounds;
     pub use crate::cpu::shadow::cap_faces::{dark_cap, light_cap, near_cap, seen_light_cap, zp_plus_2005_cap};
@@ -212,24 +206,11 @@ pub mod cpu {
     pub use crate::cpu::shadow::casting::{LISTS, casts, far_kind, has_far_caps, near_kind};
     pub use crate::cpu::shadow::choose::{choose, choose_beside_twisted};
     pub use crate::cpu::shadow::chosen::{CHOICE_WORDS, chosen};
-    pub use crate::cpu::shadow::hidden::is_hidden;
-    pub use crate::cpu::shadow::list_sides::list_sides;
-    pub use crate::cpu::shadow::multiplicity::{EdgeFace, side_of_edge};
-    pub use crate::cpu::shadow::piece_arguments::piece_arguments;
     pub use crate::cpu::shadow::piece_crossings::piece_crossings;
-    pub use crate::cpu::shadow::pieces::{
-        PiecePoints, piece_dark_cap, piece_light_cap, piece_near_cap, piece_side, piece_side_clipped,
-    };
-    pub use crate::cpu::shadow::receiver_depth::receiver_depth;
-    pub use crate::cpu::shadow::receiver_pyramid::receiver_pyramid;
-    pub use crate::cpu::shadow::receiver_samples::receiver_samples;
-    pub use crate::cpu::shadow::receivers::RECEIVERS_HEAD;
-    pub use crate::cpu::shadow::relist::relist;
     pub use crate::cpu::shadow::shadow::{
         Corner, corner, direction_to_clip, extrusion, far_end, light_side, on_near_plane, parallel_to_near_plane,
         project_to_near_plane, to_clip,
     };
-    pub use crate::cpu::shadow::shadow_arguments::shadow_arguments;
     pub use crate::cpu::shadow::sides::{End, side, side_clipped, zp_plus_2005_side};
     pub use crate::cpu::shadow::stencil_bound::{bound_casters, stencil_bound};
     pub use crate::cpu::shadow::stencil_crossings::{CastingSide, stencil_crossings};

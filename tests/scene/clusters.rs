@@ -1,10 +1,9 @@
-//! Clusters of rigid casters: every bit and every list is what it is without them, whatever moves, and they equal their twins.
+//! Clusters of rigid casters: every bit and every list is what it is without them, in any motion. Chunks are the goldens.
 
 use std::sync::Arc;
 
 use rimline::Light;
 use rimline::gpu::{CasterPositions, SceneFrame, SceneOptions};
-use rimline::reference::cpu::{self, SceneTable};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::is_long;
@@ -14,7 +13,8 @@ use rimline_measure::{same, shapes};
 
 use crate::cluster_meshes::{self, Case};
 use crate::found::{Found, check_frame};
-use crate::lists::{Known, Listed, check_lists};
+use crate::goldens::golden;
+use crate::lists::{Listed, listed};
 use crate::random_scene::{Placed, RandomScene};
 use crate::scenes::roomy;
 
@@ -55,18 +55,12 @@ fn put_lights(scene: &mut RandomScene, lights: &[Light]) -> Result<(), String> {
     Ok(())
 }
 
-/// A frame against casters alone, and its lists against the twins.
-fn check(gpu: &Gpu, scene: &mut RandomScene, before: &mut Vec<u32>, known: &mut Known) -> Result<Listed, String> {
+/// A frame against casters alone. Adds what it listed to `words`.
+fn check(gpu: &Gpu, scene: &mut RandomScene, words: &mut Vec<u32>) -> Result<Listed, String> {
     let frame: SceneFrame = gpu.submit(|encoder| scene.encode(encoder))?;
     let found = Found::read(gpu, &frame)?;
     check_frame(&scene.content, &frame, &found)?;
-    let results = frame.results().map_err(text)?;
-    let first = results.groups.first().ok_or("no group")?.dispatch;
-    let pairs = (first.casters * first.batches) as usize;
-    let lit = &found.lit[..pairs];
-    let twin = cpu::take(SceneTable(&found.table), &first, lit, before);
-    *before = gpu.read(results.kept, 4 + 32 * first.batches as usize + 2 * pairs)?;
-    check_lists(gpu, &frame, lit, &twin, known)
+    listed(gpu, &frame, words)
 }
 
 /// Smooth, flat, nearly flat, huge, tiny and spoilt meshes, with lights where a bound only just decides, in planes and on
@@ -84,15 +78,9 @@ fn hostile() -> Result<(), String> {
         for _ in 0..3 {
             scene.insert(gpu)?;
         }
-        let (mut before, mut known) = (Vec::new(), Known::new());
+        let mut words = Vec::new();
         for frame in 0..4 {
-            let listed = check(gpu, &mut scene, &mut before, &mut known).map_err(what)?;
-            sum = Listed {
-                faces: sum.faces + listed.faces,
-                edges: sum.edges + listed.edges,
-                unlisted: sum.unlisted + listed.unlisted,
-                spared: [0, 1].map(|kind| sum.spared[kind] + listed.spared[kind]),
-            };
+            sum.add(check(gpu, &mut scene, &mut words).map_err(what)?);
             if frame % 2 == 0 {
                 scene.move_lights()?;
                 scene.move_casters()?;
@@ -101,6 +89,9 @@ fn hostile() -> Result<(), String> {
                 let turned: Vec<Light> = lights.iter().cycle().skip(frame).take(lights.len()).copied().collect();
                 put_lights(&mut scene, &turned)?;
             }
+        }
+        if index < 60 {
+            golden("scene", &format!("clusters {index}"), &words)?;
         }
     }
     println!("{sum:?}");
@@ -186,7 +177,7 @@ fn smooth() -> Result<(), String> {
         scene.content.casters[0].lights = rimline::gpu::LightMask::ALL;
         scene.set_all_lights()?;
         put_lights(&mut scene, &[Light::point([3.0, 2.0, 1.0])])?;
-        let listed = check(gpu, &mut scene, &mut Vec::new(), &mut Known::new())?;
+        let listed = check(gpu, &mut scene, &mut Vec::new())?;
         same("faces in all", &[listed.spared[0] as usize + 64 * listed.faces >= count], &[true])?;
         tested.push(count as f64 - f64::from(listed.spared[0]));
         println!("{count} faces, spared {:?}", listed.spared);

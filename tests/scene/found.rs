@@ -1,5 +1,6 @@
 //! Results of a frame, read back from its buffers, and a comparison of each caster with its results alone.
 
+use glam::{DMat3, DVec3};
 use rimline::gpu::{ExtractionStatistics, SceneFrame, SceneResults, SceneStatistics};
 use rimline::reference::cpu::{self, SceneTable};
 use rimline::reference::layout::{CHUNK, DrawArguments};
@@ -100,6 +101,32 @@ fn certainly_reaches(content: &Content, own: &Own, bit: u32) -> bool {
     squares.fold(f64::MAX, f64::min).sqrt() <= f64::from(light.range) * (1.0 - 1e-5)
 }
 
+/// Whether the light is clearly out of range of a rigid caster whose matrix is a rotation times a scale.
+fn certainly_beyond(content: &Content, own: &Own, bit: u32) -> bool {
+    let Some((_, light)) = content.lights.iter().find(|(handle, _)| handle.bit() == bit) else { return false };
+    let Placed::Rigid(rows) = &own.placed else { return false };
+    let column = |at: usize| DVec3::from(rows.map(|row| f64::from(row[at])));
+    let matrix = DMat3::from_cols(column(0), column(1), column(2));
+    let scale = column(0).length();
+    let is_turned = (matrix.transpose() * matrix - DMat3::from_diagonal(DVec3::splat(scale * scale)))
+        .to_cols_array()
+        .iter()
+        .all(|off| off.abs() < 1e-5 * scale * scale);
+    let w = f64::from(light.w);
+    let place = matrix.inverse() * (DVec3::from(light.xyz.map(f64::from)) / w - column(3));
+    let (mesh, positions) = content.mesh_and_positions(own);
+    let is_finite = |face: &&[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(positions[vertex as usize]));
+    let corners = mesh.faces().iter().filter(is_finite).flatten();
+    let corners = corners.map(|&vertex| DVec3::from(positions[vertex as usize].map(f64::from)));
+    let ends = corners.map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)]);
+    let Some([low, high]) = ends.filter(|_| is_turned && light.range.is_finite() && w.abs() > 1e-6) else {
+        return false;
+    };
+    let size = place.abs().max(low.abs()).max(high.abs()).max_element();
+    let distance = scale * (place - place.clamp(low, high)).length();
+    size < 1e8 && distance > 1.003 * f64::from(light.range) + 1e-3 * scale * size
+}
+
 /// Counts of pairs of a scene, for tests that must not be vacuous.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tally {
@@ -107,8 +134,21 @@ pub(crate) struct Tally {
     /// Lit pairs whose bits are those of an earlier frame.
     pub(crate) kept: u32,
     pub(crate) out_of_range: u32,
+    /// Those clearly out of range.
+    pub(crate) beyond: u32,
     pub(crate) silhouettes: usize,
     pub(crate) in_planes: u32,
+}
+
+impl Tally {
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.lit += other.lit;
+        self.kept += other.kept;
+        self.out_of_range += other.out_of_range;
+        self.beyond += other.beyond;
+        self.silhouettes += other.silhouettes;
+        self.in_planes += other.in_planes;
+    }
 }
 
 /// The lights that matter to a caster, a word for each batch. None that certainly reaches it may be missing.
@@ -131,6 +171,11 @@ fn lit_of(
         if is_allowed && !is_lit && certainly_reaches(content, own, bit) {
             return Err(format!("light {bit} reaches caster {index}, and it does not matter"));
         }
+        let is_beyond = is_allowed && certainly_beyond(content, own, bit);
+        if is_lit && is_beyond {
+            return Err(format!("light {bit} does not reach caster {index}, and it matters"));
+        }
+        tally.beyond += u32::from(is_beyond);
         tally.lit += u32::from(is_lit);
         tally.out_of_range += u32::from(is_allowed && !is_lit);
     }

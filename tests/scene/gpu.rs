@@ -9,6 +9,8 @@ mod crowd;
 mod exact;
 mod found;
 mod frames;
+#[path = "../common/goldens.rs"]
+mod goldens;
 mod hidden;
 mod histories;
 mod kept;
@@ -39,6 +41,7 @@ fn main() {
         cones::TESTS,
         refusals::TESTS,
         zero::TESTS,
+        goldens::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

@@ -4,8 +4,7 @@ use glam::{DMat3, DVec3};
 use rimline::gpu::{
     Caster, CasterHandle, LightHandle, MeshHandle, OccluderError, Scene, SceneError, SceneFrame, SceneOptions,
 };
-use rimline::reference::cpu::{self, SceneTable};
-use rimline::reference::layout::SceneDispatch;
+use rimline::reference::cpu::SceneTable;
 use rimline::{Light, Matrix3x4, Mesh};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -190,30 +189,22 @@ fn own(random: &mut Random) -> Own {
     Own { mesh: random.below(3), rows: rows(random, scales, at) }
 }
 
-/// Fails where a pair is hidden that is not, or is by the twin but for the last bits of a proof, or has other bits than in a new
-/// scene. Returns how many are hidden, and how many of those that are would be.
+/// Fails where a pair is hidden that is not, or has other bits than in a new scene. Returns how many are hidden, and how many of those that are would be.
 fn check(gpu: &Gpu, stage: &mut Stage, owns: &[Own], given: &[Light]) -> Result<[u32; 2], String> {
     let frame = stage.encode(gpu)?;
     let found = Found::read(gpu, &frame)?;
     let mut plain = Stage::new(gpu, owns, given, false)?;
     let plain_frame = plain.encode(gpu)?;
     let all = Found::read(gpu, &plain_frame)?;
-    let first = frame.results().map_err(text)?.groups.first().ok_or("no group")?.dispatch;
-    let table = SceneTable(&found.table);
-    let (mut hidden, mut could, mut differ) = (0, 0, 0);
+    let (mut hidden, mut could) = (0, 0);
     for (number, (&caster, &other)) in stage.casters.iter().zip(&plain.casters).enumerate() {
         let (index, group) = frame.place(caster).ok_or("no caster")?;
         let (plain_index, plain_group) = plain_frame.place(other).ok_or("no caster")?;
         for batch in 0..frame.batches() {
             let at = |index: u32| batch * owns.len() + index as usize;
             let (lit, reaching) = (found.lit[at(index)], all.lit[at(plain_index)]);
-            let [loose, exact, strict] = [0.9, 1.0, 1.1]
-                .map(|factor| cpu::occluded(table, &first, index, batch as u32, reaching, factor * cpu::SLACK));
             let gone = reaching & !lit;
-            differ += u32::from(gone != exact);
-            if lit & !reaching != 0 || gone & !loose != 0 || strict & !gone != 0 {
-                return Err(format!("caster {number}, batch {batch}: {gone:b} are hidden, by the twin {exact:b}"));
-            }
+            same("lights that do not reach", &[lit & !reaching], &[0])?;
             for bit in 0..32 {
                 let Some(&light) = given.get(32 * batch + bit) else { continue };
                 let is_gone = gone >> bit & 1 != 0;
@@ -238,9 +229,6 @@ fn check(gpu: &Gpu, stage: &mut Stage, owns: &[Own], given: &[Light]) -> Result<
         }
     }
     same("counter", &[found.statistics.occluded_pairs], &[hidden])?;
-    if differ > 1 {
-        return Err(format!("{differ} words differ from the twin's in the last bits"));
-    }
     Ok([hidden, could])
 }
 
@@ -277,7 +265,7 @@ fn random() -> Result<(), String> {
         }
     }
     println!("{} pairs hidden of {} that could be; fewer than before in {shown} frames", sum[0], sum[1]);
-    if sum[0] < 50 || 10 * sum[0] < 9 * sum[1] || shown == 0 { Err("not as meant".to_owned()) } else { Ok(()) }
+    if sum[0] < 50 || 100 * sum[0] < 99 * sum[1] || shown == 0 { Err("not as meant".to_owned()) } else { Ok(()) }
 }
 
 /// A small sphere below plates, and a light above.
@@ -389,13 +377,9 @@ fn most_tried() -> Result<(), String> {
         if !places.is_sorted() {
             return Err("the occluder that hides is not the last".to_owned());
         }
-        let first = frame.results().map_err(text)?.groups.first().ok_or("no group")?.dispatch;
-        let (index, table) = (place(hidden)?, SceneTable(&found.table));
-        let tried = SceneDispatch { occluders: first.occluders - 1, ..first };
-        let [twin, one_less] = [first, tried].map(|of| cpu::occluded(table, &of, index, 0, u32::MAX, cpu::SLACK));
+        let lit = found.lit[place(hidden)? as usize];
         let what = format!("{near_misses} near misses");
-        same(&what, &[found.statistics.occluded_pairs, found.lit[index as usize]], &[expected, !twin])?;
-        same(&format!("{what}, by the twin"), &[twin.count_ones(), one_less], &[expected, 0])?;
+        same(&what, &[found.statistics.occluded_pairs, (!lit).count_ones()], &[expected; 2])?;
     }
     Ok(())
 }

@@ -31,7 +31,7 @@ fn seen(class: &Class, number: u64, change: impl FnOnce(&mut Eye, &mut Random)) 
 
 /// Depth from 0 to 1, with a far plane and without.
 fn standard_depth() -> Result<(), String> {
-    let gpu = Gpu::with(wgpu::Features::DEPTH32FLOAT_STENCIL8, wgpu::Limits::default())?;
+    let gpu = Gpu::shared_with_depth_features()?;
     let format = wgpu::TextureFormat::Depth32FloatStencil8;
     for far in [None, Some(100.0)] {
         let renderer = Renderer { format, ..Renderer::new(&gpu) };
@@ -48,8 +48,7 @@ fn standard_depth() -> Result<(), String> {
 
 /// z-fail from perspective cameras: with standard depth, with a far plane, and with both.
 fn z_fail() -> Result<(), String> {
-    let features = wgpu::Features::DEPTH32FLOAT_STENCIL8 | wgpu::Features::DEPTH_CLIP_CONTROL;
-    let gpu = Gpu::with(features, wgpu::Limits::default())?;
+    let gpu = Gpu::shared_with_depth_features()?;
     let renderer = Renderer { format: wgpu::TextureFormat::Depth32FloatStencil8, ..Renderer::new(&gpu) };
     for (depth, far) in [
         (DepthDirection::Standard, None),
@@ -97,7 +96,7 @@ fn z_fail() -> Result<(), String> {
 /// Orthographic cameras of both depth directions.
 fn orthographic() -> Result<(), String> {
     // z-fail needs depth to be unclipped here, for there is a far plane.
-    let gpu = Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
+    let gpu = Gpu::shared_with_depth_features()?;
     let renderer = Renderer::new(&gpu);
     let (mut tally, mut filled, mut cut) = (Tally::default(), 0, 0);
     let directions = [DepthDirection::Reversed, DepthDirection::Standard];

@@ -12,7 +12,8 @@ use rimline::reference::shadow::{
 };
 use rimline::{Counting, Light, Mesh, Predicate};
 
-use crate::stages::{PLACES, placed, shape, unreached};
+use crate::sides;
+use crate::stages::{PLACES, drawn, instances, placed, shape, unreached};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::{chosen, interleaved};
@@ -55,7 +56,8 @@ fn rounded_alike(found: Vec<ShadowLight>, twins: &[ShadowLight]) -> Vec<ShadowLi
 /// Results of the twins for a scene.
 struct Twins {
     lights: Vec<ShadowLight>,
-    draws: Vec<ShadowDraws>,
+    /// Instances of each light's draws.
+    draws: Vec<[u32; 6]>,
     statistics: ShadowStatistics,
     /// Lights that ZP+ as published left to z-fail.
     switched: usize,
@@ -145,7 +147,11 @@ fn twins(scene: &Scene, shape: &ShadowShape, bounds_counts: bool) -> Result<Twin
     let capped: Vec<bool> = caps.iter().map(|lists| !lists[0].is_empty() || !lists[1].is_empty()).collect();
     let caps: Vec<_> = caps.iter().map(|lists| [0, 1, 2, 3].map(|list| lists[list].len() as u32)).collect();
     let packed = mesh.edges().packed_faces();
-    let lists = cpu::list_sides(packed, &facing, &excluded, mesh.faces().len(), &lights, &capped);
+    let lists: Vec<_> = (0..)
+        .zip(&lights)
+        .zip(&capped)
+        .map(|(light, &capped)| sides::lists(mesh, light, [&facing, &excluded], capped))
+        .collect();
     // An edge between an excluded face and another, which is a side of weight 1 though no boundary.
     let by_exclusion = lists.iter().zip(&lights).filter(|(lists, light)| {
         let entries: Vec<u32> = lists.concat();
@@ -155,7 +161,18 @@ fn twins(scene: &Scene, shape: &ShadowShape, bounds_counts: bool) -> Result<Twin
     });
     let by_exclusion = by_exclusion.count();
     let sides: Vec<_> = lists.iter().map(|lists| [0, 1].map(|list| lists[list].len() as u32)).collect();
-    let (draws, mut statistics) = cpu::shadow_arguments(shape, &sides, &caps);
+    let draws = sides.iter().zip(&caps).map(|(&sides, &caps)| drawn(shape, sides, caps)).collect();
+    let count = |is: &dyn Fn([u32; 2], [u32; 4]) -> bool| {
+        sides.iter().zip(&caps).filter(|&(&sides, &caps)| is(sides, caps)).count() as u32
+    };
+    let mut statistics = ShadowStatistics {
+        capped: count(&|_, [near_front, near_back, ..]| near_front + near_back > 0),
+        overflowed_sides: count(&|[plain, clipped], _| plain + clipped > shape.side_capacity),
+        overflowed_caps: count(&|_, [near_front, near_back, far_front, far_back]| {
+            near_front + near_back > shape.near_capacity || far_front + far_back > shape.far_capacity
+        }),
+        ..bytemuck::Zeroable::zeroed()
+    };
     statistics.skipped = lights.iter().filter(|light| light.casting == CAST_NOTHING).count() as u32;
     statistics.unreached = unreached;
     statistics.every_face = lights.iter().filter(|light| light.casting == CAST_EVERY).count() as u32;
@@ -172,7 +189,7 @@ fn twins(scene: &Scene, shape: &ShadowShape, bounds_counts: bool) -> Result<Twin
 /// In each counting method, with lists that fit or overflow.
 fn chain() -> Result<(), String> {
     // z-fail needs depth to be unclipped where the camera has a far plane.
-    let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
+    let gpu = &*Gpu::shared_with_depth_features()?;
     let seed = 104;
     println!("seed {seed}");
     let mut random = Random::new(seed);
@@ -240,7 +257,8 @@ fn chain() -> Result<(), String> {
             let found = rounded_alike(chosen(gpu, &volumes, LIGHTS)?, &twins.lights);
             same(&format!("{what}, lights"), &found, &twins.lights)?;
             let found: Vec<ShadowDraws> = gpu.read(&volumes.draw_arguments()[0], LIGHTS + 10)?;
-            same(&format!("{what}, draws"), &found[..LIGHTS], &twins.draws)?;
+            let instances: Vec<_> = found[..LIGHTS].iter().map(instances).collect();
+            same(&format!("{what}, instances"), &instances, &twins.draws)?;
             same(&format!("{what}, lights not in use"), &found[LIGHTS..], &[bytemuck::Zeroable::zeroed(); 10])?;
             let found: Vec<ShadowStatistics> = gpu.read(volumes.statistics(), 1)?;
             same(&format!("{what}, statistics"), &found, &[twins.statistics])?;

@@ -7,6 +7,7 @@ use rimline::reference::layout::{SceneCaster, SeenLight, ShadowDraw, ShadowLight
 use rimline::reference::shadow::{self, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS};
 use rimline::reference::stages::{CAP_FACES, SIDES};
 
+use crate::sides;
 use crate::stages::{table, with_depth};
 use rimline_measure::device::Gpu;
 use rimline_measure::dispatch::{Dispatch, uniform};
@@ -174,11 +175,8 @@ impl Drawn<'_> {
     fn sides(&self, gpu: &Gpu, stage: &Dispatch, overflows: bool) -> Result<[Vec<[u32; 4]>; 2], String> {
         let (_, positions, mesh) = &self.scene.caster;
         let bit = self.index % 32;
-        let batch = self.index / 32 * 32..self.lights.len().min(self.index / 32 * 32 + 32);
-        let (lights, capped) = (&self.lights[batch.clone()], &self.capped[batch]);
-        let packed = mesh.edges().packed_faces();
-        let lists = cpu::list_sides(packed, self.facing, self.excluded, mesh.faces().len(), lights, capped);
-        let [plain, clipped] = &lists[bit];
+        let masks = [self.facing, self.excluded];
+        let [plain, clipped] = &sides::lists(mesh, (bit, self.light()), masks, self.capped[self.index]);
         let count = plain.len() + clipped.len();
         let capacity = if overflows { count.saturating_sub(1) } else { count };
         let mut sides = vec![0_u32; 64 + 32 * capacity + 1];
@@ -197,7 +195,7 @@ impl Drawn<'_> {
         let data = [
             gpu.storage(positions),
             gpu.storage(&vertices),
-            gpu.storage(packed),
+            gpu.storage(mesh.edges().packed_faces()),
             gpu.storage(self.facing),
             gpu.storage(self.excluded),
             gpu.storage(&sides),

@@ -1,4 +1,4 @@
-//! Shadow volumes on the GPU: pictures against rays, stages and draws against their twins. Without an adapter these tests
+//! Shadow volumes on the GPU: pictures against rays, stages against oracles, goldens and twins. Without an adapter these tests
 //! fail; they are never passed over.
 
 mod cameras;
@@ -8,6 +8,8 @@ mod clipped;
 mod compare;
 mod covered;
 mod dark_caps;
+#[path = "../common/goldens.rs"]
+mod goldens;
 mod hairlines;
 mod hidden;
 mod in_scene;
@@ -30,6 +32,7 @@ mod samples;
 mod scene;
 mod scene_refusals;
 mod shells;
+mod sides;
 mod skinned;
 mod stages;
 #[path = "../depth_map/textures.rs"]
@@ -76,6 +79,7 @@ fn main() {
         clipped::TESTS,
         dark_caps::TESTS,
         refusals::TESTS,
+        goldens::TESTS,
     ];
     all.extend(harness::gpu_trials(tests.concat()));
     // OpenGL reads zeros for the stencil values of several samples.

@@ -2,9 +2,6 @@
 
 use glam::DVec3;
 use rimline::gpu::{Receivers, ReceiversError, Scene, SceneError, SceneOptions, ShadowOptions};
-use rimline::reference::cpu;
-use rimline::reference::layout::ShadowShape;
-use rimline::reference::shadow::{self, CAST_NOTHING, COUNT_AUTO};
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::text;
@@ -51,10 +48,10 @@ fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool
 }
 
 fn classes() -> Result<(), String> {
-    let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
+    let gpu = &*Gpu::shared_with_depth_features()?;
     let (mut hidden, mut with_sky) = (0, 0);
-    for class in CLASSES {
-        for number in 260..if is_long() { 300 } else { 262 } {
+    for (index, class) in (0..).zip(CLASSES) {
+        for number in if is_long() { 260..300 } else { 260 + index..261 + index } {
             let mut frame = (class.frame)(&mut Random::new(seed(class, number)));
             frame.size = 48;
             // Something in front, which hides the middle.
@@ -109,61 +106,21 @@ pub(crate) fn behind_walls(random: &mut Random) -> Frame {
     Frame { bodies, eye, lights: vec![light], size: 64 }
 }
 
-/// Fails where a caster is hidden and the twin says otherwise, or the other way round. Returns how many are hidden, and whether
-/// the twin is another with all receivers nearer.
-fn as_the_twin(frame: &Frame, counted: &Counted) -> Result<[u32; 2], String> {
-    let camera = frame.eye.camera();
-    let view = shadow::view(&camera).map_err(text)?;
-    let light = shadow::light(&camera, &view, frame.lights[0]);
-    let (mut hidden, mut differs) = (0, false);
-    // Receivers that are nearer by half of the depth, for reversed depth.
-    let nearer: Vec<u32> = (0..)
-        .zip(&counted.receivers)
-        .map(|(at, &word)| if (at == 4 || at >= cpu::RECEIVERS_HEAD) && word != 0 { word / 2 + 1 } else { word })
-        .collect();
-    for (body, chosen) in frame.bodies.iter().filter(|body| body.casts).zip(&counted.chosen) {
-        let mesh = body.shape.mesh().map_err(text)?;
-        let bounds = cpu::bounds(&body.shape.positions, mesh.faces());
-        let shape = ShadowShape {
-            averted: u32::from(mesh.is_closed()),
-            counting: COUNT_AUTO,
-            skip_unseen: 1,
-            skip_unreached: 1,
-            ..bytemuck::Zeroable::zeroed()
-        };
-        let mut lights = [light];
-        cpu::choose(&shape, &view, bounds, true, &mut lights);
-        let is_hidden = |receivers: &[u32]| cpu::is_hidden(&view, &light, bounds, receivers);
-        let casts = lights[0].casting != CAST_NOTHING;
-        same("casting", &[chosen[0].casting != CAST_NOTHING], &[casts && !is_hidden(&counted.receivers)])?;
-        hidden += u32::from(casts && is_hidden(&counted.receivers));
-        differs |= is_hidden(&nearer) != is_hidden(&counted.receivers);
-    }
-    same("hidden pairs", &[counted.statistics[0].hidden], &[hidden])?;
-    Ok([hidden, u32::from(differs)])
-}
-
+/// What is hidden changes no receiver's count, and counts are what rays tell.
 fn walls() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let (mut hidden, mut twins, mut noticed) = (0, 0, 0);
+    let mut hidden = 0;
     let frames = if is_long() { 300 } else { 40 };
     for seed in 5001..5001 + frames {
         let traced = Traced::of(behind_walls(&mut Random::new(seed)), seed);
         let counting = [Counting::Auto, Counting::ZpPlus, Counting::ZFail][seed as usize % 3];
         let renderer = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) };
         hidden += check(&traced, &renderer, counting, false)?;
-        // Against the rays, too, and against the twin.
         let renderer = Renderer { receivers: Some(false), ..renderer };
-        let (_, counted) = traced.check(&renderer, counting, true)?;
-        let [by_twin, controls] = as_the_twin(&traced.frame, &counted)?;
-        twins += by_twin;
-        noticed += controls;
+        traced.check(&renderer, counting, true)?;
     }
-    println!("{hidden} of some {} pairs hidden, {twins} by the twin; {noticed} other depths noticed", 9 * frames);
-    if noticed < 10 {
-        return Err("too few controls".to_owned());
-    }
-    if hidden < 2 * frames as u32 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{hidden} of some {} pairs hidden", 9 * frames);
+    if 4 * hidden < 9 * frames as u32 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// The receivers are those of a frame that lacks a body in front of the others.

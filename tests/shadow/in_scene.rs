@@ -13,7 +13,7 @@ use rimline::{Counting, Light, Matrix3x4, Mesh, Predicate, ShadowCamera};
 use crate::classes::CLASSES;
 use crate::render::{Counted, Placing, Renderer};
 use crate::scene::{Body, Eye, Frame};
-use crate::trials::{Test, Traced, seed};
+use crate::trials::{RIGHT, Test, Traced, rotated, seed};
 use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::text;
 use rimline_measure::random::Random;
@@ -310,10 +310,10 @@ fn compare(what: &str, alone: &Counted, together: &Counted) -> Result<(), String
 
 /// Frames of all classes, without bodies that are mirrored: those have other bits in a scene.
 fn alike() -> Result<(), String> {
-    let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
+    let gpu = &*Gpu::shared_with_depth_features()?;
     let (mut shadowed, mut capped) = (0, 0);
-    for class in CLASSES {
-        for number in 200..if is_long() { 220 } else { 202 } {
+    for (index, class) in (0..).zip(CLASSES) {
+        for number in if is_long() { 200..220 } else { 200 + index..201 + index } {
             let seed = seed(class, number);
             let mut frame = (class.frame)(&mut Random::new(seed));
             frame.bodies.iter_mut().for_each(|body| body.mirror = None);
@@ -343,7 +343,7 @@ fn alike() -> Result<(), String> {
 fn busy() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut shadowed = 0;
-    for class in CLASSES {
+    for (index, class) in CLASSES.iter().enumerate() {
         let seed = seed(class, 215);
         let mut random = Random::new(seed);
         let mut frame = (class.frame)(&mut random);
@@ -356,7 +356,7 @@ fn busy() -> Result<(), String> {
             Light::homogeneous([x + a, y + b, z + c, w])
         });
         frame.lights.extend(more.collect::<Vec<_>>());
-        for counting in [Counting::Auto, Counting::ZFail] {
+        for counting in rotated(&[Counting::Auto, Counting::ZFail], index) {
             let what = format!("{}, seed {seed}, {counting:?}", class.name);
             let renderer = |placing| Renderer { placing, ..Renderer::new(gpu) };
             let alone = renderer(Placing::Alone).count(&frame, counting)?;
@@ -373,12 +373,12 @@ fn busy() -> Result<(), String> {
 fn overflow() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut overflowed = [0; 2];
-    for class in CLASSES {
+    for (index, class) in CLASSES.iter().enumerate() {
         let seed = seed(class, 210);
         let mut frame = (class.frame)(&mut Random::new(seed));
         frame.bodies.iter_mut().for_each(|body| body.mirror = None);
         frame.size = 48;
-        for counting in [Counting::Auto, Counting::ZpPlus, Counting::ZFail] {
+        for counting in rotated(&RIGHT, index) {
             let whole = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) }.count(&frame, counting)?;
             for (list_capacity, cap_capacity) in [(Some(1), None), (Some(40), Some(3)), (None, Some(1))] {
                 let options = ShadowOptions { cap_capacity, ..ShadowOptions::default() };
@@ -433,13 +433,13 @@ fn batches() -> Result<(), String> {
         }
     }
     let (mut resolved, mut bounded) = (0, 0);
-    for class in CLASSES {
+    for (index, class) in CLASSES.iter().enumerate() {
         let seed = seed(class, 240);
         let mut frame = (class.frame)(&mut Random::new(seed));
         frame.bodies.iter_mut().for_each(|body| body.mirror = None);
         frame.size = 48;
         // z-pass is wrong in shadows: wrong counts of two casters may cancel.
-        for counting in [Counting::Auto, Counting::ZpPlus, Counting::ZFail] {
+        for counting in rotated(&RIGHT, index) {
             let at_once = renderer(1).count(&frame, counting)?;
             let mut in_batches = renderer(2).count(&frame, counting)?;
             let what = format!("{}, seed {seed}, {counting:?}", class.name);
@@ -467,7 +467,7 @@ fn batches() -> Result<(), String> {
 fn excluded() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (mut changed, mut averted_casters) = (0, 0);
-    for class in CLASSES {
+    for (index, class) in CLASSES.iter().enumerate() {
         let seed = seed(class, 230);
         let mut random = Random::new(seed);
         let mut frame = (class.frame)(&mut random);
@@ -480,7 +480,7 @@ fn excluded() -> Result<(), String> {
             let all = 0..body.shape.faces.len() as u32;
             body.left_out = all.filter(|_| random.below(3) == 0).collect();
         }
-        for counting in [Counting::Auto, Counting::ZpPlus, Counting::ZFail] {
+        for counting in rotated(&RIGHT, index) {
             let count = |frame: &Frame, every_face: bool| {
                 let options = ShadowOptions { every_face, ..ShadowOptions::default() };
                 Renderer { placing: Placing::Scene, options, ..Renderer::new(gpu) }.count(frame, counting)

@@ -16,6 +16,7 @@ use rimline_measure::on_gpu::text;
 use rimline_measure::random::Random;
 use rimline_measure::{must_fail, same, shapes};
 
+use crate::sides;
 use crate::stages::{PLACES, choices, placed, seen, shape, table, with_depth};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -192,7 +193,7 @@ fn list_sides() -> Result<(), String> {
     let facing: Vec<u32> = (0..faces).map(|_| random.next_u64() as u32).collect();
     let none = vec![0; faces];
     let light = ShadowLight { casting: CAST_EVERY, counting: COUNT_Z_PASS, ..bytemuck::Zeroable::zeroed() };
-    let twin = cpu::list_sides(packed, &facing, &none, faces, &[light], &[false]).concat().concat();
+    let twin = sides::lists(&mesh, (0, &light), [&facing, &none], false).concat();
     let room = 2 * packed.len();
     let own = ShadowShape { capacity: 1, side_capacity: room as u32, ..shape(&mesh, 1) };
     let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };

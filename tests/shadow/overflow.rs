@@ -12,7 +12,8 @@ use crate::compare::Compared;
 use crate::rays::{self, Truth};
 use crate::render::{Counted, Renderer};
 use crate::scene::{Body, CENTRE, Frame, Placed};
-use crate::trials::{Test, Traced, every, seed};
+use crate::sides;
+use crate::trials::{Test, Traced, every, rotated, seed};
 use rimline_measure::device::Gpu;
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail};
@@ -107,9 +108,7 @@ fn twin(frame: &Frame, counted: &Counted) -> Result<Vec<u32>, String> {
             let found = cpu::extract_by(&shape.positions, &mesh, &plain, method, predicate, Threads::all())
                 .map_err(|error| text(&error))?;
             let excluded = cpu::excluded(&shape.positions, &shape.faces, &plain);
-            let packed = mesh.edges().packed_faces();
-            let lists =
-                cpu::list_sides(packed, &found.facing, &excluded, shape.faces.len(), &lights[..1], &[true]).concat();
+            let lists = sides::lists(&mesh, (0, &lights[0]), [&found.facing, &excluded], true);
             let sides = lists.concat().into_iter().map(|entry| {
                 let ends = mesh.edges().vertices()[(entry & !cpu::WINDING) as usize];
                 (ends.map(|vertex| shape.positions[vertex as usize]), 1)
@@ -208,14 +207,14 @@ fn silhouettes() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let methods = [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZPass, Counting::ZpPlus2005];
     let (mut compared, mut overflowed, mut doubled, mut shadowed) = (0, [0; 2], 0, 0);
-    for class in CLASSES {
+    for (index, class) in CLASSES.iter().enumerate() {
         let traced = Traced::new(class, 110);
         let frame = &traced.frame;
         let casters = frame.bodies.iter().filter(|body| body.casts);
         let edges: Vec<u32> = casters
             .map(|body| body.shape.mesh().map(|mesh| mesh.edges().len() as u32).map_err(|error| error.to_string()))
             .collect::<Result<_, _>>()?;
-        for counting in methods {
+        for counting in [rotated(&methods[..3], index), rotated(&methods[3..], index)].concat() {
             let whole = Renderer::new(&gpu).count(frame, counting)?;
             for capacity in [1, 100] {
                 let what = format!("{}, seed {}, {counting:?}, room for {capacity}", class.name, traced.seed);

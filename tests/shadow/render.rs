@@ -186,7 +186,9 @@ impl<'a> Renderer<'a> {
         let pipelines = |front_face| {
             ShadowPipelines::new(&self.pipelines, &shadow_format(front_face), counting).map_err(|error| text(&error))
         };
-        let [plain, mirroring] = [pipelines(wgpu::FrontFace::Ccw)?, pipelines(wgpu::FrontFace::Cw)?];
+        let plain = pipelines(wgpu::FrontFace::Ccw)?;
+        let is_mirrored = frame.bodies.iter().any(|body| body.mirror.is_some());
+        let mirroring = if is_mirrored { Some(pipelines(wgpu::FrontFace::Cw)?) } else { None };
         let target = self.target(frame.size, self.samples, self.format);
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -213,7 +215,7 @@ impl<'a> Renderer<'a> {
             let mut extractor = Extractor::new(&self.pipelines, &mesh, options).map_err(|error| text(&error))?;
             let lights: Vec<Light> = lights.iter().map(|light| light.with_range(self.range)).collect();
             let extraction = extractor.encode(&mut encoder, positions, &lights, None).map_err(|error| text(&error))?;
-            let pipelines = if body.mirror.is_some() { &mirroring } else { &plain };
+            let pipelines = mirroring.as_ref().filter(|_| body.mirror.is_some()).unwrap_or(&plain);
             let options = ShadowOptions { in_depth: body.in_depth, ..self.options };
             let mut volumes = ShadowVolumes::new(pipelines, &extractor, options).map_err(|error| text(&error))?;
             let shadows = volumes.encode(&mut encoder, &extraction, &camera, None).map_err(|error| text(&error))?;

@@ -1,4 +1,4 @@
-//! The stages that choose and list for shadow volumes, each against its CPU twin.
+//! The stages that choose and list for shadow volumes, each against an oracle, goldens or its CPU twin.
 
 use std::collections::BTreeMap;
 
@@ -13,6 +13,8 @@ use rimline::reference::shadow::{
 use rimline::reference::stages::{BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS};
 use rimline::{Light, Mesh, Predicate};
 
+use crate::goldens::golden;
+use crate::sides;
 use rimline_measure::cases::topologies;
 use rimline_measure::device::Gpu;
 use rimline_measure::dispatch::{Dispatch, uniform};
@@ -25,8 +27,8 @@ use rimline_measure::{is_long, must_fail, same};
 pub(crate) const TESTS: &[Test] = &[
     ("bounds_equal_their_twin", bounds),
     ("choose_and_caps_equal_their_twins", choose_and_caps),
-    ("sides_equal_their_twin_and_close_what_casts", list_sides),
-    ("shadow_arguments_equal_their_twin", shadow_arguments),
+    ("sides_are_those_of_their_faces_and_close_what_casts", list_sides),
+    ("shadow_arguments_are_those_of_their_counts", shadow_arguments),
 ];
 
 fn text<E: std::fmt::Display>(error: E) -> String {
@@ -377,16 +379,6 @@ fn choose_and_caps() -> Result<(), String> {
     if listed.min(skipped).min(z_pass).min(excluded) < 20 { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }
 
-/// The share of a face in the shadow of a light: 0 or ±1, from its masks and the light's choice alone.
-fn share(light: &ShadowLight, facing: bool, excluded: bool) -> i32 {
-    match (light.casting, facing) {
-        _ if excluded && light.excludes == 1 => 0,
-        (CAST_EVERY, true) => 1,
-        (CAST_EVERY | CAST_AVERTED, false) => -1,
-        _ => 0,
-    }
-}
-
 /// Edges from their lower vertex to their higher one, and what is summed there.
 type Sums = Vec<([u32; 2], i32)>;
 
@@ -414,8 +406,14 @@ fn listed_boundary(mesh: &Mesh, lists: &[Vec<u32>; 2]) -> Sums {
     sums.into_iter().filter(|(_, sum)| *sum != 0).collect()
 }
 
-/// With lists that fit and overflow, silhouettes that are listed and not, and faces excluded at random: the same lists as
-/// the twin's, and they bound what casts.
+fn by_edge(list: &[u32]) -> Vec<u32> {
+    let mut list = list.to_vec();
+    list.sort_by_key(|entry| entry & !cpu::WINDING);
+    list
+}
+
+/// With lists that fit and overflow, silhouettes that are listed and not, and faces excluded at random: the sides of each edge
+/// record are those that its faces sum to, and together they bound what casts.
 fn list_sides() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let seed = 108;
@@ -451,23 +449,19 @@ fn list_sides() -> Result<(), String> {
                 })
                 .collect();
             let capped: Vec<bool> = (0..count).map(|_| random.below(3) > 0).collect();
-            let twin = cpu::list_sides(packed, &facing, &excluded, faces, &lights, &capped);
-            for (light, lists) in twin.iter().enumerate() {
-                let bit = |masks: &[u32], face: usize| masks[light / 32 * faces + face] >> (light % 32) & 1 != 0;
-                let of = |face| share(&lights[light], bit(&facing, face), bit(&excluded, face));
-                same(&format!("{name}, light {light}"), &listed_boundary(&mesh, lists), &boundary(mesh.faces(), of))?;
-                let mut wrong = lists.clone();
-                if let Some(entry) = wrong.iter_mut().flatten().next() {
-                    *entry ^= cpu::WINDING;
-                    by_exclusion += usize::from(lights[light].excludes == 1 && lights[light].casting == CAST_EVERY);
-                    must_fail(
-                        "a turned side",
-                        &same(&name, &listed_boundary(&mesh, &wrong), &boundary(mesh.faces(), of)),
-                    )?;
-                }
-            }
+            let shares: Vec<_> = lights
+                .iter()
+                .enumerate()
+                .map(|(number, light)| sides::shares(light, number, [&facing, &excluded], faces))
+                .collect();
+            let masks = [&facing[..], &excluded[..]];
+            let expected: Vec<[Vec<u32>; 2]> = (0..)
+                .zip(&lights)
+                .zip(&capped)
+                .map(|(light, &capped)| sides::lists(&mesh, light, masks, capped))
+                .collect();
             let most = |lists: &[Vec<u32>; 2]| lists[0].len() + lists[1].len();
-            let longest = twin.iter().map(most).max().unwrap_or(0).max(1);
+            let longest = expected.iter().map(most).max().unwrap_or(0).max(1);
             let capacity = [longest, longest.div_ceil(2)][random.below(2)];
             let room = [packed.len(), 5][random.below(2)];
             let shape = ShadowShape { capacity: room as u32, side_capacity: capacity as u32, ..shape(&mesh, count) };
@@ -475,7 +469,7 @@ fn list_sides() -> Result<(), String> {
             let (shape, counts) = (uniform(gpu, &shape), gpu.storage(&counts));
             let chosen = gpu.storage(&table(&mesh, PLACES[0], &lights, &capped));
             let (edge_faces, zeros) = (gpu.storage(packed), gpu.storage(&[0_u32, 0, 0, 1, 0]));
-            for (batch, twin) in twin.chunks(32).enumerate() {
+            for (batch, expected) in expected.chunks(32).enumerate() {
                 let light = 32 * batch as u32;
                 let draw = uniform(gpu, &ShadowDraw { light, first_light: light, view: 0, count_batch: 0 });
                 let mut raw = vec![u32::MAX; 32 * room];
@@ -488,30 +482,55 @@ fn list_sides() -> Result<(), String> {
                 let (raw, facing, excluded) = (gpu.storage(&raw), plane(&facing), plane(&excluded));
                 let sides = gpu.storage(&vec![0_u32; 64 + 32 * capacity]);
                 let buffers = [&shape, &draw, &chosen, &counts, &raw, &edge_faces, &facing, &excluded, &sides, &zeros];
-                stage.run_over(gpu, &buffers, [1 + round as u32 % 3, twin.len() as u32])?;
+                stage.run_over(gpu, &buffers, [1 + round as u32 % 3, expected.len() as u32])?;
                 let sides: Vec<u32> = gpu.read(&sides, usize::MAX)?;
-                for (light, (lists, twin)) in sides[64..].chunks(capacity).zip(twin).enumerate() {
-                    let what = format!("{name}, round {round}, batch {batch}, light {light}");
-                    let counts = &sides[2 * light..][..2];
-                    same(&format!("{what}, counts"), counts, &[twin[0].len() as u32, twin[1].len() as u32])?;
-                    if most(twin) > capacity {
+                for (at, (lists, expected)) in sides[64..].chunks(capacity).zip(expected).enumerate() {
+                    let what = format!("{name}, round {round}, batch {batch}, light {at}");
+                    let counts = &sides[2 * at..][..2];
+                    let lengths = [expected[0].len(), expected[1].len()];
+                    same(&format!("{what}, counts"), counts, &lengths.map(|length| length as u32))?;
+                    if most(expected) > capacity {
                         short += 1;
                         continue;
                     }
-                    let [plain, clipped] = [&lists[..twin[0].len()], &lists[capacity - twin[1].len()..]];
-                    let by_edge = |list: &[u32]| {
-                        let mut list = list.to_vec();
-                        list.sort_by_key(|entry| entry & !cpu::WINDING);
-                        list
-                    };
-                    same(&what, &[by_edge(plain), by_edge(clipped)], twin)?;
-                    entries += most(twin);
+                    let number = 32 * batch + at;
+                    let mut found = [by_edge(&lists[..lengths[0]]), by_edge(&lists[capacity - lengths[1]..])];
+                    same(&what, &found, expected)?;
+                    let boundary = boundary(mesh.faces(), |face| shares[number][face]);
+                    same(&format!("{what}, boundary"), &listed_boundary(&mesh, &found), &boundary)?;
+                    entries += most(expected);
+                    if let Some(entry) = found.iter_mut().flatten().next() {
+                        *entry ^= cpu::WINDING;
+                        let light = &lights[number];
+                        by_exclusion += usize::from(light.excludes == 1 && light.casting == CAST_EVERY);
+                        must_fail("a turned side", &same(&what, &found, expected))?;
+                        must_fail("a turned side", &same(&what, &listed_boundary(&mesh, &found), &boundary))?;
+                    }
                 }
             }
         }
     }
     println!("{entries} sides, {by_exclusion} lists of every face with some excluded, {short} lists too short");
     if entries.min(by_exclusion).min(short) < 100 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+}
+
+/// Instances of the draws of a light: of plain and clipped sides, near caps, and far ones.
+pub(crate) fn instances(draws: &ShadowDraws) -> [u32; 6] {
+    let ShadowDraws { plain, clipped, near_front, near_back, far_front, far_back, .. } = draws;
+    [plain, clipped, near_front, near_back, far_front, far_back].map(|draw| draw.instance_count)
+}
+
+/// The same from the lengths of the lists. A list that does not fit is drawn from all edges, or all faces. The published ZP+
+/// draws three quadrilaterals in the place of a side.
+pub(crate) fn drawn(shape: &ShadowShape, sides: [u32; 2], caps: [u32; cpu::LISTS]) -> [u32; 6] {
+    let of = |lists: [u32; 2], capacity: u32, all: u32| {
+        lists.map(|length| if lists[0] + lists[1] > capacity { all * length.min(1) } else { length })
+    };
+    let [plain, clipped] = of(sides, shape.side_capacity, 2 * shape.edges);
+    let [near_front, near_back] = of([caps[0], caps[1]], shape.near_capacity, shape.faces);
+    let [far_front, far_back] = of([caps[2], caps[3]], shape.far_capacity, shape.faces);
+    let quads = if shape.counting == COUNT_ZP_PLUS_2005 { 3 } else { 1 };
+    [plain, quads * clipped, near_front, near_back, far_front, far_back]
 }
 
 fn shadow_arguments() -> Result<(), String> {
@@ -541,12 +560,12 @@ fn shadow_arguments() -> Result<(), String> {
             let (draw, sides, caps) = (uniform(gpu, &draw), gpu.storage(&side_counts), gpu.storage(&cap_counts));
             stage.run(gpu, &[&shape_buffer, &draw, &sides, &caps, &draws, &statistics], 1)?;
         }
-        let mut found: Vec<ShadowDraws> = gpu.read(&draws, count)?;
-        let (twins, twin_statistics) = cpu::shadow_arguments(&shape, &sides, &caps);
-        same(&format!("round {round}, draws"), &found, &twins)?;
-        same(&format!("round {round}, statistics"), &gpu.read(&statistics, 1)?, &[twin_statistics])?;
-        found[0].near_back.instance_count ^= 1;
-        must_fail("a changed draw", &same("draws", &found, &twins))?;
+        let found: Vec<ShadowDraws> = gpu.read(&draws, count)?;
+        let statistics: Vec<u32> = gpu.read(&statistics, usize::MAX)?;
+        golden("shadow", &format!("shadow_arguments {round}"), &[bytemuck::cast_slice(&found), &statistics].concat())?;
+        for ((draws, sides), caps) in found.iter().zip(&sides).zip(&caps) {
+            same(&format!("round {round}, instances"), &instances(draws), &drawn(&shape, *sides, *caps))?;
+        }
     }
     Ok(())
 }

@@ -9,6 +9,7 @@ use rimline::reference::shadow::{self, CAST_NOTHING, COUNT_AUTO};
 use rimline::{Light, Matrix3x4, Mesh, Predicate, ShadowCamera};
 
 use crate::scene::Eye;
+use crate::sides;
 use crate::trials::Test;
 use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::text;
@@ -94,9 +95,7 @@ impl Model {
         let excluded = cpu::excluded(positions, faces, &[in_mesh_space]);
         let caps = cpu::caps(view, positions, faces, &facing, &excluded, &lights, true);
         let capped = !caps[0][0].is_empty() || !caps[0][1].is_empty();
-        let packed = self.mesh.edges().packed_faces();
-        let sides = cpu::list_sides(packed, &facing, &excluded, faces.len(), &lights, &[capped]);
-        let [plain, clipped] = &sides[0];
+        let [plain, clipped] = &sides::lists(&self.mesh, (0, &lights[0]), [&facing, &excluded], capped);
         let drawn = Drawn([plain, clipped, &caps[0][0], &caps[0][1]].map(|list| list.len() as u32));
         let ends = |entry: &u32| {
             self.mesh.edges().vertices()[(entry & !cpu::WINDING) as usize].map(|vertex| positions[vertex as usize])

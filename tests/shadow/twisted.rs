@@ -18,7 +18,7 @@ use rimline_measure::{must_fail, same};
 use crate::polygons::{Rig, Truth, compare, frame};
 use crate::render::Renderer;
 use crate::scene::{Body, Eye, Frame};
-use crate::trials::{Test, frames};
+use crate::trials::{RIGHT, Test, frames};
 
 pub(crate) const TESTS: &[Test] =
     &[("skinned_quadrilaterals_that_twist", motion), ("a_thousand_that_are_twisted_overlap", thousand)];
@@ -97,7 +97,7 @@ fn motion() -> Result<(), String> {
         frame.bodies[0].polygons = Some(set.clone());
         let rig = Rig::new(&frame, &mesh);
         let truths = rig.truths();
-        let wrong = compare(gpu, &frame, &rig, &truths)?;
+        let wrong = compare(gpu, &frame, &rig, &truths, &RIGHT)?;
         failures.extend(wrong.into_iter().map(|error| format!("frame {number}: {error}")));
     }
     println!("twisted polygons, frame after frame: {counts:?}");

@@ -13,7 +13,11 @@ pub struct Gpu {
     pub name: String,
 }
 
-static SHARED: Mutex<Option<Result<Arc<Gpu>, String>>> = Mutex::new(None);
+/// A device that tests share, or why there is none, once it was asked for.
+type Shared = Option<Result<Arc<Gpu>, String>>;
+
+/// The shared device, and the one with features.
+static SHARED: Mutex<[Shared; 2]> = Mutex::new([None, None]);
 
 impl Gpu {
     /// A device with no optional feature and these limits.
@@ -49,15 +53,24 @@ impl Gpu {
 
     /// One device of `Limits::default()` that tests share.
     pub fn shared() -> Result<Arc<Self>, String> {
-        let mut shared = SHARED.lock().map_err(|error| error.to_string())?;
-        let made = shared.get_or_insert_with(|| Self::with_limits(wgpu::Limits::default()).map(Arc::new));
-        made.clone()
+        Self::shared_with(0, wgpu::Features::empty())
     }
 
-    /// Lets go of the shared device. A software driver that still has threads when the process exits may crash there.
+    /// Another device that tests share: unclipped depth, and 32 bits of depth beside a stencil. Pipelines are made once.
+    pub fn shared_with_depth_features() -> Result<Arc<Self>, String> {
+        Self::shared_with(1, wgpu::Features::DEPTH_CLIP_CONTROL | wgpu::Features::DEPTH32FLOAT_STENCIL8)
+    }
+
+    fn shared_with(number: usize, features: wgpu::Features) -> Result<Arc<Self>, String> {
+        let mut shared = SHARED.lock().map_err(|error| error.to_string())?;
+        let make = || Self::with(features, wgpu::Limits::default()).map(Arc::new);
+        shared[number].get_or_insert_with(make).clone()
+    }
+
+    /// Lets go of the shared devices. A software driver that still has threads when the process exits may crash there.
     pub fn close() {
         if let Ok(mut shared) = SHARED.lock() {
-            *shared = None;
+            *shared = [None, None];
         }
     }
 

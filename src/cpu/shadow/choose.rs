@@ -71,7 +71,7 @@ fn choose_light(
 }
 
 /// A lower bound of the distance from the light to the box.
-pub(super) fn distance_below(light: &ShadowLight, Bounds { low, high }: Bounds) -> f32 {
+fn distance_below(light: &ShadowLight, Bounds { low, high }: Bounds) -> f32 {
     let [x, y, z, w] = light.light;
     let place = Vec3::new(x, y, z) / w;
     let slack = SLACK * low.abs().max(high.abs()).max(place.abs());
@@ -80,7 +80,7 @@ pub(super) fn distance_below(light: &ShadowLight, Bounds { low, high }: Bounds) 
 }
 
 /// The largest side is factored out, because squares may overflow.
-pub(super) fn length_of(d: Vec3) -> f32 {
+fn length_of(d: Vec3) -> f32 {
     let size = d.x.max(d.y).max(d.z);
     if size <= 0.0 {
         return 0.0;

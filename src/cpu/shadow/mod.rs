@@ -1,4 +1,4 @@
-//! Twins of the stages and vertex shaders of shadow volumes.
+//! Twins of the stages and vertex shaders of shadow volumes that no oracle proves on the GPU itself.
 
 pub(crate) mod bounds;
 pub(crate) mod cap_faces;
@@ -6,23 +6,10 @@ pub(crate) mod caps;
 pub(crate) mod casting;
 pub(crate) mod choose;
 pub(crate) mod chosen;
-pub(crate) mod hidden;
-pub(crate) mod list_sides;
-pub(crate) mod multiplicity;
-#[cfg(feature = "reference")]
-pub(crate) mod piece_arguments;
 pub(crate) mod piece_crossings;
-#[cfg(feature = "reference")]
-pub(crate) mod pieces;
 pub(crate) mod pyramid;
-pub(crate) mod receiver_depth;
-pub(crate) mod receiver_pyramid;
-pub(crate) mod receiver_samples;
-pub(crate) mod receivers;
-pub(crate) mod relist;
 pub(crate) mod seen;
 pub(crate) mod shadow;
-pub(crate) mod shadow_arguments;
 pub(crate) mod sides;
 pub(crate) mod stencil_bound;
 pub(crate) mod stencil_crossings;

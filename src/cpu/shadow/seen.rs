@@ -1,17 +1,17 @@
-//! Early tests of a box and its shadow: whether a light reaches the box, and whether a camera may see the box or its shadow.
+//! Early tests of a box and its shadow: whether a light reaches the box, and whether a camera may see its shadow.
 
 use glam::Vec3;
 
 use super::bounds::unordered;
 use super::pyramid::{SLACK, clip_size, height_size, is_out};
-use super::shadow::{corner, dot_3, near_plane, placed, to_clip};
+use super::shadow::{corner, dot_3, near_plane, placed};
 use crate::layout::{ShadowLight, ShadowView};
 
 /// A box by its lowest and its highest corner.
 #[derive(Clone, Copy)]
-pub(in crate::cpu) struct Bounds {
-    pub(in crate::cpu) low: Vec3,
-    pub(in crate::cpu) high: Vec3,
+pub(super) struct Bounds {
+    pub(super) low: Vec3,
+    pub(super) high: Vec3,
 }
 
 impl Bounds {
@@ -30,7 +30,7 @@ impl Bounds {
 }
 
 /// Whether the whole box is beyond the light's range.
-pub(in crate::cpu) fn out_of_range(light: &ShadowLight, Bounds { low, high }: Bounds) -> bool {
+pub(super) fn out_of_range(light: &ShadowLight, Bounds { low, high }: Bounds) -> bool {
     let [x, y, z, w] = light.light;
     if light.range <= 0.0 || w <= 0.0 {
         return false;
@@ -45,7 +45,7 @@ pub(in crate::cpu) fn out_of_range(light: &ShadowLight, Bounds { low, high }: Bo
 }
 
 /// Whether the whole volume of the box is outside the left, right, bottom, top or near plane of the camera.
-pub(in crate::cpu) fn is_unseen(view: &ShadowView, light: &ShadowLight, caster: Bounds) -> bool {
+pub(super) fn is_unseen(view: &ShadowView, light: &ShadowLight, caster: Bounds) -> bool {
     let (mut out, mut before) = ([true; 4], true);
     for position in caster.corners() {
         let v = corner(view, light, position);
@@ -66,25 +66,8 @@ pub(in crate::cpu) fn is_unseen(view: &ShadowView, light: &ShadowLight, caster: 
 }
 
 /// Bounds on the terms whose sums are the vector from the light to a position.
-pub(super) fn extrusion_size(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec3 {
+fn extrusion_size(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec3 {
     let [x, y, z, weight] = light.light;
     let terms = (weight * Vec3::from(position)).abs() + Vec3::new(x, y, z).abs();
     Vec3::from(view.placement.map(|[x, y, z, _]| dot_3(Vec3::new(x, y, z).abs(), terms)))
-}
-
-/// Whether the whole box is outside the left, right, bottom, top or near plane of the camera.
-pub(in crate::cpu) fn box_is_unseen(view: &ShadowView, own: Bounds) -> bool {
-    let (mut out, mut before) = ([true; 4], true);
-    let (normal, constant) = near_plane(view);
-    for position in own.corners() {
-        let q = placed(view, position);
-        let (clip, size) = (to_clip(view, position), clip_size(view, q.abs()));
-        let values = [clip.w + clip.x, clip.w - clip.x, clip.w + clip.y, clip.w - clip.y];
-        let sizes = [size.w + size.x, size.w + size.x, size.w + size.y, size.w + size.y];
-        for ((out, value), size) in out.iter_mut().zip(values).zip(sizes) {
-            *out &= is_out(value, size);
-        }
-        before &= is_out(dot_3(normal, q) + constant, height_size(view, q.abs()));
-    }
-    out.contains(&true) || before
 }

@@ -83,17 +83,18 @@ pub struct SceneResults<'a> {
     pub taken: &'a wgpu::Buffer,
     /// The [`SceneStatistics`](crate::gpu::SceneStatistics).
     pub statistics: &'a wgpu::Buffer,
-    /// The inputs of the bits, as [`Taken::kept`](crate::reference::cpu::Taken::kept) has them.
+    /// The inputs of the bits: the number of the layout, three zeros, then for each batch the versions of 32 lights. Then come,
+    /// for each batch and caster, the caster's version and the lights that culling leaves.
     pub kept: &'a wgpu::Buffer,
     /// The counts of listed chunks, then the lists.
     pub work: &'a wgpu::Buffer,
     /// The choices: for each view, batch and caster eight words, as `reference::cpu::chosen` reads them. `None`: no view.
     pub choices: Option<&'a wgpu::Buffer>,
-    /// For each view, after one word, what its shadows may fall on: so many words as the number says, as
-    /// `reference::cpu::receiver_pyramid` returns them. `None`: no view.
+    /// For each view, after one word, what its shadows may fall on: so many words as the number says, a
+    /// head and the levels of `wgsl/shadow/receivers.wgsl`. `None`: no view.
     pub receivers: Option<(&'a wgpu::Buffer, u64)>,
-    /// The inputs of the lists for views: for each group, batch and view 32 pairs of words, as `reference::cpu::relist` reads
-    /// them. `None`: no view.
+    /// The inputs of the lists for views: for each group, batch and view 32 pairs of words: the encode that made
+    /// the silhouettes, and the version of the camera. `None`: no view.
     pub listed: Option<&'a wgpu::Buffer>,
     /// For each view and light bit a [`StencilPencil`](crate::layout::StencilPencil), and for each batch of casters its row, as
     /// `reference::cpu::stencil_crossings` makes it. `None`: no bound was asked for.
