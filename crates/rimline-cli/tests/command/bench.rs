@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::run::{folder, is_empty, rimline, with_signals};
+use super::run::{folder, is_empty, rimline, with_signals, write_file};
 use super::schema::validate;
 use super::{Outcome, Test, ensure, plot_labels};
 
@@ -451,7 +451,7 @@ fn depth_maps() -> Outcome {
         "size": 64,
         "rows": [row(1000, 1.5), row(1_000_000, 40.0)],
     });
-    std::fs::write(&times, good.to_string()).map_err(|error| error.to_string())?;
+    write_file(&times, good.to_string())?;
     bench().expect(0, &[])?;
     let data = read_json(&report.join("data.json"))?;
     check_data(&data)?;
@@ -482,7 +482,7 @@ fn depth_maps() -> Outcome {
         "{".to_owned(),
         "3".to_owned(),
     ] {
-        std::fs::write(&times, &text).map_err(|error| error.to_string())?;
+        write_file(&times, &text)?;
         bench().expect(1, &["times.json", "it is not what `cargo bench --bench depth_maps"])?;
         ensure!(!report.exists(), "{text:.40}: a report");
     }
@@ -528,7 +528,7 @@ fn wrong_options() -> Outcome {
     rimline(["bench", "--quick", "--report", &page]).expect(2, &["report.html looks like a file", "folder"])?;
     is_empty(folder.path())?;
     let file = folder.path().join("file");
-    std::fs::write(&file, "in the way").map_err(|error| error.to_string())?;
+    write_file(&file, "in the way")?;
     for option in ["--report", "--json"] {
         let place = file.join("below").to_string_lossy().into_owned();
         rimline(["bench", option, &place]).expect(4, &["cannot be written"])?;

@@ -8,8 +8,8 @@ use libtest_mimic::Trial;
 
 use super::draw::png;
 use super::npz_polygons::words;
-use super::run::{folder, on_case};
-use super::shadow::{Image, apart, run};
+use super::run::{Folder, folder, on_case};
+use super::shadow::apart;
 use super::{Outcome, ensure};
 
 pub(crate) fn trials() -> Vec<Trial> {
@@ -22,7 +22,7 @@ pub(crate) fn trials() -> Vec<Trial> {
     ]
 }
 
-fn copied(file: &Path, name: &str) -> Result<tempfile::TempDir, String> {
+fn copied(file: &Path, name: &str) -> Result<Folder, String> {
     let folder = folder();
     std::fs::copy(file, folder.path().join(name)).map_err(|error| error.to_string())?;
     Ok(folder)
@@ -41,17 +41,17 @@ fn screw(file: &Path) -> Outcome {
     std::fs::copy(triangles, folder.path().join("triangles.obj")).map_err(|error| error.to_string())?;
     let view = "--eye 2.5,3.2,4 --target 0,1.2,0 --fov 40 --size 240x180";
     for name in ["quads", "triangles"] {
-        run(folder.path(), &format!("draw @{name}.obj {view} --out @{name}.png")).expect(0, &[])?;
+        folder.run(format!("draw @{name}.obj {view} --out @{name}.png")).expect(0, &[])?;
         let shadow = format!("shadow @{name}.obj --light dir:.6,1,.5 {view} --mask @{name}");
-        run(folder.path(), &shadow).expect(0, &[])?;
+        folder.run(&shadow).expect(0, &[])?;
     }
     let count = differing(folder.path(), ["quads.png", "triangles.png"])?;
     ensure!(count == 0, "{count} pixels of the pictures differ");
-    let [quads, triangles] = ["quads.0.png", "triangles.0.png"].map(|name| Image::mask(&folder.path().join(name)));
+    let [quads, triangles] = ["quads.0.png", "triangles.0.png"].map(|name| folder.mask(name));
     let count = apart([&quads?.bytes, &triangles?.bytes], 1, 0)?;
     ensure!(count == 0, "{count} pixels of the masks differ");
     // By the loop rule it is another.
-    run(folder.path(), &format!("draw @quads.obj --polygons {view} --out @quads.png")).expect(0, &[])?;
+    folder.run(format!("draw @quads.obj --polygons {view} --out @quads.png")).expect(0, &[])?;
     let count = differing(folder.path(), ["quads.png", "triangles.png"])?;
     ensure!(count > 100, "the comparison cannot fail: {count} pixels");
     Ok(())
@@ -60,10 +60,10 @@ fn screw(file: &Path) -> Outcome {
 /// It looks like the body with one face of each two.
 fn twice(file: &Path) -> Outcome {
     let folder = copied(file, "twice.glb")?;
-    let placed = &run(folder.path(), "info @twice.glb --json").json()?["placed"];
+    let placed = &folder.run("info @twice.glb --json").json()?["placed"];
     ensure!(placed["faces"] == 24 && placed["flipped_faces"] == 12, "{placed}");
-    run(folder.path(), "extract @twice.glb --device cpu --light dir:1,2,3 --out @twice.npz").expect(0, &[])?;
-    let archive = std::fs::read(folder.path().join("twice.npz")).map_err(|error| error.to_string())?;
+    folder.run("extract @twice.glb --device cpu --light dir:1,2,3 --out @twice.npz").expect(0, &[])?;
+    let archive = folder.read("twice.npz")?;
     let (positions, faces) = (words(&archive, "positions")?, words(&archive, "faces")?);
     let (mut once, mut seen) = (String::new(), BTreeSet::new());
     for corner in positions.as_chunks::<3>().0 {
@@ -78,11 +78,11 @@ fn twice(file: &Path) -> Outcome {
             let _ = writeln!(once, "f {a} {b} {c}");
         }
     }
-    std::fs::write(folder.path().join("once.obj"), once).map_err(|error| error.to_string())?;
+    folder.write("once.obj", once)?;
     for command in ["draw", "shadow --light point:3,5,4", "shadow --light dir:.6,1,.5 --method z-fail"] {
         for name in ["twice.glb", "once.obj"] {
             let line = format!("{command} @{name} --eye 4,3,5 --size 200x150 --out @{}.png", &name[..4]);
-            run(folder.path(), &line).expect(0, &[])?;
+            folder.run(&line).expect(0, &[])?;
         }
         let count = differing(folder.path(), ["twic.png", "once.png"])?;
         ensure!(count <= 60, "{command}: {count} pixels differ");
@@ -94,7 +94,7 @@ fn twice(file: &Path) -> Outcome {
 fn few_layers(file: &Path) -> Outcome {
     let folder = copied(file, "m.glb")?;
     for light in ["point:0,1.2,0", "point:0,2,0", "point:0.1,2.19,0.05"] {
-        let found = run(folder.path(), &format!("shadow @m.glb --size 64x48 --light {light} --mask @m --json"));
+        let found = folder.run(format!("shadow @m.glb --size 64x48 --light {light} --mask @m --json"));
         let json = found.json()?;
         ensure!(json["may_wrap"] == 0 && !found.stderr.contains("256"), "{light}: {json} {}", found.stderr);
         ensure!(json["count_bound"].as_u64().is_some_and(|bound| bound < 256), "{light}: {json}");
@@ -108,11 +108,11 @@ fn many_layers(file: &Path) -> Outcome {
     let mut masks = Vec::new();
     for method in ["auto", "z-pass", "z-fail"] {
         let line = format!("shadow @m.glb --size 120x90 --light dir:0.05,1,0.02 --method {method} --mask @m --json");
-        let found = run(folder.path(), &line);
+        let found = folder.run(&line);
         let json = found.json()?;
         ensure!(json["may_wrap"] == 0 && !found.stderr.contains("256"), "{method}: {json} {}", found.stderr);
         ensure!(json["count_bound"].as_u64() > Some(255), "{method}: {json}");
-        masks.push(Image::mask(&folder.path().join("m.0.png"))?.bytes);
+        masks.push(folder.mask("m.0.png")?.bytes);
     }
     let dark: usize = masks[0].iter().map(|value| usize::from(*value == 0)).sum();
     ensure!(dark > 300, "{dark} dark pixels");

@@ -80,7 +80,7 @@ fn specks() -> Outcome {
             picture.as_os_str(),
         ];
         rimline_with(line, variables).expect(0, &[])?;
-        Image::mask(&folder.path().join(format!("{name}.0.png")))
+        folder.mask(format!("{name}.0.png"))
     };
     let right = mask("right", &[])?;
     let found = mask("found", &[("VK_DRIVER_FILES", driver.as_str())])?;

@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 
 use super::archive::{Entry, FIRST_DAY, array, compare, data, read_zip, words, write_zip};
-use super::run::{folder, rimline};
+use super::run::{folder, read_file, rimline, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -49,7 +49,7 @@ fn model(scale: f32) -> Vec<u8> {
 fn extract<const N: usize>(model: &[u8], lights: &[[i8; 4]], options: [&[&str]; N]) -> Result<[Vec<u8>; N], String> {
     let folder = folder();
     let file = folder.path().join("model.npz");
-    std::fs::write(&file, model).map_err(|error| error.to_string())?;
+    write_file(&file, model)?;
     let specs: Vec<String> = lights.iter().map(|[x, y, z, w]| format!("hom:{x},{y},{z},{w}")).collect();
     let mut results = [const { Vec::new() }; N];
     for (options, result) in options.into_iter().zip(&mut results) {
@@ -60,7 +60,7 @@ fn extract<const N: usize>(model: &[u8], lights: &[[i8; 4]], options: [&[&str]; 
             line.extend([OsStr::new("--light"), OsStr::new(spec)]);
         }
         rimline(line).expect(0, &[])?;
-        *result = std::fs::read(&out).map_err(|error| error.to_string())?;
+        *result = read_file(&out)?;
     }
     Ok(results)
 }
@@ -178,7 +178,7 @@ fn non_finite() -> Outcome {
         array("positions", "<f4", "False", "(10, 3)", &positions),
         array("faces", "|u1", "False", "(11, 3)", FACES.as_flattened()),
     ]);
-    std::fs::write(&file, bytes).map_err(|error| error.to_string())?;
+    write_file(&file, bytes)?;
     for device in ["cpu", "gpu"] {
         let line = ["extract", "--light", "dir:0,0,1", "--light", "point:9,9,9", "--json", "--device", device, "--out"];
         let mut line: Vec<&OsStr> = line.iter().map(AsRef::as_ref).collect();
@@ -187,7 +187,7 @@ fn non_finite() -> Outcome {
         // Vertex 4 has three faces.
         ensure!(json["non_finite_faces"] == 2 || json["non_finite_faces"] == 3, "{device}: {json}");
         ensure!(json["unclosed_vertices"] == serde_json::json!([0, 0]), "{device}: {json}");
-        let entries = read_zip(&std::fs::read(&out).map_err(|error| error.to_string())?)?;
+        let entries = read_zip(&read_file(&out)?)?;
         let facing = words(data(named(&entries, "facing")?, "<u4", "(11, 1)")?);
         let touching = FACES.iter().enumerate().filter(|(_, face)| face.contains(&4));
         for (face, _) in touching {
@@ -202,7 +202,7 @@ fn displaced() -> Outcome {
     let wgsl = folder.path().join("shift.wgsl");
     let source = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {\n  \
                   return position + vec3<f32>(time, f32(vertex), 0.0);\n}\n";
-    std::fs::write(&wgsl, source).map_err(|error| error.to_string())?;
+    write_file(&wgsl, source)?;
     let path = wgsl.to_string_lossy().into_owned();
     let options: &[&str] = &["--device", "gpu", "--displace", &path, "--time", "2"];
     let [archive] = extract(&model(1.0), &lights()[..1], [options])?;
@@ -213,9 +213,9 @@ fn displaced() -> Outcome {
         ensure!(found == expected.map(f32::to_bits), "vertex {vertex} is elsewhere");
     }
     // An error in the WGSL is reported with its own line.
-    std::fs::write(&wgsl, source.replace("time,", "tyme,")).map_err(|error| error.to_string())?;
+    write_file(&wgsl, source.replace("time,", "tyme,"))?;
     let model_file = folder.path().join("m.npz");
-    std::fs::write(&model_file, model(1.0)).map_err(|error| error.to_string())?;
+    write_file(&model_file, model(1.0))?;
     let (file, out) = (model_file.to_string_lossy(), folder.path().join("o.npz"));
     let line = ["extract", &file, "--light", "dir:0,1,0", "--displace", &path, "--out", &out.to_string_lossy()];
     rimline(line).expect(1, &["shift.wgsl", "line 2", "tyme"])?;

@@ -2,8 +2,8 @@
 
 use rimline_measure::shapes;
 
-use super::run::folder;
-use super::shadow::{Image, model, run};
+use super::run::{Folder, folder, write_file};
+use super::shadow::model;
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -13,7 +13,7 @@ pub(crate) const TESTS: &[Test] = &[
 
 const VIEW: &str = "--ground 0 --eye 4,9,14 --target 0,1,0 --size 160x120 --light point:0,9,0 --light dir:-1,0.2,0";
 
-fn with_roof() -> Result<tempfile::TempDir, String> {
+fn with_roof() -> Result<Folder, String> {
     let folder = folder();
     for (name, shape, scale, at) in [
         ("roof", shapes::plane_grid(2, 2), 3.0, [0.0, 5.0, 0.0]),
@@ -22,7 +22,7 @@ fn with_roof() -> Result<tempfile::TempDir, String> {
         ("ring", shapes::torus(12, 8, 2.0, 0.5), 1.0, [12.0, 1.0, 0.0]),
     ] {
         let file = folder.path().join(format!("{name}.npz"));
-        std::fs::write(file, model(&shape, scale, at)).map_err(|error| error.to_string())?;
+        write_file(file, model(&shape, scale, at))?;
     }
     Ok(folder)
 }
@@ -31,11 +31,11 @@ fn left_out() -> Outcome {
     let folder = with_roof()?;
     let draw = |name: &str, options: &str| {
         let files = "@ball.npz @ring.npz @roof.npz";
-        run(folder.path(), &format!("shadow {files} {VIEW} {options} --mask @{name} --out @{name}.png --json")).json()
+        folder.run(format!("shadow {files} {VIEW} {options} --mask @{name} --out @{name}.png --json")).json()
     };
     let (with, without) = (draw("with", "")?, draw("without", "--hide-covered")?);
     for light in ["0", "1"] {
-        let mask = |name: &str| Image::mask(&folder.path().join(format!("{name}.{light}.png")));
+        let mask = |name: &str| folder.mask(format!("{name}.{light}.png"));
         let (with, without) = (mask("with")?.bytes, mask("without")?.bytes);
         ensure!(with == without, "light {light}: the masks differ");
         ensure!([0, 255].iter().all(|value| with.contains(value)), "light {light}: all alike");
@@ -53,20 +53,20 @@ fn left_out() -> Outcome {
     ensure!(with["lights"][0]["covered"].is_null() && with["totals"]["covered_faces"].is_null(), "{with:#}");
     // The volumes that are shown are those that are drawn.
     let files = ["with.png", "without.png"];
-    let [plain, same] = files.map(|name| Image::read(&folder.path().join(name)).map(|image| image.bytes));
+    let [plain, same] = files.map(|name| folder.image(name).map(|image| image.bytes));
     ensure!(plain? == same?, "the pictures differ");
     draw("with", "--volumes")?;
     draw("without", "--volumes --hide-covered")?;
-    let [shown, fewer] = files.map(|name| Image::read(&folder.path().join(name)).map(|image| image.bytes));
+    let [shown, fewer] = files.map(|name| folder.image(name).map(|image| image.bytes));
     ensure!(shown? != fewer?, "volumes of covered faces are shown");
     // Where nothing is covered, the same volumes are shown.
     for (name, options) in [("with", ""), ("without", "--hide-covered")] {
         let line = format!(
             "shadow @ring.npz @ball.npz --size 160x120 --light dir:0,1,0 --volumes --out @{name}.png {options}"
         );
-        run(folder.path(), &line).expect(0, &[])?;
+        folder.run(&line).expect(0, &[])?;
     }
-    let [shown, alike] = files.map(|name| Image::read(&folder.path().join(name)).map(|image| image.bytes));
+    let [shown, alike] = files.map(|name| folder.image(name).map(|image| image.bytes));
     ensure!(shown? == alike?, "other volumes are shown where nothing is covered");
     Ok(())
 }
@@ -75,7 +75,7 @@ fn wrong_options() -> Outcome {
     let folder = with_roof()?;
     for (options, part) in [("--area disc", "--area"), ("--method zp+paper", "--method zp+paper")] {
         let line = format!("shadow @ball.npz --hide-covered {options} --out @p.png");
-        run(folder.path(), &line).expect(2, &["--hide-covered", part])?;
+        folder.run(&line).expect(2, &["--hide-covered", part])?;
         ensure!(!folder.path().join("p.png").exists(), "{options}: a picture");
     }
     Ok(())

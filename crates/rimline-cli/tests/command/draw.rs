@@ -1,7 +1,7 @@
 //! Pictures: there, of the right size, the same twice, with the lines that belong there.
 
 use super::npz_input::tetrahedron;
-use super::run::{folder, is_empty, rimline};
+use super::run::{folder, is_empty, read_file, rimline, write_file};
 use super::{Outcome, Test, ensure};
 use crate::archive::{array, write_zip};
 
@@ -25,7 +25,7 @@ fn draw(model: &[u8], options: &str) -> Result<Picture, String> {
 pub(crate) fn draw_with(model: &[u8], options: &str, device: &str) -> Result<Picture, String> {
     let folder = folder();
     let (file, out) = (folder.path().join("m.npz"), folder.path().join("p.png"));
-    std::fs::write(&file, model).map_err(|error| error.to_string())?;
+    write_file(&file, model)?;
     let (file, out) = (file.to_string_lossy(), out.to_string_lossy());
     let line = ["draw", &file, "--out", &out, "--device", device].into_iter().chain(options.split_whitespace());
     rimline(line).expect(0, &[])?;
@@ -34,7 +34,7 @@ pub(crate) fn draw_with(model: &[u8], options: &str, device: &str) -> Result<Pic
 
 /// Reads a picture in colour.
 pub(crate) fn png(file: &std::path::Path) -> Result<Picture, String> {
-    let bytes = std::fs::read(file).map_err(|error| error.to_string())?;
+    let bytes = read_file(file)?;
     let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().map_err(|error| error.to_string())?;
     let mut data = vec![0; reader.output_buffer_size().ok_or("the picture is too large")?];
     let info = reader.next_frame(&mut data).map_err(|error| error.to_string())?;
@@ -103,7 +103,7 @@ fn eyes() -> Outcome {
 fn nothing() -> Outcome {
     let folder = folder();
     let file = folder.path().join("m.npz");
-    std::fs::write(&file, triangle([f32::NAN; 9])).map_err(|error| error.to_string())?;
+    write_file(&file, triangle([f32::NAN; 9]))?;
     let out = folder.path().join("results");
     std::fs::create_dir(&out).map_err(|error| error.to_string())?;
     let (file, png) = (file.to_string_lossy(), out.join("p.png"));

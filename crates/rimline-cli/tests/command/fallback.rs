@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use super::archive::{array, write_zip};
-use super::run::{Run, folder, rimline, rimline_with};
+use super::run::{Run, folder, is_long, rimline, rimline_with, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -28,20 +28,18 @@ fn strip(vertices: usize) -> Vec<u8> {
 }
 
 fn model() -> Outcome {
-    let is_long = std::env::var_os("RIMLINE_LONG").is_some_and(|long| long == "1");
     falls_back(4096, SMALL)?;
     // More than four bindings of 128 MiB hold; adapters with larger ones take it.
-    if is_long { falls_back(60_000_000, &[]) } else { Ok(()) }
+    if is_long() { falls_back(60_000_000, &[]) } else { Ok(()) }
 }
 
 fn falls_back(vertices: usize, variables: &[(&str, &str)]) -> Outcome {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    fs::write(at("model.npz"), strip(vertices)).map_err(|error| error.to_string())?;
+    write_file(at("model.npz"), strip(vertices))?;
     let points = write_zip(&[array("points", "<f4", "False", "(1, 3)", &[0; 12])]);
-    fs::write(at("points.npz"), points).map_err(|error| error.to_string())?;
-    fs::write(at("still.wgsl"), "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }")
-        .map_err(|error| error.to_string())?;
+    write_file(at("points.npz"), points)?;
+    write_file(at("still.wgsl"), "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }")?;
     for command in [&["extract"][..], &["query", "--points", &at("points.npz")]] {
         let run = |device: &str, more: &[&str]| -> Run {
             let model = at("model.npz");
@@ -72,7 +70,7 @@ fn falls_back(vertices: usize, variables: &[(&str, &str)]) -> Outcome {
 fn picture() -> Outcome {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    fs::write(at("model.npz"), strip(66)).map_err(|error| error.to_string())?;
+    write_file(at("model.npz"), strip(66))?;
     for command in ["draw", "shadow"] {
         let line = [command, &at("model.npz"), "--size", "16384x16384", "--out", &at("out.png")];
         let run = rimline(line);
@@ -102,8 +100,8 @@ fn large() -> Outcome {
         array("positions", "<f4", "False", "(92, 3)", &corners),
         array("faces", "<u4", "False", "(60000, 3)", &faces),
     ]);
-    fs::write(at("faces.npz"), file).map_err(|error| error.to_string())?;
-    fs::write(at("vertices.npz"), strip(60_000)).map_err(|error| error.to_string())?;
+    write_file(at("faces.npz"), file)?;
+    write_file(at("vertices.npz"), strip(60_000))?;
     for (model, what) in [("faces.npz", "faces"), ("vertices.npz", "positions")] {
         for command in ["draw", "shadow"] {
             let line = [command, &at(model), "--no-weld", "--size", "32x32", "--out", &at("out.png")];

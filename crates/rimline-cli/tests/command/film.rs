@@ -5,7 +5,7 @@ use std::path::Path;
 use libtest_mimic::Trial;
 
 use super::run::{folder, on_asset, rimline};
-use super::shadow::{Image, run, with_cube};
+use super::shadow::{Image, with_cube};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] =
@@ -17,15 +17,14 @@ pub(crate) fn trials() -> Vec<Trial> {
 
 fn film() -> Outcome {
     let folder = with_cube()?;
-    std::fs::write(
-        folder.path().join("rise.wgsl"),
+    folder.write(
+        "rise.wgsl",
         "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {
             return position + vec3<f32>(0.0, time, 0.0);
         }",
-    )
-    .map_err(|error| error.to_string())?;
+    )?;
     let moving = "--displace @rise.wgsl --ground 0 --size 64x48 --fps 2";
-    run(folder.path(), &format!("film @cube.npz {moving} --seconds 1.5 --out @frames")).expect(0, &[])?;
+    folder.run(format!("film @cube.npz {moving} --seconds 1.5 --out @frames")).expect(0, &[])?;
     let mut names: Vec<_> = std::fs::read_dir(folder.path().join("frames"))
         .map_err(|error| error.to_string())?
         .filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()))
@@ -36,17 +35,17 @@ fn film() -> Outcome {
     let frames = [frame("0000.png")?, frame("0001.png")?, frame("0002.png")?];
     ensure!(frames[0] != frames[1] && frames[1] != frames[2], "nothing moves");
     // Into the folder that is there: not a shorter film, whose pictures would stand among these.
-    run(folder.path(), &format!("film @cube.npz {moving} --frames 1 --out @frames/")).expect(2, &["0001.png"])?;
+    folder.run(format!("film @cube.npz {moving} --frames 1 --out @frames/")).expect(2, &["0001.png"])?;
     ensure!(frame("0000.png")? == frames[0] && frame("0002.png")? == frames[2], "a film that was refused wrote");
-    run(folder.path(), &format!("film @cube.npz {moving} --frames 3 --out @frames/")).expect(0, &[])?;
+    folder.run(format!("film @cube.npz {moving} --frames 3 --out @frames/")).expect(0, &[])?;
     ensure!(frame("0001.png")? == frames[1] && frame("0002.png")? == frames[2], "a folder that is there");
-    run(folder.path(), &format!("film @cube.npz {moving} --out @more")).expect(2, &["--frames", "--seconds"])
+    folder.run(format!("film @cube.npz {moving} --out @more")).expect(2, &["--frames", "--seconds"])
 }
 
 fn film_folder() -> Outcome {
     let folder = with_cube()?;
     let exists = |name: &str| folder.path().join(name).exists();
-    let film = |options: &str| run(folder.path(), &format!("film @cube.npz --size 16x16 {options}"));
+    let film = |options: &str| folder.run(format!("film @cube.npz --size 16x16 {options}"));
     film("--frames 2 --out @a").expect(0, &[])?;
     film("--frames 2 --out @b/").expect(0, &[])?;
     for name in ["a/0000.png", "a/0001.png", "b/0000.png", "b/0001.png"] {

@@ -6,7 +6,7 @@ use super::archive::{Entry, FIRST_DAY, write_zip};
 use super::inputs::fed;
 use super::npz_input::tetrahedron;
 use super::own_gltf::{self, Names};
-use super::run::{folder, is_empty, rimline};
+use super::run::{folder, is_empty, rimline, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -78,7 +78,7 @@ fn kinds() -> Outcome {
     for (bytes, what, advice) in others() {
         for ending in ["stl", "glb", "gltf", "obj", "npz", "bin"] {
             let file = folder.path().join(format!("a.{ending}"));
-            std::fs::write(&file, &bytes).map_err(|error| error.to_string())?;
+            write_file(&file, &bytes)?;
             let run = rimline([OsString::from("info"), file.clone().into()]);
             std::fs::remove_file(file).map_err(|error| error.to_string())?;
             let parts = [&format!("a.{ending}: it is "), what, "which is not read here; ", advice];
@@ -89,7 +89,7 @@ fn kinds() -> Outcome {
     // One byte more, and it is no STL for certain. Text that only begins like the word is none, either.
     for (bytes, ending) in [([binary_stl(2), vec![0]].concat(), "stl"), (b"solid ground\n".to_vec(), "txt")] {
         let file = folder.path().join(format!("a.{ending}"));
-        std::fs::write(&file, bytes).map_err(|error| error.to_string())?;
+        write_file(&file, bytes)?;
         let run = rimline([OsString::from("info"), file.clone().into()]);
         run.expect(1, &[&format!("cannot read .{ending}"), "use .glb, .gltf, .obj or .npz", "convert"])?;
         std::fs::remove_file(file).map_err(|error| error.to_string())?;
@@ -107,7 +107,7 @@ fn renamed() -> Outcome {
     for (bytes, faces) in [(gltf, 4), (tetrahedron(), 4), (obj, 1)] {
         for ending in ["glb", "gltf", "obj", "npz"] {
             let file = folder.path().join(format!("a.{ending}"));
-            std::fs::write(&file, &bytes).map_err(|error| error.to_string())?;
+            write_file(&file, &bytes)?;
             let json = rimline([OsString::from("info"), "--json".into(), file.into()]).json()?;
             ensure!(json["total"]["faces"] == faces, "{ending}: {}", json["total"]);
         }
@@ -118,13 +118,13 @@ fn renamed() -> Outcome {
 fn archives() -> Outcome {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).into_os_string();
-    std::fs::write(at("model.npz"), tetrahedron()).map_err(|error| error.to_string())?;
+    write_file(at("model.npz"), tetrahedron())?;
     let obj = (OBJ.as_bytes().to_vec(), "an OBJ file", "savez");
     let npy = (b"\x93NUMPY\x01\0v\0{".to_vec(), "a single array (.npy)", "savez");
     for (bytes, what, advice) in
         [obj, npy, (binary_stl(1), "an STL file", "savez"), (POINTER.into(), "Git LFS", "pull")]
     {
-        std::fs::write(at("points.npz"), bytes).map_err(|error| error.to_string())?;
+        write_file(at("points.npz"), bytes)?;
         let given = |words: &[&str]| {
             let files = ["--out".into(), at(if words[0] == "query" { "out.npz" } else { "out.png" }), at("model.npz")];
             rimline(words.iter().map(OsString::from).chain([at("points.npz")]).chain(files))

@@ -2,7 +2,7 @@
 
 use super::archive::{Entry, array, write_zip};
 use super::given_depth::{entries, models, save};
-use super::shadow::run;
+use super::run::Folder;
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -13,13 +13,13 @@ pub(crate) const TESTS: &[Test] = &[
 ];
 
 /// Draws with this archive, which must be refused with a message that has all of `parts`.
-fn refused(folder: &tempfile::TempDir, archive: &[u8], options: &str, parts: &[&str]) -> Outcome {
+fn refused(folder: &Folder, archive: &[u8], options: &str, parts: &[&str]) -> Outcome {
     let before = names(folder)?;
-    std::fs::write(folder.path().join("wrong.npz"), archive).map_err(|error| error.to_string())?;
+    folder.write("wrong.npz", archive)?;
     let line =
         format!("shadow @ball.npz @ring.npz --size 32x32 --depth @wrong.npz {options} --mask @no --out @no.png --json");
     let parts: Vec<&str> = [&["wrong.npz"], parts].concat();
-    let run = run(folder.path(), &line);
+    let run = folder.run(&line);
     run.expect(1, &parts)?;
     ensure!(!run.stderr.contains("DepthMap"), "a name of the library: {}", run.stderr);
     std::fs::remove_file(folder.path().join("wrong.npz")).map_err(|error| error.to_string())?;
@@ -27,7 +27,7 @@ fn refused(folder: &tempfile::TempDir, archive: &[u8], options: &str, parts: &[&
     Ok(())
 }
 
-fn names(folder: &tempfile::TempDir) -> Result<Vec<std::ffi::OsString>, String> {
+fn names(folder: &Folder) -> Result<Vec<std::ffi::OsString>, String> {
     let entries = std::fs::read_dir(folder.path()).map_err(|error| error.to_string())?;
     let names: Result<Vec<_>, _> = entries.map(|entry| entry.map(|entry| entry.file_name())).collect();
     let mut names = names.map_err(|error| error.to_string())?;
@@ -36,7 +36,7 @@ fn names(folder: &tempfile::TempDir) -> Result<Vec<std::ffi::OsString>, String> 
 }
 
 /// A folder with the saved map of a light, and its arrays.
-fn saved(light: &str, side: u32) -> Result<(tempfile::TempDir, Vec<Entry>), String> {
+fn saved(light: &str, side: u32) -> Result<(Folder, Vec<Entry>), String> {
     let folder = models()?;
     save(&folder, light, side)?;
     let entries = entries(&folder)?;

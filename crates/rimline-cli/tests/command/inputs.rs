@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use super::archive::{array, read_zip, write_zip};
 use super::npz_input::tetrahedron;
 use super::own_gltf::{self, Names};
-use super::run::{Run, folder, rimline, rimline_with};
+use super::run::{Run, folder, read_file, rimline, rimline_with, write_file};
 use super::usage::HIDDEN;
 use super::{Outcome, Test, ensure};
 
@@ -64,18 +64,18 @@ fn standard_input() -> Outcome {
     fed(b"neither", &["info", "-"])?.expect(1, &["use .glb, .gltf, .obj or .npz"])?;
     fed(own_gltf::text(&Names::default()).as_bytes(), &["info", "-"])?.expect(1, &["body.bin", "folder"])?;
 
-    fs::write(at("model.npz"), tetrahedron()).map_err(text)?;
-    fs::write(at("points.npz"), points()).map_err(text)?;
+    write_file(at("model.npz"), tetrahedron())?;
+    write_file(at("points.npz"), points())?;
     let query = |bytes: &[u8], model: &str, points: &str| {
         let line = ["query", model, "--points", points, "--light", "dir:0,1,0", "--device", "cpu", "--out", &at("out")];
         fed(bytes, &line)
     };
     query(b"", &at("model.npz"), &at("points.npz"))?.expect(0, &[])?;
-    let expected = fs::read(at("out")).map_err(text)?;
+    let expected = read_file(at("out"))?;
     for (bytes, model, given) in [(points(), &*at("model.npz"), "-"), (tetrahedron(), "-", &*at("points.npz"))] {
         fs::remove_file(at("out")).map_err(text)?;
         query(&bytes, model, given)?.expect(0, &[])?;
-        ensure!(fs::read(at("out")).map_err(text)? == expected, "other depths from standard input");
+        ensure!(read_file(at("out"))? == expected, "other depths from standard input");
     }
     let mut both = read_zip(&tetrahedron())?;
     both.extend(read_zip(&points())?);
@@ -86,13 +86,13 @@ fn empty() -> Outcome {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     for name in ["e.glb", "e.gltf", "e.npz", "e.wgsl", "e"] {
-        fs::write(at(name), b"").map_err(text)?;
+        write_file(at(name), b"")?;
     }
     for name in ["e.glb", "e.gltf", "e.npz", "e"] {
         rimline(["info", &at(name)]).expect(1, &[name, "cannot be read: it is empty"])?;
     }
     fed(b"", &["info", "-"])?.expect(1, &["-: cannot be read: it is empty"])?;
-    fs::write(at("model.npz"), tetrahedron()).map_err(text)?;
+    write_file(at("model.npz"), tetrahedron())?;
     let line = ["query", &at("model.npz"), "--points", &at("e.npz"), "--light", "dir:0,1,0", "--out", &at("out")];
     rimline(line).expect(1, &["e.npz: cannot be read: it is empty"])?;
     let line = ["draw", &at("model.npz"), "--displace", &at("e.wgsl"), "--out", &at("out")];
@@ -149,14 +149,14 @@ fn names() -> Outcome {
     let uri = serde_json::json!({ "asset": { "version": "2.0" }, "buffers": [{ "uri": HOSTILE, "byteLength": 4 }] });
     let wgsl = format!("fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> {{ return {HOSTILE}; }}");
     for (number, file) in [cited, version, uri].iter().enumerate() {
-        fs::write(&model, file.to_string()).map_err(text)?;
+        write_file(&model, file.to_string())?;
         let run = rimline([Path::new("info"), &model]);
         run.expect(1, &[])?;
         is_tame(&run, &format!("file {number}"))?;
     }
     let (archive, wave) = (folder.path().join("model.npz"), folder.path().join("wave.wgsl"));
-    fs::write(&archive, tetrahedron()).map_err(text)?;
-    fs::write(&wave, wgsl).map_err(text)?;
+    write_file(&archive, tetrahedron())?;
+    write_file(&wave, wgsl)?;
     let run = rimline(["draw".into(), archive, "--displace".into(), wave, "--out".into(), out]);
     run.expect(1, &["wave.wgsl"])?;
     is_tame(&run, "displacement")
@@ -169,7 +169,7 @@ fn archive_names() -> Outcome {
     let file = folder.path().join("model.npz");
     let other_type = array("positions", "<f\x1b[2J4", "False", "(1, 3)", &[0; 12]);
     for entries in [vec![named], vec![other_type]] {
-        fs::write(&file, write_zip(&entries)).map_err(text)?;
+        write_file(&file, write_zip(&entries))?;
         let run = rimline([Path::new("info"), &file]);
         run.expect(1, &["positions"])?;
         is_tame(&run, "archive")?;
@@ -187,7 +187,7 @@ fn file_names() -> Outcome {
     let bits = folder.path().join(&name);
     let file = bits.join(format!("{name}.npz"));
     fs::create_dir(&bits).map_err(text)?;
-    fs::write(&file, tetrahedron()).map_err(text)?;
+    write_file(&file, tetrahedron())?;
     let out = folder.path().join(format!("{name}.out"));
     let lines: [(&[&OsString], i32); 7] = [
         // The parser of options says this.
@@ -223,8 +223,8 @@ fn file_names() -> Outcome {
 fn pipes() -> Outcome {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    fs::write(at("model.npz"), tetrahedron()).map_err(text)?;
-    fs::write(at("points.npz"), points()).map_err(text)?;
+    write_file(at("model.npz"), tetrahedron())?;
+    write_file(at("points.npz"), points())?;
     fs::create_dir(at("bits")).map_err(text)?;
     for pipe in ["pipe", "pipe.npz", "pipe.glb", "bits/pipe.npz"] {
         ensure!(Command::new("mkfifo").arg(at(pipe)).status().is_ok_and(|status| status.success()), "no {pipe}");

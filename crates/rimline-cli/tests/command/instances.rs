@@ -126,11 +126,10 @@ fn crowd() -> Outcome {
     let [width, height] = SIZE;
     let view = format!("--ground 0 --eye 0,{HEIGHT},0.0001 --target 0,0,0 --fov {FOV} --size {width}x{height}");
     let masks = |nodes: Vec<Value>, method: &str| {
-        std::fs::write(folder.path().join("crowd.gltf"), gltf(&shapes, &nodes, &[]))
-            .map_err(|error| error.to_string())?;
+        folder.write("crowd.gltf", gltf(&shapes, &nodes, &[]))?;
         let options = format!("{view} {lights} --method {method} --json");
         let json = run(folder.path(), "shadow", "crowd.gltf", &options, ["--mask", "m"]).json()?;
-        let [first, last] = ["m.0.png", "m.32.png"].map(|name| Image::mask(&folder.path().join(name)));
+        let [first, last] = ["m.0.png", "m.32.png"].map(|name| folder.mask(name));
         Ok::<_, String>((json, [wrong(&first?, -1.0), wrong(&last?, 1.0)]))
     };
     for method in ["auto", "z-fail"] {
@@ -171,25 +170,21 @@ fn mirrored() -> Outcome {
     let at = |x: f64| json!({ "mesh": 0, "translation": [x, 1.0, 0.0] });
     let nodes = [at(0.0), at(4.0), json!({ "mesh": 1 })];
     let scales = [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 1.0, -1.0]];
-    std::fs::write(folder.path().join("m.gltf"), gltf(&[shape, corners()], &nodes, &scales))
-        .map_err(|error| error.to_string())?;
+    folder.write("m.gltf", gltf(&[shape, corners()], &nodes, &scales))?;
     let light = "--light dir:1,2,1 --light point:2,6,3";
     let view = "--ground 0 --eye 2,5,9 --target 2,1,0 --near 1 --size 96x72 --animation 0";
     for options in ["", "--volumes", "--method zp+paper", "--area disc --samples 2"] {
         let options = format!("{view} {light} {options}");
         let film = format!("{options} --fps 1 --frames 4");
         run(folder.path(), "film", "m.gltf", &film, ["--out", "film"]).expect(0, &[])?;
-        let mut frames = Vec::new();
-        for second in 0..scales.len() {
+        let bytes = |name: &str| folder.image(name).map(|image| image.bytes);
+        let frames = ["film/0000.png", "film/0001.png", "film/0002.png", "film/0003.png"].map(bytes);
+        ensure!(frames[0] == frames[2] && frames[0] != frames[1], "{options}: nothing moves, or not back");
+        for second in [1, 2, 3] {
             let moment = format!("{options} --time {second}");
             run(folder.path(), "shadow", "m.gltf", &moment, ["--out", "p.png"]).expect(0, &[])?;
-            let [frame, alone] = [format!("film/{second:04}.png"), "p.png".to_owned()]
-                .map(|name| Image::read(&folder.path().join(name)));
-            let (frame, alone) = (frame?.bytes, alone?.bytes);
-            ensure!(frame == alone, "{options}: picture {second} is not that of its moment");
-            frames.push(frame);
+            ensure!(frames[second] == bytes("p.png"), "{options}: picture {second} is not that of its moment");
         }
-        ensure!(frames[0] == frames[2] && frames[0] != frames[1], "{options}: nothing moves, or not back");
     }
     Ok(())
 }

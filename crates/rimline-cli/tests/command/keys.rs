@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::archive::{array, write_zip};
 use super::npz_input::tetrahedron;
 use super::own_gltf::{self, Names};
-use super::run::{folder, rimline};
+use super::run::{folder, read_file, rimline, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[("keys::every_key_is_described", described)];
@@ -43,9 +43,8 @@ fn described() -> Outcome {
         let end = [after.find("\n### "), after.find("\n## ")].into_iter().flatten().min();
         Ok(&after[..end.unwrap_or(after.len())])
     };
-    std::fs::write(at("model.npz"), tetrahedron()).map_err(text)?;
-    std::fs::write(at("points.npz"), write_zip(&[array("points", "<f4", "False", "(1, 3)", &[0; 12])]))
-        .map_err(text)?;
+    write_file(at("model.npz"), tetrahedron())?;
+    write_file(at("points.npz"), write_zip(&[array("points", "<f4", "False", "(1, 3)", &[0; 12])]))?;
     let gltf = own_gltf::write(folder.path(), &Names::default())?.to_string_lossy().into_owned();
     let model = at("model.npz");
     // One that differs, so that differences are listed, too.
@@ -54,10 +53,10 @@ fn described() -> Outcome {
     rimline(of_model.iter().chain(&["cpu", "--out", &at("bits/same.npz")])).expect(0, &[])?;
     let other = ["gpu", "--method", "per-edge", "--out", &at("bits/other.npz")];
     rimline(of_model.iter().chain(&other)).expect(0, &[])?;
-    let mut wrong = super::archive::read_zip(&std::fs::read(at("bits/same.npz")).map_err(text)?)?;
+    let mut wrong = super::archive::read_zip(&read_file(at("bits/same.npz"))?)?;
     let facing = wrong.iter_mut().find(|entry| entry.name.starts_with("silhouette")).ok_or("no silhouette")?;
     *facing.bytes.last_mut().ok_or("no bits")? ^= 1;
-    std::fs::write(at("bits/wrong.npz"), write_zip(&wrong)).map_err(text)?;
+    write_file(at("bits/wrong.npz"), write_zip(&wrong))?;
 
     let (light, out, png) = (["--light", "dir:0,1,0"], at("out.npz"), at("out.png"));
     let size = ["--size", "32x24"];

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use super::inputs::fed;
-use super::run::{Run, folder, is_empty, rimline};
+use super::run::{Run, folder, is_empty, rimline, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -32,7 +32,7 @@ fn triangle(uri: &str) -> String {
 }
 
 fn write(path: &Path, content: impl AsRef<[u8]>) -> Outcome {
-    fs::write(path, content).map_err(|error| format!("{}: {error}", path.display()))
+    write_file(path, content)
 }
 
 fn info(model: &Path, options: &[&str]) -> Run {

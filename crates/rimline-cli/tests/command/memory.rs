@@ -85,8 +85,7 @@ fn write_models(folder: &Path) -> Outcome {
 fn estimates() -> Outcome {
     let folder = folder();
     write_models(folder.path())?;
-    std::fs::write(folder.path().join("small.npz"), super::npz_input::tetrahedron())
-        .map_err(|error| error.to_string())?;
+    folder.write("small.npz", super::npz_input::tetrahedron())?;
     let out = folder.path().join("out.npz").to_string_lossy().into_owned();
     let extract = |model: &str, options: &[&str]| {
         let model = folder.path().join(model).to_string_lossy().into_owned();
@@ -96,19 +95,12 @@ fn estimates() -> Outcome {
     let peak = |line: Vec<String>| peak(&line.iter().map(String::as_str).collect::<Vec<_>>());
     let base = peak(extract("small.npz", &[]))?;
     for model in ["triangles.npz", "polygons.npz", "triangles.obj", "quads.obj"] {
-        // Enough by a byte, by halving; a refusal of an archive names it at once.
-        let run = |limit: u64| rimline(extract(model, &["--memory-limit", &limit.to_string()]));
-        let (mut low, mut high) = (1_u64, 1 << 30);
-        while high - low > high / 50 {
-            let middle = low.midpoint(high);
-            let code = run(middle).code;
-            ensure!(code == 0 || code == 1, "{model}: {code}");
-            if code == 0 { high = middle } else { low = middle }
-        }
         let taken = peak(extract(model, &[]))?.saturating_sub(base);
-        println!("{model}: {high} bytes asked for, {taken} taken");
-        let ratio = high as f64 / taken as f64;
-        ensure!((1.0 / 1.5..1.5).contains(&ratio), "{model}: {high} bytes asked for, {taken} taken: {ratio:.2}");
+        let [low, high] = [2 * taken / 3, 3 * taken / 2];
+        for (limit, code) in [(low, 1), (high, 0)] {
+            let run = rimline(extract(model, &["--memory-limit", &limit.to_string()]));
+            run.expect(code, &[]).map_err(|error| format!("{model}: {taken} bytes taken, limit {limit}: {error}"))?;
+        }
         if Path::new(model).extension().is_some_and(|ending| ending == "npz") {
             let refused = peak(extract(model, &["--memory-limit", &low.to_string()]))?.saturating_sub(base);
             ensure!(refused < taken / 10, "{model}: {refused} bytes taken before it was refused");

@@ -3,8 +3,8 @@
 use std::process::{Command, Stdio};
 
 use super::archive::{array, write_zip};
-use super::run::{is_empty, rimline, rimline_with};
-use super::shadow::{run, with_cube};
+use super::run::{is_empty, rimline, rimline_with, write_file};
+use super::shadow::with_cube;
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -31,10 +31,10 @@ fn negative_weight() -> Outcome {
     let folder = with_cube()?;
     for options in ["", "--from-depth 16", "--area disc:1", "--method z-fail", "--method zp+paper", "--hide-covered"] {
         let line = format!("shadow @cube.npz --size 32x32 --light point:1,9,2 --light hom:1,9,2,-1 {options}");
-        run(folder.path(), &format!("{line} --out @no.png")).expect(2, &["light 1", "w = -1", "negate"])?;
+        folder.run(format!("{line} --out @no.png")).expect(2, &["light 1", "w = -1", "negate"])?;
     }
     let line = "film @cube.npz --size 32x32 --frames 1 --light hom:1,9,2,-1 --out @no";
-    run(folder.path(), line).expect(2, &["light 0", "w = -1"])?;
+    folder.run(line).expect(2, &["light 0", "w = -1"])?;
     std::fs::remove_file(folder.path().join("cube.npz")).map_err(text)?;
     is_empty(folder.path())
 }
@@ -42,8 +42,8 @@ fn negative_weight() -> Outcome {
 /// Extracts with this displacement.
 fn displaced(source: &str) -> Result<super::run::Run, String> {
     let folder = with_cube()?;
-    std::fs::write(folder.path().join("d.wgsl"), source).map_err(text)?;
-    Ok(run(folder.path(), "extract @cube.npz --light dir:0,1,0 --displace @d.wgsl --out @out.npz"))
+    folder.write("d.wgsl", source)?;
+    Ok(folder.run("extract @cube.npz --light dir:0,1,0 --displace @d.wgsl --out @out.npz"))
 }
 
 const BODY: &str = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> { return position; }";
@@ -91,9 +91,9 @@ fn no_face() -> Outcome {
     let positions = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, f32::NAN, 1.0, 0.0].iter().flat_map(|c: &f32| c.to_le_bytes());
     let positions = array("positions", "<f4", "False", "(3, 3)", &positions.collect::<Vec<u8>>());
     let faces = array("faces", "|u1", "False", "(1, 3)", &[0, 1, 2]);
-    std::fs::write(folder.path().join("nan.npz"), write_zip(&[positions, faces])).map_err(text)?;
+    folder.write("nan.npz", write_zip(&[positions, faces]))?;
     for line in ["draw @nan.npz --out @no.png", "shadow @nan.npz --out @no.png", "film @nan.npz --frames 1 --out @no"] {
-        let run = run(folder.path(), &format!("{line} --size 32x32"));
+        let run = folder.run(format!("{line} --size 32x32"));
         run.expect(1, &["nan.npz", "no face has finite positions"])?;
         ensure!(!run.stderr.contains("no vertex"), "{}", run.stderr);
     }
@@ -173,17 +173,17 @@ fn report() -> Outcome {
     let line = "bench --device cpu --meshes none --scenes three-sheets --scene-faces 60 --lights 1 --rounds 1 --report @report";
     for name in ["index.html", "data.json", "stages.png"] {
         let own = report.join(name);
-        std::fs::write(&own, "<title>My page</title>").map_err(text)?;
-        run(folder.path(), line).expect(2, &["report", name, "would be replaced"])?;
+        write_file(&own, "<title>My page</title>")?;
+        folder.run(line).expect(2, &["report", name, "would be replaced"])?;
         let left = std::fs::read_to_string(&own).map_err(text)?;
         ensure!(left == "<title>My page</title>", "{name} is now {left}");
         std::fs::remove_file(own).map_err(text)?;
         is_empty(&report)?;
     }
-    std::fs::write(report.join("notes.txt"), "mine").map_err(text)?;
+    write_file(report.join("notes.txt"), "mine")?;
     // A report is replaced by another one.
     for _ in 0..2 {
-        run(folder.path(), line).expect(0, &[])?;
+        folder.run(line).expect(0, &[])?;
         ensure!(report.join("index.html").exists() && report.join("notes.txt").exists(), "files are missing");
     }
     Ok(())
@@ -208,15 +208,14 @@ fn films() -> Outcome {
         }
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
-    let second = run(folder.path(), "film @cube.npz --frames 2 --size 64x48 --out @film");
+    let second = folder.run("film @cube.npz --frames 2 --size 64x48 --out @film");
     let _ = first.kill();
     first.wait().map_err(text)?;
     second.expect(2, &["another film", "choose another folder"])?;
     std::fs::remove_dir_all(folder.path().join("film")).map_err(text)?;
     // A place of a picture that cannot be replaced is known before the first is drawn.
     std::fs::create_dir_all(folder.path().join("film/0001.png")).map_err(text)?;
-    run(folder.path(), "film @cube.npz --frames 2 --size 64x48 --out @film")
-        .expect(4, &["0001.png", "it is a folder"])?;
+    folder.run("film @cube.npz --frames 2 --size 64x48 --out @film").expect(4, &["0001.png", "it is a folder"])?;
     ensure!(!folder.path().join("film/0000.png").exists(), "a picture was drawn");
     Ok(())
 }

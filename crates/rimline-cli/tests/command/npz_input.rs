@@ -1,7 +1,7 @@
 //! Archives that other programs might write, good and bad.
 
 use super::archive::{Entry, array, compare, write_zip};
-use super::run::{Run, folder, is_empty, rimline};
+use super::run::{Run, folder, is_empty, rimline, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -31,7 +31,7 @@ pub(crate) fn tetrahedron() -> Vec<u8> {
 pub(crate) fn extract(archive: &[u8]) -> Result<(Run, Vec<u8>), String> {
     let folder = folder();
     let (model, out) = (folder.path().join("model.npz"), folder.path().join("out.npz"));
-    std::fs::write(&model, archive).map_err(|error| error.to_string())?;
+    write_file(&model, archive)?;
     let arguments = ["extract", "--device", "cpu", "--light", "point:2,3,4", "--light", "dir:-1,-2e-1,.5"];
     let run = rimline(arguments.map(Into::into).into_iter().chain([
         model.clone().into_os_string(),

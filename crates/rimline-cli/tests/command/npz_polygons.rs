@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::archive::{Entry, array, read_zip, write_zip};
 use super::npz_input::extract;
-use super::run::{folder, rimline};
+use super::run::{folder, read_file, rimline, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -104,7 +104,7 @@ fn bad() -> Outcome {
 fn others() -> Outcome {
     let folder = folder();
     let [model, points, out] = ["model.npz", "points.npz", "out.npz"].map(|name| folder.path().join(name));
-    let write = |path: &PathBuf, bytes: Vec<u8>| std::fs::write(path, bytes).map_err(|error| error.to_string());
+    let write = |path: &PathBuf, bytes: Vec<u8>| write_file(path, bytes);
     write(&model, polygons(&LOOPS, &SIZES, &CORNERS))?;
     // Under the rim, under the hole, and beside.
     let data: Vec<u8> = [[1.5_f32, 0.0, -1.0], [0.0, 0.0, -1.0], [4.0, 0.0, -1.0]]
@@ -126,7 +126,7 @@ fn others() -> Outcome {
         out.clone().into_os_string(),
     ]);
     run.expect(0, &[])?;
-    let found = std::fs::read(&out).map_err(|error| error.to_string())?;
+    let found = read_file(&out)?;
     ensure!(words(&found, "depth")? == [1, 0, 0], "depths");
     Ok(())
 }

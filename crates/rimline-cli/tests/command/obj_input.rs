@@ -6,7 +6,7 @@ use rimline_measure::random::Random;
 use serde_json::json;
 
 use super::archive::read_zip;
-use super::run::{Run, folder, is_empty, rimline};
+use super::run::{Run, folder, is_empty, read_file, rimline, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -33,7 +33,7 @@ fn extract(model: &[u8]) -> Result<(Run, Vec<u8>), String> {
 fn extract_with(model: &[u8], options: &[&str]) -> Result<(Run, Vec<u8>), String> {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).into_os_string();
-    std::fs::write(at("model.obj"), model).map_err(|error| error.to_string())?;
+    write_file(at("model.obj"), model)?;
     let words = ["extract", "--device", "cpu", "--light", "point:2,3,4", "--light", "dir:-1,-2e-1,.5", "--out"];
     let options = options.iter().map(OsString::from);
     let run = rimline(words.map(OsString::from).into_iter().chain([at("out.npz"), at("model.obj")]).chain(options));
@@ -55,7 +55,7 @@ v 8 0 0\nv 9 0 0\nv 9 0 1\nv 8 0 1\nf 12 13 14 15\n";
 fn seen() -> Outcome {
     let folder = folder();
     let file = folder.path().join("model.obj");
-    std::fs::write(&file, SEEN).map_err(|error| error.to_string())?;
+    write_file(&file, SEEN)?;
     let words = ["info", "--json", "--light", "dir:0,0,1", "--light", "dir:0,0,-1"];
     let info = rimline(words.map(OsString::from).into_iter().chain([file.into_os_string()])).json()?;
     let above = json!({ "facing": 2, "averted": 0, "in_plane": 1, "twisted": 1 });
@@ -79,13 +79,13 @@ fn on_gpu() -> Outcome {
     let at = |name: &str| folder.path().join(name).into_os_string();
     let cases = [CUBE, SEEN].into_iter().flat_map(|model| [(model, None), (model, Some("--polygons".into()))]);
     for (number, (model, option)) in cases.enumerate() {
-        std::fs::write(at("model.obj"), model).map_err(|error| error.to_string())?;
+        write_file(at("model.obj"), model)?;
         let found = ["cpu", "gpu"].map(|device| {
             let out = at(&format!("{device}{number}.npz"));
             let words = ["extract", "--device", device, "--light", "point:2,3,4", "--light", "dir:0,0,1", "--out"];
             let words = words.map(OsString::from).into_iter().chain([out.clone(), at("model.obj")]);
             rimline(words.chain(option.clone())).expect(0, &[])?;
-            std::fs::read(out).map_err(|error| error.to_string())
+            read_file(out)
         });
         let [cpu, gpu] = found;
         ensure!(cpu? == gpu?, "model {number}");
@@ -163,7 +163,7 @@ fn polygons() -> Outcome {
     ensure!(words(&out, "loop_sizes").is_err(), "polygons without being asked");
     let folder = folder();
     let at = |name: &str| folder.path().join(name).into_os_string();
-    std::fs::write(at("cube.obj"), CUBE).map_err(|error| error.to_string())?;
+    write_file(at("cube.obj"), CUBE)?;
     rimline([OsString::from("info"), at("cube.obj")]).expect(0, &[])
 }
 
@@ -223,7 +223,7 @@ fn limits() -> Outcome {
         ("continued.obj", format!("{triangle}o {}", "\\\n".repeat(1_500_000)), true),
         ("small.obj", triangle.to_owned(), false),
     ] {
-        std::fs::write(at(name), model).map_err(|error| error.to_string())?;
+        write_file(at(name), model)?;
         let info = |limit: &str| rimline([OsString::from("info"), at(name), "--memory-limit".into(), limit.into()]);
         info("32MiB").expect(0, &[]).map_err(|error| format!("{name}: {error}"))?;
         if is_kept {

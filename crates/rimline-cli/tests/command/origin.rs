@@ -6,8 +6,8 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::archive::{Entry, array, compare, data, read_zip, write_zip};
-use super::run::{folder, on_case, rimline};
-use super::shadow::{Image, apart, run};
+use super::run::{Folder, folder, on_case, read_file, rimline, write_file};
+use super::shadow::{Image, apart};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -59,10 +59,10 @@ fn obj(at: [f64; 3]) -> String {
 }
 
 /// A folder with `far.obj` and `near.obj`.
-fn houses() -> Result<tempfile::TempDir, String> {
+fn houses() -> Result<Folder, String> {
     let folder = folder();
     for (name, at) in [("far.obj", FAR), ("near.obj", [0.0; 3])] {
-        std::fs::write(folder.path().join(name), obj(at)).map_err(|error| error.to_string())?;
+        folder.write(name, obj(at))?;
     }
     Ok(folder)
 }
@@ -91,18 +91,18 @@ fn pictures() -> Outcome {
     let size = "--size 160x120";
     for name in ["near", "far"] {
         let at = |point| place(name, point);
-        run(folder.path(), &format!("draw @{name}.obj {size} --out @{name}.png")).expect(0, &[])?;
-        run(folder.path(), &format!("shadow @{name}.obj {size} --out @{name}-s.png")).expect(0, &[])?;
+        folder.run(format!("draw @{name}.obj {size} --out @{name}.png")).expect(0, &[])?;
+        folder.run(format!("shadow @{name}.obj {size} --out @{name}-s.png")).expect(0, &[])?;
         let (eye, target) = (at([9.0, 4.0, 8.0]), at([2.5, 1.0, 2.0]));
         let view = format!("{size} --eye {eye} --target {target} --fov 40");
-        run(folder.path(), &format!("draw @{name}.obj {view} --out @{name}-e.png")).expect(0, &[])?;
+        folder.run(format!("draw @{name}.obj {view} --out @{name}-e.png")).expect(0, &[])?;
         let ground = at([0.0, -0.5, 0.0]);
         let ground = ground.split(',').nth(1).ok_or("no height")?;
         let lights = format!("--light point:{} --light hom:{},0", at([7.0, 6.0, 5.0]), "1,2,0.5");
         let line = format!("shadow @{name}.obj {view} --ground {ground} {lights} --area disc:0.3 --samples 4");
-        run(folder.path(), &format!("{line} --out @{name}-a.png")).expect(0, &[])?;
+        folder.run(format!("{line} --out @{name}-a.png")).expect(0, &[])?;
         let line = format!("shadow @{name}.obj {view} --ground {ground} {lights} --mask @{name} --json");
-        let json = run(folder.path(), &line).json()?;
+        let json = folder.run(&line).json()?;
         // The light is told as it was given.
         let [x, y, z] = [0, 1, 2].map(|axis| [7.0, 6.0, 5.0][axis] + if name == "far" { FAR[axis] } else { 0.0 });
         let told = &json["lights"][0]["light"];
@@ -123,15 +123,13 @@ fn pictures() -> Outcome {
     }
     // The comparison can fail: eaves that stand out by half as much.
     let other = obj([0.0; 3]).replace("v 0.000 2.", "v 0.100 2.").replace("v 5.000 2.", "v 4.900 2.");
-    std::fs::write(folder.path().join("other.obj"), other).map_err(|error| error.to_string())?;
-    run(folder.path(), &format!("draw @other.obj {size} --out @other.png")).expect(0, &[])?;
+    folder.write("other.obj", other)?;
+    folder.run(format!("draw @other.obj {size} --out @other.png")).expect(0, &[])?;
     let different = values_apart(folder.path(), ["near.png", "other.png"])?;
     ensure!(different > 60, "narrower eaves change {different} values only");
     // Films take the same way.
-    for name in ["near", "far"] {
-        run(folder.path(), &format!("film @{name}.obj --frames 1 {size} --out @{name}-film")).expect(0, &[])?;
-    }
-    let different = values_apart(folder.path(), ["near-film/0000.png", "far-film/0000.png"])?;
+    folder.run(format!("film @far.obj --frames 1 {size} --out @far-film")).expect(0, &[])?;
+    let different = values_apart(folder.path(), ["near-s.png", "far-film/0000.png"])?;
     ensure!(different <= 6, "a film: {different} values differ");
     Ok(())
 }
@@ -146,7 +144,7 @@ fn singles(entries: &[Entry], name: &str) -> Result<Vec<f64>, String> {
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, String> {
-    std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))
+    read_file(file)
 }
 
 fn archives() -> Outcome {
@@ -157,8 +155,8 @@ fn archives() -> Outcome {
     };
     let line =
         |name: &str, out: &str| format!("extract @{name}.obj {} --device cpu --json --out @{out}.npz", lights(name));
-    run(folder.path(), &line("near", "near")).expect(0, &[])?;
-    let json = run(folder.path(), &line("far", "far")).json()?;
+    folder.run(&line("near", "near")).expect(0, &[])?;
+    let json = folder.run(&line("far", "far")).json()?;
     let [near, far] = ["near.npz", "far.npz"].map(|name| read(&folder.path().join(name)));
     let (near, far) = (near?, far?);
     let (expected, found) = (read_zip(&near)?, read_zip(&far)?);
@@ -192,16 +190,16 @@ fn archives() -> Outcome {
     // It is a model again, bit for bit, on the CPU and on a GPU.
     for device in ["cpu", "gpu"] {
         let again = format!("extract @far.npz --no-weld {} --device {device} --out @again.npz", lights("far"));
-        run(folder.path(), &again).expect(0, &[])?;
+        folder.run(&again).expect(0, &[])?;
         compare(&far, &read(&folder.path().join("again.npz"))?).map_err(|error| format!("{device}: {error}"))?;
     }
-    run(folder.path(), "verify @").expect(0, &[])?;
+    folder.run("verify @").expect(0, &[])?;
     // Models that `verify` makes archives of have one, too.
-    run(folder.path(), "verify --make @made @far.obj --faces 100").expect(0, &[])?;
+    folder.run("verify --make @made @far.obj --faces 100").expect(0, &[])?;
     ensure!(entry(&read_zip(&read(&folder.path().join("made/far.npz"))?)?, "origin").is_ok(), "made without origin");
-    run(folder.path(), "verify @made --device cpu").expect(0, &[])?;
-    let info = run(folder.path(), "info @far.npz --json").json()?;
-    let of_obj = run(folder.path(), "info @far.obj --json").json()?;
+    folder.run("verify @made --device cpu").expect(0, &[])?;
+    let info = folder.run("info @far.npz --json").json()?;
+    let of_obj = folder.run("info @far.obj --json").json()?;
     let bounds = |low: f64, high: f64, axis: usize| [low + FAR[axis], high + FAR[axis]];
     let expected = [bounds(0.0, 5.7, 0), bounds(0.0, 2.4, 1), bounds(0.0, 4.0, 2)];
     for (axis, [low, high]) in expected.into_iter().enumerate() {
@@ -230,9 +228,7 @@ const POINTS: [[f64; 3]; 5] = [[2.5, 1.0, 0.1], [4.9, 1.9, 0.5], [5.25, 0.5, 1.5
 
 fn queries() -> Outcome {
     let folder = houses()?;
-    let write = |name: &str, entries: &[Entry]| {
-        std::fs::write(folder.path().join(name), write_zip(entries)).map_err(|error| error.to_string())
-    };
+    let write = |name: &str, entries: &[Entry]| folder.write(name, write_zip(entries));
     let far = POINTS.map(|point| [0, 1, 2].map(|axis| point[axis] + FAR[axis]));
     let at = [392_160.0, 32.0, -5_820_448.0];
     let relative = far.map(|point| [0, 1, 2].map(|axis| point[axis] - at[axis]));
@@ -243,7 +239,7 @@ fn queries() -> Outcome {
     let query = |model: &str, points: &str, device: &str| {
         let light = place(model, [7.0, 6.0, 5.0]);
         let line = format!("query @{model}.obj --points @{points}.npz --light dir:0,1,0 --light point:{light}");
-        run(folder.path(), &format!("{line} --device {device} --out @out.npz")).expect(0, &[])?;
+        folder.run(format!("{line} --device {device} --out @out.npz")).expect(0, &[])?;
         read(&folder.path().join("out.npz"))
     };
     let expected = query("near", "near", "cpu")?;
@@ -259,7 +255,7 @@ fn queries() -> Outcome {
         }
     }
     // A written result gives the same result when it is queried again.
-    std::fs::write(folder.path().join("again.npz"), &first).map_err(|error| error.to_string())?;
+    folder.write("again.npz", &first)?;
     compare(&query("far", "again", "cpu")?, &first)?;
     // Points in float32 without an origin are in the world, and too coarse there.
     write("coarse.npz", &[points_f32(&far)])?;
@@ -276,8 +272,8 @@ fn depth_maps() -> Outcome {
     };
     for name in ["near", "far"] {
         let drawn = format!("--light point:{} --from-depth 256 --mask @{name} --save-depth @{name}", lamp(name));
-        run(folder.path(), &line(name, &drawn)).expect(0, &[])?;
-        run(folder.path(), &line(name, &format!("--depth @{name}.0.npz --mask @{name}-given"))).expect(0, &[])?;
+        folder.run(&line(name, &drawn)).expect(0, &[])?;
+        folder.run(&line(name, &format!("--depth @{name}.0.npz --mask @{name}-given"))).expect(0, &[])?;
         let files = [format!("{name}.0.png"), format!("{name}-given.0.png")];
         ensure!(values_apart(folder.path(), [&files[0], &files[1]])? == 0, "{name}: another shadow from the saved map");
     }
@@ -304,15 +300,15 @@ fn depth_maps() -> Outcome {
             _ => entry.clone(),
         })
         .collect();
-    std::fs::write(folder.path().join("plain.npz"), write_zip(&plain)).map_err(|error| error.to_string())?;
-    run(folder.path(), &line("far", "--depth @plain.npz --mask @plain")).expect(0, &[])?;
+    folder.write("plain.npz", write_zip(&plain))?;
+    folder.run(&line("far", "--depth @plain.npz --mask @plain")).expect(0, &[])?;
     ensure!(
         values_apart(folder.path(), ["far.0.png", "plain.0.png"])? <= 6,
         "another shadow by a matrix for the world"
     );
     // A light that is not the map's is told in the file's coordinates.
     let other = format!("--light point:{} --depth @far.0.npz --mask @x", place("far", [7.5, 6.0, 5.0]));
-    run(folder.path(), &line("far", &other)).expect(2, &["point:392151.017,40.128,-5820462.702", "point:392150.5"])
+    folder.run(&line("far", &other)).expect(2, &["point:392151.017,40.128,-5820462.702", "point:392150.5"])
 }
 
 /// The house's walls and eaves as a glTF, in a node at a place, with a lamp.
@@ -350,8 +346,7 @@ fn gltf_files(folder: &Path, behind: f64) -> Outcome {
     for (name, at, center) in
         [("near", [0.0, 0.0, -behind], None), ("far", [x, y, z - behind], None), ("rtc", [0.517, 0.0, -behind], center)]
     {
-        std::fs::write(folder.join(format!("{name}.gltf")), gltf_text(at, center))
-            .map_err(|error| error.to_string())?;
+        write_file(folder.join(format!("{name}.gltf")), gltf_text(at, center))?;
     }
     Ok(())
 }
@@ -362,8 +357,8 @@ fn gltf() -> Outcome {
     for name in ["near", "far", "rtc"] {
         let view = "--size 160x120 --light file:lamp";
         let line = format!("shadow @{name}.gltf {view} --out @{name}.png --mask @{name} --json");
-        let json = run(folder.path(), &line).json()?;
-        let info = run(folder.path(), &format!("info @{name}.gltf --json")).json()?;
+        let json = folder.run(&line).json()?;
+        let info = folder.run(format!("info @{name}.gltf --json")).json()?;
         if name == "near" {
             continue;
         }
@@ -395,11 +390,11 @@ fn shared() -> Outcome {
         let view = format!("--eye {} --target {}", place(name, [9.0, 4.0, 8.0]), place(name, [2.5, 1.0, 2.0]));
         // The second house casts onto the first; archives come with the origin that they were written with.
         let light = format!("--light point:{}", place(name, [7.0, 6.0, 5.0]));
-        run(folder.path(), &format!("extract @{name}.obj {light} --device cpu --out @{name}.npz")).expect(0, &[])?;
+        folder.run(format!("extract @{name}.obj {light} --device cpu --out @{name}.npz")).expect(0, &[])?;
         for (number, first) in ["obj", "npz"].into_iter().enumerate() {
             let line =
                 format!("shadow @{name}.{first} @{name}.gltf --size 160x120 {view} {light} --mask @{name}{number}");
-            run(folder.path(), &line).expect(0, &[])?;
+            folder.run(&line).expect(0, &[])?;
         }
     }
     for number in 0..2 {
@@ -412,11 +407,11 @@ fn shared() -> Outcome {
 fn losses() -> Outcome {
     let folder = houses()?;
     // Near and far together: no origin serves both.
-    let both = run(folder.path(), "shadow @far.obj @near.obj --size 96x72 --out @both.png");
+    let both = folder.run("shadow @far.obj @near.obj --size 96x72 --out @both.png");
     both.expect(0, &["warning: ", "near.obj: 32-bit floats move its vertices by up to 2.5"])?;
     ensure!(!both.stderr.contains("far.obj: 32"), "{}", both.stderr);
     for file in ["far.obj", "near.obj"] {
-        let alone = run(folder.path(), &format!("shadow @{file} --size 96x72 --out @alone.png"));
+        let alone = folder.run(format!("shadow @{file} --size 96x72 --out @alone.png"));
         ensure!(alone.stderr.is_empty(), "{file}: {}", alone.stderr);
     }
     // Archives without an origin are used bit for bit, wherever they are.
@@ -428,8 +423,8 @@ fn losses() -> Outcome {
         .collect();
     let entries =
         [array("positions", "<f4", "False", "(3, 3)", &corners), array("faces", "|u1", "False", "(1, 3)", &[0, 1, 2])];
-    std::fs::write(folder.path().join("coarse.npz"), write_zip(&entries)).map_err(|error| error.to_string())?;
-    let info = run(folder.path(), "info @coarse.npz --json");
+    folder.write("coarse.npz", write_zip(&entries))?;
+    let info = folder.run("info @coarse.npz --json");
     info.expect(0, &["warning: ", "coarse.npz: 32-bit floats move its vertices by up to 2.5"])?;
     ensure!(info.json()?.get("origin").is_none(), "{}", info.stdout);
     Ok(())
@@ -438,12 +433,12 @@ fn losses() -> Outcome {
 fn none() -> Outcome {
     let folder = houses()?;
     // Thirty times its size away `f32` is fine for a house.
-    std::fs::write(folder.path().join("beside.obj"), obj([150.0, 0.0, -90.0])).map_err(|error| error.to_string())?;
+    folder.write("beside.obj", obj([150.0, 0.0, -90.0]))?;
     for name in ["near", "beside"] {
-        let info = run(folder.path(), &format!("info @{name}.obj --json"));
+        let info = folder.run(format!("info @{name}.obj --json"));
         ensure!(info.json()?.get("origin").is_none() && info.stderr.is_empty(), "{name}: {}", info.stdout);
         let line = format!("extract @{name}.obj --no-weld --light dir:1,2,3 --device cpu --out @{name}.npz");
-        run(folder.path(), &line).expect(0, &[])?;
+        folder.run(&line).expect(0, &[])?;
         let entries = read_zip(&read(&folder.path().join(format!("{name}.npz")))?)?;
         ensure!(entry(&entries, "origin").is_err(), "{name} has an origin");
         // Each coordinate is the text's nearest float32.
@@ -469,7 +464,7 @@ fn wrong() -> Outcome {
         (array("origin", "<i4", "False", "(3,)", &[0; 12]), ["`origin`", "<i4"]),
     ] {
         let file = folder.path().join("model.npz");
-        std::fs::write(&file, model(origin)).map_err(|error| error.to_string())?;
+        write_file(&file, model(origin))?;
         rimline([std::ffi::OsStr::new("info"), file.as_os_str()]).expect(1, &parts)?;
     }
     Ok(())
@@ -479,9 +474,9 @@ fn house(file: &Path) -> Outcome {
     let folder = folder();
     for (name, file) in [("far", file.to_owned()), ("near", file.with_file_name("l_house_local.obj"))] {
         std::fs::copy(&file, folder.path().join(format!("{name}.obj"))).map_err(|error| error.to_string())?;
-        run(folder.path(), &format!("draw @{name}.obj --size 320x240 --out @{name}.png")).expect(0, &[])?;
+        folder.run(format!("draw @{name}.obj --size 320x240 --out @{name}.png")).expect(0, &[])?;
         let line = format!("shadow @{name}.obj --size 320x240 --out @{name}-s.png --mask @{name}");
-        run(folder.path(), &line).expect(0, &[])?;
+        folder.run(&line).expect(0, &[])?;
     }
     for suffix in [".png", "-s.png", ".0.png"] {
         let files = [format!("near{suffix}"), format!("far{suffix}")];
@@ -493,7 +488,7 @@ fn house(file: &Path) -> Outcome {
 fn ball(file: &Path) -> Outcome {
     let folder = folder();
     std::fs::copy(file, folder.path().join("ball.glb")).map_err(|error| error.to_string())?;
-    let run = run(folder.path(), "shadow @ball.glb --size 160x120 --out @ball.png --json");
+    let run = folder.run("shadow @ball.glb --size 160x120 --out @ball.png --json");
     run.expect(0, &["warning: ", "ball.glb: 32-bit floats move its vertices by up to 2."])?;
     ensure!(!run.stderr.contains("256"), "a false warning: {}", run.stderr);
     let origin = origin(&run.json()?)?;

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::npz_input::tetrahedron;
 use super::own_gltf::{self, Names};
-use super::run::{Run, folder, rimline, rimline_with};
+use super::run::{Run, folder, rimline, rimline_with, write_file};
 use super::usage::HIDDEN;
 use super::{Outcome, Test, ensure};
 
@@ -34,7 +34,7 @@ pub(crate) fn contents(folder: &Path) -> Result<BTreeMap<OsString, Vec<u8>>, Str
 /// The tetrahedron in a folder, and what to extract from it on the CPU.
 pub(crate) fn extraction(folder: &Path, out: &Path) -> Result<Vec<OsString>, String> {
     let model = folder.join("model.npz");
-    fs::write(&model, tetrahedron()).map_err(|error| error.to_string())?;
+    write_file(&model, tetrahedron())?;
     let line = ["extract", "--device", "cpu", "--light", "dir:0,1,0", "--out"].map(OsString::from);
     Ok(line.into_iter().chain([out.into(), model.into()]).collect())
 }
@@ -85,7 +85,7 @@ fn longer_film() -> Outcome {
     for (earlier, frames) in [("0002.png", "2"), ("0731.png", "2"), ("00001.png", "2"), ("0001.png", "1")] {
         fs::create_dir(&out).map_err(|error| error.to_string())?;
         for name in ["0000.png", "notes.txt", "12.png", earlier] {
-            fs::write(out.join(name), "earlier").map_err(|error| error.to_string())?;
+            write_file(out.join(name), "earlier")?;
         }
         refused(&out, 2, &[earlier, "remove"], || film(folder.path(), &out, frames, HIDDEN).expect("there is room"))
             .map_err(|error| format!("{earlier}: {error}"))?;

@@ -10,7 +10,7 @@ use super::archive::{array, write_zip};
 use super::npz_input::tetrahedron;
 use super::outputs::{extraction, refused};
 use super::own_gltf::{self, Names};
-use super::run::{folder, rimline, rimline_with};
+use super::run::{folder, read_file, rimline, rimline_with, write_file};
 use super::usage::HIDDEN;
 use super::{Outcome, Test, ensure};
 
@@ -40,7 +40,7 @@ fn expected(line: &[OsString], folder: &Path) -> Result<Vec<u8>, String> {
     let mut line = line.to_vec();
     line[place] = plain.clone().into();
     rimline(line).expect(0, &[])?;
-    let bytes = fs::read(&plain).map_err(text)?;
+    let bytes = read_file(&plain)?;
     fs::remove_file(&plain).map_err(text)?;
     Ok(bytes)
 }
@@ -50,8 +50,8 @@ fn inputs() -> Outcome {
     let at = |name: &str| folder.path().join(name);
     let model = own_gltf::write(folder.path(), &Names::default())?;
     let points = write_zip(&[array("points", "<f4", "False", "(1, 3)", &[0; 12])]);
-    fs::write(at("points.npz"), points).map_err(text)?;
-    fs::write(at("wave"), "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }").map_err(text)?;
+    write_file(at("points.npz"), points)?;
+    write_file(at("wave"), "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }")?;
     fs::create_dir(at("below")).map_err(text)?;
     for (link, to) in [("link", "body.gltf"), ("texture", "skin.png"), ("buffer", "body.bin"), ("bytes", "points.npz")]
     {
@@ -90,7 +90,7 @@ fn inputs() -> Outcome {
     }
     // The input comes through standard input.
     let script = "exec \"$0\" draw - --out \"$1/copy\" < \"$1/model.npz\"";
-    fs::write(at("model.npz"), tetrahedron()).map_err(text)?;
+    write_file(at("model.npz"), tetrahedron())?;
     fs::hard_link(at("model.npz"), at("copy")).map_err(text)?;
     refused(folder.path(), 2, &["is an input"], || shell(script, &[folder.path()]))
 }
@@ -124,7 +124,7 @@ fn links() -> Outcome {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     fs::create_dir(at("there")).map_err(text)?;
-    fs::write(at("there/old"), "old").map_err(text)?;
+    write_file(at("there/old"), "old")?;
     symlink("there/old", at("to_file")).map_err(text)?;
     symlink("there/new", at("second")).map_err(text)?;
     symlink("second", at("dangling")).map_err(text)?;
@@ -134,7 +134,7 @@ fn links() -> Outcome {
         rimline(line).expect(0, &[])?;
         let is_link = at(link).symlink_metadata().is_ok_and(|there| there.is_symlink());
         ensure!(is_link, "{link} is no link any more");
-        ensure!(fs::read(at(target)).map_err(text)? == bytes, "{target} does not hold the result");
+        ensure!(read_file(at(target))? == bytes, "{target} does not hold the result");
     }
     symlink("loop", at("loop")).map_err(text)?;
     symlink("nowhere/new", at("astray")).map_err(text)?;
@@ -148,13 +148,13 @@ fn links() -> Outcome {
 fn rights() -> Outcome {
     let folder = folder();
     let out = folder.path().join("out.npz");
-    fs::write(&out, "old").map_err(text)?;
+    write_file(&out, "old")?;
     for mode in [0o600, 0o664, 0o751] {
         fs::set_permissions(&out, fs::Permissions::from_mode(mode)).map_err(text)?;
         rimline(extraction(folder.path(), &out)?).expect(0, &[])?;
         let there = out.metadata().map_err(text)?.permissions().mode() & 0o7777;
         ensure!(there == mode, "{there:o} instead of {mode:o}");
-        ensure!(fs::read(&out).map_err(text)? != b"old", "nothing was written");
+        ensure!(read_file(&out)? != b"old", "nothing was written");
     }
     // A new file has what the user's mask leaves.
     fs::remove_file(&out).map_err(text)?;
@@ -169,7 +169,7 @@ fn rights() -> Outcome {
 fn protected() -> Outcome {
     let folder = folder();
     let out = folder.path().join("out.npz");
-    fs::write(&out, "old").map_err(text)?;
+    write_file(&out, "old")?;
     fs::set_permissions(&out, fs::Permissions::from_mode(0o444)).map_err(text)?;
     if File::options().write(true).open(&out).is_ok() {
         // The superuser may write everything.
@@ -214,7 +214,7 @@ fn standard_output() -> Outcome {
     ensure!(String::from_utf8_lossy(&piped.stderr).contains("faces"), "the report is nowhere");
     // A file that the shell opened, with something in it already.
     let log = folder.path().join("log");
-    fs::write(&log, "before ").map_err(text)?;
+    write_file(&log, "before ")?;
     let append = File::options().append(true).open(&log).map_err(text)?;
     let status = Command::new(env!("CARGO_BIN_EXE_rimline"))
         .args(&line)
@@ -223,7 +223,7 @@ fn standard_output() -> Outcome {
         .status()
         .map_err(text)?;
     ensure!(status.success(), "{status}");
-    ensure!(fs::read(&log).map_err(text)? == [b"before ", &bytes[..]].concat(), "the file has not the result alone");
+    ensure!(read_file(&log)? == [b"before ", &bytes[..]].concat(), "the file has not the result alone");
     Ok(())
 }
 
@@ -245,7 +245,7 @@ fn dash() -> Outcome {
     // A file of that name is written by its path.
     let line = extraction(folder.path(), Path::new("./-"))?;
     ensure!(run(&line)?.status.success(), "./- was refused");
-    ensure!(fs::read(folder.path().join("-")).map_err(text)? == bytes, "./- is not the result");
+    ensure!(folder.read("-")? == bytes, "./- is not the result");
     Ok(())
 }
 
@@ -289,7 +289,7 @@ fn full() -> Outcome {
     let folder = folder();
     let model = folder.path().join("model.npz");
     // More than what is kept before it is written.
-    fs::write(&model, grid(256)).map_err(text)?;
+    write_file(&model, grid(256))?;
     let limited =
         "trap '' XFSZ; ulimit -f 8; exec \"$0\" extract \"$1\" --no-weld --device cpu --light dir:0,1,0 --out \"$2\"";
     let out = folder.path().join("out.npz");

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use super::run::write_file;
+
 /// Names of things in the file.
 pub(crate) struct Names<'a> {
     pub(crate) mesh: &'a str,
@@ -74,7 +76,7 @@ pub(crate) fn value(names: &Names<'_>) -> serde_json::Value {
 /// Writes `body.gltf`, its buffer and something that stands for its texture.
 pub(crate) fn write(folder: &Path, names: &Names<'_>) -> Result<std::path::PathBuf, String> {
     let file = folder.join("body.gltf");
-    let write = |file: &Path, bytes: &[u8]| std::fs::write(file, bytes).map_err(|error| error.to_string());
+    let write = |file: &Path, bytes: &[u8]| write_file(file, bytes);
     write(&file, text(names).as_bytes())?;
     write(&folder.join(names.buffer), &buffer())?;
     write(&folder.join(names.texture), b"a texture")?;

@@ -6,7 +6,7 @@ use rimline_cli::npz;
 use serde_json::{Value, json};
 
 use super::own_gltf::{self, Names};
-use super::run::{Run, folder, rimline};
+use super::run::{Run, folder, rimline, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -26,7 +26,7 @@ fn write(folder: &Path, change: impl FnOnce(&mut Value)) -> Result<PathBuf, Stri
     let file = own_gltf::write(folder, &Names::default())?;
     let mut value = own_gltf::value(&Names::default());
     change(&mut value);
-    std::fs::write(&file, value.to_string()).map_err(|error| error.to_string())?;
+    write_file(&file, value.to_string())?;
     Ok(file)
 }
 
@@ -237,7 +237,7 @@ fn not_finite() -> Outcome {
     let file = write(folder.path(), |_| ())?;
     let mut bytes = own_gltf::buffer();
     bytes[36..40].copy_from_slice(&f32::NAN.to_le_bytes());
-    std::fs::write(folder.path().join("body.bin"), bytes).map_err(|error| error.to_string())?;
+    folder.write("body.bin", bytes)?;
     let says = ["rimline: warning: ", "1 vertex is infinite or NaN"];
     let run = extract(&file, "");
     run.expect(0, &says)?;

@@ -7,8 +7,8 @@ use rimline_measure::random::Random;
 
 use super::archive::{array, write_zip};
 use super::npz_polygons::words;
-use super::run::folder;
-use super::shadow::{Image, run};
+use super::run::{folder, read_file, write_file};
+use super::shadow::Image;
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -43,7 +43,7 @@ fn write(file: &Path, seed: u64, are_triangles: bool) -> Outcome {
             let _ = writeln!(text, "{face}");
         }
     }
-    std::fs::write(file, text).map_err(|error| error.to_string())
+    write_file(file, text)
 }
 
 /// The middles of pixels on the ground. Below the eye the picture's right is +X, and its top is −Z.
@@ -73,11 +73,11 @@ fn ground() -> Outcome {
     let at = |name: &str| folder.path().join(name);
     let data: Vec<u8> = pixels().iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
     let points = write_zip(&[array("points", "<f4", "False", &format!("({}, 3)", SIZE * SIZE), &data)]);
-    std::fs::write(at("points.npz"), points).map_err(|error| error.to_string())?;
+    write_file(at("points.npz"), points)?;
     let depths = |model: &str| -> Result<Vec<u32>, String> {
         let line = format!("query @{model}.obj --polygons {LIGHTS} --points @points.npz --out @depths.npz");
-        run(folder.path(), &line).expect(0, &[])?;
-        words(&std::fs::read(at("depths.npz")).map_err(|error| error.to_string())?, "depth")
+        folder.run(&line).expect(0, &[])?;
+        words(&read_file(at("depths.npz"))?, "depth")
     };
     let mut folds = 0;
     for seed in 0..2 {
@@ -86,7 +86,7 @@ fn ground() -> Outcome {
         let (polygons, triangles) = (depths("polygons")?, depths("triangles")?);
         for method in ["auto", "z-fail", "zp+"] {
             let line = format!("shadow @polygons.obj --polygons {VIEW} {LIGHTS} --method {method} --mask @m");
-            run(folder.path(), &line).expect(0, &[])?;
+            folder.run(&line).expect(0, &[])?;
             for light in 0..2 {
                 let mask = Image::mask(&at(&format!("m.{light}.png")))?;
                 let [found, of] = wrong(&mask, &polygons, light);
@@ -104,17 +104,13 @@ fn refused() -> Outcome {
     let folder = folder();
     write(&folder.path().join("polygons.obj"), 0, false)?;
     let line = format!("shadow @polygons.obj --polygons {VIEW} --hide-covered --mask @m");
-    run(folder.path(), &line).expect(2, &["--hide-covered", "polygons.obj"])?;
-    std::fs::write(
-        folder.path().join("up.wgsl"),
-        "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }",
-    )
-    .map_err(|error| error.to_string())?;
+    folder.run(&line).expect(2, &["--hide-covered", "polygons.obj"])?;
+    folder.write("up.wgsl", "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }")?;
     let line = format!("shadow @polygons.obj --polygons {VIEW} --displace @up.wgsl --mask @m");
-    run(folder.path(), &line).expect(1, &["polygons.obj", "--polygons"])?;
+    folder.run(&line).expect(1, &["polygons.obj", "--polygons"])?;
     // Triangles have both.
     for options in ["--hide-covered", "--displace @up.wgsl"] {
-        run(folder.path(), &format!("shadow @polygons.obj {VIEW} {options} --mask @m")).expect(0, &[])?;
+        folder.run(format!("shadow @polygons.obj {VIEW} {options} --mask @m")).expect(0, &[])?;
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::archive::{Entry, FIRST_DAY, array, compare, data, read_zip, words, write_zip};
 use super::npz_input::tetrahedron;
-use super::run::{Run, folder, rimline};
+use super::run::{Run, folder, rimline, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -28,8 +28,8 @@ fn points_array(points: &[[f32; 3]]) -> Entry {
 /// Queries the tetrahedron with the points of an archive; the result's bytes, too, if there are any.
 fn query(folder: &Path, points: &[u8], options: &[&str]) -> Result<(Run, Option<Vec<u8>>), String> {
     let [model, file, out] = ["model.npz", "points.npz", "out.npz"].map(|name| folder.join(name));
-    std::fs::write(&model, tetrahedron()).map_err(|error| error.to_string())?;
-    std::fs::write(&file, points).map_err(|error| error.to_string())?;
+    write_file(&model, tetrahedron())?;
+    write_file(&file, points)?;
     let mut line = vec![OsStr::new("query"), model.as_os_str(), OsStr::new("--points"), file.as_os_str()];
     line.extend([OsStr::new("--out"), out.as_os_str()]);
     line.extend(options.iter().map(OsStr::new));

@@ -7,7 +7,7 @@ use rimline_measure::shadow_cases::centre;
 use rimline_measure::shapes::{self, Shape};
 
 use super::archive::{Entry, array, data, read_zip, words, write_zip};
-use super::run::{Run, folder, rimline};
+use super::run::{Run, folder, rimline, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -43,8 +43,8 @@ fn faces(kind: &str, faces: &[i64]) -> Entry {
 /// Queries a model; the run, and the bytes of the result if there is one.
 fn query(folder: &Path, shape: &Shape, points: &[Entry], options: &str) -> Result<(Run, Option<Vec<u8>>), String> {
     let [from, file, out] = ["model.npz", "points.npz", "out.npz"].map(|name| folder.join(name));
-    std::fs::write(&from, model(shape)).map_err(|error| error.to_string())?;
-    std::fs::write(&file, write_zip(points)).map_err(|error| error.to_string())?;
+    write_file(&from, model(shape))?;
+    write_file(&file, write_zip(points))?;
     let mut line = vec![OsStr::new("query"), from.as_os_str(), OsStr::new("--points"), file.as_os_str()];
     line.extend([OsStr::new("--out"), out.as_os_str()]);
     line.extend(options.split_whitespace().map(OsStr::new));

@@ -5,6 +5,7 @@ use std::process::{Command, Stdio};
 
 use libtest_mimic::{Failed, Trial};
 
+use super::shadow::Image;
 use super::{Outcome, ensure};
 
 pub(crate) struct Run {
@@ -68,9 +69,65 @@ pub(crate) fn with_signals(program: &str) -> Command {
     Command::new(program)
 }
 
+/// Whether trials of many seeds, sizes and files were asked for.
+pub(crate) fn is_long() -> bool {
+    std::env::var_os("RIMLINE_LONG").is_some_and(|long| long == "1")
+}
+
+/// Writes a file.
+pub(crate) fn write_file(file: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Outcome {
+    let file = file.as_ref();
+    std::fs::write(file, bytes).map_err(|error| format!("{}: {error}", file.display()))
+}
+
+/// Reads a file.
+pub(crate) fn read_file(file: impl AsRef<Path>) -> Result<Vec<u8>, String> {
+    let file = file.as_ref();
+    std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))
+}
+
 /// A folder for one test, removed with the value.
-pub(crate) fn folder() -> tempfile::TempDir {
-    tempfile::tempdir().expect("there is room for temporary files")
+pub(crate) struct Folder(tempfile::TempDir);
+
+pub(crate) fn folder() -> Folder {
+    Folder(tempfile::tempdir().expect("there is room for temporary files"))
+}
+
+impl Folder {
+    pub(crate) fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    pub(crate) fn write(&self, name: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Outcome {
+        write_file(self.path().join(name), bytes)
+    }
+
+    pub(crate) fn read(&self, name: impl AsRef<Path>) -> Result<Vec<u8>, String> {
+        read_file(self.path().join(name))
+    }
+
+    /// A picture of the folder.
+    pub(crate) fn image(&self, name: impl AsRef<Path>) -> Result<Image, String> {
+        Image::read(&self.path().join(name))
+    }
+
+    /// A mask of the folder.
+    pub(crate) fn mask(&self, name: impl AsRef<Path>) -> Result<Image, String> {
+        Image::mask(&self.path().join(name))
+    }
+
+    /// Runs `rimline` in words, with paths in the folder where a word begins with `@`.
+    pub(crate) fn run(&self, line: impl AsRef<str>) -> Run {
+        run(self.path(), line.as_ref())
+    }
+}
+
+/// Runs `rimline` in words, with paths in a folder where a word begins with `@`.
+pub(crate) fn run(folder: &Path, line: &str) -> Run {
+    rimline(line.split_whitespace().map(|word| match word.strip_prefix('@') {
+        Some(name) => folder.join(name).into_os_string(),
+        None => word.into(),
+    }))
 }
 
 /// The folder holds nothing: no result and no part of one.

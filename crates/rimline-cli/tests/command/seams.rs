@@ -7,8 +7,7 @@ use rimline_measure::random::Random;
 use serde_json::Value;
 
 use super::draw::{is_ink, is_orange, png};
-use super::run::{folder, on_case};
-use super::shadow::run;
+use super::run::{folder, on_case, run, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -21,7 +20,7 @@ pub(crate) const TESTS: &[Test] = &[
 
 /// The same on the shared cases.
 pub(crate) fn trials() -> Vec<libtest_mimic::Trial> {
-    let file = |file| on_case("seams::cases", file, |file| closes(file, &file.to_string_lossy()));
+    let file = |file| on_case("seams::cases", file, |file| closes(file, &file.to_string_lossy(), true));
     vec![file("h_cylinder.glb"), file("h_torus.glb")]
 }
 
@@ -58,11 +57,11 @@ const PROFILES: [&[[f64; 2]]; 3] = [
 ];
 
 /// An open model that `info` names a distance for, is closed by it, and is drawn without a seam in any case.
-fn closes(model: &Path, name: &str) -> Outcome {
+fn closes(model: &Path, name: &str, is_drawn: bool) -> Outcome {
     let folder = folder();
     let copy = format!("m.{}", model.extension().and_then(|ending| ending.to_str()).unwrap_or_default());
     std::fs::copy(model, folder.path().join(&copy)).map_err(|error| error.to_string())?;
-    let info = |options: &str| run(folder.path(), &format!("info @{copy} {options} --json")).json();
+    let info = |options: &str| folder.run(format!("info @{copy} {options} --json")).json();
     let open = info("")?;
     let seams = &open["meshes"][0]["near_boundary"];
     ensure!(open["placed"]["closed"] == false && seams["edges"].as_u64() > Some(0), "{name}: {}", open["meshes"]);
@@ -70,7 +69,7 @@ fn closes(model: &Path, name: &str) -> Outcome {
     let distance = seams["weld_distance"].as_f64().ok_or_else(|| format!("{name}: {seams}"))?;
     let gap = seams["gap"].as_f64().ok_or_else(|| format!("{name}: {seams}"))?;
     ensure!(gap > 0.0 && gap <= distance, "{name}: {seams}");
-    let text = run(folder.path(), &format!("info @{copy}"));
+    let text = folder.run(format!("info @{copy}"));
     let said = format!("boundary edges lie within {gap:.0e} of each other: ");
     ensure!(text.stdout.contains(&said), "{name}: no `{said}` in {}", text.stdout);
     let weld = format!("--weld-distance {distance:e}");
@@ -82,8 +81,9 @@ fn closes(model: &Path, name: &str) -> Outcome {
     let [before, after] = [&open["meshes"][0], closed].map(|mesh| mesh["degenerate_faces"].as_u64());
     let collapsed = after.zip(before).map(|(after, before)| after - before);
     ensure!(collapsed == seams["collapses"].as_u64(), "{name}: {collapsed:?} faces collapse, {seams}");
-    for (options, has_orange) in [("", false), ("--show-boundary", true), (&format!("{weld} --show-boundary"), false)] {
-        run(folder.path(), &format!("draw @{copy} {options} --size 200x150 --out @p.png")).expect(0, &[])?;
+    let drawn = [("", false), ("--show-boundary", true), (&format!("{weld} --show-boundary"), false)];
+    for (options, has_orange) in drawn.into_iter().filter(|_| is_drawn) {
+        folder.run(format!("draw @{copy} {options} --size 200x150 --out @p.png")).expect(0, &[])?;
         let pixels = png(&folder.path().join("p.png"))?.pixels;
         let orange = pixels.iter().filter(|pixel| is_orange(**pixel)).count();
         ensure!(
@@ -98,10 +98,11 @@ fn closes(model: &Path, name: &str) -> Outcome {
 fn revolved() -> Outcome {
     let folder = folder();
     let file = folder.path().join("lathe.obj");
-    for profile in PROFILES {
-        for (steps, size) in [(12, 1.0), (96, 1.0), (32, 1000.0), (32, 0.001)] {
-            std::fs::write(&file, lathe(profile, steps, size)).map_err(|error| error.to_string())?;
-            closes(&file, &format!("{} rings, {steps} steps, size {size}", profile.len()))?;
+    for (number, profile) in PROFILES.into_iter().enumerate() {
+        for (kind, (steps, size)) in [(12, 1.0), (96, 1.0), (32, 1000.0), (32, 0.001)].into_iter().enumerate() {
+            write_file(&file, lathe(profile, steps, size))?;
+            let name = format!("{} rings, {steps} steps, size {size}", profile.len());
+            closes(&file, &name, kind == number + usize::from(number > 0))?;
         }
     }
     Ok(())
@@ -110,41 +111,41 @@ fn revolved() -> Outcome {
 /// The welded surface is what is extracted, and casts without a leak by any method.
 fn every_command() -> Outcome {
     let folder = folder();
-    std::fs::write(folder.path().join("m.obj"), lathe(PROFILES[1], 32, 1.0)).map_err(|error| error.to_string())?;
+    folder.write("m.obj", lathe(PROFILES[1], 32, 1.0))?;
     for (options, boundary) in [("", 10), ("--weld-distance 1e-6", 0)] {
         let line = format!("extract @m.obj --light point:3,4,2 {options} --json --out @m.npz");
-        let json = run(folder.path(), &line).json()?;
+        let json = folder.run(&line).json()?;
         ensure!(json["edges"]["boundary"] == boundary, "{options}: {json}");
     }
     let mut masks = Vec::new();
     for method in ["z-pass", "z-fail"] {
         let view = "--size 96x72 --light point:3,4,2";
         let line = format!("shadow @m.obj --weld-distance 1e-6 --method {method} {view} --mask @{method}");
-        run(folder.path(), &line).expect(0, &[])?;
-        masks.push(std::fs::read(folder.path().join(format!("{method}.0.png"))).map_err(|error| error.to_string())?);
+        folder.run(&line).expect(0, &[])?;
+        masks.push(folder.read(format!("{method}.0.png"))?);
     }
     ensure!(masks[0] == masks[1], "the methods differ");
     for wrong in ["-1", "nan", "inf", "-inf", "1e39"] {
         let line = format!("info @m.obj --weld-distance={wrong}");
-        run(folder.path(), &line).expect(2, &["--weld-distance"])?;
+        folder.run(&line).expect(2, &["--weld-distance"])?;
     }
     // Rings of the vase become a point each: far wider than the distance.
-    std::fs::write(folder.path().join("m.obj"), lathe(PROFILES[1], 96, 1.0)).map_err(|error| error.to_string())?;
-    run(folder.path(), "info @m.obj --weld-distance 0.08").expect(0, &["warning: ", "--weld-distance"])
+    folder.write("m.obj", lathe(PROFILES[1], 96, 1.0))?;
+    folder.run("info @m.obj --weld-distance 0.08").expect(0, &["warning: ", "--weld-distance"])
 }
 
 /// A slit that is wider than rounding: nothing is offered.
 fn meant() -> Outcome {
     let folder = folder();
     let slit = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1.01 0 0\nv 2 0 0\nv 1.01 1 0\nf 1 2 3\nf 1 3 4\nf 5 6 7\n";
-    std::fs::write(folder.path().join("slit.obj"), slit).map_err(|error| error.to_string())?;
-    let json = run(folder.path(), "info @slit.obj --json").json()?;
+    folder.write("slit.obj", slit)?;
+    let json = folder.run("info @slit.obj --json").json()?;
     ensure!(json["placed"]["closed"] == false && json["meshes"][0]["near_boundary"].is_null(), "{json}");
     Ok(())
 }
 
 fn count(folder: &Path, text: &str) -> Result<Value, String> {
-    std::fs::write(folder.join("t.obj"), text).map_err(|error| error.to_string())?;
+    write_file(folder.join("t.obj"), text)?;
     Ok(run(folder, "info @t.obj --json").json()?["placed"]["t_junctions"].clone())
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use libtest_mimic::Trial;
 use rimline_measure::shapes;
 
-use super::run::{folder, on_asset, rimline};
+use super::run::{Folder, folder, is_long, on_asset, rimline};
 use super::{Outcome, Test, ensure};
 use crate::archive::{array, write_zip};
 use rimline_measure::files::GOOD_FILES;
@@ -26,9 +26,23 @@ pub(crate) const TESTS: &[Test] = &[
     ("shadow::lights_of_a_file_bring_colour_range_and_cone", file_lights),
 ];
 
-/// Every good model has a picture and a mask.
+/// Files that differ in how they are drawn: one body, many parts, a skin, morph targets, no sides, flat, a whole scene, many
+/// faces. The others run if long trials are wanted.
+const DRAWN: [&str; 8] = [
+    "Box.glb",
+    "CesiumMilkTruck_quantized.glb",
+    "Fox.glb",
+    "MorphStressTest.gltf",
+    "SimpleSparseAccessor.gltf",
+    "moebius.glb",
+    "spot_catmull_big.glb",
+    "subpass_scene_opaque.gltf",
+];
+
+/// Good models have a picture and a mask.
 pub(crate) fn trials() -> Vec<Trial> {
-    GOOD_FILES.iter().map(|file| on_asset("shadow_models", file, any_model)).collect()
+    let files = if is_long() { &GOOD_FILES[..] } else { &DRAWN };
+    files.iter().map(|file| on_asset("shadow_models", file, any_model)).collect()
 }
 
 /// A grey or colour PNG.
@@ -86,19 +100,11 @@ pub(crate) fn model(shape: &shapes::Shape, scale: f32, [x, y, z]: [f32; 3]) -> V
 }
 
 /// A folder with a cube of side 2 that floats a unit over the ground.
-pub(crate) fn with_cube() -> Result<tempfile::TempDir, String> {
+pub(crate) fn with_cube() -> Result<Folder, String> {
     let folder = folder();
     let cube = model(&shapes::cube(), 1.0, [0.0, 2.0, 0.0]);
-    std::fs::write(folder.path().join("cube.npz"), cube).map_err(|error| error.to_string())?;
+    folder.write("cube.npz", cube)?;
     Ok(folder)
-}
-
-/// Runs `rimline` in words, with paths in a folder where a word begins with `@`.
-pub(crate) fn run(folder: &Path, line: &str) -> super::run::Run {
-    rimline(line.split_whitespace().map(|word| match word.strip_prefix('@') {
-        Some(name) => folder.join(name).into_os_string(),
-        None => word.into(),
-    }))
 }
 
 /// The eye looks level from a height, so that the middle row is the horizon; the cube is in the middle.
@@ -106,8 +112,8 @@ const VIEW: &str = "--ground 0 --eye 0,2,12 --target 0,2,0 --fov 60 --size 160x1
 
 fn cube() -> Outcome {
     let folder = with_cube()?;
-    run(folder.path(), &format!("shadow @cube.npz {VIEW} --mask @m")).expect(0, &[])?;
-    let mask = Image::mask(&folder.path().join("m.0.png"))?;
+    folder.run(format!("shadow @cube.npz {VIEW} --mask @m")).expect(0, &[])?;
+    let mask = folder.mask("m.0.png")?;
     ensure!(mask.bytes.len() == 160 * 120, "{} pixels", mask.bytes.len());
     // Sky, the cube's front (averted from the light above it), the ground below it, and far from it.
     for (x, y, wanted) in [(10, 10, 128), (80, 60, 0), (80, 75, 0), (80, 115, 255), (5, 75, 255), (155, 64, 255)] {
@@ -115,12 +121,12 @@ fn cube() -> Outcome {
     }
     // From above the cube's top is lit; from below the ground there is none, and nothing but averted faces is seen.
     let above = "--ground 0 --eye 0,30,0.01 --target 0,0,0 --size 64x64 --light point:0,9,0";
-    run(folder.path(), &format!("shadow @cube.npz {above} --mask @a")).expect(0, &[])?;
-    let mask = Image::mask(&folder.path().join("a.0.png"))?;
+    folder.run(format!("shadow @cube.npz {above} --mask @a")).expect(0, &[])?;
+    let mask = folder.mask("a.0.png")?;
     ensure!(mask.at(32, 32) == 255 && mask.count(128) == 0, "{} on top", mask.at(32, 32));
     let below = "--ground 0 --eye 0,-20,0.01 --target 0,0,0 --size 64x64 --light point:0,9,0";
-    run(folder.path(), &format!("shadow @cube.npz {below} --mask @b")).expect(0, &[])?;
-    let mask = Image::mask(&folder.path().join("b.0.png"))?;
+    folder.run(format!("shadow @cube.npz {below} --mask @b")).expect(0, &[])?;
+    let mask = folder.mask("b.0.png")?;
     ensure!(mask.at(32, 32) == 0 && mask.at(1, 1) == 128 && mask.count(255) == 0, "{}", mask.at(32, 32));
     Ok(())
 }
@@ -128,27 +134,21 @@ fn cube() -> Outcome {
 fn methods() -> Outcome {
     let folder = with_cube()?;
     let mask = |method: &str, view: &str| {
-        run(folder.path(), &format!("shadow @cube.npz {view} --method {method} --mask @{method}")).expect(0, &[])?;
-        Image::mask(&folder.path().join(format!("{method}.0.png")))
+        folder.run(format!("shadow @cube.npz {view} --method {method} --mask @{method}")).expect(0, &[])?;
+        folder.mask(format!("{method}.0.png"))
     };
     // The eye stands in the shadow and looks out.
     let inside = "--ground 0 --eye 0,0.5,0 --target 5,0.2,0 --size 120x90 --light point:0,9,0";
-    for view in [VIEW, inside] {
+    // The published method is right from outside at least.
+    for (view, methods) in [(VIEW, &["zp+", "z-fail", "zp+paper"][..]), (inside, &["zp+", "z-fail", "z-pass"])] {
         let auto = mask("auto", view)?;
-        for method in ["zp+", "z-fail"] {
-            let other = mask(method, view)?;
-            let different = apart([&auto.bytes, &other.bytes], 1, 0)?;
-            ensure!(different <= 4, "{view}: auto and {method} differ at {different} pixels");
+        for method in methods {
+            let different = apart([&auto.bytes, &mask(method, view)?.bytes], 1, 0)?;
+            // The comparison can fail: z-pass misses what the eye is in.
+            let is_alike = if *method == "z-pass" { different > 500 } else { different <= 4 };
+            ensure!(is_alike, "{view}: auto and {method} differ at {different} pixels");
         }
     }
-    // The published method is right from outside at least.
-    let (auto, paper) = (mask("auto", VIEW)?, mask("zp+paper", VIEW)?);
-    let different = apart([&auto.bytes, &paper.bytes], 1, 0)?;
-    ensure!(different <= 4, "zp+paper differs at {different} pixels from outside");
-    // The comparison can fail: z-pass misses what the eye is in.
-    let (auto, pass) = (mask("auto", inside)?, mask("z-pass", inside)?);
-    let different = apart([&auto.bytes, &pass.bytes], 1, 0)?;
-    ensure!(different > 500, "z-pass differs at {different} pixels only");
     Ok(())
 }
 
@@ -157,30 +157,31 @@ fn next_to_the_eye() -> Outcome {
     let folder = with_cube()?;
     let mask = |method: &str, near: &str| {
         let line = format!("shadow @cube.npz {VIEW} --method {method} --near {near} --mask @{method}{near}");
-        run(folder.path(), &line).expect(0, &[])?;
-        Image::mask(&folder.path().join(format!("{method}{near}.0.png")))
+        folder.run(&line).expect(0, &[])?;
+        folder.mask(format!("{method}{near}.0.png"))
     };
-    for method in ["auto", "zp+", "z-fail"] {
+    // 10⁻⁶ and 10⁻¹² of the distance, and as near as there are numbers for.
+    for (method, nears) in [("auto", &["1e-30"][..]), ("zp+", &["1e-11"]), ("z-fail", &["1e-5", "1e-30"])] {
         let far = mask(method, "1")?;
         ensure!(far.count(0) > 400 && far.count(255) > 5000, "{method}: {} dark, {} lit", far.count(0), far.count(255));
-        // 10⁻⁶ and 10⁻¹² of the distance, and as near as there are numbers for.
-        for near in ["1e-5", "1e-11", "1e-30"] {
+        for near in nears {
             let different = apart([&far.bytes, &mask(method, near)?.bytes], 1, 0)?;
             ensure!(different <= 4, "{method}: with the near plane at {near}, {different} pixels differ");
         }
     }
     // The comparison can fail.
-    let other = run(folder.path(), &format!("shadow @cube.npz {} --mask @other", VIEW.replace("0,9,0", "1,9,0")));
+    let other = folder.run(format!("shadow @cube.npz {} --mask @other", VIEW.replace("0,9,0", "1,9,0")));
     other.expect(0, &[])?;
-    let (one, other) = (mask("auto", "1")?, Image::mask(&folder.path().join("other.0.png"))?);
+    let [one, other] = ["auto1", "other"].map(|name| folder.mask(format!("{name}.0.png")));
+    let (one, other) = (one?, other?);
     ensure!(one.bytes != other.bytes, "another light, the same mask");
     Ok(())
 }
 
 fn area() -> Outcome {
     let folder = with_cube()?;
-    run(folder.path(), &format!("shadow @cube.npz {VIEW} --area disc:1 --samples 8 --mask @m")).expect(0, &[])?;
-    let mask = Image::read(&folder.path().join("m.0.png"))?;
+    folder.run(format!("shadow @cube.npz {VIEW} --area disc:1 --samples 8 --mask @m")).expect(0, &[])?;
+    let mask = folder.image("m.0.png")?;
     ensure!(mask.at(80, 77) == 0 && mask.at(80, 115) == 255 && mask.at(10, 10) == 128, "the middle is not as without");
     let shares: Vec<u8> = (0..=8_u32).map(|lit| ((510 * lit + 8) / 16) as u8).collect();
     let other = mask.bytes.iter().find(|value| **value != 128 && !shares.contains(value));
@@ -194,16 +195,15 @@ fn area() -> Outcome {
 fn two_files() -> Outcome {
     let folder = with_cube()?;
     let roof = model(&shapes::plane_grid(1, 1), 4.0, [0.0, 5.0, 0.0]);
-    std::fs::write(folder.path().join("roof.npz"), roof).map_err(|error| error.to_string())?;
-    let json = run(folder.path(), &format!("shadow @cube.npz @roof.npz {VIEW} --mask @m --json")).json()?;
+    folder.write("roof.npz", roof)?;
+    let json = folder.run(format!("shadow @cube.npz @roof.npz {VIEW} --mask @m --json")).json()?;
     ensure!(json["files"].as_array().is_some_and(|files| files.len() == 2), "{json}");
     // An open sheet casts with every face, a closed cube with its averted ones.
     let casters = &json["lights"][0]["casters"];
     ensure!(casters[0]["casting"] == "averted" && casters[1]["casting"] == "every", "{json}");
-    let alone = run(folder.path(), &format!("shadow @cube.npz {VIEW} --mask @n"));
+    let alone = folder.run(format!("shadow @cube.npz {VIEW} --mask @n"));
     alone.expect(0, &[])?;
-    let [with, without] =
-        ["m.0.png", "n.0.png"].map(|name| Image::mask(&folder.path().join(name)).map(|mask| mask.count(255)));
+    let [with, without] = ["m.0.png", "n.0.png"].map(|name| folder.mask(name).map(|mask| mask.count(255)));
     let (with, without) = (with?, without?);
     ensure!(with < without, "{with} pixels are lit with a roof, {without} without");
     Ok(())
@@ -224,24 +224,24 @@ fn pictures() -> Outcome {
         "--area sphere --samples 4",
         "--eye 3,4,5 --target 0,2,0 --fov 60 --near 0.1",
     ] {
-        run(folder.path(), &format!("shadow @cube.npz {plain} {options} --out @p.png"))
+        folder
+            .run(format!("shadow @cube.npz {plain} {options} --out @p.png"))
             .expect(0, &[])
             .map_err(|error| format!("{options}: {error}"))?;
-        let image = Image::read(&folder.path().join("p.png"))?;
+        let image = folder.image("p.png")?;
         ensure!(image.color == png::ColorType::Rgb && image.width == 120, "{:?}", image.color);
         ensure!(!seen.contains(&image.bytes), "{options}: as an earlier picture");
         seen.push(image.bytes);
     }
     // The same again is the same.
-    run(folder.path(), &format!("shadow @cube.npz {plain} --out @p.png")).expect(0, &[])?;
-    ensure!(Image::read(&folder.path().join("p.png"))?.bytes == seen[0], "two runs differ");
-    // Neither light nor camera named.
-    run(folder.path(), "shadow @cube.npz --size 64x48 --out @q.png").expect(0, &[])
+    folder.run(format!("shadow @cube.npz {plain} --out @p.png")).expect(0, &[])?;
+    ensure!(folder.image("p.png")?.bytes == seen[0], "two runs differ");
+    Ok(())
 }
 
 fn ranges() -> Outcome {
     let folder = with_cube()?;
-    let lit = |option: &str| run(folder.path(), &format!("shadow @cube.npz {VIEW}{option} --mask @m --json")).json();
+    let lit = |option: &str| folder.run(format!("shadow @cube.npz {VIEW}{option} --mask @m --json")).json();
     let near = lit(",range=3")?;
     ensure!(near["lights"][0]["casters"][0]["casting"] == "nothing", "{near}");
     ensure!(near["lights"][0]["range"] == 3.0, "{near}");
@@ -254,7 +254,7 @@ fn ranges() -> Outcome {
 
 fn json() -> Outcome {
     let folder = with_cube()?;
-    let json = run(folder.path(), &format!("shadow @cube.npz {VIEW} --out @p.png --json")).json()?;
+    let json = folder.run(format!("shadow @cube.npz {VIEW} --out @p.png --json")).json()?;
     for key in ["adapter", "method", "mode", "files", "faces", "samples", "lights", "statistics", "milliseconds"] {
         ensure!(!json[key].is_null(), "no `{key}`: {json}");
     }
@@ -262,11 +262,11 @@ fn json() -> Outcome {
     ensure!(json["method"] == "auto" && json["faces"][0] == 12, "{json}");
     ensure!(caster["counting"] == "z-pass" && caster["silhouette_edges"] == 4, "{caster}");
     let inside = "--ground 0 --eye 0,0.5,0 --target 5,0.2,0 --size 32x32 --light point:0,9,0";
-    let json = run(folder.path(), &format!("shadow @cube.npz {inside} --out @p.png --json")).json()?;
+    let json = folder.run(format!("shadow @cube.npz {inside} --out @p.png --json")).json()?;
     ensure!(json["lights"][0]["casters"][0]["counting"] == "zp+", "{json}");
     ensure!(json["statistics"][0]["capped"] == 1, "{json}");
     let soft = "--area disc:1 --samples 3";
-    let json = run(folder.path(), &format!("shadow @cube.npz {VIEW} {soft} --out @p.png --json")).json()?;
+    let json = folder.run(format!("shadow @cube.npz {VIEW} {soft} --out @p.png --json")).json()?;
     let edges = json["lights"][0]["casters"][0]["silhouette_edges"].as_array().map(Vec::len);
     ensure!(edges == Some(3), "{json}");
     Ok(())
@@ -276,8 +276,8 @@ fn mask_range() -> Outcome {
     let folder = with_cube()?;
     let mask = |option: &str| {
         let view = "--ground 0 --eye 0,40,0.01 --target 0,0,0 --fov 60 --size 101x101 --light point:0,9,0";
-        run(folder.path(), &format!("shadow @cube.npz {view}{option} --mask @m")).expect(0, &[])?;
-        Image::mask(&folder.path().join("m.0.png"))
+        folder.run(format!("shadow @cube.npz {view}{option} --mask @m")).expect(0, &[])?;
+        folder.mask("m.0.png")
     };
     let (all, some, none) = (mask("")?, mask(",range=15")?, mask(",range=5")?);
     // The ground is lit up to 12 from below the light, sqrt(15² - 9²), and 2.19 pixels are 1 there.
@@ -311,23 +311,23 @@ fn may_wrap() -> Outcome {
     let folder = folder();
     let line = |files: &str, command: &str| {
         let view = "--ground 0 --size 64x48 --eye 9,12,14 --target 0,1,0 --light dir:0.3,1,0.1";
-        run(folder.path(), &format!("{command} {files} {view}"))
+        folder.run(format!("{command} {files} {view}"))
     };
     let stacks = [("few.npz", 100), ("half.npz", 160), ("half_less.npz", 96), ("many.npz", 256), ("more.npz", 300)];
     for (name, layers) in stacks {
-        std::fs::write(folder.path().join(name), stack(layers)).map_err(|error| error.to_string())?;
+        folder.write(name, stack(layers))?;
     }
     let few = line("@few.npz", "shadow --mask @few --json");
     ensure!(few.json()?["may_wrap"] == 0 && !few.stderr.contains("stencil"), "{} {}", few.stdout, few.stderr);
     ensure!(few.json()?["count_bound"].as_u64().is_some_and(|bound| (100..256).contains(&bound)), "{}", few.stdout);
-    let few = Image::mask(&folder.path().join("few.0.png"))?;
+    let few = folder.mask("few.0.png")?;
     // One stack of 256 sheets, which look like none to eight bits, two stacks with as many in all, and one of 300.
     for (name, files) in [("a", "@many.npz"), ("b", "@half.npz @half_less.npz"), ("c", "@more.npz")] {
         let many = line(files, &format!("shadow --mask @{name} --json"));
         let json = many.json()?;
         ensure!(!many.stderr.contains("stencil"), "{files}: {}", many.stderr);
         ensure!(json["may_wrap"] == 0 && json["count_bound"].as_u64() > Some(255), "{json}");
-        let mask = Image::mask(&folder.path().join(format!("{name}.0.png")))?;
+        let mask = folder.mask(format!("{name}.0.png"))?;
         // The stacks are of nearly the same height, and so are their shadows on the ground.
         let (dark, expected) = (mask.count(0), few.count(0));
         ensure!(expected > 80 && dark.abs_diff(expected) < 10, "{files}: {dark} dark pixels, {expected} of few sheets");
@@ -336,7 +336,7 @@ fn may_wrap() -> Outcome {
     film.expect(0, &[])?;
     ensure!(!film.stderr.contains("stencil"), "{}", film.stderr);
     line("@many.npz", "shadow --out @picture.png").expect(0, &[])?;
-    let [film, picture] = ["frames/0000.png", "picture.png"].map(|name| Image::read(&folder.path().join(name)));
+    let [film, picture] = ["frames/0000.png", "picture.png"].map(|name| folder.image(name));
     ensure!(film?.bytes == picture?.bytes, "a film's picture is another");
     Ok(())
 }
@@ -351,11 +351,10 @@ fn no_false_layers() -> Outcome {
         number % 3 != 0
     });
     // Within the sphere and on its surface; the stages' bound is the number of faces there.
-    std::fs::write(folder.path().join("leaky.npz"), model(&leaky, 1.0, [0.0, 1.2, 0.0]))
-        .map_err(|error| error.to_string())?;
+    folder.write("leaky.npz", model(&leaky, 1.0, [0.0, 1.2, 0.0]))?;
     ensure!(leaky.faces.len() > 512, "{} faces", leaky.faces.len());
     for light in ["point:0,1.2,0", "point:0.1,2.19,0.05", "point:0.3,1.0,0.2"] {
-        let found = run(folder.path(), &format!("shadow @leaky.npz --size 32x24 --light {light} --mask @m --json"));
+        let found = folder.run(format!("shadow @leaky.npz --size 32x24 --light {light} --mask @m --json"));
         let json = found.json()?;
         ensure!(!found.stderr.contains("stencil"), "{light}: {}", found.stderr);
         let bound = json["count_bound"].as_u64();
@@ -367,29 +366,30 @@ fn no_false_layers() -> Outcome {
 fn scale() -> Outcome {
     let folder = folder();
     let mut drawn = Vec::new();
-    // Powers of two leave every position as exact as it was.
-    let scales = [1.0, 2.0_f32.powi(64), 2.0_f32.powi(-100), 2.0_f32.powi(120), 1e19, 1e-30, 1e37];
-    for scale in scales {
-        std::fs::write(folder.path().join("cube.npz"), model(&shapes::cube(), scale, [0.0, 2.0 * scale, 0.0]))
-            .map_err(|error| error.to_string())?;
+    // Powers of two leave every position as exact as it was. Squares of some are no numbers any more, or zero.
+    let all = [1.0, 2.0_f32.powi(-100), 1e19, 1e37, 2.0_f32.powi(64), 2.0_f32.powi(120), 1e-30];
+    let scales = if is_long() { &all[..] } else { &all[..4] };
+    for &scale in scales {
+        folder.write("cube.npz", model(&shapes::cube(), scale, [0.0, 2.0 * scale, 0.0]))?;
         let mut images = Vec::new();
         let light = format!("--light point:{},{},{},range={}", 3.0 * scale, 6.0 * scale, 4.0 * scale, 9.0 * scale);
         for (place, options) in
             ["", &light, "--light dir:1,2,1 --volumes", "--area disc --samples 2"].iter().enumerate()
         {
-            run(folder.path(), &format!("shadow @cube.npz --size 96x72 {options} --out @p.png"))
+            folder
+                .run(format!("shadow @cube.npz --size 96x72 {options} --out @p.png"))
                 .expect(0, &[])
                 .map_err(|error| format!("{scale:e}, {place}: {error}"))?;
-            images.push(Image::read(&folder.path().join("p.png"))?.bytes);
+            images.push(folder.image("p.png")?.bytes);
         }
         drawn.push(images);
     }
     // From -3e38 to 3e38 is further than the numbers go.
     let vast = model(&shapes::cube(), 3e38, [0.0; 3]);
-    std::fs::write(folder.path().join("vast.npz"), vast).map_err(|error| error.to_string())?;
+    folder.write("vast.npz", vast)?;
     for command in ["draw", "shadow", "film --frames 1"] {
         let line = format!("{command} @vast.npz --size 96x72 --out @vast");
-        run(folder.path(), &line).expect(1, &["vast.npz: the model is larger", "scale it down"])?;
+        folder.run(&line).expect(1, &["vast.npz: the model is larger", "scale it down"])?;
     }
     for (scale, images) in scales.iter().zip(&drawn) {
         for (place, (image, first)) in images.iter().zip(&drawn[0]).enumerate() {
@@ -427,10 +427,10 @@ fn lit_triangle(light: &str) -> String {
 fn file_lights() -> Outcome {
     let folder = folder();
     let shadow = |light: &str, options: &str| {
-        std::fs::write(folder.path().join("m.gltf"), lit_triangle(light)).map_err(|error| error.to_string())?;
+        folder.write("m.gltf", lit_triangle(light))?;
         let view = "--ground 0 --eye 0,20,0.01 --target 0,0,0 --fov 60 --size 101x101 --mask @m --json";
-        let json = run(folder.path(), &format!("shadow @m.gltf {view} {options}")).json()?;
-        Ok::<_, String>((json["lights"][0].clone(), Image::mask(&folder.path().join("m.0.png"))?))
+        let json = folder.run(format!("shadow @m.gltf {view} {options}")).json()?;
+        Ok::<_, String>((json["lights"][0].clone(), folder.mask("m.0.png")?))
     };
     let point = r#"{ "type": "point", "color": [1, 0.5, 0.25], "intensity": 800, "range": 7 }"#;
     let (light, mask) = shadow(point, "--light file:all")?;
@@ -461,7 +461,7 @@ fn any_model(file: &Path) -> Outcome {
     rimline(line).expect(0, &[])?;
     let picture = Image::read(&out)?;
     ensure!(picture.bytes.iter().any(|&value| value != picture.bytes[0]), "an empty picture");
-    let mask = Image::mask(&folder.path().join("m.0.png"))?;
+    let mask = folder.mask("m.0.png")?;
     ensure!(mask.count(0) > 20 && mask.count(255) > 20, "{} dark, {} lit pixels", mask.count(0), mask.count(255));
     Ok(())
 }

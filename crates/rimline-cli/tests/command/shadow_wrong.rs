@@ -4,7 +4,7 @@ use rimline_measure::shapes;
 
 use super::npz_input::tetrahedron;
 use super::run::{folder, is_empty, rimline};
-use super::shadow::{model, run, with_cube};
+use super::shadow::{model, with_cube};
 use super::{Outcome, Test, ensure};
 use crate::archive::{array, write_zip};
 
@@ -48,7 +48,8 @@ fn wrong_options() -> Outcome {
         ("--out @results/p.png --animation Run", "Run"),
     ];
     for (options, part) in cases {
-        run(folder.path(), &format!("shadow @cube.npz {options}"))
+        folder
+            .run(format!("shadow @cube.npz {options}"))
             .expect(2, &[part])
             .map_err(|error| format!("{options}: {error}"))?;
         is_empty(&results).map_err(|error| format!("{options}: {error}"))?;
@@ -61,15 +62,16 @@ fn wrong_options() -> Outcome {
         ("--frames 2 --seconds 1", "--seconds"),
     ];
     for (options, part) in film {
-        run(folder.path(), &format!("film @cube.npz --out @results/ {options}"))
+        folder
+            .run(format!("film @cube.npz --out @results/ {options}"))
             .expect(2, &[part])
             .map_err(|error| format!("{options}: {error}"))?;
         is_empty(&results).map_err(|error| format!("{options}: {error}"))?;
     }
-    run(folder.path(), "shadow --out @results/p.png").expect(2, &["FILE"])?;
+    folder.run("shadow --out @results/p.png").expect(2, &["FILE"])?;
     let many = "--light dir:0,1,0 ".repeat(33);
     let line = format!("shadow @cube.npz {many} --area disc --samples 32 --out @results/p.png");
-    run(folder.path(), &line).expect(2, &["1056", "1024"])
+    folder.run(&line).expect(2, &["1056", "1024"])
 }
 
 fn idle_options() -> Outcome {
@@ -81,7 +83,8 @@ fn idle_options() -> Outcome {
         ("--light dir:1,2,3,range=4", "infinity"),
         ("--light point:1,2,3,begin=4,range=3", "begin=4"),
     ] {
-        run(folder.path(), &format!("shadow @cube.npz --size 16x16 --out @p.png {options}"))
+        folder
+            .run(format!("shadow @cube.npz --size 16x16 --out @p.png {options}"))
             .expect(2, &[part])
             .map_err(|error| format!("{options}: {error}"))?;
         ensure!(!folder.path().join("p.png").exists(), "{options}: a picture");
@@ -91,7 +94,7 @@ fn idle_options() -> Outcome {
 
 fn bad_input() -> Outcome {
     let folder = folder();
-    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).map_err(|e| e.to_string());
+    let write = |name: &str, bytes: &[u8]| folder.write(name, bytes);
     write("good.npz", &tetrahedron())?;
     write("nan.npz", &model(&shapes::cube(), f32::NAN, [0.0; 3]))?;
     let positions = array("positions", "<f4", "False", "(1, 3)", &[0; 12]);
@@ -107,14 +110,15 @@ fn bad_input() -> Outcome {
         ("@missing.npz", "missing.npz"),
     ] {
         for command in ["shadow", "film --frames 1"] {
-            run(folder.path(), &format!("{command} {files} --size 16x16 --out @results/p"))
+            folder
+                .run(format!("{command} {files} --size 16x16 --out @results/p"))
                 .expect(1, &[part])
                 .map_err(|error| format!("{command} {files}: {error}"))?;
             is_empty(&results).map_err(|error| format!("{command} {files}: {error}"))?;
         }
     }
     // A file without anything finite beside a good one casts nothing, and is no reason to stop.
-    run(folder.path(), "shadow @good.npz @nan.npz --size 16x16 --out @results/p.png").expect(0, &[])
+    folder.run("shadow @good.npz @nan.npz --size 16x16 --out @results/p.png").expect(0, &[])
 }
 
 fn unwritable() -> Outcome {
@@ -124,7 +128,7 @@ fn unwritable() -> Outcome {
         "shadow @cube.npz --size 16x16 --out @p.png --mask @no/such",
         "film @cube.npz --frames 2 --size 16x16 --out @no/such/",
     ] {
-        run(folder.path(), line).expect(4, &["cannot be written"]).map_err(|error| format!("{line}: {error}"))?;
+        folder.run(line).expect(4, &["cannot be written"]).map_err(|error| format!("{line}: {error}"))?;
     }
     ensure!(!folder.path().join("p.png").exists(), "a picture in spite of its masks' failure");
     Ok(())
@@ -132,14 +136,14 @@ fn unwritable() -> Outcome {
 
 fn clash() -> Outcome {
     let folder = with_cube()?;
-    let clash = run(folder.path(), "shadow @cube.npz --size 16x16 --out @a.0.png --mask @a");
+    let clash = folder.run("shadow @cube.npz --size 16x16 --out @a.0.png --mask @a");
     clash.expect(2, &["--out", "--mask", "a.0.png"])?;
-    run(folder.path(), "shadow @cube.npz --size 16x16 --out @./b.0.png --mask @b").expect(2, &["--mask"])?;
+    folder.run("shadow @cube.npz --size 16x16 --out @./b.0.png --mask @b").expect(2, &["--mask"])?;
     for name in ["a.0.png", "b.0.png"] {
         ensure!(!folder.path().join(name).exists(), "there is a {name}");
     }
     // There is only one light.
-    run(folder.path(), "shadow @cube.npz --size 16x16 --out @a.1.png --mask @a").expect(0, &[])
+    folder.run("shadow @cube.npz --size 16x16 --out @a.1.png --mask @a").expect(0, &[])
 }
 
 fn help() -> Outcome {
@@ -154,7 +158,7 @@ fn help() -> Outcome {
     let example = rimline(["film", "--help"]).stdout;
     let (_, out) = example.rsplit_once("--out ").ok_or("no example")?;
     let out = out.lines().next().unwrap_or_default().trim();
-    run(folder.path(), &format!("film @cube.npz --frames 1 --size 16x16 --out @{out}")).expect(0, &[])?;
+    folder.run(format!("film @cube.npz --frames 1 --size 16x16 --out @{out}")).expect(0, &[])?;
     ensure!(folder.path().join(out).join("0000.png").is_file(), "no frame in {out}");
     Ok(())
 }

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::draw::{Picture, png};
 use super::outlines::box_model;
-use super::run::{folder, rimline};
+use super::run::{folder, rimline, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] =
@@ -51,7 +51,7 @@ fn meets_box(from: DVec3, to: DVec3) -> bool {
 fn draw((eye, target, fov): View, options: &str) -> Result<Picture, String> {
     let folder = folder();
     let (file, out) = (folder.path().join("box.npz"), folder.path().join("p.png"));
-    std::fs::write(&file, box_model([LOW.to_array(), HIGH.to_array()])).map_err(|error| error.to_string())?;
+    write_file(&file, box_model([LOW.to_array(), HIGH.to_array()]))?;
     let (file, out) = (file.to_string_lossy(), out.to_string_lossy());
     let size = format!("{}x{}", SIZE[0], SIZE[1]);
     let view = format!("--eye {} --target {} --fov {fov}", list(eye), list(target));

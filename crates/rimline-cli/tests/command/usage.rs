@@ -1,7 +1,7 @@
 //! Help of the command, and its messages and exit codes when it is used wrongly.
 
 use super::npz_input::tetrahedron;
-use super::run::{folder, is_empty, rimline, rimline_with};
+use super::run::{folder, is_empty, read_file, rimline, rimline_with, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -35,7 +35,7 @@ fn help() -> Outcome {
 fn wrong_options() -> Outcome {
     let folder = folder();
     let model = folder.path().join("model.npz");
-    std::fs::write(&model, tetrahedron()).map_err(|error| error.to_string())?;
+    write_file(&model, tetrahedron())?;
     let model = model.to_string_lossy().into_owned();
     let results = folder.path().join("results");
     std::fs::create_dir(&results).map_err(|error| error.to_string())?;
@@ -118,9 +118,9 @@ fn unwritable() -> Outcome {
 fn old_result() -> Outcome {
     let folder = folder();
     let out = folder.path().join("out.npz");
-    std::fs::write(&out, "an older result").map_err(|error| error.to_string())?;
+    write_file(&out, "an older result")?;
     extract(folder.path(), "out.npz", &["--device", "no such adapter"], &[]).expect(3, &[])?;
-    let left = std::fs::read(&out).map_err(|error| error.to_string())?;
+    let left = read_file(&out)?;
     ensure!(left == b"an older result", "the older result is gone");
     extract(folder.path(), "out.npz", &["--device", "cpu"], &[]).expect(0, &[])?;
     let names = std::fs::read_dir(folder.path()).map_err(|error| error.to_string())?.count();

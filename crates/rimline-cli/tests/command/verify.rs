@@ -8,7 +8,7 @@ use libtest_mimic::{Failed, Trial};
 use serde_json::Value;
 
 use super::archive::compare;
-use super::run::{assets, folder, rimline, rimline_with};
+use super::run::{assets, folder, is_long, rimline, rimline_with, write_file};
 use super::usage::HIDDEN;
 use super::{Outcome, ensure};
 use rimline_measure::files::GOOD_FILES;
@@ -79,7 +79,7 @@ fn devices(json: &Value) -> Vec<String> {
 fn stress_scenes() -> Outcome {
     let folder = folder();
     let [by_cpu, by_gpu] = ["cpu", "gpu"].map(|name| folder.path().join(name));
-    let faces = if std::env::var_os("RIMLINE_LONG").is_some_and(|long| long == "1") { "100000" } else { "2000" };
+    let faces = if is_long() { "100000" } else { "2000" };
     make(&by_cpu, &["--faces".as_ref(), faces.as_ref()])?;
     make(&by_gpu, &["--faces".as_ref(), faces.as_ref(), "--device".as_ref(), "gpu".as_ref()])?;
     let (cpu, gpu) = (contents(&by_cpu)?, contents(&by_gpu)?);
@@ -101,7 +101,7 @@ pub(crate) fn one_file(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
     make(&made, &["--faces".as_ref(), "50".as_ref()])?;
     std::fs::create_dir(&wanted).map_err(|error| error.to_string())?;
     let bytes = contents(&made)?.into_values().max_by_key(Vec::len).ok_or("nothing was made")?;
-    std::fs::write(wanted.join(name), &bytes).map_err(|error| error.to_string())?;
+    write_file(wanted.join(name), &bytes)?;
     Ok(bytes)
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::archive::{Entry, read_zip, words, write_zip};
 use super::npz_input::tetrahedron;
-use super::run::{folder, is_empty, rimline};
+use super::run::{folder, is_empty, read_file, rimline, write_file};
 use super::verify::{check, contents, make, one_file};
 use super::{Outcome, Test, ensure};
 
@@ -40,7 +40,7 @@ fn flipped_bits() -> Outcome {
             let data = entry.bytes.len() - (entry.bytes.len() - 128) / 8 * 8;
             entry.bytes[data + 4 * 11] ^= 2;
         })?;
-        std::fs::write(one.join("one.npz"), &bad).map_err(text)?;
+        write_file(one.join("one.npz"), &bad)?;
         let json = check(&one, &[], 5)?;
         ensure!(json["equal"] == false, "{json:#}");
         let results = json["files"][0]["results"].as_array().ok_or("no results")?;
@@ -69,7 +69,7 @@ fn rounded() -> Outcome {
     make(&made, &["--faces".as_ref(), "500".as_ref()])?;
     std::fs::create_dir(&one).map_err(text)?;
     let plate = made.join("stress-plate-all.npz");
-    let entries = read_zip(&std::fs::read(&plate).map_err(text)?)?;
+    let entries = read_zip(&read_file(&plate)?)?;
     let lights = entries.iter().find(|entry| entry.name == "lights.npy").ok_or("no lights")?;
     let lights: Vec<f32> = words(&lights.bytes[128..]).into_iter().map(f32::from_bits).collect();
     let specs = lights.chunks(4).map(|l| format!("--light=hom:{:?},{:?},{:?},{:?}", l[0], l[1], l[2], l[3]));
@@ -104,7 +104,7 @@ fn other_archives() -> Outcome {
     for (archive, message) in
         [(fewer, "its arrays are positions"), (wider, "`edge_kind` is |i1"), (write_zip(&entries), "did not write it")]
     {
-        std::fs::write(one.join("one.npz"), &archive).map_err(text)?;
+        write_file(one.join("one.npz"), &archive)?;
         let run = rimline(["verify".as_ref(), one.as_os_str(), "--device".as_ref(), "cpu".as_ref()]);
         run.expect(5, &["other bits"])?;
         ensure!(run.stdout.contains(message), "the table lacks `{message}`: {}", run.stdout);
@@ -128,7 +128,7 @@ fn broken_files() -> Outcome {
         ("index.npz", changed(&good, "faces", |entry| entry.bytes[130] = 0x7f)?, "names vertex"),
     ] {
         let file = one.join(name);
-        std::fs::write(&file, bytes).map_err(text)?;
+        write_file(&file, bytes)?;
         let run = rimline(["verify".as_ref(), one.as_os_str(), "--device".as_ref(), "cpu".as_ref()]);
         run.expect(1, &["could not be done", name, message])?;
         ensure!(run.stdout.contains("cannot be checked") && run.stdout.contains("equal"), "{name}: {}", run.stdout);
@@ -149,12 +149,12 @@ fn nothing() -> Outcome {
     let empty = folder.path().join("empty");
     std::fs::create_dir(&empty).map_err(text)?;
     rimline(["verify".as_ref(), empty.as_os_str()]).expect(1, &["empty", "no .npz", "--make"])?;
-    std::fs::write(empty.join(".half.npz.77.part"), b"").map_err(text)?;
-    std::fs::write(empty.join(".half.npz"), b"").map_err(text)?;
+    write_file(empty.join(".half.npz.77.part"), b"")?;
+    write_file(empty.join(".half.npz"), b"")?;
     rimline(["verify".as_ref(), empty.as_os_str()]).expect(1, &["no .npz"])?;
     let missing = folder.path().join("missing");
     rimline(["verify".as_ref(), missing.as_os_str()]).expect(1, &["missing", "cannot be read"])?;
-    std::fs::write(folder.path().join("file"), b"").map_err(text)?;
+    folder.write("file", b"")?;
     rimline(["verify".as_ref(), folder.path().join("file").as_os_str()])
         .expect(1, &["not a folder", "give the folder"])?;
     one_file(folder.path(), "one.npz")?;
@@ -174,7 +174,7 @@ fn nothing() -> Outcome {
 fn written_over() -> Outcome {
     let folder = folder();
     let [model, made] = ["model.npz", "made"].map(|name| folder.path().join(name));
-    std::fs::write(&model, tetrahedron()).map_err(text)?;
+    write_file(&model, tetrahedron())?;
     let small = ["--faces", "12"].map(AsRef::as_ref);
     let options = [&[model.as_os_str()], &small[..]].concat();
     make(&made, &options)?;
@@ -202,7 +202,7 @@ fn written_over() -> Outcome {
     std::fs::copy(&model, twin.join("model.npz")).map_err(text)?;
     make_other([&model, &twin.join("model.npz")]).expect(1, &["same name", "model.npz"])?;
     is_empty(&other)?;
-    std::fs::write(&model, b"PK").map_err(text)?;
+    write_file(&model, b"PK")?;
     make_other([&model, &twin.join("other.npz")]).expect(1, &["model.npz"])?;
     is_empty(&other)
 }

@@ -2,7 +2,7 @@
 
 use super::archive::{array, write_zip};
 use super::run::Run;
-use super::shadow::{run, with_cube};
+use super::shadow::with_cube;
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] =
@@ -16,18 +16,18 @@ fn has_compiled(run: &Run) -> bool {
 fn only_json() -> Outcome {
     let folder = with_cube()?;
     let points = write_zip(&[array("points", "<f4", "False", "(1, 3)", &[0; 12])]);
-    std::fs::write(folder.path().join("points.npz"), points).map_err(|error| error.to_string())?;
+    folder.write("points.npz", points)?;
     for line in [
         "extract @cube.npz --light dir:1,2,1 --device gpu --out @bits.npz",
         "query @cube.npz --points @points.npz --light dir:1,2,1 --device gpu --out @depths.npz",
         "shadow @cube.npz --size 64x48 --out @shadow.png",
         "shadow @cube.npz --size 64x48 --from-depth 16 --mask @depth",
     ] {
-        let text = run(folder.path(), line);
+        let text = folder.run(line);
         text.expect(0, &[])?;
         ensure!(text.stdout.contains("by stage"), "{line}: no stages in {}", text.stdout);
         ensure!(!has_compiled(&text), "{line}: the work ran twice: {}", text.stdout);
-        let json = run(folder.path(), &format!("{line} --json")).json()?;
+        let json = folder.run(format!("{line} --json")).json()?;
         let compiled = json["milliseconds"]["compile"].as_f64();
         ensure!(compiled.is_some_and(|time| time > 0.0), "{line}: compiled in {compiled:?}");
     }
@@ -38,13 +38,13 @@ fn only_json() -> Outcome {
 fn lights() -> Outcome {
     let folder = with_cube()?;
     let small = super::shadow::model(&rimline_measure::shapes::cube(), 0.05, [0.0; 3]);
-    std::fs::write(folder.path().join("small.npz"), small).map_err(|error| error.to_string())?;
+    folder.write("small.npz", small)?;
     let line = "shadow @small.npz --size 64x48 --light point:0.3,0.4,0.2 --from-depth 64 \
         --detector contours=0.01 --mask @m";
-    run(folder.path(), line).expect(0, &[])?;
-    let json = run(folder.path(), &format!("{line} --json")).json()?;
+    folder.run(line).expect(0, &[])?;
+    let json = folder.run(format!("{line} --json")).json()?;
     ensure!(json["lights"][0]["depth_map"]["maps"] == 1, "{}", json["lights"]);
     // Negative control: a light in the cube has six maps, and that is said.
     let among = line.replace("0.3,0.4,0.2", "0.01,0,0");
-    run(folder.path(), &among).expect(2, &["--detector every or automatic"])
+    folder.run(&among).expect(2, &["--detector every or automatic"])
 }

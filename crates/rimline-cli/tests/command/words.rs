@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::npz_input::tetrahedron;
-use super::run::{folder, rimline, rimline_with};
+use super::run::{folder, rimline, rimline_with, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -41,7 +41,7 @@ fn by_shell(script: &str, folder: &Path, width: &str) -> std::process::Output {
 #[cfg(unix)]
 fn quiet() -> Outcome {
     let folder = folder();
-    std::fs::write(folder.path().join("m.npz"), tetrahedron()).map_err(|error| error.to_string())?;
+    folder.write("m.npz", tetrahedron())?;
     let commands = [
         "rimline devices",
         "rimline draw m.npz --size 64x64 --out a.png",
@@ -61,7 +61,7 @@ fn quiet() -> Outcome {
 #[cfg(unix)]
 fn same_process() -> Outcome {
     let folder = folder();
-    std::fs::write(folder.path().join("m.npz"), tetrahedron()).map_err(|error| error.to_string())?;
+    folder.write("m.npz", tetrahedron())?;
     let piped = by_shell("rimline draw - --size 64x64 --out /dev/stdout <m.npz | head -c 8", folder.path(), "80");
     ensure!(piped.stdout == b"\x89PNG\r\n\x1a\n", "{:?}, {}", piped.stdout, String::from_utf8_lossy(&piped.stderr));
     let failed = by_shell("rimline draw m.npz --device 'no such device' --out a.png", folder.path(), "80");
@@ -130,7 +130,7 @@ fn pasted() -> Outcome {
 fn times() -> Outcome {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    std::fs::write(at("m.npz"), tetrahedron()).map_err(|error| error.to_string())?;
+    write_file(at("m.npz"), tetrahedron())?;
     let lines = [
         ["extract", "--device", "gpu", "--light", "dir:0,1,0", "--out", &at("a.npz")],
         ["shadow", "--size", "64x64", "--light", "dir:0,1,0", "--out", &at("a.png")],
@@ -153,10 +153,9 @@ fn times() -> Outcome {
 fn written() -> Outcome {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    std::fs::write(at("m.npz"), tetrahedron()).map_err(|error| error.to_string())?;
+    write_file(at("m.npz"), tetrahedron())?;
     let (model, wgsl) = (at("m.npz"), at("still.wgsl"));
-    std::fs::write(&wgsl, "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }")
-        .map_err(|error| error.to_string())?;
+    write_file(&wgsl, "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }")?;
     let (png, npz, film) = (at("a.png"), at("a.npz"), at("film"));
     let size = ["--size", "64x48"];
     let cases: [(&[&str], &str, &str); 4] = [
@@ -181,11 +180,11 @@ fn written() -> Outcome {
 fn named() -> Outcome {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    std::fs::write(at("fox.ply"), "v 0 0 0\n").map_err(|error| error.to_string())?;
-    std::fs::write(at("fox"), "v 0 0 0\n").map_err(|error| error.to_string())?;
+    write_file(at("fox.ply"), "v 0 0 0\n")?;
+    write_file(at("fox"), "v 0 0 0\n")?;
     rimline(["info", &at("fox.ply")]).expect(1, &["fox.ply: cannot read .ply: use .glb, .gltf, .obj or .npz"])?;
     rimline(["info", &at("fox")]).expect(1, &["cannot read a file of this format: use .glb, .gltf, .obj or .npz"])?;
-    std::fs::write(at("m.npz"), tetrahedron()).map_err(|error| error.to_string())?;
+    write_file(at("m.npz"), tetrahedron())?;
     let line = ["draw", &at("m.npz"), "--device", "voodoo", "--out", &at("a.png")];
     rimline(line).expect(3, &["no device has `voodoo` in its name or backend"])
 }
