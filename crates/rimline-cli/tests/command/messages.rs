@@ -103,9 +103,9 @@ fn no_face() -> Outcome {
 /// Writes a glTF of this text, and runs commands on it.
 fn of_gltf(text: &str, lines: &[(&str, i32, &[&str])]) -> Outcome {
     let folder = super::run::folder();
-    std::fs::write(folder.path().join("a.gltf"), text).map_err(self::text)?;
+    folder.write("a.gltf", text)?;
     for (line, code, words) in lines {
-        run(folder.path(), line).expect(*code, words).map_err(|error| format!("{line}: {error}"))?;
+        folder.run(line).expect(*code, words).map_err(|error| format!("{line}: {error}"))?;
     }
     Ok(())
 }
@@ -135,16 +135,16 @@ fn unlisted_extension() -> Outcome {
     of_gltf(&text("ACME_bend"), &[("info @a.gltf", 0, &["ACME_bend"])])?;
     // Negative control.
     let folder = super::run::folder();
-    std::fs::write(folder.path().join("a.gltf"), text("KHR_node_hoverability")).map_err(self::text)?;
-    let run = run(folder.path(), "info @a.gltf");
+    folder.write("a.gltf", text("KHR_node_hoverability"))?;
+    let run = folder.run("info @a.gltf");
     ensure!(!run.stderr.contains("warning"), "{}", run.stderr);
     Ok(())
 }
 
 fn collapsed() -> Outcome {
     let folder = super::run::folder();
-    std::fs::write(folder.path().join("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").map_err(text)?;
-    let run = run(folder.path(), "info @a.obj --weld-distance 2");
+    folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")?;
+    let run = folder.run("info @a.obj --weld-distance 2");
     run.expect(0, &[])?;
     ensure!(run.stdout.contains("nothing to close: no face has an area"), "{}", run.stdout);
     Ok(())
