@@ -1,4 +1,5 @@
-//! Small files that once came out wrong. Each kind has tests on models of our own elsewhere.
+//! Small files that once came out wrong. Each kind has tests on models of our own elsewhere, so these run if long trials are
+//! wanted.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -8,11 +9,14 @@ use libtest_mimic::Trial;
 
 use super::draw::png;
 use super::npz_polygons::words;
-use super::run::{Folder, folder, on_case};
+use super::run::{Folder, folder, is_long, on_case};
 use super::shadow::apart;
 use super::{Outcome, ensure};
 
 pub(crate) fn trials() -> Vec<Trial> {
+    if !is_long() {
+        return Vec::new();
+    }
     vec![
         on_case("cases::a_twisted_bar", "m2_screw.obj", screw),
         on_case("cases::faces_twice", "f6b_dup_flipped.glb", twice),

@@ -5,7 +5,7 @@ use libtest_mimic::{Failed, Trial};
 use rimline_measure::assets;
 use serde_json::Value;
 
-use super::run::{folder, rimline, rimline_with};
+use super::run::{folder, is_long, rimline, rimline_with};
 use super::shadow::Image;
 use super::{Outcome, ensure};
 
@@ -62,12 +62,14 @@ fn named() -> Outcome {
 }
 
 /// A point light, and volumes that leave the picture on all sides: pixels that differ from lavapipe's lie at borders of shadow,
-/// where the rasterisers' grids tell, and a few beside them. When the driver clips, 811 lie elsewhere.
+/// where the rasterisers' grids tell, and a few beside them.
 fn specks() -> Outcome {
     let driver = manifest().ok_or("no SwiftShader")?;
-    let (folder, model) = (folder(), assets().ok_or("no assets")?.join("FlightHelmet.glb"));
+    // Where the driver clips, 811 lie elsewhere of the helmet, and 11 of the camera, which takes a fifth of the time.
+    let (name, most) = if is_long() { ("FlightHelmet.glb", 10) } else { ("AntiqueCamera.glb", 6) };
+    let (folder, model) = (folder(), assets().ok_or("no assets")?.join(name));
     let mask = |name: &str, variables: &[(&str, &str)]| -> Result<Image, String> {
-        let (prefix, picture) = (folder.path().join(name), folder.path().join("picture.png"));
+        let prefix = folder.path().join(name);
         let line = [
             "shadow".as_ref(),
             model.as_os_str(),
@@ -76,8 +78,6 @@ fn specks() -> Outcome {
             "--method=z-fail".as_ref(),
             "--mask".as_ref(),
             prefix.as_os_str(),
-            "--out".as_ref(),
-            picture.as_os_str(),
         ];
         rimline_with(line, variables).expect(0, &[])?;
         folder.mask(format!("{name}.0.png"))
@@ -90,6 +90,6 @@ fn specks() -> Outcome {
     let wrong: Vec<_> = places.filter(|&(x, y)| right.at(x, y) != found.at(x, y)).collect();
     let lone = wrong.iter().filter(|&&(x, y)| is_inner(x, y)).count();
     println!("{} of {} pixels differ, {lone} of them alone", wrong.len(), right.bytes.len());
-    ensure!(wrong.len() < 60 && lone < 10, "{} pixels differ, {lone} of them alone", wrong.len());
+    ensure!(wrong.len() < 60 && lone < most, "{} pixels differ, {lone} of them alone", wrong.len());
     Ok(())
 }

@@ -65,7 +65,7 @@ fn round_trip() -> Outcome {
     let mut masks = Vec::new();
     // Among the models there are six maps.
     for (light, maps) in [(LIGHT, 1), ("point:1.2,2.4,0.9", 6), ("dir:-1,2,0.5", 1)] {
-        let (said, own) = save(&folder, light, 256)?;
+        let (said, own) = save(&folder, light, 128)?;
         let dark: usize = own.iter().map(|value| usize::from(*value == 0)).sum();
         ensure!(dark > 1000, "{light}: {dark} are dark");
         let (again, given) = of_map(&folder, "map.0", &format!("--light {light}"))?;
@@ -73,7 +73,7 @@ fn round_trip() -> Outcome {
         let of_light = &again["lights"][0];
         ensure!(of_light == &said["lights"][0] && again["method"] == "parity", "{light}: {said:#} {again:#}");
         ensure!(of_light["depth_map"]["maps"] == maps, "{again:#}");
-        ensure!(of_light["depth_map"]["size"] == serde_json::json!([256, 256]), "{again:#}");
+        ensure!(of_light["depth_map"]["size"] == serde_json::json!([128, 128]), "{again:#}");
         // The light's place follows from the matrix, but for rounding.
         let (_, derived) = of_map(&folder, "map.0", "")?;
         ensure!(

@@ -9,9 +9,9 @@ use super::run::{folder, is_long, on_asset, read_file, rimline};
 use super::{Outcome, ensure};
 use rimline_measure::files::GOOD_FILES;
 
-/// An open model of many parts, and one without sides; quantized, sparse, and a strip of triangles; moved by morph targets,
-/// by a skin, by both, and by nodes. Files of the same kinds run if long trials are wanted; the library extracts and poses
-/// all of them, and `verify` holds all of them against both devices.
+/// In turn: open, of many parts; moved by a skin and morph targets; quantized; moved by a skin, by nodes, by morph targets;
+/// sparse; without sides; a strip of triangles. Files of the same kinds run if long trials are wanted; the library extracts
+/// and poses all of them, and `verify` holds all of them against both devices.
 const KINDS: [&str; 9] = [
     "AntiqueCamera.glb",
     "CesiumMan_8influences_morph.glb",

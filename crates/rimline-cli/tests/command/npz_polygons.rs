@@ -1,10 +1,8 @@
 //! Archives with polygons.
 
-use std::path::PathBuf;
-
 use super::archive::{Entry, array, read_zip, write_zip};
 use super::npz_input::extract;
-use super::run::{folder, read_file, rimline, write_file};
+use super::run::folder;
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -103,30 +101,16 @@ fn bad() -> Outcome {
 
 fn others() -> Outcome {
     let folder = folder();
-    let [model, points, out] = ["model.npz", "points.npz", "out.npz"].map(|name| folder.path().join(name));
-    let write = |path: &PathBuf, bytes: Vec<u8>| write_file(path, bytes);
-    write(&model, polygons(&LOOPS, &SIZES, &CORNERS))?;
+    folder.write("model.npz", polygons(&LOOPS, &SIZES, &CORNERS))?;
     // Under the rim, under the hole, and beside.
     let data: Vec<u8> = [[1.5_f32, 0.0, -1.0], [0.0, 0.0, -1.0], [4.0, 0.0, -1.0]]
         .iter()
         .flatten()
         .flat_map(|c| c.to_le_bytes())
         .collect();
-    write(&points, write_zip(&[array("points", "<f4", "False", "(3, 3)", &data)]))?;
-    let run = rimline([
-        "query".into(),
-        "--device".into(),
-        "cpu".into(),
-        "--light".into(),
-        "dir:0,0,1".into(),
-        model.into_os_string(),
-        "--points".into(),
-        points.into_os_string(),
-        "--out".into(),
-        out.clone().into_os_string(),
-    ]);
-    run.expect(0, &[])?;
-    let found = read_file(&out)?;
-    ensure!(words(&found, "depth")? == [1, 0, 0], "depths");
+    folder.write("points.npz", write_zip(&[array("points", "<f4", "False", "(3, 3)", &data)]))?;
+    let line = "query @model.npz --points @points.npz --device cpu --light dir:0,0,1 --out @out.npz";
+    folder.run(line).expect(0, &[])?;
+    ensure!(words(&folder.read("out.npz")?, "depth")? == [1, 0, 0], "depths");
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use rimline_measure::random::Random;
 use serde_json::json;
 
-use super::archive::read_zip;
+use super::npz_polygons::words;
 use super::run::{Run, folder, is_empty, read_file, rimline, write_file};
 use super::{Outcome, Test, ensure};
 
@@ -91,12 +91,6 @@ fn on_gpu() -> Outcome {
         ensure!(cpu? == gpu?, "model {number}");
     }
     Ok(())
-}
-
-fn words(archive: &[u8], name: &str) -> Result<Vec<u32>, String> {
-    let entries = read_zip(archive)?;
-    let entry = entries.iter().find(|entry| entry.name == format!("{name}.npy")).ok_or_else(|| format!("no {name}"))?;
-    Ok(entry.bytes[128..].as_chunks::<4>().0.iter().map(|bytes| u32::from_ne_bytes(*bytes)).collect())
 }
 
 fn ways() -> Outcome {

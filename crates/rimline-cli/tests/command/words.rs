@@ -129,21 +129,20 @@ fn pasted() -> Outcome {
 
 fn times() -> Outcome {
     let folder = folder();
-    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    write_file(at("m.npz"), tetrahedron())?;
+    folder.write("m.npz", tetrahedron())?;
     let lines = [
-        ["extract", "--device", "gpu", "--light", "dir:0,1,0", "--out", &at("a.npz")],
-        ["shadow", "--size", "64x64", "--light", "dir:0,1,0", "--out", &at("a.png")],
+        "extract @m.npz --device gpu --light dir:0,1,0 --out @a.npz",
+        "shadow @m.npz --size 64x64 --light dir:0,1,0 --out @a.png",
     ];
     for line in lines {
-        let json = rimline(line.into_iter().chain(["--json", &at("m.npz")])).json()?;
+        let json = folder.run(format!("{line} --json")).json()?;
         let stages = json["milliseconds"].as_object().ok_or("no milliseconds")?;
         ensure!(stages.contains_key("compile") && stages.contains_key("device"), "{json}");
         let sum: f64 = stages.values().filter_map(serde_json::Value::as_f64).sum();
         let of = |key: &str| json[key].as_f64().ok_or(format!("no {key}: {json}"));
         let (set_up, work) = (of("set_up_milliseconds")?, of("work_milliseconds")?);
         ensure!(set_up > 0.0 && work > 0.0 && (set_up + work - sum).abs() < 1e-6 * sum, "{json}");
-        let text = rimline(line.into_iter().chain([&*at("m.npz")]));
+        let text = folder.run(line);
         text.expect(0, &[])?;
         ensure!(text.stdout.contains("set-up ") && text.stdout.contains(", work "), "{}", text.stdout);
     }
@@ -179,12 +178,16 @@ fn written() -> Outcome {
 
 fn named() -> Outcome {
     let folder = folder();
-    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    write_file(at("fox.ply"), "v 0 0 0\n")?;
-    write_file(at("fox"), "v 0 0 0\n")?;
-    rimline(["info", &at("fox.ply")]).expect(1, &["fox.ply: cannot read .ply: use .glb, .gltf, .obj or .npz"])?;
-    rimline(["info", &at("fox")]).expect(1, &["cannot read a file of this format: use .glb, .gltf, .obj or .npz"])?;
-    write_file(at("m.npz"), tetrahedron())?;
-    let line = ["draw", &at("m.npz"), "--device", "voodoo", "--out", &at("a.png")];
-    rimline(line).expect(3, &["no device has `voodoo` in its name or backend"])
+    for name in ["fox.ply", "fox"] {
+        folder.write(name, "v 0 0 0\n")?;
+    }
+    folder.write("m.npz", tetrahedron())?;
+    for (line, code, part) in [
+        ("info @fox.ply", 1, "fox.ply: cannot read .ply: use .glb, .gltf, .obj or .npz"),
+        ("info @fox", 1, "cannot read a file of this format: use .glb, .gltf, .obj or .npz"),
+        ("draw @m.npz --device voodoo --out @a.png", 3, "no device has `voodoo` in its name or backend"),
+    ] {
+        folder.run(line).expect(code, &[part])?;
+    }
+    Ok(())
 }
