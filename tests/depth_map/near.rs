@@ -145,7 +145,7 @@ fn of_maps() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let mut random = Random::new(SEED);
     let (mut tallies, mut pipelines) = ([Tally::default(); 3], Made::default());
-    for round in 0..if is_long() { 3000 } else { 300 } {
+    for round in 0..if is_long() { 3000 } else { 150 } {
         let (camera, _) = light(&mut random);
         let map = enlarged(&map(&mut random, &camera));
         let (eye, depths) = look(&mut random, [8.0, 24.0][round % 2]);
@@ -201,7 +201,7 @@ fn of_cubes() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let mut random = Random::new(SEED);
     let (mut tally, mut pipelines) = (Tally::default(), Made::default());
-    for round in 0..if is_long() { 1000 } else { 80 } {
+    for round in 0..if is_long() { 1000 } else { 60 } {
         let Cube { light, cameras, maps, .. } = cube_of(&mut random, CUBE_SIDE);
         let (eye, depths) = look(&mut random, 5.0 + light.length());
         let pipelines = pipelines.get(&gpu, eye.depth, 1)?;
