@@ -119,6 +119,20 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("shadow_arguments", "tests/shadow/stages.rs"),
     ("piece_arguments", "tests/shadow/polygons.rs"),
     ("pieces", "tests/shadow/polygons.rs"),
+    ("depth_near", "tests/depth_map/near.rs"),
+    ("depth_near_walls", "tests/depth_map/near.rs"),
+    ("depth_metric", "tests/depth_map/metric.rs"),
+    ("depth_merge", "tests/depth_map/merge.rs"),
+    ("depth_cube", "tests/depth_map/cube.rs"),
+    ("depth_edges", "tests/depth_map/stages.rs"),
+    ("depth_cells", "tests/depth_map/stages.rs"),
+    ("contour_marks", "tests/depth_map/contours.rs"),
+    ("contour_tiles", "tests/depth_map/contours.rs"),
+    ("contour_places", "tests/depth_map/places.rs"),
+    ("contour_walls", "tests/depth_map/contours.rs"),
+    ("depth_surface", "tests/depth_map/vertices.rs"),
+    ("depth_walls", "tests/depth_map/wall_vertices.rs"),
+    ("mesh_depth", "tests/depth_map/vertices.rs"),
 ];
 
 /// The test exists, and there is no twin.

@@ -1,10 +1,6 @@
 //! Statistics that the GPU copies for its readers: lists that overflow, and near caps that are left out.
 
-use rimline::gpu::{
-    DepthMap, DepthMapFrame, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapStatistics, DepthMapVolumes,
-    ShadowFormat,
-};
-use rimline::reference::cpu::depth_cells;
+use rimline::gpu::{DepthMap, DepthMapFrame, DepthMapMethod, DepthMapOptions, DepthMapStatistics, DepthMapVolumes};
 use rimline::reference::depth_map::DepthMapNearCap;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -14,7 +10,9 @@ use rimline_measure::random::Random;
 use rimline_measure::same;
 use wgpu::TextureFormat;
 
+use crate::cells;
 use crate::maps::{Map, maps};
+use crate::picture::pipelines;
 use crate::stages::{camera, direction};
 use crate::textures::{depth_view, texture};
 
@@ -53,7 +51,7 @@ fn lists() -> Result<(), String> {
     const SEED: u64 = 1701;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let mut random = Random::new(SEED);
     let (mut overflowed, mut caps) = ([0; 2], [0; 3]);
     for map in maps(&mut random) {
@@ -68,7 +66,7 @@ fn lists() -> Result<(), String> {
             eye.origin[1] += [8.0, -1.0][random.below(2)];
             let (frame, found, arguments) = encoded(&gpu, &mut volumes, (&map, light), &eye)?;
             let shape = map.shape(-1.0, capacity.unwrap_or(u32::MAX));
-            let count = depth_cells(&shape, &map.depths).count;
+            let count = cells::listed(&map, &[], -1.0, false, None)[0];
             let near_cap_vertices = vertices(&gpu, frame.near_cap())?;
             let expected = DepthMapStatistics { found: count, capacity: shape.capacity, near_cap_vertices, unused: 0 };
             same("statistics", &[found], &[expected])?;
@@ -93,7 +91,7 @@ fn lists() -> Result<(), String> {
 /// Lone texels: each cell has an end of a contour.
 fn walls() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let map = Map::new([24, 24], true, |texel| if (texel % 24 + texel / 24) % 2 == 0 { 0.5 } else { 0.0 });
     let light = camera(DepthDirection::Reversed);
     let method = DepthMapMethod::Contours { threshold: 1.0, sideways: 0.25, depth: 0.01 };
