@@ -7,7 +7,7 @@ use rimline_measure::{must_fail, shapes};
 
 use crate::render::{Placing, Renderer};
 use crate::scene::{Body, Eye, Frame};
-use crate::trials::{RIGHT, Test, Traced};
+use crate::trials::{RIGHT, Test, Traced, rotated};
 
 pub(crate) const TESTS: &[Test] = &[("a_light_that_passes_through_a_caster_of_a_scene", passing)];
 
@@ -34,7 +34,7 @@ fn passing() -> Result<(), String> {
                     in_planes += usize::from(step == 4 || step == -4);
                     let what = |error| format!("light {light:?}, eye {place}, mirror {mirror:?}: {error}");
                     let renderer = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) };
-                    for counting in RIGHT {
+                    for counting in rotated(&RIGHT, (step + 6) as usize) {
                         traced.check(&renderer, counting, true).map_err(what)?;
                     }
                     if step == 6 && place.x > 1.0 {
