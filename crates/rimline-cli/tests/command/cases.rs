@@ -45,7 +45,7 @@ fn screw(file: &Path) -> Outcome {
     std::fs::copy(triangles, folder.path().join("triangles.obj")).map_err(|error| error.to_string())?;
     let view = "--eye 2.5,3.2,4 --target 0,1.2,0 --fov 40 --size 240x180";
     for name in ["quads", "triangles"] {
-        folder.run(format!("draw @{name}.obj {view} --out @{name}.png")).expect(0, &[])?;
+        folder.run(&format!("draw @{name}.obj {view} --out @{name}.png")).expect(0, &[])?;
         let shadow = format!("shadow @{name}.obj --light dir:.6,1,.5 {view} --mask @{name}");
         folder.run(&shadow).expect(0, &[])?;
     }
@@ -55,7 +55,7 @@ fn screw(file: &Path) -> Outcome {
     let count = apart([&quads?.bytes, &triangles?.bytes], 1, 0)?;
     ensure!(count == 0, "{count} pixels of the masks differ");
     // By the loop rule it is another.
-    folder.run(format!("draw @quads.obj --polygons {view} --out @quads.png")).expect(0, &[])?;
+    folder.run(&format!("draw @quads.obj --polygons {view} --out @quads.png")).expect(0, &[])?;
     let count = differing(folder.path(), ["quads.png", "triangles.png"])?;
     ensure!(count > 100, "the comparison cannot fail: {count} pixels");
     Ok(())
@@ -98,7 +98,7 @@ fn twice(file: &Path) -> Outcome {
 fn few_layers(file: &Path) -> Outcome {
     let folder = copied(file, "m.glb")?;
     for light in ["point:0,1.2,0", "point:0,2,0", "point:0.1,2.19,0.05"] {
-        let found = folder.run(format!("shadow @m.glb --size 64x48 --light {light} --mask @m --json"));
+        let found = folder.run(&format!("shadow @m.glb --size 64x48 --light {light} --mask @m --json"));
         let json = found.json()?;
         ensure!(json["may_wrap"] == 0 && !found.stderr.contains("256"), "{light}: {json} {}", found.stderr);
         ensure!(json["count_bound"].as_u64().is_some_and(|bound| bound < 256), "{light}: {json}");

@@ -31,7 +31,7 @@ fn left_out() -> Outcome {
     let folder = with_roof()?;
     let draw = |name: &str, options: &str| {
         let files = "@ball.npz @ring.npz @roof.npz";
-        folder.run(format!("shadow {files} {VIEW} {options} --mask @{name} --out @{name}.png --json")).json()
+        folder.run(&format!("shadow {files} {VIEW} {options} --mask @{name} --out @{name}.png --json")).json()
     };
     let (with, without) = (draw("with", "")?, draw("without", "--hide-covered")?);
     for light in ["0", "1"] {

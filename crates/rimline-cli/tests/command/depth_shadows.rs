@@ -40,7 +40,7 @@ fn masks() -> Outcome {
     let folder = models()?;
     let lights = "--light point:6,12,3 --light dir:-1,2,0.5";
     let draw = |name: &str, options: &str| {
-        folder.run(format!("shadow @ball.npz @ring.npz {VIEW} {lights} {options} --mask @{name} --json")).json()
+        folder.run(&format!("shadow @ball.npz @ring.npz {VIEW} {lights} {options} --mask @{name} --json")).json()
     };
     let mesh = draw("mesh", "")?;
     let found = draw("map", "--from-depth")?;
@@ -220,7 +220,7 @@ fn wrong_options() -> Outcome {
         ("--from-depth --detector automatic --dangling 0.5,2.5", "1 to 64 whole cells"),
         ("--from-depth --detector automatic --dangling 0.5", "0.5"),
     ] {
-        folder.run(format!("shadow @ball.npz {options} --out @p.png")).expect(2, &[part])?;
+        folder.run(&format!("shadow @ball.npz {options} --out @p.png")).expect(2, &[part])?;
         ensure!(!folder.path().join("p.png").exists(), "{options}: a picture");
     }
     Ok(())

@@ -24,7 +24,7 @@ fn film() -> Outcome {
         }",
     )?;
     let moving = "--displace @rise.wgsl --ground 0 --size 64x48 --fps 2";
-    folder.run(format!("film @cube.npz {moving} --seconds 1.5 --out @frames")).expect(0, &[])?;
+    folder.run(&format!("film @cube.npz {moving} --seconds 1.5 --out @frames")).expect(0, &[])?;
     let mut names: Vec<_> = std::fs::read_dir(folder.path().join("frames"))
         .map_err(|error| error.to_string())?
         .filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()))
@@ -35,17 +35,17 @@ fn film() -> Outcome {
     let frames = [frame("0000.png")?, frame("0001.png")?, frame("0002.png")?];
     ensure!(frames[0] != frames[1] && frames[1] != frames[2], "nothing moves");
     // Into the folder that is there: not a shorter film, whose pictures would stand among these.
-    folder.run(format!("film @cube.npz {moving} --frames 1 --out @frames/")).expect(2, &["0001.png"])?;
+    folder.run(&format!("film @cube.npz {moving} --frames 1 --out @frames/")).expect(2, &["0001.png"])?;
     ensure!(frame("0000.png")? == frames[0] && frame("0002.png")? == frames[2], "a film that was refused wrote");
-    folder.run(format!("film @cube.npz {moving} --frames 3 --out @frames/")).expect(0, &[])?;
+    folder.run(&format!("film @cube.npz {moving} --frames 3 --out @frames/")).expect(0, &[])?;
     ensure!(frame("0001.png")? == frames[1] && frame("0002.png")? == frames[2], "a folder that is there");
-    folder.run(format!("film @cube.npz {moving} --out @more")).expect(2, &["--frames", "--seconds"])
+    folder.run(&format!("film @cube.npz {moving} --out @more")).expect(2, &["--frames", "--seconds"])
 }
 
 fn film_folder() -> Outcome {
     let folder = with_cube()?;
     let exists = |name: &str| folder.path().join(name).exists();
-    let film = |options: &str| folder.run(format!("film @cube.npz --size 16x16 {options}"));
+    let film = |options: &str| folder.run(&format!("film @cube.npz --size 16x16 {options}"));
     film("--frames 2 --out @a").expect(0, &[])?;
     film("--frames 2 --out @b/").expect(0, &[])?;
     for name in ["a/0000.png", "a/0001.png", "b/0000.png", "b/0001.png"] {

@@ -153,7 +153,7 @@ fn casts_alone() -> Outcome {
     put(&folder, "cube.npz", model(&shapes::cube(), 1.0, [4.0, 2.0, 0.0]))?;
     let view = "--ground 0 --eye 0,60,0.01 --target 0,0,0 --fov 15 --size 160x120 --light dir:0,1,1";
     let dark = |files: &str, options: &str| {
-        folder.run(format!("shadow {files} {view} {options} --mask @m --json")).json()?;
+        folder.run(&format!("shadow {files} {view} {options} --mask @m --json")).json()?;
         let mask = folder.mask("m.0.png")?;
         let half = |columns: std::ops::Range<usize>| {
             columns.flat_map(|x| (0..120).map(move |y| (x, y))).filter(|&(x, y)| mask.at(x, y) == 0).count()

@@ -31,7 +31,7 @@ fn negative_weight() -> Outcome {
     let folder = with_cube()?;
     for options in ["", "--from-depth 16", "--area disc:1", "--method z-fail", "--method zp+paper", "--hide-covered"] {
         let line = format!("shadow @cube.npz --size 32x32 --light point:1,9,2 --light hom:1,9,2,-1 {options}");
-        folder.run(format!("{line} --out @no.png")).expect(2, &["light 1", "w = -1", "negate"])?;
+        folder.run(&format!("{line} --out @no.png")).expect(2, &["light 1", "w = -1", "negate"])?;
     }
     let line = "film @cube.npz --size 32x32 --frames 1 --light hom:1,9,2,-1 --out @no";
     folder.run(line).expect(2, &["light 0", "w = -1"])?;
@@ -93,7 +93,7 @@ fn no_face() -> Outcome {
     let faces = array("faces", "|u1", "False", "(1, 3)", &[0, 1, 2]);
     folder.write("nan.npz", write_zip(&[positions, faces]))?;
     for line in ["draw @nan.npz --out @no.png", "shadow @nan.npz --out @no.png", "film @nan.npz --frames 1 --out @no"] {
-        let run = folder.run(format!("{line} --size 32x32"));
+        let run = folder.run(&format!("{line} --size 32x32"));
         run.expect(1, &["nan.npz", "no face has finite positions"])?;
         ensure!(!run.stderr.contains("no vertex"), "{}", run.stderr);
     }

@@ -92,15 +92,15 @@ fn pictures() -> Outcome {
     let size = "--size 160x120";
     for name in ["near", "far"] {
         let at = |point| place(name, point);
-        folder.run(format!("draw @{name}.obj {size} --out @{name}.png")).expect(0, &[])?;
-        folder.run(format!("shadow @{name}.obj {size} --out @{name}-s.png")).expect(0, &[])?;
+        folder.run(&format!("draw @{name}.obj {size} --out @{name}.png")).expect(0, &[])?;
+        folder.run(&format!("shadow @{name}.obj {size} --out @{name}-s.png")).expect(0, &[])?;
         let (eye, target) = (at([9.0, 4.0, 8.0]), at([2.5, 1.0, 2.0]));
         let view = format!("{size} --eye {eye} --target {target} --fov 40");
         let ground = at([0.0, -0.5, 0.0]);
         let ground = ground.split(',').nth(1).ok_or("no height")?;
         let lights = format!("--light point:{} --light hom:{},0", at([7.0, 6.0, 5.0]), "1,2,0.5");
         let line = format!("shadow @{name}.obj {view} --ground {ground} {lights} --area disc:0.3 --samples 4");
-        folder.run(format!("{line} --out @{name}-a.png")).expect(0, &[])?;
+        folder.run(&format!("{line} --out @{name}-a.png")).expect(0, &[])?;
         let line = format!("shadow @{name}.obj {view} --ground {ground} {lights} --mask @{name} --json");
         let json = folder.run(&line).json()?;
         // The light is told as it was given.
@@ -124,11 +124,11 @@ fn pictures() -> Outcome {
     // The comparison can fail: eaves that stand out by half as much.
     let other = obj([0.0; 3]).replace("v 0.000 2.", "v 0.100 2.").replace("v 5.000 2.", "v 4.900 2.");
     folder.write("other.obj", other)?;
-    folder.run(format!("draw @other.obj {size} --out @other.png")).expect(0, &[])?;
+    folder.run(&format!("draw @other.obj {size} --out @other.png")).expect(0, &[])?;
     let different = values_apart(folder.path(), ["near.png", "other.png"])?;
     ensure!(different > 60, "narrower eaves change {different} values only");
     // Films take the same way.
-    folder.run(format!("film @far.obj --frames 1 {size} --out @far-film")).expect(0, &[])?;
+    folder.run(&format!("film @far.obj --frames 1 {size} --out @far-film")).expect(0, &[])?;
     let different = values_apart(folder.path(), ["near-s.png", "far-film/0000.png"])?;
     ensure!(different <= 6, "a film: {different} values differ");
     Ok(())
@@ -235,7 +235,7 @@ fn queries() -> Outcome {
     let query = |model: &str, points: &str, device: &str| {
         let light = place(model, [7.0, 6.0, 5.0]);
         let line = format!("query @{model}.obj --points @{points}.npz --light dir:0,1,0 --light point:{light}");
-        folder.run(format!("{line} --device {device} --out @out.npz")).expect(0, &[])?;
+        folder.run(&format!("{line} --device {device} --out @out.npz")).expect(0, &[])?;
         folder.read("out.npz")
     };
     let expected = query("near", "near", "cpu")?;
@@ -354,7 +354,7 @@ fn gltf() -> Outcome {
         let view = "--size 160x120 --light file:lamp";
         let line = format!("shadow @{name}.gltf {view} --out @{name}.png --mask @{name} --json");
         let json = folder.run(&line).json()?;
-        let info = folder.run(format!("info @{name}.gltf --json")).json()?;
+        let info = folder.run(&format!("info @{name}.gltf --json")).json()?;
         if name == "near" {
             continue;
         }
@@ -386,7 +386,7 @@ fn shared() -> Outcome {
         let view = format!("--eye {} --target {}", place(name, [9.0, 4.0, 8.0]), place(name, [2.5, 1.0, 2.0]));
         // The second house casts onto the first; archives come with the origin that they were written with.
         let light = format!("--light point:{}", place(name, [7.0, 6.0, 5.0]));
-        folder.run(format!("extract @{name}.obj {light} --device cpu --out @{name}.npz")).expect(0, &[])?;
+        folder.run(&format!("extract @{name}.obj {light} --device cpu --out @{name}.npz")).expect(0, &[])?;
         for (number, first) in ["obj", "npz"].into_iter().enumerate() {
             let line =
                 format!("shadow @{name}.{first} @{name}.gltf --size 160x120 {view} {light} --mask @{name}{number}");
@@ -407,7 +407,7 @@ fn losses() -> Outcome {
     both.expect(0, &["warning: ", "near.obj: 32-bit floats move its vertices by up to 2.5"])?;
     ensure!(!both.stderr.contains("far.obj: 32"), "{}", both.stderr);
     for file in ["far.obj", "near.obj"] {
-        let alone = folder.run(format!("shadow @{file} --size 96x72 --out @alone.png"));
+        let alone = folder.run(&format!("shadow @{file} --size 96x72 --out @alone.png"));
         ensure!(alone.stderr.is_empty(), "{file}: {}", alone.stderr);
     }
     // Archives without an origin are used bit for bit, wherever they are.
@@ -431,7 +431,7 @@ fn none() -> Outcome {
     // Thirty times its size away `f32` is fine for a house.
     folder.write("beside.obj", obj([150.0, 0.0, -90.0]))?;
     for name in ["near", "beside"] {
-        let info = folder.run(format!("info @{name}.obj --json"));
+        let info = folder.run(&format!("info @{name}.obj --json"));
         ensure!(info.json()?.get("origin").is_none() && info.stderr.is_empty(), "{name}: {}", info.stdout);
         let line = format!("extract @{name}.obj --no-weld --light dir:1,2,3 --device cpu --out @{name}.npz");
         folder.run(&line).expect(0, &[])?;
@@ -470,7 +470,7 @@ fn house(file: &Path) -> Outcome {
     let folder = folder();
     for (name, file) in [("far", file.to_owned()), ("near", file.with_file_name("l_house_local.obj"))] {
         std::fs::copy(&file, folder.path().join(format!("{name}.obj"))).map_err(|error| error.to_string())?;
-        folder.run(format!("draw @{name}.obj --size 320x240 --out @{name}.png")).expect(0, &[])?;
+        folder.run(&format!("draw @{name}.obj --size 320x240 --out @{name}.png")).expect(0, &[])?;
         let line = format!("shadow @{name}.obj --size 320x240 --out @{name}-s.png --mask @{name}");
         folder.run(&line).expect(0, &[])?;
     }

@@ -110,7 +110,7 @@ fn refused() -> Outcome {
     folder.run(&line).expect(1, &["polygons.obj", "--polygons"])?;
     // Triangles have both.
     for options in ["--hide-covered", "--displace @up.wgsl"] {
-        folder.run(format!("shadow @polygons.obj {VIEW} {options} --mask @m")).expect(0, &[])?;
+        folder.run(&format!("shadow @polygons.obj {VIEW} {options} --mask @m")).expect(0, &[])?;
     }
     Ok(())
 }

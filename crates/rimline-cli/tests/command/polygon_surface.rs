@@ -107,7 +107,7 @@ fn outline() -> Outcome {
     let on_contour = |&pixel: &usize| covered[pixel] && around(pixel, 1).any(|other| !covered[other]);
     let contour: Vec<usize> = (0..covered.len()).filter(on_contour).collect();
     let bare = |options: &str| -> Result<usize, String> {
-        folder.run(format!("draw @bar.obj {VIEW} {options} --out @bar.png")).expect(0, &[])?;
+        folder.run(&format!("draw @bar.obj {VIEW} {options} --out @bar.png")).expect(0, &[])?;
         let picture = png(&folder.path().join("bar.png"))?;
         let has_line = |&&pixel: &&usize| around(pixel, 2).any(|near| is_ink(picture.pixels[near]));
         Ok(contour.len() - contour.iter().filter(has_line).count())
@@ -336,13 +336,13 @@ fn many_corners() -> Outcome {
         for options in ["", "--polygons"] {
             let line =
                 format!("extract @m.obj {options} --light point:.1,.2,3 --light dir:1,0,0 --device {device} --json");
-            let json = folder.run(format!("{line} --out @m.npz")).json()?;
+            let json = folder.run(&format!("{line} --out @m.npz")).json()?;
             let edges = &json["silhouette_edges"];
             ensure!(edges == &serde_json::json!([CORNERS, CORNERS]), "{device} {options}: {edges}");
         }
     }
     for command in ["extract @m.obj --light dir:0,0,1 --device gpu --out @m.npz", "draw @m.obj --out @m.png"] {
-        folder.run(format!("{command} --polygons")).expect(3, &["polygon 0", "20000 edges", "--polygons"])?;
+        folder.run(&format!("{command} --polygons")).expect(3, &["polygon 0", "20000 edges", "--polygons"])?;
     }
     Ok(())
 }

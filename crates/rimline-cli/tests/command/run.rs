@@ -117,8 +117,8 @@ impl Folder {
     }
 
     /// Runs `rimline` in words, with paths in the folder where a word begins with `@`.
-    pub(crate) fn run(&self, line: impl AsRef<str>) -> Run {
-        run(self.path(), line.as_ref())
+    pub(crate) fn run(&self, line: &str) -> Run {
+        run(self.path(), line)
     }
 }
 

@@ -62,7 +62,7 @@ fn closes(model: &Path, name: &str, is_drawn: bool) -> Outcome {
     let folder = folder();
     let copy = format!("m.{}", model.extension().and_then(|ending| ending.to_str()).unwrap_or_default());
     std::fs::copy(model, folder.path().join(&copy)).map_err(|error| error.to_string())?;
-    let info = |options: &str| folder.run(format!("info @{copy} {options} --json")).json();
+    let info = |options: &str| folder.run(&format!("info @{copy} {options} --json")).json();
     let open = info("")?;
     let seams = &open["meshes"][0]["near_boundary"];
     ensure!(open["placed"]["closed"] == false && seams["edges"].as_u64() > Some(0), "{name}: {}", open["meshes"]);
@@ -70,7 +70,7 @@ fn closes(model: &Path, name: &str, is_drawn: bool) -> Outcome {
     let distance = seams["weld_distance"].as_f64().ok_or_else(|| format!("{name}: {seams}"))?;
     let gap = seams["gap"].as_f64().ok_or_else(|| format!("{name}: {seams}"))?;
     ensure!(gap > 0.0 && gap <= distance, "{name}: {seams}");
-    let text = folder.run(format!("info @{copy}"));
+    let text = folder.run(&format!("info @{copy}"));
     let said = format!("boundary edges lie within {gap:.0e} of each other: ");
     ensure!(text.stdout.contains(&said), "{name}: no `{said}` in {}", text.stdout);
     let weld = format!("--weld-distance {distance:e}");
@@ -84,7 +84,7 @@ fn closes(model: &Path, name: &str, is_drawn: bool) -> Outcome {
     ensure!(collapsed == seams["collapses"].as_u64(), "{name}: {collapsed:?} faces collapse, {seams}");
     let drawn = [("", false), ("--show-boundary", true), (&format!("{weld} --show-boundary"), false)];
     for (options, has_orange) in drawn.into_iter().filter(|_| is_drawn) {
-        folder.run(format!("draw @{copy} {options} --size 200x150 --out @p.png")).expect(0, &[])?;
+        folder.run(&format!("draw @{copy} {options} --size 200x150 --out @p.png")).expect(0, &[])?;
         let pixels = png(&folder.path().join("p.png"))?.pixels;
         let orange = pixels.iter().filter(|pixel| is_orange(**pixel)).count();
         ensure!(

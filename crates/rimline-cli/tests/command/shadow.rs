@@ -109,7 +109,7 @@ const VIEW: &str = "--ground 0 --eye 0,2,12 --target 0,2,0 --fov 60 --size 160x1
 
 fn cube() -> Outcome {
     let folder = with_cube()?;
-    folder.run(format!("shadow @cube.npz {VIEW} --mask @m")).expect(0, &[])?;
+    folder.run(&format!("shadow @cube.npz {VIEW} --mask @m")).expect(0, &[])?;
     let mask = folder.mask("m.0.png")?;
     ensure!(mask.bytes.len() == 160 * 120, "{} pixels", mask.bytes.len());
     // Sky, the cube's front (averted from the light above it), the ground below it, and far from it.
@@ -118,11 +118,11 @@ fn cube() -> Outcome {
     }
     // From above the cube's top is lit; from below the ground there is none, and nothing but averted faces is seen.
     let above = "--ground 0 --eye 0,30,0.01 --target 0,0,0 --size 64x64 --light point:0,9,0";
-    folder.run(format!("shadow @cube.npz {above} --mask @a")).expect(0, &[])?;
+    folder.run(&format!("shadow @cube.npz {above} --mask @a")).expect(0, &[])?;
     let mask = folder.mask("a.0.png")?;
     ensure!(mask.at(32, 32) == 255 && mask.count(128) == 0, "{} on top", mask.at(32, 32));
     let below = "--ground 0 --eye 0,-20,0.01 --target 0,0,0 --size 64x64 --light point:0,9,0";
-    folder.run(format!("shadow @cube.npz {below} --mask @b")).expect(0, &[])?;
+    folder.run(&format!("shadow @cube.npz {below} --mask @b")).expect(0, &[])?;
     let mask = folder.mask("b.0.png")?;
     ensure!(mask.at(32, 32) == 0 && mask.at(1, 1) == 128 && mask.count(255) == 0, "{}", mask.at(32, 32));
     Ok(())
@@ -131,7 +131,7 @@ fn cube() -> Outcome {
 fn methods() -> Outcome {
     let folder = with_cube()?;
     let mask = |method: &str, view: &str| {
-        folder.run(format!("shadow @cube.npz {view} --method {method} --mask @{method}")).expect(0, &[])?;
+        folder.run(&format!("shadow @cube.npz {view} --method {method} --mask @{method}")).expect(0, &[])?;
         folder.mask(format!("{method}.0.png"))
     };
     // The eye stands in the shadow and looks out.
@@ -167,7 +167,7 @@ fn next_to_the_eye() -> Outcome {
         }
     }
     // The comparison can fail.
-    let other = folder.run(format!("shadow @cube.npz {} --mask @other", VIEW.replace("0,9,0", "1,9,0")));
+    let other = folder.run(&format!("shadow @cube.npz {} --mask @other", VIEW.replace("0,9,0", "1,9,0")));
     other.expect(0, &[])?;
     let [one, other] = ["auto1", "other"].map(|name| folder.mask(format!("{name}.0.png")));
     let (one, other) = (one?, other?);
@@ -177,7 +177,7 @@ fn next_to_the_eye() -> Outcome {
 
 fn area() -> Outcome {
     let folder = with_cube()?;
-    folder.run(format!("shadow @cube.npz {VIEW} --area disc:1 --samples 8 --mask @m")).expect(0, &[])?;
+    folder.run(&format!("shadow @cube.npz {VIEW} --area disc:1 --samples 8 --mask @m")).expect(0, &[])?;
     let mask = folder.image("m.0.png")?;
     ensure!(mask.at(80, 77) == 0 && mask.at(80, 115) == 255 && mask.at(10, 10) == 128, "the middle is not as without");
     let shares: Vec<u8> = (0..=8_u32).map(|lit| ((510 * lit + 8) / 16) as u8).collect();
@@ -193,12 +193,12 @@ fn two_files() -> Outcome {
     let folder = with_cube()?;
     let roof = model(&shapes::plane_grid(1, 1), 4.0, [0.0, 5.0, 0.0]);
     folder.write("roof.npz", roof)?;
-    let json = folder.run(format!("shadow @cube.npz @roof.npz {VIEW} --mask @m --json")).json()?;
+    let json = folder.run(&format!("shadow @cube.npz @roof.npz {VIEW} --mask @m --json")).json()?;
     ensure!(json["files"].as_array().is_some_and(|files| files.len() == 2), "{json}");
     // An open sheet casts with every face, a closed cube with its averted ones.
     let casters = &json["lights"][0]["casters"];
     ensure!(casters[0]["casting"] == "averted" && casters[1]["casting"] == "every", "{json}");
-    let alone = folder.run(format!("shadow @cube.npz {VIEW} --mask @n"));
+    let alone = folder.run(&format!("shadow @cube.npz {VIEW} --mask @n"));
     alone.expect(0, &[])?;
     let [with, without] = ["m.0.png", "n.0.png"].map(|name| folder.mask(name).map(|mask| mask.count(255)));
     let (with, without) = (with?, without?);
@@ -222,7 +222,7 @@ fn pictures() -> Outcome {
         "--eye 3,4,5 --target 0,2,0 --fov 60 --near 0.1",
     ] {
         folder
-            .run(format!("shadow @cube.npz {plain} {options} --out @p.png"))
+            .run(&format!("shadow @cube.npz {plain} {options} --out @p.png"))
             .expect(0, &[])
             .map_err(|error| format!("{options}: {error}"))?;
         let image = folder.image("p.png")?;
@@ -231,14 +231,14 @@ fn pictures() -> Outcome {
         seen.push(image.bytes);
     }
     // The same again is the same.
-    folder.run(format!("shadow @cube.npz {plain} --out @p.png")).expect(0, &[])?;
+    folder.run(&format!("shadow @cube.npz {plain} --out @p.png")).expect(0, &[])?;
     ensure!(folder.image("p.png")?.bytes == seen[0], "two runs differ");
     Ok(())
 }
 
 fn ranges() -> Outcome {
     let folder = with_cube()?;
-    let lit = |option: &str| folder.run(format!("shadow @cube.npz {VIEW}{option} --mask @m --json")).json();
+    let lit = |option: &str| folder.run(&format!("shadow @cube.npz {VIEW}{option} --mask @m --json")).json();
     let near = lit(",range=3")?;
     ensure!(near["lights"][0]["casters"][0]["casting"] == "nothing", "{near}");
     ensure!(near["lights"][0]["range"] == 3.0, "{near}");
@@ -251,7 +251,7 @@ fn ranges() -> Outcome {
 
 fn json() -> Outcome {
     let folder = with_cube()?;
-    let json = folder.run(format!("shadow @cube.npz {VIEW} --out @p.png --json")).json()?;
+    let json = folder.run(&format!("shadow @cube.npz {VIEW} --out @p.png --json")).json()?;
     for key in ["adapter", "method", "mode", "files", "faces", "samples", "lights", "statistics", "milliseconds"] {
         ensure!(!json[key].is_null(), "no `{key}`: {json}");
     }
@@ -259,11 +259,11 @@ fn json() -> Outcome {
     ensure!(json["method"] == "auto" && json["faces"][0] == 12, "{json}");
     ensure!(caster["counting"] == "z-pass" && caster["silhouette_edges"] == 4, "{caster}");
     let inside = "--ground 0 --eye 0,0.5,0 --target 5,0.2,0 --size 32x32 --light point:0,9,0";
-    let json = folder.run(format!("shadow @cube.npz {inside} --out @p.png --json")).json()?;
+    let json = folder.run(&format!("shadow @cube.npz {inside} --out @p.png --json")).json()?;
     ensure!(json["lights"][0]["casters"][0]["counting"] == "zp+", "{json}");
     ensure!(json["statistics"][0]["capped"] == 1, "{json}");
     let soft = "--area disc:1 --samples 3";
-    let json = folder.run(format!("shadow @cube.npz {VIEW} {soft} --out @p.png --json")).json()?;
+    let json = folder.run(&format!("shadow @cube.npz {VIEW} {soft} --out @p.png --json")).json()?;
     let edges = json["lights"][0]["casters"][0]["silhouette_edges"].as_array().map(Vec::len);
     ensure!(edges == Some(3), "{json}");
     Ok(())
@@ -273,7 +273,7 @@ fn mask_range() -> Outcome {
     let folder = with_cube()?;
     let mask = |option: &str| {
         let view = "--ground 0 --eye 0,40,0.01 --target 0,0,0 --fov 60 --size 101x101 --light point:0,9,0";
-        folder.run(format!("shadow @cube.npz {view}{option} --mask @m")).expect(0, &[])?;
+        folder.run(&format!("shadow @cube.npz {view}{option} --mask @m")).expect(0, &[])?;
         folder.mask("m.0.png")
     };
     let (all, some, none) = (mask("")?, mask(",range=15")?, mask(",range=5")?);
@@ -308,7 +308,7 @@ fn may_wrap() -> Outcome {
     let folder = folder();
     let line = |files: &str, command: &str| {
         let view = "--ground 0 --size 64x48 --eye 9,12,14 --target 0,1,0 --light dir:0.3,1,0.1";
-        folder.run(format!("{command} {files} {view}"))
+        folder.run(&format!("{command} {files} {view}"))
     };
     let stacks = [("few.npz", 100), ("half.npz", 160), ("half_less.npz", 96), ("many.npz", 256), ("more.npz", 300)];
     for (name, layers) in stacks {
@@ -351,7 +351,7 @@ fn no_false_layers() -> Outcome {
     folder.write("leaky.npz", model(&leaky, 1.0, [0.0, 1.2, 0.0]))?;
     ensure!(leaky.faces.len() > 512, "{} faces", leaky.faces.len());
     for light in ["point:0,1.2,0", "point:0.1,2.19,0.05", "point:0.3,1.0,0.2"] {
-        let found = folder.run(format!("shadow @leaky.npz --size 32x24 --light {light} --mask @m --json"));
+        let found = folder.run(&format!("shadow @leaky.npz --size 32x24 --light {light} --mask @m --json"));
         let json = found.json()?;
         ensure!(!found.stderr.contains("stencil"), "{light}: {}", found.stderr);
         let bound = json["count_bound"].as_u64();
@@ -374,7 +374,7 @@ fn scale() -> Outcome {
             ["", &format!("{light} --light dir:1,2,1 --volumes"), "--area disc --samples 2"].iter().enumerate()
         {
             folder
-                .run(format!("shadow @cube.npz --size 96x72 {options} --out @p.png"))
+                .run(&format!("shadow @cube.npz --size 96x72 {options} --out @p.png"))
                 .expect(0, &[])
                 .map_err(|error| format!("{scale:e}, {place}: {error}"))?;
             images.push(folder.image("p.png")?.bytes);
@@ -426,7 +426,7 @@ fn file_lights() -> Outcome {
     let shadow = |light: &str, options: &str| {
         folder.write("m.gltf", lit_triangle(light))?;
         let view = "--ground 0 --eye 0,20,0.01 --target 0,0,0 --fov 60 --size 101x101 --mask @m --json";
-        let json = folder.run(format!("shadow @m.gltf {view} {options}")).json()?;
+        let json = folder.run(&format!("shadow @m.gltf {view} {options}")).json()?;
         Ok::<_, String>((json["lights"][0].clone(), folder.mask("m.0.png")?))
     };
     let point = r#"{ "type": "point", "color": [1, 0.5, 0.25], "intensity": 800, "range": 7 }"#;

@@ -49,7 +49,7 @@ fn wrong_options() -> Outcome {
     ];
     for (options, part) in cases {
         folder
-            .run(format!("shadow @cube.npz {options}"))
+            .run(&format!("shadow @cube.npz {options}"))
             .expect(2, &[part])
             .map_err(|error| format!("{options}: {error}"))?;
         is_empty(&results).map_err(|error| format!("{options}: {error}"))?;
@@ -63,7 +63,7 @@ fn wrong_options() -> Outcome {
     ];
     for (options, part) in film {
         folder
-            .run(format!("film @cube.npz --out @results/ {options}"))
+            .run(&format!("film @cube.npz --out @results/ {options}"))
             .expect(2, &[part])
             .map_err(|error| format!("{options}: {error}"))?;
         is_empty(&results).map_err(|error| format!("{options}: {error}"))?;
@@ -84,7 +84,7 @@ fn idle_options() -> Outcome {
         ("--light point:1,2,3,begin=4,range=3", "begin=4"),
     ] {
         folder
-            .run(format!("shadow @cube.npz --size 16x16 --out @p.png {options}"))
+            .run(&format!("shadow @cube.npz --size 16x16 --out @p.png {options}"))
             .expect(2, &[part])
             .map_err(|error| format!("{options}: {error}"))?;
         ensure!(!folder.path().join("p.png").exists(), "{options}: a picture");
@@ -111,7 +111,7 @@ fn bad_input() -> Outcome {
     ] {
         for command in ["shadow", "film --frames 1"] {
             folder
-                .run(format!("{command} {files} --size 16x16 --out @results/p"))
+                .run(&format!("{command} {files} --size 16x16 --out @results/p"))
                 .expect(1, &[part])
                 .map_err(|error| format!("{command} {files}: {error}"))?;
             is_empty(&results).map_err(|error| format!("{command} {files}: {error}"))?;
@@ -158,7 +158,7 @@ fn help() -> Outcome {
     let example = rimline(["film", "--help"]).stdout;
     let (_, out) = example.rsplit_once("--out ").ok_or("no example")?;
     let out = out.lines().next().unwrap_or_default().trim();
-    folder.run(format!("film @cube.npz --frames 1 --size 16x16 --out @{out}")).expect(0, &[])?;
+    folder.run(&format!("film @cube.npz --frames 1 --size 16x16 --out @{out}")).expect(0, &[])?;
     ensure!(folder.path().join(out).join("0000.png").is_file(), "no frame in {out}");
     Ok(())
 }

@@ -40,7 +40,7 @@ fn flipped_bits() -> Outcome {
             let data = entry.bytes.len() - (entry.bytes.len() - 128) / 8 * 8;
             entry.bytes[data + 4 * 11] ^= 2;
         })?;
-        write_file(one.join("one.npz"), &bad)?;
+        write_file(one.join("one.npz"), bad)?;
         let json = check(&one, &[], 5)?;
         ensure!(json["equal"] == false, "{json:#}");
         let results = json["files"][0]["results"].as_array().ok_or("no results")?;
@@ -104,7 +104,7 @@ fn other_archives() -> Outcome {
     for (archive, message) in
         [(fewer, "its arrays are positions"), (wider, "`edge_kind` is |i1"), (write_zip(&entries), "did not write it")]
     {
-        write_file(one.join("one.npz"), &archive)?;
+        write_file(one.join("one.npz"), archive)?;
         let run = rimline(["verify".as_ref(), one.as_os_str(), "--device".as_ref(), "cpu".as_ref()]);
         run.expect(5, &["other bits"])?;
         ensure!(run.stdout.contains(message), "the table lacks `{message}`: {}", run.stdout);

@@ -27,7 +27,7 @@ fn only_json() -> Outcome {
         text.expect(0, &[])?;
         ensure!(text.stdout.contains("by stage"), "{line}: no stages in {}", text.stdout);
         ensure!(!has_compiled(&text), "{line}: the work ran twice: {}", text.stdout);
-        let json = folder.run(format!("{line} --json")).json()?;
+        let json = folder.run(&format!("{line} --json")).json()?;
         let compiled = json["milliseconds"]["compile"].as_f64();
         ensure!(compiled.is_some_and(|time| time > 0.0), "{line}: compiled in {compiled:?}");
     }
@@ -41,7 +41,7 @@ fn lights() -> Outcome {
     folder.write("small.npz", small)?;
     let line = "shadow @small.npz --size 64x48 --light point:0.3,0.4,0.2 --from-depth 64 \
         --detector contours=0.01 --mask @m";
-    let json = folder.run(format!("{line} --json")).json()?;
+    let json = folder.run(&format!("{line} --json")).json()?;
     ensure!(json["lights"][0]["depth_map"]["maps"] == 1, "{}", json["lights"]);
     // Negative control: a light in the cube has six maps, and that is said.
     let among = line.replace("0.3,0.4,0.2", "0.01,0,0");

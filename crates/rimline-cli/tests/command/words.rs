@@ -135,7 +135,7 @@ fn times() -> Outcome {
         "shadow @m.npz --size 64x64 --light dir:0,1,0 --out @a.png",
     ];
     for line in lines {
-        let json = folder.run(format!("{line} --json")).json()?;
+        let json = folder.run(&format!("{line} --json")).json()?;
         let stages = json["milliseconds"].as_object().ok_or("no milliseconds")?;
         ensure!(stages.contains_key("compile") && stages.contains_key("device"), "{json}");
         let sum: f64 = stages.values().filter_map(serde_json::Value::as_f64).sum();
