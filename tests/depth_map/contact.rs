@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};
 use rimline::DepthDirection;
-use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::is_long;
@@ -15,7 +15,7 @@ use wgpu::TextureFormat;
 
 use crate::maps::Map;
 use crate::parity::device_depth;
-use crate::picture::stencil_of;
+use crate::picture::{pipelines, stencil_of};
 use crate::scene::{Eye, Rays};
 use crate::textures::{depth_view, texture};
 use crate::views::Sun;
@@ -115,8 +115,7 @@ fn late(
     let rays = Rays::new(&eye, PIXELS);
     let seen: Vec<_> = (0..PIXELS * PIXELS).map(|pixel| seen(&rays, PIXELS, pixel)).collect();
     let depths: Vec<_> = seen.iter().map(|seen| seen.map_or(0.0, |(place, _)| device_depth(&eye, place))).collect();
-    let shadow = ShadowFormat { depth, ..Default::default() };
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &shadow, 0).map_err(text)?;
+    let pipelines = pipelines(gpu, depth, 0..1)?;
     let options = DepthMapOptions { method: edges, slope_bias, ..Default::default() };
     let mut volumes = DepthMapVolumes::new(&pipelines, [TEXELS; 2], options).map_err(text)?;
     let stencil = stencil_of(gpu, &pipelines, (PIXELS, &depths), |encoder| {

@@ -17,7 +17,7 @@ use rimline_measure::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::maps::{Map, further, maps};
-use crate::picture::Picture;
+use crate::picture::{Picture, pipelines};
 use crate::stages::{camera, direction, is_taken};
 use crate::textures::{depth_view, objects, read, texture};
 use crate::views::{SIDE, View, worlds};
@@ -205,7 +205,7 @@ fn lists() -> Result<(), String> {
     const SEED: u64 = 1641;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let mut random = Random::new(SEED);
     let formats =
         [TextureFormat::R32Float, TextureFormat::Depth32Float, TextureFormat::Depth24Plus, TextureFormat::Depth16Unorm];
@@ -254,7 +254,7 @@ fn lists() -> Result<(), String> {
 /// A slope that ends three and a half of its steps before a plane. It goes on more steeply, but not behind the plane.
 fn before_those_behind() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let unit = |depth: f64| (depth * 536_870_912.0) as i32;
     let map = Map::new([18, 40], false, |texel| match texel % 18 {
         x @ ..9 => 0.25 + 0.01 * x as f32,
@@ -451,7 +451,7 @@ fn closed() -> Result<(), String> {
     const SEED: u64 = 1642;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let mut random = Random::new(SEED);
     let (mut marked, mut walls) = (0, 0);
     for round in 0..3 {
@@ -518,7 +518,7 @@ fn long() -> Result<(), String> {
     const SEED: u64 = 1646;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let mut random = Random::new(SEED);
     for is_loop in [false, true] {
         for (sideways, depth) in [(0.0, 0.0), (0.5, 0.0), (0.5, 0.01), (0.5, 1.0)] {
@@ -541,7 +541,7 @@ fn few_workgroups() -> Result<(), String> {
     let mut random = Random::new(SEED);
     for most in [1, 2, 65_535] {
         let gpu = limited(128 << 20, 256 << 20, most)?;
-        let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+        let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
         // Reading the map back would take more workgroups.
         let map = smooth(&mut random, [250, 130], false);
         let given = Given { texture: texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?, map };
@@ -585,7 +585,7 @@ fn few() -> Result<(), String> {
     const SEED: u64 = 1644;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let mut random = Random::new(SEED);
     let mut ratios = Vec::new();
     let sides: &[u32] = if is_long() { &[128, 256, 512, 1024, 2048] } else { &[128, 256, 512] };
@@ -617,7 +617,7 @@ fn few() -> Result<(), String> {
 
 fn refused() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let options = Fit { threshold: 0.01, sideways: 0.25, depth: 0.01, slope_bias: 1.0 }.options();
     let refused = |options| DepthMapVolumes::new(&pipelines, [8, 8], options).err();
     let with = |threshold, sideways, depth| {

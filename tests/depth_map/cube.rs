@@ -19,8 +19,8 @@ use wgpu::TextureFormat;
 
 use crate::boundary::Boundary;
 use crate::maps::{Map, detector};
-use crate::parity::{SIDE, device_depth, seen, vector};
-use crate::picture::stencil_of;
+use crate::parity::{SIDE, device_depth, seen, trials_of, vector};
+use crate::picture::{pipelines, stencil_of};
 use crate::scene::{Eye, Rays};
 use crate::textures::{depth_view, objects, read, texture};
 
@@ -146,8 +146,7 @@ fn trial(gpu: &Gpu, random: &mut Random, kind: Kind, tally: &mut Tally) -> Resul
     };
     let capacity = kind.overflows.then(|| random.below(3) as u32);
     let options = DepthMapOptions { method: edges, capacity, slope_bias: 0.0, ..Default::default() };
-    let format = ShadowFormat { depth, ..Default::default() };
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 2).map_err(text)?;
+    let pipelines = pipelines(gpu, depth, 2..3)?;
     let mut volumes = DepthMapCube::new(&pipelines, side, options).map_err(text)?;
     let mut views = Vec::new();
     for map in &maps {
@@ -213,21 +212,22 @@ fn right(seed: u64, count: u32, kind: Kind) -> Result<Tally, String> {
 }
 
 fn every_cell() -> Result<(), String> {
-    right(1651, 60, EVERY_CELL).map(drop)
+    right(1651, trials_of(24), EVERY_CELL).map(drop)
 }
 
 fn differences() -> Result<(), String> {
-    right(1652, 60, Kind { threshold: 0.01, ..EVERY_CELL }).map(drop)
+    right(1652, trials_of(24), Kind { threshold: 0.01, ..EVERY_CELL }).map(drop)
 }
 
 /// Near rectangles that are large: they cut the boundary, and lie across several maps.
 fn cut() -> Result<(), String> {
-    let tally = right(1653, 60, Kind { near: [0.5, 6.0], ..EVERY_CELL })?;
+    let tally = right(1653, trials_of(24), Kind { near: [0.5, 6.0], ..EVERY_CELL })?;
     if tally.cut < 1000 { Err(format!("the near rectangle is cut too rarely: {tally:?}")) } else { Ok(()) }
 }
 
 fn overflow() -> Result<(), String> {
-    right(1654, 20, Kind { near: [0.05, 2.0], threshold: 0.01, overflows: true, is_exchanged: false }).map(drop)
+    right(1654, trials_of(12), Kind { near: [0.05, 2.0], threshold: 0.01, overflows: true, is_exchanged: false })
+        .map(drop)
 }
 
 /// Negative control.
@@ -290,8 +290,7 @@ fn plane() -> Result<(), String> {
             let nothing = if is_reversed { 0.0 } else { 1.0 };
             let depths: Vec<_> =
                 points.iter().map(|point| point.map_or(nothing, |point| device_depth(&eye, point))).collect();
-            let format = ShadowFormat { depth, ..Default::default() };
-            let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 2).map_err(text)?;
+            let pipelines = pipelines(&gpu, depth, 2..3)?;
             // Behind the plane nothing of it is in the eye's depth.
             let options = DepthMapOptions { method: DepthMapMethod::EveryCell, ..Default::default() };
             let mut volumes = DepthMapCube::new(&pipelines, side, options).map_err(text)?;
@@ -328,7 +327,7 @@ fn twins() -> Result<(), String> {
     const SEED: u64 = 1656;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let mut random = Random::new(SEED);
     let eye = crate::stages::camera(DepthDirection::Reversed);
     let (mut shared, mut listed, mut continued) = (0, 0, 0);
@@ -413,7 +412,7 @@ fn twins() -> Result<(), String> {
 
 fn refused() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let options = DepthMapOptions::default();
     let made = |side| DepthMapCube::new(&pipelines, side, options).err();
     // Nothing is there.

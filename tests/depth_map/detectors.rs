@@ -2,9 +2,7 @@
 
 use std::cell::OnceCell;
 
-use rimline::gpu::{
-    DanglingEdges, DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat,
-};
+use rimline::gpu::{DanglingEdges, DepthMap, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::is_long;
@@ -12,7 +10,7 @@ use rimline_measure::on_gpu::text;
 use rimline_measure::random::Random;
 use wgpu::TextureFormat;
 
-use crate::picture::stencil_of;
+use crate::picture::{pipelines, stencil_of};
 use crate::textures::{depth_view, texture};
 use crate::views::{Near, SIDE, View, worlds};
 
@@ -36,8 +34,7 @@ fn drawn(
     eye_depths: &[f32],
     (options, bits): (DepthMapOptions, u32),
 ) -> Result<(Vec<u8>, usize), String> {
-    let format = ShadowFormat { depth: view.eye.depth, ..Default::default() };
-    let pipelines = DepthMapPipelines::antialiased(&gpu.pipelines, &format, 0..bits).map_err(text)?;
+    let pipelines = pipelines(gpu, view.eye.depth, 0..bits)?;
     let mut volumes = DepthMapVolumes::new(&pipelines, [SIDE; 2], options).map_err(text)?;
     let stencil = stencil_of(gpu, &pipelines, (SIDE, eye_depths), |encoder| {
         let map = DepthMap { texture: &depth_view(map), light: view.sun.camera, objects: None };

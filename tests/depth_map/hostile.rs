@@ -4,7 +4,6 @@
 use glam::{DVec2, DVec3, Mat4};
 use rimline::gpu::{
     DepthCubeMaps, DepthMap, DepthMapCube, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
-    ShadowFormat,
 };
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -18,7 +17,7 @@ use crate::boundary::Boundary;
 use crate::eye_formats::AROUND;
 use crate::maps::Map;
 use crate::parity::{SIDE, device_depth, map, seen, vector};
-use crate::picture::stencil_of;
+use crate::picture::{pipelines, stencil_of};
 use crate::scene::{Eye, Rays};
 use crate::textures::{depth_view, texture};
 use crate::views::{Near, Sun, face_towards, what_is_near, worlds};
@@ -31,12 +30,6 @@ pub(crate) const TESTS: &[Test] = &[
 
 fn middle(pixel: u32) -> DVec2 {
     DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5)
-}
-
-/// Pipelines for eyes with reversed depth.
-fn pipelines_of(gpu: &Gpu) -> Result<DepthMapPipelines, String> {
-    let format = ShadowFormat { depth: DepthDirection::Reversed, ..Default::default() };
-    DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)
 }
 
 /// The stencil of a picture.
@@ -63,7 +56,7 @@ fn beyond() -> Result<(), String> {
     const SEED: u64 = 16_401;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
-    let pipelines = pipelines_of(&gpu)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 0..1)?;
     let mut random = Random::new(SEED);
     // Counts of receivers before the near plane, between, and beyond the far plane: dark, lit, wrong.
     let mut tally = [[0_usize; 3]; 3];
@@ -134,7 +127,7 @@ fn grazing() -> Result<(), String> {
     const TEXELS: u32 = 64;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
-    let pipelines = pipelines_of(&gpu)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 0..1)?;
     let mut random = Random::new(SEED);
     // Lit, and dark; wrong ones of each.
     let (mut seen_of, mut wrong) = ([0; 2], [0; 2]);
@@ -290,8 +283,7 @@ fn of_cubes() -> Result<(), String> {
                 .collect();
             let depths: Vec<_> =
                 seen.iter().map(|seen| seen.map_or(0.0, |(place, _)| device_depth(&eye, place))).collect();
-            let format = ShadowFormat { depth: eye_depth, ..Default::default() };
-            let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
+            let pipelines = pipelines(&gpu, eye_depth, 0..1)?;
             let draw = |order: [usize; 6], edges| {
                 let options = DepthMapOptions { method: edges, ..Default::default() };
                 let mut volumes = DepthMapCube::new(&pipelines, TEXELS, options).map_err(text)?;

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, DVec4, Mat4};
 use rimline::DepthDirection;
-use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::is_long;
@@ -11,7 +11,7 @@ use wgpu::TextureFormat;
 
 use crate::maps::Map;
 use crate::parity::device_depth;
-use crate::picture::stencil_of;
+use crate::picture::{pipelines, stencil_of};
 use crate::scene::{Eye, Rays};
 use crate::textures::{depth_view, texture};
 
@@ -67,8 +67,7 @@ fn large() -> Result<(), String> {
     };
     let seen: Vec<_> = (0..PIXELS * PIXELS).map(seen).collect();
     let depths: Vec<_> = seen.iter().map(|seen| seen.map_or(0.0, |(place, _)| device_depth(&eye, place))).collect();
-    let format = ShadowFormat { depth, ..Default::default() };
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
+    let pipelines = pipelines(&gpu, depth, 0..1)?;
     let detectors = [DepthMapMethod::Automatic { dangling: None }, DepthMapMethod::EveryCell];
     for edges in &detectors[..if is_long() { 2 } else { 1 }] {
         let options = DepthMapOptions { method: *edges, ..Default::default() };

@@ -1,10 +1,7 @@
 //! Two maps in one: each texel against the nearer depth, as the documents tell it, and against the twin.
 
 use rimline::DepthDirection;
-use rimline::gpu::{
-    DepthMap, DepthMapError, DepthMapMerge, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
-    ShadowFormat,
-};
+use rimline::gpu::{DepthMap, DepthMapError, DepthMapMerge, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
 use rimline::reference::cpu::{depth_cells, depth_merge};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -14,6 +11,7 @@ use rimline_measure::{must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::maps::{Map, maps};
+use crate::picture::pipelines;
 use crate::stages::{camera, direction};
 use crate::textures::{depth_view, read, texture};
 
@@ -109,7 +107,7 @@ fn taken() -> Result<(), String> {
     let far = 1.0;
     let maps = [0, 1, 2]
         .map(|band| Map::new(size, false, |texel| if texel % 20 / 5 == band { 0.3 + 0.1 * band as f32 } else { far }));
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let options = DepthMapOptions { method: DepthMapMethod::EveryCell, ..Default::default() };
     let mut volumes = DepthMapVolumes::new(&pipelines, size, options).map_err(text)?;
     let merges = [DepthMapMerge::new(&gpu.pipelines, size), DepthMapMerge::new(&gpu.pipelines, size)];
@@ -154,7 +152,7 @@ fn refused() -> Result<(), String> {
         Err(DepthMapError::MapSize { map: format!("map {number} of the merge"), given: [4, 5], made: [4, 4] })
     };
     same("maps", &found, &[size(1), size(0), Err(DepthMapError::OwnResult), Ok(())])?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let options = DepthMapOptions { rounded_to: Some(TextureFormat::Rgba8Unorm), ..Default::default() };
     let found = DepthMapVolumes::new(&pipelines, [4, 4], options).err();
     same("format", &[found], &[Some(DepthMapError::RoundedTo(TextureFormat::Rgba8Unorm))])

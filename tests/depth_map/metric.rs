@@ -239,7 +239,7 @@ fn device_depths() -> Result<(), String> {
 /// Dark pixels of a ground at right angles to the light's axis, where no slope moves the boundary, and all pixels.
 fn dark(gpu: &Gpu, random: &mut Random, number: usize, is_covered: bool) -> Result<[usize; 2], String> {
     const SIDE: u32 = 64;
-    const TEXELS: u32 = 512;
+    const TEXELS: u32 = 256;
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][number % 2];
     // The ground is close to the far plane, or close to the near plane of a camera without one, or between them.
     let (near, far) = [(5.0, Some(100.0)), (60.0, None), (0.1, Some(90.5)), (75.0, Some(110.0))][number / 2 % 4];

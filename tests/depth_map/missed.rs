@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use glam::{DVec2, DVec3, DVec4};
-use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -17,7 +17,7 @@ use crate::boundary::{Boundary, Name};
 use crate::exact::{Moves, steps};
 use crate::maps::Map;
 use crate::parity::device_depth;
-use crate::picture::stencil_of;
+use crate::picture::{pipelines, stencil_of};
 use crate::scene::{Eye, Rays};
 use crate::textures::{depth_view, read, texture};
 use crate::views::{SIDE, View, worlds};
@@ -35,8 +35,7 @@ pub(crate) fn drawn(
     edges: DepthMapMethod,
     side: u32,
 ) -> Result<(Vec<u8>, HashSet<Name>), String> {
-    let format = ShadowFormat { depth: eye.depth, ..Default::default() };
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
+    let pipelines = pipelines(gpu, eye.depth, 0..1)?;
     let options = DepthMapOptions { method: edges, ..Default::default() };
     let mut volumes = DepthMapVolumes::new(&pipelines, [map.width(), map.height()], options).map_err(text)?;
     let stencil = stencil_of(gpu, &pipelines, (side, depths), |encoder| {

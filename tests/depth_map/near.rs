@@ -201,7 +201,7 @@ fn of_cubes() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let mut random = Random::new(SEED);
     let (mut tally, mut pipelines) = (Tally::default(), Made::default());
-    for round in 0..if is_long() { 1000 } else { 80 } {
+    for round in 0..if is_long() { 1000 } else { 60 } {
         let Cube { light, cameras, maps, .. } = cube_of(&mut random, CUBE_SIDE);
         let (eye, depths) = look(&mut random, 5.0 + light.length());
         let pipelines = pipelines.get(&gpu, eye.depth, 1)?;

@@ -3,7 +3,7 @@
 //! they may be.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
-use rimline::gpu::{DepthCubeMaps, DepthMap, DepthMapCube, DepthMapOptions, DepthMapPipelines, ShadowFormat};
+use rimline::gpu::{DepthCubeMaps, DepthMap, DepthMapCube, DepthMapOptions};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -18,7 +18,7 @@ use crate::exact::{ROUNDING, steps};
 use crate::eye_formats::{AROUND, Made, device, drawn};
 use crate::maps::Map;
 use crate::parity::{SIDE, device_depth, light, map, seen, vector};
-use crate::picture::stencil_of;
+use crate::picture::{pipelines, stencil_of};
 use crate::scene::{Eye, Rays};
 use crate::textures::{depth_view, texture};
 
@@ -250,8 +250,7 @@ fn across() -> Result<(), String> {
         let seen = seen(&mut random, &rays);
         let centre = |pixel: u32| DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5);
         let depths: Vec<_> = (0..SIDE * SIDE).map(|pixel| device_depth(&eye, seen(centre(pixel)).1)).collect();
-        let format = ShadowFormat { depth, ..Default::default() };
-        let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
+        let pipelines = pipelines(&gpu, depth, 0..1)?;
         let mut views = Vec::new();
         for map in &maps {
             let texture = |map: &Map| texture(&gpu, map.size, TextureFormat::R32Float, &map.depths);

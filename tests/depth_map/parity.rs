@@ -5,9 +5,9 @@ use rimline::gpu::{DepthMapMethod, DepthMapOptions};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
-use rimline_measure::must_fail;
 use rimline_measure::on_gpu::text;
 use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail};
 use wgpu::TextureFormat;
 
 use crate::boundary::Boundary;
@@ -200,17 +200,22 @@ fn trials(seed: u64, count: u32, way: Way<'_>) -> Result<Tally, String> {
     Ok(tally)
 }
 
+/// As many trials, and ten times as many with `RIMLINE_LONG=1`.
+pub(crate) fn trials_of(count: u32) -> u32 {
+    if is_long() { 10 * count } else { count }
+}
+
 fn every_cell() -> Result<(), String> {
-    trials(1621, 60, EVERY_CELL).map(drop)
+    trials(1621, trials_of(24), EVERY_CELL).map(drop)
 }
 
 fn differences() -> Result<(), String> {
-    trials(1622, 60, Way { threshold: 0.01, ..EVERY_CELL }).map(drop)
+    trials(1622, trials_of(24), Way { threshold: 0.01, ..EVERY_CELL }).map(drop)
 }
 
 /// Near rectangles that are large: most cut the boundary.
 fn cut() -> Result<(), String> {
-    let tally = trials(1623, 60, Way { near: [0.5, 6.0], ..EVERY_CELL })?;
+    let tally = trials(1623, trials_of(24), Way { near: [0.5, 6.0], ..EVERY_CELL })?;
     if tally.cut < 1000 {
         return Err(format!("the near rectangle is cut too rarely: {tally:?}"));
     }
@@ -224,14 +229,14 @@ fn of_bits() -> Result<(), String> {
     let near = [0.05, 0.5];
     for (seed, threshold, overflows) in [(1625, -1.0, false), (1626, 0.01, false), (1627, 0.01, true)] {
         for moves in [&of_two[..], &of_four] {
-            trials(seed, 6, Way { near, threshold, overflows, moves })?;
+            trials(seed, trials_of(3), Way { near, threshold, overflows, moves })?;
         }
     }
     let exchanged = [of_two[1], of_two[0]];
-    let exchanged = trials(1625, 6, Way { near, moves: &exchanged, ..EVERY_CELL });
+    let exchanged = trials(1625, 3, Way { near, moves: &exchanged, ..EVERY_CELL });
     must_fail("bits that are exchanged", &exchanged)
 }
 
 fn overflow() -> Result<(), String> {
-    trials(1624, 20, Way { near: [0.05, 2.0], threshold: 0.01, overflows: true, ..EVERY_CELL }).map(drop)
+    trials(1624, trials_of(12), Way { near: [0.05, 2.0], threshold: 0.01, overflows: true, ..EVERY_CELL }).map(drop)
 }

@@ -1,9 +1,10 @@
 //! A picture of an eye whose depth buffer is given: the stencil after the volumes of a depth map.
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use rimline::ShadowCamera;
 use rimline::gpu::{DepthMap, DepthMapFrame, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::text;
 use wgpu::TextureFormat;
@@ -24,11 +25,18 @@ pub(crate) struct Picture<'a> {
     pub(crate) bits: Range<u32>,
 }
 
+/// Pipelines for eyes with this direction of depth, which draw into these bits. Tests share them.
+pub(crate) fn pipelines(gpu: &Gpu, depth: DepthDirection, bits: Range<u32>) -> Result<Arc<DepthMapPipelines>, String> {
+    gpu.kept(&format!("{depth:?} {bits:?}"), || {
+        let format = ShadowFormat { depth, ..Default::default() };
+        DepthMapPipelines::antialiased(&gpu.pipelines, &format, bits.clone()).map_err(text)
+    })
+}
+
 impl Picture<'_> {
     /// The stencil of each pixel, from 0 on.
     pub(crate) fn stencil(&self, gpu: &Gpu) -> Result<Vec<u8>, String> {
-        let format = ShadowFormat { depth: self.eye.depth, ..Default::default() };
-        let pipelines = DepthMapPipelines::antialiased(&gpu.pipelines, &format, self.bits.clone()).map_err(text)?;
+        let pipelines = pipelines(gpu, self.eye.depth, self.bits.clone())?;
         let size = [self.map.width(), self.map.height()];
         let mut volumes = DepthMapVolumes::new(&pipelines, size, self.options).map_err(text)?;
         stencil_of(gpu, &pipelines, (self.side, self.depths), |encoder| {

@@ -9,7 +9,7 @@ use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::text;
 use rimline_measure::random::Random;
-use rimline_measure::{must_fail, same};
+use rimline_measure::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::mesh_depth::SIDE;
@@ -81,7 +81,7 @@ fn outside() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let mut random = Random::new(SEED);
     let (mut left_out, mut all) = (0, 0);
-    for number in 0..24 {
+    for number in 0..if is_long() { 48 } else { 12 } {
         let mut casters = Casters::new(&gpu)?;
         casters.fill(&gpu, &mut random, (24, 8.0))?;
         for at in 0..casters.placed.len() {

@@ -1,10 +1,7 @@
 //! The cameras and scenes of the tests of shadow volumes: their casters in one map of a light, or in six, against rays.
 
 use glam::DVec3;
-use rimline::gpu::{
-    DepthCubeMaps, DepthMap, DepthMapCube, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
-    ShadowFormat,
-};
+use rimline::gpu::{DepthCubeMaps, DepthMap, DepthMapCube, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
 use rimline::reference::depth_map::DepthMapNearCap;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -16,7 +13,7 @@ use rimline_measure::rays::Tracer;
 use wgpu::TextureFormat;
 
 use crate::classes::CLASSES;
-use crate::picture::stencil_of;
+use crate::picture::{pipelines, stencil_of};
 use crate::scene::{Body, Eye, Frame, Rays};
 use crate::textures::{depth_view, texture};
 use crate::views::{Near, Seen, Sun, depths, face_towards, seen, what_is_near};
@@ -125,8 +122,7 @@ fn measure<'a>(
     let eye = frame.eye.camera();
     let eye_seen = seen(&drawn, &Rays::new(&eye, SIDE), [SIDE; 2]);
     let eye_depths = depths(&eye, &eye_seen);
-    let format = ShadowFormat { depth: eye.depth, ..Default::default() };
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
+    let pipelines = pipelines(gpu, eye.depth, 0..1)?;
     for (way, tally) in ways {
         let (edges, is_turned) = match *way {
             Maps::Right(edges) => (edges, false),

@@ -14,6 +14,7 @@ use rimline_measure::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::maps::{Map, detector, further, maps};
+use crate::picture::pipelines;
 use crate::scene::Eye;
 use crate::textures::{depth_view, objects, read, texture};
 
@@ -91,9 +92,7 @@ fn lists() -> Result<(), String> {
     const SEED: u64 = 1611;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
-    let two = DepthMapPipelines::antialiased(&gpu.pipelines, &ShadowFormat::default(), 3..5).map_err(text)?;
-    let of_bits = [pipelines, two];
+    let of_bits = [pipelines(&gpu, DepthDirection::Reversed, 7..8)?, pipelines(&gpu, DepthDirection::Reversed, 3..5)?];
     let pipelines = &of_bits[0];
     let mut random = Random::new(SEED);
     let mut listed = 0;
@@ -123,7 +122,7 @@ fn lists() -> Result<(), String> {
 /// More blocks than a scan has invocations: each takes several.
 fn large() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let mut random = Random::new(1612);
     let map = Map::new([1100, 601], true, |texel| {
         if random.below(9) == 0 { random.between(0.0, 1.0) } else { 0.25 + (texel % 700) as f32 / 4096.0 }
@@ -188,7 +187,7 @@ fn of_objects() -> Result<(), String> {
     const SEED: u64 = 1613;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let mut random = Random::new(SEED);
     let mut added = 0;
     for threshold in [1.0, 0.1] {
@@ -244,10 +243,7 @@ fn detectors() -> Result<(), String> {
     const SEED: u64 = 1617;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
-    let of_bits =
-        [7..8, 6..8].map(|bits| DepthMapPipelines::antialiased(&gpu.pipelines, &ShadowFormat::default(), bits));
-    let [one, two] = of_bits.map(|made| made.map_err(text));
-    let of_bits = [one?, two?];
+    let of_bits = [pipelines(&gpu, DepthDirection::Reversed, 7..8)?, pipelines(&gpu, DepthDirection::Reversed, 6..8)?];
     let mut random = Random::new(SEED);
     let (mut listed, mut continued) = (0, 0);
     for round in (0..20).map(|round| round % 10) {

@@ -1,9 +1,6 @@
 //! Statistics that the GPU copies for its readers: lists that overflow, and near caps that are left out.
 
-use rimline::gpu::{
-    DepthMap, DepthMapFrame, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapStatistics, DepthMapVolumes,
-    ShadowFormat,
-};
+use rimline::gpu::{DepthMap, DepthMapFrame, DepthMapMethod, DepthMapOptions, DepthMapStatistics, DepthMapVolumes};
 use rimline::reference::cpu::depth_cells;
 use rimline::reference::depth_map::DepthMapNearCap;
 use rimline::{DepthDirection, ShadowCamera};
@@ -15,6 +12,7 @@ use rimline_measure::same;
 use wgpu::TextureFormat;
 
 use crate::maps::{Map, maps};
+use crate::picture::pipelines;
 use crate::stages::{camera, direction};
 use crate::textures::{depth_view, texture};
 
@@ -53,7 +51,7 @@ fn lists() -> Result<(), String> {
     const SEED: u64 = 1701;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let mut random = Random::new(SEED);
     let (mut overflowed, mut caps) = ([0; 2], [0; 3]);
     for map in maps(&mut random) {
@@ -93,7 +91,7 @@ fn lists() -> Result<(), String> {
 /// Lone texels: each cell has an end of a contour.
 fn walls() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let map = Map::new([24, 24], true, |texel| if (texel % 24 + texel / 24) % 2 == 0 { 0.5 } else { 0.0 });
     let light = camera(DepthDirection::Reversed);
     let method = DepthMapMethod::Contours { threshold: 1.0, sideways: 0.25, depth: 0.01 };

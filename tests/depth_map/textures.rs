@@ -108,10 +108,6 @@ pub(crate) fn sampled(
             .replace("let sample = 0", "let sample = i32(number)")
             .replace("let samples = 1", &format!("let samples = {samples}"))
     };
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("depths"),
-        source: wgpu::ShaderSource::Wgsl(source.into()),
-    });
     let entry = wgpu::BindGroupLayoutEntry {
         binding: 0,
         visibility: wgpu::ShaderStages::FRAGMENT,
@@ -123,37 +119,43 @@ pub(crate) fn sampled(
         count: None,
     };
     let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &[entry] });
-    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("depths"),
-        layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: None,
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        })),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: None,
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Always),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: None,
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[],
-        }),
-        multiview_mask: None,
-        cache: None,
-    });
+    let pipeline = gpu.kept(&format!("depths {format:?} {samples}"), || {
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("depths"),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        Ok(device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("depths"),
+            layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: None,
+                bind_group_layouts: &[Some(&layout)],
+                immediate_size: 0,
+            })),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: None,
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Always),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: None,
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[],
+            }),
+            multiview_mask: None,
+            cache: None,
+        }))
+    })?;
     let view = values.create_view(&wgpu::TextureViewDescriptor::default());
     let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: None,
@@ -185,9 +187,10 @@ pub(crate) fn sampled(
 pub(crate) fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<f32>, String> {
     let texels = texture.width() * texture.height();
     let bits = gpu.storage(&vec![0_u32; texels as usize]);
-    let kernel = TexelKernel::new(&gpu.device, ("read", READ), &depth_view(texture), &bits);
+    let kernel = gpu.kept("read", || Ok(TexelKernel::new(&gpu.device, ("read", READ))))?;
+    let group = kernel.group(&gpu.device, &depth_view(texture), &bits);
     gpu.submit(|encoder| {
-        kernel.run(encoder, [1024, texels.div_ceil(65_536)]);
+        kernel.run(encoder, &group, [1024, texels.div_ceil(65_536)]);
         Ok::<_, String>(())
     })?;
     let bits: Vec<u32> = gpu.read(&bits, texels as usize)?;

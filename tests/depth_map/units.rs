@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use rimline::ShadowCamera;
-use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::text;
@@ -13,7 +13,7 @@ use rimline_measure::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::parity::device_depth;
-use crate::picture::stencil_of;
+use crate::picture::{pipelines, stencil_of};
 use crate::textures::{depth_view, texture};
 use crate::views::{Near, SIDE, Seen, View, worlds};
 
@@ -46,8 +46,7 @@ fn drawn(gpu: &Gpu, view: &View<'_>, edges: DepthMapMethod, by: f64) -> Result<D
     let [light, eye] = [&view.sun.camera, &view.eye].map(|camera| scaled(camera, by));
     let of_light = depths(&light, &view.light_seen, by);
     let map = texture(gpu, [SIDE; 2], TextureFormat::Depth32Float, &of_light)?;
-    let format = ShadowFormat { depth: eye.depth, ..Default::default() };
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
+    let pipelines = pipelines(gpu, eye.depth, 0..1)?;
     let options = DepthMapOptions { method: edges, ..Default::default() };
     let mut volumes = DepthMapVolumes::new(&pipelines, [SIDE; 2], options).map_err(text)?;
     let stencil = stencil_of(gpu, &pipelines, (SIDE, &depths(&eye, &view.eye_seen, by)), |encoder| {

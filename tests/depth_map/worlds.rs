@@ -68,13 +68,26 @@ impl World {
     /// Where a ray meets the shape first, and the normal there.
     fn shape(&self, from: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
         if let Self::Mesh(tracer) | Self::Bare(tracer) = self {
-            let meetings = tracer.meetings((from, direction)).filter(|(t, _)| *t > 0.0);
-            let (t, triangle) = meetings.min_by(|a, b| a.0.total_cmp(&b.0))?;
+            let (t, triangle) = tracer.nearest((from, direction))?;
             let [a, b, c] = triangle.corners;
             return Some((t, (b - a).cross(c - a).normalize()));
         }
-        let mut t = 0.0;
+        match *self {
+            Self::Sphere { centre, radius } => sphere(from - centre, direction, radius),
+            Self::Cuboid { centre, half } => cuboid(from - centre, direction, half),
+            _ => self.march(from, direction),
+        }
+    }
+
+    /// The same for a torus, by steps of its distance between where the ray enters and leaves a sphere around it.
+    fn march(&self, from: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
+        let Self::Torus { centre, major, minor } = *self else { return None };
+        let [enter, leave] = through(from - centre, direction, major + minor + 1e-6)?;
+        let mut t = enter.max(0.0);
         for _ in 0..2000 {
+            if t > leave {
+                break;
+            }
             let distance = self.distance(from + t * direction);
             if distance < 1e-9 {
                 let at = from + t * direction;
@@ -82,9 +95,6 @@ impl World {
                 return Some((t, DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).normalize()));
             }
             t += distance;
-            if t > 60.0 {
-                break;
-            }
         }
         None
     }
@@ -99,4 +109,38 @@ impl World {
         let found = [ground, shape].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
         found.map(|(t, normal)| (t, if normal.dot(direction) > 0.0 { -normal } else { normal }))
     }
+}
+
+/// Where a line enters and leaves a sphere around the origin. The direction has length 1.
+fn through(from: DVec3, direction: DVec3, radius: f64) -> Option<[f64; 2]> {
+    let middle = -from.dot(direction);
+    let aside = from + middle * direction;
+    let half = radius * radius - aside.length_squared();
+    (half >= 0.0).then(|| [middle - half.sqrt(), middle + half.sqrt()])
+}
+
+/// Where a ray meets a sphere around the origin, and the normal there. A ray from within meets it where it begins.
+fn sphere(from: DVec3, direction: DVec3, radius: f64) -> Option<(f64, DVec3)> {
+    if from.length() <= radius + 1e-9 {
+        return Some((0.0, from.normalize()));
+    }
+    let [enter, _] = through(from, direction, radius)?;
+    (enter >= 0.0).then(|| (enter, (from + enter * direction) / radius))
+}
+
+/// Where a ray meets a cuboid around the origin, and the normal there. A ray from within meets it where it begins.
+fn cuboid(from: DVec3, direction: DVec3, half: DVec3) -> Option<(f64, DVec3)> {
+    let outside = from.abs() - half;
+    if outside.max_element() <= 1e-9 {
+        return Some((0.0, axis(outside) * from.signum()));
+    }
+    let [first, second] = [-half, half].map(|side| (side - from) / direction);
+    let (enters, leaves) = (first.min(second), first.max(second));
+    let enter = enters.max_element();
+    (enter >= 0.0 && enter <= leaves.min_element()).then(|| (enter, -axis(enters) * direction.signum()))
+}
+
+/// The axis of the largest component.
+fn axis(of: DVec3) -> DVec3 {
+    [DVec3::X, DVec3::Y, DVec3::Z][of.max_position()]
 }

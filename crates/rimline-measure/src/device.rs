@@ -1,6 +1,8 @@
 //! The device that GPU tests run on.
 
-use std::sync::{Arc, Mutex};
+use std::any::{Any, TypeId};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rimline::gpu::Pipelines;
 
@@ -11,6 +13,7 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     pub pipelines: Pipelines,
     pub name: String,
+    kept: Mutex<HashMap<(TypeId, String), Arc<dyn Any + Send + Sync>>>,
 }
 
 static SHARED: Mutex<Option<Result<Arc<Gpu>, String>>> = Mutex::new(None);
@@ -44,7 +47,8 @@ impl Gpu {
         }))
         .map_err(|error| error.to_string())?;
         let pipelines = Pipelines::new(&device);
-        Ok(Self { instance, device, queue, pipelines, name: format!("{} ({:?})", info.name, info.backend) })
+        let name = format!("{} ({:?})", info.name, info.backend);
+        Ok(Self { instance, device, queue, pipelines, name, kept: Mutex::default() })
     }
 
     /// One device of `Limits::default()` that tests share.
@@ -59,6 +63,27 @@ impl Gpu {
         if let Ok(mut shared) = SHARED.lock() {
             *shared = None;
         }
+    }
+
+    /// What `make` made for this device when it was first asked for by its type and this name. Pipelines of tests are made
+    /// once so: a software driver compiles for longer than it draws a picture.
+    pub fn kept<T: Any + Send + Sync>(
+        &self,
+        name: &str,
+        make: impl FnOnce() -> Result<T, String>,
+    ) -> Result<Arc<T>, String> {
+        let key = (TypeId::of::<T>(), name.to_owned());
+        let lock = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = lock().get(&key).cloned();
+        let kept = match found {
+            Some(kept) => kept,
+            None => {
+                let made: Arc<dyn Any + Send + Sync> = Arc::new(make()?);
+                // Another thread may have been faster.
+                Arc::clone(lock().entry(key).or_insert(made))
+            }
+        };
+        kept.downcast().map_err(|_| format!("{name} is of another type"))
     }
 
     /// Buffers that live on this device's instance.

@@ -75,17 +75,12 @@ pub fn depth(format: wgpu::TextureFormat, compare: wgpu::CompareFunction, is_wri
 /// buffer that is written.
 #[derive(Debug)]
 pub struct TexelKernel {
-    pub pipeline: wgpu::ComputePipeline,
-    pub group: wgpu::BindGroup,
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
 }
 
 impl TexelKernel {
-    pub fn new(
-        device: &wgpu::Device,
-        (label, source): (&str, &str),
-        texture: &wgpu::TextureView,
-        words: &wgpu::Buffer,
-    ) -> Self {
+    pub fn new(device: &wgpu::Device, (label, source): (&str, &str)) -> Self {
         let label = Some(label);
         let source = wgpu::ShaderSource::Wgsl(source.into());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
@@ -115,17 +110,21 @@ impl TexelKernel {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
+        Self { pipeline, layout }
+    }
+
+    /// What a run reads and writes.
+    pub fn group(&self, device: &wgpu::Device, texture: &wgpu::TextureView, words: &wgpu::Buffer) -> wgpu::BindGroup {
         let entries = [wgpu::BindingResource::TextureView(texture), words.as_entire_binding()];
         let entries = (0..).zip(entries).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
         let entries = entries.collect::<Vec<_>>();
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout: &layout, entries: &entries });
-        Self { pipeline, group }
+        device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &self.layout, entries: &entries })
     }
 
-    pub fn run(&self, encoder: &mut wgpu::CommandEncoder, [x, y]: [u32; 2]) {
+    pub fn run(&self, encoder: &mut wgpu::CommandEncoder, group: &wgpu::BindGroup, [x, y]: [u32; 2]) {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &self.group, &[]);
+        pass.set_bind_group(0, group, &[]);
         pass.dispatch_workgroups(x, y, 1);
     }
 }

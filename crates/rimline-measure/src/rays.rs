@@ -57,10 +57,18 @@ impl<T> Tracer<T> {
         near.filter_map(move |triangle| Some((meeting(triangle.corners, from, direction)?, triangle)))
     }
 
+    /// Where a ray first meets a triangle, in multiples of `direction`, and which.
+    pub fn nearest(&self, (from, direction): (DVec3, DVec3)) -> Option<(f64, &Triangle<T>)> {
+        let ray = Ray::new(Point3::new(from.x, from.y, from.z), Vector3::new(direction.x, direction.y, direction.z));
+        // Without a list of all, which costs more than the meetings.
+        let near = self.tree.traverse_iterator(&ray, &self.triangles);
+        let meetings = near.filter_map(|triangle| Some((meeting(triangle.corners, from, direction)?, triangle)));
+        meetings.filter(|(t, _)| *t > 0.0).min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
     /// Where a ray first meets a triangle, and which.
     pub fn first(&self, (from, direction): (DVec3, DVec3)) -> Option<(DVec3, &Triangle<T>)> {
-        let ahead = self.meetings((from, direction)).filter(|(t, _)| *t > 0.0);
-        let (t, triangle) = ahead.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (t, triangle) = self.nearest((from, direction))?;
         Some((from + direction * t, triangle))
     }
 }
