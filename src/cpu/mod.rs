@@ -6,8 +6,6 @@
 
 pub(crate) mod common;
 pub(crate) mod deform;
-#[cfg(feature = "reference")]
-pub(crate) mod depth_map;
 pub(crate) mod error;
 pub(crate) mod extract;
 pub(crate) mod hidden;

@@ -20,8 +20,8 @@ type Test = (&'static str, fn() -> Outcome);
 fn main() {
     let tests: [Test; 12] = [
         ("every_file_is_a_stage_or_an_include", files),
-        ("stages_have_twins_and_entry_points_of_their_name", names),
-        ("vertex_shaders_have_twins", vertex_shaders),
+        ("stages_have_twins_or_oracles_and_entry_points_of_their_name", names),
+        ("vertex_shaders_have_twins_or_oracles", vertex_shaders),
         ("constants_are_those_of_rust", constants),
         ("wgsl_composes", composes),
         ("a_broken_file_is_named_with_its_line", broken_file),
@@ -89,8 +89,12 @@ fn names() -> Outcome {
         if !found.iter().all(carries_name) {
             return Err(format!("{}: entry points {found:?} do not carry the name", stage.name));
         }
-        let twin = twin(stage);
-        let twin = std::fs::read_to_string(&twin).map_err(|error| format!("{}: {error}", twin.display()))?;
+        let path = twin(stage);
+        if let Some((_, test)) = WITHOUT_TWIN.iter().find(|(name, _)| *name == stage.name) {
+            check_without_twin(stage, &path, test)?;
+            continue;
+        }
+        let twin = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         // The stage's own name, or that of a function in its WGSL file.
         let own = source(stage.file).unwrap_or_default();
         let functions = own.lines().filter_map(|line| line.strip_prefix("fn ")?.split('(').next());
@@ -100,6 +104,33 @@ fn names() -> Outcome {
         }
     }
     Ok(())
+}
+
+/// Stages without a twin, and the test that runs them against an oracle or goldens.
+const WITHOUT_TWIN: &[(&str, &str)] = &[
+    ("depth_near", "tests/depth_map/near.rs"),
+    ("depth_near_walls", "tests/depth_map/near.rs"),
+    ("depth_metric", "tests/depth_map/metric.rs"),
+    ("depth_merge", "tests/depth_map/merge.rs"),
+    ("depth_cube", "tests/depth_map/cube.rs"),
+    ("depth_edges", "tests/depth_map/stages.rs"),
+    ("depth_cells", "tests/depth_map/stages.rs"),
+    ("contour_marks", "tests/depth_map/contours.rs"),
+    ("contour_tiles", "tests/depth_map/contours.rs"),
+    ("contour_places", "tests/depth_map/places.rs"),
+    ("contour_walls", "tests/depth_map/contours.rs"),
+    ("depth_surface", "tests/depth_map/vertices.rs"),
+    ("depth_walls", "tests/depth_map/wall_vertices.rs"),
+    ("mesh_depth", "tests/depth_map/vertices.rs"),
+];
+
+/// The test exists, and there is no twin.
+fn check_without_twin(stage: &Stage, twin: &Path, test: &str) -> Outcome {
+    match (twin.exists(), root().join(test).exists()) {
+        (false, true) => Ok(()),
+        (true, _) => Err(format!("{}: there is a twin, {}", stage.name, twin.display())),
+        (_, false) => Err(format!("{}: there is no {test}", stage.name)),
+    }
 }
 
 /// The twin's file: in `src/cpu`, in the folder of the stage's subject.
@@ -125,6 +156,10 @@ fn check_vertex_shaders(stage: &Stage, twin: &str) -> Outcome {
 fn vertex_shaders() -> Outcome {
     for stage in DRAWN {
         let twin = twin(stage);
+        if let Some((_, test)) = WITHOUT_TWIN.iter().find(|(name, _)| *name == stage.name) {
+            check_without_twin(stage, &twin, test)?;
+            continue;
+        }
         let twin = std::fs::read_to_string(&twin).map_err(|error| format!("{}: {error}", twin.display()))?;
         check_vertex_shaders(stage, &twin)?;
         let last = stage.entry_points[stage.entry_points.len() - 1];

@@ -1,18 +1,31 @@
-//! Which cells are listed, and what of them is drawn: the twin against big integers.
+//! Which cells are listed, and what of them is drawn: by a text of its own, without code of the library. Depths are compared on the
+//! GPU as in big integers.
 
 use num_bigint::BigInt;
-use rimline::reference::cpu::{
-    CELL_MASK, FIRST_TRIANGLE, SECOND_TRIANGLE, SPLIT, depth_cells, depth_cells_of_objects, exceeds,
-};
-use rimline::reference::layout::DepthMapShape;
+use rimline::reference::stages::DEPTH_CELLS;
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
 use rimline_measure::random::Random;
+use rimline_measure::same;
 
-use crate::maps::{Map, maps};
+use crate::maps::Map;
+use crate::probe::Probe;
+
+pub(crate) const TESTS: &[Test] = &[("differences_are_compared_exactly", differences)];
 
 /// A finite number that is not negative, in units of 2⁻¹⁴⁹.
 pub(crate) fn exact(value: f32) -> BigInt {
     let (exponent, fraction) = (value.to_bits() >> 23, value.to_bits() & 0x007f_ffff);
     if exponent == 0 { BigInt::from(fraction) } else { BigInt::from(fraction + 0x0080_0000) << (exponent - 1) }
+}
+
+/// Whether `large` is more than `small` + `threshold`: by the rounded difference and, where that is the threshold, by what rounding
+/// left of it.
+fn exceeds(large: f32, small: f32, threshold: f32) -> bool {
+    let [large, small, threshold] = [large, small, threshold].map(f64::from);
+    let difference = large - small;
+    let rest = (large - difference) - small;
+    difference > threshold || (difference == threshold && rest > 0.0)
 }
 
 /// The depth of a texel as the documents tell: clamped, and nothing where it is far.
@@ -31,9 +44,9 @@ pub(crate) fn rank(map: &Map, sample: Option<f32>) -> i64 {
     if map.is_reversed { i64::from(1.0_f32.to_bits()) - bits } else { bits }
 }
 
-/// The entry of a cell, 0 if it is not listed. `objects`: none, or one for each texel. `spreads`: triangles at the ends of edges
+/// The entry of a cell, if it is listed. `objects`: none, or one for each texel. `spreads`: triangles at the ends of edges
 /// are drawn.
-fn expected(map: &Map, objects: &[u32], threshold: f32, spreads: bool, number: u32) -> u32 {
+fn expected(map: &Map, objects: &[u32], threshold: f32, spreads: bool, number: u32) -> Option<u32> {
     let across = i64::from(map.size[0]) + 1;
     let (x, y) = (i64::from(number) % across - 1, i64::from(number) / across - 1);
     // The depth that casts, and the object.
@@ -44,8 +57,7 @@ fn expected(map: &Map, objects: &[u32], threshold: f32, spreads: bool, number: u
     let is_marked = |a: Option<(f32, Option<u32>)>, b: Option<(f32, Option<u32>)>| match (a, b) {
         (None, None) => false,
         (Some((a, first)), Some((b, second))) => {
-            let difference = exact(a) - exact(b);
-            threshold < 0.0 || first != second || difference.magnitude() > exact(threshold).magnitude()
+            threshold < 0.0 || first != second || exceeds(a.max(b), a.min(b), threshold)
         }
         _ => true,
     };
@@ -72,104 +84,88 @@ fn expected(map: &Map, objects: &[u32], threshold: f32, spreads: bool, number: u
             is_marked(c, a) || is_marked(c, d) || touches(0, 1) || diagonal_touches,
         )
     };
-    if !first && !second {
-        return 0;
-    }
+    entry(number, is_split, [first, second])
+}
+
+/// Bits of an entry: its cell, the cell is split from its sample (1, 0), and its two triangles are drawn.
+pub(crate) const CELL: u32 = (1 << 29) - 1;
+const SPLIT: u32 = 1 << 29;
+const FIRST_TRIANGLE: u32 = 1 << 30;
+const SECOND_TRIANGLE: u32 = 1 << 31;
+
+/// The corners of the six vertices of a cell, from its first sample: `None` where a triangle is left out.
+pub(crate) fn corners(entry: u32) -> [Option<[u32; 2]>; 6] {
+    let [a, b, c, d] = [[0, 0], [1, 0], [0, 1], [1, 1]];
+    let triangles = if entry & SPLIT == 0 { [a, b, d, a, d, c] } else { [a, b, c, b, d, c] };
+    std::array::from_fn(|vertex| (entry & (FIRST_TRIANGLE << (vertex / 3)) != 0).then_some(triangles[vertex]))
+}
+
+/// The entry of a cell whose triangles are drawn so, if one is.
+pub(crate) fn entry(number: u32, is_split: bool, [first, second]: [bool; 2]) -> Option<u32> {
     let bit = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
-    number | bit(is_split, SPLIT) | bit(first, FIRST_TRIANGLE) | bit(second, SECOND_TRIANGLE)
+    let drawn = bit(first, FIRST_TRIANGLE) | bit(second, SECOND_TRIANGLE);
+    (drawn != 0).then_some(number | bit(is_split, SPLIT) | drawn)
+}
+
+/// The list of a map's cells as buffers have it, as far as there is room.
+pub(crate) fn listed(map: &Map, objects: &[u32], threshold: f32, spreads: bool, capacity: Option<u32>) -> Vec<u32> {
+    with_count(by_strips(map.size, entries(map, objects, threshold, spreads)), capacity)
+}
+
+/// The number of entries, and those that there is room for.
+pub(crate) fn with_count(entries: Vec<u32>, capacity: Option<u32>) -> Vec<u32> {
+    let count = entries.len();
+    std::iter::once(count as u32)
+        .chain(entries.into_iter().take(capacity.map_or(count, |room| room as usize)))
+        .collect()
+}
+
+/// The list of the cells of six maps of a cube. `entries` are those of a map with a border, of which cells within the map count.
+pub(crate) fn listed_of_cube(maps: &[Map], mut entries: impl FnMut(usize, &Map) -> Vec<u32>) -> Vec<u32> {
+    let side = maps[0].size[0];
+    let place = |entry: u32| [(entry & CELL) % (side + 1), (entry & CELL) / (side + 1)];
+    let mut all = Vec::new();
+    for (face, map) in maps.iter().enumerate() {
+        let mut own = entries(face, map);
+        own.retain(|&entry| place(entry).iter().all(|at| (1..side).contains(at)));
+        // Strips begin at the first cell within the map.
+        let strip = |entry: &u32| {
+            let [x, y] = place(*entry).map(|at| at - 1);
+            [y / 4, x / 8, y % 4, x % 8]
+        };
+        own.sort_by_key(strip);
+        let renumbered = |entry: u32| {
+            let [x, y] = place(entry).map(|at| at - 1);
+            entry & !CELL | ((face as u32 * (side - 1) + y) * (side - 1) + x)
+        };
+        all.extend(own.into_iter().map(renumbered));
+    }
+    with_count(all, None)
+}
+
+/// The entries of a map, row by row.
+pub(crate) fn entries(map: &Map, objects: &[u32], threshold: f32, spreads: bool) -> Vec<u32> {
+    let cells = (map.size[0] + 1) * (map.size[1] + 1);
+    (0..cells).filter_map(|number| expected(map, objects, threshold, spreads, number)).collect()
 }
 
 /// Entries of a map by the strips of their cells, eight across and four down, and by the rows of each strip.
 pub(crate) fn by_strips(size: [u32; 2], mut entries: Vec<u32>) -> Vec<u32> {
     entries.sort_by_key(|entry| {
-        let number = entry & 0x1fff_ffff;
+        let number = entry & CELL;
         let [x, y] = [number % (size[0] + 1), number / (size[0] + 1)];
         [y / 4, x / 8, y % 4, x % 8]
     });
     entries
 }
 
-fn check(map: &Map, objects: &[u32], threshold: f32, shape: &DepthMapShape) -> Result<usize, String> {
-    let found = depth_cells_of_objects(shape, &map.depths, objects);
-    // An entry of 0 is no entry: an entry has a bit for a triangle.
-    let all: Vec<_> = (0..shape.cells)
-        .map(|number| expected(map, objects, threshold, shape.spread == 1, number))
-        .filter(|&entry| entry != 0)
-        .collect();
-    let all = by_strips(map.size, all);
-    if found.count as usize != all.len() || found.entries != all[..all.len().min(shape.capacity as usize)] {
-        return Err(format!("{:?} with {threshold}: {} cells, {} expected", map.size, found.count, all.len()));
-    }
-    let drawn = if found.count > shape.capacity { shape.cells } else { found.count };
-    if found.draw != [6 * drawn, 1, 0, 0] {
-        return Err(format!("{:?} with {threshold}: {:?}", map.size, found.draw));
-    }
-    Ok(all.len())
-}
-
-#[test]
-fn listed_cells_are_those_of_exact_arithmetic() {
-    const SEED: u64 = 1601;
-    println!("seed {SEED}");
-    let mut random = Random::new(SEED);
-    let mut listed = 0;
-    for round in 0..20 {
-        for map in maps(&mut random) {
-            let depths = &map.depths;
-            // A threshold that is met exactly, one that is random, none, and every cell.
-            let [a, b] = [0, 1].map(|_| depths[random.below(depths.len())]);
-            let met = (a - b).abs();
-            let met = if (0.0..=1.0).contains(&met) && met >= f32::MIN_POSITIVE { met } else { 0.125 };
-            for threshold in [met, random.between(0.0, 0.3), 0.125, 0.0, -1.0] {
-                let capacity = if round % 2 == 0 { u32::MAX } else { random.below(9) as u32 };
-                let mut shape = map.shape(threshold, capacity);
-                listed += check(&map, &[], threshold, &shape).expect("as expected");
-                shape.spread = random.below(2) as u32;
-                listed += check(&map, &[], threshold, &shape).expect("as expected");
-                shape.objects = 1;
-                let objects: Vec<_> = (0..depths.len()).map(|_| random.below(3) as u32 * 0x7fff_ffff).collect();
-                // The largest threshold leaves edges of objects alone.
-                let threshold = if random.below(2) == 0 { threshold } else { 1.0 };
-                let shape = DepthMapShape {
-                    every_cell: u32::from(threshold < 0.0),
-                    threshold: threshold.max(0.0).to_bits(),
-                    ..shape
-                };
-                check(&map, &objects, threshold, &shape).expect("as expected");
-            }
-        }
-    }
-    assert!(listed > 100_000, "{listed}");
-}
-
-/// Negative controls: a sample, a threshold or the direction of depth that is another.
-#[test]
-fn another_map_is_noticed() {
-    let map = Map::new([7, 5], false, |texel| (texel % 11) as f32 / 16.0);
-    let shape = map.shape(0.125, u32::MAX);
-    assert!(check(&map, &[], 0.125, &shape).is_ok());
-    let mut moved = map.clone();
-    moved.depths[17] += 0.5;
-    assert!(check(&moved, &[], 0.125, &shape).is_ok());
-    assert_ne!(depth_cells(&shape, &map.depths), depth_cells(&shape, &moved.depths));
-    assert!(check(&map, &[], 0.5, &shape).is_err());
-    assert!(check(&Map { is_reversed: true, ..map.clone() }, &[], 0.125, &shape).is_err());
-    let lone = Map::new([7, 5], false, |texel| if texel == 17 { 0.25 } else { 0.5 });
-    let spread = DepthMapShape { spread: 1, ..shape };
-    assert!(check(&lone, &[], 0.125, &spread).is_ok());
-    assert_ne!(depth_cells(&shape, &lone.depths), depth_cells(&spread, &lone.depths));
-    let objects: Vec<_> = (0..35).map(|texel| texel / 9).collect();
-    let shape = map.shape(0.7, u32::MAX);
-    assert!(check(&map, &objects, 0.7, &shape).is_err());
-    assert!(check(&map, &objects, 0.7, &DepthMapShape { objects: 1, ..shape }).is_ok());
-}
-
-#[test]
-fn differences_are_compared_exactly() {
+/// The comparison of the shaders, and that of the lists that tests expect.
+fn differences() -> Result<(), String> {
     const SEED: u64 = 1602;
     println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
     let mut random = Random::new(SEED);
-    let mut met = [0; 3];
+    let (mut met, mut inputs, mut expected) = ([0; 3], Vec::new(), Vec::new());
     for case in 0..300_000 {
         // Near each other or not, with bits at both ends of the mantissa.
         let number = |random: &mut Random, most: u32| {
@@ -187,14 +183,15 @@ fn differences_are_compared_exactly() {
         let threshold = if threshold < f32::MIN_POSITIVE { 0.0 } else { threshold };
         let order = (exact(large) - exact(small)).cmp(&exact(threshold));
         met[(order as i8 + 1) as usize] += 1;
-        let found = exceeds(large.to_bits(), small.to_bits(), threshold.to_bits());
-        assert_eq!(found, order.is_gt(), "{large:e} − {small:e} > {threshold:e}");
+        if exceeds(large, small, threshold) != order.is_gt() {
+            return Err(format!("lists that tests expect: {large:e} − {small:e} > {threshold:e}"));
+        }
+        inputs.push([large, small, threshold, 0.0]);
+        expected.push(u32::from(order.is_gt()));
     }
-    assert!(met.iter().all(|&count| count > 10_000), "less, equal, more: {met:?}");
-}
-
-#[test]
-fn entries_have_room_for_every_cell() {
-    assert_eq!(CELL_MASK | SPLIT | FIRST_TRIANGLE | SECOND_TRIANGLE, u32::MAX);
-    assert_eq!(CELL_MASK & SPLIT, 0);
+    let expression = "vec4<u32>(u32(exceeds(bitcast<u32>(input.x), bitcast<u32>(input.y), bitcast<u32>(input.z))))";
+    let probe = Probe::new(&gpu, &DEPTH_CELLS.wgsl(), ("vec4<u32>", expression), &[]);
+    let found: Vec<_> = probe.run(&gpu, &[], &inputs)?.into_iter().map(|words| words[0]).collect();
+    same("comparisons", &found, &expected)?;
+    if met.iter().all(|&count| count > 10_000) { Ok(()) } else { Err(format!("less, equal, more: {met:?}")) }
 }

@@ -1,13 +1,12 @@
 //! Cubes of six maps: the stencil against the crossings of rays with a boundary that an oracle of its own builds, the merged
-//! samples against their twin, and cameras that do not meet.
+//! samples and their cells against rays, and cameras that do not meet.
+
+use std::collections::HashMap;
 
 use glam::{DQuat, DVec2, DVec3, Mat4};
 use rimline::gpu::{
     DanglingEdges, DepthCubeMaps, DepthMapCube, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines,
     MemoryError, ShadowFormat,
-};
-use rimline::reference::cpu::{
-    EdgeDetector, Samples, Second, depth_cells_of_objects, depth_cube_of_objects, depth_edges,
 };
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -18,10 +17,13 @@ use rimline_measure::{must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::boundary::Boundary;
-use crate::maps::{Map, detector};
+use crate::cells::{self, cast, listed_of_cube};
+use crate::maps::Map;
 use crate::parity::{SIDE, device_depth, seen, trials_of, vector};
 use crate::picture::{pipelines, stencil_of};
+use crate::rules;
 use crate::scene::{Eye, Rays};
+use crate::stages::rule_of;
 use crate::textures::{depth_view, objects, read, texture};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -31,7 +33,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("cube_parity_of_lists_that_overflow_is_that_of_rays", overflow),
     ("cubes_have_no_gaps_and_no_specks_where_maps_meet", plane),
     ("cube_maps_that_are_exchanged_are_noticed", exchanged),
-    ("cube_samples_and_cells_equal_their_twins", twins),
+    ("cube_samples_and_cells_are_those_of_their_rays", lists),
     ("cubes_that_do_not_meet_are_refused", refused),
 ];
 
@@ -323,7 +325,79 @@ fn slopes(side: u32, depth: DepthDirection) -> [Option<Map>; 6] {
     })
 }
 
-fn twins() -> Result<(), String> {
+/// The place of a sample in the texture that has all maps, three in a row.
+pub(crate) fn at_face(side: u32, face: u32, [x, y]: [u32; 2]) -> [u32; 2] {
+    [face % 3 * side + x, face / 3 * side + y]
+}
+
+/// A sample: the number of its map, and its place in it.
+type Sample = (u32, [u32; 2]);
+
+/// For each sample those on its ray, in the order of the maps. Rays come from the cameras, in `f64`.
+pub(crate) fn on_rays(cameras: &[ShadowCamera; 6], side: u32) -> HashMap<Sample, Vec<Sample>> {
+    let inverse = cameras.map(|camera| Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse());
+    let ray = |face: u32, [x, y]: [u32; 2]| {
+        let [x, y] = [x, y].map(|at| (f64::from(at) + 0.5) / f64::from(side) * 2.0 - 1.0);
+        let point = |depth: f64| {
+            let point = inverse[face as usize] * glam::DVec4::new(x, -y, depth, 1.0);
+            point.truncate() / point.w
+        };
+        let near = if cameras[0].depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
+        let (from, to) = (point(near), point(0.5));
+        (to - from).normalize()
+    };
+    // The same ray of two cameras differs by less than a cell of this grid, and rays of neighbours by more than two.
+    let name = |ray: DVec3| (ray * (200.0 * f64::from(side))).round().to_array().map(|part| part as i64);
+    let all = (0..6).flat_map(|face| (0..side * side).map(move |at| (face, [at % side, at / side])));
+    let all: Vec<Sample> = all.collect();
+    let is_same = |a: DVec3, b: DVec3| a.distance(b) < 0.1 / f64::from(side);
+    let mut found = HashMap::new();
+    let rays: Vec<_> = all.iter().map(|&(face, at)| ray(face, at)).collect();
+    let mut by_name: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+    for (number, &ray) in rays.iter().enumerate() {
+        by_name.entry(name(ray)).or_default().push(number);
+    }
+    for (number, &sample) in all.iter().enumerate() {
+        let around = (-1..=1).flat_map(|x| (-1..=1).flat_map(move |y| (-1..=1).map(move |z| [x, y, z])));
+        let [x, y, z] = name(rays[number]);
+        let near = around.filter_map(|[i, j, k]| by_name.get(&[x + i, y + j, z + k])).flatten();
+        let mut same: Vec<_> = near.copied().filter(|&other| is_same(rays[number], rays[other])).collect();
+        same.sort_unstable();
+        found.insert(sample, same.into_iter().map(|number| all[number]).collect());
+    }
+    found
+}
+
+/// Six maps in one: each sample has the nearest depth on its ray, and the object of the first map that has it.
+pub(crate) fn merged(cube: &Cube, objects: &[&[u32]]) -> (Vec<f32>, Vec<u32>) {
+    let side = cube.side;
+    let is_reversed = cube.cameras[0].depth == DepthDirection::Reversed;
+    let far = if is_reversed { 0.0 } else { 1.0 };
+    let rays = on_rays(&cube.cameras, side);
+    let own = |(face, [x, y]): Sample| {
+        let map = cube.maps[face as usize].as_ref()?;
+        cast(map, i64::from(x), i64::from(y))
+    };
+    let places =
+        (0..2 * side).flat_map(|y| (0..3 * side).map(move |x| (x / side + 3 * (y / side), [x % side, y % side])));
+    let of_ray = |sample: Sample| {
+        let mut nearest: Option<(f32, Sample)> = None;
+        for &other in &rays[&sample] {
+            let Some(depth) = own(other) else { continue };
+            let is_nearer = |than: f32| if is_reversed { depth > than } else { depth < than };
+            if nearest.is_none_or(|(than, _)| is_nearer(than)) {
+                nearest = Some((depth, other));
+            }
+        }
+        let Some((depth, (face, [x, y]))) = nearest else { return (far, 0) };
+        let of_map = objects.get(face as usize).and_then(|objects| objects.get((y * side + x) as usize));
+        (depth, of_map.copied().unwrap_or(0))
+    };
+    places.map(of_ray).unzip()
+}
+
+/// Samples and cells, with and without objects, thresholds, and marks that are continued.
+fn lists() -> Result<(), String> {
     const SEED: u64 = 1656;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
@@ -332,30 +406,27 @@ fn twins() -> Result<(), String> {
     let eye = crate::stages::camera(DepthDirection::Reversed);
     let (mut shared, mut listed, mut continued) = (0, 0, 0);
     for round in 0..48 {
-        let Cube { cameras, mut maps, side, .. } = cube(&mut random);
+        let mut cube = cube(&mut random);
+        let side = cube.side;
         if round % 8 == 7 {
-            maps = slopes(side, cameras[0].depth);
+            cube.maps = slopes(side, cube.cameras[0].depth);
         }
         let threshold = [-1.0, 0.0, 0.02][round % 3];
         // Marks, in some: two thresholds, and edges that are continued.
         let second = [None, None, Some([0.2, 1.0]), Some([0.01, 0.1])][round % 4];
-        let rings = u32::from(round % 4 == 3);
-        let is_automatic = round % 8 == 7;
         let dangling = second.map(|_| DanglingEdges { share: 0.125, cells: 1 + round as u32 % 5 });
-        let method = match second {
-            _ if is_automatic => DepthMapMethod::Automatic { dangling },
-            Some([low, high]) if rings == 1 => DepthMapMethod::SecondDifferences { low, high, dangling },
+        let method = |dangling| match second {
+            _ if round % 8 == 7 => DepthMapMethod::Automatic { dangling },
+            Some([low, high]) if round % 4 == 3 => DepthMapMethod::SecondDifferences { low, high, dangling },
             Some([threshold, _]) => DepthMapMethod::Differences { threshold, dangling },
             None if threshold < 0.0 => DepthMapMethod::EveryCell,
             None => DepthMapMethod::Differences { threshold, dangling },
         };
         let has_objects = round % 3 == 1;
-        let options = DepthMapOptions { method, ..Default::default() };
-        let mut volumes = DepthMapCube::new(&pipelines, side, options).map_err(text)?;
         let numbers: Vec<_> = (0..6 * side * side).map(|_| u32::from(random.below(5) == 0) * 7).collect();
         let numbers: Vec<_> = numbers.chunks((side * side) as usize).collect();
         let (mut views, mut of_objects) = (Vec::new(), Vec::new());
-        for (map, numbers) in maps.iter().zip(&numbers) {
+        for (map, numbers) in cube.maps.iter().zip(&numbers) {
             let texture = |map: &Map| texture(&gpu, map.size, TextureFormat::R32Float, &map.depths);
             views.push(map.as_ref().map(texture).transpose()?.map(|texture| depth_view(&texture)));
             let objects = objects(&gpu, [side; 2], numbers);
@@ -364,49 +435,48 @@ fn twins() -> Result<(), String> {
         let [textures, of_objects] =
             [&views, &of_objects].map(|views| [0, 1, 2, 3, 4, 5].map(|face: usize| views[face].as_ref()));
         let given_objects = if has_objects { of_objects } else { [None; 6] };
-        let given = DepthCubeMaps { textures, lights: cameras, objects: given_objects };
+        let given = DepthCubeMaps { textures, lights: cube.cameras, objects: given_objects };
+        let options = DepthMapOptions { method: method(dangling), ..Default::default() };
+        let mut volumes = DepthMapCube::new(&pipelines, side, options).map_err(text)?;
         gpu.submit(|encoder| volumes.encode(encoder, &given, &eye, None).map(drop).map_err(text))?;
-        let is_reversed = cameras[0].depth == DepthDirection::Reversed;
-        let mut shape = Map { size: [side; 2], is_reversed, depths: Vec::new() }.shape(threshold, u32::MAX);
-        (shape.faces, shape.cells, shape.capacity) = (6, 6 * (side - 1) * (side - 1), 6 * (side - 1) * (side - 1));
-        shape.objects = u32::from(has_objects);
-        let given = maps.each_ref().map(|map| map.as_ref().map(|map| &map.depths[..]));
-        let (depths, objects) =
-            depth_cube_of_objects(&shape, given, [0, 1, 2, 3, 4, 5].map(|face: usize| numbers[face]));
+        let head: Vec<u32> = gpu.read(volumes.cells(), 1)?;
+        let found: Vec<u32> = gpu.read(volumes.cells(), 1 + head[0] as usize)?;
+        listed += found[0];
         let bits = |depths: &[f32]| depths.iter().map(|depth| depth.to_bits()).collect::<Vec<_>>();
-        let found = read(&gpu, volumes.texture().texture())?;
-        same(&format!("samples of round {round}"), &bits(&found), &bits(&depths))?;
-        let mut detector =
-            detector(if rings == 1 { Second::Both } else { Second::Nothing }, second.unwrap_or([0.0; 2]), 1.0, 0.125);
-        if is_automatic {
-            detector = crate::maps::detector(Second::One, [0.0, 1.0], 2.0, 0.125);
-        }
-        (detector.cells, detector.rings) = (dangling.map_or(0, |dangling| dangling.cells), rings);
-        let noise = if is_reversed { (0, 21) } else { ((4.0_f32 / 16_777_216.0).to_bits(), 0) };
-        (detector.rule.noise, detector.rule.noise_exponents) = noise;
-        let samples = Samples { shape: &shape, depths: &depths, objects: &objects };
-        let expected = match second {
-            Some(_) => depth_edges(&samples, &detector),
-            None => depth_cells_of_objects(&shape, &depths, &objects),
+        let (depths, numbers) = merged(&cube, &numbers);
+        let samples = read(&gpu, volumes.texture().texture())?;
+        same(&format!("samples of round {round}"), &bits(&samples), &bits(&depths))?;
+        let is_reversed = cube.cameras[0].depth == DepthDirection::Reversed;
+        let of_face = |face: u32| {
+            let texels = (0..side * side).map(move |texel| at_face(side, face, [texel % side, texel / side]));
+            let places: Vec<_> = texels.map(|[x, y]| (y * 3 * side + x) as usize).collect();
+            let map = Map { size: [side; 2], is_reversed, depths: places.iter().map(|&at| depths[at]).collect() };
+            (map, places.iter().map(|&at| numbers[at]).collect::<Vec<_>>())
         };
-        if second.is_some() {
-            continued += expected.count - depth_edges(&samples, &EdgeDetector { cells: 0, ..detector }).count;
-        }
-        let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
-        same(&format!("cells of round {round}"), &found, &[&[expected.count], &expected.entries[..]].concat())?;
-        listed += expected.count;
-        let own = |face: u32, texel: u32| {
-            let [x, y] = [texel % side + face % 3 * side, texel / side + face / 3 * side];
-            let map = maps[face as usize].as_ref();
-            map.is_some_and(|map| map.depths[texel as usize].to_bits() != depths[(y * 3 * side + x) as usize].to_bits())
+        let (faces, numbers): (Vec<_>, Vec<_>) = (0..6).map(of_face).unzip();
+        let objects_of = |face: usize| if has_objects { &numbers[face][..] } else { &[] };
+        let expected = if second.is_some() {
+            let rule = rule_of(method(dangling), 1, is_reversed, TextureFormat::R32Float);
+            listed_of_cube(&faces, |face, map| {
+                let (entries, further) = rules::entries(map, objects_of(face), &rule, false);
+                continued += further;
+                entries
+            })
+        } else {
+            listed_of_cube(&faces, |face, map| cells::entries(map, objects_of(face), threshold, false))
         };
-        shared += (0..6).map(|face| (0..side * side).filter(|&texel| own(face, texel)).count()).sum::<usize>();
-        if !maps.iter().all(Option::is_none) && round == 0 {
-            let (other, _) = depth_cube_of_objects(&shape, [None; 6], [&[]; 6]);
+        same(&format!("cells of round {round}"), &found, &expected)?;
+        let is_shared = |(face, own): (usize, &Map)| {
+            let map = cube.maps[face].as_ref();
+            map.map_or(0, |map| bits(&map.depths).iter().zip(bits(&own.depths)).filter(|(a, b)| *a != b).count())
+        };
+        shared += faces.iter().enumerate().map(is_shared).sum::<usize>();
+        if !cube.maps.iter().all(Option::is_none) && round == 0 {
+            let (other, _) = merged(&Cube { maps: [const { None }; 6], ..cube }, &[]);
             must_fail("no maps", &same("samples", &bits(&other), &bits(&depths)))?;
         }
     }
-    println!("{listed} cells, {continued} of them continued, {shared} samples are another map's");
+    println!("{listed} cells, {continued} edges are continued, {shared} samples are another map's");
     if listed > 3000 && shared > 300 && continued > 20 { Ok(()) } else { Err("too few".to_owned()) }
 }
 

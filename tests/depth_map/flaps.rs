@@ -1,9 +1,6 @@
-//! Flaps change the shadow at points near contours: on the GPU and by its twin, against `f64`.
+//! Flaps change the shadow at points near contours, against `f64`.
 
-use glam::{DVec4, Vec2};
-use rimline::reference::cpu::{
-    ContourMap, Samples, contour_marks, contour_places, contour_tiles, contour_walls, flaps_change,
-};
+use glam::DVec4;
 use rimline::reference::depth_map::{Placing, map_view};
 use rimline::reference::stages::DEPTH_WALLS;
 use rimline_measure::device::Gpu;
@@ -14,16 +11,13 @@ use rimline_measure::on_gpu::text;
 use rimline_measure::random::Random;
 use wgpu::TextureFormat;
 
-use crate::contours::UNIT;
+use crate::contours::{Traced, UNIT};
 use crate::near_contours::among;
 use crate::probe::{Bound, Probe};
 use crate::vertices::Given;
-use crate::wall_vertices::{map, shape_of};
+use crate::wall_vertices::{fit, map};
 
 pub(crate) const TESTS: &[Test] = &[("flaps_change_what_f64_says_they_do", changes)];
-
-/// Invocations that walk in a tile.
-const WALKERS: usize = 64;
 
 fn changes() -> Result<(), String> {
     const SEED: u64 = 16_107;
@@ -34,29 +28,17 @@ fn changes() -> Result<(), String> {
     for round in 0..if is_long() { 1000 } else { 60 } {
         let is_reversed = random.below(2) == 0;
         let map = map(&mut random, is_reversed);
-        let contour = shape_of(&map, 1.0, 100_000);
         let shape = map.shape(0.005, u32::MAX);
-        let samples = Samples { shape: &shape, depths: &map.depths, objects: &[] };
-        let map_given = ContourMap { samples: &samples, shape: &contour };
-        let marks = contour_marks(&map_given);
-        let list = contour_walls(&map_given, &marks, &contour_places(&map_given, &marks));
-        if list.walls.is_empty() {
+        let Traced { shape: contour, quads: walls, list, counts, .. } = Traced::new(&gpu, &map, fit(1.0), None)?;
+        if walls.is_empty() {
             continue;
         }
-        let tiles = contour.tiles[1] as usize;
-        let mut counts = vec![0; tiles * (2 + WALKERS) + 1];
-        counts[..list.before.len()].copy_from_slice(&list.before);
-        let listed = contour_tiles(&map_given, &marks);
-        counts[tiles * (1 + WALKERS)..][..listed.len()].copy_from_slice(&listed);
-        counts[tiles * (2 + WALKERS)] = listed.len() as u32;
-        let words = [list.count, 0, 0, 0].into_iter();
-        let words: Vec<_> = words.chain(list.walls.iter().flatten().flatten().map(|&word| word as u32)).collect();
         let camera = crate::stages::camera(crate::stages::direction(&map));
         let placing = Placing { border: 1.0, jitter: [0.0; 2], slope_bias: 0.5 };
         let formats = [TextureFormat::R32Float, TextureFormat::Depth24PlusStencil8];
         let view = map_view((&camera, map.size, formats[0]), (&camera, formats[1]), &placing).map_err(text)?;
-        let given = Given::new(&gpu, (&shape, map.size, &map.depths), &words, &[view])?;
-        let (counts, contour_given) = (gpu.storage(&counts), uniform(&gpu, &contour));
+        let given = Given::new(&gpu, (&shape, map.size, &map.depths), &list, &[view])?;
+        let contour_given = uniform(&gpu, &contour);
         let mut bound = given.bound().to_vec();
         bound.retain(|&(binding, _)| binding == 0 || binding == 2);
         bound.extend([(6, Bound::Uniform(&contour_given)), (7, Bound::Storage(&counts))]);
@@ -69,7 +51,7 @@ fn probe_flaps(place: vec2<f32>, depth: f32, is_behind: bool) -> vec4<u32> {{
             DEPTH_WALLS.wgsl()
         );
         // Places beside vertices of flaps, at about their depths.
-        let flaps: Vec<_> = list.walls.iter().filter(|wall| wall[0][..2] != wall[1][..2]).collect();
+        let flaps: Vec<_> = walls.iter().filter(|wall| wall[0][..2] != wall[1][..2]).collect();
         if flaps.is_empty() {
             continue;
         }
@@ -101,7 +83,7 @@ fn probe_flaps(place: vec2<f32>, depth: f32, is_behind: bool) -> vec4<u32> {{
                 let [x, y, depth] = [x, y, depth].map(f64::from);
                 let distance = if is_reversed { 1.0 - depth } else { depth };
                 let place = DVec4::new(x - 1.0 + off[0], y - 1.0 + off[1], distance + off[2], 1.0);
-                among(&list.walls, place).1
+                among(&walls, place).1
             };
             let own = at([0.0; 3]);
             // Rounding in `f32` may move the point and its depth by this much.
@@ -113,11 +95,8 @@ fn probe_flaps(place: vec2<f32>, depth: f32, is_behind: bool) -> vec4<u32> {{
                 continue;
             }
             let expected = own.iter().filter(|&&(_, behind)| behind != is_behind).count() % 2 == 1;
-            let cell = [x, y].map(|at| at.floor() as i32);
-            let part = Vec2::new(x, y) - Vec2::new(x, y).floor();
-            let twin = flaps_change(&map_given, &list.walls, cell, part, depth, is_behind);
-            if [twin, found[0] == 1] != [expected; 2] {
-                return Err(format!("round {round}, {x} {y} {depth}: {twin}, {found:?}, expected {expected}: {own:?}"));
+            if (found[0] == 1) != expected {
+                return Err(format!("round {round}, {x} {y} {depth}: {found:?}, expected {expected}: {own:?}"));
             }
             told += 1;
             changed += usize::from(expected);

@@ -1,8 +1,9 @@
-//! Volumes from depth maps on the GPU: lists against their twin, pictures against rays. Without an adapter these tests fail;
+//! Volumes from depth maps on the GPU: lists against exact arithmetic and goldens, pictures against rays. Without an adapter these tests fail;
 //! they are never passed over.
 
 mod analytic;
 mod boundary;
+mod cells;
 #[path = "../shadow/classes.rs"]
 #[allow(dead_code, reason = "only its frames are used here")]
 mod classes;
@@ -15,6 +16,8 @@ mod exact;
 mod extremes;
 mod eye_formats;
 mod flaps;
+#[path = "../common/goldens.rs"]
+mod goldens;
 mod hostile;
 mod large_picture;
 mod lookup;
@@ -29,8 +32,10 @@ mod near_places;
 mod near_rectangles;
 mod parity;
 mod picture;
+mod places;
 mod probe;
 mod refusals;
+mod rules;
 #[path = "../shadow/scene.rs"]
 #[allow(dead_code, reason = "only its cameras and rays are used here")]
 mod scene;
@@ -87,6 +92,9 @@ fn main() {
         contact::TESTS,
         sheets::TESTS,
         zero::TESTS,
+        cells::TESTS,
+        places::TESTS,
+        goldens::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

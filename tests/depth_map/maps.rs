@@ -1,7 +1,6 @@
 //! Depth maps of tests: random ones, and ones that are hard to take.
 
-use rimline::reference::cpu::{EdgeDetector, Second};
-use rimline::reference::layout::{DepthEdgeRule, DepthMapShape};
+use rimline::reference::layout::DepthMapShape;
 use rimline_measure::random::Random;
 
 /// A map: texels across and down, whether near is 1, and depths.
@@ -34,18 +33,6 @@ impl Map {
             unused: 0,
         }
     }
-}
-
-/// A detector with two thresholds, and with the part of them that is left next to dangling edges. It continues none.
-pub(crate) fn detector(second: Second, [low, high]: [f32; 2], slopes: f32, share: f32) -> EdgeDetector {
-    let bits = |value: f32| if value < f32::MIN_POSITIVE { 0 } else { value.to_bits() };
-    let rule = DepthEdgeRule {
-        high: bits(high),
-        low: [low, low * share].map(bits),
-        slopes: [slopes, slopes * share].map(bits),
-        ..bytemuck::Zeroable::zeroed()
-    };
-    EdgeDetector { rule, second, cells: 0, rings: 0 }
 }
 
 /// A depth of any size, with those that are equal, far, not finite or out of range among them.

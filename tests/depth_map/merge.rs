@@ -2,7 +2,6 @@
 
 use rimline::DepthDirection;
 use rimline::gpu::{DepthMap, DepthMapError, DepthMapMerge, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
-use rimline::reference::cpu::{depth_cells, depth_merge};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::text;
@@ -10,6 +9,7 @@ use rimline_measure::random::Random;
 use rimline_measure::{must_fail, same};
 use wgpu::TextureFormat;
 
+use crate::cells::listed;
 use crate::maps::{Map, maps};
 use crate::picture::pipelines;
 use crate::stages::{camera, direction};
@@ -83,8 +83,6 @@ fn nearer() -> Result<(), String> {
             let truth: Vec<_> = both().map(|(&a, &b)| expected(is_reversed, a, b)).collect();
             let what = format!("{formats:?} {:?}, reversed {is_reversed}", pair[0].size);
             same(&what, &bits(&merged), &bits(&truth))?;
-            let twin = depth_merge(&pair[0].shape(0.0, 0), depths.each_ref().map(|depths| &depths[..]));
-            same(&format!("{what}: twin"), &bits(&twin), &bits(&truth))?;
             texels += truth.len();
             for (at, depths) in depths.iter().enumerate() {
                 taken[at] += depths.iter().zip(&truth).filter(|(own, truth)| own == truth).count();
@@ -124,11 +122,11 @@ fn taken() -> Result<(), String> {
         volumes.encode(encoder, &map, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
     })?;
     let all = Map::new(size, false, |texel| [0.3, 0.3 + 0.1, 0.3 + 0.1 * 2.0, far][(texel % 20 / 5) as usize]);
-    let expected = depth_cells(&all.shape(-1.0, u32::MAX), &all.depths);
-    let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
-    same("cells", &found, &[&[expected.count], &expected.entries[..]].concat())?;
-    let one = depth_cells(&maps[0].shape(-1.0, u32::MAX), &maps[0].depths);
-    must_fail("one map alone", &same("cells", &[found[0]], &[one.count]))
+    let expected = listed(&all, &[], -1.0, false, None);
+    let found: Vec<u32> = gpu.read(volumes.cells(), expected.len())?;
+    same("cells", &found, &expected)?;
+    let one = listed(&maps[0], &[], -1.0, false, None);
+    must_fail("one map alone", &same("cells", &[found[0]], &[one[0]]))
 }
 
 fn refused() -> Result<(), String> {

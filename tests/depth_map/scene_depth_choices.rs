@@ -1,9 +1,7 @@
-//! Which casters of a scene are drawn into a map, which vertices their chunks have, and what is refused.
+//! Which casters of a scene are drawn into a map, and what is refused.
 
 use glam::DVec3;
 use rimline::gpu::{Caster, DepthMapError, LightMask, SceneDepth, SceneDepthCasters, SceneDepthCounts, SceneError};
-use rimline::reference::cpu::{mesh_depth, scene_depth};
-use rimline::reference::layout::{MeshDepthCaster, MeshDepthView};
 use rimline::{CameraError, DepthDirection, Light, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -19,7 +17,6 @@ use crate::scene_depth::{Casters, FORMATS, Placed, UNMOVED, bits, light, map};
 pub(crate) const TESTS: &[Test] = &[
     ("casters_of_a_scene_are_chosen_for_its_depth", chosen),
     ("casters_that_the_light_does_not_see_are_left_out", outside),
-    ("vertices_of_chunks_are_those_of_their_mesh", vertices),
     ("depths_of_scenes_that_are_refused", refused),
 ];
 
@@ -127,50 +124,6 @@ fn outside() -> Result<(), String> {
     let (_, counts) = casters.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
     same("stated elsewhere", &[counts.outside], &[1])?;
     if left_out * 4 > all && left_out * 10 < all * 9 { Ok(()) } else { Err(format!("{left_out} of {all} left out")) }
-}
-
-/// The twins: a chunk's corner is the vertex that a draw of the mesh has there.
-fn vertices() -> Result<(), String> {
-    let mut random = Random::new(1716);
-    let mut number = || random.between(-2.0, 2.0);
-    let view = MeshDepthView { columns: std::array::from_fn(|_| std::array::from_fn(|_| number())) };
-    let [row_0, row_1, row_2] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
-    let words: Vec<f32> = (0..200).map(|_| number()).collect();
-    let faces: Vec<[u32; 3]> = (0..90).map(|face| [face % 30, (face + 1) % 30, (7 * face + 2) % 30]).collect();
-    // The caster has 70 faces from the 15th on, and positions from the 6th word on, five words apart.
-    let caster = MeshDepthCaster { row_0, row_1, row_2, place: [6, 5, 15, 70] };
-    let position = |word: u32| std::array::from_fn(|axis| words[word as usize + axis]);
-    let mut counts = [0; 2];
-    for (chunk, corner) in [0, 64].into_iter().flat_map(|face| (0..192).map(move |corner| ([1, face], corner))) {
-        let casters = [bytemuck::Zeroable::zeroed(), caster];
-        let found = scene_depth(&view, (&casters, &faces), position, (chunk, corner));
-        let face = chunk[1] + corner / 3;
-        let truth = (face < 70).then(|| {
-            let vertex = faces[15 + face as usize][corner as usize % 3];
-            let own: [f32; 3] = position(6 + 5 * vertex);
-            let own = DVec3::from_array(own.map(f64::from)).extend(1.0);
-            let place = caster_rows(&caster).map(|row| glam::DVec4::from_array(row.map(f64::from)).dot(own));
-            (view.columns.map(|c| glam::Vec4::from_array(c).as_dvec4()), place, vertex)
-        });
-        match (found, truth) {
-            (None, None) => counts[0] += 1,
-            (Some(found), Some((columns, [x, y, z], vertex))) => {
-                let clip = columns[0] * x + columns[1] * y + columns[2] * z + columns[3];
-                let off = (found.as_dvec4() - clip).length();
-                let of_mesh = mesh_depth(&view, &caster, position(6 + 5 * vertex));
-                if off > 1e-4 || found != of_mesh {
-                    return Err(format!("{chunk:?}, corner {corner}: {found} for {clip} and {of_mesh}"));
-                }
-                counts[1] += 1;
-            }
-            other => return Err(format!("{chunk:?}, corner {corner}: {other:?}")),
-        }
-    }
-    same("corners without and with a face", &counts, &[2 * 192 - 210, 210])
-}
-
-fn caster_rows(caster: &MeshDepthCaster) -> [[f32; 4]; 3] {
-    [caster.row_0, caster.row_1, caster.row_2]
 }
 
 fn refused() -> Result<(), String> {

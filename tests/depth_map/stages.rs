@@ -1,10 +1,8 @@
-//! The lists that the GPU makes against those of the twin, for each format of a map.
+//! The lists that the GPU makes against exact arithmetic, for each format of a map.
 
 use rimline::gpu::{
     DanglingEdges, DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat,
 };
-use rimline::reference::cpu::{EdgeDetector, Samples, Second, depth_cells, depth_cells_of_objects, depth_edges};
-use rimline::reference::layout::DepthMapShape;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -13,17 +11,18 @@ use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
-use crate::maps::{Map, detector, further, maps};
+use crate::cells::{listed, with_count};
+use crate::maps::{Map, further, maps};
 use crate::picture::pipelines;
+use crate::rules::{Rule, Second, expected};
 use crate::scene::Eye;
 use crate::textures::{depth_view, objects, read, texture};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("lists_of_cells_equal_their_twin", lists),
-    ("lists_of_a_large_map_equal_their_twin", large),
-    ("lists_of_the_largest_map_equal_their_twin", largest),
-    ("lists_of_objects_equal_their_twin", of_objects),
-    ("lists_of_detectors_equal_their_twin", detectors),
+    ("lists_of_cells_are_those_of_exact_arithmetic", lists),
+    ("lists_of_large_maps_are_those_of_exact_arithmetic", large),
+    ("lists_of_objects_are_those_of_exact_arithmetic", of_objects),
+    ("lists_of_detectors_are_those_of_exact_arithmetic", detectors),
     ("encodes_in_one_encoder_do_not_disturb_each_other", two_encodes),
 ];
 
@@ -59,7 +58,7 @@ fn options(threshold: f32, capacity: Option<u32>) -> DepthMapOptions {
     DepthMapOptions { method: edges, capacity, ..Default::default() }
 }
 
-/// Compares the list of a map with the twin's, of what a shader reads.
+/// Compares the list of a map with that of exact arithmetic, of what a shader reads. Tells how many cells there are.
 fn check(
     (gpu, pipelines): (&Gpu, &DepthMapPipelines),
     map: &Map,
@@ -80,12 +79,12 @@ fn check(
         let map = DepthMap { texture: &view, light, objects: None };
         volumes.encode(encoder, &map, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
     })?;
-    let shape = DepthMapShape { spread: u32::from(bits > 1), ..map.shape(threshold, capacity.unwrap_or(u32::MAX)) };
-    let expected = depth_cells(&shape, &depths);
-    let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
+    let read = Map { depths, ..map.clone() };
+    let expected = listed(&read, &[], threshold, bits > 1, capacity);
+    let found: Vec<u32> = gpu.read(volumes.cells(), expected.len())?;
     let what = format!("{format:?} {:?}, reversed {}, threshold {threshold}, {bits} bits", map.size, map.is_reversed);
-    same(&what, &found, &[&[expected.count], &expected.entries[..]].concat())?;
-    Ok(expected.count)
+    same(&what, &found, &expected)?;
+    Ok(expected[0])
 }
 
 fn lists() -> Result<(), String> {
@@ -95,17 +94,19 @@ fn lists() -> Result<(), String> {
     let of_bits = [pipelines(&gpu, DepthDirection::Reversed, 7..8)?, pipelines(&gpu, DepthDirection::Reversed, 3..5)?];
     let pipelines = &of_bits[0];
     let mut random = Random::new(SEED);
-    let mut listed = 0;
+    let mut cells = 0;
     for format in FORMATS {
         let maps = maps(&mut random);
         for map in maps.iter().filter(|map| is_taken(map, format)) {
-            for threshold in [-1.0, 0.0, 0.125, random.between(0.0, 0.3)] {
+            // Every cell, none, two thresholds, and one that the difference of two depths meets exactly.
+            let met = met(&mut random, map);
+            for threshold in [-1.0, 0.0, 0.125, random.between(0.0, 0.3), met] {
                 let capacity = (random.below(3) == 0).then(|| random.below(300) as u32);
-                listed += check((&gpu, &of_bits[random.below(2)]), map, format, threshold, capacity)?;
+                cells += check((&gpu, &of_bits[random.below(2)]), map, format, threshold, capacity)?;
             }
         }
     }
-    println!("{listed} cells");
+    println!("{cells} cells");
     // Negative control: the list of another map.
     let map = Map::new([9, 9], false, |texel| (texel % 5) as f32 / 8.0);
     let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
@@ -114,40 +115,43 @@ fn lists() -> Result<(), String> {
     gpu.submit(|encoder| {
         volumes.encode(encoder, &given, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
     })?;
-    let expected = depth_cells(&map.shape(0.125, u32::MAX), &map.depths);
-    let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
-    must_fail("the other direction", &same("cells", &found, &[&[expected.count], &expected.entries[..]].concat()))
+    let expected = listed(&map, &[], 0.125, false, None);
+    let found: Vec<u32> = gpu.read(volumes.cells(), expected.len())?;
+    must_fail("the other direction", &same("cells", &found, &expected))
 }
 
-/// More blocks than a scan has invocations: each takes several.
+/// The difference of two depths of a map, if it is a threshold.
+fn met(random: &mut Random, map: &Map) -> f32 {
+    let [a, b] = [0, 1].map(|_| map.depths[random.below(map.depths.len())]);
+    let met = (a - b).abs();
+    if (0.0..=1.0).contains(&met) && met >= f32::MIN_POSITIVE { met } else { 0.125 }
+}
+
+/// More blocks than a scan has invocations: each takes several. With `RIMLINE_LONG=1` a map of 4,096² texels, too.
 fn large() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
+    let [one, three] = [7..8, 5..8].map(|bits| pipelines(&gpu, DepthDirection::Reversed, bits));
+    let (one, three) = (one?, three?);
     let mut random = Random::new(1612);
-    let map = Map::new([1100, 601], true, |texel| {
-        if random.below(9) == 0 { random.between(0.0, 1.0) } else { 0.25 + (texel % 700) as f32 / 4096.0 }
-    });
-    for threshold in [-1.0, 0.01] {
-        let listed = check((&gpu, &pipelines), &map, TextureFormat::Depth32Float, threshold, None)?;
-        if listed < 100_000 {
-            return Err(format!("only {listed} cells"));
-        }
+    let mut ways = vec![
+        ([1100, 601], TextureFormat::Depth32Float, &one, 9, 4096.0),
+        ([640, 820], TextureFormat::R32Float, &three, 99, 8192.0),
+    ];
+    if is_long() {
+        ways.push(([4096; 2], TextureFormat::R32Float, &three, 99, 8192.0));
     }
-    Ok(())
-}
-
-/// A map of 4,096² texels, with `RIMLINE_LONG=1`; else one of 1,024².
-fn largest() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let pipelines = DepthMapPipelines::antialiased(&gpu.pipelines, &ShadowFormat::default(), 5..8).map_err(text)?;
-    let side = if is_long() { 4096 } else { 1024 };
-    let mut random = Random::new(1616);
-    let map = Map::new([side; 2], true, |texel| {
-        if random.below(99) == 0 { random.between(0.0, 1.0) } else { 0.25 + (texel % side) as f32 / 8192.0 }
-    });
-    for threshold in [-1.0, 0.01] {
-        let listed = check((&gpu, &pipelines), &map, TextureFormat::R32Float, threshold, None)?;
-        println!("{listed} cells of {side}² texels, threshold {threshold}");
+    for (size, format, pipelines, rare, steps) in ways {
+        let map = Map::new(size, true, |texel| {
+            let is_other = random.below(rare) == 0;
+            if is_other { random.between(0.0, 1.0) } else { 0.25 + (texel % size[0] % 700) as f32 / steps }
+        });
+        for threshold in [-1.0, 0.01] {
+            let listed = check((&gpu, pipelines), &map, format, threshold, None)?;
+            println!("{listed} cells of {size:?} texels, threshold {threshold}");
+            if listed < 20_000 {
+                return Err(format!("only {listed} cells"));
+            }
+        }
     }
     Ok(())
 }
@@ -175,9 +179,9 @@ fn two_encodes() -> Result<(), String> {
     })?;
     for (number, (map, copy)) in maps.into_iter().zip(&copies).enumerate() {
         let map = Map { is_reversed: number == 1, ..map };
-        let expected = depth_cells(&map.shape(0.0, u32::MAX), &map.depths);
-        let found: Vec<u32> = gpu.read(copy, 1 + expected.entries.len())?;
-        same(&format!("encode {number}"), &found, &[&[expected.count], &expected.entries[..]].concat())?;
+        let expected = listed(&map, &[], 0.0, false, None);
+        let found: Vec<u32> = gpu.read(copy, expected.len())?;
+        same(&format!("encode {number}"), &found, &expected)?;
     }
     Ok(())
 }
@@ -205,37 +209,44 @@ fn of_objects() -> Result<(), String> {
                 let eye = camera(DepthDirection::Reversed);
                 volumes.encode(encoder, &map, &eye, None).map(drop).map_err(text)
             })?;
-            let mut shape = map.shape(threshold, capacity.unwrap_or(u32::MAX));
-            let without = depth_cells(&shape, &map.depths).count;
-            shape.objects = 1;
-            let expected = depth_cells_of_objects(&shape, &map.depths, &numbers);
-            let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
-            same(&format!("{:?}", map.size), &found, &[&[expected.count], &expected.entries[..]].concat())?;
-            added += expected.count - without;
+            let without = listed(&map, &[], threshold, false, None);
+            let expected = listed(&map, &numbers, threshold, false, capacity);
+            let found: Vec<u32> = gpu.read(volumes.cells(), expected.len())?;
+            same(&format!("{:?}", map.size), &found, &expected)?;
+            added += expected[0] - without[0];
         }
     }
     println!("{added} cells of edges of objects alone");
     if added > 1000 { Ok(()) } else { Err("too few".to_owned()) }
 }
 
-/// The detector of a method and a map, with some bits.
-fn detector_of(method: DepthMapMethod, bits: usize, map: &Map, format: TextureFormat) -> EdgeDetector {
-    let (second, thresholds, slopes, dangling) = match method {
+/// The rule of a method and a map, with some bits.
+pub(crate) fn rule_of(method: DepthMapMethod, bits: usize, is_reversed: bool, format: TextureFormat) -> Rule {
+    let (second, [low, high], slopes, dangling) = match method {
         DepthMapMethod::SecondDifferences { low, high, dangling } => (Second::Both, [low, high], 1.0, dangling),
         DepthMapMethod::Automatic { dangling } => (Second::One, [0.0, 1.0], 2.0, dangling),
         DepthMapMethod::Differences { threshold, dangling } => (Second::Nothing, [threshold, 1.0], 1.0, dangling),
         _ => (Second::Nothing, [1.0, 1.0], 1.0, None),
     };
-    let mut detector = detector(second, thresholds, slopes, dangling.map_or(1.0, |dangling| dangling.share));
-    detector.cells = dangling.map_or(0, |dangling| dangling.cells);
-    detector.rings = u32::from(second != Second::Nothing) + u32::from(bits > 1);
+    let share = dangling.map_or(1.0, |dangling| dangling.share);
+    // Subnormal numbers are none to the shaders.
+    let normal = |value: f32| if value < f32::MIN_POSITIVE { 0.0 } else { value };
     // Four steps of the format.
-    match format {
-        TextureFormat::Depth16Unorm => detector.rule.noise = (4.0_f32 / 65_536.0).to_bits(),
-        TextureFormat::Depth32Float | TextureFormat::R32Float if map.is_reversed => detector.rule.noise_exponents = 21,
-        _ => detector.rule.noise = (4.0_f32 / 16_777_216.0).to_bits(),
+    let (noise, noise_exponents) = match format {
+        TextureFormat::Depth16Unorm => (4.0 / 65_536.0, 0),
+        TextureFormat::Depth32Float | TextureFormat::R32Float if is_reversed => (0.0, 21),
+        _ => (4.0 / 16_777_216.0, 0),
+    };
+    Rule {
+        second,
+        low: [low, low * share].map(normal),
+        high: normal(high),
+        slopes: [slopes, slopes * share].map(normal),
+        noise,
+        noise_exponents,
+        cells: dangling.map_or(0, |dangling| dangling.cells),
+        rings: u32::from(second != Second::Nothing) + u32::from(bits > 1),
     }
-    detector
 }
 
 /// Detectors that mark edges first, with and without objects and continued edges, also where the list overflows.
@@ -245,8 +256,8 @@ fn detectors() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let of_bits = [pipelines(&gpu, DepthDirection::Reversed, 7..8)?, pipelines(&gpu, DepthDirection::Reversed, 6..8)?];
     let mut random = Random::new(SEED);
-    let (mut listed, mut continued) = (0, 0);
-    for round in (0..20).map(|round| round % 10) {
+    let (mut cells, mut continued) = (0, 0);
+    for round in (0..if is_long() { 20 } else { 10 }).map(|round| round % 10) {
         // Each pipeline with few formats: `is_taken`.
         let format = if round < 3 { TextureFormat::R32Float } else { FORMATS[round % FORMATS.len()] };
         let (has_objects, continues) = (round < 5, (round + round / 5) % 2 == 0);
@@ -263,11 +274,13 @@ fn detectors() -> Result<(), String> {
             let always = Some(DanglingEdges { share, cells: [1, 2, 5, 32][random.below(4)] });
             let dangling = always.filter(|_| continues);
             let numbers: Vec<_> = depths.iter().map(|_| u32::from(random.below(9) == 0)).collect();
+            let met = met(&mut random, &map);
+            let low = [0.001, met][random.below(2)];
             let method = [
                 DepthMapMethod::Automatic { dangling },
-                DepthMapMethod::SecondDifferences { low: 0.001, high: 0.1, dangling },
-                DepthMapMethod::SecondDifferences { low: 0.0, high: 1.0, dangling },
-                DepthMapMethod::Differences { threshold: 0.02, dangling: always },
+                DepthMapMethod::SecondDifferences { low, high: 0.1_f32.max(low), dangling },
+                DepthMapMethod::SecondDifferences { low: 0.0, high: [1.0, met][random.below(2)], dangling },
+                DepthMapMethod::Differences { threshold: [0.02, met][random.below(2)], dangling: always },
                 DepthMapMethod::Differences { threshold: 1.0, dangling: always },
             ][round % 5];
             let capacity = (random.below(4) == 0).then(|| random.below(30) as u32);
@@ -281,18 +294,18 @@ fn detectors() -> Result<(), String> {
                 let map = DepthMap { texture: &depth_view(&texture), light: camera(direction(&map)), objects };
                 volumes.encode(encoder, &map, &eye, None).map(drop).map_err(text)
             })?;
-            let shape =
-                DepthMapShape { objects: u32::from(has_objects), ..map.shape(-1.0, capacity.unwrap_or(u32::MAX)) };
-            let twin = detector_of(method, pipelines.bits().len(), &map, format);
-            let samples = Samples { shape: &shape, depths: &depths, objects: &numbers };
-            let expected = depth_edges(&samples, &twin);
-            let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
-            let what = format!("{format:?} {:?}, reversed {}, {options:?}", map.size, map.is_reversed);
-            same(&what, &found, &[&[expected.count], &expected.entries[..]].concat())?;
-            listed += expected.count;
-            continued += expected.count - depth_edges(&samples, &EdgeDetector { cells: 0, ..twin }).count;
+            let read = Map { depths, ..map };
+            let given = if has_objects { &numbers[..] } else { &[] };
+            let rule = rule_of(method, pipelines.bits().len(), read.is_reversed, format);
+            let (entries, further) = expected(&read, given, &rule);
+            let expected = with_count(entries, capacity);
+            let found: Vec<u32> = gpu.read(volumes.cells(), expected.len())?;
+            let what = format!("{format:?} {:?}, reversed {}, {options:?}", read.size, read.is_reversed);
+            same(&what, &found, &expected)?;
+            cells += expected[0];
+            continued += further;
         }
     }
-    println!("{listed} cells, {continued} of them where edges are continued");
-    if listed > 50_000 && continued > 300 { Ok(()) } else { Err("too few".to_owned()) }
+    println!("{cells} cells, {continued} edges are continued");
+    if cells > 50_000 && continued > 300 { Ok(()) } else { Err("too few".to_owned()) }
 }

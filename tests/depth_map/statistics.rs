@@ -1,7 +1,6 @@
 //! Statistics that the GPU copies for its readers: lists that overflow, and near caps that are left out.
 
 use rimline::gpu::{DepthMap, DepthMapFrame, DepthMapMethod, DepthMapOptions, DepthMapStatistics, DepthMapVolumes};
-use rimline::reference::cpu::depth_cells;
 use rimline::reference::depth_map::DepthMapNearCap;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -11,6 +10,7 @@ use rimline_measure::random::Random;
 use rimline_measure::same;
 use wgpu::TextureFormat;
 
+use crate::cells;
 use crate::maps::{Map, maps};
 use crate::picture::pipelines;
 use crate::stages::{camera, direction};
@@ -66,7 +66,7 @@ fn lists() -> Result<(), String> {
             eye.origin[1] += [8.0, -1.0][random.below(2)];
             let (frame, found, arguments) = encoded(&gpu, &mut volumes, (&map, light), &eye)?;
             let shape = map.shape(-1.0, capacity.unwrap_or(u32::MAX));
-            let count = depth_cells(&shape, &map.depths).count;
+            let count = cells::listed(&map, &[], -1.0, false, None)[0];
             let near_cap_vertices = vertices(&gpu, frame.near_cap())?;
             let expected = DepthMapStatistics { found: count, capacity: shape.capacity, near_cap_vertices, unused: 0 };
             same("statistics", &[found], &[expected])?;

@@ -146,6 +146,12 @@ impl Contours {
         })
     }
 
+    /// Marks, places and counts.
+    #[cfg(feature = "reference")]
+    pub(super) fn buffers(&self) -> [&wgpu::Buffer; 3] {
+        [&self.marks, &self.places, &self.counts]
+    }
+
     /// The stages with what they are bound to, and their workgroups.
     pub(super) fn bind(
         &self,
