@@ -40,9 +40,9 @@ pub(crate) fn golden(subject: &str, name: &str, words: &[u32]) -> Result<(), Str
     let (path, hash) = (path(subject), fnv(words));
     if let Some(folder) = std::env::var_os("RIMLINE_GOLDENS_SHOW") {
         let name: String = name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
-        let lines: String = words.iter().map(|word| format!("{word:08x}\n")).collect();
+        let lines: Vec<String> = words.iter().map(|word| format!("{word:08x}\n")).collect();
         let shown = Path::new(&folder).join(format!("{subject}.{name}.txt"));
-        std::fs::write(&shown, lines).map_err(|error| format!("{}: {error}", shown.display()))?;
+        std::fs::write(&shown, lines.concat()).map_err(|error| format!("{}: {error}", shown.display()))?;
     }
     let writing = WRITING.lock().map_err(|error| error.to_string())?;
     if std::env::var_os("RIMLINE_GOLDENS").is_some_and(|value| value == "write") {
