@@ -88,13 +88,12 @@ impl Gpu {
         let key = (TypeId::of::<T>(), name.to_owned());
         let lock = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         let found = lock().get(&key).cloned();
-        let kept = match found {
-            Some(kept) => kept,
-            None => {
-                let made: Arc<dyn Any + Send + Sync> = Arc::new(make()?);
-                // Another thread may have been faster.
-                Arc::clone(lock().entry(key).or_insert(made))
-            }
+        let kept = if let Some(kept) = found {
+            kept
+        } else {
+            let made: Arc<dyn Any + Send + Sync> = Arc::new(make()?);
+            // Another thread may have been faster.
+            Arc::clone(lock().entry(key).or_insert(made))
         };
         kept.downcast().map_err(|_| format!("{name} is of another type"))
     }

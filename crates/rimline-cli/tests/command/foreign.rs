@@ -86,8 +86,8 @@ fn kinds() -> Outcome {
         }
         fed(&bytes, &["info", "-"])?.expect(1, &["-: it is ", what, advice])?;
     }
-    // One byte more, and it is no STL for certain. Text that only begins like the word is none, either.
-    for (bytes, ending) in [([binary_stl(2), vec![0]].concat(), "stl"), (b"solid ground\n".to_vec(), "txt")] {
+    // Some hundred bytes more, and it is no STL for certain. Text that only begins like the word is none, either.
+    for (bytes, ending) in [([binary_stl(2), vec![0; 600]].concat(), "stl"), (b"solid ground\n".to_vec(), "txt")] {
         let file = folder.path().join(format!("a.{ending}"));
         write_file(&file, bytes)?;
         let run = rimline([OsString::from("info"), file.clone().into()]);
