@@ -46,7 +46,9 @@ pub(crate) fn measure(bench: &Bench, rounds: usize, seed: u64) -> Result<(), Str
     let words = bench.gpu.storage(&vec![0_u32; cells as usize]);
     let kernels: [_; KERNELS] = ["", BESIDE].map(|beside| {
         let code = KERNEL.replace("BESIDE", beside);
-        TexelKernel::new(&bench.gpu.device, ("kernel", &code), &map.depths, &words)
+        let kernel = TexelKernel::new(&bench.gpu.device, ("kernel", &code));
+        let group = kernel.group(&bench.gpu.device, &map.depths, &words);
+        (kernel, group)
     });
     let mut volumes = Vec::new();
     for (_, edges) in DETECTORS {
@@ -65,9 +67,9 @@ pub(crate) fn measure(bench: &Bench, rounds: usize, seed: u64) -> Result<(), Str
         // One more, in which shaders are compiled.
         for round in 0..=rounds {
             let mut own = [0.0; DETECTORS.len() + KERNELS];
-            for (time, kernel) in own.iter_mut().zip(&kernels) {
+            for (time, (kernel, group)) in own.iter_mut().zip(&kernels) {
                 *time = bench.clock(|encoder| {
-                    kernel.run(encoder, [cells.div_ceil(256), 1]);
+                    kernel.run(encoder, group, [cells.div_ceil(256), 1]);
                     Ok(())
                 })?;
             }

@@ -62,7 +62,7 @@ struct Receiver {
     pixel: usize,
     seen: (DVec3, DVec3),
     is_lit: bool,
-    /// What is near, for as many bits of the stencil.
+    /// Pixels that are near, for as many bits of the stencil.
     near: [OnceCell<Near>; 8],
 }
 

@@ -200,7 +200,7 @@ fn trials(seed: u64, count: u32, way: Way<'_>) -> Result<Tally, String> {
     Ok(tally)
 }
 
-/// As many trials, and ten times as many with `RIMLINE_LONG=1`.
+/// So many trials, and ten times as many with `RIMLINE_LONG=1`.
 pub(crate) fn trials_of(count: u32) -> u32 {
     if is_long() { 10 * count } else { count }
 }

@@ -200,7 +200,7 @@ fn lights_of(
 /// Pairs of a frame with cones.
 #[derive(Default)]
 struct Pairs {
-    /// Those that only the cone culls.
+    /// Casters that only the cone culls.
     left_out: usize,
     kept: usize,
     /// Words and bits of those that are kept, with a corner in the cone.

@@ -134,7 +134,7 @@ pub(crate) struct Tally {
     /// Lit pairs whose bits are those of an earlier frame.
     pub(crate) kept: u32,
     pub(crate) out_of_range: u32,
-    /// Those clearly out of range.
+    /// Pairs that are clearly out of range.
     pub(crate) beyond: u32,
     pub(crate) silhouettes: usize,
     pub(crate) in_planes: u32,

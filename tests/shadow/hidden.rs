@@ -108,7 +108,7 @@ pub(crate) fn behind_walls(random: &mut Random) -> Frame {
     Frame { bodies, eye, lights: vec![light], size: 64 }
 }
 
-/// What is hidden changes no receiver's count, and counts are what rays tell.
+/// A hidden face changes no receiver's count, and counts are what rays tell.
 fn walls() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut hidden = 0;

@@ -103,7 +103,7 @@ impl Traced {
     }
 }
 
-/// Those of `all` that a class is tried with: one, another for the next class. In a long run all.
+/// The part of `all` that a class is tried with: one, another for the next class. In a long run all.
 pub(crate) fn rotated<T: Copy>(all: &[T], class: usize) -> Vec<T> {
     if is_long() { all.to_vec() } else { vec![all[class % all.len()]] }
 }

@@ -78,7 +78,7 @@ impl Gpu {
         }
     }
 
-    /// What `make` made for this device when it was first asked for by its type and this name. Pipelines of tests are made
+    /// The value that `make` made for this device when it was first asked for by its type and this name. Pipelines of tests are made
     /// once so: a software driver compiles for longer than it draws a picture.
     pub fn kept<T: Any + Send + Sync>(
         &self,

@@ -113,7 +113,7 @@ impl TexelKernel {
         Self { pipeline, layout }
     }
 
-    /// What a run reads and writes.
+    /// The bind group of a run: all that it reads and writes.
     pub fn group(&self, device: &wgpu::Device, texture: &wgpu::TextureView, words: &wgpu::Buffer) -> wgpu::BindGroup {
         let entries = [wgpu::BindingResource::TextureView(texture), words.as_entire_binding()];
         let entries = (0..).zip(entries).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
