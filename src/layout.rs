@@ -627,13 +627,13 @@ shared_structs! {
 
     /// How distances become the device depths of a depth map.
     struct DepthMetricView {
-        /// How the ray through a texel changes for each step of half a texel across. w: the same of the depth at infinity.
+        /// How the ray through a texel changes for each step of half a texel across. w: the same of the nearness at infinity, 1 at the near plane and 0 at the far end.
         across: [f32; 4],
         /// The same for each step down.
         down: [f32; 4],
         /// The ray in the middle, and 0. Its component along the light's axis is 1.
         middle: [f32; 4],
-        /// The far distance, or without a far plane what depth times distance is.
+        /// The far distance, or without a far plane what nearness times distance is.
         head: f32,
         /// The part of the far distance that rounding took off `head`, if there is a far plane.
         rest: f32,

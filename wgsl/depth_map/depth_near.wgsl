@@ -2,10 +2,10 @@
 // map? All rays of the eye begin there, so a pass over the picture, the near cap, turns the stencil bit round where the
 // rectangle itself is in shadow. Mostly it is in light: no cap is drawn. Two stages: `depth_near` for triangles of cells, and
 // `depth_near_walls` for contours (borders of surfaces, with walls in place of triangles).
-// Either is dispatched for each eye, one workgroup, after the stages that make lists, and also where an earlier list is drawn.
-// Not dispatched where the CPU knows the answer, nor for more than 65,536 samples. The CPU fills `near`
-// (src/gpu/depth_map/near.rs). Reads the depth texture in a box of samples. Writes the indirect draw of the cap,
-// `depth_near_cap` (surface.wgsl), which `DepthMapFrame::draw` draws: 3 vertices, or 0 for light.
+// One of the two is dispatched last in an encode, one workgroup. None where the CPU finds the rectangle in light. None, and a
+// cap is always drawn, where it cannot tell which samples matter (src/gpu/depth_map/near.rs), for more than 65,536 samples, and
+// with `skip_near_caps` off. The CPU fills `near`. Reads the depth texture in a box of samples. Writes the indirect draw of the
+// cap, `depth_near_cap` (surface.wgsl), which `DepthMapFrame::draw` draws: 3 vertices, or 0 for light.
 // A cap may be drawn for nothing, but never be left out where it turns a pixel round: bounds err on that side only.
 
 #import depth_map/contour

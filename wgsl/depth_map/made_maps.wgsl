@@ -1,8 +1,8 @@
 // Depth maps that are made from a caller's: three stages, each one invocation a texel of the result, dispatched before the
-// encode that reads the result as `depth_texture`. `depth_metric` converts distances; `depth_merge` takes the nearer of two
-// maps of one camera; `depth_cube` puts the six maps around a light into one texture. Results have depths from 0 to 1, none
-// subnormal or NaN, and the far end where nothing casts. Sizes and keys (integers that grow with the distance from the light):
-// samples.wgsl.
+// stages and draws that read the result as `depth_texture`. `depth_metric` converts distances; `depth_merge` takes the nearer
+// of two maps of one camera; `depth_cube` puts the six maps around a light into one texture. Results have depths from 0 to 1,
+// none subnormal or NaN, and the far end where nothing casts. Sizes and keys (integers that grow with the distance from the
+// light): samples.wgsl.
 
 #import depth_map/samples
 
@@ -15,12 +15,12 @@
 
 struct DepthMetricView {
   // How the ray through a texel changes for each step across, and for each step down: a step is half a texel. Its component
-  // along the light's axis is 1. w: how much the depth at infinity changes.
+  // along the light's axis is 1. w: how much the nearness at infinity changes (1 at the near plane, 0 at the far end).
   across: vec4<f32>,
   down: vec4<f32>,
   // The ray in the middle. w is 0.
   middle: vec4<f32>,
-  // The far distance in two parts. Without a far plane, what depth times distance is.
+  // The far distance in two parts. Without a far plane, what nearness times distance is.
   head: f32,
   rest: f32,
   // 1: there is a far plane.
@@ -119,8 +119,8 @@ fn depth_merge(
   }
 }
 
-// Stage `depth_cube`: puts the six depth maps around a light into one texture, three in a row. First dispatch of an encode of
-// `DepthMapCube`, unless an earlier list of cells is drawn.
+// Stage `depth_cube`: puts the six depth maps around a light into one texture, three in a row. First dispatch of each encode of
+// `DepthMapCube`.
 // Reads six depth textures, and six of objects if OBJECTS. A map of another size, such as one texel, is not there and casts
 // nothing. Writes `cube_texture` and `cube_objects`, which all later stages and draws have as `depth_texture` and
 // `object_texture`; no object is written where nothing casts.

@@ -2,9 +2,9 @@
 // draws that `shadow_arguments` made of the lists of `caps`; an instance is a face. A light cap is a face at its place. A dark
 // cap is the face at the far end of the volume. A near cap is the part of a face between light and near plane, projected from the
 // light onto that plane. z-fail draws light and dark caps; ZP+ draws near caps beside the sides of z-pass. z-pass and ZP+ also
-// draw light caps of casters that are not in the depth buffer, and dark caps where volumes end; their lists are the same. If
-// lists overflowed, each face of the group is an instance and is tested here. Corners keep their order, since depths of light
-// caps must be those of the surface.
+// draw light caps of casters that are not in the depth buffer. z-pass also draws dark caps where volumes end; volumes that ZP+
+// counts do not end. Light and dark caps have the same lists. If lists overflowed, each face of the group is an instance and is
+// tested here. Corners keep their order, since depths of light caps must be those of the surface.
 
 #import common/casters
 #import shadow/caster
@@ -35,7 +35,8 @@ struct Cap {
 }
 
 // An instance is an entry of the list. If the lists overflowed, every face slot is an instance, and those that do not belong to
-// the list, by the tests with which `caps` listed, are not valid.
+// the list are not valid, by the tests with which `caps` listed, but one: faces that miss the pyramid of light and near rectangle
+// stay among near caps, and their caps are off the picture or without area.
 fn cap_of(instance: u32) -> Cap {
   let bit = draw.light - draw.first_light;
   let pair = CAP_KIND & FAR;

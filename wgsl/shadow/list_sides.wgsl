@@ -1,10 +1,11 @@
-// List sides: a compute stage that lists the edges whose sides are drawn, with the winding of the side, for each light of a batch
-// (up to 32 lights) in a view. A side is the quad from an edge away from the light. Dispatched after `caps` for each group of
-// casters, batch and view; a row of workgroups shares the edges of a light. It goes over the light's silhouettes, as `edges`
-// listed them. Where their list overflowed, or faces may be excluded (those whose plane has the light, and those that are not
-// finite), it goes over all edges. `shadow_arguments` makes draws of the lists; `sides` and `stencil_crossings` read them. Lists
-// are in no particular order. The weight of an edge comes from the bits of its faces (`side_at`), as for caps: else volumes would
-// not close.
+// List sides: a compute stage that lists the edges whose sides are drawn, with the winding of the side, for each light of a
+// batch (up to 32 lights) in a view. A side is the quad from an edge away from the light. Dispatched after `caps` for each
+// group of casters, batch and view; a row of workgroups shares the edges of a light. It goes over the light's silhouettes, as
+// `edges` listed them. Where their list overflowed, or faces may be excluded (those whose plane has the light, those that are
+// not finite, polygons whose outline crosses itself as seen from the light, and those that the caller excludes), it goes over
+// all edges. `shadow_arguments` makes draws of the lists; `sides` and `stencil_crossings` read them. Lists are in no
+// particular order. The weight of an edge comes from the bits of its faces (`side_at`), as for caps: else volumes would not
+// close.
 
 #import common/casters
 #import common/extraction

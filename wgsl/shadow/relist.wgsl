@@ -1,10 +1,10 @@
-// Relist: a compute stage, for scenes, that finds the lights of a group of casters whose lists of sides and caps for a view must
-// be made anew, because the silhouettes or the camera changed since, and empties these lists; the others are drawn as they are.
-// Dispatched before `bounds`, one workgroup for each group, batch of up to 32 lights and view, an invocation a light. It compares
-// the encodes that made the silhouettes (`kept`) and the camera's version with `listed`, what the lists were made from, which it
-// then updates; both lie on the GPU, so an encoder that was dropped spoils nothing. It writes the bits FRESH of the choices, for
-// `bounds`, `choose`, `caps` and `list_sides`, and takes back what the choices said of exclusion. docs/numerics/scene.md, "Cached
-// results".
+// Relist: a compute stage, for scenes, that finds the lights of a group of casters whose lists of sides and caps for a view
+// must be made anew, because the silhouettes, the camera or its receivers changed since, and empties these lists; the others
+// are drawn as they are. Dispatched before `bounds`, one workgroup for each group, batch of up to 32 lights and view, an
+// invocation a light. It compares the encodes that made the silhouettes (`kept`) and the camera's version, which is new for
+// other receivers, too, with `listed`, what the lists were made from, which it then updates; both lie on the GPU, so an
+// encoder that was dropped spoils nothing. It writes the bits FRESH of the choices, for `bounds`, `choose`, `caps` and
+// `list_sides`, and takes back what the choices said of exclusion. docs/numerics/scene.md, "Cached results".
 
 #import shadow/choices
 #import shadow/shadow

@@ -1,5 +1,5 @@
-// Arguments of shadow volumes: two compute stages that make indirect draws for the caller's render pass and count what had no
-// room in the statistics. `shadow_arguments` for sides and caps; `piece_arguments`, after it, for the pieces of a mesh of
+// Arguments of shadow volumes: two compute stages that make indirect draws for the caller's render pass, and count in the
+// statistics what had no room. `shadow_arguments` for sides and caps; `piece_arguments`, after it, for the pieces of a mesh of
 // polygons. Each has a workgroup for each batch (up to 32 lights) and view, an invocation a light. Vertex shaders read
 // instances as they are made here: change both together.
 

@@ -1,8 +1,9 @@
-// Visibility: what can be told of a box and its shadow before anything is drawn: whether a light reaches it, whether a camera may
-// see it or its shadow, whether it may lie between light and near rectangle (what the camera sees of the near plane), and whether
-// anything that shadows fall on can be in its shadow. `choose` takes all of it, `caps` the planes between light and near
-// rectangle, and `needs` what is seen of boxes. Tests have slack, which must stay above their rounding errors: a box is out only
-// if it certainly is. docs/numerics/shadow-volumes.md, and docs/numerics/receivers.md, "Volumes without a receiver".
+// Visibility: what can be told of a box and its shadow before anything is drawn: whether a light reaches it, whether a camera
+// may see it or its shadow, whether it may lie between light and near rectangle (what the camera sees of the near plane), and
+// whether anything that shadows fall on can be in its shadow. `choose` takes all but `box_is_unseen`, `caps` the planes
+// between light and near rectangle, and `needs` whether a light reaches a box and a camera may see it or its shadow. Tests
+// have slack, which must stay above their rounding errors: a box is out only if it certainly is.
+// docs/numerics/shadow-volumes.md, and docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
 #import shadow/receivers
@@ -268,7 +269,6 @@ fn is_hidden(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, h
   var hull = Hull(vec4<bool>(true), true, true, vec2<f32>(0x1p127), vec2<f32>(-0x1p127), 1.0 - view.near_z);
   for (var number = 0u; number < 8u; number++) {
     let position = box_corner(low, high, number);
-    let q = abs(placed(view, position));
     let clip = to_clip(view, position);
     let size = clip_size(view, placed_size(view, position));
     let height = dot_3(view.near_plane.xyz, placed(view, position)) + view.near_plane.w;
