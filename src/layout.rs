@@ -627,7 +627,8 @@ shared_structs! {
 
     /// How distances become the device depths of a depth map.
     struct DepthMetricView {
-        /// How the ray through a texel changes for each step of half a texel across. w: the same of the nearness at infinity, 1 at the near plane and 0 at the far end.
+        /// How the ray through a texel changes for each step of half a texel across. w: the same of the nearness at
+        /// infinity, which is 1 at the near plane and 0 at the far end.
         across: [f32; 4],
         /// The same for each step down.
         down: [f32; 4],
