@@ -10,22 +10,26 @@ use super::{Outcome, ensure};
 const FILES: &[&str] = &[
     "bad/BoxDraco.gltf",
     "bad/IndexOutOfRange.gltf",
-    "bad/bufferview_invalid_length.gltf",
     "bad/chunk_too_big.glb",
-    "bad/ibm_invalid_count.gltf",
     "bad/index_buffer_oob.gltf",
     "bad/indices_invalid_format.gltf",
-    "bad/invalid-buffer-view-index.gltf",
     "bad/invalid_json_chunk.glb",
-    "bad/joints_weights_complex.gltf",
     "bad/missing_bin/missing_bin.gltf",
     "bad/morph_attribute_invalid_count.gltf",
     "bad/node_loop.gltf",
     "bad/own_box_truncated.glb",
     "bad/position_accessor_invalid_format.gltf",
-    "bad/primitive_no_position.gltf",
     "bad/truncated_chunk_data.glb",
     "bad/unresolved_positions.gltf",
+];
+
+/// Files of whose scene nothing is left: `info` describes them with a warning.
+const EMPTY: &[&str] = &[
+    "bad/bufferview_invalid_length.gltf",
+    "bad/ibm_invalid_count.gltf",
+    "bad/invalid-buffer-view-index.gltf",
+    "bad/joints_weights_complex.gltf",
+    "bad/primitive_no_position.gltf",
 ];
 
 /// Files with a warning: the error is in nothing that is drawn, or the file can be read all the same.
@@ -38,7 +42,8 @@ const WARNED: &[&str] = &[
 
 pub(crate) fn trials() -> Vec<Trial> {
     let refused = FILES.iter().map(|file| on_asset("bad_input", file, refused));
-    refused.chain(WARNED.iter().map(|file| on_asset("bad_input::warned", file, warned))).collect()
+    let empty = EMPTY.iter().map(|file| on_asset("bad_input::empty", file, empty));
+    refused.chain(empty).chain(WARNED.iter().map(|file| on_asset("bad_input::warned", file, warned))).collect()
 }
 
 fn warned(file: &Path) -> Outcome {
@@ -51,11 +56,21 @@ fn warned(file: &Path) -> Outcome {
     Ok(())
 }
 
+const EXTRACT: &[&str] = &["extract", "--light", "dir:0,1,0", "--device", "cpu"];
+
+fn empty(file: &Path) -> Outcome {
+    rimline(["info".as_ref(), file.as_os_str()]).expect(0, &["rimline: warning: "])?;
+    refused_by(file, &[EXTRACT, &["draw"]])
+}
+
 fn refused(file: &Path) -> Outcome {
+    refused_by(file, &[EXTRACT, &["draw"], &["info"]])
+}
+
+fn refused_by(file: &Path, options: &[&[&str]]) -> Outcome {
     let folder = folder();
     let model = file.as_os_str();
     let out = folder.path().join("out");
-    let options: [&[&str]; 3] = [&["extract", "--light", "dir:0,1,0", "--device", "cpu"], &["draw"], &["info"]];
     for options in options {
         let mut line: Vec<_> = options.iter().map(AsRef::as_ref).collect();
         line.push(model);
