@@ -15,6 +15,10 @@ const TESTS: [&str; 3] = ["extract_gpu", "query_gpu", "scene_gpu"];
 /// The tests that take `SwiftShader` minutes, not more.
 pub(crate) const QUICK: [&str; 2] = ["extract_gpu", "scene_gpu"];
 
+/// Tests that make dozens of pipelines, each of which `SwiftShader` compiles for half a minute.
+const SLOW_ON_SWIFTSHADER: [&str; 2] =
+    ["shadow_depth_on_small_limits_and_any_stride", "shadow_depth_does_not_depend_on_skipping_or_splitting"];
+
 /// The packages and features of `cargo xtask test`, so that nothing is built twice.
 const EVERYTHING: [&str; 4] = ["--workspace", "--exclude", BENCH, "--all-features"];
 
@@ -40,6 +44,10 @@ impl Driver {
     fn test(&self, summary: &mut Summary, tests: &[&str]) {
         let mut command = process::cargo(["test", "--no-fail-fast"]);
         command.args(EVERYTHING).args(tests.iter().flat_map(|test| ["--test", test]));
+        if self.name.contains("SwiftShader") {
+            command.arg("--").args(SLOW_ON_SWIFTSHADER.iter().flat_map(|test| ["--skip", test]));
+            summary.note(&format!("on SwiftShader without {}", SLOW_ON_SWIFTSHADER.join(" and ")));
+        }
         println!("\n{}", self.name);
         command.envs(self.variables.clone());
         let mut own = Summary::default();
