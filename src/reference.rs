@@ -1,4 +1,4 @@
-//! The CPU twin of each stage, the struct layouts, the list of stages, methods for comparison, and what tests and
+//! CPU twins of stages, the struct layouts, the list of stages, methods for comparison, and what tests and
 //! measurements ask of displacements and influences.
 //!
 //! **Outside the promise of stability**: anything here may change in any release.
@@ -154,8 +154,8 @@ pub mod clusters {
     pub use crate::mesh::clusters::*;
 }
 
-/// The CPU twin of each stage. File, function and tests have the same name as the stage's WGSL. Tests compare the two
-/// bit for bit.
+/// CPU twins of stages. File and function have the name of the stage. Tests compare the two bit for bit. Other stages have none:
+/// `tests/common/wgsl.rs` lists them.
 pub mod cpu {
     pub use crate::cpu::common::cone::may_be_in_cone;
     pub use crate::cpu::common::filter::{RELATIVE, UNDERFLOW};

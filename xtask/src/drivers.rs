@@ -15,7 +15,7 @@ const TESTS: [&str; 3] = ["extract_gpu", "query_gpu", "scene_gpu"];
 /// The tests that take `SwiftShader` minutes, not more.
 pub(crate) const QUICK: [&str; 2] = ["extract_gpu", "scene_gpu"];
 
-/// Tests that make dozens of pipelines, each of which `SwiftShader` compiles for half a minute.
+/// Tests that make pipelines for many devices. `SwiftShader` had not compiled those of both after eleven minutes.
 const SLOW_ON_SWIFTSHADER: [&str; 2] =
     ["shadow_depth_on_small_limits_and_any_stride", "shadow_depth_does_not_depend_on_skipping_or_splitting"];
 

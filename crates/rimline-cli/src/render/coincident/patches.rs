@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
-use super::Corners;
+use super::{Corners, ODD, mixed};
 
 /// Faces of a mesh that are looked at. The edges of more would take longer than the picture.
 const MOST_FACES: usize = 1 << 20;
@@ -31,7 +31,7 @@ struct Side {
 /// The faces of either direction, in patches that lie in the same place, the earlier patch first.
 pub(super) fn turned(faces: impl Iterator<Item = Corners>) -> Vec<[Vec<u32>; 2]> {
     let faces: Vec<Corners> = faces.take(MOST_FACES + 1).collect();
-    if faces.len() > MOST_FACES {
+    if faces.len() > MOST_FACES || !may_fold(&faces) {
         return Vec::new();
     }
     let mut sides: Vec<Side> = (0..).zip(&faces).flat_map(|(number, &face)| sides_of(number, face)).collect();
@@ -58,6 +58,40 @@ pub(super) fn turned(faces: impl Iterator<Item = Corners>) -> Vec<[Vec<u32>; 2]>
         first += run.len();
     }
     if folds { with_one_outline(&faces, &mut patches, sides.iter().zip(is_inner)) } else { Vec::new() }
+}
+
+/// Whether two faces may lie on each other's backs at a side. Most models have none, and need no closer look. Both sides of a fold
+/// have one key: the ends, and the normal of the face that walks up from one to the other, or that of the other turned around.
+/// Where the surface goes on smoothly, these are opposite.
+fn may_fold(faces: &[Corners]) -> bool {
+    let mut keys = Vec::with_capacity(3 * faces.len());
+    for &face in faces {
+        let [a, b, c] = face.map(Vec3::from);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        if normal == Vec3::ZERO {
+            continue;
+        }
+        // Steps of a sixtieth. Neither 0 nor ±1, which are common, is at the end of one.
+        let [up, down] = [normal, -normal].map(|way| {
+            let [x, y, z] = (61.0 * way + 64.377).to_array().map(|c| c as u64);
+            x << 32 | y << 16 | z
+        });
+        let ends = face.map(|corner| mixed(&corner.map(|c| (c + 0.0).to_bits())));
+        for (from, to) in [(ends[0], ends[1]), (ends[1], ends[2]), (ends[2], ends[0])] {
+            let way = if from < to { up } else { down };
+            keys.push((from.wrapping_add(to) ^ way.wrapping_mul(ODD)).wrapping_mul(ODD) >> 8);
+        }
+    }
+    let bits = (8 * keys.len()).next_power_of_two().max(64);
+    let (mut once, mut twice) = (vec![0_u64; bits / 64], vec![0_u64; bits / 64]);
+    let at = |key: u64| ((key as usize % bits) / 64, 1 << (key % 64));
+    for (word, bit) in keys.iter().map(|&key| at(key)) {
+        twice[word] |= once[word] & bit;
+        once[word] |= bit;
+    }
+    keys.retain(|&key| twice[at(key).0] & at(key).1 != 0);
+    keys.sort_unstable();
+    keys.windows(2).any(|pair| pair[0] == pair[1])
 }
 
 /// Patches of several faces, one of each two whose outlines are the same but for the direction.
