@@ -3,7 +3,7 @@
 use super::common::pipelines::{Pipelines, Program};
 use super::common::requirements::{DeviceError, Subject};
 use super::extract::options::ExtractorOptions;
-use super::extract::programs as extraction;
+use super::extract::stages as extraction;
 use super::scene::options::SceneOptions;
 use super::scene::stages as scene;
 use super::shadow::ScenePipelines;
@@ -69,11 +69,11 @@ impl Pipelines {
                 _ => Subject::Shadow,
             });
             match *of {
-                Use::Extraction(options) => programs.extend(extraction::of_triangles(options)),
+                Use::Extraction(options) => programs.extend(extraction::of_triangles(self.device(), options)),
                 Use::Scene(options) => programs.extend(scene::programs(options.predicate())),
                 Use::SceneShadows(options) => {
                     programs.extend(scene::programs(options.predicate()));
-                    programs.extend(shadow::programs(true, &options.volumes(false)));
+                    programs.extend(shadow::programs(true, false, options));
                 }
                 Use::Receivers { samples } => {
                     let of_tiles = if samples == 1 { &RECEIVER_DEPTH } else { &RECEIVER_SAMPLES };

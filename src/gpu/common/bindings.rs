@@ -1,6 +1,9 @@
 //! The bindings of a stage, as its WGSL declares them: the layout of its bind group, and the number of each name.
 
+use std::ops::Range;
+
 use naga::{AddressSpace, StorageAccess};
+use wgpu::BindingResource;
 
 /// The bindings of bind group 0, ordered by number.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -43,23 +46,45 @@ impl Bindings {
         &self.entries
     }
 
-    pub(crate) fn names(&self) -> &[String] {
-        &self.names
+    /// The names with their entries, by number.
+    pub(crate) fn named(&self) -> impl Iterator<Item = (&str, &wgpu::BindGroupLayoutEntry)> {
+        self.names.iter().map(String::as_str).zip(&self.entries)
     }
+}
 
-    /// Numbers the resources by their names. It skips resources that the module does not use: a module has what its entry
-    /// points reach. If a resource that it uses is missing, the device refuses the bind group. Tests bind every stage.
-    pub(crate) fn numbered<'a>(
-        &self,
-        resources: &[(&str, wgpu::BindingResource<'a>)],
-    ) -> Vec<wgpu::BindGroupEntry<'a>> {
-        let entry = |(name, resource): &(&str, wgpu::BindingResource<'a>)| {
-            let at = self.names.iter().position(|own| own == name)?;
-            let binding = self.entries.get(at)?.binding;
-            Some(wgpu::BindGroupEntry { binding, resource: resource.clone() })
-        };
-        resources.iter().filter_map(entry).collect()
+/// A resource that a stage binds by its name.
+#[derive(Clone)]
+pub(crate) struct Resource<'a> {
+    pub(crate) bound: BindingResource<'a>,
+    /// Where the entry of a uniform begins in its table.
+    pub(crate) offset: u32,
+}
+
+impl<'a> From<BindingResource<'a>> for Resource<'a> {
+    fn from(bound: BindingResource<'a>) -> Self {
+        Self { bound, offset: 0 }
     }
+}
+
+/// A whole buffer.
+pub(crate) fn whole(buffer: &wgpu::Buffer) -> Resource<'_> {
+    buffer.as_entire_binding().into()
+}
+
+/// A part of a buffer. It has at least four bytes, because bindings must not be empty.
+pub(crate) fn part(buffer: &wgpu::Buffer, range: Range<u64>) -> Resource<'_> {
+    let size = std::num::NonZeroU64::new((range.end - range.start).max(4));
+    BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: range.start, size }).into()
+}
+
+/// The entry of a table of uniforms that begins at `offset`.
+pub(crate) fn uniform<T>(buffer: &wgpu::Buffer, offset: u32) -> Resource<'_> {
+    Resource { offset, ..part(buffer, 0..size_of::<T>() as u64) }
+}
+
+/// A texture.
+pub(crate) fn texture(view: &wgpu::TextureView) -> Resource<'_> {
+    BindingResource::TextureView(view).into()
 }
 
 /// A texture of two dimensions that is not filtered. A depth texture is one, too.

@@ -14,3 +14,4 @@ pub(crate) mod requirements;
 pub(crate) mod timer;
 pub(crate) mod together;
 pub(crate) mod uniforms;
+pub(crate) mod wanted;

@@ -5,10 +5,10 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::bindings::Bindings;
+use super::bindings::{Bindings, Resource, part};
 use super::cache::Cache;
-use super::dispatch_limits::binding;
 use super::memory::any_error;
+use super::pass::{Dispatch, Step, Workgroups};
 use super::positions::{PositionError, bound};
 use super::requirements::{DeviceError, Subject, check_alive, check_device};
 use super::together::together;
@@ -237,7 +237,7 @@ impl Pipelines {
         let visibility = wgpu::ShaderStages::COMPUTE;
         let entry = wgpu::BindGroupLayoutEntry { binding: 0, visibility, ty, count: None };
         let layout = self.layout("bindable", vec![entry]);
-        bound(self.device(), || drop(group(self.device(), "bindable", &layout, &[binding(buffer, 0..4)])))
+        bound(self.device(), || drop(group(self.device(), "bindable", &layout, &[part(buffer, 0..4)])))
     }
 
     /// A bind group layout.
@@ -282,8 +282,6 @@ pub(crate) struct Pipeline {
     pub(crate) compute: wgpu::ComputePipeline,
     pub(crate) layout: wgpu::BindGroupLayout,
     bindings: Arc<Bindings>,
-    /// The number of words in a window of its gathered array, 0 for a single window; see `DispatchLimits::windows`.
-    pub(crate) window_words: u32,
 }
 
 impl Pipeline {
@@ -291,8 +289,6 @@ impl Pipeline {
         let ComputeKey { stage, entry_point, ref constants, ref further, .. } = *key;
         let module_name = key.module;
         let constants: Vec<_> = constants.iter().map(|&(name, bits)| (name, f64::from_bits(bits))).collect();
-        let windows = constants.iter().find(|(name, _)| name.ends_with("WINDOW_WORDS"));
-        let window_words = windows.map_or(0, |(_, words)| *words as u32);
         let module = pipelines.module(module_name, wgsl);
         let bindings = pipelines.bindings(module_name, wgsl);
         let layout = pipelines.layout(stage, bindings.entries().to_vec());
@@ -312,31 +308,34 @@ impl Pipeline {
             compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             cache: None,
         });
-        Self { label: entry_point, compute, layout, bindings, window_words }
+        Self { label: entry_point, compute, layout, bindings }
     }
 
-    /// The names of the bindings of bind group 0.
-    pub(crate) fn names(&self) -> &[String] {
-        self.bindings.names()
-    }
-
-    /// The number of its uniforms, each with a dynamic offset.
-    pub(crate) fn uniforms(&self) -> usize {
-        let is_uniform = |entry: &&wgpu::BindGroupLayoutEntry| {
-            matches!(entry.ty, wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, .. })
-        };
-        self.bindings.entries().iter().filter(is_uniform).count()
-    }
-
-    /// A bind group. Resources have the names that the WGSL gives them.
-    pub(crate) fn bind(
+    /// A dispatch of the stage, bound. `get` gives the resource of each name that the WGSL has. If one is missing, the device
+    /// refuses the bind group. Tests bind every stage.
+    pub(crate) fn dispatch<'a>(
         &self,
         device: &wgpu::Device,
-        resources: &[(&str, wgpu::BindingResource<'_>)],
-    ) -> wgpu::BindGroup {
-        let entries = self.bindings.numbered(resources);
+        workgroups: Workgroups,
+        get: impl Fn(&str) -> Option<Resource<'a>>,
+    ) -> Dispatch {
+        let (mut entries, mut offsets) = (Vec::new(), Vec::new());
+        for (name, entry) in self.bindings.named() {
+            let Some(Resource { bound, offset }) = get(name) else { continue };
+            entries.push(wgpu::BindGroupEntry { binding: entry.binding, resource: bound });
+            // Each uniform has a dynamic offset.
+            if matches!(entry.ty, wgpu::BindingType::Buffer { has_dynamic_offset: true, .. }) {
+                offsets.push(offset);
+            }
+        }
         let (label, layout) = (Some(self.label), &self.layout);
-        device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries });
+        Dispatch { pipeline: self.compute.clone(), group, offsets, workgroups, batch: 0 }
+    }
+
+    /// A pass of a stage.
+    pub(crate) fn pass(&self, dispatches: impl IntoIterator<Item = Dispatch>) -> Step {
+        Step::Pass(self.label, dispatches.into_iter().collect())
     }
 }
 
@@ -345,11 +344,11 @@ pub(crate) fn group(
     device: &wgpu::Device,
     label: &str,
     layout: &wgpu::BindGroupLayout,
-    resources: &[wgpu::BindingResource<'_>],
+    resources: &[Resource<'_>],
 ) -> wgpu::BindGroup {
     let entries: Vec<_> = (0..)
         .zip(resources)
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.bound.clone() })
         .collect();
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }

@@ -2,6 +2,7 @@
 
 use super::error::DepthMapError;
 use crate::gpu::PositionBuffer;
+use crate::gpu::common::bindings::{part, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{any_error, filled};
 use crate::gpu::common::pipelines::{Pipelines, group};
@@ -114,12 +115,7 @@ impl MeshDepth {
         let group = any_error(device, || {
             let view = storage(device, bytemuck::bytes_of(&MeshDepthView { columns: light.view_projection }));
             let caster = storage(device, bytemuck::bytes_of(&placed(mesh_to_world, light, place)));
-            let bound = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: positions.buffer,
-                offset: base,
-                size: wgpu::BufferSize::new(end - base),
-            });
-            let resources = [view.as_entire_binding(), bound, caster.as_entire_binding()];
+            let resources = [whole(&view), part(positions.buffer, base..end), whole(&caster)];
             group(device, "mesh depth", &layout(&self.shared), &resources)
         });
         let group = group.map_err(|message| DepthMapError::Refused { message })?;

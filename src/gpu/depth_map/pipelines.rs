@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use wgpu::{CompareFunction, StencilOperation};
 
 use super::error::DepthMapError;
-use crate::gpu::common::bindings::{FLOAT_TEXTURE, UINT_TEXTURE};
+use crate::gpu::common::bindings::{FLOAT_TEXTURE, Resource, UINT_TEXTURE};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::{DeviceError, Subject, check_sample_shading};
@@ -224,9 +224,9 @@ pub(super) fn wall_layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
 }
 
 /// The bind group of the draws of walls.
-pub(super) fn wall_group(pipelines: &Pipelines, resources: Vec<(u32, wgpu::BindingResource<'_>)>) -> wgpu::BindGroup {
-    let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
-    let entries: Vec<_> = resources.into_iter().map(entry).collect();
+pub(super) fn wall_group(pipelines: &Pipelines, resources: Vec<(u32, Resource<'_>)>) -> wgpu::BindGroup {
+    let bound = resources.into_iter().map(|(binding, resource)| (binding, resource.bound));
+    let entries: Vec<_> = bound.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
     pipelines.device().create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("depth walls"),
         layout: &wall_layout(pipelines),

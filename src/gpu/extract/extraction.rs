@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::buffers::{Buffers, Shape};
 use super::errors::{ExtractionDrawError, ExtractionIncludeError, StaleExtraction};
 use super::results::ExtractionResults;
-use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::common::dispatch_limits::{DispatchLimits, Windows};
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
 use crate::mesh::MeshId;
@@ -19,6 +19,8 @@ pub(crate) struct Shared {
     pub(crate) limits: DispatchLimits,
     pub(crate) shape: Shape,
     pub(crate) buffers: Buffers,
+    /// The windows of facing masks.
+    pub(super) facing: Windows,
     pub(crate) mesh: MeshId,
     pub(crate) is_closed: bool,
     /// Whether the masks were asked for.
@@ -64,6 +66,7 @@ impl Shared {
         limits: DispatchLimits,
         shape: Shape,
         buffers: Buffers,
+        facing: Windows,
         mesh: &crate::Mesh,
         has_masks: bool,
     ) -> Self {
@@ -72,6 +75,7 @@ impl Shared {
             limits,
             shape,
             buffers,
+            facing,
             mesh: mesh.id(),
             is_closed: mesh.is_closed(),
             has_masks,

@@ -2,6 +2,7 @@
 
 use super::errors::ExtractionIncludeError;
 use super::extraction::Shared;
+use crate::gpu::common::bindings::whole;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
 use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer};
@@ -73,13 +74,13 @@ impl Shared {
         });
         let info = table.into_buffer(device, "rimline info");
         let resources = [
-            info.as_entire_binding(),
+            whole(&info),
             bound.first_binding(positions.buffer),
-            results.edge_vertices.as_entire_binding(),
-            results.edge_faces.as_entire_binding(),
-            facing.as_entire_binding(),
-            list.as_entire_binding(),
-            results.counts.as_entire_binding(),
+            whole(results.edge_vertices),
+            whole(results.edge_faces),
+            whole(facing),
+            whole(list),
+            whole(results.counts),
         ];
         Ok(positions::bound(device, || group(device, "rimline results", layout, &resources))?)
     }

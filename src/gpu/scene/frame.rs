@@ -181,7 +181,7 @@ impl SceneFrame {
     /// The [`ShadowStatistics`](crate::gpu::ShadowStatistics) of the encode, once its encoder was submitted. Usage `COPY_SRC`.
     /// `None` if no view was asked for.
     pub fn shadow_statistics(&self) -> Option<&wgpu::Buffer> {
-        self.volumes.as_ref().map(|volumes| &volumes.buffers.statistics)
+        self.volumes.as_ref().map(|volumes| &volumes.buffers.of.statistics)
     }
 
     /// The [`SceneStatistics`](crate::gpu::SceneStatistics) of the encode, once its encoder was submitted: what was computed,
@@ -208,7 +208,7 @@ impl SceneFrame {
         let Structure { table, buffers, parts, .. } = &*self.structure;
         let of_part = parts.iter().zip(buffers.groups.iter().flatten()).enumerate();
         let groups = of_part.filter_map(|(number, (part, buffers))| {
-            let views = self.volumes.as_ref().and_then(|volumes| volumes.buffers.lists.get(number));
+            let views = self.volumes.as_ref().and_then(|volumes| volumes.buffers.of.lists.get(number));
             let room = self.volumes.as_ref().and_then(|volumes| volumes.buffers.sizes.rooms.get(number));
             Some(SceneGroupResults {
                 clusters: self.structure.clusters.get(part.group)?,
@@ -225,14 +225,14 @@ impl SceneFrame {
                 dispatch: part.dispatch,
             })
         });
-        let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes());
+        let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes);
         let bytes = self.structure.bytes() + volumes;
-        let choices = self.volumes.as_ref().map(|volumes| &volumes.buffers.choices);
-        let shadow_draws = self.volumes.as_ref().map_or(&[][..], |volumes| &volumes.buffers.draws);
-        let bound = self.volumes.as_ref().and_then(|volumes| volumes.buffers.bound.as_ref());
-        let listed = self.volumes.as_ref().map(|volumes| &volumes.buffers.listed);
+        let choices = self.volumes.as_ref().map(|volumes| &volumes.buffers.of.choices);
+        let shadow_draws = self.volumes.as_ref().map_or(&[][..], |volumes| &volumes.buffers.of.draws);
+        let bound = self.volumes.as_ref().and_then(|volumes| volumes.buffers.of.bound.as_ref());
+        let listed = self.volumes.as_ref().map(|volumes| &volumes.buffers.of.listed);
         let receivers = |volumes: &'_ Arc<Volumes>| volumes.buffers.sizes.receivers;
-        let receivers = self.volumes.as_ref().map(|volumes| (&volumes.buffers.receivers, receivers(volumes)));
+        let receivers = self.volumes.as_ref().map(|volumes| (&volumes.buffers.of.receivers, receivers(volumes)));
         Ok(SceneResults {
             choices,
             receivers,

@@ -16,11 +16,11 @@ use super::options::{Measuring, SceneOptions};
 use super::pages::Pages;
 use super::receivers::SeenReceivers;
 use super::sources::{Sources, bind};
-use super::stages::Passes;
 use super::structure::Structure;
 use super::table::Table;
 use super::topology::Topology;
 use super::volumes::Volumes;
+use crate::gpu::common::pass::Step;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::Subject;
@@ -56,8 +56,8 @@ pub struct Scene {
     pub(super) structure: Option<Arc<Structure>>,
     /// The structure before, whose buffers are taken where they are large enough.
     pub(super) last: Option<Arc<Structure>>,
-    /// The passes of the structure.
-    pub(super) passes: Passes,
+    /// The steps of the structure.
+    pub(super) steps: Vec<Step>,
     /// Shadow volumes of the structure, if any view was asked for.
     pub(super) volumes: Option<Arc<Volumes>>,
     /// The most views of an encode so far.
@@ -88,6 +88,7 @@ impl Scene {
         queue: &wgpu::Queue,
         options: SceneOptions,
     ) -> Result<Self, SceneError> {
+        let options = SceneOptions { count_batches: options.count_batches.max(1), ..options };
         let pipelines: Pipelines = pipelines.into();
         pipelines.construct(Subject::Extract, || Ok::<_, SceneError>(()))?;
         let casters = if options.count_batches > 1 { Casters::Batches } else { Casters::Scene };
@@ -111,7 +112,7 @@ impl Scene {
             moved: Vec::new(),
             structure: None,
             last: None,
-            passes: Passes::default(),
+            steps: Vec::new(),
             volumes: None,
             views: 0,
             receiver_words: 0,
@@ -139,7 +140,7 @@ impl Scene {
         if mesh.polygons().is_some() {
             return Err(SceneError::Polygons);
         }
-        let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes());
+        let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes);
         let used = self.last.as_ref().map_or(0, |last| last.bytes()) + volumes;
         let device = self.pipelines.device();
         let topology = self.topology(mesh, own);
