@@ -7,6 +7,7 @@ use super::extract::stages as extraction;
 use super::scene::options::SceneOptions;
 use super::scene::stages as scene;
 use super::shadow::ScenePipelines;
+use super::shadow::pipelines::Part;
 use super::shadow::stages as shadow;
 use crate::stages::{NEEDS, RECEIVER_DEPTH, RECEIVER_PYRAMID, RECEIVER_SAMPLES};
 
@@ -89,8 +90,8 @@ impl Pipelines {
         self.make_together(&programs);
         for of in uses {
             match of {
-                Use::EndedVolumes(pipelines) => drop(pipelines.volumes.ends()),
-                Use::Proxies(pipelines) => drop(pipelines.volumes.light_caps()),
+                Use::EndedVolumes(pipelines) => _ = pipelines.volumes.of(Part::Ends),
+                Use::Proxies(pipelines) => _ = pipelines.volumes.of(Part::Proxies),
                 _ => {}
             }
         }

@@ -21,7 +21,9 @@ impl Bindings {
         for (_, variable) in module.global_variables.iter() {
             let (Some(place), Some(name)) = (&variable.binding, &variable.name) else { continue };
             let ty = match module.types[variable.ty].inner {
-                naga::TypeInner::Image { class: naga::ImageClass::Depth { multi }, .. } => Some(depth_type(multi)),
+                naga::TypeInner::Image { class: naga::ImageClass::Depth { multi }, .. } => {
+                    Some(texture_type(wgpu::TextureSampleType::Depth, multi))
+                }
                 naga::TypeInner::Image { class: naga::ImageClass::Sampled { multi: false, kind }, .. } => {
                     Some(if kind == naga::ScalarKind::Uint { UINT_TEXTURE } else { FLOAT_TEXTURE })
                 }
@@ -87,19 +89,35 @@ pub(crate) fn texture(view: &wgpu::TextureView) -> Resource<'_> {
     BindingResource::TextureView(view).into()
 }
 
-/// A texture of two dimensions that is not filtered. A depth texture is one, too.
-pub(crate) const FLOAT_TEXTURE: wgpu::BindingType = wgpu::BindingType::Texture {
-    sample_type: wgpu::TextureSampleType::Float { filterable: false },
-    view_dimension: wgpu::TextureViewDimension::D2,
-    multisampled: false,
-};
+/// A texture of two dimensions.
+const fn texture_type(sample_type: wgpu::TextureSampleType, multisampled: bool) -> wgpu::BindingType {
+    wgpu::BindingType::Texture { sample_type, view_dimension: wgpu::TextureViewDimension::D2, multisampled }
+}
 
-/// A texture of two dimensions, of integers.
-pub(crate) const UINT_TEXTURE: wgpu::BindingType = wgpu::BindingType::Texture {
-    sample_type: wgpu::TextureSampleType::Uint,
-    view_dimension: wgpu::TextureViewDimension::D2,
-    multisampled: false,
-};
+/// A texture that is not filtered. A depth texture is one, too.
+pub(crate) const FLOAT_TEXTURE: wgpu::BindingType =
+    texture_type(wgpu::TextureSampleType::Float { filterable: false }, false);
+/// A texture of integers.
+pub(crate) const UINT_TEXTURE: wgpu::BindingType = texture_type(wgpu::TextureSampleType::Uint, false);
+
+/// A buffer whose offset is not dynamic.
+const fn buffer_of(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+}
+
+/// A buffer of uniforms for a draw.
+pub(crate) const UNIFORM: wgpu::BindingType = buffer_of(wgpu::BufferBindingType::Uniform);
+/// A storage buffer that is only read.
+pub(crate) const READ: wgpu::BindingType = buffer_of(wgpu::BufferBindingType::Storage { read_only: true });
+
+/// The entries of a layout, by number.
+pub(crate) fn entries(
+    visibility: wgpu::ShaderStages,
+    types: impl IntoIterator<Item = (u32, wgpu::BindingType)>,
+) -> Vec<wgpu::BindGroupLayoutEntry> {
+    let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    types.into_iter().map(entry).collect()
+}
 
 /// A texture of two dimensions that a stage writes: floats, or integers.
 fn written_type(format: naga::StorageFormat) -> wgpu::BindingType {
@@ -109,12 +127,6 @@ fn written_type(format: naga::StorageFormat) -> wgpu::BindingType {
         format: if is_uint { wgpu::TextureFormat::R32Uint } else { wgpu::TextureFormat::R32Float },
         view_dimension: wgpu::TextureViewDimension::D2,
     }
-}
-
-/// A depth texture of two dimensions.
-fn depth_type(multisampled: bool) -> wgpu::BindingType {
-    let (sample_type, view_dimension) = (wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2);
-    wgpu::BindingType::Texture { sample_type, view_dimension, multisampled }
 }
 
 /// Uniforms lie in tables. A dispatch selects an entry by a dynamic offset.

@@ -8,7 +8,7 @@ use crate::gpu::common::bindings::{part, uniform, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{MemoryError, buffer, filled, guarded, scoped};
 use crate::gpu::common::pass::{Step, Workgroups, record_with};
-use crate::gpu::common::pipelines::{Pipeline, Pipelines};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program};
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::{DeviceError, Subject, check_same, check_timer};
 use crate::gpu::common::timer::StageTimer;
@@ -141,7 +141,7 @@ impl Deformer {
         let bytes = data.check(&split, options.memory_limit)?;
         // Only a caller's displacement or layout can make this fail.
         let pipeline = scoped(device, wgpu::ErrorFilter::Validation, || {
-            pipelines.deform(options.displacement, options.displacement_layout)
+            pipelines.get(&Program::deform(options.displacement, options.displacement_layout))
         })
         .map_err(|message| DeformError::Pipeline { message })?;
         guarded(device, bytes, || {

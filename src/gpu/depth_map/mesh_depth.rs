@@ -2,8 +2,9 @@
 
 use super::error::DepthMapError;
 use crate::gpu::PositionBuffer;
-use crate::gpu::common::bindings::{part, whole};
+use crate::gpu::common::bindings::{READ, entries, part, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::common::drawing::Drawn;
 use crate::gpu::common::memory::{any_error, filled};
 use crate::gpu::common::pipelines::{Pipelines, group};
 use crate::gpu::common::requirements::{Subject, check_alive};
@@ -148,11 +149,7 @@ fn layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
 
 /// The layout of the first bindings of the stage.
 pub(super) fn depth_layout(pipelines: &Pipelines, bindings: u32) -> wgpu::BindGroupLayout {
-    let ty = wgpu::BufferBindingType::Storage { read_only: true };
-    let ty = wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-    let visibility = wgpu::ShaderStages::VERTEX;
-    let entry = |binding| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-    pipelines.layout("mesh depth", (0..bindings).map(entry).collect())
+    pipelines.layout("mesh depth", entries(wgpu::ShaderStages::VERTEX, (0..bindings).map(|binding| (binding, READ))))
 }
 
 /// A pipeline of the stage, for attachments without color.
@@ -163,37 +160,22 @@ pub(super) fn depth_pipeline(
     format: wgpu::TextureFormat,
     depth: DepthDirection,
 ) -> wgpu::RenderPipeline {
-    let device = shared.device();
-    let nearer = match depth {
-        DepthDirection::Reversed => wgpu::CompareFunction::Greater,
-        DepthDirection::Standard => wgpu::CompareFunction::Less,
-    };
-    let label = Some(entry_point);
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label,
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label,
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &shared.module(MESH_DEPTH.name, &MESH_DEPTH.wgsl()),
-            entry_point: label,
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(nearer),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
+    let module = shared.module(MESH_DEPTH.name, &MESH_DEPTH.wgsl());
+    shared.draws(&Drawn {
+        label: entry_point,
+        layouts: &[layout],
+        vertex: (&module, entry_point),
         fragment: None,
-        multiview_mask: None,
-        cache: None,
+        constants: &[],
+        primitive: wgpu::PrimitiveState::default(),
+        format,
+        writes_depth: true,
+        compare: match depth {
+            DepthDirection::Reversed => wgpu::CompareFunction::Greater,
+            DepthDirection::Standard => wgpu::CompareFunction::Less,
+        },
+        stencil: wgpu::StencilState::default(),
+        samples: 1,
+        colors: &[],
     })
 }

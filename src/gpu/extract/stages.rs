@@ -83,8 +83,8 @@ pub(super) fn from_positions(
     if let Some(pieces) = pieces {
         let row = ("ENTRY_ROW", f64::from(device.limits().max_compute_workgroups_per_dimension));
         let stage = |(stage, entry_point, size): (&'static Stage, usize, Size)| {
-            let (entry_point, constants) = (stage.entry_points[entry_point], vec![row, windows]);
-            Planned { program: Program { stage, entry_point, constants }, over: Over::Polygons, size }
+            let program = Program::at(stage, stage.entry_points[entry_point], &[row, windows]);
+            Planned { program, over: Over::Polygons, size }
         };
         let stages = [
             (&POLYGON_FACING, 0, Size::Items),
@@ -127,7 +127,7 @@ pub(super) fn from_facing(options: &ExtractorOptions, twisted_at: usize, words: 
     let compact = COMPACT.entry_points.iter().zip([Size::Items, Size::Lights, Size::Items]);
     let compact = compact
         .filter(|_| options.is_ordered())
-        .map(|(&entry_point, size)| (Program { stage: &COMPACT, entry_point, constants: Vec::new() }, size));
+        .map(|(&entry_point, size)| (Program::at(&COMPACT, entry_point, &[]), size));
     let stages = has_edges.then_some((edges, Size::Items)).into_iter().chain(compact);
     stages.map(|(program, size)| Planned { program, over: Over::Edges, size }).collect()
 }

@@ -6,7 +6,7 @@ use super::buffers::SizedBuffers;
 use super::errors::{ShadowEncodeError, ShadowVolumesError};
 use super::frame::{ShadowFrame, Shared};
 use super::options::ShadowOptions;
-use super::pipelines::{Convention, ShadowPipelines};
+use super::pipelines::{Convention, Part, ShadowPipelines};
 use super::sizes::{GroupSize, Room, VolumeSizes};
 use super::source::{GroupSource, VolumeSource};
 use super::stages::{StagePipelines, VolumeStages};
@@ -138,13 +138,13 @@ impl ShadowVolumes {
         let table = guarded(device, table.bytes, || buffer(device, table.label, table.bytes, usage))?;
         let stage_pipelines = StagePipelines::new(pipelines.shared(), false, has_pieces, &scene);
         if has_pieces {
-            pipelines.pieces();
+            pipelines.of(Part::Pieces);
         }
         if options.end_at_range {
-            pipelines.ends();
+            pipelines.of(Part::Ends);
         }
         if buffers.sizes.has_proxies() {
-            pipelines.light_caps();
+            pipelines.of(Part::Proxies);
         }
         let shared = Shared::new(Arc::clone(source), buffers, table, pipelines.convention);
         Ok(Self { shared: Arc::new(shared), pipelines: stage_pipelines, stages: None })
