@@ -119,7 +119,7 @@ impl Scene {
         }
         record(self.steps.iter().chain(&of_receivers), encoder, 0..1, timer.as_deref_mut());
         if let Some(volumes) = &volumes {
-            volumes.record(encoder, timer);
+            volumes.stages.record(encoder, structure.batches, timer);
         }
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         self.pages.reclaim(encode);
@@ -249,18 +249,18 @@ impl Scene {
         views: &[ShadowView],
         receivers: &[Option<Receivers<'_>>],
     ) -> Vec<SeenLight> {
-        let mut seen = Vec::with_capacity(volumes.seen());
+        let mut seen = Vec::with_capacity(volumes.buffers.sizes.seen());
         for (number, ((camera, &view), &(_, version, _))) in cameras.iter().zip(views).zip(&self.seen_views).enumerate()
         {
             let has_receivers = receivers.get(number).is_some_and(Option::is_some);
             let at = if has_receivers { receivers::at(number, volumes.buffers.sizes.receivers) } else { 0 };
-            for bit in 0..volumes.lights() as u32 {
+            for bit in 0..volumes.buffers.sizes.lights as u32 {
                 let light = self.lights.get(bit).map(|light| camera.light(&view, light));
                 let light = light.unwrap_or_else(bytemuck::Zeroable::zeroed);
                 seen.push(SeenLight { view, light, version: [version, at, 0, 0], ..bytemuck::Zeroable::zeroed() });
             }
         }
-        seen.resize(volumes.seen(), bytemuck::Zeroable::zeroed());
+        seen.resize(volumes.buffers.sizes.seen(), bytemuck::Zeroable::zeroed());
         seen
     }
 

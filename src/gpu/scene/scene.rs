@@ -5,10 +5,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use slotmap::{DefaultKey, SlotMap};
 
-use super::caster::{Caster, CasterEntry, CasterPositions, MeshEntry, Placement, Rigid};
+use super::caster::{Caster, CasterEntry, CasterPositions, HiddenOfLight, MeshEntry, Placement, Rigid};
 use super::errors::SceneError;
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
-use super::hidden_of_light::HiddenOfLight;
 use super::lights::Lights;
 use super::mask::LightMask;
 use super::occluders;
@@ -248,8 +247,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError::NotRigid`], or an error of the handle.
     pub fn set_transform(&mut self, caster: CasterHandle, mesh_to_world: Matrix3x4) -> Result<(), SceneError> {
-        let key = caster.key_in(self.id)?;
-        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
+        let (key, entry) = self.entry(caster)?;
         let Placement::Rigid(rigid) = &mut entry.placement else { return Err(SceneError::NotRigid) };
         if bytemuck::bytes_of(&rigid.rows) != bytemuck::bytes_of(&mesh_to_world) {
             *rigid = Rigid::new(mesh_to_world);
@@ -265,11 +263,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError::NoBuffer`] for a rigid caster, or an error of the handle.
     pub fn set_position_version(&mut self, caster: CasterHandle, version: Option<u64>) -> Result<(), SceneError> {
-        let key = caster.key_in(self.id)?;
-        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
-        if matches!(entry.placement, Placement::Rigid(_)) {
-            return Err(SceneError::NoBuffer);
-        }
+        let (key, entry) = self.entry_in_buffer(caster)?;
         if entry.positions_version != version {
             entry.positions_version = version;
             self.note_change(key);
@@ -288,11 +282,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError::NoBuffer`] for a rigid caster, [`SceneError::Bounds`] for a box that is none, or an error of the handle.
     pub fn set_bounds(&mut self, caster: CasterHandle, bounds: Option<[[f32; 3]; 2]>) -> Result<(), SceneError> {
-        let key = caster.key_in(self.id)?;
-        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
-        if matches!(entry.placement, Placement::Rigid(_)) {
-            return Err(SceneError::NoBuffer);
-        }
+        let (key, entry) = self.entry_in_buffer(caster)?;
         if let Some([low, high]) = bounds
             && !low.iter().zip(high).all(|(low, high)| low.is_finite() && high.is_finite() && *low <= high)
         {
@@ -303,6 +293,18 @@ impl Scene {
             self.note_change(key);
         }
         Ok(())
+    }
+
+    /// A caster.
+    fn entry(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), SceneError> {
+        let key = caster.key_in(self.id)?;
+        self.casters.get_mut(key).map(|entry| (key, entry)).ok_or(SceneError::Stale { what: "caster" })
+    }
+
+    /// A caster with positions in a buffer.
+    fn entry_in_buffer(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), SceneError> {
+        let (key, entry) = self.entry(caster)?;
+        if let Placement::Rigid(_) = entry.placement { Err(SceneError::NoBuffer) } else { Ok((key, entry)) }
     }
 
     /// Notes that a caster is to be written to the table.
@@ -358,8 +360,7 @@ impl Scene {
     /// # Errors
     /// An error of the handle.
     pub fn set_lights(&mut self, caster: CasterHandle, lights: LightMask) -> Result<(), SceneError> {
-        let key = caster.key_in(self.id)?;
-        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
+        let (_, entry) = self.entry(caster)?;
         if entry.lights != lights {
             entry.lights = lights;
             self.structure = None;

@@ -8,9 +8,7 @@ use crate::gpu::common::bindings::{part, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::Allocation;
 use crate::gpu::common::positions::bound;
-use crate::gpu::common::timer::StageTimer;
 use crate::gpu::shadow::buffers::SizedBuffers;
-use crate::gpu::shadow::draws::LightDraws;
 use crate::gpu::shadow::sizes::{GroupSize, Room, VolumeSizes};
 use crate::gpu::shadow::source::{GroupSource, VolumeSource};
 use crate::gpu::shadow::stages::{StagePipelines, VolumeStages};
@@ -23,7 +21,7 @@ const FEW_CAPS: u32 = 4096;
 #[derive(Debug)]
 pub(crate) struct Volumes {
     pub(crate) buffers: SizedBuffers,
-    stages: VolumeStages,
+    pub(crate) stages: VolumeStages,
 }
 
 impl Volumes {
@@ -46,26 +44,6 @@ impl Volumes {
         let source = source(making, structure);
         let stages = bound(device, || VolumeStages::new(&pipelines, &buffers, &source))?;
         Ok(Self { buffers, stages })
-    }
-
-    /// The number of entries for views and lights that each encode uploads.
-    pub(crate) fn seen(&self) -> usize {
-        self.buffers.sizes.seen()
-    }
-
-    /// The number of lights of a view, with those that are not there.
-    pub(crate) fn lights(&self) -> usize {
-        self.buffers.sizes.lights
-    }
-
-    /// Records what chooses and lists, after the extraction.
-    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&mut StageTimer>) {
-        self.stages.record(encoder, self.buffers.sizes.batches(), timer);
-    }
-
-    /// The draws of a light in a view for a batch of casters, for each group.
-    pub(crate) fn draws(&self, count_batch: usize, view: usize, light: usize) -> impl Iterator<Item = LightDraws<'_>> {
-        self.stages.draws(&self.buffers, count_batch, view, light)
     }
 }
 

@@ -172,13 +172,7 @@ impl ShadowVolumes {
         let bound = extraction.bound()?;
         let stages = self.bind(extraction, &bound)?;
         let Shared { buffers, source, table, .. } = &*self.shared;
-        let seen = |&light| SeenLight {
-            view,
-            light: camera.light(&view, light),
-            version: [0; 4],
-            cone: bytemuck::Zeroable::zeroed(),
-            reserved: [[0; 4]; 12],
-        };
+        let seen = |&light| SeenLight { view, light: camera.light(&view, light), ..bytemuck::Zeroable::zeroed() };
         let mut seen: Vec<SeenLight> = lights.iter().map(seen).collect();
         // Numbers without a light are seen in no view.
         seen.resize(buffers.sizes.lights, bytemuck::Zeroable::zeroed());
@@ -292,22 +286,13 @@ fn caster(source: &extraction::Shared, is_proxy: bool, positions: &BoundPosition
         row_0: [1.0, 0.0, 0.0, 0.0],
         row_1: [0.0, 1.0, 0.0, 0.0],
         row_2: [0.0, 0.0, 1.0, 0.0],
-        low: [0.0; 3],
         scale: 1.0,
-        high: [0.0; 3],
         flags: if source.is_closed { CLOSED } else { 0 } | if is_proxy { PROXY } else { 0 },
-        first_face_slot: 0,
         faces: source.shape.faces as u32,
-        first_face: 0,
         position_offset: positions.offset_words,
-        first_edge_slot: 0,
         edges: source.shape.edges as u32,
-        first_edge: 0,
         position_stride: positions.stride_words,
-        version: 0,
-        group: 0,
-        first_caster: 0,
-        clusters_or_figure: 0,
+        ..bytemuck::Zeroable::zeroed()
     }
 }
 
