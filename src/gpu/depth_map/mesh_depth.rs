@@ -14,6 +14,9 @@ use crate::shadow::DepthDirection;
 use crate::stages::MESH_DEPTH;
 use crate::{Matrix3x4, Mesh, ShadowCamera};
 
+/// Bindings of a draw: view, positions, caster.
+const BINDINGS: u32 = 3;
+
 /// The transform that leaves positions where they are.
 pub(super) const UNMOVED: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
@@ -54,7 +57,7 @@ impl MeshDepth {
         shared.clone().construct(Subject::DepthMap, || {
             let device = shared.device().clone();
             any_error(&device, || Self {
-                pipeline: depth_pipeline(&shared, "mesh_depth", &layout(&shared), format, depth),
+                pipeline: depth_pipeline(&shared, "mesh_depth", &depth_layout(&shared, BINDINGS), format, depth),
                 indices: filled(
                     &device,
                     "faces of a depth map",
@@ -117,7 +120,7 @@ impl MeshDepth {
             let view = storage(device, bytemuck::bytes_of(&MeshDepthView { columns: light.view_projection }));
             let caster = storage(device, bytemuck::bytes_of(&placed(mesh_to_world, light, place)));
             let resources = [whole(&view), part(positions.buffer, base..end), whole(&caster)];
-            group(device, "mesh depth", &layout(&self.shared), &resources)
+            group(device, "mesh depth", &depth_layout(&self.shared, BINDINGS), &resources)
         });
         let group = group.map_err(|message| DepthMapError::Refused { message })?;
         pass.set_pipeline(&self.pipeline);
@@ -140,11 +143,6 @@ pub(super) fn placed(rows: Matrix3x4, light: &ShadowCamera, place: [u32; 4]) -> 
         [x, y, z, shift - light.origin[axis]]
     };
     MeshDepthCaster { row_0: less(0), row_1: less(1), row_2: less(2), place }
-}
-
-/// The layout of the bind group: view, positions, caster.
-fn layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
-    depth_layout(pipelines, 3)
 }
 
 /// The layout of the first bindings of the stage.

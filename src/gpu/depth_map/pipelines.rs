@@ -25,23 +25,31 @@ pub struct DepthMapPipelines {
     /// For each bit.
     pub(super) draws: Vec<BitPipelines>,
     /// Made with the first volumes that have walls, or for the first draw of others' volumes.
-    walls: OnceLock<WallPipelines>,
+    walls: OnceLock<(wgpu::RenderPipeline, BitPipelines)>,
 }
 
 /// The pipelines of a bit.
 #[derive(Debug)]
 pub(super) struct BitPipelines {
+    /// With walls it draws every cell where their list overflowed.
     pub(super) surface: wgpu::RenderPipeline,
     pub(super) near_cap: wgpu::RenderPipeline,
 }
 
-/// The pipelines of walls, in the first bit.
-#[derive(Debug)]
-pub(super) struct WallPipelines {
-    pub(super) walls: wgpu::RenderPipeline,
-    /// Draws every cell where the list of walls overflowed.
-    pub(super) surface: wgpu::RenderPipeline,
-    pub(super) near_cap: wgpu::RenderPipeline,
+impl BitPipelines {
+    fn new(
+        shared: &Pipelines,
+        format: &ShadowFormat,
+        bit: u32,
+        layout: &wgpu::BindGroupLayout,
+        behind: EntryPoint,
+    ) -> Self {
+        let make = |entry_points, compare| make(shared, format, turned(bit), layout, entry_points, compare);
+        Self {
+            surface: make([SURFACE, NOTHING], format.nearer()),
+            near_cap: make([NEAR_CAP, behind], CompareFunction::Always),
+        }
+    }
 }
 
 impl DepthMapPipelines {
@@ -115,31 +123,21 @@ impl DepthMapPipelines {
 
     fn with(shared: Pipelines, format: &ShadowFormat, bits: Range<u32>) -> Self {
         let layout = layout(&shared);
-        let cap = [NEAR_CAP, BEHIND_TRIANGLES];
-        let of_bit = |bit| BitPipelines {
-            surface: make(&shared, format, turned(bit), &layout, [SURFACE, NOTHING], format.nearer()),
-            near_cap: make(&shared, format, turned(bit), &layout, cap, CompareFunction::Always),
-        };
+        let of_bit = |bit| BitPipelines::new(&shared, format, bit, &layout, BEHIND_TRIANGLES);
         let draws = bits.clone().map(of_bit).collect();
         Self { shared, format: format.clone(), bits, draws, walls: OnceLock::new() }
     }
 
-    /// The pipelines of walls.
-    pub(super) fn walls(&self) -> Result<&WallPipelines, DeviceError> {
+    /// The pipelines of walls, and what is drawn beside them. They are in the first bit.
+    pub(super) fn walls(&self) -> Result<&(wgpu::RenderPipeline, BitPipelines), DeviceError> {
         if let Some(made) = self.walls.get() {
             return Ok(made);
         }
-        let made = any_error(self.shared.device(), || {
-            let layout = wall_layout(&self.shared);
-            let compare = self.format.nearer();
-            let make = |entry_points, compare| {
-                make(&self.shared, &self.format, turned(self.bits.start), &layout, entry_points, compare)
-            };
-            WallPipelines {
-                walls: make([WALLS, NOTHING], compare),
-                surface: make([SURFACE, NOTHING], compare),
-                near_cap: make([NEAR_CAP, BEHIND_CONTOURS], CompareFunction::Always),
-            }
+        let Self { shared, format, bits, .. } = self;
+        let made = any_error(shared.device(), || {
+            let layout = wall_layout(shared);
+            let walls = make(shared, format, turned(bits.start), &layout, [WALLS, NOTHING], format.nearer());
+            (walls, BitPipelines::new(shared, format, bits.start, &layout, BEHIND_CONTOURS))
         });
         let made = made.map_err(|message| DeviceError::Refused { message })?;
         Ok(self.walls.get_or_init(|| made))

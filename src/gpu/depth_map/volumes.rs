@@ -10,7 +10,7 @@ use super::metric::DepthMetric;
 use super::options::{DepthMapMethod, DepthMapOptions};
 use super::pipelines::DepthMapPipelines;
 use super::stage::ObjectStage;
-use super::texture::object_texture;
+use super::texture::texture;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, check, check_bindings, guarded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
@@ -204,6 +204,8 @@ impl DepthMapVolumes {
         let near =
             if contours.is_some() { (&DEPTH_NEAR_WALLS, "depth_near_walls") } else { (&DEPTH_NEAR, "depth_near") };
         let edges = detector.zip(of_edges).map(|(detector, buffers)| EdgeStages::new(shared, detector, buffers));
+        let (numbers, further) = (wgpu::TextureFormat::R32Uint, wgpu::TextureUsages::empty());
+        let nothing = texture(device, "no objects", [1, 1], numbers, further);
         let spreads = [("SPREADS", shape.spread)];
         let is_counted = edges.is_none() && contours.is_none();
         let of_cells = ["depth_cells_places", "depth_cells_list"].into_iter().filter(|_| contours.is_none());
@@ -221,7 +223,7 @@ impl DepthMapVolumes {
             rounded_to,
             metric,
             eye: (pipelines.format().depth_stencil, pipelines.format().depth),
-            nothing: object_texture(device).create_view(&wgpu::TextureViewDescriptor::default()),
+            nothing: nothing.create_view(&wgpu::TextureViewDescriptor::default()),
             buffers,
             encodes: Arc::default(),
             shared: shared.clone(),

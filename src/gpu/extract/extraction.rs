@@ -25,13 +25,13 @@ pub(crate) struct Shared {
     pub(crate) is_closed: bool,
     /// Whether the masks were asked for.
     pub(crate) has_masks: bool,
-    encodes: AtomicU64,
-    include_groups: Mutex<Vec<IncludeGroup>>,
+    pub(super) encodes: AtomicU64,
+    pub(super) include_groups: Mutex<Vec<IncludeGroup>>,
 }
 
 /// A bind group of the include that is kept.
 #[derive(Debug)]
-struct IncludeGroup {
+pub(super) struct IncludeGroup {
     layout: wgpu::BindGroupLayout,
     batch: usize,
     place: Place,
@@ -61,29 +61,6 @@ impl Place {
 }
 
 impl Shared {
-    pub(crate) fn new(
-        pipelines: Pipelines,
-        limits: DispatchLimits,
-        shape: Shape,
-        buffers: Buffers,
-        facing: Windows,
-        mesh: &crate::Mesh,
-        has_masks: bool,
-    ) -> Self {
-        Self {
-            pipelines,
-            limits,
-            shape,
-            buffers,
-            facing,
-            mesh: mesh.id(),
-            is_closed: mesh.is_closed(),
-            has_masks,
-            encodes: AtomicU64::new(0),
-            include_groups: Mutex::default(),
-        }
-    }
-
     pub(crate) fn device(&self) -> &wgpu::Device {
         self.pipelines.device()
     }

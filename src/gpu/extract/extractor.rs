@@ -1,6 +1,7 @@
 //! The extraction stages: facing, edges, compaction, draw arguments.
 
-use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+use std::sync::{Arc, Mutex};
 
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::{ExtractionEncodeError, ExtractorError};
@@ -82,7 +83,18 @@ impl Extractor {
         let from_facing = (0..shape.batches()).map(|batch| binder.read_facing(&others, batch)).collect();
         let at_last = binder.at_last(arguments.as_ref());
         let before = [Step::Clear(buffers.record.clone(), 0..RECORD_HEAD), Step::clear(&buffers.counts)];
-        let shared = Arc::new(Shared::new(pipelines, split, shape, buffers, facing, mesh, options.masks));
+        let shared = Arc::new(Shared {
+            pipelines,
+            limits: split,
+            shape,
+            buffers,
+            facing,
+            mesh: mesh.id(),
+            is_closed: mesh.is_closed(),
+            has_masks: options.masks,
+            encodes: AtomicU64::new(0),
+            include_groups: Mutex::default(),
+        });
         Ok(Self { shared, options, runs, reading: (0, reading), from_positions: None, before, from_facing, at_last })
     }
 

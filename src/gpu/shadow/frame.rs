@@ -20,18 +20,7 @@ pub(super) struct Shared {
     /// The caster, and room for what is chosen for it.
     pub(super) table: wgpu::Buffer,
     pub(super) convention: Convention,
-    encodes: AtomicU64,
-}
-
-impl Shared {
-    pub(super) fn new(
-        source: Arc<extraction::Shared>,
-        buffers: SizedBuffers,
-        table: wgpu::Buffer,
-        convention: Convention,
-    ) -> Self {
-        Self { source, buffers, table, convention, encodes: AtomicU64::new(0) }
-    }
+    pub(super) encodes: AtomicU64,
 }
 
 /// The shadow volumes of one caster, as one [`ShadowVolumes::encode`](crate::gpu::ShadowVolumes::encode) prepared them:

@@ -38,7 +38,7 @@ pub(crate) fn choice_bytes(
 }
 
 /// Casters whose lists are common: those of one page and one source of positions, or a single one.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct GroupSize {
     /// Slots of faces and edges.
     pub(crate) faces: u32,

@@ -1,6 +1,7 @@
 //! The shadow volumes of one caster.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 
 use super::buffers::SizedBuffers;
 use super::errors::{ShadowEncodeError, ShadowVolumesError};
@@ -146,7 +147,8 @@ impl ShadowVolumes {
         if buffers.sizes.has_proxies() {
             pipelines.of(Part::Proxies);
         }
-        let shared = Shared::new(Arc::clone(source), buffers, table, pipelines.convention);
+        let (source, convention) = (Arc::clone(source), pipelines.convention);
+        let shared = Shared { source, buffers, table, convention, encodes: AtomicU64::new(0) };
         Ok(Self { shared: Arc::new(shared), pipelines: stage_pipelines, stages: None })
     }
 
@@ -263,8 +265,7 @@ fn sizes(source: &extraction::Shared, options: SceneOptions, in_depth: bool) -> 
     let shape = &source.shape;
     let (faces, edges) = (shape.faces as u32, shape.edges as u32);
     let proxies = if in_depth { 0 } else { faces };
-    let group =
-        GroupSize { faces, edges, first_caster: 0, proxies, lights_at: 0, face_chunks_at: 0, edge_chunks_at: 0 };
+    let group = GroupSize { faces, edges, proxies, ..GroupSize::default() };
     let room =
         |batch| Room::new(&options, &group, FEW_CAPS, shape.capacity, shape.batch_lights(batch) as u32, &source.limits);
     VolumeSizes {
