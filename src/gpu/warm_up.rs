@@ -63,12 +63,10 @@ impl Pipelines {
     /// [`DeviceError`] if the device lacks what a use needs, or is lost.
     pub fn warm_up(&self, uses: &[Use<'_>]) -> Result<(), DeviceError> {
         let mut programs: Vec<Program> = Vec::new();
-        let mut subjects = Vec::new();
         for of in uses {
-            subjects.push(match of {
-                Use::Extraction(_) | Use::Scene(_) => Subject::Extract,
-                _ => Subject::Shadow,
-            });
+            let is_extraction = matches!(of, Use::Extraction(_) | Use::Scene(_));
+            let subject = if is_extraction { Subject::Extract } else { Subject::Shadow };
+            self.construct(subject, || Ok::<_, DeviceError>(()))?;
             match *of {
                 Use::Extraction(options) => programs.extend(extraction::of_triangles(self.device(), options)),
                 Use::Scene(options) => programs.extend(scene::programs(options.predicate())),
@@ -83,9 +81,6 @@ impl Pipelines {
                 Use::SceneNeeds => programs.push(Program::of(&NEEDS, &[])),
                 Use::EndedVolumes(_) | Use::Proxies(_) => {}
             }
-        }
-        for subject in subjects {
-            self.construct(subject, || Ok::<_, DeviceError>(()))?;
         }
         self.make_together(&programs);
         for of in uses {

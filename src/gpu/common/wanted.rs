@@ -68,7 +68,7 @@ impl<'a> Wanted<'a> {
 #[derive(Debug, Default)]
 pub(crate) struct Account {
     pub(crate) all: Vec<Allocation>,
-    /// Those that are bound as a whole, with the bytes that are bound.
+    /// The buffers that are bound as a whole, with the bytes that are bound.
     whole: Vec<Allocation>,
 }
 

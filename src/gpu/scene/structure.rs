@@ -196,16 +196,12 @@ fn room(lights: &Lights, batch: usize) -> u32 {
 
 /// The table as it is, with `bytes` in all.
 fn table_buffer(device: &wgpu::Device, table: &Table, bytes: u64) -> Result<wgpu::Buffer, SceneError> {
-    let contents: &[u8] = bytemuck::cast_slice(&table.parts);
     let label = "scene table";
-    let limit = device.limits().max_buffer_size;
-    check(&[Allocation { label, bytes }], limit, None)?;
+    check(&[Allocation { label, bytes }], device.limits().max_buffer_size, None)?;
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
     let buffer = guarded(device, bytes, || mapped(device, label, bytes, usage))?;
-    if !write_mapped(&buffer, contents) {
-        return Err(DeviceError::Lost.into());
-    }
-    Ok(buffer)
+    let is_written = write_mapped(&buffer, bytemuck::cast_slice(&table.parts));
+    if is_written { Ok(buffer) } else { Err(DeviceError::Lost.into()) }
 }
 
 /// The uniforms of all groups and batches.

@@ -203,11 +203,11 @@ impl ShadowPipelines {
         format: &ShadowFormat,
         counting: Counting,
     ) -> Result<Self, ShadowFormatError> {
-        Self::make(pipelines.into(), format, counting, Casters::One)
+        Self::of_casters(pipelines.into(), format, counting, Casters::One)
     }
 
     /// The pipelines for one caster or for those of a scene.
-    pub(crate) fn make(
+    pub(crate) fn of_casters(
         pipelines: Pipelines,
         format: &ShadowFormat,
         counting: Counting,
@@ -239,12 +239,13 @@ impl ShadowPipelines {
     /// The draws of a part, which are made if they are not there.
     pub(crate) fn of(&self, part: Part) -> &[(Polygons, u64, Drawing)] {
         self.made[part as usize].get_or_init(|| {
-            let Self { shared, format, casters, .. } = self;
-            let maker = Maker { shared, format, casters: *casters, layouts: layouts(shared) };
+            let layouts = layouts(&self.shared);
             let all = part.listed(self.convention.counting);
-            let keys: Vec<_> = all.iter().flat_map(|&drawn| maker.keys(drawn)).collect();
-            shared.make_volumes(&keys, |key| maker.make(key));
-            all.iter().map(|&drawn| (drawn.polygons, drawn.argument, maker.drawing(drawn))).collect()
+            let keys: Vec<_> = all.iter().map(|&drawn| self.keys(drawn)).collect();
+            self.shared.make_volumes(&keys.concat(), |key| self.make(&layouts, key));
+            let made = |key: &VolumeKey| self.shared.volume(key, || self.make(&layouts, key));
+            let drawings = keys.iter().map(|keys| keys.iter().map(made).collect());
+            all.iter().zip(drawings).map(|(drawn, drawing)| (drawn.polygons, drawn.argument, drawing)).collect()
         })
     }
 
@@ -310,31 +311,19 @@ fn sample_counts(device: &wgpu::Device, format: wgpu::TextureFormat) -> Vec<u32>
     format.guaranteed_format_features(device.features()).flags.supported_sample_counts()
 }
 
-/// Makes pipelines for one format.
-struct Maker<'a> {
-    shared: &'a Pipelines,
-    format: &'a ShadowFormat,
-    casters: Casters,
-    layouts: Layouts,
-}
-
-impl Maker<'_> {
-    fn drawing(&self, drawn: Drawn) -> Drawing {
-        self.keys(drawn).iter().map(|key| self.shared.volume(key, || self.make(key))).collect()
-    }
-
+impl ShadowPipelines {
     fn keys(&self, drawn: Drawn) -> Vec<VolumeKey> {
         let Drawn { polygons, entry_point, kind, count, turned, .. } = drawn;
         let parts = if self.format.trim { parts(entry_point) } else { 1 };
-        let (casters, format) = (self.casters, self.format);
+        let (casters, format) = (self.casters, &self.format);
         let key =
             |part| VolumeKey { polygons, entry_point, part, kind, casters, count, turned, format: format.clone() };
         (0..parts).map(key).collect()
     }
 
-    fn make(&self, key: &VolumeKey) -> wgpu::RenderPipeline {
+    fn make(&self, layouts: &Layouts, key: &VolumeKey) -> wgpu::RenderPipeline {
         let &VolumeKey { polygons, entry_point, part, kind, casters, count, turned, ref format } = key;
-        let Layouts { frame, side_data, cap_data, piece_data } = &self.layouts;
+        let Layouts { frame, side_data, cap_data, piece_data } = layouts;
         let (stage, data) = match polygons {
             Polygons::Sides => (&SIDES, side_data),
             Polygons::Caps => (&CAP_FACES, cap_data),

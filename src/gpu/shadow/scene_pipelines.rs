@@ -43,7 +43,7 @@ impl ScenePipelines {
         format: &ShadowFormat,
         counting: Counting,
     ) -> Result<Self, ShadowFormatError> {
-        let volumes = ShadowPipelines::make(pipelines.into(), format, counting, Casters::Scene)?;
+        let volumes = ShadowPipelines::of_casters(pipelines.into(), format, counting, Casters::Scene)?;
         Ok(Self { volumes, resolve: None })
     }
 
@@ -59,7 +59,7 @@ impl ScenePipelines {
         counting: Counting,
     ) -> Result<Self, ShadowFormatError> {
         let pipelines = pipelines.into();
-        let volumes = ShadowPipelines::make(pipelines.clone(), format, counting, Casters::Batches)?;
+        let volumes = ShadowPipelines::of_casters(pipelines.clone(), format, counting, Casters::Batches)?;
         let made = any_error(pipelines.device(), || resolve(&pipelines, format));
         let resolve = made.map_err(|message| ShadowFormatError::Refused { message })?;
         Ok(Self { volumes, resolve: Some(resolve) })
