@@ -4,7 +4,7 @@
 use crate::compose::{Composed, compose};
 
 /// A stage. Its entry points, pipeline labels and CPU twin carry its name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Stage {
     /// The name, also that of its twin `src/cpu/SUBJECT/NAME.rs`.
     pub name: &'static str,

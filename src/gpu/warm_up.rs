@@ -3,10 +3,11 @@
 use super::common::pipelines::{Pipelines, Program};
 use super::common::requirements::{DeviceError, Subject};
 use super::extract::options::ExtractorOptions;
-use super::extract::programs as extraction;
+use super::extract::stages as extraction;
 use super::scene::options::SceneOptions;
 use super::scene::stages as scene;
 use super::shadow::ScenePipelines;
+use super::shadow::pipelines::Part;
 use super::shadow::stages as shadow;
 use crate::stages::{NEEDS, RECEIVER_DEPTH, RECEIVER_PYRAMID, RECEIVER_SAMPLES};
 
@@ -62,18 +63,16 @@ impl Pipelines {
     /// [`DeviceError`] if the device lacks what a use needs, or is lost.
     pub fn warm_up(&self, uses: &[Use<'_>]) -> Result<(), DeviceError> {
         let mut programs: Vec<Program> = Vec::new();
-        let mut subjects = Vec::new();
         for of in uses {
-            subjects.push(match of {
-                Use::Extraction(_) | Use::Scene(_) => Subject::Extract,
-                _ => Subject::Shadow,
-            });
+            let is_extraction = matches!(of, Use::Extraction(_) | Use::Scene(_));
+            let subject = if is_extraction { Subject::Extract } else { Subject::Shadow };
+            self.construct(subject, || Ok::<_, DeviceError>(()))?;
             match *of {
-                Use::Extraction(options) => programs.extend(extraction::of_triangles(options)),
+                Use::Extraction(options) => programs.extend(extraction::of_triangles(self.device(), options)),
                 Use::Scene(options) => programs.extend(scene::programs(options.predicate())),
                 Use::SceneShadows(options) => {
                     programs.extend(scene::programs(options.predicate()));
-                    programs.extend(shadow::programs(true, &options.volumes(false)));
+                    programs.extend(shadow::programs(true, false, options));
                 }
                 Use::Receivers { samples } => {
                     let of_tiles = if samples == 1 { &RECEIVER_DEPTH } else { &RECEIVER_SAMPLES };
@@ -83,14 +82,11 @@ impl Pipelines {
                 Use::EndedVolumes(_) | Use::Proxies(_) => {}
             }
         }
-        for subject in subjects {
-            self.construct(subject, || Ok::<_, DeviceError>(()))?;
-        }
         self.make_together(&programs);
         for of in uses {
             match of {
-                Use::EndedVolumes(pipelines) => drop(pipelines.volumes.ends()),
-                Use::Proxies(pipelines) => drop(pipelines.volumes.light_caps()),
+                Use::EndedVolumes(pipelines) => _ = pipelines.volumes.of(Part::Ends),
+                Use::Proxies(pipelines) => _ = pipelines.volumes.of(Part::Proxies),
                 _ => {}
             }
         }

@@ -1,6 +1,9 @@
 //! The bindings of a stage, as its WGSL declares them: the layout of its bind group, and the number of each name.
 
+use std::ops::Range;
+
 use naga::{AddressSpace, StorageAccess};
+use wgpu::BindingResource;
 
 /// The bindings of bind group 0, ordered by number.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -18,7 +21,9 @@ impl Bindings {
         for (_, variable) in module.global_variables.iter() {
             let (Some(place), Some(name)) = (&variable.binding, &variable.name) else { continue };
             let ty = match module.types[variable.ty].inner {
-                naga::TypeInner::Image { class: naga::ImageClass::Depth { multi }, .. } => Some(depth_type(multi)),
+                naga::TypeInner::Image { class: naga::ImageClass::Depth { multi }, .. } => {
+                    Some(texture_type(wgpu::TextureSampleType::Depth, multi))
+                }
                 naga::TypeInner::Image { class: naga::ImageClass::Sampled { multi: false, kind }, .. } => {
                     Some(if kind == naga::ScalarKind::Uint { UINT_TEXTURE } else { FLOAT_TEXTURE })
                 }
@@ -43,38 +48,76 @@ impl Bindings {
         &self.entries
     }
 
-    pub(crate) fn names(&self) -> &[String] {
-        &self.names
-    }
-
-    /// Numbers the resources by their names. It skips resources that the module does not use: a module has what its entry
-    /// points reach. If a resource that it uses is missing, the device refuses the bind group. Tests bind every stage.
-    pub(crate) fn numbered<'a>(
-        &self,
-        resources: &[(&str, wgpu::BindingResource<'a>)],
-    ) -> Vec<wgpu::BindGroupEntry<'a>> {
-        let entry = |(name, resource): &(&str, wgpu::BindingResource<'a>)| {
-            let at = self.names.iter().position(|own| own == name)?;
-            let binding = self.entries.get(at)?.binding;
-            Some(wgpu::BindGroupEntry { binding, resource: resource.clone() })
-        };
-        resources.iter().filter_map(entry).collect()
+    /// The names with their entries, by number.
+    pub(crate) fn named(&self) -> impl Iterator<Item = (&str, &wgpu::BindGroupLayoutEntry)> {
+        self.names.iter().map(String::as_str).zip(&self.entries)
     }
 }
 
-/// A texture of two dimensions that is not filtered. A depth texture is one, too.
-pub(crate) const FLOAT_TEXTURE: wgpu::BindingType = wgpu::BindingType::Texture {
-    sample_type: wgpu::TextureSampleType::Float { filterable: false },
-    view_dimension: wgpu::TextureViewDimension::D2,
-    multisampled: false,
-};
+/// A resource that a stage binds by its name.
+#[derive(Clone)]
+pub(crate) struct Resource<'a> {
+    pub(crate) bound: BindingResource<'a>,
+    /// Where the entry of a uniform begins in its table.
+    pub(crate) offset: u32,
+}
 
-/// A texture of two dimensions, of integers.
-pub(crate) const UINT_TEXTURE: wgpu::BindingType = wgpu::BindingType::Texture {
-    sample_type: wgpu::TextureSampleType::Uint,
-    view_dimension: wgpu::TextureViewDimension::D2,
-    multisampled: false,
-};
+impl<'a> From<BindingResource<'a>> for Resource<'a> {
+    fn from(bound: BindingResource<'a>) -> Self {
+        Self { bound, offset: 0 }
+    }
+}
+
+/// A whole buffer.
+pub(crate) fn whole(buffer: &wgpu::Buffer) -> Resource<'_> {
+    buffer.as_entire_binding().into()
+}
+
+/// A part of a buffer. It has at least four bytes, because bindings must not be empty.
+pub(crate) fn part(buffer: &wgpu::Buffer, range: Range<u64>) -> Resource<'_> {
+    let size = std::num::NonZeroU64::new((range.end - range.start).max(4));
+    BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: range.start, size }).into()
+}
+
+/// The entry of a table of uniforms that begins at `offset`.
+pub(crate) fn uniform<T>(buffer: &wgpu::Buffer, offset: u32) -> Resource<'_> {
+    Resource { offset, ..part(buffer, 0..size_of::<T>() as u64) }
+}
+
+/// A texture.
+pub(crate) fn texture(view: &wgpu::TextureView) -> Resource<'_> {
+    BindingResource::TextureView(view).into()
+}
+
+/// A texture of two dimensions.
+const fn texture_type(sample_type: wgpu::TextureSampleType, multisampled: bool) -> wgpu::BindingType {
+    wgpu::BindingType::Texture { sample_type, view_dimension: wgpu::TextureViewDimension::D2, multisampled }
+}
+
+/// A texture that is not filtered. A depth texture is one, too.
+pub(crate) const FLOAT_TEXTURE: wgpu::BindingType =
+    texture_type(wgpu::TextureSampleType::Float { filterable: false }, false);
+/// A texture of integers.
+pub(crate) const UINT_TEXTURE: wgpu::BindingType = texture_type(wgpu::TextureSampleType::Uint, false);
+
+/// A buffer whose offset is not dynamic.
+const fn buffer_of(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+}
+
+/// A buffer of uniforms for a draw.
+pub(crate) const UNIFORM: wgpu::BindingType = buffer_of(wgpu::BufferBindingType::Uniform);
+/// A storage buffer that is only read.
+pub(crate) const READ: wgpu::BindingType = buffer_of(wgpu::BufferBindingType::Storage { read_only: true });
+
+/// The entries of a layout, by number.
+pub(crate) fn entries(
+    visibility: wgpu::ShaderStages,
+    types: impl IntoIterator<Item = (u32, wgpu::BindingType)>,
+) -> Vec<wgpu::BindGroupLayoutEntry> {
+    let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    types.into_iter().map(entry).collect()
+}
 
 /// A texture of two dimensions that a stage writes: floats, or integers.
 fn written_type(format: naga::StorageFormat) -> wgpu::BindingType {
@@ -84,12 +127,6 @@ fn written_type(format: naga::StorageFormat) -> wgpu::BindingType {
         format: if is_uint { wgpu::TextureFormat::R32Uint } else { wgpu::TextureFormat::R32Float },
         view_dimension: wgpu::TextureViewDimension::D2,
     }
-}
-
-/// A depth texture of two dimensions.
-fn depth_type(multisampled: bool) -> wgpu::BindingType {
-    let (sample_type, view_dimension) = (wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2);
-    wgpu::BindingType::Texture { sample_type, view_dimension, multisampled }
 }
 
 /// Uniforms lie in tables. A dispatch selects an entry by a dynamic offset.

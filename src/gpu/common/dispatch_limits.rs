@@ -96,11 +96,10 @@ pub(crate) struct Windows {
     pub(crate) words: u32,
 }
 
-/// A part of a buffer as a binding. It has at least four bytes, because bindings must not be empty.
-pub(crate) fn binding(buffer: &wgpu::Buffer, range: Range<u64>) -> wgpu::BindingResource<'_> {
-    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-        buffer,
-        offset: range.start,
-        size: std::num::NonZeroU64::new((range.end - range.start).max(4)),
-    })
+impl Windows {
+    /// The window that a shader names by `prefix` and its number.
+    pub(crate) fn named(&self, prefix: &str, name: &str) -> Option<Range<u64>> {
+        let number: usize = name.strip_prefix(prefix)?.parse().ok()?;
+        self.ranges.get(number).cloned()
+    }
 }

@@ -1,14 +1,13 @@
 //! Pipelines made from the list of stages, and sharing of pipelines.
 
 use std::cmp::Reverse;
-use std::collections::HashMap;
 use std::fmt;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
-use super::bindings::Bindings;
+use super::bindings::{Bindings, READ, Resource, entries, part};
 use super::cache::Cache;
-use super::dispatch_limits::binding;
 use super::memory::any_error;
+use super::pass::{Dispatch, Step, Workgroups};
 use super::positions::{PositionError, bound};
 use super::requirements::{DeviceError, Subject, check_alive, check_device};
 use super::together::together;
@@ -51,8 +50,8 @@ struct Shared {
     modules: Cache<String, wgpu::ShaderModule>,
     layouts: Cache<LayoutKey, wgpu::BindGroupLayout>,
     /// Bindings by the name of the stage's module.
-    bindings: Mutex<HashMap<String, Arc<Bindings>>>,
-    compute: Cache<ComputeKey, Pipeline>,
+    bindings: Cache<String, Arc<Bindings>>,
+    compute: Cache<Program, Pipeline>,
     volumes: Cache<VolumeKey, wgpu::RenderPipeline>,
     /// Whether the device has what each [`Subject`] needs. It is checked once.
     serves: [OnceLock<Result<(), DeviceError>>; 5],
@@ -61,12 +60,10 @@ struct Shared {
 /// A bind group layout: its label and its entries.
 type LayoutKey = (&'static str, Vec<wgpu::BindGroupLayoutEntry>);
 
-/// Everything that a compute pipeline depends on.
-#[derive(Clone, PartialEq, Eq, Hash)]
-struct ComputeKey {
-    /// The name of the stage, and of its module.
-    stage: &'static str,
-    module: &'static str,
+/// An entry point of a stage, with constants, and what a caller adds: all that a compute pipeline is made of.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Program {
+    stage: &'static Stage,
     entry_point: &'static str,
     /// Names and bits of the constants.
     constants: Vec<(&'static str, u64)>,
@@ -75,30 +72,25 @@ struct ComputeKey {
     further: Option<wgpu::BindGroupLayout>,
 }
 
-/// An entry point of a stage, with constants: all that a compute pipeline is made of.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Program {
-    pub(crate) stage: &'static Stage,
-    pub(crate) entry_point: &'static str,
-    pub(crate) constants: Vec<(&'static str, f64)>,
-}
-
 impl Program {
     /// The entry point with the name of the stage.
     pub(crate) fn of(stage: &'static Stage, constants: &[(&'static str, f64)]) -> Self {
-        Self { stage, entry_point: stage.name, constants: constants.to_vec() }
+        Self::at(stage, stage.name, constants)
     }
 
-    fn key(&self) -> ComputeKey {
-        let Self { stage, entry_point, ref constants } = *self;
-        ComputeKey {
-            stage: stage.name,
-            module: stage.module,
-            entry_point,
-            constants: constants.iter().map(|&(name, value)| (name, value.to_bits())).collect(),
-            displacement: None,
-            further: None,
-        }
+    /// An entry point of a stage.
+    pub(crate) fn at(stage: &'static Stage, entry_point: &'static str, constants: &[(&'static str, f64)]) -> Self {
+        let constants = constants.iter().map(|&(name, value)| (name, value.to_bits())).collect();
+        Self { stage, entry_point, constants, displacement: None, further: None }
+    }
+
+    /// The deform stage. `further` is the layout of the displacement's bind group.
+    pub(crate) fn deform(displacement: Option<&Displacement>, further: Option<&wgpu::BindGroupLayout>) -> Self {
+        Self { displacement: displacement.cloned(), further: further.cloned(), ..Self::of(&DEFORM, &[]) }
+    }
+
+    fn wgsl(&self) -> String {
+        self.displacement.as_ref().map_or_else(|| self.stage.wgsl(), Displacement::deform_wgsl)
     }
 }
 
@@ -109,7 +101,7 @@ impl Pipelines {
             device: device.clone(),
             modules: Cache::default(),
             layouts: Cache::default(),
-            bindings: Mutex::default(),
+            bindings: Cache::default(),
             compute: Cache::default(),
             volumes: Cache::default(),
             serves: Default::default(),
@@ -152,46 +144,24 @@ impl Pipelines {
         entry_point: &'static str,
         constants: &[(&'static str, f64)],
     ) -> Pipeline {
-        self.get(&Program { stage, entry_point, constants: constants.to_vec() })
+        self.get(&Program::at(stage, entry_point, constants))
     }
 
     /// The pipeline of a program.
     pub(crate) fn get(&self, program: &Program) -> Pipeline {
-        self.made(&program.key(), || program.stage.wgsl())
+        self.0.compute.get(self.device(), program, || Pipeline::new(self, program, &program.wgsl()))
     }
 
     /// Makes the pipelines of these programs that do not exist, at the same time. A pipeline that the device refuses is not
     /// cached, so that the next request for it returns the error.
     pub(crate) fn make_together(&self, programs: &[Program]) {
-        let missing = programs.iter().map(|program| (program.key(), program.stage));
-        let missing = missing.filter(|(key, _)| !self.0.compute.has(key));
-        let mut missing: Vec<_> = missing.map(|(key, stage)| (key, stage.wgsl())).collect();
+        let missing = programs.iter().filter(|program| !self.0.compute.has(program));
+        let mut missing: Vec<_> = missing.map(|program| (program, program.wgsl())).collect();
         // The longest begin first, so that no thread is left alone with one.
         missing.sort_by_key(|(_, wgsl)| Reverse(wgsl.len()));
-        together(&missing, |(key, wgsl)| {
-            self.0.compute.fill(self.device(), key, || Pipeline::new(self, key, wgsl));
+        together(&missing, |(program, wgsl)| {
+            self.0.compute.fill(self.device(), *program, || Pipeline::new(self, program, wgsl));
         });
-    }
-
-    /// The pipeline of the deform stage. `further` is the layout of the displacement's bind group.
-    pub(crate) fn deform(
-        &self,
-        displacement: Option<&Displacement>,
-        further: Option<&wgpu::BindGroupLayout>,
-    ) -> Pipeline {
-        let key = ComputeKey {
-            stage: DEFORM.name,
-            module: DEFORM.module,
-            entry_point: DEFORM.name,
-            constants: Vec::new(),
-            displacement: displacement.cloned(),
-            further: further.cloned(),
-        };
-        self.made(&key, || displacement.map_or_else(|| DEFORM.wgsl(), Displacement::deform_wgsl))
-    }
-
-    fn made(&self, key: &ComputeKey, wgsl: impl Fn() -> String) -> Pipeline {
-        self.0.compute.get(self.device(), key, || Pipeline::new(self, key, &wgsl()))
     }
 
     /// Makes the pipelines of volumes that do not exist, at the same time, as [`Self::make_together`].
@@ -209,17 +179,6 @@ impl Pipelines {
         self.0.volumes.get(self.device(), key, make)
     }
 
-    /// The bindings of a module. They are read from its WGSL once.
-    fn bindings(&self, module: &str, wgsl: &str) -> Arc<Bindings> {
-        let lock = || self.0.bindings.lock().unwrap_or_else(PoisonError::into_inner);
-        let read = lock().get(module).cloned();
-        // Other threads read other modules meanwhile.
-        read.unwrap_or_else(|| {
-            let read = Arc::new(Bindings::of(wgsl));
-            Arc::clone(lock().entry(module.to_owned()).or_insert(read))
-        })
-    }
-
     /// A shader module.
     pub(crate) fn module(&self, label: &str, wgsl: &str) -> wgpu::ShaderModule {
         self.0.modules.get(self.device(), wgsl, || {
@@ -232,12 +191,8 @@ impl Pipelines {
 
     /// Refuses a caller's buffer that the device cannot bind.
     pub(crate) fn check_bindable(&self, buffer: &wgpu::Buffer) -> Result<(), PositionError> {
-        let read = wgpu::BufferBindingType::Storage { read_only: true };
-        let ty = wgpu::BindingType::Buffer { ty: read, has_dynamic_offset: false, min_binding_size: None };
-        let visibility = wgpu::ShaderStages::COMPUTE;
-        let entry = wgpu::BindGroupLayoutEntry { binding: 0, visibility, ty, count: None };
-        let layout = self.layout("bindable", vec![entry]);
-        bound(self.device(), || drop(group(self.device(), "bindable", &layout, &[binding(buffer, 0..4)])))
+        let layout = self.layout("bindable", entries(wgpu::ShaderStages::COMPUTE, [(0, READ)]));
+        bound(self.device(), || drop(group(self.device(), "bindable", &layout, &[part(buffer, 0..4)])))
     }
 
     /// A bind group layout.
@@ -282,20 +237,17 @@ pub(crate) struct Pipeline {
     pub(crate) compute: wgpu::ComputePipeline,
     pub(crate) layout: wgpu::BindGroupLayout,
     bindings: Arc<Bindings>,
-    /// The number of words in a window of its gathered array, 0 for a single window; see `DispatchLimits::windows`.
-    pub(crate) window_words: u32,
 }
 
 impl Pipeline {
-    fn new(pipelines: &Pipelines, key: &ComputeKey, wgsl: &str) -> Self {
-        let ComputeKey { stage, entry_point, ref constants, ref further, .. } = *key;
-        let module_name = key.module;
+    fn new(pipelines: &Pipelines, program: &Program, wgsl: &str) -> Self {
+        let Program { stage, entry_point, ref constants, ref further, .. } = *program;
         let constants: Vec<_> = constants.iter().map(|&(name, bits)| (name, f64::from_bits(bits))).collect();
-        let windows = constants.iter().find(|(name, _)| name.ends_with("WINDOW_WORDS"));
-        let window_words = windows.map_or(0, |(_, words)| *words as u32);
-        let module = pipelines.module(module_name, wgsl);
-        let bindings = pipelines.bindings(module_name, wgsl);
-        let layout = pipelines.layout(stage, bindings.entries().to_vec());
+        let module = pipelines.module(stage.module, wgsl);
+        // They are read from the WGSL of a module once.
+        let read = || Arc::new(Bindings::of(wgsl));
+        let bindings = pipelines.0.bindings.get(pipelines.device(), stage.module, read);
+        let layout = pipelines.layout(stage.name, bindings.entries().to_vec());
         let mut groups = vec![Some(&layout)];
         groups.extend(further.as_ref().map(Some));
         let device = pipelines.device();
@@ -312,31 +264,34 @@ impl Pipeline {
             compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             cache: None,
         });
-        Self { label: entry_point, compute, layout, bindings, window_words }
+        Self { label: entry_point, compute, layout, bindings }
     }
 
-    /// The names of the bindings of bind group 0.
-    pub(crate) fn names(&self) -> &[String] {
-        self.bindings.names()
-    }
-
-    /// The number of its uniforms, each with a dynamic offset.
-    pub(crate) fn uniforms(&self) -> usize {
-        let is_uniform = |entry: &&wgpu::BindGroupLayoutEntry| {
-            matches!(entry.ty, wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, .. })
-        };
-        self.bindings.entries().iter().filter(is_uniform).count()
-    }
-
-    /// A bind group. Resources have the names that the WGSL gives them.
-    pub(crate) fn bind(
+    /// A dispatch of the stage, bound. `get` gives the resource of each name that the WGSL has. If one is missing, the device
+    /// refuses the bind group. Tests bind every stage.
+    pub(crate) fn dispatch<'a>(
         &self,
         device: &wgpu::Device,
-        resources: &[(&str, wgpu::BindingResource<'_>)],
-    ) -> wgpu::BindGroup {
-        let entries = self.bindings.numbered(resources);
+        workgroups: Workgroups,
+        get: impl Fn(&str) -> Option<Resource<'a>>,
+    ) -> Dispatch {
+        let (mut entries, mut offsets) = (Vec::new(), Vec::new());
+        for (name, entry) in self.bindings.named() {
+            let Some(Resource { bound, offset }) = get(name) else { continue };
+            entries.push(wgpu::BindGroupEntry { binding: entry.binding, resource: bound });
+            // Each uniform has a dynamic offset.
+            if matches!(entry.ty, wgpu::BindingType::Buffer { has_dynamic_offset: true, .. }) {
+                offsets.push(offset);
+            }
+        }
         let (label, layout) = (Some(self.label), &self.layout);
-        device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries });
+        Dispatch { pipeline: self.compute.clone(), group, offsets, workgroups, batch: 0 }
+    }
+
+    /// A pass of a stage.
+    pub(crate) fn pass(&self, dispatches: impl IntoIterator<Item = Dispatch>) -> Step {
+        Step::Pass(self.label, dispatches.into_iter().collect())
     }
 }
 
@@ -345,11 +300,11 @@ pub(crate) fn group(
     device: &wgpu::Device,
     label: &str,
     layout: &wgpu::BindGroupLayout,
-    resources: &[wgpu::BindingResource<'_>],
+    resources: &[Resource<'_>],
 ) -> wgpu::BindGroup {
     let entries: Vec<_> = (0..)
         .zip(resources)
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.bound.clone() })
         .collect();
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }

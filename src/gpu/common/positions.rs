@@ -1,6 +1,7 @@
 //! The layout of positions in buffers.
 
-use super::dispatch_limits::{DispatchLimits, Windows, binding};
+use super::bindings::{Resource, part};
+use super::dispatch_limits::{DispatchLimits, Windows};
 use super::memory::{MemoryError, scoped};
 
 /// Vertex positions in a storage buffer: three consecutive `f32` for each vertex, in the space of the lights. Any
@@ -116,19 +117,14 @@ pub(crate) fn bound<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Resul
 
 impl BoundPositions {
     /// The first window. It holds everything if there is only one.
-    pub(crate) fn first_binding<'a>(&self, buffer: &'a wgpu::Buffer) -> wgpu::BindingResource<'a> {
+    pub(crate) fn first_binding<'a>(&self, buffer: &'a wgpu::Buffer) -> Resource<'a> {
         let [first, ..] = &self.windows.ranges;
-        binding(buffer, self.base + first.start..self.base + first.end)
+        part(buffer, self.base + first.start..self.base + first.end)
     }
 
-    /// The four windows of the buffer, as `positions.wgsl` binds them.
-    pub(crate) fn bindings<'a>(
-        &self,
-        buffer: &'a wgpu::Buffer,
-    ) -> impl Iterator<Item = (&'static str, wgpu::BindingResource<'a>)> + use<'a> {
-        let base = self.base;
-        let windows = self.windows.ranges.clone();
-        let windows = windows.into_iter().map(move |window| binding(buffer, base + window.start..base + window.end));
-        ["positions_0", "positions_1", "positions_2", "positions_3"].into_iter().zip(windows)
+    /// One of the four windows of the buffer, as `positions.wgsl` names them.
+    pub(crate) fn named<'a>(&self, name: &str, buffer: &'a wgpu::Buffer) -> Option<Resource<'a>> {
+        let window = self.windows.named("positions_", name)?;
+        Some(part(buffer, self.base + window.start..self.base + window.end))
     }
 }

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
+pub use super::download::ReadError;
 use super::download::{Download, wait};
-pub use super::read_error::ReadError;
 
 /// The largest size of one copy, in bytes.
 const PIECE: u64 = 16 << 20;

@@ -1,6 +1,7 @@
 //! Compares what the stages need of a device with what the device has.
 
-use super::memory::{any_error, mapped, scoped, write_mapped};
+use super::bindings::{READ, entries};
+use super::memory::{any_error, buffer, mapped, scoped, write_mapped};
 use super::timer::StageTimer;
 
 /// Why a device cannot be used.
@@ -164,7 +165,9 @@ pub(crate) fn check_limits(limits: &wgpu::Limits, subject: Subject) -> Result<()
 pub(crate) fn check_device(device: &wgpu::Device, subject: Subject) -> Result<(), DeviceError> {
     check_limits(&device.limits(), subject)?;
     if subject.is_indirect() {
-        check_flag(device, subject, "INDIRECT_EXECUTION", || drop(indirect_buffer(device)))?;
+        check_flag(device, subject, "INDIRECT_EXECUTION", || {
+            drop(buffer(device, "indirect execution", 16, wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::STORAGE));
+        })?;
     }
     if subject.reads_in_vertex_shaders() {
         check_flag(device, subject, "VERTEX_STORAGE", || drop(vertex_storage_layout(device)))?;
@@ -201,29 +204,9 @@ pub(crate) fn check_sample_shading(device: &wgpu::Device, subject: Subject) -> R
     })
 }
 
-fn indirect_buffer(device: &wgpu::Device) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("indirect execution"),
-        size: 16,
-        usage: wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::STORAGE,
-        mapped_at_creation: false,
-    })
-}
-
 fn vertex_storage_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("vertex storage"),
-        entries: &[wgpu::BindGroupLayoutEntry {
-            binding: 0,
-            visibility: wgpu::ShaderStages::VERTEX,
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Storage { read_only: true },
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        }],
-    })
+    let entries = &entries(wgpu::ShaderStages::VERTEX, [(0, READ)]);
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("vertex storage"), entries })
 }
 
 /// Refuses a device that was lost or destroyed. wgpu tells only the caller's callback, but no buffer of a lost device

@@ -38,11 +38,6 @@ impl UniformTable {
     }
 }
 
-/// One entry of a table as a binding with a dynamic offset.
-pub(crate) fn entry<T>(buffer: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
-    super::dispatch_limits::binding(buffer, 0..size_of::<T>() as u64)
-}
-
 /// Records that each target is set to its contents from here on. Commands recorded before still see the old content, so an
 /// encoder may hold several uses of a buffer. Records nothing if the device is lost. Contents are whole words.
 pub(crate) fn upload(

@@ -4,14 +4,15 @@ use wgpu::BufferUsages;
 
 use super::model_data::{ModelData, Plan, PlannedDispatch, PoseLayout};
 use crate::displace::{DISPLACE_GROUP, Displacement};
-use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
+use crate::gpu::common::bindings::{part, uniform, whole};
+use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{MemoryError, buffer, filled, guarded, scoped};
-use crate::gpu::common::pass::{Dispatch, Pass};
-use crate::gpu::common::pipelines::{Pipeline, Pipelines};
+use crate::gpu::common::pass::{Step, Workgroups, record_with};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program};
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::{DeviceError, Subject, check_same, check_timer};
 use crate::gpu::common::timer::StageTimer;
-use crate::gpu::common::uniforms::{UniformTable, entry, upload};
+use crate::gpu::common::uniforms::{UniformTable, upload};
 use crate::gpu::scene::needs::SceneNeeds;
 use crate::layout::{DeformChunk, DeformDispatch};
 use crate::model::{Geometry, Model, Pose, PoseMismatch};
@@ -106,7 +107,7 @@ pub struct Deformer {
     chunks: Vec<(usize, DeformChunk)>,
     /// The constant part of each dispatch's uniform.
     plan: Vec<DeformDispatch>,
-    pass: Pass,
+    pass: Step,
     has_resources: bool,
 }
 
@@ -140,11 +141,11 @@ impl Deformer {
         let bytes = data.check(&split, options.memory_limit)?;
         // Only a caller's displacement or layout can make this fail.
         let pipeline = scoped(device, wgpu::ErrorFilter::Validation, || {
-            pipelines.deform(options.displacement, options.displacement_layout)
+            pipelines.get(&Program::deform(options.displacement, options.displacement_layout))
         })
         .map_err(|message| DeformError::Pipeline { message })?;
         guarded(device, bytes, || {
-            Self::build(device, model, &data, &split, pipeline, options.displacement.is_some(), has_resources)
+            Self::build(device, model, &data, &split, &pipeline, options.displacement.is_some(), has_resources)
         })
         .map_err(DeformError::from)
     }
@@ -154,7 +155,7 @@ impl Deformer {
         model: &Model,
         data: &ModelData,
         split: &DispatchLimits,
-        pipeline: Pipeline,
+        pipeline: &Pipeline,
         displaced: bool,
         has_resources: bool,
     ) -> Self {
@@ -178,19 +179,20 @@ impl Deformer {
         let dispatches = table.into_buffer(device, "deform dispatches");
         let bind = |(planned, offset): (&PlannedDispatch, u32)| {
             let [own_rest, own_morph, own_skin, own_sources, own_positions] = planned.arrays.clone();
-            let resources = [
-                ("dispatch", entry::<DeformDispatch>(&dispatches)),
-                ("rest", binding(&rest, own_rest)),
-                ("morph", binding(&morph, own_morph)),
-                ("skin", binding(&skin, own_skin)),
-                ("pose", pose.as_entire_binding()),
-                ("source_vertices", binding(&source_vertices, own_sources)),
-                ("positions", binding(&positions, own_positions)),
-            ];
-            let group = Some(pipeline.bind(device, &resources));
-            Dispatch { group, offsets: vec![offset], workgroups: planned.workgroups, ..Dispatch::over(0, 0..0, 0) }
+            pipeline.dispatch(device, Workgroups::Known([planned.workgroups, 1]), |name| {
+                Some(match name {
+                    "dispatch" => uniform::<DeformDispatch>(&dispatches, offset),
+                    "rest" => part(&rest, own_rest.clone()),
+                    "morph" => part(&morph, own_morph.clone()),
+                    "skin" => part(&skin, own_skin.clone()),
+                    "pose" => whole(&pose),
+                    "source_vertices" => part(&source_vertices, own_sources.clone()),
+                    "positions" => part(&positions, own_positions.clone()),
+                    _ => return None,
+                })
+            })
         };
-        let passes = planned.iter().zip(offsets).map(bind).collect();
+        let pass = pipeline.pass(planned.iter().zip(offsets).map(bind));
         Self {
             device: device.clone(),
             positions,
@@ -202,7 +204,7 @@ impl Deformer {
             offsets: instance_offsets(model),
             chunks,
             plan,
-            pass: Pass { pipeline, dispatches: passes },
+            pass,
             has_resources,
         }
     }
@@ -291,7 +293,7 @@ impl Deformer {
             // The same commands write what the positions are, so an encoder that is dropped changes both or neither.
             encoder.copy_buffer_to_buffer(&self.pose, 4 * self.before + bytes, &self.held, 0, bytes);
         }
-        self.pass.record_with(encoder, |_| true, timer, resources.map(|group| (DISPLACE_GROUP, group)));
+        record_with([&self.pass], encoder, 0..1, timer, resources.map(|group| (DISPLACE_GROUP, group)));
         Ok(())
     }
 

@@ -132,16 +132,17 @@ impl ModelData {
 
     /// Checks all sizes before any buffer is made.
     pub(super) fn check(&self, split: &DispatchLimits, memory_limit: Option<u64>) -> Result<u64, MemoryError> {
-        let arrays = LABELS.into_iter().zip(self.bytes);
         // There is never more than one dispatch for each chunk.
         let uniforms = self.chunks * UniformTable::stride::<DeformDispatch>() as u64;
-        let pose = 4 * (self.pose_words + self.workgroups);
-        let held = 4 * self.pose_layouts.len() as u64;
-        let own =
-            [("positions", self.vertices * 12), ("pose", pose), ("deform dispatches", uniforms), ("deformed", held)];
-        let allocations: Vec<_> =
-            arrays.chain(own).map(|(label, bytes)| Allocation { label, bytes: padded(bytes) }).collect();
-        check(&allocations, split.buffer, memory_limit)
+        let own = [
+            ("positions", self.vertices * 12),
+            ("pose", 4 * (self.pose_words + self.workgroups)),
+            ("deform dispatches", uniforms),
+            ("deformed", 4 * self.pose_layouts.len() as u64),
+        ];
+        let arrays = LABELS.into_iter().zip(self.bytes);
+        let allocation = |(label, bytes)| Allocation { label, bytes: padded(bytes) };
+        check(&arrays.chain(own).map(allocation).collect::<Vec<_>>(), split.buffer, memory_limit)
     }
 
     /// Rest positions, morph targets, influences and source vertices as buffers.

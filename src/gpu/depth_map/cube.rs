@@ -8,16 +8,17 @@ use super::meeting::{cameras, check_meeting};
 use super::options::{DepthCubeMaps, DepthMapMethod, DepthMapOptions};
 use super::pipelines::DepthMapPipelines;
 use super::recording::Inputs;
-use super::stage::{BoundStage, ObjectStage, Workgroups};
+use super::stage::ObjectStage;
 use super::texture::{check_objects, check_texture, written_texture};
 use super::volumes::{DepthMapVolumes, MOST_CELLS};
 use crate::ShadowCamera;
+use crate::gpu::common::bindings::{texture, uniform};
 use crate::gpu::common::dispatch_limits::WORKGROUP;
 use crate::gpu::common::memory::{Allocation, check, filled, guarded};
+use crate::gpu::common::pass::Workgroups;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::{Subject, check_alive};
 use crate::gpu::common::timer::StageTimer;
-use crate::gpu::common::uniforms::entry;
 use crate::layout::DepthMapShape;
 use crate::shadow::DepthDirection;
 use crate::stages::DEPTH_CUBE;
@@ -154,19 +155,27 @@ impl DepthMapCube {
             let device = shared.device();
             let is_reversed = u32::from(maps.lights[0].depth == DepthDirection::Reversed);
             let shape = DepthMapShape { is_reversed, ..*shape };
-            let uniform = filled(device, "depth map", bytemuck::bytes_of(&shape), wgpu::BufferUsages::UNIFORM);
-            let of = wgpu::BindingResource::TextureView;
-            let mut resources = vec![("depth_map", entry::<DepthMapShape>(&uniform))];
-            let names = ["depth_texture", "texture_1", "texture_2", "texture_3", "texture_4", "texture_5"];
-            resources.extend(names.into_iter().zip(maps.textures.map(|map| of(map.unwrap_or(nothing)))));
-            resources.push(("cube_texture", of(view)));
-            let names = ["objects_0", "objects_1", "objects_2", "objects_3", "objects_4", "objects_5"];
-            let given = maps.objects.map(|objects| of(objects.filter(|_| has_objects).unwrap_or(no_objects)));
-            resources.extend(names.into_iter().zip(given));
-            resources.push(("cube_objects", of(objects.unwrap_or(unwritten_objects))));
+            let uniforms = filled(device, "depth map", bytemuck::bytes_of(&shape), wgpu::BufferUsages::UNIFORM);
+            let get = |name: &str| {
+                let numbered = |prefix: &str| name.strip_prefix(prefix)?.parse::<usize>().ok();
+                let map = |map: usize| texture(maps.textures.get(map).copied().flatten().unwrap_or(nothing));
+                Some(match name {
+                    "depth_map" => uniform::<DepthMapShape>(&uniforms, 0),
+                    "depth_texture" => map(0),
+                    "cube_texture" => texture(view),
+                    "cube_objects" => texture(objects.unwrap_or(unwritten_objects)),
+                    _ => match (numbered("texture_"), numbered("objects_")) {
+                        (Some(number), _) => map(number),
+                        (_, Some(number)) => {
+                            let given = maps.objects.get(number).copied().flatten().filter(|_| has_objects);
+                            texture(given.unwrap_or(no_objects))
+                        }
+                        _ => return None,
+                    },
+                })
+            };
             let stage = stage.get(shared, has_objects);
-            let groups = vec![stage.bind(device, &resources)];
-            Some(BoundStage { stage, groups, workgroups: Workgroups::over(device, shape.blocks) })
+            Some(stage.pass([stage.dispatch(device, Workgroups::over(device, shape.blocks), get)]))
         };
         let inputs = Inputs { texture: view, objects, lights: &maps.lights, formats: &formats, eye: camera };
         self.volumes.record(encoder, &inputs, before, timer)

@@ -1,13 +1,14 @@
 //! Methods that look at more than the ends of an edge, or continue edges: marks of all edges, which the cells are decided from.
 
-use super::error::DepthMapError;
 use super::options::{DanglingEdges, DepthMapMethod};
-use super::stage::{BoundStage, ObjectStage, Workgroups};
+use super::stage::ObjectStage;
 use super::view::steps;
+use crate::gpu::common::bindings::{Resource, uniform, whole};
 use crate::gpu::common::dispatch_limits::WORKGROUP;
-use crate::gpu::common::memory::{Allocation, buffer, filled, guarded};
+use crate::gpu::common::memory::filled;
+use crate::gpu::common::pass::{Dispatch, Step, Workgroups};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
-use crate::gpu::common::uniforms::entry;
+use crate::gpu::common::wanted::Wanted;
 use crate::layout::DepthEdgeRule;
 use crate::shadow::DepthDirection;
 use crate::stages::DEPTH_EDGES;
@@ -85,16 +86,15 @@ impl Detector {
         u64::from(across) * u64::from(down.div_ceil(STRIP))
     }
 
-    /// Bytes of the marks, of those that may be continued, and of what is known about samples.
-    pub(super) fn allocations(&self) -> [Allocation; 4] {
+    /// Buffers of marks, of those that may be continued, of faint ones, and of what is known about samples.
+    pub(super) fn buffers<B>(&self, make: &mut impl FnMut(Wanted<'static>) -> B) -> [B; 4] {
         let words = u64::from(self.rule.words[0]) * u64::from(self.rule.words[1]);
         let further = if self.dangling.is_some() { words } else { 1 };
-        let allocation = |label, words| Allocation { label, bytes: 4 * words };
         [
-            allocation("edges of a depth map", words),
-            allocation("continued edges of a depth map", further),
-            allocation("faint edges of a depth map", further),
-            allocation("samples of a depth map", words),
+            make(Wanted::new("edges of a depth map", 4 * words)),
+            make(Wanted::new("continued edges of a depth map", 4 * further)),
+            make(Wanted::new("faint edges of a depth map", 4 * further)),
+            make(Wanted::new("samples of a depth map", 4 * words)),
         ]
     }
 }
@@ -111,20 +111,13 @@ pub(super) struct EdgeStages {
 }
 
 impl EdgeStages {
-    pub(super) fn new(shared: &Pipelines, detector: Detector) -> Result<Self, DepthMapError> {
+    pub(super) fn new(shared: &Pipelines, detector: Detector, buffers: [wgpu::Buffer; 4]) -> Self {
         // Each pass has its own constants, so that more of them are shared.
         let mark = [("SECOND", detector.second), ("CONTINUES", u32::from(detector.dangling.is_some()))];
         let count = [("RINGS", f64::from(detector.rings))];
-        let allocations = detector.allocations();
-        let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
-        let device = shared.device();
-        let usage = wgpu::BufferUsages::STORAGE;
-        let buffers = guarded(device, bytes, || {
-            [0, 1, 2, 3].map(|at| buffer(device, allocations[at].label, allocations[at].bytes, usage))
-        })?;
         let passes = [("depth_edges_continue", &[][..]), ("depth_edges_count", &count)];
         let stages = passes.map(|(entry_point, constants)| shared.compute(&DEPTH_EDGES, entry_point, constants));
-        Ok(Self { detector, mark: ObjectStage::new(shared, &DEPTH_EDGES, "depth_edges_mark", &mark), stages, buffers })
+        Self { detector, mark: ObjectStage::new(shared, &DEPTH_EDGES, "depth_edges_mark", &mark), stages, buffers }
     }
 
     /// The rule for depths that were rounded to `formats`.
@@ -144,41 +137,38 @@ impl EdgeStages {
         rule
     }
 
-    /// Marks, continues, counts. `map`: what all stages of cells read. `few`: workgroups that take blocks in turn.
-    pub(super) fn bind(
-        &self,
+    /// Marks, continues, counts. `get`: what all stages of cells read. `few`: workgroups that take blocks in turn.
+    pub(super) fn steps<'a>(
+        &'a self,
         shared: &Pipelines,
         rule: &DepthEdgeRule,
-        map: &[(&str, wgpu::BindingResource<'_>)],
+        get: impl Fn(&str) -> Option<Resource<'a>>,
         (has_objects, few): (bool, u32),
-    ) -> Vec<BoundStage> {
+    ) -> Vec<Step> {
         let device = shared.device();
-        let uniform = filled(device, "edges of a depth map", bytemuck::bytes_of(rule), wgpu::BufferUsages::UNIFORM);
+        let rules = filled(device, "edges of a depth map", bytemuck::bytes_of(rule), wgpu::BufferUsages::UNIFORM);
         let continued = self.detector.dangling.map_or(0, |dangling| dangling.cells as usize);
-        let group = |stage: &Pipeline, out: usize| {
-            let own = [
-                ("edge_rule", entry::<DepthEdgeRule>(&uniform)),
-                ("edges_before", self.buffers[1 - out].as_entire_binding()),
-                ("edges", self.buffers[out].as_entire_binding()),
-                ("faint_edges", self.buffers[2].as_entire_binding()),
-                ("sample_bits", self.buffers[3].as_entire_binding()),
-            ];
-            stage.bind(device, &[map, &own].concat())
-        };
-        let bound = |stage: &Pipeline, groups, count| BoundStage {
-            stage: stage.clone(),
-            groups,
-            workgroups: Workgroups::over(device, count),
+        let bind = |stage: &Pipeline, count: u32, out: usize| -> Dispatch {
+            let own = |name: &str| {
+                Some(match name {
+                    "edge_rule" => uniform::<DepthEdgeRule>(&rules, 0),
+                    "edges_before" => whole(&self.buffers[1 - out]),
+                    "edges" => whole(&self.buffers[out]),
+                    "faint_edges" => whole(&self.buffers[2]),
+                    "sample_bits" => whole(&self.buffers[3]),
+                    _ => return get(name),
+                })
+            };
+            stage.dispatch(device, Workgroups::over(device, count), own)
         };
         let (mark, [forward, count]) = (self.mark.get(shared, has_objects), &self.stages);
         let marking = self.detector.strips().div_ceil(MARKERS) as u32;
-        let mut stages = vec![bound(&mark, vec![group(&mark, 0)], marking)];
+        let mut steps = vec![mark.pass([bind(&mark, marking, 0)])];
         if continued > 0 {
-            let turns = [0, 1].map(|out| group(forward, out));
-            let groups = (1..=continued).map(|pass| turns[pass % 2].clone()).collect();
-            stages.push(bound(forward, groups, rule.blocks));
+            let turns = [0, 1].map(|out| bind(forward, rule.blocks, out));
+            steps.push(forward.pass((1..=continued).map(|pass| turns[pass % 2].clone())));
         }
-        stages.push(bound(count, vec![group(count, 1 - continued % 2)], few));
-        stages
+        steps.push(count.pass([bind(count, few, 1 - continued % 2)]));
+        steps
     }
 }

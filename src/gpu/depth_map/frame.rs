@@ -68,9 +68,9 @@ impl DepthMapFrame {
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &DepthMapPipelines) -> Result<(), DepthMapError> {
         self.check(pipelines)?;
         if let (true, [group, ..]) = (self.has_walls, &self.groups[..]) {
-            let own = pipelines.walls()?;
+            let (walls, own) = pipelines.walls()?;
             pass.set_bind_group(0, group, &[]);
-            pass.set_pipeline(&own.walls);
+            pass.set_pipeline(walls);
             pass.draw_indirect(&self.draws, 0);
             pass.set_pipeline(&own.surface);
             pass.draw_indirect(&self.draws, 16);

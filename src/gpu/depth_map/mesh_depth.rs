@@ -2,7 +2,9 @@
 
 use super::error::DepthMapError;
 use crate::gpu::PositionBuffer;
+use crate::gpu::common::bindings::{READ, entries, part, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::common::drawing::Drawn;
 use crate::gpu::common::memory::{any_error, filled};
 use crate::gpu::common::pipelines::{Pipelines, group};
 use crate::gpu::common::requirements::{Subject, check_alive};
@@ -11,6 +13,9 @@ use crate::layout::{MeshDepthCaster, MeshDepthView};
 use crate::shadow::DepthDirection;
 use crate::stages::MESH_DEPTH;
 use crate::{Matrix3x4, Mesh, ShadowCamera};
+
+/// Bindings of a draw: view, positions, caster.
+const BINDINGS: u32 = 3;
 
 /// The transform that leaves positions where they are.
 pub(super) const UNMOVED: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
@@ -52,7 +57,7 @@ impl MeshDepth {
         shared.clone().construct(Subject::DepthMap, || {
             let device = shared.device().clone();
             any_error(&device, || Self {
-                pipeline: depth_pipeline(&shared, "mesh_depth", &layout(&shared), format, depth),
+                pipeline: depth_pipeline(&shared, "mesh_depth", &depth_layout(&shared, BINDINGS), format, depth),
                 indices: filled(
                     &device,
                     "faces of a depth map",
@@ -114,13 +119,8 @@ impl MeshDepth {
         let group = any_error(device, || {
             let view = storage(device, bytemuck::bytes_of(&MeshDepthView { columns: light.view_projection }));
             let caster = storage(device, bytemuck::bytes_of(&placed(mesh_to_world, light, place)));
-            let bound = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: positions.buffer,
-                offset: base,
-                size: wgpu::BufferSize::new(end - base),
-            });
-            let resources = [view.as_entire_binding(), bound, caster.as_entire_binding()];
-            group(device, "mesh depth", &layout(&self.shared), &resources)
+            let resources = [whole(&view), part(positions.buffer, base..end), whole(&caster)];
+            group(device, "mesh depth", &depth_layout(&self.shared, BINDINGS), &resources)
         });
         let group = group.map_err(|message| DepthMapError::Refused { message })?;
         pass.set_pipeline(&self.pipeline);
@@ -145,18 +145,9 @@ pub(super) fn placed(rows: Matrix3x4, light: &ShadowCamera, place: [u32; 4]) -> 
     MeshDepthCaster { row_0: less(0), row_1: less(1), row_2: less(2), place }
 }
 
-/// The layout of the bind group: view, positions, caster.
-fn layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
-    depth_layout(pipelines, 3)
-}
-
 /// The layout of the first bindings of the stage.
 pub(super) fn depth_layout(pipelines: &Pipelines, bindings: u32) -> wgpu::BindGroupLayout {
-    let ty = wgpu::BufferBindingType::Storage { read_only: true };
-    let ty = wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-    let visibility = wgpu::ShaderStages::VERTEX;
-    let entry = |binding| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-    pipelines.layout("mesh depth", (0..bindings).map(entry).collect())
+    pipelines.layout("mesh depth", entries(wgpu::ShaderStages::VERTEX, (0..bindings).map(|binding| (binding, READ))))
 }
 
 /// A pipeline of the stage, for attachments without color.
@@ -167,37 +158,22 @@ pub(super) fn depth_pipeline(
     format: wgpu::TextureFormat,
     depth: DepthDirection,
 ) -> wgpu::RenderPipeline {
-    let device = shared.device();
-    let nearer = match depth {
-        DepthDirection::Reversed => wgpu::CompareFunction::Greater,
-        DepthDirection::Standard => wgpu::CompareFunction::Less,
-    };
-    let label = Some(entry_point);
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label,
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label,
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &shared.module(MESH_DEPTH.name, &MESH_DEPTH.wgsl()),
-            entry_point: label,
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(nearer),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
+    let module = shared.module(MESH_DEPTH.name, &MESH_DEPTH.wgsl());
+    shared.draws(&Drawn {
+        label: entry_point,
+        layouts: &[layout],
+        vertex: (&module, entry_point),
         fragment: None,
-        multiview_mask: None,
-        cache: None,
+        constants: &[],
+        primitive: wgpu::PrimitiveState::default(),
+        format,
+        writes_depth: true,
+        compare: match depth {
+            DepthDirection::Reversed => wgpu::CompareFunction::Greater,
+            DepthDirection::Standard => wgpu::CompareFunction::Less,
+        },
+        stencil: wgpu::StencilState::default(),
+        samples: 1,
+        colors: &[],
     })
 }

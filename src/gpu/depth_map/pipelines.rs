@@ -6,14 +6,14 @@ use std::sync::OnceLock;
 use wgpu::{CompareFunction, StencilOperation};
 
 use super::error::DepthMapError;
-use crate::gpu::common::bindings::{FLOAT_TEXTURE, UINT_TEXTURE};
+use crate::gpu::common::bindings::{FLOAT_TEXTURE, READ, Resource, UINT_TEXTURE, UNIFORM, entries};
+use crate::gpu::common::drawing::Drawn;
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::{DeviceError, Subject, check_sample_shading};
 use crate::gpu::shadow::format::Casters;
 use crate::gpu::shadow::pipelines::{check, check_count_bits};
 use crate::gpu::shadow::{ShadowFormat, ShadowFormatError};
-use crate::shadow::DepthDirection;
 use crate::stages::{DEPTH_SURFACE, DEPTH_WALLS, Stage};
 
 /// The pipelines that draw volumes from depth maps, for one [`ShadowFormat`] and one bit of the stencil, or some.
@@ -25,23 +25,31 @@ pub struct DepthMapPipelines {
     /// For each bit.
     pub(super) draws: Vec<BitPipelines>,
     /// Made with the first volumes that have walls, or for the first draw of others' volumes.
-    walls: OnceLock<WallPipelines>,
+    walls: OnceLock<(wgpu::RenderPipeline, BitPipelines)>,
 }
 
 /// The pipelines of a bit.
 #[derive(Debug)]
 pub(super) struct BitPipelines {
+    /// With walls it draws every cell where their list overflowed.
     pub(super) surface: wgpu::RenderPipeline,
     pub(super) near_cap: wgpu::RenderPipeline,
 }
 
-/// The pipelines of walls, in the first bit.
-#[derive(Debug)]
-pub(super) struct WallPipelines {
-    pub(super) walls: wgpu::RenderPipeline,
-    /// Draws every cell where the list of walls overflowed.
-    pub(super) surface: wgpu::RenderPipeline,
-    pub(super) near_cap: wgpu::RenderPipeline,
+impl BitPipelines {
+    fn new(
+        shared: &Pipelines,
+        format: &ShadowFormat,
+        bit: u32,
+        layout: &wgpu::BindGroupLayout,
+        behind: EntryPoint,
+    ) -> Self {
+        let make = |entry_points, compare| make(shared, format, turned(bit), layout, entry_points, compare);
+        Self {
+            surface: make([SURFACE, NOTHING], format.nearer()),
+            near_cap: make([NEAR_CAP, behind], CompareFunction::Always),
+        }
+    }
 }
 
 impl DepthMapPipelines {
@@ -115,31 +123,21 @@ impl DepthMapPipelines {
 
     fn with(shared: Pipelines, format: &ShadowFormat, bits: Range<u32>) -> Self {
         let layout = layout(&shared);
-        let cap = [NEAR_CAP, BEHIND_TRIANGLES];
-        let of_bit = |bit| BitPipelines {
-            surface: make(&shared, format, turned(bit), &layout, [SURFACE, NOTHING], nearer(format)),
-            near_cap: make(&shared, format, turned(bit), &layout, cap, CompareFunction::Always),
-        };
+        let of_bit = |bit| BitPipelines::new(&shared, format, bit, &layout, BEHIND_TRIANGLES);
         let draws = bits.clone().map(of_bit).collect();
         Self { shared, format: format.clone(), bits, draws, walls: OnceLock::new() }
     }
 
-    /// The pipelines of walls.
-    pub(super) fn walls(&self) -> Result<&WallPipelines, DeviceError> {
+    /// The pipelines of walls, and what is drawn beside them. They are in the first bit.
+    pub(super) fn walls(&self) -> Result<&(wgpu::RenderPipeline, BitPipelines), DeviceError> {
         if let Some(made) = self.walls.get() {
             return Ok(made);
         }
-        let made = any_error(self.shared.device(), || {
-            let layout = wall_layout(&self.shared);
-            let compare = nearer(&self.format);
-            let make = |entry_points, compare| {
-                make(&self.shared, &self.format, turned(self.bits.start), &layout, entry_points, compare)
-            };
-            WallPipelines {
-                walls: make([WALLS, NOTHING], compare),
-                surface: make([SURFACE, NOTHING], compare),
-                near_cap: make([NEAR_CAP, BEHIND_CONTOURS], CompareFunction::Always),
-            }
+        let Self { shared, format, bits, .. } = self;
+        let made = any_error(shared.device(), || {
+            let layout = wall_layout(shared);
+            let walls = make(shared, format, turned(bits.start), &layout, [WALLS, NOTHING], format.nearer());
+            (walls, BitPipelines::new(shared, format, bits.start, &layout, BEHIND_CONTOURS))
         });
         let made = made.map_err(|message| DeviceError::Refused { message })?;
         Ok(self.walls.get_or_init(|| made))
@@ -179,54 +177,33 @@ const NEAR_CAP: EntryPoint = (&DEPTH_SURFACE, "depth_near_cap");
 const BEHIND_TRIANGLES: EntryPoint = (&DEPTH_SURFACE, "depth_near_cap_fragment");
 const BEHIND_CONTOURS: EntryPoint = (&DEPTH_WALLS, "depth_walls_near_cap_fragment");
 
-/// The depth comparison that nearer fragments pass.
-fn nearer(format: &ShadowFormat) -> CompareFunction {
-    match format.depth {
-        DepthDirection::Reversed => CompareFunction::Greater,
-        DepthDirection::Standard => CompareFunction::Less,
-    }
-}
-
-const fn uniform_or_storage(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
-    wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
-}
-
-const UNIFORM: wgpu::BindingType = uniform_or_storage(wgpu::BufferBindingType::Uniform);
-const STORAGE: wgpu::BindingType = uniform_or_storage(wgpu::BufferBindingType::Storage { read_only: true });
 /// Map, texture, cells, view, objects.
 const SURFACE_BINDINGS: [(u32, wgpu::BindingType); 5] =
-    [(0, UNIFORM), (1, FLOAT_TEXTURE), (2, STORAGE), (3, STORAGE), (4, UINT_TEXTURE)];
+    [(0, UNIFORM), (1, FLOAT_TEXTURE), (2, READ), (3, READ), (4, UINT_TEXTURE)];
 /// Places, contours, counts, marks.
-const WALL_BINDINGS: [(u32, wgpu::BindingType); 4] = [(5, STORAGE), (6, UNIFORM), (7, STORAGE), (9, STORAGE)];
-
-fn entry((binding, ty): (u32, wgpu::BindingType)) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::VERTEX_FRAGMENT, ty, count: None }
-}
-
-fn face(pass_op: StencilOperation) -> wgpu::StencilFaceState {
-    wgpu::StencilFaceState { pass_op, ..wgpu::StencilFaceState::IGNORE }
-}
+const WALL_BINDINGS: [(u32, wgpu::BindingType); 4] = [(5, READ), (6, UNIFORM), (7, READ), (9, READ)];
 
 /// Turns a bit round.
 fn turned(bit: u32) -> wgpu::StencilState {
-    let face = face(StencilOperation::Invert);
+    let face = wgpu::StencilFaceState { pass_op: StencilOperation::Invert, ..wgpu::StencilFaceState::IGNORE };
     wgpu::StencilState { front: face, back: face, read_mask: 0xff, write_mask: 1 << bit }
 }
 
 /// The layout of the bind group of the draws.
 pub(super) fn layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
-    pipelines.layout("depth surface", SURFACE_BINDINGS.map(entry).to_vec())
+    pipelines.layout("depth surface", entries(wgpu::ShaderStages::VERTEX_FRAGMENT, SURFACE_BINDINGS))
 }
 
 /// The layout of the bind group of the draws of walls.
 pub(super) fn wall_layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
-    pipelines.layout("depth walls", SURFACE_BINDINGS.into_iter().chain(WALL_BINDINGS).map(entry).collect())
+    let all = SURFACE_BINDINGS.into_iter().chain(WALL_BINDINGS);
+    pipelines.layout("depth walls", entries(wgpu::ShaderStages::VERTEX_FRAGMENT, all))
 }
 
 /// The bind group of the draws of walls.
-pub(super) fn wall_group(pipelines: &Pipelines, resources: Vec<(u32, wgpu::BindingResource<'_>)>) -> wgpu::BindGroup {
-    let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
-    let entries: Vec<_> = resources.into_iter().map(entry).collect();
+pub(super) fn wall_group(pipelines: &Pipelines, resources: Vec<(u32, Resource<'_>)>) -> wgpu::BindGroup {
+    let bound = resources.into_iter().map(|(binding, resource)| (binding, resource.bound));
+    let entries: Vec<_> = bound.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
     pipelines.device().create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("depth walls"),
         layout: &wall_layout(pipelines),
@@ -247,46 +224,22 @@ fn make(
     stencil: wgpu::StencilState,
     layout: &wgpu::BindGroupLayout,
     [vertex, fragment]: [EntryPoint; 2],
-    depth_compare: CompareFunction,
+    compare: CompareFunction,
 ) -> wgpu::RenderPipeline {
-    let device = shared.device();
     let [vertex_module, fragment_module] =
         [vertex, fragment].map(|(stage, _)| shared.module(stage.name, &drawn_wgsl(stage, format.samples)));
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(vertex.1),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    let unchanged = |color: Option<wgpu::TextureFormat>| {
-        color.map(|format| wgpu::ColorTargetState { format, blend: None, write_mask: wgpu::ColorWrites::empty() })
-    };
-    let targets: Vec<_> = format.colors.iter().map(|&color| unchanged(color)).collect();
-    let compilation_options = wgpu::PipelineCompilationOptions::default;
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(vertex.1),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &vertex_module,
-            entry_point: Some(vertex.1),
-            compilation_options: compilation_options(),
-            buffers: &[],
-        },
+    shared.draws(&Drawn {
+        label: vertex.1,
+        layouts: &[layout],
+        vertex: (&vertex_module, vertex.1),
+        fragment: Some((&fragment_module, fragment.1)),
+        constants: &[],
         primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: format.depth_stencil,
-            depth_write_enabled: Some(false),
-            depth_compare: Some(depth_compare),
-            stencil,
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState { count: format.samples, ..Default::default() },
-        fragment: Some(wgpu::FragmentState {
-            module: &fragment_module,
-            entry_point: Some(fragment.1),
-            compilation_options: compilation_options(),
-            targets: &targets,
-        }),
-        multiview_mask: None,
-        cache: None,
+        format: format.depth_stencil,
+        writes_depth: false,
+        compare,
+        stencil,
+        samples: format.samples,
+        colors: &format.colors,
     })
 }

@@ -10,18 +10,19 @@ use super::metric::metric_steps;
 use super::near::{NearReach, near_reach};
 use super::options::DepthMap;
 use super::pipelines::{layout, wall_group};
-use super::stage::{BoundStage, Workgroups};
 use super::texture::{check_objects, check_texture};
 use super::view::{Placing, depth_map_view};
 use super::volumes::DepthMapVolumes;
 use crate::ShadowCamera;
+use crate::gpu::common::bindings::{Resource, texture, uniform, whole};
 use crate::gpu::common::dispatch_limits::{WORKGROUP, loops};
-use crate::gpu::common::memory::{any_error, buffer, filled};
+use crate::gpu::common::memory::{any_error, filled};
+use crate::gpu::common::pass::{Step, Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, group};
 use crate::gpu::common::requirements::{check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
-use crate::gpu::common::uniforms::entry;
-use crate::layout::{DepthMapShape, DepthMapView, DepthNearBox};
+use crate::gpu::common::wanted::Wanted;
+use crate::layout::{ContourShape, DepthMapShape, DepthMapView, DepthNearBox};
 use crate::shadow::DepthDirection;
 
 /// The inputs of an encode: one map, or the six of a cube in one texture.
@@ -35,11 +36,28 @@ pub(super) struct Inputs<'a> {
 }
 
 /// The bindings of the map for stages and draws.
-struct Bound<'a> {
-    textures: [wgpu::BindingResource<'a>; 2],
+pub(super) struct Bound<'a> {
+    /// The map, and its objects.
+    textures: [&'a wgpu::TextureView; 2],
     shape: DepthMapShape,
     map: wgpu::Buffer,
     contour: Option<wgpu::Buffer>,
+}
+
+impl Bound<'_> {
+    pub(super) fn has_objects(&self) -> bool {
+        self.shape.objects == 1
+    }
+
+    pub(super) fn get(&self, name: &str) -> Option<Resource<'_>> {
+        Some(match name {
+            "depth_map" => uniform::<DepthMapShape>(&self.map, 0),
+            "depth_texture" => texture(self.textures[0]),
+            "object_texture" => texture(self.textures[1]),
+            "contour" => uniform::<ContourShape>(self.contour.as_ref()?, 0),
+            _ => return None,
+        })
+    }
 }
 
 impl DepthMapVolumes {
@@ -71,8 +89,8 @@ impl DepthMapVolumes {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
-        before: impl FnOnce() -> Option<BoundStage>,
-        mut timer: Option<&mut StageTimer>,
+        before: impl FnOnce() -> Option<Step>,
+        timer: Option<&mut StageTimer>,
     ) -> Result<DepthMapFrame, DepthMapError> {
         let device = self.shared.device();
         check_timer(timer.as_deref(), device)?;
@@ -86,29 +104,27 @@ impl DepthMapVolumes {
             let uniform = |label, bytes: &[u8]| filled(device, label, bytes, wgpu::BufferUsages::UNIFORM);
             let contour = self.contours.as_ref().zip(views.first().and_then(|views| views.first()));
             let bound = Bound {
-                textures: [inputs.texture, objects.unwrap_or(&self.nothing)].map(wgpu::BindingResource::TextureView),
+                textures: [inputs.texture, objects.unwrap_or(&self.nothing)],
                 shape,
                 map: uniform("depth map", bytemuck::bytes_of(&shape)),
                 contour: contour.map(|(own, view)| own.uniform(device, view)),
             };
-            let mut stages: Vec<_> = before().into_iter().collect();
-            stages.extend(self.bind_stages(&bound, inputs, depth));
+            let mut steps: Vec<_> = before().into_iter().collect();
+            steps.extend(self.steps(&bound, inputs, depth));
             let draws: Vec<_> = views.iter().map(|views| self.bind_draw(&bound, views)).collect();
             let (near_cap, near) = self.near_cap(&bound, inputs);
-            stages.extend(near);
-            (stages, draws, near_cap)
+            steps.extend(near);
+            (steps, draws, near_cap)
         };
-        let (stages, groups, near_cap) =
+        let (steps, groups, near_cap) =
             any_error(device, bind).map_err(|message| DepthMapError::Refused { message })?;
-        for stage in &stages {
-            stage.record(encoder, timer.as_deref_mut());
-        }
+        record(&steps, encoder, 0..1, timer);
         Ok(DepthMapFrame {
             device: device.clone(),
             groups,
             near_cap,
             has_walls: self.contours.is_some(),
-            draws: self.contours.as_ref().map_or(&self.draws, |own| &own.draws).clone(),
+            draws: self.contours.as_ref().map_or(&self.buffers.draws, |own| &own.buffers.draws).clone(),
             list: self.cells().clone(),
             capacity: self.capacity(),
             format: self.eye.0,
@@ -138,7 +154,7 @@ impl DepthMapVolumes {
     }
 
     /// The near cap, and the stage that tells about it, if one has to.
-    fn near_cap(&self, bound: &Bound<'_>, inputs: &Inputs<'_>) -> (DepthMapNearCap, Option<BoundStage>) {
+    fn near_cap(&self, bound: &Bound<'_>, inputs: &Inputs<'_>) -> (DepthMapNearCap, Option<Step>) {
         let Some(stage) = &self.near else { return (DepthMapNearCap::Drawn, None) };
         let eye = (inputs.eye, self.eye.0);
         let near = match near_reach(inputs.lights, self.shape.size, eye, self.contours.is_some()) {
@@ -147,67 +163,54 @@ impl DepthMapVolumes {
             NearReach::Samples(near) => near,
         };
         let device = self.shared.device();
-        let uniform = filled(device, "near rectangle", bytemuck::bytes_of(&near), wgpu::BufferUsages::UNIFORM);
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_SRC;
-        let draw = buffer(device, "draw of a near cap", 16, usage);
-        let resources = [
-            ("depth_map", entry::<DepthMapShape>(&bound.map)),
-            ("depth_texture", bound.textures[0].clone()),
-            ("near", entry::<DepthNearBox>(&uniform)),
-            ("draws", draw.as_entire_binding()),
-        ];
-        let groups = vec![stage.bind(device, &resources)];
-        let stage = BoundStage { stage: stage.clone(), groups, workgroups: Workgroups::Known([1, 1]) };
-        (DepthMapNearCap::Told(draw), Some(stage))
+        let rectangle = filled(device, "near rectangle", bytemuck::bytes_of(&near), wgpu::BufferUsages::UNIFORM);
+        let draw = Wanted::new("draw of a near cap", 16).indirect().make(device);
+        let dispatch = stage.dispatch(device, Workgroups::Known([1, 1]), |name| match name {
+            "near" => Some(uniform::<DepthNearBox>(&rectangle, 0)),
+            "draws" => Some(whole(&draw)),
+            _ => bound.get(name),
+        });
+        let step = stage.pass([dispatch]);
+        (DepthMapNearCap::Told(draw), Some(step))
     }
 
-    fn bind_stages(&self, bound: &Bound<'_>, inputs: &Inputs<'_>, depth: DepthDirection) -> Vec<BoundStage> {
+    fn steps(&self, bound: &Bound<'_>, inputs: &Inputs<'_>, depth: DepthDirection) -> Vec<Step> {
         let device = self.shared.device();
-        let has_objects = bound.shape.objects == 1;
-        if let (Some(contours), Some(contour)) = (&self.contours, &bound.contour) {
-            return contours.bind(&self.shared, &bound.map, contour, &bound.textures, has_objects);
+        let has_objects = bound.has_objects();
+        if let Some(contours) = &self.contours {
+            return contours.steps(&self.shared, bound);
         }
         let blocks = bound.shape.blocks;
         // Workgroups cost a CPU more than turns, so few take the blocks in turn. Several bits take many turns each.
         let few = loops(device, blocks.saturating_mul(WORKGROUP));
-        let resources = [
-            ("depth_map", entry::<DepthMapShape>(&bound.map)),
-            ("depth_texture", bound.textures[0].clone()),
-            ("object_texture", bound.textures[1].clone()),
-            ("places", self.places.as_entire_binding()),
-            ("cells", self.cells.as_entire_binding()),
-            ("draws", self.draws.as_entire_binding()),
-        ];
-        let of_cells = |stage: Pipeline, count: u32| {
-            let groups = vec![stage.bind(device, &resources)];
-            BoundStage { stage, groups, workgroups: Workgroups::over(device, count) }
+        let get = |name: &str| match name {
+            "places" => Some(whole(&self.buffers.places)),
+            "cells" => Some(whole(&self.buffers.cells)),
+            "draws" => Some(whole(&self.buffers.draws)),
+            _ => bound.get(name),
         };
-        let mut stages = Vec::new();
+        let of_cells =
+            |stage: &Pipeline, count: u32| stage.pass([stage.dispatch(device, Workgroups::over(device, count), get)]);
+        let mut steps = Vec::new();
         if let Some(edges) = &self.edges {
             let mut formats = inputs.formats.iter().copied().chain(self.rounded_to);
             let rule = edges.rule(depth, &mut formats);
-            stages.extend(edges.bind(&self.shared, &rule, &resources[..4], (has_objects, few)));
+            steps.extend(edges.steps(&self.shared, &rule, get, (has_objects, few)));
         }
         if let Some(count) = &self.count {
             let workgroups = if bound.shape.spread == 0 { few } else { blocks };
-            stages.push(of_cells(count.get(&self.shared, has_objects), workgroups));
+            steps.push(of_cells(&count.get(&self.shared, has_objects), workgroups));
         }
-        stages.extend(self.stages.iter().zip([1, few]).map(|(stage, count)| of_cells(stage.clone(), count)));
-        stages
+        steps.extend(self.stages.iter().zip([1, few]).map(|(stage, count)| of_cells(stage, count)));
+        steps
     }
 
     /// The draw of a bit.
     fn bind_draw(&self, bound: &Bound<'_>, views: &[DepthMapView]) -> wgpu::BindGroup {
         let device = self.shared.device();
         let view = filled(device, "depth map view", bytemuck::cast_slice(views), wgpu::BufferUsages::STORAGE);
-        let [texture, objects] = &bound.textures;
-        let resources = [
-            bound.map.as_entire_binding(),
-            texture.clone(),
-            self.cells().as_entire_binding(),
-            view.as_entire_binding(),
-            objects.clone(),
-        ];
+        let [map, objects] = bound.textures;
+        let resources = [whole(&bound.map), texture(map), whole(self.cells()), whole(&view), texture(objects)];
         match (&self.contours, &bound.contour) {
             (Some(contours), Some(contour)) => {
                 wall_group(&self.shared, (0..).zip(resources).chain(contours.of_draws(contour)).collect())

@@ -6,7 +6,8 @@ use super::error::DepthMapError;
 use super::mesh_depth::{UNMOVED, depth_layout, depth_pipeline, placed, storage};
 use super::view::{matrix, origin};
 use crate::ShadowCamera;
-use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
+use crate::gpu::common::bindings::{part, whole};
+use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, any_error, check};
 use crate::gpu::common::pipelines::{Pipelines, group};
 use crate::gpu::common::requirements::{Subject, check_alive};
@@ -143,13 +144,8 @@ impl SceneDepth {
         let group = any_error(device, || {
             let [own, chunks] = [bytemuck::cast_slice(&casters), bytemuck::cast_slice(&chunks)];
             let [own, chunks] = [own, chunks].map(|contents| storage(device, contents));
-            let resources = [
-                view.as_entire_binding(),
-                binding(of.positions, of.range.clone()),
-                own.as_entire_binding(),
-                of.faces.as_entire_binding(),
-                chunks.as_entire_binding(),
-            ];
+            let positions = part(of.positions, of.range.clone());
+            let resources = [whole(view), positions, whole(&own), whole(of.faces), whole(&chunks)];
             group(device, "scene depth", &depth_layout(&self.shared, BINDINGS), &resources)
         });
         let group = group.map_err(|message| DepthMapError::Refused { message })?;

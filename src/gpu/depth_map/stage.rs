@@ -1,52 +1,9 @@
-//! Stages that are bound to be recorded, and stages that edges of objects are a part of.
+//! Stages that edges of objects are a part of.
 
 use std::sync::OnceLock;
 
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
-use crate::gpu::common::timer::StageTimer;
 use crate::stages::Stage;
-
-/// A stage that is bound. Its groups are dispatched one after another, in one pass.
-pub(super) struct BoundStage {
-    pub(super) stage: Pipeline,
-    pub(super) groups: Vec<wgpu::BindGroup>,
-    pub(super) workgroups: Workgroups,
-}
-
-/// Workgroups of a stage.
-pub(super) enum Workgroups {
-    /// Across and down.
-    Known([u32; 2]),
-    /// A stage before writes them, at this byte.
-    Written(wgpu::Buffer, u64),
-}
-
-impl Workgroups {
-    /// So many, in as few rows as the device allows.
-    pub(super) fn over(device: &wgpu::Device, count: u32) -> Self {
-        let most = device.limits().max_compute_workgroups_per_dimension;
-        let rows = count.div_ceil(most).min(most);
-        Self::Known([count.div_ceil(rows.max(1)).min(most), rows])
-    }
-}
-
-impl BoundStage {
-    pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&mut StageTimer>) {
-        let timestamp_writes = timer.and_then(|timer| timer.compute_pass(self.stage.label));
-        let label = Some(self.stage.label);
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
-        pass.set_pipeline(&self.stage.compute);
-        // Each uniform begins at its buffer's start.
-        let offsets = vec![0; self.stage.uniforms()];
-        for group in &self.groups {
-            pass.set_bind_group(0, group, &offsets);
-            match &self.workgroups {
-                Workgroups::Known([x, y]) => pass.dispatch_workgroups(*x, *y, 1),
-                Workgroups::Written(buffer, at) => pass.dispatch_workgroups_indirect(buffer, *at),
-            }
-        }
-    }
-}
 
 /// A stage with and without edges of objects. A pipeline without them is smaller, and the other is made with the first objects.
 #[derive(Debug)]

@@ -55,26 +55,13 @@ fn check_read(
     Ok(format)
 }
 
-/// One texel of no object.
-pub(super) fn object_texture(device: &wgpu::Device) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("no objects"),
-        size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::R32Uint,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    })
-}
-
-/// A texture that a stage writes and others read.
-pub(super) fn written_texture(
+/// A texture that stages read.
+pub(super) fn texture(
     device: &wgpu::Device,
     label: &'static str,
     [width, height]: [u32; 2],
     format: wgpu::TextureFormat,
+    further: wgpu::TextureUsages,
 ) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
@@ -83,9 +70,17 @@ pub(super) fn written_texture(
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
-        usage: wgpu::TextureUsages::STORAGE_BINDING
-            | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | further,
         view_formats: &[],
     })
+}
+
+/// A texture that a stage writes and others read.
+pub(super) fn written_texture(
+    device: &wgpu::Device,
+    label: &'static str,
+    size: [u32; 2],
+    format: wgpu::TextureFormat,
+) -> wgpu::Texture {
+    texture(device, label, size, format, wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_SRC)
 }

@@ -3,19 +3,20 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-use super::contours::{ContourPlan, Contours};
+use super::contours::{ContourBuffers, Contours, contour_shape};
 use super::edges::{Detector, EdgeStages, threshold_bits};
 use super::error::DepthMapError;
 use super::metric::DepthMetric;
 use super::options::{DepthMapMethod, DepthMapOptions};
 use super::pipelines::DepthMapPipelines;
 use super::stage::ObjectStage;
-use super::texture::object_texture;
+use super::texture::texture;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, buffer, check, check_bindings, guarded};
+use crate::gpu::common::memory::{Allocation, check, check_bindings, guarded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::requirements::Subject;
-use crate::layout::DepthMapShape;
+use crate::gpu::common::wanted::Wanted;
+use crate::layout::{ContourShape, DepthMapShape};
 use crate::shadow::DepthDirection;
 use crate::stages::{DEPTH_CELLS, DEPTH_NEAR, DEPTH_NEAR_WALLS};
 
@@ -90,10 +91,44 @@ pub struct DepthMapVolumes {
     pub(super) eye: (wgpu::TextureFormat, DepthDirection),
     /// Bound where there are no objects.
     pub(super) nothing: wgpu::TextureView,
-    pub(super) places: wgpu::Buffer,
-    pub(super) cells: wgpu::Buffer,
-    pub(super) draws: wgpu::Buffer,
+    pub(super) buffers: CellBuffers,
     pub(super) encodes: Arc<AtomicU64>,
+}
+
+/// The buffers of cells. Contours have others, so theirs are empty.
+#[derive(Debug)]
+pub(super) struct CellBuffers<B = wgpu::Buffer> {
+    pub(super) places: B,
+    pub(super) cells: B,
+    pub(super) draws: B,
+}
+
+/// All buffers of volumes.
+struct Buffers<B> {
+    cells: CellBuffers<B>,
+    edges: Option<[B; 4]>,
+    contours: Option<ContourBuffers<B>>,
+}
+
+impl<B> Buffers<B> {
+    fn plan(
+        shape: &DepthMapShape,
+        detector: Option<&Detector>,
+        contours: Option<&ContourShape>,
+        make: &mut impl FnMut(Wanted<'static>) -> B,
+    ) -> Self {
+        let (listed, blocks) = if contours.is_some() { (0, 0) } else { (shape.capacity, shape.blocks) };
+        let places = (u64::from(blocks) * (1 + BLOCK * (1 + STRIP[1]))).max(1);
+        Self {
+            cells: CellBuffers {
+                places: make(Wanted::new("places of depth cells", 4 * places)),
+                cells: make(Wanted::new("depth cells", 4 + 4 * u64::from(listed))),
+                draws: make(Wanted::new("draws of depth cells", 16).indirect()),
+            },
+            edges: detector.map(|detector| detector.buffers(make)),
+            contours: contours.map(|contours| ContourBuffers::plan(shape.size, contours, make)),
+        }
+    }
 }
 
 impl DepthMapVolumes {
@@ -123,7 +158,7 @@ impl DepthMapVolumes {
             return Err(DepthMapError::Size(size[0], size[1]));
         }
         options.check()?;
-        let contours = ContourPlan::new(pipelines, size, &options)?;
+        let contours = contour_shape(pipelines, size, &options)?;
         let limits = DispatchLimits::new(&device.limits());
         let cells = count as u32;
         let fitting = (limits.binding / 4 - 1).min(u64::from(u32::MAX)) as u32;
@@ -143,7 +178,7 @@ impl DepthMapVolumes {
             size,
             cells,
             blocks,
-            capacity: contours.as_ref().map_or(room, |plan| plan.shape.capacity),
+            capacity: contours.as_ref().map_or(room, |contours| contours.capacity),
             every_cell: u32::from(threshold.is_none()),
             threshold: threshold_bits(threshold.unwrap_or(0.0)),
             is_reversed: 0,
@@ -152,34 +187,25 @@ impl DepthMapVolumes {
             spread: u32::from(bits > 1),
             unused: 0,
         };
-        // Contours have lists of their own.
-        let (listed, blocks) = if contours.is_some() { (0, 0) } else { (shape.capacity, blocks) };
-        let allocations = [
-            Allocation {
-                label: "places of depth cells",
-                bytes: 4 * (u64::from(blocks) * (1 + BLOCK * (1 + STRIP[1]))).max(1),
-            },
-            Allocation { label: "depth cells", bytes: 4 + 4 * u64::from(listed) },
-            Allocation { label: "draws of depth cells", bytes: 16 },
-        ];
-        let further = detector.map(|detector| detector.allocations());
-        let of_contours = contours.as_ref().map_or(&[][..], |plan| &plan.allocations);
-        let all: Vec<_> = allocations.iter().chain(further.iter().flatten()).chain(of_contours).copied().collect();
+        let mut all = Vec::new();
+        Buffers::plan(&shape, detector.as_ref(), contours.as_ref(), &mut |Wanted { label, bytes, .. }| {
+            all.push(Allocation { label, bytes });
+        });
         check_bindings(&all, limits.binding)?;
         check(&all, limits.buffer, None)?;
         // Textures have limits of their own.
         check(&[&all[..], textures].concat(), u64::MAX, memory_limit)?;
-        let all_bytes = all.iter().map(|allocation| allocation.bytes).sum();
-        let contours = contours.map(|plan| Contours::new(pipelines, plan)).transpose()?;
-        let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
-        let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-        let usages = [storage, storage, storage | wgpu::BufferUsages::INDIRECT];
-        let [places, cells, draws] = guarded(device, bytes, || {
-            [0, 1, 2].map(|at| buffer(device, allocations[at].label, allocations[at].bytes, usages[at]))
+        let bytes = all.iter().map(|allocation| allocation.bytes).sum();
+        let Buffers { cells: buffers, edges: of_edges, contours: of_contours } = guarded(device, bytes, || {
+            Buffers::plan(&shape, detector.as_ref(), contours.as_ref(), &mut |wanted| wanted.make(device))
         })?;
+        let contours = contours.zip(of_contours);
+        let contours = contours.map(|(shape, buffers)| Contours::new(pipelines, shape, buffers)).transpose()?;
         let near =
             if contours.is_some() { (&DEPTH_NEAR_WALLS, "depth_near_walls") } else { (&DEPTH_NEAR, "depth_near") };
-        let edges = detector.map(|detector| EdgeStages::new(shared, detector)).transpose()?;
+        let edges = detector.zip(of_edges).map(|(detector, buffers)| EdgeStages::new(shared, detector, buffers));
+        let (numbers, further) = (wgpu::TextureFormat::R32Uint, wgpu::TextureUsages::empty());
+        let nothing = texture(device, "no objects", [1, 1], numbers, further);
         let spreads = [("SPREADS", shape.spread)];
         let is_counted = edges.is_none() && contours.is_none();
         let of_cells = ["depth_cells_places", "depth_cells_list"].into_iter().filter(|_| contours.is_none());
@@ -190,17 +216,15 @@ impl DepthMapVolumes {
             near: options.skip_near_caps.then(|| shared.compute(near.0, near.1, &[])),
             contours,
             shape,
-            bytes: all_bytes,
+            bytes,
             takes_objects: method != DepthMapMethod::EveryCell,
             slope_bias,
             bits,
             rounded_to,
             metric,
             eye: (pipelines.format().depth_stencil, pipelines.format().depth),
-            nothing: object_texture(device).create_view(&wgpu::TextureViewDescriptor::default()),
-            places,
-            cells,
-            draws,
+            nothing: nothing.create_view(&wgpu::TextureViewDescriptor::default()),
+            buffers,
             encodes: Arc::default(),
             shared: shared.clone(),
         })
@@ -222,13 +246,13 @@ impl DepthMapVolumes {
     /// whose sample (1, 1) is texel (0, 0), in parts of 256 of a texel, and its distance from the near plane, in units of 2⁻²⁹ of
     /// the range of depths, or 2³¹ − 1 where it is far.
     pub fn cells(&self) -> &wgpu::Buffer {
-        self.contours.as_ref().map_or(&self.cells, |own| &own.walls)
+        self.contours.as_ref().map_or(&self.buffers.cells, |own| &own.buffers.walls)
     }
 
     /// Marks of edges that contours cross, the places where they do, and counts of walls: the buffers that draws of walls read.
     #[cfg(feature = "reference")]
     #[doc(hidden)]
     pub fn contour_buffers(&self) -> Option<[&wgpu::Buffer; 3]> {
-        self.contours.as_ref().map(Contours::buffers)
+        self.contours.as_ref().map(Contours::tested)
     }
 }

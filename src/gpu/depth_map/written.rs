@@ -3,13 +3,13 @@
 use bytemuck::Zeroable;
 
 use super::error::DepthMapError;
-use super::stage::{BoundStage, Workgroups};
+use crate::gpu::common::bindings::{texture, uniform, whole};
 use crate::gpu::common::dispatch_limits::WORKGROUP;
 use crate::gpu::common::memory::{any_error, filled, guarded};
+use crate::gpu::common::pass::{Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::requirements::{check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
-use crate::gpu::common::uniforms::entry;
 use crate::layout::DepthMapShape;
 use crate::shadow::DepthDirection;
 use crate::stages::Stage;
@@ -82,18 +82,21 @@ impl WrittenMap {
         let is_reversed = u32::from(depth == DepthDirection::Reversed);
         let shape = DepthMapShape { is_reversed, ..self.shape };
         let bind = || {
-            let uniform = |bytes: &[u8]| filled(device, "depth map", bytes, wgpu::BufferUsages::UNIFORM);
-            let own = uniform(bytemuck::bytes_of(&shape));
-            let further = further.map(|(name, bytes)| (name, uniform(bytes)));
-            let mut resources = vec![("depth_map", entry::<DepthMapShape>(&own))];
-            resources.extend(maps.iter().map(|&(name, map)| (name, wgpu::BindingResource::TextureView(map))));
-            resources.push((written, wgpu::BindingResource::TextureView(&self.view)));
-            resources.extend(further.iter().map(|(name, buffer)| (*name, buffer.as_entire_binding())));
-            self.stage.bind(device, &resources)
+            let uniforms = |bytes: &[u8]| filled(device, "depth map", bytes, wgpu::BufferUsages::UNIFORM);
+            let own = uniforms(bytemuck::bytes_of(&shape));
+            let further = further.map(|(name, bytes)| (name, uniforms(bytes)));
+            self.stage.dispatch(device, Workgroups::over(device, shape.blocks), |name| {
+                let map = maps.iter().find(|(own, _)| *own == name);
+                let further = further.as_ref().filter(|(own, _)| *own == name);
+                match name {
+                    "depth_map" => Some(uniform::<DepthMapShape>(&own, 0)),
+                    _ if name == written => Some(texture(&self.view)),
+                    _ => map.map(|(_, map)| texture(map)).or_else(|| further.map(|(_, buffer)| whole(buffer))),
+                }
+            })
         };
-        let group = any_error(device, bind).map_err(|message| DepthMapError::Refused { message })?;
-        let (stage, workgroups) = (self.stage.clone(), Workgroups::over(device, shape.blocks));
-        BoundStage { stage, groups: vec![group], workgroups }.record(encoder, timer);
+        let dispatch = any_error(device, bind).map_err(|message| DepthMapError::Refused { message })?;
+        record([&self.stage.pass([dispatch])], encoder, 0..1, timer);
         Ok(())
     }
 }

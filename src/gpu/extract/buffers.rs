@@ -1,15 +1,14 @@
 //! The buffers of an extraction and their sizes.
 
-use wgpu::BufferUsages;
-
 use super::errors::ExtractorError;
 use super::options::ExtractorOptions;
-use super::polygon_buffers::{PolygonBuffers, PolygonShape, faces_of_records};
+use super::polygon_buffers::{PolygonBuffers, PolygonShape, faces_of_records, outlines};
 use crate::cpu::extract::per_edge::edge_corners;
-use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
+use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
+use crate::gpu::common::memory::{MemoryError, check, guarded};
 use crate::gpu::common::uniforms::UniformTable;
-use crate::layout::{Chunk, DrawArguments, EdgeMasks, ExtractionStatistics, LightBatch};
+use crate::gpu::common::wanted::{Account, Wanted};
+use crate::layout::{DrawArguments, DrawShape, EdgeMasks, ExtractionStatistics, LightBatch};
 use crate::method::Predicate;
 use crate::{Mesh, light};
 
@@ -58,7 +57,7 @@ impl Shape {
             edges,
             max_lights: options.max_lights,
             capacity,
-            blocks: edges.div_ceil(crate::gpu::common::dispatch_limits::WORKGROUP as usize) as u32,
+            blocks: edges.div_ceil(WORKGROUP as usize) as u32,
             undecided: undecided_capacity(mesh, options, split),
             face_words: mesh.faces().len() * if polygons.is_some() { 2 } else { 1 },
             polygons,
@@ -68,6 +67,11 @@ impl Shape {
     /// The number of batches of 32 lights.
     pub(crate) fn batches(&self) -> usize {
         light::batches(self.max_lights)
+    }
+
+    /// Bytes of a `FacingRecord`.
+    pub(super) fn record_bytes(&self) -> u64 {
+        RECORD_HEAD + 4 * self.undecided.max(1) as u64
     }
 
     /// The largest number of lights in a batch.
@@ -101,124 +105,122 @@ fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchL
 
 /// The buffers of an extraction. A `Vec` has one buffer for each batch of lights.
 #[derive(Debug)]
-pub(crate) struct Buffers {
-    pub(crate) faces: wgpu::Buffer,
-    pub(crate) edge_vertices: wgpu::Buffer,
-    pub(crate) edge_faces: wgpu::Buffer,
+pub(crate) struct Buffers<B = wgpu::Buffer> {
+    pub(crate) faces: B,
+    pub(crate) edge_vertices: B,
+    pub(crate) edge_faces: B,
     /// For the per-edge method.
-    pub(crate) edge_corners: Option<wgpu::Buffer>,
-    pub(crate) facing: Vec<wgpu::Buffer>,
-    /// For which lights a face is excluded; with lists, for shadow volumes.
-    pub(crate) excluded: Vec<wgpu::Buffer>,
+    pub(super) edge_corners: Option<B>,
+    pub(crate) facing: Vec<B>,
     /// Empty, one buffer that all batches share for compaction, or one for each batch if the masks are asked for.
-    pub(crate) masks: Vec<wgpu::Buffer>,
-    pub(crate) lists: Vec<wgpu::Buffer>,
-    pub(crate) places: wgpu::Buffer,
-    pub(crate) counts: wgpu::Buffer,
-    pub(crate) draw_arguments: wgpu::Buffer,
-    pub(crate) statistics: wgpu::Buffer,
+    pub(crate) masks: Vec<B>,
+    pub(crate) lists: Vec<B>,
+    /// For which lights a face is excluded; with lists, for shadow volumes.
+    pub(crate) excluded: Vec<B>,
     /// A `FacingRecord`: the statistics while they are counted, and the undecided faces of exact facing.
-    pub(crate) record: wgpu::Buffer,
-    pub(crate) polygons: Option<PolygonBuffers>,
+    pub(super) record: B,
+    pub(super) places: B,
+    pub(crate) counts: B,
+    pub(crate) draw_arguments: B,
+    pub(crate) polygons: Option<PolygonBuffers<B>>,
+    pub(super) light_batches: B,
+    pub(super) chunks: B,
+    pub(super) draw_shape: B,
+    pub(crate) statistics: B,
     /// A buffer for bindings that a stage does not use.
-    pub(crate) unused: wgpu::Buffer,
+    pub(super) unused: B,
+}
+
+/// The contents of buffers beside those that the mesh has as they are.
+struct Contents {
+    edge_faces: Option<Vec<[u32; 2]>>,
+    edge_corners: Option<Vec<[u32; 4]>>,
+    outlines: Option<Vec<[u32; 2]>>,
+    light_batches: UniformTable,
+    draw_shape: UniformTable,
 }
 
 impl Buffers {
-    /// `chunks` are the chunks of the dispatches of a batch of lights.
+    /// `chunks` has those of the dispatches.
     pub(crate) fn new(
         device: &wgpu::Device,
         mesh: &Mesh,
         shape: &Shape,
         options: &ExtractorOptions,
         split: &DispatchLimits,
-        chunks: usize,
+        chunks: &UniformTable,
     ) -> Result<Self, MemoryError> {
-        let batches = shape.batches();
         let per_edge = options.method().is_per_edge();
-        let ordered = options.lists.is_some_and(|lists| lists.ordered);
-        let mask_planes = if options.masks { batches } else { usize::from(ordered) };
-        let list_bytes = |batch: usize| u64::from(shape.capacity) * 4 * shape.batch_lights(batch) as u64;
-        let lists = if options.lists.is_some() { batches } else { 0 };
-        let [edges, faces, face_words] = [shape.edges, shape.faces, shape.face_words].map(|count| count as u64);
-        let lights = shape.max_lights as u64;
-        let places_bytes = if ordered { u64::from(shape.blocks) * 32 * 4 } else { 0 };
-        let record_bytes = RECORD_HEAD + 4 * shape.undecided.max(1) as u64;
-        let excluded = if lists > 0 && !per_edge { batches } else { 0 };
-        // These buffers are bound whole. All others are bound in chunks or windows.
-        let mut bound_whole = vec![
-            ("places", places_bytes),
-            ("counts", lights * 4),
-            ("draw arguments", lights * size_of::<DrawArguments>() as u64),
-        ];
-        if let Some(polygons) = &shape.polygons {
-            bound_whole.extend(polygons.bound_whole());
-            bound_whole.extend((0..batches).filter_map(|batch| polygons.pieces(shape.batch_lights(batch))));
-        }
-        // `wanted` has these, too.
-        let of_polygons = [("facing masks", face_words * 4), ("faces", faces * 12)];
-        let of_polygons = of_polygons.iter().filter(|_| shape.polygons.is_some());
-        if let Some(&(what, bytes)) =
-            bound_whole.iter().chain(of_polygons).find(|&&(_, bytes)| padded(bytes) > split.binding)
-        {
-            let limit = split.binding;
-            return Err(MemoryError::Binding { what, bytes, limit });
-        }
-
-        let mut wanted = vec![("faces", faces * 12), ("edge vertices", edges * 8), ("edge faces", edges * 8)];
-        wanted.extend(per_edge.then_some(("edge corners", edges * 16)));
-        wanted.extend((0..if per_edge { 0 } else { batches }).map(|_| ("facing masks", face_words * 4)));
-        wanted.extend((0..mask_planes).map(|_| ("edge masks", edges * size_of::<EdgeMasks>() as u64)));
-        wanted.extend((0..lists).map(|batch| ("edge lists", list_bytes(batch))));
-        wanted.extend((0..excluded).map(|_| ("excluded masks", faces * 4)));
-        wanted.push(("undecided faces", record_bytes));
-        wanted.extend(bound_whole);
-        wanted.push(("light batches", (batches * UniformTable::stride::<LightBatch>()) as u64));
-        wanted.push(("chunks", (batches * chunks * UniformTable::stride::<Chunk>()) as u64));
-        let allocations: Vec<_> =
-            wanted.iter().map(|&(label, bytes)| Allocation { label, bytes: padded(bytes) }).collect();
-        let bytes = check(&allocations, split.buffer, options.memory_limit)?;
-
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-        let result = storage | BufferUsages::COPY_DST;
-        guarded(device, bytes, || Self {
-            faces: filled(device, "faces", bytemuck::cast_slice(mesh.faces()), storage),
-            edge_vertices: filled(device, "edge vertices", bytemuck::cast_slice(mesh.edges().vertices()), storage),
-            edge_faces: filled(
-                device,
-                "edge faces",
-                bytemuck::cast_slice(faces_of_records(mesh).as_deref().unwrap_or(mesh.edges().packed_faces())),
-                storage,
-            ),
-            edge_corners: per_edge
-                .then(|| filled(device, "edge corners", bytemuck::cast_slice(&edge_corners(mesh)), storage)),
-            facing: (0..if per_edge { 0 } else { batches })
-                .map(|_| buffer(device, "facing masks", face_words * 4, result))
-                .collect(),
-            excluded: (0..excluded).map(|_| buffer(device, "excluded masks", faces * 4, result)).collect(),
-            masks: (0..mask_planes)
-                .map(|_| buffer(device, "edge masks", edges * size_of::<EdgeMasks>() as u64, result))
-                .collect(),
-            lists: (0..lists).map(|batch| buffer(device, "edge lists", list_bytes(batch), result)).collect(),
-            places: buffer(device, "places", places_bytes, storage),
-            counts: buffer(device, "counts", lights * 4, result),
-            draw_arguments: buffer(
-                device,
-                "draw arguments",
-                lights * size_of::<DrawArguments>() as u64,
-                result | BufferUsages::INDIRECT,
-            ),
-            statistics: buffer(device, "statistics", size_of::<ExtractionStatistics>() as u64, result),
-            record: buffer(device, "undecided faces", record_bytes, result),
-            polygons: mesh.polygons().zip(shape.polygons).map(|(polygons, polygon_shape)| {
-                PolygonBuffers::new(
-                    device,
-                    polygons,
-                    polygon_shape,
-                    (0..batches).map(|batch| shape.batch_lights(batch)),
-                )
-            }),
-            unused: buffer(device, "unused", 64, result),
+        let mut light_batches = UniformTable::default();
+        (0..shape.batches()).for_each(|_| _ = light_batches.push(&LightBatch::new(&[], 0, 3)));
+        let (lights, edges) = (shape.max_lights as u32, shape.edges as u32);
+        let vertices_per_edge = options.lists.map_or(0, |lists| lists.vertices_per_edge);
+        let mut draw_shape = UniformTable::default();
+        draw_shape.push(&DrawShape { lights, capacity: shape.capacity, edges, vertices_per_edge });
+        let contents = Contents {
+            edge_faces: faces_of_records(mesh),
+            edge_corners: per_edge.then(|| edge_corners(mesh)),
+            outlines: mesh.polygons().map(outlines),
+            light_batches,
+            draw_shape,
+        };
+        let mut account = Account::default();
+        Buffers::<()>::plan(mesh, shape, options, (&contents, chunks), &mut |wanted| account.note(&wanted));
+        account.check_whole(split.binding)?;
+        let bytes = check(&account.all, split.buffer, options.memory_limit)?;
+        guarded(device, bytes, || {
+            Self::plan(mesh, shape, options, (&contents, chunks), &mut |wanted| wanted.make(device))
         })
+    }
+}
+
+impl<B> Buffers<B> {
+    fn plan(
+        mesh: &Mesh,
+        shape: &Shape,
+        options: &ExtractorOptions,
+        (contents, chunks): (&Contents, &UniformTable),
+        make: &mut impl FnMut(Wanted<'_>) -> B,
+    ) -> Self {
+        let batches = shape.batches();
+        let planes = if options.method().is_per_edge() { 0 } else { batches };
+        let mask_planes = if options.masks { batches } else { usize::from(options.is_ordered()) };
+        let lists = if options.lists.is_some() { batches } else { 0 };
+        let places = if options.is_ordered() { u64::from(shape.blocks) * 32 * 4 } else { 0 };
+        let [edges, faces, face_words, lights] =
+            [shape.edges, shape.faces, shape.face_words, shape.max_lights].map(|count| count as u64);
+        let has_polygons = shape.polygons.is_some();
+        let list =
+            |batch: usize| Wanted::new("edge lists", u64::from(shape.capacity) * 4 * shape.batch_lights(batch) as u64);
+        let edge_masks = Wanted::new("edge masks", edges * size_of::<EdgeMasks>() as u64);
+        let facing = Wanted::new("facing masks", face_words * 4).whole_if(has_polygons);
+        let draws = Wanted::new("draw arguments", lights * size_of::<DrawArguments>() as u64).indirect();
+        let records = mesh.edges();
+        let edge_faces = contents.edge_faces.as_deref().unwrap_or(records.packed_faces());
+        let corners = contents.edge_corners.as_ref();
+        let polygons = contents.outlines.as_ref().zip(shape.polygons);
+        Self {
+            faces: make(Wanted::filled("faces", bytemuck::cast_slice(mesh.faces())).whole_if(has_polygons)),
+            edge_vertices: make(Wanted::filled("edge vertices", bytemuck::cast_slice(records.vertices()))),
+            edge_faces: make(Wanted::filled("edge faces", bytemuck::cast_slice(edge_faces))),
+            edge_corners: corners.map(|corners| make(Wanted::filled("edge corners", bytemuck::cast_slice(corners)))),
+            facing: (0..planes).map(|_| make(facing)).collect(),
+            masks: (0..mask_planes).map(|_| make(edge_masks)).collect(),
+            lists: (0..lists).map(|batch| make(list(batch))).collect(),
+            excluded: (0..lists.min(planes)).map(|_| make(Wanted::new("excluded masks", faces * 4))).collect(),
+            record: make(Wanted::new("undecided faces", shape.record_bytes())),
+            places: make(Wanted::new("places", places).whole_if(true)),
+            counts: make(Wanted::new("counts", lights * 4).whole_if(true)),
+            draw_arguments: make(draws.whole_if(true)),
+            polygons: polygons.map(|(outlines, polygons)| {
+                let lights = (0..batches).map(|batch| shape.batch_lights(batch));
+                PolygonBuffers::plan(outlines, polygons, lights, make)
+            }),
+            light_batches: make(Wanted::uniforms("light batches", &contents.light_batches)),
+            chunks: make(Wanted::uniforms("chunks", chunks)),
+            draw_shape: make(Wanted::uniforms("draw shape", &contents.draw_shape).free()),
+            statistics: make(Wanted::new("statistics", size_of::<ExtractionStatistics>() as u64).free()),
+            unused: make(Wanted::new("unused", 64).free()),
+        }
     }
 }

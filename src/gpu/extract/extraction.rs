@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::buffers::{Buffers, Shape};
 use super::errors::{ExtractionDrawError, ExtractionIncludeError, StaleExtraction};
 use super::results::ExtractionResults;
-use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::common::dispatch_limits::{DispatchLimits, Windows};
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
 use crate::mesh::MeshId;
@@ -19,17 +19,19 @@ pub(crate) struct Shared {
     pub(crate) limits: DispatchLimits,
     pub(crate) shape: Shape,
     pub(crate) buffers: Buffers,
+    /// The windows of facing masks.
+    pub(super) facing: Windows,
     pub(crate) mesh: MeshId,
     pub(crate) is_closed: bool,
     /// Whether the masks were asked for.
     pub(crate) has_masks: bool,
-    encodes: AtomicU64,
-    include_groups: Mutex<Vec<IncludeGroup>>,
+    pub(super) encodes: AtomicU64,
+    pub(super) include_groups: Mutex<Vec<IncludeGroup>>,
 }
 
 /// A bind group of the include that is kept.
 #[derive(Debug)]
-struct IncludeGroup {
+pub(super) struct IncludeGroup {
     layout: wgpu::BindGroupLayout,
     batch: usize,
     place: Place,
@@ -59,27 +61,6 @@ impl Place {
 }
 
 impl Shared {
-    pub(crate) fn new(
-        pipelines: Pipelines,
-        limits: DispatchLimits,
-        shape: Shape,
-        buffers: Buffers,
-        mesh: &crate::Mesh,
-        has_masks: bool,
-    ) -> Self {
-        Self {
-            pipelines,
-            limits,
-            shape,
-            buffers,
-            mesh: mesh.id(),
-            is_closed: mesh.is_closed(),
-            has_masks,
-            encodes: AtomicU64::new(0),
-            include_groups: Mutex::default(),
-        }
-    }
-
     pub(crate) fn device(&self) -> &wgpu::Device {
         self.pipelines.device()
     }

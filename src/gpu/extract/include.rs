@@ -2,6 +2,7 @@
 
 use super::errors::ExtractionIncludeError;
 use super::extraction::Shared;
+use crate::gpu::common::bindings::{READ, UNIFORM, entries, whole};
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
 use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer};
@@ -27,21 +28,7 @@ pub fn results_bind_group_layout(device: &wgpu::Device, visibility: wgpu::Shader
 
 /// The entries of the include's layout.
 pub(crate) fn results_entries(visibility: wgpu::ShaderStages) -> Vec<wgpu::BindGroupLayoutEntry> {
-    (0..7)
-        .map(|binding| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility,
-            ty: wgpu::BindingType::Buffer {
-                ty: match binding {
-                    0 => wgpu::BufferBindingType::Uniform,
-                    _ => wgpu::BufferBindingType::Storage { read_only: true },
-                },
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        })
-        .collect()
+    entries(visibility, [(0, UNIFORM)].into_iter().chain((1..7).map(|binding| (binding, READ))))
 }
 
 impl Shared {
@@ -73,13 +60,13 @@ impl Shared {
         });
         let info = table.into_buffer(device, "rimline info");
         let resources = [
-            info.as_entire_binding(),
+            whole(&info),
             bound.first_binding(positions.buffer),
-            results.edge_vertices.as_entire_binding(),
-            results.edge_faces.as_entire_binding(),
-            facing.as_entire_binding(),
-            list.as_entire_binding(),
-            results.counts.as_entire_binding(),
+            whole(results.edge_vertices),
+            whole(results.edge_faces),
+            whole(facing),
+            whole(list),
+            whole(results.counts),
         ];
         Ok(positions::bound(device, || group(device, "rimline results", layout, &resources))?)
     }

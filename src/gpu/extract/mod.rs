@@ -1,6 +1,5 @@
 //! The extraction of one mesh: facing, exact facing, edges, lists, draw arguments.
 
-mod bind_groups;
 pub(crate) mod buffers;
 pub(crate) mod errors;
 pub(crate) mod extraction;
@@ -8,6 +7,5 @@ pub(crate) mod extractor;
 pub(crate) mod include;
 pub(crate) mod options;
 pub(crate) mod polygon_buffers;
-mod polygon_passes;
-pub(crate) mod programs;
 pub(crate) mod results;
+pub(crate) mod stages;

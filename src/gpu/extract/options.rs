@@ -54,6 +54,11 @@ impl ExtractorOptions {
         #[cfg(not(feature = "reference"))]
         Method::FaceMask
     }
+
+    /// Whether lists have the order of the edges.
+    pub(crate) fn is_ordered(&self) -> bool {
+        self.lists.is_some_and(|lists| lists.ordered)
+    }
 }
 
 /// Options of the lists of silhouette edges.

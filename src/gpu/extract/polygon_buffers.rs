@@ -1,11 +1,9 @@
 //! The buffers of a mesh of polygons: their outlines, those that are undecided, and the pieces of those that are L-twisted.
 
-use wgpu::BufferUsages;
-
 use super::errors::ExtractorError;
 use super::options::MAX_OUTLINE_EDGES;
 use crate::Mesh;
-use crate::gpu::common::memory::{buffer, filled};
+use crate::gpu::common::wanted::Wanted;
 use crate::mesh::Polygons;
 use crate::turns::POLYGON_TRIANGLES;
 
@@ -24,7 +22,7 @@ pub(super) const CUT_WORKGROUPS: u64 = 32;
 pub(super) const ROW_WORKGROUPS: u64 = 48;
 const ONE_LOOP: u32 = 1 << 31;
 /// Bytes of the arguments of an indirect dispatch.
-pub(super) const ARGUMENTS: u64 = 12;
+pub(super) const INDIRECT_BYTES: u64 = 12;
 /// The head before an encode. No dispatch has workgroups; those over records have one row.
 const HEAD: [u32; HEAD_WORDS as usize] = [0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0];
 /// Counts before the lists of pieces, and words of a piece.
@@ -37,8 +35,6 @@ const FEW_PIECES: u64 = 1 << 15;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PolygonShape {
     pub(super) polygons: usize,
-    /// Directed edges of all outlines.
-    outline_edges: usize,
     /// Entries of all polygons for a batch of lights.
     entries: u64,
     /// Pieces of a light that there is room for. It is 0 without lists.
@@ -73,11 +69,7 @@ impl PolygonShape {
         let fitting = (binding / 4).saturating_sub(PIECE_COUNTS) / (PIECE_WORDS * lights.max(1) as u64);
         let room = pieces.min(FEW_PIECES + outline_edges as u64 / 16).min(fitting).min(u64::from(u32::MAX)) as u32;
         let pieces = if has_lists { room.max(1) } else { 0 };
-        Ok(Self { polygons: polygons.len(), outline_edges, entries, pieces })
-    }
-
-    fn outline_bytes(&self) -> u64 {
-        8 * (self.polygons + 1 + self.outline_edges) as u64
+        Ok(Self { polygons: polygons.len(), entries, pieces })
     }
 
     fn undecided_bytes(&self) -> u64 {
@@ -87,55 +79,42 @@ impl PolygonShape {
     fn piece_bytes(&self, lights: usize) -> u64 {
         4 * (PIECE_COUNTS + PIECE_WORDS * u64::from(self.pieces) * lights as u64)
     }
-
-    /// The buffers that are bound whole, but pieces, of which each batch has some.
-    pub(crate) fn bound_whole(&self) -> [(&'static str, u64); 2] {
-        [("outlines", self.outline_bytes()), ("undecided outlines", self.undecided_bytes())]
-    }
-
-    /// The pieces of a batch of lights.
-    pub(crate) fn pieces(&self, lights: usize) -> Option<(&'static str, u64)> {
-        (self.pieces > 0).then(|| ("pieces", self.piece_bytes(lights)))
-    }
 }
 
 /// The buffers of the polygons of a mesh.
 #[derive(Debug)]
-pub(crate) struct PolygonBuffers {
-    pub(crate) shape: PolygonShape,
-    pub(super) outlines: wgpu::Buffer,
-    pub(super) undecided: wgpu::Buffer,
+pub(crate) struct PolygonBuffers<B = wgpu::Buffer> {
+    pub(super) outlines: B,
+    pub(super) undecided: B,
     /// The head before an encode.
-    pub(super) head: wgpu::Buffer,
+    pub(super) head: B,
     /// The arguments of the indirect dispatches, at the same bytes as in the head.
-    pub(super) arguments: wgpu::Buffer,
+    pub(super) arguments: B,
     /// For each batch of lights, with lists.
-    pub(crate) pieces: Vec<wgpu::Buffer>,
+    pub(crate) pieces: Vec<B>,
 }
 
-impl PolygonBuffers {
-    /// `batch_lights` has the number of lights of each batch.
-    pub(crate) fn new(
-        device: &wgpu::Device,
-        polygons: &Polygons,
+impl<B> PolygonBuffers<B> {
+    /// `outlines` is the table of [`outlines`], `batch_lights` has the number of lights of each batch.
+    pub(super) fn plan(
+        outlines: &[[u32; 2]],
         shape: PolygonShape,
         batch_lights: impl Iterator<Item = usize>,
+        make: &mut impl FnMut(Wanted<'_>) -> B,
     ) -> Self {
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let pieces = batch_lights.filter_map(|lights| shape.pieces(lights));
+        let lists = batch_lights.filter(|_| shape.pieces > 0);
         Self {
-            shape,
-            outlines: filled(device, "outlines", bytemuck::cast_slice(&outlines(polygons)), storage),
-            undecided: buffer(device, "undecided outlines", shape.undecided_bytes(), storage),
-            head: filled(device, "outline head", bytemuck::cast_slice(&HEAD), BufferUsages::COPY_SRC),
-            arguments: buffer(device, "outline dispatch", 4 * HEAD_WORDS, storage | BufferUsages::INDIRECT),
-            pieces: pieces.map(|(label, bytes)| buffer(device, label, bytes, storage)).collect(),
+            outlines: make(Wanted::filled("outlines", bytemuck::cast_slice(outlines)).whole_if(true)),
+            undecided: make(Wanted::new("undecided outlines", shape.undecided_bytes()).whole_if(true)),
+            head: make(Wanted::filled("outline head", bytemuck::cast_slice(&HEAD)).free()),
+            arguments: make(Wanted::new("outline dispatch", 4 * HEAD_WORDS).indirect().free()),
+            pieces: lists.map(|lights| make(Wanted::new("pieces", shape.piece_bytes(lights)).whole_if(true))).collect(),
         }
     }
 }
 
 /// The table of polygons and their outlines, as `outlines.wgsl` has them.
-fn outlines(polygons: &Polygons) -> Vec<[u32; 2]> {
+pub(super) fn outlines(polygons: &Polygons) -> Vec<[u32; 2]> {
     let mut table = Vec::with_capacity(polygons.len() + 1);
     let mut edges = Vec::new();
     for polygon in 0..polygons.len() {

@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use wgpu::BufferUsages;
-
 use super::errors::{ShadowQueryEncodeError, ShadowQueryError};
 use super::options::ShadowQueryOptions;
 use super::plan::{
@@ -12,13 +10,16 @@ use super::plan::{
 };
 use super::points::QueryPoints;
 use crate::cpu::query::shadow_boxes::{self, cluster_count, largest_polygon};
-use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
-use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
+use crate::gpu::common::bindings::{Resource, part, uniform};
+use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::common::memory::{MemoryError, check, guarded};
+use crate::gpu::common::pass::{Dispatch, Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
 use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
-use crate::gpu::common::uniforms::{UniformTable, entry};
+use crate::gpu::common::uniforms::UniformTable;
+use crate::gpu::common::wanted::{Account, Wanted};
 use crate::gpu::extract::extraction::Extraction;
 use crate::layout::{FaceCluster, FaceRange, LightBatch, PointChunk};
 use crate::light::{check_room, check_shadow_lights};
@@ -40,16 +41,37 @@ pub struct ShadowQuery {
     mesh: MeshId,
     vertices: u32,
     clusters: usize,
-    cluster_buffer: wgpu::Buffer,
-    depths: wgpu::Buffer,
-    undecided_pairs: wgpu::Buffer,
-    /// The indirect dispatch of the recount.
-    recount_dispatch: wgpu::Buffer,
+    buffers: Buffers,
     /// The number of pairs of point and light that `undecided_pairs` has room for.
     most_queries: u64,
     pipelines: Pipelines,
     passes: Passes,
     options: ShadowQueryOptions,
+}
+
+/// The buffers of a query.
+#[derive(Debug)]
+struct Buffers<B = wgpu::Buffer> {
+    clusters: B,
+    depths: B,
+    undecided_pairs: B,
+    /// The indirect dispatch of the recount.
+    recount_dispatch: B,
+}
+
+impl<B> Buffers<B> {
+    fn plan(
+        clusters: &[FaceCluster],
+        [depths, undecided_pairs]: [u64; 2],
+        mut make: impl FnMut(Wanted<'_>) -> B,
+    ) -> Self {
+        Self {
+            clusters: make(Wanted::filled("face clusters", bytemuck::cast_slice(clusters))),
+            depths: make(Wanted::new("depths", depths)),
+            undecided_pairs: make(Wanted::new("undecided pairs", undecided_pairs)),
+            recount_dispatch: make(Wanted::new("recount dispatch", 12).indirect().free()),
+        }
+    }
 }
 
 /// The pipelines for one kind of query.
@@ -128,34 +150,20 @@ impl ShadowQuery {
         let max_points = max_points.max(1);
         let most_queries = most_queries(&split, max_points, max_lights);
         point_chunks(&split, most_queries, max_points, max_lights, 12)?;
-        let cluster_bytes = (clusters * size_of::<FaceCluster>()) as u64;
-        let depth_bytes = u64::from(max_points) * max_lights as u64 * 4;
-        let undecided_bytes = undecided_bytes(most_queries);
-        let wanted = [("face clusters", cluster_bytes), ("depths", depth_bytes), ("undecided pairs", undecided_bytes)];
-        let bytes = check(
-            &wanted.map(|(label, bytes)| Allocation { label, bytes: padded(bytes) }),
-            split.buffer,
-            memory_limit,
-        )?;
+        let faces_in_clusters = shadow_boxes::clusters(mesh, run);
+        let sizes = [u64::from(max_points) * max_lights as u64 * 4, undecided_bytes(most_queries)];
+        let mut account = Account::default();
+        Buffers::<()>::plan(&faces_in_clusters, sizes, |wanted| account.note(&wanted));
+        let bytes = check(&account.all, split.buffer, memory_limit)?;
         let kind = PassKind { skip_by_boxes, has_polygons: faces > 1, names_faces: false, window_words: 0 };
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let [cluster_buffer, depths, undecided_pairs, recount_dispatch] = guarded(device, bytes, || {
-            [
-                filled(device, "face clusters", bytemuck::cast_slice(&shadow_boxes::clusters(mesh, run)), storage),
-                buffer(device, "depths", depth_bytes, storage),
-                buffer(device, "undecided pairs", undecided_bytes, storage),
-                buffer(device, "recount dispatch", 12, storage | BufferUsages::INDIRECT),
-            ]
-        })?;
+        let buffers =
+            guarded(device, bytes, || Buffers::plan(&faces_in_clusters, sizes, |wanted| wanted.make(device)))?;
         Ok(Self {
             split,
             mesh: mesh.id(),
             vertices: mesh.vertex_count(),
             clusters,
-            cluster_buffer,
-            depths,
-            undecided_pairs,
-            recount_dispatch,
+            buffers,
             most_queries,
             passes: Passes::new(&pipelines, kind),
             pipelines,
@@ -199,7 +207,7 @@ impl ShadowQuery {
         points: impl Into<QueryPoints<'p>>,
         point_count: u32,
         lights: &[Light],
-        mut timer: Option<&mut StageTimer>,
+        timer: Option<&mut StageTimer>,
     ) -> Result<(), ShadowQueryEncodeError> {
         check_shadow_lights(lights, self.options.max_lights)?;
         let limit = self.options.max_points;
@@ -230,113 +238,91 @@ impl ShadowQuery {
         let range = range_clusters(&self.split, self.options.work_per_dispatch, most as u64 * batch_lights);
         let tables = Tables::new(self, &bound, given, &chunks, &clusters, lights, range);
 
-        let mut pass = begin(encoder, SHADOW_BOXES.name, timer.as_deref_mut());
-        pass.set_pipeline(&self.passes.boxes.compute);
-        for (clusters, &whole) in clusters.iter().zip(&tables.whole_ranges) {
-            let mut resources =
-                vec![("batch", entry::<LightBatch>(&tables.batches)), ("range", entry::<FaceRange>(&tables.ranges))];
-            resources.extend(bound.bindings(positions.buffer));
-            resources.push(("clusters", binding(&self.cluster_buffer, cluster_bytes(clusters))));
-            pass.set_bind_group(0, &self.passes.boxes.bind(self.pipelines.device(), &resources), &[0, whole]);
-            pass.dispatch_workgroups(clusters.len().div_ceil(GROUP) as u32, 1, 1);
-        }
-        drop(pass);
-        let mut pass = begin(encoder, SHADOW_DEPTH.name, timer);
-        let arguments = self.passes.arguments.bind(
-            self.pipelines.device(),
-            &[
-                ("range", entry::<FaceRange>(&tables.ranges)),
-                ("undecided_pairs", binding(&self.undecided_pairs, 0..undecided_bytes(self.most_queries))),
-                ("dispatch", binding(&self.recount_dispatch, 0..12)),
-            ],
-        );
+        let device = self.pipelines.device();
+        let Passes { boxes, depth, exact, arguments, recount, .. } = &self.passes;
+        let over_boxes = clusters.iter().zip(&tables.whole_ranges).map(|(clusters, &whole)| {
+            let at = At { clusters, points: 0..0, offsets: [0, 0, whole] };
+            let workgroups = Workgroups::Known([clusters.len().div_ceil(GROUP) as u32, 1]);
+            boxes.dispatch(device, workgroups, |name| self.get(name, &tables, (&bound, positions, points), &at))
+        });
+        let mut pairs = Vec::new();
         for (points_at, chunk) in (0_u64..).zip(&chunks) {
             for (clusters, ranges) in clusters.iter().zip(&tables.sub_ranges) {
-                let resources =
-                    self.pair_resources(&tables, &bound, [positions, points], chunk, clusters, lights.len());
-                let bind = |pipeline: &Pipeline| pipeline.bind(self.pipelines.device(), &resources);
-                let Passes { depth, exact, recount, .. } = &self.passes;
-                let groups = [(depth, bind(depth)), (exact, bind(exact)), (recount, bind(recount))];
+                let at = At { clusters, points: chunk.clone(), offsets: [0; 3] };
+                let bind = |pipeline: &Pipeline| {
+                    let written = Workgroups::Written(self.buffers.recount_dispatch.clone(), 0);
+                    pipeline.dispatch(device, written, |name| self.get(name, &tables, (&bound, positions, points), &at))
+                };
+                let [depth, exact, arguments, recount] = [depth, exact, arguments, recount].map(bind);
                 for (batch, lights) in (0_u64..).zip(lights.chunks(32)) {
-                    let pairs = chunk.len() as u64 * lights.len() as u64;
-                    let chunk_offset = tables.chunk_offset(batch, points_at);
                     let batch_offset = batch as u32 * UniformTable::stride::<LightBatch>() as u32;
+                    let chunk_offset = tables.chunk_offset(batch, points_at);
+                    let all = Workgroups::Known([workgroups(chunk.len() as u64 * lights.len() as u64), 1]);
                     for &range in ranges {
-                        for (pipeline, group) in &groups {
-                            if pipeline.label == recount.label {
-                                pass.set_pipeline(&self.passes.arguments.compute);
-                                pass.set_bind_group(0, &arguments, &[range]);
-                                pass.dispatch_workgroups(1, 1, 1);
-                            }
-                            pass.set_pipeline(&pipeline.compute);
-                            pass.set_bind_group(0, group, &[batch_offset, chunk_offset, range]);
-                            if pipeline.label == recount.label {
-                                pass.dispatch_workgroups_indirect(&self.recount_dispatch, 0);
-                            } else {
-                                pass.dispatch_workgroups(workgroups(pairs), 1, 1);
-                            }
-                        }
+                        let offsets = vec![batch_offset, chunk_offset, range];
+                        let (one, of_range) = (Workgroups::Known([1, 1]), vec![range]);
+                        pairs.extend([
+                            Dispatch { offsets: offsets.clone(), workgroups: all.clone(), ..depth.clone() },
+                            Dispatch { offsets: offsets.clone(), workgroups: all.clone(), ..exact.clone() },
+                            Dispatch { offsets: of_range, workgroups: one, ..arguments.clone() },
+                            Dispatch { offsets, ..recount.clone() },
+                        ]);
                     }
                 }
             }
         }
+        record([&boxes.pass(over_boxes), &depth.pass(pairs)], encoder, 0..1, timer);
         Ok(())
     }
 
-    /// The resources of the stages that work on pairs of point and light, for a run of points and a run of clusters.
-    fn pair_resources<'a>(
+    fn get<'a>(
         &'a self,
+        name: &str,
         tables: &'a Tables,
-        bound: &BoundPositions,
-        [positions, points]: [PositionBuffer<'a>; 2],
-        chunk: &Range<u32>,
-        clusters: &Range<usize>,
-        lights: usize,
-    ) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
-        let first_byte = points.offset + u64::from(chunk.start) * points.stride;
-        let end = (first_byte + chunk.len() as u64 * points.stride).min(points.buffer.size());
-        let depths = [chunk.start, chunk.end].map(|point| u64::from(point) * 4 * lights as u64);
-        let mut resources =
-            vec![("batch", entry::<LightBatch>(&tables.batches)), ("chunk", entry::<PointChunk>(&tables.chunks))];
-        resources.extend(bound.bindings(positions.buffer));
-        resources.extend([
-            ("range", entry::<FaceRange>(&tables.ranges)),
-            ("clusters", binding(&self.cluster_buffer, cluster_bytes(clusters))),
-            ("points", binding(points.buffer, self.split.align_down(first_byte)..end)),
-            ("depths", binding(&self.depths, depths[0]..depths[1])),
-            ("undecided_pairs", binding(&self.undecided_pairs, 0..undecided_bytes(self.most_queries))),
-        ]);
-        resources
+        (bound, positions, points): (&BoundPositions, PositionBuffer<'a>, PositionBuffer<'a>),
+        at: &At<'_>,
+    ) -> Option<Resource<'a>> {
+        let Buffers { clusters, depths, undecided_pairs, recount_dispatch } = &self.buffers;
+        let [batch, chunk, range] = at.offsets;
+        let bytes = |clusters: usize| (clusters * size_of::<FaceCluster>()) as u64;
+        let byte = |point: u32| points.offset + u64::from(point) * points.stride;
+        let depth = |point: u32| u64::from(point) * 4 * tables.lights;
+        Some(match name {
+            "batch" => uniform::<LightBatch>(&tables.batches, batch),
+            "chunk" => uniform::<PointChunk>(&tables.chunks, chunk),
+            "range" => uniform::<FaceRange>(&tables.ranges, range),
+            "clusters" => part(clusters, bytes(at.clusters.start)..bytes(at.clusters.end)),
+            "points" => {
+                let end = byte(at.points.end).min(points.buffer.size());
+                part(points.buffer, self.split.align_down(byte(at.points.start))..end)
+            }
+            "depths" => part(depths, depth(at.points.start)..depth(at.points.end)),
+            "undecided_pairs" => part(undecided_pairs, 0..undecided_bytes(self.most_queries)),
+            "dispatch" => part(recount_dispatch, 0..12),
+            _ => bound.named(name, positions.buffer)?,
+        })
     }
 
     /// The depths, once the encoder was submitted: one `i32` for each pair. Points follow each other, and each point
     /// has one number for each light of that encode. A point that is infinite or NaN has −1. Usages `STORAGE`,
     /// `COPY_SRC` and `COPY_DST`.
     pub fn depths(&self) -> &wgpu::Buffer {
-        &self.depths
+        &self.buffers.depths
     }
 
     /// The faces of the mesh in clusters, with the boxes of the last encode: one `FaceCluster` for each cluster. The
     /// usages are those of [`Self::depths`].
     #[cfg(feature = "reference")]
     pub fn clusters(&self) -> &wgpu::Buffer {
-        &self.cluster_buffer
+        &self.buffers.clusters
     }
 }
 
-/// Begins a compute pass.
-fn begin<'encoder>(
-    encoder: &'encoder mut wgpu::CommandEncoder,
-    label: &'static str,
-    timer: Option<&mut StageTimer>,
-) -> wgpu::ComputePass<'encoder> {
-    let timestamp_writes = timer.and_then(|timer| timer.compute_pass(label));
-    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes })
-}
-
-fn cluster_bytes(clusters: &Range<usize>) -> Range<u64> {
-    let bytes = size_of::<FaceCluster>() as u64;
-    clusters.start as u64 * bytes..clusters.end as u64 * bytes
+/// A run of clusters and one of points, and the dynamic offsets of batch, chunk and range.
+struct At<'a> {
+    clusters: &'a Range<usize>,
+    points: Range<u32>,
+    offsets: [u32; 3],
 }
 
 /// The uniforms of one encode. They have their own buffers, so an encoder may hold several encodes.
@@ -344,6 +330,7 @@ struct Tables {
     batches: wgpu::Buffer,
     chunks: wgpu::Buffer,
     ranges: wgpu::Buffer,
+    lights: u64,
     point_chunks: u64,
     /// Dynamic offsets in `ranges`: for each chunk of clusters that of the whole chunk, and those of its parts.
     whole_ranges: Vec<u32>,
@@ -393,6 +380,7 @@ impl Tables {
             batches: batches.into_buffer(query.pipelines.device(), "light batches"),
             chunks: chunk_table.into_buffer(query.pipelines.device(), "point chunks"),
             ranges: ranges.into_buffer(query.pipelines.device(), "face ranges"),
+            lights: lights.len() as u64,
             point_chunks: chunks.len() as u64,
             whole_ranges,
             sub_ranges,

@@ -3,7 +3,8 @@
 use super::layout::Group;
 use super::options::SceneOptions;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
+use crate::gpu::common::memory::{Allocation, MemoryError, check, guarded, padded};
+use crate::gpu::common::wanted::{Account, Wanted};
 use crate::gpu::extract::buffers::RECORD_HEAD;
 use crate::layout::{CHUNK, DrawArguments, FACE_ENTRY, SceneStatistics};
 use crate::method::Predicate;
@@ -14,17 +15,17 @@ pub(crate) const LISTS_HEAD: u64 = 256;
 
 /// The buffers of a group of casters for a batch of lights.
 #[derive(Clone, Debug)]
-pub(crate) struct GroupBuffers {
+pub(crate) struct GroupBuffers<B = wgpu::Buffer> {
     /// One `u32` a face slot: the lights that the face faces.
-    pub(crate) facing: wgpu::Buffer,
+    pub(crate) facing: B,
     /// One `u32` a face slot: the lights for which the face is excluded.
-    pub(crate) excluded: wgpu::Buffer,
+    pub(crate) excluded: B,
     /// A `FacingRecord`: statistics, and the undecided faces.
-    pub(crate) record: wgpu::Buffer,
+    pub(crate) record: B,
     /// For each light of the batch the number of its silhouette edges, then the lists.
-    pub(crate) lists: wgpu::Buffer,
+    pub(crate) lists: B,
     /// A [`DrawArguments`] for each light of the batch.
-    pub(crate) draws: wgpu::Buffer,
+    pub(crate) draws: B,
 }
 
 /// The bytes of each buffer of a group, and what they have room for.
@@ -36,10 +37,6 @@ pub(crate) struct GroupSizes {
     /// Entries that the list of each light has room for.
     pub(crate) capacity: u32,
 }
-
-const DRAWS_LABEL: &str = "draw arguments";
-const STATISTICS: u64 = size_of::<SceneStatistics>() as u64;
-const DRAWS: u64 = 32 * size_of::<DrawArguments>() as u64;
 
 impl GroupSizes {
     /// The sizes for a batch with `lights` bits.
@@ -75,25 +72,27 @@ fn default_capacity(group: &Group, lights: u32) -> u64 {
 
 /// The buffers of all groups and batches, and those that they share.
 #[derive(Clone, Debug)]
-pub(crate) struct Buffers {
+pub(crate) struct Buffers<B = wgpu::Buffer> {
     /// For each group and batch.
-    pub(crate) groups: Vec<Vec<GroupBuffers>>,
+    pub(crate) groups: Vec<Vec<GroupBuffers<B>>>,
     /// For each batch and caster the lights that matter.
-    pub(crate) lit: wgpu::Buffer,
+    pub(crate) lit: B,
     /// For each batch and caster those of them whose bits are computed.
-    pub(crate) taken: wgpu::Buffer,
+    pub(crate) taken: B,
     /// The inputs of the bits in the masks: `wgsl/scene/table.wgsl`. It goes with the masks and lists: a new one comes with
     /// new masks and lists.
-    pub(crate) kept: wgpu::Buffer,
+    pub(crate) kept: B,
     /// For each group and batch four words, then the lists of chunks.
-    pub(crate) work: wgpu::Buffer,
+    pub(crate) work: B,
     /// [`SceneStatistics`].
-    pub(crate) statistics: wgpu::Buffer,
+    pub(crate) statistics: B,
+    /// The size of all in bytes.
+    pub(crate) bytes: u64,
 }
 
 /// The needs that decide the sizes of buffers.
 #[derive(Clone, Copy)]
-pub(crate) struct Wanted<'a> {
+pub(crate) struct Sizes<'a> {
     /// The sizes of each group and batch.
     pub(crate) groups: &'a [Vec<GroupSizes>],
     /// Words for the lights of casters.
@@ -108,54 +107,17 @@ pub(crate) struct Wanted<'a> {
     pub(crate) memory_limit: Option<u64>,
 }
 
-impl Wanted<'_> {
-    /// Words of what is kept.
-    fn kept_words(&self) -> u64 {
+impl Sizes<'_> {
+    /// Bytes of what is kept.
+    fn kept(&self) -> u64 {
         let (batches, groups) = (self.batches as u64, self.groups.len() as u64);
-        4 + 32 * batches + 2 * self.lit + batches * (32 * groups + CLUSTER_WORDS as u64 * self.face_chunks)
+        4 * (4 + 32 * batches + 2 * self.lit + batches * (32 * groups + CLUSTER_WORDS as u64 * self.face_chunks))
     }
 }
 
-/// Makes buffers, or takes old ones that are large enough.
-struct Maker<'a> {
-    device: &'a wgpu::Device,
-    /// Whether old buffers are taken. If not, they only tell what may be needed soon.
-    takes_old: bool,
-    wanted: Vec<Allocation>,
-    /// The largest size that a buffer may take beyond its need, when it replaces one that became too small: a scene that
-    /// grows caster by caster does not make its buffers anew in each frame.
-    headroom: u64,
-}
-
-impl Maker<'_> {
-    fn fits(old: &wgpu::Buffer, bytes: u64) -> bool {
-        // Give back a buffer that is far too large.
-        old.size() >= padded(bytes) && old.size() <= 4 * padded(bytes).max(1 << 16)
-    }
-
-    /// The size of the buffer that is kept or made.
-    fn size(&self, bytes: u64, old: Option<&wgpu::Buffer>) -> u64 {
-        match old {
-            Some(old) if Self::fits(old, bytes) => old.size(),
-            Some(old) if old.size() < bytes => padded(bytes + bytes / 4).min(self.headroom).max(padded(bytes)),
-            _ => padded(bytes),
-        }
-    }
-
-    fn want(&mut self, label: &'static str, bytes: u64, old: Option<&wgpu::Buffer>) {
-        let bytes = self.size(bytes, old);
-        self.wanted.push(Allocation { label, bytes });
-    }
-
-    fn take(&self, label: &'static str, bytes: u64, old: Option<&wgpu::Buffer>) -> wgpu::Buffer {
-        if let Some(old) = old.filter(|old| self.takes_old && Self::fits(old, bytes)) {
-            return old.clone();
-        }
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-        // wgpu makes objects of its own for each indirect buffer.
-        let indirect = if label == DRAWS_LABEL { wgpu::BufferUsages::INDIRECT } else { usage };
-        buffer(self.device, label, self.size(bytes, old), usage | indirect)
-    }
+/// Whether an old buffer is large enough, and not far too large.
+fn fits(old: &wgpu::Buffer, bytes: u64) -> bool {
+    old.size() >= padded(bytes) && old.size() <= 4 * padded(bytes).max(1 << 16)
 }
 
 impl Buffers {
@@ -163,87 +125,81 @@ impl Buffers {
     pub(crate) fn new(
         device: &wgpu::Device,
         old: Option<&Self>,
-        wanted: &Wanted<'_>,
+        sizes: &Sizes<'_>,
         limits: &DispatchLimits,
     ) -> Result<Self, MemoryError> {
-        let kept = 4 * wanted.kept_words();
-        for (what, bytes) in [("versions of casters", kept), ("lists of chunks", 4 * wanted.work)] {
+        for (what, bytes) in [("versions of casters", sizes.kept()), ("lists of chunks", 4 * sizes.work)] {
             if bytes > limits.binding {
                 return Err(MemoryError::Binding { what, bytes, limit: limits.binding });
             }
         }
-        let with_headroom = Self::make(device, old, wanted, limits, limits.binding);
-        with_headroom.or_else(|_| Self::make(device, old, wanted, limits, 0))
+        let with_headroom = Self::make(device, old, sizes, limits, limits.binding);
+        with_headroom.or_else(|_| Self::make(device, old, sizes, limits, 0))
     }
 
+    /// `headroom` is the largest size that a buffer may take beyond its need, when it replaces one that became too small: a
+    /// scene that grows caster by caster does not make its buffers anew in each frame.
     fn make(
         device: &wgpu::Device,
         old: Option<&Self>,
-        wanted: &Wanted<'_>,
+        sizes: &Sizes<'_>,
         limits: &DispatchLimits,
         headroom: u64,
     ) -> Result<Self, MemoryError> {
-        let Wanted { groups, lit, work, others, memory_limit, .. } = *wanted;
-        let kept = 4 * wanted.kept_words();
-        let takes_old = old.is_some_and(|old| Maker::fits(&old.kept, kept));
-        let mut maker = Maker { device, takes_old, wanted: Vec::new(), headroom };
-        let of_group = |group: usize, batch: usize| old?.groups.get(group)?.get(batch);
-        for (group, batches) in groups.iter().enumerate() {
-            for (batch, sizes) in batches.iter().enumerate() {
-                let old = of_group(group, batch);
-                maker.want("facing masks", sizes.masks, old.map(|old| &old.facing));
-                maker.want("excluded masks", sizes.masks, old.map(|old| &old.excluded));
-                maker.want("undecided faces", sizes.record, old.map(|old| &old.record));
-                maker.want("edge lists", sizes.lists, old.map(|old| &old.lists));
-                maker.want(DRAWS_LABEL, DRAWS, old.map(|old| &old.draws));
-            }
-        }
-        maker.want("lights of casters", 4 * lit, old.map(|old| &old.lit));
-        maker.want("taken lights of casters", 4 * lit, old.map(|old| &old.taken));
-        maker.want("versions of casters", kept, old.map(|old| &old.kept));
-        maker.want("lists of chunks", 4 * work, old.map(|old| &old.work));
-        maker.want("scene statistics", STATISTICS, old.map(|old| &old.statistics));
-        maker.wanted.push(Allocation { label: "pages and table", bytes: others });
-        let own = maker.wanted.len() - 1;
-        check(maker.wanted.get(..own).unwrap_or_default(), limits.buffer, None)?;
-        let bytes = check(&maker.wanted, u64::MAX, memory_limit)?;
-        guarded(device, bytes, || Self {
-            groups: groups
-                .iter()
-                .enumerate()
-                .map(|(group, batches)| {
-                    let sizes = batches.iter().enumerate();
-                    sizes.map(|(batch, sizes)| maker.group(sizes, of_group(group, batch))).collect()
-                })
-                .collect(),
-            lit: maker.take("lights of casters", 4 * lit, old.map(|old| &old.lit)),
-            taken: maker.take("taken lights of casters", 4 * lit, old.map(|old| &old.taken)),
-            kept: maker.take("versions of casters", kept, old.map(|old| &old.kept)),
-            work: maker.take("lists of chunks", 4 * work, old.map(|old| &old.work)),
-            statistics: maker.take("scene statistics", STATISTICS, old.map(|old| &old.statistics)),
-        })
-    }
-
-    /// The size of all buffers in bytes.
-    pub(crate) fn bytes(&self) -> u64 {
-        let of_group = |group: &GroupBuffers| {
-            let GroupBuffers { facing, excluded, record, lists, draws } = group;
-            [facing, excluded, record, lists, draws].map(wgpu::Buffer::size).iter().sum::<u64>()
+        let takes_old = old.is_some_and(|old| fits(&old.kept, sizes.kept()));
+        // If old buffers are not taken, they only tell what may be needed soon.
+        let sized = |wanted: Wanted<'static>, old: Option<&wgpu::Buffer>| {
+            let bytes = match old {
+                Some(old) if fits(old, wanted.bytes) => old.size(),
+                Some(old) if old.size() < wanted.bytes => {
+                    padded(wanted.bytes + wanted.bytes / 4).min(headroom).max(padded(wanted.bytes))
+                }
+                _ => padded(wanted.bytes),
+            };
+            wanted.sized(bytes)
         };
-        let Self { groups, lit, taken, kept, work, statistics } = self;
-        let shared = [lit, taken, kept, work, statistics].map(wgpu::Buffer::size);
-        groups.iter().flatten().map(of_group).chain(shared).sum::<u64>()
+        let mut account = Account::default();
+        Buffers::<()>::plan(old, sizes, |wanted, old| account.note(&sized(wanted, old)));
+        let bytes = check(&account.all, limits.buffer, None)?;
+        account.all.push(Allocation { label: "pages and table", bytes: sizes.others });
+        let all = check(&account.all, u64::MAX, sizes.memory_limit)?;
+        let take = |wanted: Wanted<'static>, old: Option<&wgpu::Buffer>| match old {
+            Some(old) if takes_old && fits(old, wanted.bytes) => old.clone(),
+            _ => sized(wanted, old).make(device),
+        };
+        guarded(device, all, || Self { bytes, ..Self::plan(old, sizes, take) })
     }
 }
 
-impl Maker<'_> {
-    fn group(&self, sizes: &GroupSizes, old: Option<&GroupBuffers>) -> GroupBuffers {
-        GroupBuffers {
-            facing: self.take("facing masks", sizes.masks, old.map(|old| &old.facing)),
-            excluded: self.take("excluded masks", sizes.masks, old.map(|old| &old.excluded)),
-            record: self.take("undecided faces", sizes.record, old.map(|old| &old.record)),
-            lists: self.take("edge lists", sizes.lists, old.map(|old| &old.lists)),
-            draws: self.take(DRAWS_LABEL, DRAWS, old.map(|old| &old.draws)),
+impl<B> Buffers<B> {
+    /// `make` gets the old buffer, too.
+    fn plan(
+        old: Option<&Buffers>,
+        sizes: &Sizes<'_>,
+        mut make: impl FnMut(Wanted<'static>, Option<&wgpu::Buffer>) -> B,
+    ) -> Self {
+        let draws = Wanted::new("draw arguments", 32 * size_of::<DrawArguments>() as u64).indirect();
+        let mut group = |sizes: &GroupSizes, old: Option<&GroupBuffers>| GroupBuffers {
+            facing: make(Wanted::new("facing masks", sizes.masks), old.map(|old| &old.facing)),
+            excluded: make(Wanted::new("excluded masks", sizes.masks), old.map(|old| &old.excluded)),
+            record: make(Wanted::new("undecided faces", sizes.record), old.map(|old| &old.record)),
+            lists: make(Wanted::new("edge lists", sizes.lists), old.map(|old| &old.lists)),
+            draws: make(draws, old.map(|old| &old.draws)),
+        };
+        let mut of_group = |(number, batches): (usize, &Vec<GroupSizes>)| {
+            let old = old.and_then(|old| old.groups.get(number));
+            let batches = batches.iter().enumerate();
+            batches.map(|(batch, sizes)| group(sizes, old.and_then(|old| old.get(batch)))).collect()
+        };
+        let statistics = size_of::<SceneStatistics>() as u64;
+        Self {
+            groups: sizes.groups.iter().enumerate().map(&mut of_group).collect(),
+            lit: make(Wanted::new("lights of casters", 4 * sizes.lit), old.map(|old| &old.lit)),
+            taken: make(Wanted::new("taken lights of casters", 4 * sizes.lit), old.map(|old| &old.taken)),
+            kept: make(Wanted::new("versions of casters", sizes.kept()), old.map(|old| &old.kept)),
+            work: make(Wanted::new("lists of chunks", 4 * sizes.work), old.map(|old| &old.work)),
+            statistics: make(Wanted::new("scene statistics", statistics), old.map(|old| &old.statistics)),
+            bytes: 0,
         }
     }
 }

@@ -9,13 +9,14 @@ use super::frame::SceneFrame;
 use super::layout::put_lights;
 use super::needs::SceneNeeds;
 use super::options::Measuring;
-use super::receivers::{self, ReceiverStages, Receivers, SeenReceivers};
+use super::receivers::{self, Receivers, SeenReceivers};
 use super::scene::Scene;
-use super::stages::Passes;
+use super::stages::steps;
 use super::structure::{Making, Number, Structure};
 use super::table::{Part, Table};
 use super::volumes::Volumes;
 use crate::gpu::common::memory::MemoryError;
+use crate::gpu::common::pass::record;
 use crate::gpu::common::requirements::check_timer;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::upload;
@@ -96,12 +97,12 @@ impl Scene {
         let (structure, volumes) = self.prepare_receivers(cameras.len(), words)?;
         self.table.put_encode(self.encode_number(), if needs.is_some() { structure.unneeded_at } else { 0 });
         self.table.put_origin(cameras.iter().flat_map(|camera| camera.origin).fold(0.0, |size, c| size.max(c.abs())));
-        let receiver_stages = match volumes.as_ref().filter(|_| !structure.parts.is_empty()) {
+        let of_receivers = match volumes.as_ref().filter(|_| !structure.parts.is_empty()) {
             Some(volumes) => {
-                let target = (&volumes.buffers.receivers, volumes.buffers.sizes.receivers);
-                Some(ReceiverStages::new(&self.pipelines, cameras, &views, receivers, target)?)
+                let target = (&volumes.buffers.of.receivers, volumes.buffers.sizes.receivers);
+                receivers::steps(&self.pipelines, cameras, &views, receivers, target)?
             }
-            None => None,
+            None => Vec::new(),
         };
         self.renew_views(&views, receivers);
         let seen = volumes.as_ref().map_or_else(Vec::new, |volumes| self.seen(volumes, cameras, &views, receivers));
@@ -109,25 +110,22 @@ impl Scene {
         let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
         if !structure.parts.is_empty() {
             uploads.push((&structure.table, bytemuck::cast_slice(uploaded)));
-            uploads.extend(volumes.iter().map(|volumes| (&volumes.buffers.seen, bytemuck::cast_slice(&seen[..]))));
+            uploads.extend(volumes.iter().map(|volumes| (&volumes.buffers.of.seen, bytemuck::cast_slice(&seen[..]))));
             upload(self.pipelines.device(), encoder, &uploads)?;
             if let Some(needs) = needs {
                 let [from, to] = [needs.offset(), 4 * u64::from(structure.unneeded_at)];
                 encoder.copy_buffer_to_buffer(&needs.words, from, &structure.buffers.work, to, 4 * needs.len() as u64);
             }
         }
-        self.passes.record(&structure, encoder, timer.as_deref_mut());
-        if let Some(stages) = &receiver_stages {
-            stages.record(encoder, timer.as_deref_mut());
-        }
+        record(self.steps.iter().chain(&of_receivers), encoder, 0..1, timer.as_deref_mut());
         if let Some(volumes) = &volumes {
-            volumes.record(encoder, timer);
+            volumes.stages.record(encoder, structure.batches, timer);
         }
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         self.pages.reclaim(encode);
         let (encodes, lights) = (Arc::clone(&self.encodes), self.lights.listed());
         let views = cameras.iter().map(|camera| self.convention(camera)).collect();
-        let count_batches = self.options.count_batches.max(1);
+        let count_batches = self.options.count_batches;
         let hidden = self.count_hidden();
         let device = self.pipelines.device().clone();
         Ok(SceneFrame {
@@ -251,18 +249,18 @@ impl Scene {
         views: &[ShadowView],
         receivers: &[Option<Receivers<'_>>],
     ) -> Vec<SeenLight> {
-        let mut seen = Vec::with_capacity(volumes.seen());
+        let mut seen = Vec::with_capacity(volumes.buffers.sizes.seen());
         for (number, ((camera, &view), &(_, version, _))) in cameras.iter().zip(views).zip(&self.seen_views).enumerate()
         {
             let has_receivers = receivers.get(number).is_some_and(Option::is_some);
             let at = if has_receivers { receivers::at(number, volumes.buffers.sizes.receivers) } else { 0 };
-            for bit in 0..volumes.lights() as u32 {
+            for bit in 0..volumes.buffers.sizes.lights as u32 {
                 let light = self.lights.get(bit).map(|light| camera.light(&view, light));
                 let light = light.unwrap_or_else(bytemuck::Zeroable::zeroed);
                 seen.push(SeenLight { view, light, version: [version, at, 0, 0], ..bytemuck::Zeroable::zeroed() });
             }
         }
-        seen.resize(volumes.seen(), bytemuck::Zeroable::zeroed());
+        seen.resize(volumes.buffers.sizes.seen(), bytemuck::Zeroable::zeroed());
         seen
     }
 
@@ -323,7 +321,7 @@ impl Scene {
         let Self { pipelines, options, meshes, casters, sources, lights, pages, table, .. } = self;
         let making = Making { pipelines, meshes, sources, pages, lights, options, views, has_receivers };
         let made = Arc::new(Structure::new(&making, casters, table, self.last.as_deref(), number)?);
-        self.passes = Passes::new(&making, &made)?;
+        self.steps = steps(&making, &made)?;
         self.volumes = None;
         self.last = Some(Arc::clone(&made));
         self.structure = Some(Arc::clone(&made));

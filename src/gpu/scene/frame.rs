@@ -170,9 +170,9 @@ impl SceneFrame {
                 if count_batch > 0 {
                     pipelines.resolve(pass);
                 }
-                for draws in volumes.draws(count_batch as usize, view, light.bit as usize) {
-                    draws.draw(pass, &pipelines.volumes);
-                }
+                let (batch, light) = (count_batch as usize, light.bit as usize);
+                let draws = volumes.stages.draws(&volumes.buffers, batch, view, light);
+                draws.for_each(|draws| draws.draw(pass, &pipelines.volumes));
             }
         }
         Ok(())
@@ -181,7 +181,7 @@ impl SceneFrame {
     /// The [`ShadowStatistics`](crate::gpu::ShadowStatistics) of the encode, once its encoder was submitted. Usage `COPY_SRC`.
     /// `None` if no view was asked for.
     pub fn shadow_statistics(&self) -> Option<&wgpu::Buffer> {
-        self.volumes.as_ref().map(|volumes| &volumes.buffers.statistics)
+        self.volumes.as_ref().map(|volumes| &volumes.buffers.of.statistics)
     }
 
     /// The [`SceneStatistics`](crate::gpu::SceneStatistics) of the encode, once its encoder was submitted: what was computed,
@@ -206,10 +206,12 @@ impl SceneFrame {
     pub fn results(&self) -> Result<SceneResults<'_>, SceneError> {
         self.check_current()?;
         let Structure { table, buffers, parts, .. } = &*self.structure;
+        let volumes = self.volumes.as_ref().map(|volumes| &volumes.buffers);
+        let of = volumes.map(|volumes| &volumes.of);
         let of_part = parts.iter().zip(buffers.groups.iter().flatten()).enumerate();
         let groups = of_part.filter_map(|(number, (part, buffers))| {
-            let views = self.volumes.as_ref().and_then(|volumes| volumes.buffers.lists.get(number));
-            let room = self.volumes.as_ref().and_then(|volumes| volumes.buffers.sizes.rooms.get(number));
+            let views = of.and_then(|of| of.lists.get(number));
+            let room = volumes.and_then(|volumes| volumes.sizes.rooms.get(number));
             Some(SceneGroupResults {
                 clusters: self.structure.clusters.get(part.group)?,
                 sides: views.into_iter().flatten().map(|lists| &lists.sides).collect(),
@@ -225,20 +227,12 @@ impl SceneFrame {
                 dispatch: part.dispatch,
             })
         });
-        let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes());
-        let bytes = self.structure.bytes() + volumes;
-        let choices = self.volumes.as_ref().map(|volumes| &volumes.buffers.choices);
-        let shadow_draws = self.volumes.as_ref().map_or(&[][..], |volumes| &volumes.buffers.draws);
-        let bound = self.volumes.as_ref().and_then(|volumes| volumes.buffers.bound.as_ref());
-        let listed = self.volumes.as_ref().map(|volumes| &volumes.buffers.listed);
-        let receivers = |volumes: &'_ Arc<Volumes>| volumes.buffers.sizes.receivers;
-        let receivers = self.volumes.as_ref().map(|volumes| (&volumes.buffers.receivers, receivers(volumes)));
         Ok(SceneResults {
-            choices,
-            receivers,
-            listed,
-            bound: bound.map(|bound| [&bound.pencils, &bound.crossings]),
-            shadow_draws,
+            choices: of.map(|of| &of.choices),
+            receivers: volumes.map(|volumes| (&volumes.of.receivers, volumes.sizes.receivers)),
+            listed: of.map(|of| &of.listed),
+            bound: of.and_then(|of| of.bound.as_ref()).map(|bound| [&bound.pencils, &bound.crossings]),
+            shadow_draws: of.map_or(&[][..], |of| &of.draws),
             table,
             lit: &buffers.lit,
             taken: &buffers.taken,
@@ -246,7 +240,7 @@ impl SceneFrame {
             statistics: &buffers.statistics,
             work: &buffers.work,
             groups: groups.collect(),
-            bytes,
+            bytes: self.structure.bytes() + volumes.map_or(0, |volumes| volumes.bytes),
         })
     }
 

@@ -3,10 +3,9 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use super::caster::Placement;
+use super::caster::{HiddenOfLight, HiddenSource, Placement};
 use super::errors::SceneError;
 use super::handles::{CasterHandle, LightHandle};
-use super::hidden_of_light::{HiddenOfLight, HiddenSource};
 use super::scene::Scene;
 use crate::Matrix3x4;
 use crate::cpu::HiddenFaces;

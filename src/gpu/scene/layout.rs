@@ -20,7 +20,7 @@ use crate::mesh::EdgeCounts;
 
 /// The casters of one page with positions from one source: one dispatch of each stage for each batch of lights. A
 /// source with more slots than a binding holds has several groups.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Group {
     pub(crate) source: DefaultKey,
     /// Its first caster in the table. The casters of a group lie one after the other.
@@ -63,29 +63,16 @@ fn smooth_edges(consistent: usize) -> usize {
 
 impl Group {
     fn new(source: DefaultKey, first: u32) -> Self {
-        let counts = EdgeCounts::default();
-        let (face_chunks_at, edge_chunks_at, is_given) = (0, 0, false);
-        Self {
-            source,
-            first,
-            face_chunks: 0,
-            edge_chunks: 0,
-            proxy_chunks: 0,
-            counts,
-            smooth: 0,
-            face_chunks_at,
-            edge_chunks_at,
-            is_given,
-        }
+        Self { source, first, ..Self::default() }
     }
 
     /// Adds a caster and returns its slots.
     fn add(&mut self, mesh: &MeshEntry, in_depth: bool) -> Slots {
         let (first_face, first_edge) = (CHUNK * self.face_chunks, CHUNK * self.edge_chunks);
         let slots = Slots { first_face, first_edge, ..Slots::default() };
-        self.face_chunks += mesh.faces.div_ceil(CHUNK);
-        self.proxy_chunks += if in_depth { 0 } else { mesh.faces.div_ceil(CHUNK) };
-        self.edge_chunks += mesh.edges().div_ceil(CHUNK);
+        self.face_chunks += mesh.face_chunks();
+        self.proxy_chunks += if in_depth { 0 } else { mesh.face_chunks() };
+        self.edge_chunks += mesh.edge_chunks();
         self.counts.consistent += mesh.counts.consistent;
         self.counts.inconsistent += mesh.counts.inconsistent;
         self.counts.boundary += mesh.counts.boundary;
@@ -95,8 +82,8 @@ impl Group {
 
     /// Whether the slots of another mesh fit, too.
     fn has_room(&self, mesh: &MeshEntry, limits: &DispatchLimits) -> bool {
-        let face_slots = u64::from(CHUNK) * (u64::from(self.face_chunks) + u64::from(mesh.faces.div_ceil(CHUNK)));
-        let edge_slots = u64::from(CHUNK) * (u64::from(self.edge_chunks) + u64::from(mesh.edges().div_ceil(CHUNK)));
+        let face_slots = u64::from(CHUNK) * (u64::from(self.face_chunks) + u64::from(mesh.face_chunks()));
+        let edge_slots = u64::from(CHUNK) * (u64::from(self.edge_chunks) + u64::from(mesh.edge_chunks()));
         // A list entry has 31 bits for a slot.
         4 * face_slots <= limits.binding && edge_slots < 1 << 31
     }
@@ -128,15 +115,12 @@ impl Layout {
         let mut by_source: SecondaryMap<DefaultKey, Vec<DefaultKey>> = SecondaryMap::new();
         let mut sources = Vec::new();
         for (key, caster) in &*casters {
-            if let Some(entry) = by_source.entry(caster.source) {
-                entry.or_insert_with(|| {
-                    sources.push(caster.source);
-                    Vec::new()
-                });
-            }
-            if let Some(of_source) = by_source.get_mut(caster.source) {
-                of_source.push(key);
-            }
+            let Some(entry) = by_source.entry(caster.source) else { continue };
+            let of_source = entry.or_insert_with(|| {
+                sources.push(caster.source);
+                Vec::new()
+            });
+            of_source.push(key);
         }
         let mut layout = Self::default();
         let mut slots = Vec::with_capacity(casters.len());

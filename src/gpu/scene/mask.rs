@@ -25,24 +25,20 @@ impl LightMask {
     /// This mask with a light.
     #[must_use]
     pub fn with(mut self, light: LightHandle) -> Self {
-        if let Some(word) = self.0.get_mut(light.bit as usize / 32) {
-            *word |= 1 << (light.bit % 32);
-        }
+        self.set(light.bit, true);
         self
     }
 
     /// This mask without a light.
     #[must_use]
     pub fn without(mut self, light: LightHandle) -> Self {
-        if let Some(word) = self.0.get_mut(light.bit as usize / 32) {
-            *word &= !(1 << (light.bit % 32));
-        }
+        self.set(light.bit, false);
         self
     }
 
     /// Whether a light is in it.
     pub fn contains(&self, light: LightHandle) -> bool {
-        self.word(light.bit as usize / 32) >> (light.bit % 32) & 1 != 0
+        self.has(light.bit)
     }
 
     /// The bits of a batch.

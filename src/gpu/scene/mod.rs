@@ -9,7 +9,6 @@ pub(crate) mod errors;
 pub(crate) mod frame;
 pub(crate) mod handles;
 pub(crate) mod hidden;
-mod hidden_of_light;
 pub(crate) mod layout;
 pub(crate) mod lights;
 pub(crate) mod mask;

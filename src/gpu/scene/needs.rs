@@ -11,12 +11,14 @@ use super::handles::{CasterHandle, SceneId};
 use super::options::Measuring;
 use super::scene::Scene;
 use crate::ShadowCamera;
+use crate::gpu::common::bindings::{uniform, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, buffer, check, guarded, mapped, write_mapped};
-use crate::gpu::common::pass::{Dispatch, Pass};
-use crate::gpu::common::requirements::{DeviceError, check_timer};
+use crate::gpu::common::memory::{Allocation, check, guarded};
+use crate::gpu::common::pass::{Workgroups, record};
+use crate::gpu::common::requirements::{check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
-use crate::gpu::common::uniforms::{UniformTable, entry};
+use crate::gpu::common::uniforms::UniformTable;
+use crate::gpu::common::wanted::Wanted;
 use crate::layout::{LightCone, NeedsDispatch, SeenLight, ShadowLight, ShadowView};
 use crate::stages::NEEDS;
 use crate::turns::NEEDS_BOXES;
@@ -117,7 +119,7 @@ impl Scene {
         // Lay out the scene now, so that the encode of the frame does not.
         self.prepare_views(cameras.len())?;
         self.needs += 1;
-        let (seen, figures) = (self.seen_for_needs(cameras, &views), self.figures(&keys));
+        let (mut seen, mut figures) = (self.seen_for_needs(cameras, &views), self.figures(&keys));
         let lights = if views.is_empty() { 1 } else { seen.len() / views.len() };
         let is_short = views.len() * (lights + 1) <= NEEDS_BOXES;
         let frame = NeedsDispatch {
@@ -130,6 +132,9 @@ impl Scene {
             skip_unseen: (!self.options.measuring.has(Measuring::UNSEEN)).into(),
             reserved: 0,
         };
+        // Bindings are never empty.
+        seen.extend(seen.is_empty().then(SeenLight::zeroed));
+        figures.extend(figures.is_empty().then_some([0; 4]));
         let words =
             self.record_needs(encoder, &frame, [bytemuck::cast_slice(&seen), bytemuck::cast_slice(&figures)], timer)?;
         let device = self.pipelines.device().clone();
@@ -195,41 +200,31 @@ impl Scene {
         timer: Option<&mut StageTimer>,
     ) -> Result<wgpu::Buffer, SceneError> {
         let device = self.pipelines.device();
+        check_alive(device)?;
         let limits = DispatchLimits::new(&device.limits());
-        let least = [size_of::<SeenLight>(), size_of::<[u32; 4]>()];
-        let sizes = [inputs[0].len().max(least[0]) as u64, inputs[1].len().max(least[1]) as u64];
-        let word_bytes = 4 * u64::from(frame.figures.max(1));
-        let labels = ["seen by needs", "figures", "unneeded figures"];
-        let wanted: Vec<_> = labels
-            .into_iter()
-            .zip([sizes[0], sizes[1], word_bytes])
-            .map(|(label, bytes)| Allocation { label, bytes })
-            .collect();
-        let bytes = check(&wanted, limits.binding, self.options.memory_limit)?;
-        let storage = wgpu::BufferUsages::STORAGE;
-        let (words, inputs) = guarded(device, bytes, || {
-            let filled = |number: usize| {
-                let input = mapped(device, labels[number], sizes[number], storage);
-                write_mapped(&input, inputs[number]).then_some(input)
-            };
-            let usage = storage | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-            (buffer(device, labels[2], word_bytes, usage), [0, 1].map(filled))
-        })?;
-        let [Some(seen), Some(figures)] = inputs else { return Err(DeviceError::Lost.into()) };
+        let wanted = [
+            Wanted::filled("seen by needs", inputs[0]),
+            Wanted::filled("figures", inputs[1]),
+            Wanted::new("unneeded figures", 4 * u64::from(frame.figures.max(1))),
+        ];
+        let allocations = wanted.map(|Wanted { label, bytes, .. }| Allocation { label, bytes });
+        let bytes = check(&allocations, limits.binding, self.options.memory_limit)?;
+        let [seen, figures, words] = guarded(device, bytes, || wanted.map(|wanted| wanted.make(device)))?;
         let mut table = UniformTable::default();
         let offset = table.push(frame);
-        let uniform = table.into_buffer(device, "needs");
+        let frames = table.into_buffer(device, "needs");
         let pipeline = self.pipelines.compute(&NEEDS, NEEDS.name, &[]);
-        let resources = [
-            ("frame", entry::<NeedsDispatch>(&uniform)),
-            ("seen", seen.as_entire_binding()),
-            ("figures", figures.as_entire_binding()),
-            ("unneeded", words.as_entire_binding()),
-        ];
-        let group = Some(pipeline.bind(device, &resources));
-        let workgroups = u64::from(frame.figures).div_ceil(WORKGROUP).min(limits.workgroups) as u32;
-        let dispatch = Dispatch { group, offsets: vec![offset], workgroups, ..Dispatch::over(0, 0..0, 0) };
-        Pass { pipeline, dispatches: vec![dispatch] }.record(encoder, 0..1, timer);
+        let count = u64::from(frame.figures).div_ceil(WORKGROUP).min(limits.workgroups) as u32;
+        let dispatch = pipeline.dispatch(device, Workgroups::Known([count, 1]), |name| {
+            Some(match name {
+                "frame" => uniform::<NeedsDispatch>(&frames, offset),
+                "seen" => whole(&seen),
+                "figures" => whole(&figures),
+                "unneeded" => whole(&words),
+                _ => return None,
+            })
+        });
+        record([&pipeline.pass([dispatch])], encoder, 0..1, timer);
         Ok(words)
     }
 

@@ -1,6 +1,5 @@
 //! Options of a scene.
 
-use crate::gpu::shadow::sizes::VolumeSettings;
 use crate::method::Predicate;
 use crate::shadow::Counting;
 
@@ -103,28 +102,6 @@ impl SceneOptions {
     /// How a face's side is decided.
     pub(crate) const fn predicate(&self) -> Predicate {
         if self.measuring.has(Measuring::FAST) { Predicate::Fast } else { Predicate::Exact }
-    }
-
-    /// The settings of volumes. `has_receivers`: views may have receivers.
-    pub(crate) fn volumes(&self, has_receivers: bool) -> VolumeSettings {
-        let Self { counting, measuring, end_at_range, bound_counts, count_bits, cap_capacity, memory_limit, .. } =
-            *self;
-        let count_batches = self.count_batches.max(1);
-        VolumeSettings {
-            counting,
-            averted: !measuring.has(Measuring::EVERY_FACE),
-            skip_unreached: !measuring.has(Measuring::UNREACHED),
-            skip_unseen: !measuring.has(Measuring::UNSEEN),
-            end_at_range,
-            has_receivers,
-            bound_counts,
-            keeps: !measuring.has(Measuring::BITS) && !measuring.has(Measuring::LISTS),
-            count_batches,
-            count_bits,
-            cap_capacity,
-            memory_limit,
-            has_pieces: false,
-        }
     }
 }
 

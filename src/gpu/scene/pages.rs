@@ -6,8 +6,9 @@ use range_alloc::RangeAllocator;
 
 use super::topology::Topology;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, MemoryError, any_error, buffer, check, guarded};
+use crate::gpu::common::memory::{Allocation, MemoryError, any_error, check, guarded};
 use crate::gpu::common::requirements::DeviceError;
+use crate::gpu::common::wanted::Wanted;
 
 /// The kinds of elements in a page: faces, edge records, vertices, and words of clusters.
 const KINDS: usize = 4;
@@ -27,13 +28,13 @@ pub(crate) struct Run {
 
 /// The buffers of a page.
 #[derive(Debug)]
-pub(crate) struct Page {
-    pub(crate) faces: wgpu::Buffer,
-    pub(crate) edge_vertices: wgpu::Buffer,
-    pub(crate) edge_faces: wgpu::Buffer,
-    pub(crate) positions: wgpu::Buffer,
+pub(crate) struct Page<B = wgpu::Buffer> {
+    pub(crate) faces: B,
+    pub(crate) edge_vertices: B,
+    pub(crate) edge_faces: B,
+    pub(crate) positions: B,
     /// The words of [`Topology::clusters`].
-    pub(crate) clusters: wgpu::Buffer,
+    pub(crate) clusters: B,
     /// Free ranges of each kind.
     free: [RangeAllocator<u32>; KINDS],
 }
@@ -48,20 +49,21 @@ pub(crate) struct Pages {
     pub(crate) bytes: u64,
 }
 
-impl Page {
-    fn new(device: &wgpu::Device, items: [u64; KINDS]) -> Self {
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+impl<B> Page<B> {
+    fn plan(items: [u64; KINDS], mut make: impl FnMut(Wanted<'static>) -> B) -> Self {
         let [faces, edges, vertices, words] = items;
         Self {
-            faces: buffer(device, "scene faces", 12 * faces, usage),
-            edge_vertices: buffer(device, "scene edge vertices", 8 * edges, usage),
-            edge_faces: buffer(device, "scene edge faces", 8 * edges, usage),
-            positions: buffer(device, "scene rest positions", 12 * vertices, usage),
-            clusters: buffer(device, "scene clusters", 4 * words, usage),
+            faces: make(Wanted::new("scene faces", 12 * faces)),
+            edge_vertices: make(Wanted::new("scene edge vertices", 8 * edges)),
+            edge_faces: make(Wanted::new("scene edge faces", 8 * edges)),
+            positions: make(Wanted::new("scene rest positions", 12 * vertices)),
+            clusters: make(Wanted::new("scene clusters", 4 * words)),
             free: items.map(|items| RangeAllocator::new(0..items as u32)),
         }
     }
+}
 
+impl Page {
     /// Runs of so many of each kind, if there is room for all of them.
     fn allocate(&mut self, items: [u64; KINDS]) -> Option<[Range<u32>; KINDS]> {
         let mut ranges = [const { 0..0 }; KINDS];
@@ -106,19 +108,13 @@ impl Pages {
         let page = self.all.len();
         let limits = DispatchLimits::new(&device.limits());
         let sizes = page_sizes(page, items, limits.binding)?;
-        let [faces, edges, vertices, words] = sizes;
-        let allocations = [
-            Allocation { label: "scene faces", bytes: 12 * faces },
-            Allocation { label: "scene edge vertices", bytes: 8 * edges },
-            Allocation { label: "scene edge faces", bytes: 8 * edges },
-            Allocation { label: "scene rest positions", bytes: 12 * vertices },
-            Allocation { label: "scene clusters", bytes: 4 * words },
-            Allocation { label: "the rest of the scene", bytes: used + self.bytes },
-        ];
-        let (own, rest) = (&allocations[..5], used + self.bytes);
-        let bytes = check(own, limits.buffer, None)?;
-        check(&allocations, u64::MAX, memory_limit)?;
-        let mut made = guarded(device, bytes + rest, || Page::new(device, sizes))?;
+        let mut all = Vec::new();
+        Page::plan(sizes, |Wanted { label, bytes, .. }| all.push(Allocation { label, bytes }));
+        let bytes = check(&all, limits.buffer, None)?;
+        let rest = used + self.bytes;
+        all.push(Allocation { label: "the rest of the scene", bytes: rest });
+        check(&all, u64::MAX, memory_limit)?;
+        let mut made = guarded(device, bytes + rest, || Page::plan(sizes, |wanted| wanted.make(device)))?;
         // A page is at least as large as the mesh.
         let ranges = made.allocate(items).unwrap_or([const { 0..0 }; KINDS]);
         self.all.push(made);

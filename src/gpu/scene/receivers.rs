@@ -4,10 +4,11 @@ use glam::Mat4;
 
 use super::errors::{ReceiversError, SceneError};
 use crate::ShadowCamera;
+use crate::gpu::common::bindings::{texture, uniform, whole};
 use crate::gpu::common::memory::any_error;
+use crate::gpu::common::pass::{Step, Workgroups};
 use crate::gpu::common::pipelines::Pipelines;
-use crate::gpu::common::timer::StageTimer;
-use crate::gpu::common::uniforms::{UniformTable, entry};
+use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::{ReceiverView, ShadowView};
 use crate::stages::{RECEIVER_DEPTH, RECEIVER_PYRAMID, RECEIVER_SAMPLES};
 
@@ -101,79 +102,49 @@ fn receiver_view(camera: &ShadowCamera, view: &ShadowView, receivers: &Receivers
     }
 }
 
-/// The stages of the receivers of an encode, bound.
-pub(crate) struct ReceiverStages(Vec<Bound>);
-
-struct Bound {
-    name: &'static str,
-    pipeline: wgpu::ComputePipeline,
-    group: wgpu::BindGroup,
-    offset: u32,
-    workgroups: [u32; 2],
-}
-
-impl ReceiverStages {
-    /// Binds the stages of the views that have receivers. `target` has room for `words` words of each view, after the first
-    /// word.
-    pub(crate) fn new(
-        pipelines: &Pipelines,
-        cameras: &[ShadowCamera],
-        views: &[ShadowView],
-        receivers: &[Option<Receivers<'_>>],
-        (target, words): (&wgpu::Buffer, u64),
-    ) -> Result<Self, SceneError> {
-        let mut table = UniformTable::default();
-        let mut given = Vec::new();
-        for (number, ((camera, view), receivers)) in cameras.iter().zip(views).zip(receivers).enumerate() {
-            if let Some(receivers) = receivers {
-                let at = at(number, words);
-                given.push((number, receivers, table.push(&receiver_view(camera, view, receivers, at))));
-            }
-        }
-        if given.is_empty() {
-            return Ok(Self(Vec::new()));
-        }
-        let device = pipelines.device();
-        let uniforms = table.into_buffer(device, "receiver views");
-        let most = device.limits().max_compute_workgroups_per_dimension;
-        let mut stages = Vec::new();
-        for (view, receivers, offset) in given {
-            let tiles = receivers.pixels().map(|pixels| pixels.div_ceil(TILE));
-            let groups = (tiles[0] * tiles[1]).div_ceil(TILES_PER_WORKGROUP);
-            let is_single = receivers.depth.texture().sample_count() == 1;
-            let of_tiles = if is_single { &RECEIVER_DEPTH } else { &RECEIVER_SAMPLES };
-            let texture = Some(wgpu::BindingResource::TextureView(receivers.depth));
-            let rows = groups.div_ceil(most);
-            for (stage, texture, workgroups) in
-                [(of_tiles, texture, [groups.div_ceil(rows), rows]), (&RECEIVER_PYRAMID, None, [1, 1])]
-            {
-                let pipeline = pipelines.compute(stage, stage.name, &[]);
-                let mut resources = vec![
-                    ("receiver_view", entry::<ReceiverView>(&uniforms)),
-                    ("receivers", target.as_entire_binding()),
-                ];
-                resources.extend(texture.map(|texture| ("depth_texture", texture)));
-                let group = any_error(device, || pipeline.bind(device, &resources));
-                let group = group
-                    .map_err(|message| SceneError::Receivers { view, error: ReceiversError::Refused { message } })?;
-                let (name, pipeline) = (stage.name, pipeline.compute.clone());
-                stages.push(Bound { name, pipeline, group, offset, workgroups });
-            }
-        }
-        Ok(Self(stages))
-    }
-
-    /// Records the stages.
-    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, mut timer: Option<&mut StageTimer>) {
-        for Bound { name, pipeline, group, offset, workgroups: [x, y] } in &self.0 {
-            let timestamp_writes = timer.as_deref_mut().and_then(|timer| timer.compute_pass(name));
-            let mut pass =
-                encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes });
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, group, &[*offset]);
-            pass.dispatch_workgroups(*x, *y, 1);
+/// The stages of the views that have receivers. `target` has room for `words` words of each view, after the first word.
+pub(crate) fn steps(
+    pipelines: &Pipelines,
+    cameras: &[ShadowCamera],
+    views: &[ShadowView],
+    receivers: &[Option<Receivers<'_>>],
+    (target, words): (&wgpu::Buffer, u64),
+) -> Result<Vec<Step>, SceneError> {
+    let mut table = UniformTable::default();
+    let mut given = Vec::new();
+    for (number, ((camera, view), receivers)) in cameras.iter().zip(views).zip(receivers).enumerate() {
+        if let Some(receivers) = receivers {
+            let at = at(number, words);
+            given.push((number, receivers, table.push(&receiver_view(camera, view, receivers, at))));
         }
     }
+    if given.is_empty() {
+        return Ok(Vec::new());
+    }
+    let device = pipelines.device();
+    let uniforms = table.into_buffer(device, "receiver views");
+    let mut steps = Vec::new();
+    for (view, receivers, offset) in given {
+        let tiles = receivers.pixels().map(|pixels| pixels.div_ceil(TILE));
+        let over = Workgroups::over(device, (tiles[0] * tiles[1]).div_ceil(TILES_PER_WORKGROUP));
+        let is_single = receivers.depth.texture().sample_count() == 1;
+        let of_tiles = if is_single { &RECEIVER_DEPTH } else { &RECEIVER_SAMPLES };
+        let get = |name: &str| {
+            Some(match name {
+                "receiver_view" => uniform::<ReceiverView>(&uniforms, offset),
+                "receivers" => whole(target),
+                "depth_texture" => texture(receivers.depth),
+                _ => return None,
+            })
+        };
+        for (stage, workgroups) in [(of_tiles, over), (&RECEIVER_PYRAMID, Workgroups::Known([1, 1]))] {
+            let pipeline = pipelines.compute(stage, stage.name, &[]);
+            let dispatch = any_error(device, || pipeline.dispatch(device, workgroups, get));
+            let refused = |message| SceneError::Receivers { view, error: ReceiversError::Refused { message } };
+            steps.push(pipeline.pass([dispatch.map_err(refused)?]));
+        }
+    }
+    Ok(steps)
 }
 
 /// The word where the receivers of a view begin. 0 says that there are none.

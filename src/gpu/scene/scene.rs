@@ -5,10 +5,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use slotmap::{DefaultKey, SlotMap};
 
-use super::caster::{Caster, CasterEntry, CasterPositions, MeshEntry, Placement, Rigid};
+use super::caster::{Caster, CasterEntry, CasterPositions, HiddenOfLight, MeshEntry, Placement, Rigid};
 use super::errors::SceneError;
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
-use super::hidden_of_light::HiddenOfLight;
 use super::lights::Lights;
 use super::mask::LightMask;
 use super::occluders;
@@ -16,11 +15,11 @@ use super::options::{Measuring, SceneOptions};
 use super::pages::Pages;
 use super::receivers::SeenReceivers;
 use super::sources::{Sources, bind};
-use super::stages::Passes;
 use super::structure::Structure;
 use super::table::Table;
 use super::topology::Topology;
 use super::volumes::Volumes;
+use crate::gpu::common::pass::Step;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::Subject;
@@ -56,8 +55,8 @@ pub struct Scene {
     pub(super) structure: Option<Arc<Structure>>,
     /// The structure before, whose buffers are taken where they are large enough.
     pub(super) last: Option<Arc<Structure>>,
-    /// The passes of the structure.
-    pub(super) passes: Passes,
+    /// The steps of the structure.
+    pub(super) steps: Vec<Step>,
     /// Shadow volumes of the structure, if any view was asked for.
     pub(super) volumes: Option<Arc<Volumes>>,
     /// The most views of an encode so far.
@@ -88,6 +87,7 @@ impl Scene {
         queue: &wgpu::Queue,
         options: SceneOptions,
     ) -> Result<Self, SceneError> {
+        let options = SceneOptions { count_batches: options.count_batches.max(1), ..options };
         let pipelines: Pipelines = pipelines.into();
         pipelines.construct(Subject::Extract, || Ok::<_, SceneError>(()))?;
         let casters = if options.count_batches > 1 { Casters::Batches } else { Casters::Scene };
@@ -111,7 +111,7 @@ impl Scene {
             moved: Vec::new(),
             structure: None,
             last: None,
-            passes: Passes::default(),
+            steps: Vec::new(),
             volumes: None,
             views: 0,
             receiver_words: 0,
@@ -139,7 +139,7 @@ impl Scene {
         if mesh.polygons().is_some() {
             return Err(SceneError::Polygons);
         }
-        let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes());
+        let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes);
         let used = self.last.as_ref().map_or(0, |last| last.bytes()) + volumes;
         let device = self.pipelines.device();
         let topology = self.topology(mesh, own);
@@ -247,8 +247,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError::NotRigid`], or an error of the handle.
     pub fn set_transform(&mut self, caster: CasterHandle, mesh_to_world: Matrix3x4) -> Result<(), SceneError> {
-        let key = caster.key_in(self.id)?;
-        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
+        let (key, entry) = self.entry(caster)?;
         let Placement::Rigid(rigid) = &mut entry.placement else { return Err(SceneError::NotRigid) };
         if bytemuck::bytes_of(&rigid.rows) != bytemuck::bytes_of(&mesh_to_world) {
             *rigid = Rigid::new(mesh_to_world);
@@ -264,11 +263,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError::NoBuffer`] for a rigid caster, or an error of the handle.
     pub fn set_position_version(&mut self, caster: CasterHandle, version: Option<u64>) -> Result<(), SceneError> {
-        let key = caster.key_in(self.id)?;
-        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
-        if matches!(entry.placement, Placement::Rigid(_)) {
-            return Err(SceneError::NoBuffer);
-        }
+        let (key, entry) = self.entry_in_buffer(caster)?;
         if entry.positions_version != version {
             entry.positions_version = version;
             self.note_change(key);
@@ -287,11 +282,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError::NoBuffer`] for a rigid caster, [`SceneError::Bounds`] for a box that is none, or an error of the handle.
     pub fn set_bounds(&mut self, caster: CasterHandle, bounds: Option<[[f32; 3]; 2]>) -> Result<(), SceneError> {
-        let key = caster.key_in(self.id)?;
-        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
-        if matches!(entry.placement, Placement::Rigid(_)) {
-            return Err(SceneError::NoBuffer);
-        }
+        let (key, entry) = self.entry_in_buffer(caster)?;
         if let Some([low, high]) = bounds
             && !low.iter().zip(high).all(|(low, high)| low.is_finite() && high.is_finite() && *low <= high)
         {
@@ -302,6 +293,18 @@ impl Scene {
             self.note_change(key);
         }
         Ok(())
+    }
+
+    /// A caster.
+    fn entry(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), SceneError> {
+        let key = caster.key_in(self.id)?;
+        self.casters.get_mut(key).map(|entry| (key, entry)).ok_or(SceneError::Stale { what: "caster" })
+    }
+
+    /// A caster with positions in a buffer.
+    fn entry_in_buffer(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), SceneError> {
+        let (key, entry) = self.entry(caster)?;
+        if let Placement::Rigid(_) = entry.placement { Err(SceneError::NoBuffer) } else { Ok((key, entry)) }
     }
 
     /// Notes that a caster is to be written to the table.
@@ -357,8 +360,7 @@ impl Scene {
     /// # Errors
     /// An error of the handle.
     pub fn set_lights(&mut self, caster: CasterHandle, lights: LightMask) -> Result<(), SceneError> {
-        let key = caster.key_in(self.id)?;
-        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
+        let (_, entry) = self.entry(caster)?;
         if entry.lights != lights {
             entry.lights = lights;
             self.structure = None;

@@ -7,6 +7,8 @@ use slotmap::{DefaultKey, SlotMap};
 
 use super::caster::Placement;
 use super::errors::SceneError;
+use super::pages::Page;
+use crate::gpu::common::bindings::{Resource, part, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::Pipelines;
@@ -28,6 +30,13 @@ pub(crate) struct Source {
     pub(crate) buffer: Option<BoundBuffer>,
     casters: usize,
     key: SourceKey,
+}
+
+impl Source {
+    /// The positions of its casters.
+    pub(crate) fn positions<'a>(&'a self, page: &'a Page) -> Resource<'a> {
+        self.buffer.as_ref().map_or_else(|| whole(&page.positions), |bound| part(&bound.buffer, bound.range.clone()))
+    }
 }
 
 /// The part of a caller's buffer that is bound.

@@ -1,19 +1,16 @@
 //! The dispatches of a scene's stages, with the buffers that they bind.
 
-use wgpu::BindingResource;
-
-use super::buffers::{Buffers, GroupBuffers, LISTS_HEAD, WORK_WORDS};
+use super::buffers::{Buffers, LISTS_HEAD, WORK_WORDS};
 use super::structure::{GroupBatch, Making, Structure};
-use crate::gpu::common::dispatch_limits::{DispatchLimits, binding, loops_of};
-use crate::gpu::common::pass::{Dispatch, Pass};
-use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program};
+use crate::gpu::common::bindings::{Resource, part, uniform, whole};
+use crate::gpu::common::dispatch_limits::{DispatchLimits, loops_of};
+use crate::gpu::common::pass::{Step, Workgroups};
+use crate::gpu::common::pipelines::Program;
 use crate::gpu::common::positions::{PositionError, bound};
-use crate::gpu::common::timer::StageTimer;
-use crate::gpu::common::uniforms::entry;
 use crate::gpu::shadow;
-use crate::layout::{DrawShape, ExtractionStatistics, LANES, SceneDispatch};
+use crate::layout::{CHUNK, DrawShape, ExtractionStatistics, LANES, SceneDispatch};
 use crate::method::Predicate;
-use crate::stages::{ARGUMENTS, CHUNKS, CLUSTERS, REACH, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING, Stage};
+use crate::stages::{ARGUMENTS, CHUNKS, CLUSTERS, REACH, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING};
 use crate::turns::{SCENE_ITEMS, scene_exact_items};
 
 /// The number of invocations in a workgroup of `reach` and of exact facing.
@@ -25,259 +22,153 @@ fn exact_turns(device: &wgpu::Device, lights: u32) -> u64 {
     if device.adapter_info().device_type == wgpu::DeviceType::Cpu { scene_exact_items(lights).into() } else { 4 }
 }
 
-/// The programs of these passes, in their order.
+/// The items that a stage walks along, for a group and batch.
+#[derive(Clone, Copy)]
+enum Items {
+    /// An invocation for each caster and batch, of all groups at once.
+    Pairs,
+    FaceChunks,
+    EdgeChunks,
+    Faces,
+    Edges,
+    /// The undecided faces.
+    Undecided,
+    /// One workgroup.
+    One,
+}
+
+/// The stages in their order, and what they walk along.
+fn stages(predicate: Predicate) -> Vec<(Program, Items)> {
+    let switch = |is_on: bool| f64::from(u8::from(is_on));
+    let is_exact = predicate == Predicate::Exact;
+    let of = |stage| Program::of(stage, &[]);
+    let facing = [("PLANE", switch(predicate.is_plane())), ("EXACT", switch(is_exact))];
+    let mut stages = vec![
+        (of(&REACH), Items::Pairs),
+        (of(&CLUSTERS), Items::FaceChunks),
+        (of(&CHUNKS), Items::EdgeChunks),
+        (Program::of(&SCENE_FACING, &facing), Items::Faces),
+    ];
+    stages.extend(is_exact.then(|| (of(&SCENE_EXACT_FACING), Items::Undecided)));
+    stages.extend([(of(&SCENE_EDGES), Items::Edges), (of(&ARGUMENTS), Items::One)]);
+    stages
+}
+
+/// The programs of these stages, in their order.
 pub(crate) fn programs(predicate: Predicate) -> Vec<Program> {
-    let mut programs: Vec<_> = [&REACH, &CLUSTERS, &CHUNKS].map(|stage| Program::of(stage, &[])).into();
-    programs.push(facing(predicate));
-    programs.extend((predicate == Predicate::Exact).then(|| Program::of(&SCENE_EXACT_FACING, &[])));
-    programs.extend([&SCENE_EDGES, &ARGUMENTS].map(|stage| Program::of(stage, &[])));
-    programs
+    stages(predicate).into_iter().map(|(program, _)| program).collect()
 }
 
-fn facing(predicate: Predicate) -> Program {
-    let plane = ("PLANE", f64::from(u8::from(predicate.is_plane())));
-    let exact = ("EXACT", f64::from(u8::from(predicate == Predicate::Exact)));
-    Program::of(&SCENE_FACING, &[plane, exact])
-}
-
-/// The passes of a scene, in order. There are none without casters or lights.
-#[derive(Debug, Default)]
-pub(crate) struct Passes(Vec<Pass>);
-
-impl Passes {
-    /// The passes of a structure.
-    ///
-    /// # Errors
-    /// [`PositionError::Refused`] if a caller destroyed the buffer of a caster.
-    pub(crate) fn new(making: &Making<'_>, structure: &Structure) -> Result<Self, PositionError> {
-        let device = making.pipelines.device();
-        let limits = &DispatchLimits::new(&device.limits());
-        bound(device, || Binder { pipelines: making.pipelines, structure, making, limits }.passes())
+/// The steps of a structure, after its table was uploaded. There are none without casters or lights.
+///
+/// # Errors
+/// [`PositionError::Refused`] if a caller destroyed the buffer of a caster.
+pub(crate) fn steps(making: &Making<'_>, structure: &Structure) -> Result<Vec<Step>, PositionError> {
+    let Making { pipelines, options, views, .. } = *making;
+    let (device, predicate) = (pipelines.device(), options.predicate());
+    let Some(first) = structure.parts.first() else { return Ok(Vec::new()) };
+    let mut programs = programs(predicate);
+    if views > 0 {
+        programs.extend(shadow::stages::programs(true, false, options));
     }
-
-    /// Records the extraction. The encoder has uploaded the table.
-    pub(crate) fn record(
-        &self,
-        structure: &Structure,
-        encoder: &mut wgpu::CommandEncoder,
-        timer: Option<&mut StageTimer>,
-    ) {
-        let Structure { parts, buffers, given, .. } = structure;
-        if parts.is_empty() {
-            return;
-        }
-        encoder.clear_buffer(&buffers.work, 0, Some(4 * WORK_WORDS * parts.len() as u64));
-        encoder.clear_buffer(&buffers.statistics, 0, None);
-        for ((part, given), buffers) in parts.iter().zip(given).zip(buffers.groups.iter().flatten()) {
-            // Elsewhere `facing` begins with none.
-            let is_given = structure.layout.groups.get(part.group).is_some_and(|group| group.is_given);
-            match given {
-                Some(given) => encoder.copy_buffer_to_buffer(given, 0, &buffers.excluded, 0, part.sizes.masks),
-                None if is_given => encoder.clear_buffer(&buffers.excluded, 0, Some(part.sizes.masks)),
-                None => {}
-            }
-        }
-        Pass::record_all(&self.0, encoder, 0..structure.batches, timer);
-    }
+    pipelines.make_together(&programs);
+    let limits = &DispatchLimits::new(&device.limits());
+    let binder = Binder { device, structure, making, limits };
+    let mut steps = clears(structure);
+    bound(device, || {
+        steps.extend(stages(predicate).into_iter().map(|(program, items)| {
+            let pipeline = pipelines.get(&program);
+            let parts = if let Items::Pairs = items { std::slice::from_ref(first) } else { &structure.parts };
+            let dispatch = |part: &GroupBatch| {
+                pipeline.dispatch(device, binder.workgroups(items, part), |name| binder.get(pipeline.label, name, part))
+            };
+            pipeline.pass(parts.iter().map(dispatch))
+        }));
+    })?;
+    Ok(steps)
 }
 
-/// Makes the passes of a structure.
+/// Clears what stages add to, and writes the masks of faces that callers exclude.
+fn clears(structure: &Structure) -> Vec<Step> {
+    let Structure { parts, buffers, given, .. } = structure;
+    let counts = Step::Clear(buffers.work.clone(), 0..4 * WORK_WORDS * parts.len() as u64);
+    let mut steps = vec![counts, Step::clear(&buffers.statistics)];
+    for ((part, given), buffers) in parts.iter().zip(given).zip(buffers.groups.iter().flatten()) {
+        // Elsewhere `facing` begins with none.
+        let is_given = structure.layout.groups.get(part.group).is_some_and(|group| group.is_given);
+        let (excluded, bytes) = (buffers.excluded.clone(), part.sizes.masks);
+        match given {
+            Some(given) => steps.push(Step::Copy([(given.clone(), 0), (excluded, 0)], bytes)),
+            None if is_given => steps.push(Step::Clear(excluded, 0..bytes)),
+            None => {}
+        }
+    }
+    steps
+}
+
+/// Binds the stages of a structure.
 struct Binder<'a> {
-    pipelines: &'a Pipelines,
+    device: &'a wgpu::Device,
     structure: &'a Structure,
     making: &'a Making<'a>,
     limits: &'a DispatchLimits,
 }
 
-/// The size of what a stage walks along, for a group and batch.
-#[derive(Clone, Copy)]
-enum Items {
-    FaceChunks,
-    EdgeChunks,
-    Faces,
-    Edges,
-}
-
-type Resources<'a> = Vec<(&'static str, BindingResource<'a>)>;
-
 impl<'a> Binder<'a> {
-    fn passes(&self) -> Passes {
-        if self.structure.parts.is_empty() {
-            return Passes::default();
-        }
-        let Making { options, views, has_receivers, .. } = *self.making;
-        let predicate = options.predicate();
-        let mut programs = programs(predicate);
-        if views > 0 {
-            programs.extend(shadow::stages::programs(true, &options.volumes(has_receivers)));
-        }
-        self.pipelines.make_together(&programs);
-        let facing = self.pipelines.get(&facing(predicate));
-        let mut passes = vec![
-            self.reach(),
-            self.walk(self.stage(&CLUSTERS), Items::FaceChunks, |part| self.clusters(part)),
-            self.walk(self.stage(&CHUNKS), Items::EdgeChunks, |part| self.chunks(part)),
-            self.walk(facing, Items::Faces, |part| self.facing(part)),
-        ];
-        if predicate == Predicate::Exact {
-            passes.push(self.exact_facing());
-        }
-        passes.push(self.walk(self.stage(&SCENE_EDGES), Items::Edges, |part| self.edges(part)));
-        passes.push(self.arguments());
-        Passes(passes)
-    }
-
-    fn stage(&self, stage: &'static Stage) -> Pipeline {
-        self.pipelines.get(&Program::of(stage, &[]))
-    }
-
-    fn dispatch(&self, pipeline: &Pipeline, resources: &Resources<'_>, offset: u32, workgroups: u64) -> Dispatch {
-        let group = Some(pipeline.bind(self.pipelines.device(), resources));
-        let workgroups = workgroups.min(self.limits.workgroups) as u32;
-        Dispatch { group, offsets: vec![offset], workgroups, ..Dispatch::over(0, 0..0, 0) }
-    }
-
-    /// A thread for each caster and batch, of all groups at once.
-    fn reach(&self) -> Pass {
-        let pipeline = self.stage(&REACH);
-        let pairs = self.structure.layout.order.len() * self.structure.batches;
-        let Buffers { lit, taken, .. } = &self.structure.buffers;
-        let resources = self.versions(&[("lit", lit), ("taken", taken)]);
-        let workgroups = (pairs as u64).div_ceil(SMALL_WORKGROUP);
-        let rows = workgroups.div_ceil(self.limits.workgroups).clamp(1, self.limits.workgroups) as u32;
-        let dispatch = self.dispatch(&pipeline, &resources, 0, workgroups);
-        Pass { pipeline, dispatches: vec![Dispatch { rows, ..dispatch }] }
-    }
-
-    /// A dispatch of a stage for each group and batch.
-    fn walk(&self, pipeline: Pipeline, items: Items, resources: impl Fn(&GroupBatch) -> Option<Resources<'a>>) -> Pass {
-        let mut dispatches = Vec::new();
-        for part in &self.structure.parts {
-            let Some(group) = self.structure.layout.groups.get(part.group) else { continue };
-            let count = match items {
-                Items::FaceChunks => group.face_chunks,
-                Items::EdgeChunks => group.edge_chunks,
-                Items::Faces => LANES * group.face_chunks,
-                Items::Edges => LANES * group.edge_chunks,
-            };
-            let Some(resources) = resources(part) else { continue };
-            let workgroups = loops_of(self.pipelines.device(), count, SCENE_ITEMS);
-            dispatches.push(self.dispatch(&pipeline, &resources, part.offset, workgroups.into()));
-        }
-        Pass { pipeline, dispatches }
-    }
-
-    fn exact_facing(&self) -> Pass {
-        let pipeline = self.stage(&SCENE_EXACT_FACING);
-        let dispatch = |part: &GroupBatch| {
-            let slots = u64::from(self.structure.layout.groups.get(part.group)?.face_slots());
-            let resources = self.faces(part)?;
-            let turns = exact_turns(self.pipelines.device(), part.lights);
-            Some(self.dispatch(&pipeline, &resources, part.offset, slots.div_ceil(SMALL_WORKGROUP * turns)))
+    fn workgroups(&self, items: Items, part: &GroupBatch) -> Workgroups {
+        let most = self.limits.workgroups;
+        let chunks = self.structure.layout.groups.get(part.group).map(|group| (group.face_chunks, group.edge_chunks));
+        let (faces, edges) = chunks.unwrap_or_default();
+        let in_turn = |items: u32| u64::from(loops_of(self.device, items, SCENE_ITEMS));
+        let (count, rows) = match items {
+            Items::Pairs => {
+                let pairs = self.structure.layout.order.len() * self.structure.batches;
+                let workgroups = (pairs as u64).div_ceil(SMALL_WORKGROUP);
+                (workgroups, workgroups.div_ceil(most).clamp(1, most) as u32)
+            }
+            Items::FaceChunks => (in_turn(faces), 1),
+            Items::EdgeChunks => (in_turn(edges), 1),
+            Items::Faces => (in_turn(LANES * faces), 1),
+            Items::Edges => (in_turn(LANES * edges), 1),
+            Items::Undecided => {
+                let turns = exact_turns(self.device, part.lights);
+                (u64::from(CHUNK * faces).div_ceil(SMALL_WORKGROUP * turns), 1)
+            }
+            Items::One => (1, 1),
         };
-        let dispatches = self.structure.parts.iter().filter_map(dispatch).collect();
-        Pass { pipeline, dispatches }
+        Workgroups::Known([count.min(most) as u32, rows])
     }
 
-    fn arguments(&self) -> Pass {
-        let pipeline = self.stage(&ARGUMENTS);
-        let dispatch = |part: &GroupBatch| {
-            let buffers = self.of(part)?;
-            let resources = vec![
-                ("shape", entry::<DrawShape>(&self.structure.shapes)),
-                ("counts", binding(&buffers.lists, 0..LISTS_HEAD)),
-                ("draw_arguments", buffers.draws.as_entire_binding()),
-                ("statistics", binding(&buffers.record, 0..size_of::<ExtractionStatistics>() as u64)),
-            ];
-            Some(self.dispatch(&pipeline, &resources, part.shape, 1))
-        };
-        let dispatches = self.structure.parts.iter().filter_map(dispatch).collect();
-        Pass { pipeline, dispatches }
-    }
-
-    fn of(&self, part: &GroupBatch) -> Option<&'a GroupBuffers> {
-        self.structure.buffers.groups.get(part.group)?.get(part.batch)
-    }
-
-    /// The bindings that all stages of the scene but `arguments` have.
-    fn common(&self) -> Resources<'a> {
-        let Structure { table, uniforms, .. } = self.structure;
-        vec![("group", entry::<SceneDispatch>(uniforms)), ("table", table.as_entire_binding())]
-    }
-
-    /// The bindings of stages that find what changed, with these lights of casters.
-    fn versions(&self, lights: &[(&'static str, &'a wgpu::Buffer)]) -> Resources<'a> {
-        let mut resources = self.with_work(self.common());
-        let Buffers { kept, statistics, .. } = &self.structure.buffers;
-        let named = lights.iter().copied().chain([("kept", kept), ("statistics", statistics)]);
-        resources.extend(named.map(|(name, buffer)| (name, buffer.as_entire_binding())));
-        resources
-    }
-
-    /// The clusters of a group's page.
-    fn cluster_words(&self, part: &GroupBatch) -> Option<(&'static str, BindingResource<'a>)> {
-        let (page, _) = self.structure.source(self.making, part.group)?;
-        Some(("cluster_words", page.clusters.as_entire_binding()))
-    }
-
-    fn clusters(&self, part: &GroupBatch) -> Option<Resources<'a>> {
-        let mut resources = self.versions(&[("taken", &self.structure.buffers.taken)]);
-        resources.push(self.cluster_words(part)?);
-        Some(resources)
-    }
-
-    fn chunks(&self, part: &GroupBatch) -> Option<Resources<'a>> {
-        let buffers = self.of(part)?;
-        let mut resources = self.versions(&[("lit", &self.structure.buffers.lit)]);
-        resources.extend([
-            self.cluster_words(part)?,
-            ("list_counts", binding(&buffers.lists, 0..LISTS_HEAD)),
-            ("record", binding(&buffers.record, 0..part.sizes.record)),
-        ]);
-        Some(resources)
-    }
-
-    /// Adds the binding of stages that write or read the lists of chunks.
-    fn with_work(&self, mut resources: Resources<'a>) -> Resources<'a> {
-        resources.push(("work", self.structure.buffers.work.as_entire_binding()));
-        resources
-    }
-
-    /// The bindings that both facing stages have.
-    fn faces(&self, part: &GroupBatch) -> Option<Resources<'a>> {
-        let (page, source) = self.structure.source(self.making, part.group)?;
-        let buffers = self.of(part)?;
-        let mut resources = self.common();
-        let positions = match &source.buffer {
-            Some(bound) => binding(&bound.buffer, bound.range.clone()),
-            None => page.positions.as_entire_binding(),
-        };
-        resources.extend([
-            ("taken", self.structure.buffers.taken.as_entire_binding()),
-            ("positions", positions),
-            ("faces", page.faces.as_entire_binding()),
-            ("facing_masks", binding(&buffers.facing, 0..part.sizes.masks)),
-            ("excluded_masks", binding(&buffers.excluded, 0..part.sizes.masks)),
-            ("record", binding(&buffers.record, 0..part.sizes.record)),
-        ]);
-        Some(resources)
-    }
-
-    fn facing(&self, part: &GroupBatch) -> Option<Resources<'a>> {
-        Some(self.with_work(self.faces(part)?))
-    }
-
-    fn edges(&self, part: &GroupBatch) -> Option<Resources<'a>> {
-        let (page, _) = self.structure.source(self.making, part.group)?;
-        let buffers = self.of(part)?;
-        let mut resources = self.with_work(self.common());
-        resources.extend([
+    fn get(&self, stage: &str, name: &str, at: &GroupBatch) -> Option<Resource<'a>> {
+        let Structure { table, uniforms, shapes, buffers, .. } = self.structure;
+        let Buffers { lit, taken, kept, work, statistics, .. } = buffers;
+        let of_group = buffers.groups.get(at.group)?.get(at.batch)?;
+        let (page, source) = self.structure.source(self.making, at.group)?;
+        Some(match name {
+            "group" => uniform::<SceneDispatch>(uniforms, at.offset),
+            "shape" => uniform::<DrawShape>(shapes, at.shape),
+            "table" => whole(table),
+            "work" => whole(work),
+            "lit" => whole(lit),
             // Lists that are made anew have all casters.
-            ("taken", self.structure.buffers.lit.as_entire_binding()),
-            ("facing_masks", binding(&buffers.facing, 0..part.sizes.masks)),
-            ("edge_faces", page.edge_faces.as_entire_binding()),
-            ("lists", binding(&buffers.lists, 0..part.sizes.lists)),
-        ]);
-        Some(resources)
+            "taken" if stage == SCENE_EDGES.name => whole(lit),
+            "taken" => whole(taken),
+            "kept" => whole(kept),
+            "statistics" if stage == ARGUMENTS.name => {
+                part(&of_group.record, 0..size_of::<ExtractionStatistics>() as u64)
+            }
+            "statistics" => whole(statistics),
+            "cluster_words" => whole(&page.clusters),
+            "positions" => source.positions(page),
+            "faces" => whole(&page.faces),
+            "edge_faces" => whole(&page.edge_faces),
+            "facing_masks" => part(&of_group.facing, 0..at.sizes.masks),
+            "excluded_masks" => part(&of_group.excluded, 0..at.sizes.masks),
+            "record" => part(&of_group.record, 0..at.sizes.record),
+            "lists" => part(&of_group.lists, 0..at.sizes.lists),
+            "list_counts" | "counts" => part(&of_group.lists, 0..LISTS_HEAD),
+            "draw_arguments" => whole(&of_group.draws),
+            _ => return None,
+        })
     }
 }

@@ -2,7 +2,7 @@
 
 use slotmap::{DefaultKey, SlotMap};
 
-use super::buffers::{Buffers, CLUSTER_WORDS, GroupSizes, Wanted, WorkPlace, work_places};
+use super::buffers::{Buffers, CLUSTER_WORDS, GroupSizes, Sizes, WorkPlace, work_places};
 use super::caster::{CasterEntry, MeshEntry};
 use super::errors::SceneError;
 use super::layout::{Group, Layout};
@@ -16,6 +16,7 @@ use crate::gpu::common::memory::{Allocation, MemoryError, check, filled, guarded
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::DeviceError;
 use crate::gpu::common::uniforms::UniformTable;
+use crate::gpu::shadow::sizes::choice_bytes;
 use crate::layout::{DrawShape, SceneDispatch};
 
 /// One group of casters and one batch of lights, as the stages are dispatched for them.
@@ -103,7 +104,7 @@ impl Structure {
             .collect();
         let (places, words) = work_places(&layout.groups, batches);
         let lit = (table.casters * batches) as u64;
-        let [_, choices] = options.volumes(making.has_receivers).choice_bytes(table.casters, 32 * batches, views);
+        let [_, choices] = choice_bytes(options, making.has_receivers, [table.casters, 32 * batches, views]);
         let table_bytes = (table.parts.len() * size_of::<Part>()) as u64 + choices;
         if table_bytes > limits.binding {
             let limit = limits.binding;
@@ -116,7 +117,7 @@ impl Structure {
         let memory_limit = options.memory_limit;
         let face_chunks = layout.groups.iter().map(|group| u64::from(group.face_chunks)).sum();
         let work = words + table.casters as u64;
-        let wanted = Wanted { groups: &sizes, lit, batches, face_chunks, work, others, memory_limit };
+        let wanted = Sizes { groups: &sizes, lit, batches, face_chunks, work, others, memory_limit };
         let buffers = Buffers::new(device, old, &wanted, &limits)?;
         let table_buffer = table_buffer(device, table, table_bytes)?;
         let room = |batch| room(lights, batch);
@@ -154,7 +155,7 @@ impl Structure {
     /// The size of all buffers in bytes.
     pub(crate) fn bytes(&self) -> u64 {
         let given = self.given.iter().flatten().map(wgpu::Buffer::size).sum::<u64>();
-        self.buffers.bytes() + self.table.size() + given
+        self.buffers.bytes + self.table.size() + given
     }
 
     /// The page of a group, and the part of a caller's buffer that its positions are read from, unless they are the
@@ -195,16 +196,12 @@ fn room(lights: &Lights, batch: usize) -> u32 {
 
 /// The table as it is, with `bytes` in all.
 fn table_buffer(device: &wgpu::Device, table: &Table, bytes: u64) -> Result<wgpu::Buffer, SceneError> {
-    let contents: &[u8] = bytemuck::cast_slice(&table.parts);
     let label = "scene table";
-    let limit = device.limits().max_buffer_size;
-    check(&[Allocation { label, bytes }], limit, None)?;
+    check(&[Allocation { label, bytes }], device.limits().max_buffer_size, None)?;
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
     let buffer = guarded(device, bytes, || mapped(device, label, bytes, usage))?;
-    if !write_mapped(&buffer, contents) {
-        return Err(DeviceError::Lost.into());
-    }
-    Ok(buffer)
+    let is_written = write_mapped(&buffer, bytemuck::cast_slice(&table.parts));
+    if is_written { Ok(buffer) } else { Err(DeviceError::Lost.into()) }
 }
 
 /// The uniforms of all groups and batches.

@@ -1,29 +1,27 @@
 //! The buffers of shadow volumes.
 
-use wgpu::BufferUsages;
-
-use super::sizes::{Room, VolumeSizes};
+use super::sizes::VolumeSizes;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
+use crate::gpu::common::memory::{Allocation, MemoryError, check, check_bindings, guarded};
+use crate::gpu::common::pass::Step;
 use crate::gpu::common::uniforms::UniformTable;
+use crate::gpu::common::wanted::{Account, Wanted};
 use crate::layout::{PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics};
 
 /// The lists of a group for a batch of lights and a view.
 #[derive(Debug)]
-pub(crate) struct Lists {
-    pub(crate) sides: wgpu::Buffer,
-    pub(crate) caps: wgpu::Buffer,
-    /// Bytes of the counts that each begins with.
-    counts: [u64; 2],
+pub(crate) struct Lists<B = wgpu::Buffer> {
+    pub(crate) sides: B,
+    pub(crate) caps: B,
 }
 
 /// The buffers that bound stencil counts.
 #[derive(Debug)]
-pub(crate) struct BoundBuffers {
+pub(crate) struct BoundBuffers<B = wgpu::Buffer> {
     /// A [`StencilPencil`](crate::layout::StencilPencil) for each view and light.
-    pub(crate) pencils: wgpu::Buffer,
+    pub(crate) pencils: B,
     /// The sides that cross its half planes, for each batch of casters.
-    pub(crate) crossings: wgpu::Buffer,
+    pub(crate) crossings: B,
 }
 
 /// Statistics that say that lights may lie in planes of faces, and that no polygon is twisted.
@@ -31,150 +29,139 @@ const ANY_ZEROS: [u32; 5] = [1, 1, 1, 1, 0];
 
 /// The buffers that stages and draws share.
 #[derive(Debug)]
-pub(crate) struct VolumeBuffers {
-    pub(crate) sizes: VolumeSizes,
-    /// Uniforms: a [`ShadowShape`] for each group and batch.
-    pub(crate) shapes: wgpu::Buffer,
-    /// Uniforms: a [`ShadowDraw`] for each batch of casters, view and light.
-    pub(crate) draw_lights: wgpu::Buffer,
+pub(crate) struct VolumeBuffers<B = wgpu::Buffer> {
     /// A [`SeenLight`] for each view and light.
-    pub(crate) seen: wgpu::Buffer,
-    pub(crate) boxes: wgpu::Buffer,
+    pub(crate) seen: B,
+    pub(crate) boxes: B,
     /// Choices, then measures.
-    pub(crate) choices: wgpu::Buffer,
+    pub(crate) choices: B,
     /// The inputs of the lists for views.
-    pub(crate) listed: wgpu::Buffer,
+    pub(crate) listed: B,
     /// For each view what its shadows may fall on.
-    pub(crate) receivers: wgpu::Buffer,
-    /// Statistics that say that lights may lie in planes of faces.
-    pub(crate) any_zeros: wgpu::Buffer,
-    pub(crate) statistics: wgpu::Buffer,
-    /// For each group and batch one for each view.
-    pub(crate) lists: Vec<Vec<Lists>>,
+    pub(crate) receivers: B,
+    /// Uniforms: a [`ShadowShape`] for each group and batch.
+    pub(crate) shapes: B,
+    /// Uniforms: a [`ShadowDraw`] for each batch of casters, view and light.
+    pub(crate) draw_lights: B,
     /// For each group [`ShadowDraws`] for each view and light.
-    pub(crate) draws: Vec<wgpu::Buffer>,
-    /// [`PieceDraws`] for each light, of a caster with polygons.
-    pub(crate) piece_draws: Option<wgpu::Buffer>,
+    pub(crate) draws: Vec<B>,
     /// If the caller asks for a bound of counts.
-    pub(crate) bound: Option<BoundBuffers>,
+    pub(crate) bound: Option<BoundBuffers<B>>,
+    /// For each group and batch one for each view.
+    pub(crate) lists: Vec<Vec<Lists<B>>>,
+    /// [`PieceDraws`] for each light, of a caster with polygons.
+    pub(crate) piece_draws: Option<B>,
+    /// Statistics that say that lights may lie in planes of faces.
+    pub(crate) any_zeros: B,
+    pub(crate) statistics: B,
 }
 
-impl VolumeBuffers {
+/// The buffers of volumes, and how large they are.
+#[derive(Debug)]
+pub(crate) struct SizedBuffers {
+    pub(crate) sizes: VolumeSizes,
+    pub(crate) of: VolumeBuffers,
+    /// The size of all in bytes.
+    pub(crate) bytes: u64,
+}
+
+impl SizedBuffers {
     /// Makes the buffers. `others` count for the memory limit, too.
     pub(crate) fn new(
         device: &wgpu::Device,
-        sizes: VolumeSizes,
-        others: &[Allocation],
+        mut sizes: VolumeSizes,
+        others: Allocation,
         limits: &DispatchLimits,
     ) -> Result<Self, MemoryError> {
-        let mut wanted = sizes.besides_lists();
-        for room in &sizes.rooms {
-            wanted.extend((0..sizes.views).flat_map(|_| room.lists()).map(|(label, bytes, _)| (label, bytes)));
-        }
-        if let Some(&(what, bytes)) = wanted.iter().find(|&&(_, bytes)| padded(bytes) > limits.binding) {
-            return Err(MemoryError::Binding { what, bytes, limit: limits.binding });
-        }
-        let allocation = |&(label, bytes): &(&'static str, u64)| Allocation { label, bytes: padded(bytes) };
-        let own = wanted.iter().map(allocation);
-        let allocations: Vec<_> = own.chain(others.iter().copied()).collect();
+        let account = |sizes: &VolumeSizes, tables: &[UniformTable; 2]| {
+            let mut account = Account::default();
+            VolumeBuffers::<()>::plan(sizes, tables, |wanted| account.note(&wanted));
+            account.all
+        };
+        let mut tables = [shapes(&sizes), draw_lights(&sizes)];
+        let all: u64 = account(&sizes, &tables).iter().map(|allocation| allocation.bytes).sum();
+        sizes.fit_memory(all + others.bytes);
+        tables[0] = shapes(&sizes);
+        let mut wanted = account(&sizes, &tables);
+        check_bindings(&wanted, limits.binding)?;
+        wanted.push(others);
         // No buffer is larger than a binding, and the others are there or were checked.
-        let bytes = check(&allocations, u64::MAX, sizes.settings.memory_limit)?;
-        guarded(device, bytes, || Self::make(device, sizes))
+        let bytes = check(&wanted, u64::MAX, sizes.options.memory_limit)?;
+        guarded(device, bytes, || {
+            let mut bytes = 0;
+            let of = VolumeBuffers::plan(&sizes, &tables, |wanted| {
+                let made = wanted.make(device);
+                bytes += made.size();
+                made
+            });
+            Self { sizes, of, bytes }
+        })
     }
 
-    fn make(device: &wgpu::Device, sizes: VolumeSizes) -> Self {
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
-        let stored = |label, bytes| buffer(device, label, bytes, storage);
+    /// The steps before the first stage, and for each batch of lights those that empty its lists. The stage `relist` empties
+    /// the lists of a scene.
+    pub(crate) fn clears(&self, is_scene: bool) -> (Vec<Step>, Vec<Vec<Step>>) {
+        let VolumeBuffers { boxes, choices, statistics, lists, draws, piece_draws, bound, .. } = &self.of;
+        let crossings = bound.as_ref().map(|bound| &bound.crossings);
+        let cleared = [statistics].into_iter().chain(draws).chain(piece_draws).chain([boxes]).chain(crossings);
+        let mut steps: Vec<_> = cleared.map(Step::clear).collect();
+        if is_scene || draws.is_empty() {
+            return (steps, Vec::new());
+        }
+        let [choice_bytes, _] = self.sizes.choice_bytes();
+        steps.push(Step::Clear(choices.clone(), 0..choice_bytes));
+        let of_batch = |batch: usize| {
+            let rooms = self.sizes.rooms.iter().zip(lists).skip(batch).step_by(self.sizes.batches());
+            let lists = rooms.flat_map(|(room, lists)| lists.iter().map(|lists| (room.lists(), lists)));
+            let clears = lists.flat_map(|([(_, side_counts), (_, cap_counts)], Lists { sides, caps })| {
+                [(sides, side_counts), (caps, cap_counts)].map(|(list, counts)| Step::Clear(list.clone(), 0..counts))
+            });
+            clears.collect()
+        };
+        (steps, (0..self.sizes.batches()).map(of_batch).collect())
+    }
+}
+
+impl<B> VolumeBuffers<B> {
+    fn plan(
+        sizes: &VolumeSizes,
+        [shapes, draw_lights]: &[UniformTable; 2],
+        mut make: impl FnMut(Wanted<'_>) -> B,
+    ) -> Self {
         let seen = sizes.seen() as u64;
         let [_, choices] = sizes.choice_bytes();
-        let lists = |room: &Room| {
-            let [(_, sides, side_counts), (_, caps, cap_counts)] = room.lists();
-            let counts = [side_counts, cap_counts];
-            let of_view = |_| Lists { sides: stored("sides", sides), caps: stored("cap faces", caps), counts };
-            (0..sizes.views).map(of_view).collect()
-        };
-        let draws = |_| {
-            let bytes = seen * size_of::<ShadowDraws>() as u64;
-            buffer(device, "shadow draws", bytes, storage | BufferUsages::INDIRECT)
-        };
         let [pencils, crossings] = sizes.bound_bytes();
+        let draws = Wanted::new("shadow draws", seen * size_of::<ShadowDraws>() as u64).indirect();
+        let piece_draws = Wanted::new("piece draws", seen * size_of::<PieceDraws>() as u64).indirect().free();
         Self {
-            shapes: shapes(&sizes).into_buffer(device, "shadow shapes"),
-            draw_lights: draw_lights(&sizes).into_buffer(device, "shadow draw lights"),
-            seen: stored("seen lights", seen * size_of::<SeenLight>() as u64),
-            boxes: stored("caster boxes", sizes.box_bytes()),
-            choices: stored("choices", choices),
-            listed: stored("versions of lists", sizes.listed_bytes()),
-            receivers: stored("receivers", sizes.receiver_bytes()),
-            any_zeros: filled(device, "any zeros", bytemuck::cast_slice(&ANY_ZEROS), storage),
-            statistics: stored("shadow statistics", size_of::<ShadowStatistics>() as u64),
-            lists: sizes.rooms.iter().map(lists).collect(),
-            draws: sizes.groups.iter().map(draws).collect(),
-            piece_draws: sizes.settings.has_pieces.then(|| {
-                let bytes = seen * size_of::<PieceDraws>() as u64;
-                buffer(device, "piece draws", bytes, storage | BufferUsages::INDIRECT)
+            seen: make(Wanted::new("seen lights", seen * size_of::<SeenLight>() as u64)),
+            boxes: make(Wanted::new("caster boxes", sizes.box_bytes())),
+            choices: make(Wanted::new("choices", choices)),
+            listed: make(Wanted::new("versions of lists", sizes.listed_bytes())),
+            receivers: make(Wanted::new("receivers", sizes.receiver_bytes())),
+            shapes: make(Wanted::uniforms("shadow shapes", shapes)),
+            draw_lights: make(Wanted::uniforms("shadow draw lights", draw_lights)),
+            draws: sizes.groups.iter().map(|_| make(draws)).collect(),
+            bound: sizes.options.bound_counts.then(|| BoundBuffers {
+                pencils: make(Wanted::new("stencil pencils", pencils)),
+                crossings: make(Wanted::new("stencil crossings", crossings)),
             }),
-            bound: sizes.settings.bound_counts.then(|| BoundBuffers {
-                pencils: stored("stencil pencils", pencils),
-                crossings: stored("stencil crossings", crossings),
-            }),
-            sizes,
+            lists: sizes
+                .rooms
+                .iter()
+                .map(|room| {
+                    let [(sides, _), (caps, _)] = room.lists();
+                    let mut of_view = |_| Lists {
+                        sides: make(Wanted::new("lists of sides", sides)),
+                        caps: make(Wanted::new("lists of cap faces", caps)),
+                    };
+                    (0..sizes.views).map(&mut of_view).collect()
+                })
+                .collect(),
+            piece_draws: sizes.has_pieces.then(|| make(piece_draws)),
+            any_zeros: make(Wanted::filled("any zeros", bytemuck::cast_slice(&ANY_ZEROS)).free()),
+            statistics: make(Wanted::new("shadow statistics", size_of::<ShadowStatistics>() as u64).free()),
         }
-    }
-
-    /// Clears the statistics, draws, boxes and counts before the first stage. Lists of batches of lights from `batches` on
-    /// are not used. The stage `relist` empties the lists of a scene.
-    pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder, batches: usize, is_scene: bool) {
-        let Self { sizes, boxes, choices, statistics, lists, draws, piece_draws, bound, .. } = self;
-        let [choice_bytes, _] = sizes.choice_bytes();
-        encoder.clear_buffer(statistics, 0, None);
-        for draws in draws {
-            encoder.clear_buffer(draws, 0, None);
-        }
-        if draws.is_empty() {
-            return;
-        }
-        if let Some(piece_draws) = piece_draws {
-            encoder.clear_buffer(piece_draws, 0, None);
-        }
-        encoder.clear_buffer(boxes, 0, None);
-        if let Some(bound) = bound {
-            encoder.clear_buffer(&bound.crossings, 0, None);
-        }
-        if is_scene {
-            return;
-        }
-        encoder.clear_buffer(choices, 0, Some(choice_bytes));
-        let all = sizes.batches().max(1);
-        let used = lists.iter().enumerate().filter(|(part, _)| part % all < batches);
-        for Lists { sides, caps, counts } in used.flat_map(|(_, lists)| lists) {
-            encoder.clear_buffer(sides, 0, Some(counts[0]));
-            encoder.clear_buffer(caps, 0, Some(counts[1]));
-        }
-    }
-
-    /// The size of all buffers in bytes.
-    pub(crate) fn bytes(&self) -> u64 {
-        let Self {
-            sizes: _,
-            shapes,
-            draw_lights,
-            seen,
-            boxes,
-            choices,
-            listed,
-            receivers,
-            any_zeros,
-            statistics,
-            lists,
-            draws,
-            piece_draws,
-            bound,
-        } = self;
-        let bound = bound.iter().flat_map(|BoundBuffers { pencils, crossings }| [pencils, crossings]);
-        let own = [shapes, draw_lights, seen, boxes, choices, listed, receivers, any_zeros, statistics];
-        let lists = lists.iter().flatten().flat_map(|Lists { sides, caps, .. }| [sides, caps]);
-        own.into_iter().chain(draws).chain(piece_draws).chain(bound).chain(lists).map(wgpu::Buffer::size).sum()
     }
 }
 
@@ -189,7 +176,7 @@ fn shapes(sizes: &VolumeSizes) -> UniformTable {
 
 fn draw_lights(sizes: &VolumeSizes) -> UniformTable {
     let mut draws = UniformTable::default();
-    for count_batch in 0..sizes.settings.count_batches {
+    for count_batch in 0..sizes.options.count_batches {
         for view in 0..sizes.views as u32 {
             for light in 0..sizes.lights as u32 {
                 draws.push(&ShadowDraw { light, first_light: light / 32 * 32, view, count_batch });

@@ -1,6 +1,7 @@
 //! The draws of a light's shadow volume.
 
-use super::pipelines::{Drawing, PiecePipelines, ShadowPipelines};
+use super::format::Polygons;
+use super::pipelines::{Part, ShadowPipelines};
 use crate::layout::DrawArguments;
 
 /// The bind groups of the draws of a light, and where its arguments lie.
@@ -26,77 +27,30 @@ pub(crate) struct LightDraws<'a> {
     pub(crate) first_piece: u64,
 }
 
-// The numbers of the fields of `ShadowDraws`.
-const PLAIN: u64 = 0;
-const CLIPPED: u64 = 1;
-/// The first of both classes.
-const NEAR_CAPS: u64 = 2;
-const FAR_CAPS: u64 = 4;
-const LIGHT_CAPS: u64 = 6;
-
-// The numbers of the last fields of `PieceDraws`. The first are as those of `ShadowDraws`.
-const PIECE_LIGHT_CAP: u64 = 4;
-const PIECE_DARK_CAP: u64 = 5;
-
 impl LightDraws<'_> {
-    /// Draws the shadow volumes of the light.
+    /// Draws the shadow volumes of the light. Which pieces there are is in the arguments.
     pub(crate) fn draw(self, pass: &mut wgpu::RenderPass<'_>, pipelines: &ShadowPipelines) {
-        let Self { frame, uniform, seen, sides, caps, draws, first, may_end, has_proxies, .. } = self;
+        let Self { frame, uniform, seen, sides, caps, draws, first, may_end, has_proxies, pieces, first_piece } = self;
         pass.set_bind_group(0, frame, &[uniform, seen]);
-        let draw = |pass: &mut wgpu::RenderPass<'_>, drawing: &Drawing, kind: u64| {
-            for pipeline in drawing {
-                pass.set_pipeline(pipeline);
-                pass.draw_indirect(draws, first + kind * size_of::<DrawArguments>() as u64);
-            }
-        };
-        pass.set_bind_group(1, caps, &[]);
-        if let Some((_, near_caps)) = &pipelines.near {
-            for (class, pipeline) in (0..).zip(near_caps) {
-                draw(pass, pipeline, NEAR_CAPS + class);
-            }
-        }
-        if let Some(ends) = may_end.then(|| pipelines.ends()).flatten() {
-            for (class, pipeline) in (0..).zip(ends) {
-                draw(pass, pipeline, FAR_CAPS + class);
-            }
-        }
-        if let Some(light_caps) = has_proxies.then(|| pipelines.light_caps()).flatten() {
-            for (class, pipeline) in (0..).zip(light_caps) {
-                draw(pass, pipeline, LIGHT_CAPS + class);
+        let mut set = None;
+        let parts =
+            [(may_end, Part::Ends), (has_proxies, Part::Proxies), (true, Part::All), (pieces.is_some(), Part::Pieces)];
+        for (_, part) in parts.into_iter().filter(|(is_drawn, _)| *is_drawn) {
+            for (polygons, argument, drawing) in pipelines.of(part) {
+                let (data, arguments, first) = match (polygons, pieces) {
+                    (Polygons::Pieces, Some((pieces, draws))) => (pieces, draws, first_piece),
+                    (Polygons::Caps, _) => (caps, draws, first),
+                    _ => (sides, draws, first),
+                };
+                if set != Some(*polygons) {
+                    pass.set_bind_group(1, data, &[]);
+                    set = Some(*polygons);
+                }
+                for pipeline in drawing {
+                    pass.set_pipeline(pipeline);
+                    pass.draw_indirect(arguments, first + argument * size_of::<DrawArguments>() as u64);
+                }
             }
         }
-        for (class, pipelines) in (0..).zip(pipelines.caps.iter().flatten()) {
-            for pipeline in pipelines {
-                draw(pass, pipeline, FAR_CAPS + class);
-            }
-        }
-        pass.set_bind_group(1, sides, &[]);
-        if let Some((clipped, _)) = &pipelines.near {
-            draw(pass, clipped, CLIPPED);
-        }
-        draw(pass, &pipelines.side, PLAIN);
-        self.draw_pieces(pass, pipelines);
-    }
-
-    /// Draws the sides and caps of pieces. Which of them there are is in the arguments.
-    fn draw_pieces(self, pass: &mut wgpu::RenderPass<'_>, pipelines: &ShadowPipelines) {
-        let Some((pieces, draws)) = self.pieces else { return };
-        let PiecePipelines { side, near, light_cap, dark_cap } = pipelines.pieces();
-        pass.set_bind_group(1, pieces, &[]);
-        let draw = |pass: &mut wgpu::RenderPass<'_>, drawing: &Drawing, kind: u64| {
-            for pipeline in drawing {
-                pass.set_pipeline(pipeline);
-                pass.draw_indirect(draws, self.first_piece + kind * size_of::<DrawArguments>() as u64);
-            }
-        };
-        if let Some((clipped, near_caps)) = near {
-            draw(pass, clipped, CLIPPED);
-            for (class, pipeline) in (0..).zip(near_caps) {
-                draw(pass, pipeline, NEAR_CAPS + class);
-            }
-        }
-        draw(pass, side, PLAIN);
-        draw(pass, light_cap, PIECE_LIGHT_CAP);
-        draw(pass, dark_cap, PIECE_DARK_CAP);
     }
 }

@@ -70,6 +70,14 @@ impl Default for ShadowFormat {
 }
 
 impl ShadowFormat {
+    /// The depth comparison that nearer fragments pass.
+    pub(crate) fn nearer(&self) -> wgpu::CompareFunction {
+        match self.depth {
+            DepthDirection::Reversed => wgpu::CompareFunction::Greater,
+            DepthDirection::Standard => wgpu::CompareFunction::Less,
+        }
+    }
+
     /// The bits of the stencil that counts own.
     pub(crate) fn count_mask(&self) -> u32 {
         low_bits(self.count_bits)
@@ -154,7 +162,7 @@ pub(crate) enum Count {
 }
 
 /// The polygons that are drawn.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Polygons {
     Sides,
     Caps,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::buffers::VolumeBuffers;
+use super::buffers::SizedBuffers;
 use super::errors::ShadowDrawError;
 use super::pipelines::{Convention, ShadowPipelines};
 use super::stages::VolumeStages;
@@ -16,22 +16,11 @@ use crate::gpu::extract::extraction::{self, Extraction};
 pub(super) struct Shared {
     /// The state of the extractor.
     pub(super) source: Arc<extraction::Shared>,
-    pub(super) buffers: VolumeBuffers,
+    pub(super) buffers: SizedBuffers,
     /// The caster, and room for what is chosen for it.
     pub(super) table: wgpu::Buffer,
     pub(super) convention: Convention,
-    encodes: AtomicU64,
-}
-
-impl Shared {
-    pub(super) fn new(
-        source: Arc<extraction::Shared>,
-        buffers: VolumeBuffers,
-        table: wgpu::Buffer,
-        convention: Convention,
-    ) -> Self {
-        Self { source, buffers, table, convention, encodes: AtomicU64::new(0) }
-    }
+    pub(super) encodes: AtomicU64,
 }
 
 /// The shadow volumes of one caster, as one [`ShadowVolumes::encode`](crate::gpu::ShadowVolumes::encode) prepared them:

@@ -1,5 +1,8 @@
 //! Options of a caster's shadow volumes.
 
+use super::pipelines::Convention;
+use crate::gpu::scene::options::{Measuring, SceneOptions};
+
 /// Options of a caster's shadow volumes.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
@@ -47,6 +50,28 @@ impl Default for ShadowOptions {
             end_at_range: false,
             bound_counts: false,
             memory_limit: None,
+        }
+    }
+}
+
+impl ShadowOptions {
+    /// The options of a scene of one caster, which makes its lists anew for each camera.
+    pub(super) fn of_scene(&self, pipelines: Convention) -> SceneOptions {
+        let &Self { every_face, in_depth: _, cap_capacity, skip_unseen, end_at_range, bound_counts, memory_limit } =
+            self;
+        let Convention { counting, count_bits, .. } = pipelines;
+        let mut measuring = Measuring::LISTS;
+        measuring.set(Measuring::EVERY_FACE, every_face);
+        measuring.set(Measuring::UNSEEN, !skip_unseen);
+        SceneOptions {
+            counting,
+            end_at_range,
+            count_bits,
+            bound_counts,
+            cap_capacity,
+            memory_limit,
+            measuring,
+            ..SceneOptions::default()
         }
     }
 }

@@ -6,6 +6,8 @@ use wgpu::{CompareFunction, StencilOperation};
 
 use super::errors::ShadowDrawError;
 use super::format::{Casters, Count, Polygons, ShadowFormat, ShadowFormatError, VolumeKey};
+use crate::gpu::common::bindings::{READ, UNIFORM, entries};
+use crate::gpu::common::drawing;
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::Subject;
@@ -41,41 +43,96 @@ struct Drawn {
     count: Count,
     /// Swaps the counting of fronts and backs. The vertex order and so the bits of depth stay the same.
     turned: bool,
+    /// The number of its arguments: a field of `ShadowDraws`, or of `PieceDraws`.
+    argument: u64,
 }
 
-impl Drawn {
-    fn side(entry_point: &'static str, count: Count) -> Self {
-        Self { polygons: Polygons::Sides, entry_point, kind: 0, count, turned: false }
-    }
+// The fields of `ShadowDraws`. The first four are those of `PieceDraws`, too.
+const PLAIN: u64 = 0;
+const CLIPPED: u64 = 1;
+/// The first of both classes, as of the next two.
+const NEAR_CAPS: u64 = 2;
+const FAR_CAPS: u64 = 4;
+const LIGHT_CAPS: u64 = 6;
 
-    /// A near cap of a class.
-    fn near_cap(entry_point: &'static str, class: u32) -> Self {
-        Self { polygons: Polygons::Caps, entry_point, kind: class, count: Count::Always, turned: class == 1 }
-    }
+// The last fields of `PieceDraws`.
+const PIECE_LIGHT_CAP: u64 = 4;
+const PIECE_DARK_CAP: u64 = 5;
 
-    /// A light cap of a class.
-    fn light_cap(entry_point: &'static str, class: u32, count: Count) -> Self {
-        Self { polygons: Polygons::Caps, entry_point, kind: FAR + class, count, turned: class == 1 }
-    }
-
-    /// A dark cap is seen from its other side.
-    fn dark_cap(class: u32, count: Count) -> Self {
-        Self { polygons: Polygons::Caps, entry_point: "dark_cap", kind: FAR + class, count, turned: class != 1 }
-    }
-
-    fn piece(entry_point: &'static str, count: Count, turned: bool) -> Self {
-        Self { polygons: Polygons::Pieces, entry_point, kind: 0, count, turned }
-    }
+/// Draws that are made together, and drawn by the same casters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// Sides and caps that all casters have.
+    All,
+    /// Dark caps of volumes that end, with z-pass.
+    Ends,
+    /// Light caps of casters that are not in the depth buffer, with z-pass and ZP+.
+    Proxies,
+    /// Pieces of L-twisted polygons.
+    Pieces,
 }
 
-/// The pipelines that draw pieces of L-twisted polygons.
-#[derive(Debug)]
-pub(crate) struct PiecePipelines {
-    pub(crate) side: Drawing,
-    /// Clipped sides, and near caps that count up on their front and on their back.
-    pub(crate) near: Option<(Drawing, [Drawing; 2])>,
-    pub(crate) light_cap: Drawing,
-    pub(crate) dark_cap: Drawing,
+impl Part {
+    /// Its draws with a counting method.
+    fn listed(self, counting: Counting) -> Vec<Drawn> {
+        let is_fail = counting.may_fail();
+        let count = if is_fail { Count::Hidden } else { Count::Visible };
+        let drawn = |polygons, entry_point, count, argument| Drawn {
+            polygons,
+            entry_point,
+            kind: 0,
+            count,
+            turned: false,
+            argument,
+        };
+        let side = |entry_point, count, argument| drawn(Polygons::Sides, entry_point, count, argument);
+        // Both classes of caps. `first` is the list of the first.
+        let caps = |entry_point, count, first: u32, argument: u64| {
+            [0, 1].map(|class: u32| Drawn {
+                kind: first + class,
+                // A dark cap is seen from its other side.
+                turned: (class == 1) != (entry_point == "dark_cap"),
+                ..drawn(Polygons::Caps, entry_point, count, argument + u64::from(class))
+            })
+        };
+        let piece = |entry_point, count, argument| drawn(Polygons::Pieces, entry_point, count, argument);
+        let may_clip = matches!(counting, Counting::Auto | Counting::ZpPlus);
+        let mut all = Vec::new();
+        match self {
+            Self::All => {
+                let near = match counting {
+                    _ if may_clip => Some(("side_clipped", "near_cap")),
+                    counting if counting.is_zp_plus_2005() => Some(("zp_plus_2005_side", "zp_plus_2005_cap")),
+                    _ => None,
+                };
+                all.extend(near.iter().flat_map(|(_, cap)| caps(*cap, Count::Always, 0, NEAR_CAPS)));
+                if is_fail {
+                    all.extend(caps("light_cap", Count::Hidden, FAR, FAR_CAPS));
+                    all.extend(caps("dark_cap", Count::Hidden, FAR, FAR_CAPS));
+                }
+                all.extend(near.map(|(clipped, _)| side(clipped, Count::Visible, CLIPPED)));
+                all.push(side("side", count, PLAIN));
+            }
+            Self::Ends if matches!(counting, Counting::Auto | Counting::ZPass) => {
+                all.extend(caps("dark_cap", Count::Visible, FAR, FAR_CAPS));
+            }
+            Self::Proxies if !is_fail => all.extend(caps("seen_light_cap", Count::Visible, FAR, LIGHT_CAPS)),
+            Self::Ends | Self::Proxies => {}
+            Self::Pieces => {
+                if may_clip {
+                    let cap = piece("piece_near_cap", Count::Always, NEAR_CAPS);
+                    all.push(piece("piece_side_clipped", Count::Visible, CLIPPED));
+                    all.extend([cap, Drawn { turned: true, argument: NEAR_CAPS + 1, ..cap }]);
+                }
+                all.extend([
+                    piece("piece_side", count, PLAIN),
+                    piece("piece_light_cap", count, PIECE_LIGHT_CAP),
+                    Drawn { turned: true, ..piece("piece_dark_cap", count, PIECE_DARK_CAP) },
+                ]);
+            }
+        }
+        all
+    }
 }
 
 /// The properties in which volumes and the pipelines that draw them must agree.
@@ -128,19 +185,9 @@ impl Convention {
 pub struct ShadowPipelines {
     shared: Pipelines,
     pub(crate) convention: Convention,
-    /// Sides with z-pass and ZP+, or with z-fail, which ZP+ as published may change to.
-    pub(crate) side: Drawing,
-    /// Clipped sides, and the near caps that count up on their front and on their back; of ZP+, or of ZP+ as published.
-    pub(crate) near: Option<(Drawing, [Drawing; 2])>,
-    /// Dark caps of volumes that end, with z-pass: one for each list. Made for the first volumes that may end.
-    ends: OnceLock<[Drawing; 2]>,
-    /// Light caps of casters that are not in the depth buffer, with z-pass and ZP+: one for each list. Made for the first
-    /// such casters.
-    light_caps: OnceLock<[Drawing; 2]>,
-    /// Light and dark caps with z-fail: those of faces that count up on their front, then the others.
-    pub(crate) caps: Option<[[Drawing; 2]; 2]>,
-    /// Made for the first caster with polygons.
-    pieces: OnceLock<PiecePipelines>,
+    /// For each [`Part`] its draws, in order: what they are of, the number of their arguments, and the pipelines. All but the
+    /// first are made for the first casters that have them.
+    made: [OnceLock<Vec<(Polygons, u64, Drawing)>>; 4],
     format: ShadowFormat,
     casters: Casters,
 }
@@ -156,11 +203,11 @@ impl ShadowPipelines {
         format: &ShadowFormat,
         counting: Counting,
     ) -> Result<Self, ShadowFormatError> {
-        Self::make(pipelines.into(), format, counting, Casters::One)
+        Self::of_casters(pipelines.into(), format, counting, Casters::One)
     }
 
     /// The pipelines for one caster or for those of a scene.
-    pub(crate) fn make(
+    pub(crate) fn of_casters(
         pipelines: Pipelines,
         format: &ShadowFormat,
         counting: Counting,
@@ -176,89 +223,29 @@ impl ShadowPipelines {
     }
 
     fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting, casters: Casters) -> Self {
-        let is_fail = counting.may_fail();
-        let count = if is_fail { Count::Hidden } else { Count::Visible };
-        let side = Drawn::side("side", count);
-        let near = match counting {
-            Counting::Auto | Counting::ZpPlus => Some(("side_clipped", "near_cap")),
-            counting if counting.is_zp_plus_2005() => Some(("zp_plus_2005_side", "zp_plus_2005_cap")),
-            _ => None,
+        let convention = Convention {
+            counting,
+            depth: format.depth,
+            is_unclipped: counting.may_fail() && format.has_far_plane,
+            count_bits: format.count_bits,
+            mirrors: format.front_face == wgpu::FrontFace::Cw,
         };
-        let near = near
-            .map(|(side, cap)| (Drawn::side(side, Count::Visible), [Drawn::near_cap(cap, 0), Drawn::near_cap(cap, 1)]));
-        let caps = is_fail.then(|| {
-            [0, 1].map(|class| {
-                [Drawn::light_cap("light_cap", class, Count::Hidden), Drawn::dark_cap(class, Count::Hidden)]
-            })
-        });
-        let mut all = vec![side];
-        all.extend(near.iter().flat_map(|&(side, caps)| [side].into_iter().chain(caps)));
-        all.extend(caps.iter().flatten().flatten());
-        let maker = Maker::new(&shared, format, casters);
-        maker.make_together(&all);
-        Self {
-            convention: Convention {
-                counting,
-                depth: format.depth,
-                is_unclipped: is_fail && format.has_far_plane,
-                count_bits: format.count_bits,
-                mirrors: format.front_face == wgpu::FrontFace::Cw,
-            },
-            side: maker.drawing(side),
-            near: near.map(|(side, caps)| (maker.drawing(side), caps.map(|cap| maker.drawing(cap)))),
-            ends: OnceLock::new(),
-            light_caps: OnceLock::new(),
-            caps: caps.map(|caps| caps.map(|caps| caps.map(|cap| maker.drawing(cap)))),
-            shared,
-            pieces: OnceLock::new(),
-            format: format.clone(),
-            casters,
-        }
+        let made = [const { OnceLock::new() }; 4];
+        let own = Self { shared, convention, made, format: format.clone(), casters };
+        own.of(Part::All);
+        own
     }
 
-    /// Dark caps of volumes that end, with z-pass: one for each list.
-    pub(crate) fn ends(&self) -> Option<&[Drawing; 2]> {
-        let may_pass = matches!(self.convention.counting, Counting::Auto | Counting::ZPass);
-        let classes = [0, 1].map(|class| Drawn::dark_cap(class, Count::Visible));
-        may_pass.then(|| self.ends.get_or_init(|| self.both(classes)))
-    }
-
-    /// Light caps of casters that are not in the depth buffer, with z-pass and ZP+: one for each list.
-    pub(crate) fn light_caps(&self) -> Option<&[Drawing; 2]> {
-        let classes = [0, 1].map(|class| Drawn::light_cap("seen_light_cap", class, Count::Visible));
-        (!self.convention.counting.may_fail()).then(|| self.light_caps.get_or_init(|| self.both(classes)))
-    }
-
-    fn both(&self, classes: [Drawn; 2]) -> [Drawing; 2] {
-        let maker = Maker::new(&self.shared, &self.format, self.casters);
-        maker.make_together(&classes);
-        classes.map(|drawn| maker.drawing(drawn))
-    }
-
-    /// The pipelines that draw pieces of L-twisted polygons.
-    pub(crate) fn pieces(&self) -> &PiecePipelines {
-        self.pieces.get_or_init(|| {
-            let counting = self.convention.counting;
-            let count = if counting.may_fail() { Count::Hidden } else { Count::Visible };
-            let is_clipped = matches!(counting, Counting::Auto | Counting::ZpPlus);
-            let side = Drawn::piece("piece_side", count, false);
-            let near = is_clipped.then(|| {
-                let cap = |class| Drawn::piece("piece_near_cap", Count::Always, class == 1);
-                (Drawn::piece("piece_side_clipped", Count::Visible, false), [0, 1].map(cap))
-            });
-            let light_cap = Drawn::piece("piece_light_cap", count, false);
-            // A dark cap is seen from its other side.
-            let dark_cap = Drawn::piece("piece_dark_cap", count, true);
-            let mut all = vec![side, light_cap, dark_cap];
-            all.extend(near.iter().flat_map(|&(side, caps)| [side].into_iter().chain(caps)));
-            let maker = Maker::new(&self.shared, &self.format, self.casters);
-            maker.make_together(&all);
-            PiecePipelines {
-                side: maker.drawing(side),
-                near: near.map(|(side, caps)| (maker.drawing(side), caps.map(|cap| maker.drawing(cap)))),
-                light_cap: maker.drawing(light_cap),
-                dark_cap: maker.drawing(dark_cap),
-            }
+    /// The draws of a part, which are made if they are not there.
+    pub(crate) fn of(&self, part: Part) -> &[(Polygons, u64, Drawing)] {
+        self.made[part as usize].get_or_init(|| {
+            let layouts = layouts(&self.shared);
+            let all = part.listed(self.convention.counting);
+            let keys: Vec<_> = all.iter().map(|&drawn| self.keys(drawn)).collect();
+            self.shared.make_volumes(&keys.concat(), |key| self.make(&layouts, key));
+            let made = |key: &VolumeKey| self.shared.volume(key, || self.make(&layouts, key));
+            let drawings = keys.iter().map(|keys| keys.iter().map(made).collect());
+            all.iter().zip(drawings).map(|(drawn, drawing)| (drawn.polygons, drawn.argument, drawing)).collect()
         })
     }
 
@@ -275,26 +262,18 @@ impl ShadowPipelines {
 
 /// The layouts of the bind groups that draws use.
 pub(crate) fn layouts(pipelines: &Pipelines) -> Layouts {
-    let uniform = |dynamic| wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Uniform,
-        has_dynamic_offset: dynamic,
-        min_binding_size: None,
+    let dynamic = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: true, min_binding_size: None };
+    let uniform = dynamic(wgpu::BufferBindingType::Uniform);
+    let seen = dynamic(wgpu::BufferBindingType::Storage { read_only: true });
+    let layout = |label, types: &[wgpu::BindingType]| {
+        pipelines.layout(label, entries(wgpu::ShaderStages::VERTEX, (0..).zip(types.iter().copied())))
     };
-    let storage = wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Storage { read_only: true },
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
-    let seen = wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Storage { read_only: true },
-        has_dynamic_offset: true,
-        min_binding_size: None,
-    };
-    let frame = pipelines.layout("shadow frame", entries(&[uniform(false), uniform(true), seen, storage]));
-    let side_data = pipelines.layout("shadow sides", entries(&[storage; 6]));
-    let cap_data = pipelines.layout("shadow caps", entries(&[storage; 5]));
-    let piece_data = pipelines.layout("shadow pieces", entries(&[storage]));
-    Layouts { frame, side_data, cap_data, piece_data }
+    Layouts {
+        frame: layout("shadow frame", &[UNIFORM, uniform, seen, READ]),
+        side_data: layout("shadow sides", &[READ; 6]),
+        cap_data: layout("shadow caps", &[READ; 5]),
+        piece_data: layout("shadow pieces", &[READ]),
+    }
 }
 
 /// Refuses attachments that the device cannot draw volumes into.
@@ -332,67 +311,25 @@ fn sample_counts(device: &wgpu::Device, format: wgpu::TextureFormat) -> Vec<u32>
     format.guaranteed_format_features(device.features()).flags.supported_sample_counts()
 }
 
-fn entries(types: &[wgpu::BindingType]) -> Vec<wgpu::BindGroupLayoutEntry> {
-    let entry = |(binding, &ty): (u32, &wgpu::BindingType)| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::VERTEX,
-        ty,
-        count: None,
-    };
-    (0..).zip(types).map(entry).collect()
-}
-
-/// Makes pipelines for one format.
-struct Maker<'a> {
-    shared: &'a Pipelines,
-    format: &'a ShadowFormat,
-    casters: Casters,
-    layouts: Layouts,
-}
-
-impl<'a> Maker<'a> {
-    fn new(shared: &'a Pipelines, format: &'a ShadowFormat, casters: Casters) -> Self {
-        Self { shared, format, casters, layouts: layouts(shared) }
-    }
-
-    /// Makes all pipelines of these at the same time.
-    fn make_together(&self, all: &[Drawn]) {
-        let keys: Vec<_> = all.iter().flat_map(|&drawn| self.keys(drawn)).collect();
-        self.shared.make_volumes(&keys, |key| self.make(key));
-    }
-
-    fn drawing(&self, drawn: Drawn) -> Drawing {
-        self.keys(drawn).iter().map(|key| self.shared.volume(key, || self.make(key))).collect()
-    }
-
+impl ShadowPipelines {
     fn keys(&self, drawn: Drawn) -> Vec<VolumeKey> {
-        let Drawn { polygons, entry_point, kind, count, turned } = drawn;
+        let Drawn { polygons, entry_point, kind, count, turned, .. } = drawn;
         let parts = if self.format.trim { parts(entry_point) } else { 1 };
-        let (casters, format) = (self.casters, self.format);
+        let (casters, format) = (self.casters, &self.format);
         let key =
             |part| VolumeKey { polygons, entry_point, part, kind, casters, count, turned, format: format.clone() };
         (0..parts).map(key).collect()
     }
 
-    fn make(&self, key: &VolumeKey) -> wgpu::RenderPipeline {
+    fn make(&self, layouts: &Layouts, key: &VolumeKey) -> wgpu::RenderPipeline {
         let &VolumeKey { polygons, entry_point, part, kind, casters, count, turned, ref format } = key;
-        let device = self.shared.device();
-        let Layouts { frame, side_data, cap_data, piece_data } = &self.layouts;
+        let Layouts { frame, side_data, cap_data, piece_data } = layouts;
         let (stage, data) = match polygons {
             Polygons::Sides => (&SIDES, side_data),
             Polygons::Caps => (&CAP_FACES, cap_data),
             Polygons::Pieces => (&PIECES, piece_data),
         };
         let module = self.shared.module(stage.name, &stage.wgsl());
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(stage.name),
-            bind_group_layouts: &[frame, data].map(Some),
-            immediate_size: 0,
-        });
-        let is_reversed = format.depth == DepthDirection::Reversed;
-        let nearer = if is_reversed { CompareFunction::Greater } else { CompareFunction::Less };
-        let compare = if count == Count::Always { CompareFunction::Always } else { nearer };
-        let stencil = stencil(count, turned, casters.most_count(format.count_bits));
         let unclipped_depth = count == Count::Hidden && format.has_far_plane;
         let switch = |is_on: bool| f64::from(u8::from(is_on));
         let constants = [
@@ -402,53 +339,25 @@ impl<'a> Maker<'a> {
             ("UNCLIPPED", switch(unclipped_depth)),
             ("CAP_KIND", f64::from(kind)),
         ];
-        let constants = if polygons == Polygons::Caps { &constants[..] } else { &constants[..4] };
-        let targets: Vec<_> = format
-            .colors
-            .iter()
-            .map(|color| {
-                color.map(|format| wgpu::ColorTargetState {
-                    format,
-                    blend: None,
-                    write_mask: wgpu::ColorWrites::empty(),
-                })
-            })
-            .collect();
-        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(entry_point),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some(entry_point),
-                compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState {
-                topology: if is_list(entry_point) {
-                    wgpu::PrimitiveTopology::TriangleList
-                } else {
-                    wgpu::PrimitiveTopology::TriangleStrip
-                },
-                front_face: format.front_face,
-                unclipped_depth,
-                ..Default::default()
-            },
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: format.depth_stencil,
-                depth_write_enabled: Some(false),
-                depth_compare: Some(compare),
-                stencil,
-                bias: wgpu::DepthBiasState::default(),
-            }),
-            multisample: wgpu::MultisampleState { count: format.samples, ..Default::default() },
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("nothing"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &targets,
-            }),
-            multiview_mask: None,
-            cache: None,
+        let topology = if is_list(entry_point) {
+            wgpu::PrimitiveTopology::TriangleList
+        } else {
+            wgpu::PrimitiveTopology::TriangleStrip
+        };
+        let front_face = format.front_face;
+        self.shared.draws(&drawing::Drawn {
+            label: entry_point,
+            layouts: &[frame, data],
+            vertex: (&module, entry_point),
+            fragment: Some((&module, "nothing")),
+            constants: if polygons == Polygons::Caps { &constants } else { &constants[..4] },
+            primitive: wgpu::PrimitiveState { topology, front_face, unclipped_depth, ..Default::default() },
+            format: format.depth_stencil,
+            writes_depth: false,
+            compare: if count == Count::Always { CompareFunction::Always } else { format.nearer() },
+            stencil: stencil(count, turned, casters.most_count(format.count_bits)),
+            samples: format.samples,
+            colors: &format.colors,
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::format::{Casters, ShadowFormat, ShadowFormatError};
 use super::pipelines::ShadowPipelines;
+use crate::gpu::common::drawing::Drawn;
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::shadow::Counting;
@@ -42,7 +43,7 @@ impl ScenePipelines {
         format: &ShadowFormat,
         counting: Counting,
     ) -> Result<Self, ShadowFormatError> {
-        let volumes = ShadowPipelines::make(pipelines.into(), format, counting, Casters::Scene)?;
+        let volumes = ShadowPipelines::of_casters(pipelines.into(), format, counting, Casters::Scene)?;
         Ok(Self { volumes, resolve: None })
     }
 
@@ -58,7 +59,7 @@ impl ScenePipelines {
         counting: Counting,
     ) -> Result<Self, ShadowFormatError> {
         let pipelines = pipelines.into();
-        let volumes = ShadowPipelines::make(pipelines.clone(), format, counting, Casters::Batches)?;
+        let volumes = ShadowPipelines::of_casters(pipelines.clone(), format, counting, Casters::Batches)?;
         let made = any_error(pipelines.device(), || resolve(&pipelines, format));
         let resolve = made.map_err(|message| ShadowFormatError::Refused { message })?;
         Ok(Self { volumes, resolve: Some(resolve) })
@@ -86,54 +87,26 @@ impl ScenePipelines {
 
 fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> Resolve {
     let counts = Casters::Batches.most_count(format.count_bits);
-    let device = pipelines.device();
     let module = pipelines.module("resolve counts", WHOLE);
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("resolve counts"),
-        bind_group_layouts: &[],
-        immediate_size: 0,
-    });
     // The reference has no bit of the count, so the comparison is with 0.
     let face = wgpu::StencilFaceState {
         compare: wgpu::CompareFunction::NotEqual,
-        fail_op: wgpu::StencilOperation::Keep,
-        depth_fail_op: wgpu::StencilOperation::Keep,
         pass_op: wgpu::StencilOperation::Replace,
+        ..wgpu::StencilFaceState::IGNORE
     };
-    let targets: Vec<_> = format
-        .colors
-        .iter()
-        .map(|color| {
-            let write_mask = wgpu::ColorWrites::empty();
-            color.map(|format| wgpu::ColorTargetState { format, blend: None, write_mask })
-        })
-        .collect();
-    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("resolve counts"),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("whole"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
+    let pipeline = pipelines.draws(&Drawn {
+        label: "resolve counts",
+        layouts: &[],
+        vertex: (&module, "whole"),
+        fragment: Some((&module, "nothing")),
+        constants: &[],
         primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: format.depth_stencil,
-            depth_write_enabled: Some(false),
-            depth_compare: Some(wgpu::CompareFunction::Always),
-            stencil: wgpu::StencilState { front: face, back: face, read_mask: counts, write_mask: format.count_mask() },
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState { count: format.samples, ..Default::default() },
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("nothing"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &targets,
-        }),
-        multiview_mask: None,
-        cache: None,
+        format: format.depth_stencil,
+        writes_depth: false,
+        compare: wgpu::CompareFunction::Always,
+        stencil: wgpu::StencilState { front: face, back: face, read_mask: counts, write_mask: format.count_mask() },
+        samples: format.samples,
+        colors: &format.colors,
     });
     Resolve { pipeline, dark: counts + 1 }
 }

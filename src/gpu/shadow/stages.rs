@@ -3,100 +3,92 @@
 
 use wgpu::BindingResource;
 
-use super::buffers::VolumeBuffers;
+use super::buffers::{SizedBuffers, VolumeBuffers};
 use super::draws::LightDraws;
 use super::pipelines::{Layouts, layouts};
-use super::sizes::{GroupSize, Room, VolumeSettings, VolumeSizes};
-use super::source::VolumeSource;
-use crate::gpu::common::dispatch_limits::{DispatchLimits, binding, loops};
-use crate::gpu::common::pass::{Dispatch, Pass};
+use super::sizes::{GroupSize, Room, VolumeSizes};
+use super::source::{VolumeSource, named};
+use crate::gpu::common::bindings::{Resource, part, uniform, whole};
+use crate::gpu::common::dispatch_limits::{DispatchLimits, loops};
+use crate::gpu::common::pass::{Dispatch, Step, Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program, group};
 use crate::gpu::common::timer::StageTimer;
-use crate::gpu::common::uniforms::{UniformTable, entry};
+use crate::gpu::common::uniforms::UniformTable;
+use crate::gpu::scene::options::SceneOptions;
 use crate::layout::{CHUNK, LANES, PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape};
 use crate::stages::{
     BOUNDS, CAPS, CHOOSE, LIST_SIDES, PIECE_ARGUMENTS, PIECE_CROSSINGS, RELIST, SHADOW_ARGUMENTS, STENCIL_BOUND,
-    STENCIL_CROSSINGS, STENCIL_PENCIL, Stage, ZP_PLUS_2005_CASES,
+    STENCIL_CROSSINGS, STENCIL_PENCIL, ZP_PLUS_2005_CASES,
 };
 use crate::turns::{BOUND_CHUNKS, LISTED_ITEMS};
+
+/// The items that a stage walks along.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Over {
+    /// The faces of each group whose boxes are not known.
+    Boxes,
+    /// All casters, lights and views in one dispatch.
+    Pairs,
+    /// For each group, batch and view: one workgroup, or faces, edges, sides, pieces.
+    One,
+    Faces,
+    Edges,
+    Sides,
+    Pieces,
+    /// For each batch and view a workgroup for each light, for all groups together.
+    Lights,
+}
+
+/// The stages in their order, and what they walk along. `is_scene`: invocations share the chunks of casters, instead of taking
+/// turns with the faces of a single one. Those from `list_sides` on read the choices in the table.
+fn stages(is_scene: bool, has_pieces: bool, options: &SceneOptions) -> Vec<(Program, Over)> {
+    let many = [("MANY", 1.0)];
+    let of_casters = |stage, over| (Program::of(stage, if is_scene { &many } else { &[] }), over);
+    let of_lists = |stage, over| (Program::of(stage, &[]), over);
+    let (pieces, bound) = (has_pieces, options.bound_counts);
+    let stages = [
+        (is_scene, of_lists(&RELIST, Over::One)),
+        (true, of_casters(&BOUNDS, Over::Boxes)),
+        (true, of_casters(&CHOOSE, Over::Pairs)),
+        (options.counting.is_zp_plus_2005(), of_lists(&ZP_PLUS_2005_CASES, Over::Edges)),
+        (true, of_casters(&CAPS, Over::Faces)),
+        (true, of_casters(&LIST_SIDES, Over::Sides)),
+        (true, of_lists(&SHADOW_ARGUMENTS, Over::One)),
+        (pieces, of_lists(&PIECE_ARGUMENTS, Over::One)),
+        (bound, of_casters(&STENCIL_PENCIL, Over::Lights)),
+        (bound, of_casters(&STENCIL_CROSSINGS, Over::Sides)),
+        (bound && pieces, of_lists(&PIECE_CROSSINGS, Over::Pieces)),
+        (bound, of_lists(&STENCIL_BOUND, Over::Lights)),
+    ];
+    stages.into_iter().filter(|(is_there, _)| *is_there).map(|(_, stage)| stage).collect()
+}
+
+/// The programs of these stages, in their order.
+pub(crate) fn programs(is_scene: bool, has_pieces: bool, options: &SceneOptions) -> Vec<Program> {
+    stages(is_scene, has_pieces, options).into_iter().map(|(program, _)| program).collect()
+}
 
 /// The pipelines of these stages.
 #[derive(Clone, Debug)]
 pub(crate) struct StagePipelines {
     device: wgpu::Device,
-    /// Invocations share the chunks of casters, instead of taking turns with the faces of a single one.
     is_scene: bool,
     layouts: Layouts,
-    /// Only for scenes.
-    relist: Option<Pipeline>,
-    bounds: Pipeline,
-    choose: Pipeline,
-    /// Only for ZP+ as published.
-    zp_plus_2005_cases: Option<Pipeline>,
-    caps: Pipeline,
-    list_sides: Pipeline,
-    arguments: Pipeline,
-    /// Only for a caster with polygons.
-    piece_arguments: Option<Pipeline>,
-    /// The same, if the caller asks for a bound.
-    piece_crossings: Option<Pipeline>,
-    /// Pencil, crossings and bound. Only if the caller asks for a bound.
-    bound: Option<[Pipeline; 3]>,
+    stages: Vec<(Pipeline, Over)>,
 }
 
 impl StagePipelines {
     /// The pipelines for the casters of a scene, or for a single caster.
-    pub(crate) fn new(pipelines: &Pipelines, is_scene: bool, settings: &VolumeSettings) -> Self {
-        let programs = programs(is_scene, settings);
-        pipelines.make_together(&programs);
-        let find = |stage: &Stage| programs.iter().find(|program| program.stage == stage);
-        let optional = |stage| find(stage).map(|program| pipelines.get(program));
-        let of_casters = |stage| pipelines.get(&of_casters(is_scene, stage));
-        let of_lists = |stage| pipelines.get(&Program::of(stage, &[]));
+    pub(crate) fn new(pipelines: &Pipelines, is_scene: bool, has_pieces: bool, options: &SceneOptions) -> Self {
+        let stages = stages(is_scene, has_pieces, options);
+        pipelines.make_together(&programs(is_scene, has_pieces, options));
         Self {
             device: pipelines.device().clone(),
             is_scene,
             layouts: layouts(pipelines),
-            relist: optional(&RELIST),
-            bounds: of_casters(&BOUNDS),
-            choose: of_casters(&CHOOSE),
-            zp_plus_2005_cases: optional(&ZP_PLUS_2005_CASES),
-            caps: of_casters(&CAPS),
-            list_sides: of_casters(&LIST_SIDES),
-            arguments: of_lists(&SHADOW_ARGUMENTS),
-            piece_arguments: optional(&PIECE_ARGUMENTS),
-            piece_crossings: optional(&PIECE_CROSSINGS),
-            bound: optional(&STENCIL_PENCIL)
-                .zip(optional(&STENCIL_CROSSINGS))
-                .zip(optional(&STENCIL_BOUND))
-                .map(|((pencil, crossings), bound)| [pencil, crossings, bound]),
+            stages: stages.into_iter().map(|(program, over)| (pipelines.get(&program), over)).collect(),
         }
     }
-}
-
-/// The programs of these stages, in their order.
-pub(crate) fn programs(is_scene: bool, settings: &VolumeSettings) -> Vec<Program> {
-    let of_casters = |stage| of_casters(is_scene, stage);
-    let of_lists = |stage| Program::of(stage, &[]);
-    let mut programs = Vec::new();
-    programs.extend(is_scene.then(|| of_lists(&RELIST)));
-    programs.extend([&BOUNDS, &CHOOSE].map(of_casters));
-    programs.extend(settings.counting.is_zp_plus_2005().then(|| of_lists(&ZP_PLUS_2005_CASES)));
-    programs.extend([&CAPS, &LIST_SIDES].map(of_casters));
-    programs.push(of_lists(&SHADOW_ARGUMENTS));
-    programs.extend(settings.has_pieces.then(|| of_lists(&PIECE_ARGUMENTS)));
-    if settings.bound_counts {
-        programs.extend([&STENCIL_PENCIL, &STENCIL_CROSSINGS].map(of_casters));
-        programs.extend(settings.has_pieces.then(|| of_lists(&PIECE_CROSSINGS)));
-        programs.push(of_lists(&STENCIL_BOUND));
-    }
-    programs
-}
-
-/// A stage that goes over casters.
-fn of_casters(is_scene: bool, stage: &'static Stage) -> Program {
-    let many = [("MANY", 1.0)];
-    Program::of(stage, if is_scene { &many } else { &[] })
 }
 
 /// The bind groups of the draws of a group of casters.
@@ -114,58 +106,40 @@ struct GroupDraws {
 /// The stages and draws of the volumes of some casters, with everything bound.
 #[derive(Debug)]
 pub(crate) struct VolumeStages {
-    table: wgpu::Buffer,
-    is_scene: bool,
-    /// Up to `caps`.
-    choosing: Vec<Pass>,
-    /// From `list_sides` on. These read the choices in the table.
-    listing: Vec<Pass>,
+    /// Before all, for each batch of lights, and the stages.
+    clears: (Vec<Step>, Vec<Vec<Step>>),
+    steps: Vec<Step>,
     groups: Vec<GroupDraws>,
 }
 
 impl VolumeStages {
     /// Binds everything.
-    pub(crate) fn new(pipelines: &StagePipelines, buffers: &VolumeBuffers, source: &VolumeSource<'_>) -> Self {
+    pub(crate) fn new(pipelines: &StagePipelines, buffers: &SizedBuffers, source: &VolumeSource<'_>) -> Self {
         let most = DispatchLimits::new(&pipelines.device.limits()).workgroups;
         let most = u32::try_from(most).unwrap_or(u32::MAX);
-        let binder = Binder { pipelines, sizes: &buffers.sizes, buffers, source, most };
-        Self {
-            table: source.table.clone(),
-            is_scene: pipelines.is_scene,
-            choosing: binder.choosing(),
-            listing: binder.listing(),
-            groups: binder.draws(),
-        }
+        let SizedBuffers { sizes, of, .. } = buffers;
+        let binder = Binder { pipelines, sizes, buffers: of, source, most };
+        Self { clears: buffers.clears(pipelines.is_scene), steps: binder.steps(), groups: binder.draws() }
     }
 
     /// Records the stages for the first `batches` batches of lights, after their extraction.
-    pub(crate) fn record(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        buffers: &VolumeBuffers,
-        batches: usize,
-        mut timer: Option<&mut StageTimer>,
-    ) {
-        buffers.clear(encoder, batches, self.is_scene);
-        if batches == 0 || self.groups.is_empty() {
-            return;
-        }
-        let VolumeBuffers { sizes, choices, .. } = buffers;
-        let [_, bytes] = sizes.choice_bytes();
-        Pass::record_all(&self.choosing, encoder, 0..batches, timer.as_deref_mut());
-        encoder.copy_buffer_to_buffer(choices, 0, &self.table, 16 * sizes.choices_at as u64, bytes);
-        Pass::record_all(&self.listing, encoder, 0..batches, timer);
+    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, batches: usize, timer: Option<&mut StageTimer>) {
+        let (first, of_batches) = &self.clears;
+        let is_there = batches > 0 && !self.groups.is_empty();
+        let stages = self.steps.iter().filter(|_| is_there);
+        let clears = first.iter().chain(of_batches.iter().take(batches).flatten());
+        record(clears.chain(stages), encoder, 0..batches, timer);
     }
 
     /// The draws of a light in a view for a batch of casters, for each group.
     pub(crate) fn draws<'a>(
         &'a self,
-        buffers: &'a VolumeBuffers,
+        buffers: &'a SizedBuffers,
         count_batch: usize,
         view: usize,
         light: usize,
     ) -> impl Iterator<Item = LightDraws<'a>> {
-        let sizes = &buffers.sizes;
+        let SizedBuffers { sizes, of: buffers, .. } = buffers;
         let (batch, place) = (light / 32, view * sizes.lights + light);
         let uniform = count_batch * sizes.seen() + place;
         let groups = self.groups.iter().zip(&buffers.draws).zip(&sizes.groups);
@@ -178,7 +152,7 @@ impl VolumeStages {
                 caps: group.caps.get(batch)?.get(view)?,
                 draws,
                 first: (place * size_of::<ShadowDraws>()) as u64,
-                may_end: sizes.settings.end_at_range,
+                may_end: sizes.options.end_at_range,
                 has_proxies: size.proxies > 0,
                 pieces: group.pieces.get(batch).zip(buffers.piece_draws.as_ref()),
                 first_piece: (place * size_of::<PieceDraws>()) as u64,
@@ -211,186 +185,154 @@ impl<'a> Binder<'a> {
         at.group * self.sizes.batches() + at.batch
     }
 
-    fn get(&self, name: &str, at: Place) -> Option<BindingResource<'a>> {
+    fn get(&self, name: &str, at: Place) -> Option<Resource<'a>> {
         let Self { buffers, source, .. } = *self;
         let group = source.groups.get(at.group)?;
         let batch = group.batches.get(at.batch)?;
         let lists = || buffers.lists.get(self.part(at))?.get(at.view);
-        let whole = wgpu::Buffer::as_entire_binding;
+        // The shape, and the first light of the batch in the view.
+        let shape = (self.part(at) * UniformTable::stride::<ShadowShape>()) as u32;
+        let light = at.view * self.sizes.lights + 32 * at.batch;
+        let draw = (light * UniformTable::stride::<ShadowDraw>()) as u32;
         Some(match name {
-            "shape" => entry::<ShadowShape>(&buffers.shapes),
-            "draw" => entry::<ShadowDraw>(&buffers.draw_lights),
+            "shape" => uniform::<ShadowShape>(&buffers.shapes, shape),
+            "draw" => uniform::<ShadowDraw>(&buffers.draw_lights, draw),
             "seen" => whole(&buffers.seen),
             "table" => whole(source.table),
             "boxes" => whole(&buffers.boxes),
             "choices" => whole(&buffers.choices),
-            // Where all lights matter, it is not read.
             "receivers" => whole(&buffers.receivers),
             "listed" => whole(&buffers.listed),
-            "kept" => whole(source.kept?),
-            "lit" => whole(source.lit.unwrap_or(source.table)),
             "shadow_statistics" => whole(&buffers.statistics),
             "shadow_draws" => whole(buffers.draws.get(at.group)?),
             "sides" => whole(&lists()?.sides),
             "caps_listed" => whole(&lists()?.caps),
-            "faces" => whole(group.faces),
-            "edge_vertices" => whole(group.edge_vertices),
-            "edge_faces" => whole(group.edge_faces),
-            "positions" => group.positions.clone(),
-            "facing_masks" => batch.facing.clone(),
-            "excluded_masks" => batch.excluded.clone(),
-            "silhouette_counts" => batch.silhouette_counts.clone(),
-            "silhouettes" => batch.silhouettes.clone(),
-            "extraction_statistics" => batch.statistics.clone(),
-            "pieces" => batch.pieces.clone()?,
             "piece_draws" => whole(buffers.piece_draws.as_ref()?),
             "pencils" => whole(&buffers.bound.as_ref()?.pencils),
             "crossings" => whole(&buffers.bound.as_ref()?.crossings),
-            _ => return None,
+            _ => {
+                let given = [batch, &group.named, &source.named].into_iter().find_map(|of| named(of, name));
+                // Where all lights matter, `lit` is not read.
+                given.or_else(|| (name == "lit").then(|| whole(source.table)))?
+            }
         })
     }
 
-    fn dispatch(&self, pipeline: &Pipeline, at: Place, workgroups: [u32; 2]) -> Dispatch {
-        let resources: Vec<_> =
-            pipeline.names().iter().filter_map(|name| Some((name.as_str(), self.get(name, at)?))).collect();
-        self.bound(pipeline, at, workgroups, &resources)
-    }
-
-    fn bound(
-        &self,
-        pipeline: &Pipeline,
-        at: Place,
-        [x, y]: [u32; 2],
-        resources: &[(&str, BindingResource<'_>)],
-    ) -> Dispatch {
-        // The shape, and the first light of the batch in the view.
-        let place = at.view * self.sizes.lights + 32 * at.batch;
-        let mut offsets = vec![(self.part(at) * UniformTable::stride::<ShadowShape>()) as u32];
-        offsets.push((place * UniformTable::stride::<ShadowDraw>()) as u32);
-        offsets.truncate(pipeline.uniforms());
-        Dispatch {
-            group: Some(pipeline.bind(&self.pipelines.device, resources)),
-            offsets,
-            workgroups: x.min(self.most),
-            rows: y,
-            ..Dispatch::over(at.batch, 0..0, 0)
-        }
-    }
-
-    /// A stage with a dispatch for each group, batch and view.
-    fn for_each(&self, pipeline: &Pipeline, workgroups: impl Fn(&GroupSize, &Room) -> [u32; 2]) -> Pass {
-        let VolumeSizes { groups, rooms, views, .. } = self.sizes;
-        let batches = self.sizes.batches().max(1);
-        let parts = groups.iter().zip(rooms.chunks(batches)).enumerate();
-        let dispatches = parts.flat_map(|(group, (size, rooms))| {
-            let workgroups = &workgroups;
-            rooms.iter().enumerate().flat_map(move |(batch, room)| {
-                let at = move |view| Place { group, batch, view };
-                (0..*views).map(move |view| self.dispatch(pipeline, at(view), workgroups(size, room)))
-            })
-        });
-        Pass { pipeline: pipeline.clone(), dispatches: dispatches.collect() }
-    }
-
-    /// A stage with a dispatch for each batch and view, of a workgroup for each light, for all groups together.
-    fn for_all(&self, pipeline: &Pipeline) -> Pass {
-        let lights = |batch: usize| (self.sizes.lights - 32 * batch).min(32) as u32;
-        let places = (0..self.sizes.batches()).flat_map(|batch| (0..self.sizes.views).map(move |view| (batch, view)));
-        let dispatch = |(batch, view)| self.dispatch(pipeline, Place { group: 0, batch, view }, [lights(batch), 1]);
-        let is_empty = self.sizes.groups.is_empty();
-        Pass { pipeline: pipeline.clone(), dispatches: places.filter(|_| !is_empty).map(dispatch).collect() }
-    }
-
-    /// Up to `caps`.
-    fn choosing(&self) -> Vec<Pass> {
-        let StagePipelines { is_scene, relist, bounds, choose, zp_plus_2005_cases, caps, .. } = self.pipelines;
-        let without_boxes = self.sizes.groups.iter().zip(&self.source.groups).enumerate();
-        let boxed = without_boxes.filter(|(_, (_, source))| !source.has_boxes).map(|(group, (size, _))| {
-            // An invocation takes some 64 faces. So there are few atomics, and all cores have work.
-            let chunks = size.faces.div_ceil(CHUNK);
-            let workgroups = [chunks.div_ceil(64).clamp(1, 1024).max(chunks.div_ceil(64 * BOUND_CHUNKS)), 1];
-            self.dispatch(bounds, Place { group, ..Place::default() }, workgroups)
-        });
-        let mut passes: Vec<Pass> = relist.iter().map(|relist| self.for_each(relist, |_, _| [1, 1])).collect();
-        passes.extend([Pass { pipeline: bounds.clone(), dispatches: boxed.collect() }, self.choose(choose)]);
-        if let Some(cases) = zp_plus_2005_cases {
-            passes
-                .push(self.for_each(cases, |size, room| [size.edges.div_ceil(64 * LISTED_ITEMS).max(1), room.lights]));
-        }
-        passes.push(self.for_each(caps, |size, _| {
-            let items = if *is_scene { size.faces.div_ceil(CHUNK) * LANES } else { size.faces };
-            [loops(&self.pipelines.device, items), 1]
-        }));
-        passes.retain(|pass| !pass.dispatches.is_empty());
-        passes
-    }
-
-    /// From `list_sides` on.
-    fn listing(&self) -> Vec<Pass> {
-        let StagePipelines { device, list_sides, arguments, piece_arguments, piece_crossings, bound, .. } =
-            self.pipelines;
-        let is_cpu = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
-        let over_sides = |size: &GroupSize, room: &Room| {
-            // An invocation takes some sixteen sides of a list that is full, and all edges take few turns.
-            let fewest = size.edges.div_ceil(64 * LISTED_ITEMS);
-            let most = if is_cpu { 64_u32.div_ceil(room.lights).max(4) } else { 256 };
-            [room.silhouettes.div_ceil(16 * 64).clamp(1, most).max(fewest), room.lights]
+    fn dispatch(&self, pipeline: &Pipeline, over: Over, at: Place, [x, y]: [u32; 2]) -> Dispatch {
+        let workgroups = Workgroups::Known([x.min(self.most), y]);
+        // Facing is not waited for.
+        let of_all = || named(&self.source.named, "all_statistics").unwrap_or_else(|| whole(&self.buffers.any_zeros));
+        let get = |name: &str| match name {
+            "extraction_statistics" if over == Over::Pairs => Some(of_all()),
+            _ => self.get(name, at),
         };
-        let mut listing = vec![self.for_each(list_sides, over_sides), self.for_each(arguments, |_, _| [1, 1])];
-        listing.extend(piece_arguments.iter().map(|stage| self.for_each(stage, |_, _| [1, 1])));
-        if let Some([pencil, crossings, bound]) = bound {
-            listing.extend([self.for_all(pencil), self.for_each(crossings, over_sides)]);
-            // An invocation takes few pieces of many. Each has nine words.
-            let bytes = self.source.groups.iter().flat_map(|group| &group.batches).map(|batch| match &batch.pieces {
-                Some(BindingResource::Buffer(pieces)) => pieces.buffer.size(),
-                _ => 0,
-            });
-            let most_pieces = u32::try_from(bytes.max().unwrap_or(0) / 36).unwrap_or(u32::MAX);
-            let over_pieces = |_: &GroupSize, room: &Room| {
+        Dispatch { batch: at.batch, ..pipeline.dispatch(&self.pipelines.device, workgroups, get) }
+    }
+
+    /// The dispatches of a stage, with their workgroups.
+    fn dispatches(&self, over: Over) -> Vec<(Place, [u32; 2])> {
+        let VolumeSizes { groups, rooms, casters, views, .. } = self.sizes;
+        let device = &self.pipelines.device;
+        let batches = self.sizes.batches();
+        let numbered = || groups.iter().enumerate();
+        match over {
+            Over::Boxes => {
+                let unknown =
+                    numbered().filter(|(group, _)| !self.source.groups.get(*group).is_some_and(|of| of.has_boxes));
+                // An invocation takes some 64 faces. So there are few atomics, and all cores have work.
+                let workgroups = |size: &GroupSize| {
+                    let chunks = size.faces.div_ceil(CHUNK);
+                    [chunks.div_ceil(64).clamp(1, 1024).max(chunks.div_ceil(64 * BOUND_CHUNKS)), 1]
+                };
+                unknown.map(|(group, size)| (Place { group, ..Place::default() }, workgroups(size))).collect()
+            }
+            Over::Pairs => {
+                let pairs = u32::try_from(*casters as u64 * self.sizes.used_lights() as u64).unwrap_or(u32::MAX);
+                let workgroups = (4 * loops(device, pairs)).min(pairs.div_ceil(64)).min(self.most).max(1);
+                groups.iter().take(1).map(|_| (Place::default(), [workgroups, *views as u32])).collect()
+            }
+            Over::Lights => {
+                let lights = |batch: usize| (self.sizes.lights - 32 * batch).min(32) as u32;
+                let batches = (0..batches).filter(|_| !groups.is_empty());
+                let places = batches.flat_map(|batch| (0..*views).map(move |view| Place { group: 0, batch, view }));
+                places.map(|at| (at, [lights(at.batch), 1])).collect()
+            }
+            _ => {
+                let parts = numbered().zip(rooms.chunks(batches.max(1)));
+                let parts = parts.flat_map(|(group, rooms)| rooms.iter().enumerate().map(move |room| (group, room)));
+                let places = parts.flat_map(|((group, size), (batch, room))| {
+                    let workgroups = self.of_lists(over, size, room);
+                    (0..*views).map(move |view| (Place { group, batch, view }, workgroups))
+                });
+                places.collect()
+            }
+        }
+    }
+
+    /// The workgroups of a stage for a group, batch and view.
+    fn of_lists(&self, over: Over, size: &GroupSize, room: &Room) -> [u32; 2] {
+        let StagePipelines { device, is_scene, .. } = self.pipelines;
+        let is_cpu = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+        // All edges take few turns.
+        let fewest = size.edges.div_ceil(64 * LISTED_ITEMS);
+        match over {
+            Over::Faces => {
+                let items = if *is_scene { size.faces.div_ceil(CHUNK) * LANES } else { size.faces };
+                [loops(device, items), 1]
+            }
+            Over::Edges => [fewest.max(1), room.lights],
+            Over::Sides => {
+                // An invocation takes some sixteen sides of a list that is full.
+                let most = if is_cpu { 64_u32.div_ceil(room.lights).max(4) } else { 256 };
+                [room.silhouettes.div_ceil(16 * 64).clamp(1, most).max(fewest), room.lights]
+            }
+            Over::Pieces => {
+                // An invocation takes few pieces of many. Each has nine words.
+                let lists = self.source.groups.iter().flat_map(|group| &group.batches);
+                let bytes = lists.filter_map(|batch| match named(batch, "pieces")?.bound {
+                    BindingResource::Buffer(pieces) => Some(pieces.buffer.size()),
+                    _ => None,
+                });
+                let most_pieces = u32::try_from(bytes.max().unwrap_or(0) / 36).unwrap_or(u32::MAX);
                 let fewest = (most_pieces / room.lights.max(1)).div_ceil(64 * LISTED_ITEMS);
                 [if is_cpu { 4 } else { 64 }.max(fewest), room.lights]
-            };
-            listing.extend(piece_crossings.iter().map(|stage| self.for_each(stage, over_pieces)));
-            listing.push(self.for_all(bound));
+            }
+            _ => [1, 1],
         }
-        listing
     }
 
-    /// All casters, lights and views in one dispatch.
-    fn choose(&self, choose: &Pipeline) -> Pass {
-        let VolumeSizes { casters, views, .. } = *self.sizes;
-        // Facing is not waited for.
-        let any_zeros = || self.buffers.any_zeros.as_entire_binding();
-        let statistics = || self.source.statistics.clone().unwrap_or_else(any_zeros);
-        let get = |name: &str| match name {
-            "extraction_statistics" => Some(statistics()),
-            _ => self.get(name, Place::default()),
-        };
-        let resources: Vec<_> = choose.names().iter().filter_map(|name| Some((name.as_str(), get(name)?))).collect();
-        let pairs = u32::try_from(casters as u64 * self.sizes.used_lights() as u64).unwrap_or(u32::MAX);
-        let workgroups = (4 * loops(&self.pipelines.device, pairs)).min(pairs.div_ceil(64)).min(self.most).max(1);
-        let dispatches = if self.sizes.groups.is_empty() {
-            Vec::new()
-        } else {
-            vec![self.bound(choose, Place::default(), [workgroups, views as u32], &resources)]
-        };
-        Pass { pipeline: choose.clone(), dispatches }
+    /// The stages, with a copy of the choices to the table before the lists are made.
+    fn steps(&self) -> Vec<Step> {
+        let mut steps = Vec::new();
+        for (pipeline, over) in &self.pipelines.stages {
+            if pipeline.label == LIST_SIDES.name {
+                let [_, bytes] = self.sizes.choice_bytes();
+                let table = (self.source.table.clone(), 16 * self.sizes.choices_at as u64);
+                steps.push(Step::Copy([(self.buffers.choices.clone(), 0), table], bytes));
+            }
+            let dispatches = self.dispatches(*over);
+            if !dispatches.is_empty() {
+                let bind = |(at, workgroups)| self.dispatch(pipeline, *over, at, workgroups);
+                steps.push(pipeline.pass(dispatches.into_iter().map(bind)));
+            }
+        }
+        steps
     }
 
     /// The bind groups of the draws, for each group.
     fn draws(&self) -> Vec<GroupDraws> {
         let Layouts { frame, side_data, cap_data, piece_data } = &self.pipelines.layouts;
-        let bind = |layout: &wgpu::BindGroupLayout, resources: &[BindingResource<'_>]| {
+        let bind = |layout: &wgpu::BindGroupLayout, resources: &[Resource<'_>]| {
             group(&self.pipelines.device, "shadow volumes", layout, resources)
         };
         let frame = |at: Place| {
             let first = (self.part(at) * UniformTable::stride::<ShadowShape>()) as u64;
             let VolumeBuffers { shapes, draw_lights, seen, .. } = self.buffers;
             let resources = [
-                binding(shapes, first..first + size_of::<ShadowShape>() as u64),
-                entry::<ShadowDraw>(draw_lights),
-                binding(seen, 0..size_of::<SeenLight>() as u64),
-                self.source.table.as_entire_binding(),
+                part(shapes, first..first + size_of::<ShadowShape>() as u64),
+                uniform::<ShadowDraw>(draw_lights, 0),
+                part(seen, 0..size_of::<SeenLight>() as u64),
+                whole(self.source.table),
             ];
             bind(frame, &resources)
         };

@@ -1,16 +1,18 @@
 //! The shadow volumes of one caster.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 
-use super::buffers::VolumeBuffers;
+use super::buffers::SizedBuffers;
 use super::errors::{ShadowEncodeError, ShadowVolumesError};
 use super::frame::{ShadowFrame, Shared};
 use super::options::ShadowOptions;
-use super::pipelines::{Convention, ShadowPipelines};
-use super::sizes::{GroupSize, Room, VolumeSettings, VolumeSizes};
-use super::source::{BatchSource, GroupSource, VolumeSource};
+use super::pipelines::{Convention, Part, ShadowPipelines};
+use super::sizes::{GroupSize, Room, VolumeSizes};
+use super::source::{GroupSource, VolumeSource};
 use super::stages::{StagePipelines, VolumeStages};
 use crate::ShadowCamera;
+use crate::gpu::common::bindings::{Resource, whole};
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, guarded};
 use crate::gpu::common::positions::{self, BoundPositions};
 use crate::gpu::common::requirements::{Subject, check_same, check_timer};
@@ -19,6 +21,7 @@ use crate::gpu::common::uniforms::upload;
 use crate::gpu::extract::errors::ExtractionIncludeError;
 use crate::gpu::extract::extraction::{self, Extraction, Place};
 use crate::gpu::extract::extractor::Extractor;
+use crate::gpu::scene::options::SceneOptions;
 #[cfg(feature = "reference")]
 use crate::layout::ShadowShape;
 use crate::layout::caster_flags::{CLOSED, PROXY};
@@ -125,42 +128,27 @@ impl ShadowVolumes {
             let (bytes, limit) = (source.buffers.faces.size(), source.limits.binding);
             return Err(MemoryError::Binding { what: "faces", bytes, limit }.into());
         }
-        let ShadowOptions { every_face, in_depth, cap_capacity, skip_unseen, end_at_range, bound_counts, memory_limit } =
-            options;
-        let settings = VolumeSettings {
-            counting: pipelines.counting(),
-            averted: !every_face,
-            skip_unreached: true,
-            skip_unseen,
-            end_at_range,
-            has_receivers: false,
-            bound_counts,
-            keeps: false,
-            count_batches: 1,
-            count_bits: pipelines.convention.count_bits,
-            cap_capacity,
-            memory_limit,
-            has_pieces: source.buffers.polygons.is_some(),
-        };
-        let mut sizes = sizes(source, settings, in_depth);
+        let scene = options.of_scene(pipelines.convention);
+        let has_pieces = source.buffers.polygons.is_some();
+        let sizes = sizes(source, scene, options.in_depth);
         let [_, choices] = sizes.choice_bytes();
         let table = Allocation { label: "shadow table", bytes: size_of::<SceneCaster>() as u64 + choices };
-        sizes.fit_memory(table.bytes);
         let device = source.device();
-        let buffers = VolumeBuffers::new(device, sizes, &[table], &source.limits)?;
+        let buffers = SizedBuffers::new(device, sizes, table, &source.limits)?;
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let table = guarded(device, table.bytes, || buffer(device, table.label, table.bytes, usage))?;
-        let stage_pipelines = StagePipelines::new(pipelines.shared(), false, &settings);
-        if settings.has_pieces {
-            pipelines.pieces();
+        let stage_pipelines = StagePipelines::new(pipelines.shared(), false, has_pieces, &scene);
+        if has_pieces {
+            pipelines.of(Part::Pieces);
         }
-        if settings.end_at_range {
-            pipelines.ends();
+        if options.end_at_range {
+            pipelines.of(Part::Ends);
         }
         if buffers.sizes.has_proxies() {
-            pipelines.light_caps();
+            pipelines.of(Part::Proxies);
         }
-        let shared = Shared::new(Arc::clone(source), buffers, table, pipelines.convention);
+        let (source, convention) = (Arc::clone(source), pipelines.convention);
+        let shared = Shared { source, buffers, table, convention, encodes: AtomicU64::new(0) };
         Ok(Self { shared: Arc::new(shared), pipelines: stage_pipelines, stages: None })
     }
 
@@ -186,41 +174,35 @@ impl ShadowVolumes {
         let bound = extraction.bound()?;
         let stages = self.bind(extraction, &bound)?;
         let Shared { buffers, source, table, .. } = &*self.shared;
-        let seen = |&light| SeenLight {
-            view,
-            light: camera.light(&view, light),
-            version: [0; 4],
-            cone: bytemuck::Zeroable::zeroed(),
-            reserved: [[0; 4]; 12],
-        };
+        let seen = |&light| SeenLight { view, light: camera.light(&view, light), ..bytemuck::Zeroable::zeroed() };
         let mut seen: Vec<SeenLight> = lights.iter().map(seen).collect();
         // Numbers without a light are seen in no view.
         seen.resize(buffers.sizes.lights, bytemuck::Zeroable::zeroed());
         let caster = caster(source, buffers.sizes.has_proxies(), &bound);
         let uploads: [(&wgpu::Buffer, &[u8]); 2] =
-            [(&buffers.seen, bytemuck::cast_slice(&seen)), (table, bytemuck::bytes_of(&caster))];
+            [(&buffers.of.seen, bytemuck::cast_slice(&seen)), (table, bytemuck::bytes_of(&caster))];
         upload(source.device(), encoder, &uploads)?;
-        stages.record(encoder, buffers, light::batches(lights.len()), timer);
+        stages.record(encoder, light::batches(lights.len()), timer);
         Ok(ShadowFrame::new(Arc::clone(&self.shared), stages, extraction.clone()))
     }
 
     /// The [`ShadowStatistics`](crate::gpu::ShadowStatistics) of the last encode, once its encoder was submitted. Usage
     /// `COPY_SRC`.
     pub fn statistics(&self) -> &wgpu::Buffer {
-        &self.shared.buffers.statistics
+        &self.shared.buffers.of.statistics
     }
 
     /// The choices for the last encode, once its encoder was submitted: what `reference::cpu::chosen` reads. Usage
     /// `COPY_SRC`.
     #[cfg(feature = "reference")]
     pub fn choices(&self) -> &wgpu::Buffer {
-        &self.shared.buffers.choices
+        &self.shared.buffers.of.choices
     }
 
     /// Lights and camera of the last encode, as [`SeenLight`]s, once its encoder was submitted. Usage `COPY_SRC`.
     #[cfg(feature = "reference")]
     pub fn seen(&self) -> &wgpu::Buffer {
-        &self.shared.buffers.seen
+        &self.shared.buffers.of.seen
     }
 
     /// The sizes of the volumes, for as many lights as there is room for.
@@ -233,7 +215,7 @@ impl ShadowVolumes {
     /// Usages `INDIRECT` and `COPY_SRC`.
     #[cfg(feature = "reference")]
     pub fn draw_arguments(&self) -> &[wgpu::Buffer] {
-        &self.shared.buffers.draws
+        &self.shared.buffers.of.draws
     }
 
     /// Refuses input that would draw wrong shadows: an extraction of another extractor or out of date, or a camera that
@@ -279,17 +261,24 @@ impl ShadowVolumes {
     }
 }
 
-fn sizes(source: &extraction::Shared, settings: VolumeSettings, in_depth: bool) -> VolumeSizes {
+fn sizes(source: &extraction::Shared, options: SceneOptions, in_depth: bool) -> VolumeSizes {
     let shape = &source.shape;
     let (faces, edges) = (shape.faces as u32, shape.edges as u32);
     let proxies = if in_depth { 0 } else { faces };
-    let group =
-        GroupSize { faces, edges, first_caster: 0, proxies, lights_at: 0, face_chunks_at: 0, edge_chunks_at: 0 };
-    let room = |batch| {
-        Room::new(&settings, &group, FEW_CAPS, shape.capacity, shape.batch_lights(batch) as u32, &source.limits)
-    };
-    let rooms = (0..shape.batches()).map(room).collect();
-    VolumeSizes::of_one(settings, shape.max_lights, group, rooms)
+    let group = GroupSize { faces, edges, proxies, ..GroupSize::default() };
+    let room =
+        |batch| Room::new(&options, &group, FEW_CAPS, shape.capacity, shape.batch_lights(batch) as u32, &source.limits);
+    VolumeSizes {
+        options,
+        has_pieces: shape.polygons.is_some(),
+        casters: 1,
+        lights: shape.max_lights,
+        views: 1,
+        choices_at: size_of::<SceneCaster>() / 16,
+        groups: vec![group],
+        rooms: (0..shape.batches()).map(room).collect(),
+        receivers: 0,
+    }
 }
 
 /// The caster: all slots, in the space of its positions.
@@ -298,50 +287,44 @@ fn caster(source: &extraction::Shared, is_proxy: bool, positions: &BoundPosition
         row_0: [1.0, 0.0, 0.0, 0.0],
         row_1: [0.0, 1.0, 0.0, 0.0],
         row_2: [0.0, 0.0, 1.0, 0.0],
-        low: [0.0; 3],
         scale: 1.0,
-        high: [0.0; 3],
         flags: if source.is_closed { CLOSED } else { 0 } | if is_proxy { PROXY } else { 0 },
-        first_face_slot: 0,
         faces: source.shape.faces as u32,
-        first_face: 0,
         position_offset: positions.offset_words,
-        first_edge_slot: 0,
         edges: source.shape.edges as u32,
-        first_edge: 0,
         position_stride: positions.stride_words,
-        version: 0,
-        group: 0,
-        first_caster: 0,
-        clusters_or_figure: 0,
+        ..bytemuck::Zeroable::zeroed()
     }
 }
 
 fn volume_source<'a>(
     source: &'a extraction::Shared,
     table: &'a wgpu::Buffer,
-    positions: wgpu::BindingResource<'a>,
+    positions: Resource<'a>,
 ) -> VolumeSource<'a> {
     let extracted = &source.buffers;
-    let whole = wgpu::Buffer::as_entire_binding;
     let lists = extracted.facing.iter().zip(&extracted.excluded).zip(&extracted.lists);
     let pieces = extracted.polygons.as_ref().map_or(&[][..], |polygons| &polygons.pieces);
-    let lists = lists.enumerate();
-    let batches = lists.map(|(batch, ((facing, excluded), silhouettes))| BatchSource {
-        facing: whole(facing),
-        excluded: whole(excluded),
-        silhouette_counts: whole(&extracted.counts),
-        silhouettes: whole(silhouettes),
-        statistics: whole(&extracted.statistics),
-        pieces: pieces.get(batch).map(whole),
+    let batches = lists.enumerate().map(|(batch, ((facing, excluded), silhouettes))| {
+        let mut named = vec![
+            ("facing_masks", whole(facing)),
+            ("excluded_masks", whole(excluded)),
+            ("silhouette_counts", whole(&extracted.counts)),
+            ("silhouettes", whole(silhouettes)),
+            ("extraction_statistics", whole(&extracted.statistics)),
+        ];
+        named.extend(pieces.get(batch).map(|pieces| ("pieces", whole(pieces))));
+        named
     });
     let group = GroupSource {
-        faces: &extracted.faces,
-        edge_vertices: &extracted.edge_vertices,
-        edge_faces: &extracted.edge_faces,
-        positions,
+        named: vec![
+            ("faces", whole(&extracted.faces)),
+            ("edge_vertices", whole(&extracted.edge_vertices)),
+            ("edge_faces", whole(&extracted.edge_faces)),
+            ("positions", positions),
+        ],
         has_boxes: false,
         batches: batches.collect(),
     };
-    VolumeSource { table, lit: None, kept: None, statistics: Some(whole(&extracted.statistics)), groups: vec![group] }
+    VolumeSource { table, named: vec![("all_statistics", whole(&extracted.statistics))], groups: vec![group] }
 }

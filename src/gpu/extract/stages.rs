@@ -1,0 +1,349 @@
+//! The stages of extraction, and their dispatches with the buffers that they bind.
+
+use std::ops::Range;
+
+use super::buffers::{Buffers, RECORD_HEAD, Shape};
+use super::options::ExtractorOptions;
+use super::polygon_buffers::{
+    CUT_WORKGROUPS, HEAD_WORDS, INDIRECT_BYTES, PIECE_COUNTS, PolygonBuffers, RECORD_WORKGROUPS, ROW_WORKGROUPS,
+    WORKGROUPS,
+};
+use crate::gpu::common::bindings::{Resource, part, uniform, whole};
+use crate::gpu::common::dispatch_limits::{WORKGROUP, Windows};
+use crate::gpu::common::pass::{Dispatch, Step, Workgroups};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program};
+use crate::gpu::common::positions::BoundPositions;
+use crate::gpu::common::uniforms::UniformTable;
+use crate::layout::{Chunk, DrawShape, EdgeMasks, ExtractionStatistics, LightBatch};
+use crate::method::Predicate;
+use crate::stages::{
+    ARGUMENTS, COMPACT, CUT_EDGES, CUT_QUADS, EDGES, EXACT_FACING, FACING, OUTLINE, PER_EDGE, POLYGON_FACING,
+    POLYGON_MASKS, POLYGON_TURNS, Stage,
+};
+use crate::turns::EXACT_ITEMS;
+
+/// The number of invocations in a workgroup of exact facing.
+const EXACT_WORKGROUP: u32 = 64;
+
+/// The number of faces that an invocation of exact facing takes in turn if every face is undecided. See
+/// ARCHITECTURE.md, "Exact facing is a direct dispatch". From 4 on, a dispatch has no more workgroups than one of
+/// facing.
+fn exact_turns(device: &wgpu::Device) -> u32 {
+    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { EXACT_ITEMS } else { 4 }
+}
+
+/// The items that a stage walks along.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Over {
+    Faces,
+    Edges,
+    Polygons,
+}
+
+/// How many workgroups a dispatch has.
+#[derive(Clone, Copy, Debug)]
+enum Size {
+    /// An invocation for each item.
+    Items,
+    /// Few invocations, which take the undecided faces in turn.
+    Few,
+    /// A workgroup for each light of the batch, for all chunks at once.
+    Lights,
+    /// The GPU writes it at this byte of the head of undecided polygons.
+    Written(u64),
+}
+
+/// A stage that is dispatched for each batch of lights.
+#[derive(Clone, Debug)]
+pub(crate) struct Planned {
+    pub(crate) program: Program,
+    over: Over,
+    size: Size,
+}
+
+fn switch(is_on: bool) -> f64 {
+    f64::from(u8::from(is_on))
+}
+
+/// Masks are written if they are asked for or if ordered lists are made from them. Appending makes unordered lists.
+fn emit_constants(options: &ExtractorOptions) -> [(&'static str, f64); 2] {
+    let ordered = options.is_ordered();
+    [("WRITE_MASKS", switch(options.masks || ordered)), ("APPEND", switch(options.lists.is_some() && !ordered))]
+}
+
+/// The stages that read positions, in their order. `words` are those of a window of positions, or 0 if there is one.
+/// `pieces`: whether polygons have pieces. `None`: there are triangles only.
+pub(super) fn from_positions(
+    device: &wgpu::Device,
+    options: &ExtractorOptions,
+    pieces: Option<bool>,
+    words: u32,
+) -> Vec<Planned> {
+    let windows = ("WINDOW_WORDS", f64::from(words));
+    if let Some(pieces) = pieces {
+        let row = ("ENTRY_ROW", f64::from(device.limits().max_compute_workgroups_per_dimension));
+        let stage = |(stage, entry_point, size): (&'static Stage, usize, Size)| {
+            let program = Program::at(stage, stage.entry_points[entry_point], &[row, windows]);
+            Planned { program, over: Over::Polygons, size }
+        };
+        let stages = [
+            (&POLYGON_FACING, 0, Size::Items),
+            (&POLYGON_TURNS, 0, Size::Written(RECORD_WORKGROUPS)),
+            (&OUTLINE, 0, Size::Written(WORKGROUPS)),
+            (&POLYGON_MASKS, 0, Size::Written(RECORD_WORKGROUPS)),
+        ];
+        let cut = [
+            (&CUT_EDGES, 0, Size::Written(CUT_WORKGROUPS)),
+            (&CUT_EDGES, 1, Size::Written(ROW_WORKGROUPS)),
+            (&CUT_EDGES, 2, Size::Written(ROW_WORKGROUPS)),
+            (&CUT_EDGES, 3, Size::Written(ROW_WORKGROUPS)),
+            // Quadrilaterals of which no sign is in doubt. Their pieces are behind the others, in places that have no cuts.
+            (&CUT_QUADS, 0, Size::Written(RECORD_WORKGROUPS)),
+        ];
+        return stages.into_iter().chain(cut.into_iter().filter(|_| pieces)).map(stage).collect();
+    }
+    let predicate = options.method().predicate(options.predicate);
+    let plane = ("PLANE", switch(predicate.is_plane()));
+    if options.method().is_per_edge() {
+        let [masks, append] = emit_constants(options);
+        let program = Program::of(&PER_EDGE, &[windows, plane, masks, append]);
+        return vec![Planned { program, over: Over::Edges, size: Size::Items }];
+    }
+    let is_exact = predicate == Predicate::Exact;
+    let facing = Program::of(&FACING, &[windows, plane, ("EXACT", switch(is_exact))]);
+    let mut stages = vec![Planned { program: facing, over: Over::Faces, size: Size::Items }];
+    let exact = Program::of(&EXACT_FACING, &[windows]);
+    stages.extend(is_exact.then_some(Planned { program: exact, over: Over::Faces, size: Size::Few }));
+    stages
+}
+
+/// The stages after facing, in their order. Masks are read in windows of so many words. Those of twisted polygons begin at
+/// `twisted_at`, if it is not 0.
+pub(super) fn from_facing(options: &ExtractorOptions, twisted_at: usize, words: u32) -> Vec<Planned> {
+    let [masks, append] = emit_constants(options);
+    let windows = ("FACING_WINDOW_WORDS", f64::from(words));
+    let edges = Program::of(&EDGES, &[windows, masks, append, ("TWISTED_AT", twisted_at as f64)]);
+    let has_edges = !options.method().is_per_edge() && (options.masks || options.lists.is_some());
+    let compact = COMPACT.entry_points.iter().zip([Size::Items, Size::Lights, Size::Items]);
+    let compact = compact
+        .filter(|_| options.is_ordered())
+        .map(|(&entry_point, size)| (Program::at(&COMPACT, entry_point, &[]), size));
+    let stages = has_edges.then_some((edges, Size::Items)).into_iter().chain(compact);
+    stages.map(|(program, size)| Planned { program, over: Over::Edges, size }).collect()
+}
+
+/// The programs of stages, and of draw arguments.
+pub(super) fn programs<'p>(stages: impl IntoIterator<Item = &'p Planned>, options: &ExtractorOptions) -> Vec<Program> {
+    let arguments = options.lists.map(|_| Program::of(&ARGUMENTS, &[]));
+    stages.into_iter().map(|planned| planned.program.clone()).chain(arguments).collect()
+}
+
+/// The programs of all stages for triangles whose arrays each fit one window.
+pub(crate) fn of_triangles(device: &wgpu::Device, options: &ExtractorOptions) -> Vec<Program> {
+    programs(&[from_positions(device, options, None, 0), from_facing(options, 0, 0)].concat(), options)
+}
+
+/// Items of a dispatch, for a batch of lights.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Run {
+    pub(super) batch: usize,
+    pub(super) items: Range<usize>,
+    /// The offset of its `Chunk` in the table of chunks.
+    pub(super) chunk: u32,
+}
+
+impl Run {
+    /// Its bytes in an array of `bytes_per_item`.
+    fn bytes(&self, bytes_per_item: u64) -> Range<u64> {
+        self.items.start as u64 * bytes_per_item..self.items.end as u64 * bytes_per_item
+    }
+}
+
+/// The dispatches over faces, edges and polygons: for each batch of lights those of its chunks.
+#[derive(Debug)]
+pub(super) struct Runs {
+    pub(super) faces: Vec<Vec<Run>>,
+    pub(super) edges: Vec<Vec<Run>>,
+    pub(super) polygons: Vec<Vec<Run>>,
+}
+
+impl Runs {
+    /// Writes the chunks to the table.
+    pub(super) fn new(shape: &Shape, [faces, edges]: [&[Range<usize>]; 2], table: &mut UniformTable) -> Self {
+        let mut plan = |chunks: &[Range<usize>], capacity: u32, blocks: u32| {
+            let mut run = |batch: usize, items: &Range<usize>| {
+                let (first, count, first_light) = (items.start as u32, items.len() as u32, 32 * batch as u32);
+                let chunk = table.push(&Chunk { first, count, first_light, capacity, blocks });
+                Run { batch, items: items.clone(), chunk }
+            };
+            let mut of_batch = |batch| chunks.iter().map(|items| run(batch, items)).collect();
+            (0..shape.batches()).map(&mut of_batch).collect()
+        };
+        let Shape { capacity, blocks, polygons, .. } = *shape;
+        let (polygons, pieces) = polygons.map_or((0, 0), |polygons| (polygons.polygons, polygons.pieces));
+        Self {
+            faces: plan(faces, capacity, blocks),
+            edges: plan(edges, capacity, blocks),
+            polygons: plan(std::slice::from_ref(&(0..polygons)), pieces, 0),
+        }
+    }
+
+    fn of(&self, over: Over, batch: usize) -> &[Run] {
+        let runs = match over {
+            Over::Faces => &self.faces,
+            Over::Edges => &self.edges,
+            Over::Polygons => &self.polygons,
+        };
+        runs.get(batch).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// A stage with its pipeline.
+pub(super) type Made = (Planned, Pipeline);
+
+/// The pipelines of stages.
+pub(super) fn made(pipelines: &Pipelines, stages: Vec<Planned>) -> Vec<Made> {
+    let make = |planned: Planned| {
+        let pipeline = pipelines.get(&planned.program);
+        (planned, pipeline)
+    };
+    stages.into_iter().map(make).collect()
+}
+
+/// Binds the stages of an extraction.
+pub(super) struct Binder<'a> {
+    pub(super) device: &'a wgpu::Device,
+    pub(super) shape: &'a Shape,
+    pub(super) buffers: &'a Buffers,
+    pub(super) runs: &'a Runs,
+    /// The windows of facing masks.
+    pub(super) facing: &'a Windows,
+    /// Positions, for stages that read them.
+    pub(super) positions: Option<(&'a wgpu::Buffer, &'a BoundPositions)>,
+}
+
+impl<'a> Binder<'a> {
+    fn get(&self, name: &str, at: &Run) -> Option<Resource<'a>> {
+        let Self { buffers, positions, .. } = *self;
+        let polygons = buffers.polygons.as_ref();
+        let of_batch = |buffers: &'a [wgpu::Buffer]| buffers.get(at.batch);
+        // Stages of polygons find the triangles of a polygon anywhere.
+        let of_faces = |buffer: &'a wgpu::Buffer, bytes| {
+            if polygons.is_some() { whole(buffer) } else { part(buffer, at.bytes(bytes)) }
+        };
+        let or_unused = |resource: Option<Resource<'a>>| resource.unwrap_or_else(|| whole(&buffers.unused));
+        Some(match name {
+            "batch" => uniform::<LightBatch>(&buffers.light_batches, (at.batch * BATCH_STRIDE) as u32),
+            "chunk" => uniform::<Chunk>(&buffers.chunks, at.chunk),
+            "faces" => of_faces(&buffers.faces, 12),
+            "facing_masks" => of_faces(of_batch(&buffers.facing)?, 4),
+            "excluded_masks" => or_unused(of_batch(&buffers.excluded).map(|masks| of_faces(masks, 4))),
+            // Its length tells the shaders how many undecided faces there is room for.
+            "record" => part(&buffers.record, 0..self.shape.record_bytes()),
+            "edge_faces" => part(&buffers.edge_faces, at.bytes(8)),
+            "edge_corners" => part(buffers.edge_corners.as_ref()?, at.bytes(16)),
+            // The batch has its own, or all share one.
+            "masks" => {
+                let masks = of_batch(&buffers.masks).or(buffers.masks.first());
+                or_unused(masks.map(|masks| part(masks, at.bytes(size_of::<EdgeMasks>() as u64))))
+            }
+            "counts" => whole(&buffers.counts),
+            "places" => whole(&buffers.places),
+            "list" => or_unused(of_batch(&buffers.lists).map(whole)),
+            "shape" => uniform::<DrawShape>(&buffers.draw_shape, 0),
+            "draw_arguments" => whole(&buffers.draw_arguments),
+            "statistics" => part(&buffers.record, 0..size_of::<ExtractionStatistics>() as u64),
+            "outlines" => whole(&polygons?.outlines),
+            "undecided" => whole(&polygons?.undecided),
+            "pieces" => or_unused(of_batch(&polygons?.pieces).map(whole)),
+            _ => match self.facing.named("facing_", name) {
+                Some(window) => part(of_batch(&buffers.facing)?, window),
+                None => positions.and_then(|(buffer, bound)| bound.named(name, buffer))?,
+            },
+        })
+    }
+
+    fn dispatch(&self, (planned, pipeline): &Made, at: &Run) -> Dispatch {
+        let over = |invocations: u32| Workgroups::Known([(at.items.len() as u32).div_ceil(invocations), 1]);
+        let workgroups = match planned.size {
+            Size::Items => over(WORKGROUP),
+            Size::Few => over(EXACT_WORKGROUP * exact_turns(self.device)),
+            Size::Lights => self.in_turn(self.shape.batch_lights(at.batch)),
+            Size::Written(byte) => match &self.buffers.polygons {
+                Some(polygons) => Workgroups::Written(polygons.arguments.clone(), byte),
+                None => Workgroups::Known([0, 0]),
+            },
+        };
+        pipeline.dispatch(self.device, workgroups, |name| self.get(name, at))
+    }
+
+    /// Workgroups that take turns if the device does not allow so many.
+    fn in_turn(&self, wanted: usize) -> Workgroups {
+        let most = self.device.limits().max_compute_workgroups_per_dimension;
+        Workgroups::Known([(wanted as u32).min(most), 1])
+    }
+
+    /// The stages that read positions, for a batch of lights.
+    pub(super) fn read_positions(&self, stages: &[Made], batch: usize) -> Vec<Step> {
+        if let Some(polygons) = &self.buffers.polygons {
+            return self.read_outlines(polygons, stages, batch);
+        }
+        let mut steps: Vec<Step> = self.buffers.excluded.get(batch).map(Step::clear).into_iter().collect();
+        let over = stages.first().map_or(Over::Faces, |(planned, _)| planned.over);
+        // Each chunk goes through all stages in turn, because all share the list of undecided faces.
+        for (number, run) in self.runs.of(over, batch).iter().enumerate() {
+            if (batch, number) != (0, 0) {
+                steps.push(Step::Clear(self.buffers.record.clone(), RECORD_HEAD - 4..RECORD_HEAD));
+            }
+            steps.extend(stages.iter().map(|made| made.1.pass([self.dispatch(made, run)])));
+        }
+        steps
+    }
+
+    /// The stages of polygons. The workgroups of most are in the head of a buffer that they write, which a dispatch cannot take
+    /// them from. So they are copied as soon as they are there.
+    fn read_outlines(&self, polygons: &PolygonBuffers, stages: &[Made], batch: usize) -> Vec<Step> {
+        let PolygonBuffers { undecided, head, arguments, pieces, .. } = polygons;
+        let mut steps: Vec<Step> = self.buffers.excluded.get(batch).map(Step::clear).into_iter().collect();
+        if let Some(facing) = self.buffers.facing.get(batch) {
+            // Most polygons are not twisted.
+            steps.push(Step::Clear(facing.clone(), 4 * self.shape.faces as u64..facing.size()));
+        }
+        steps.extend(pieces.get(batch).map(|pieces| Step::Clear(pieces.clone(), 0..4 * PIECE_COUNTS)));
+        steps.push(Step::Copy([(head.clone(), 0), (undecided.clone(), 0)], 4 * HEAD_WORDS));
+        let mut copied = Vec::new();
+        for made in stages {
+            if let Size::Written(byte) = made.0.size
+                && !copied.contains(&byte)
+            {
+                copied.push(byte);
+                steps.push(Step::Copy([undecided, arguments].map(|buffer| (buffer.clone(), byte)), INDIRECT_BYTES));
+            }
+            steps.push(made.1.pass(self.runs.of(Over::Polygons, batch).iter().map(|run| self.dispatch(made, run))));
+        }
+        steps
+    }
+
+    /// The stages after facing, for a batch of lights.
+    pub(super) fn read_facing(&self, stages: &[Made], batch: usize) -> Vec<Step> {
+        let runs = |planned: &Planned| {
+            let runs = self.runs.of(planned.over, batch);
+            if let Size::Lights = planned.size { runs.get(..1).unwrap_or_default() } else { runs }
+        };
+        let pass = |made: &Made| made.1.pass(runs(&made.0).iter().map(|run| self.dispatch(made, run)));
+        stages.iter().map(pass).collect()
+    }
+
+    /// The draw arguments of all lights that there is room for, so that unused lights draw nothing. Then the statistics.
+    pub(super) fn at_last(&self, arguments: Option<&Pipeline>) -> Vec<Step> {
+        let Buffers { record, statistics, .. } = self.buffers;
+        let workgroups = self.in_turn(self.shape.max_lights.div_ceil(64));
+        let pass = arguments.map(|pipeline| {
+            pipeline.pass([pipeline.dispatch(self.device, workgroups, |name| self.get(name, &Run::default()))])
+        });
+        let copy = Step::Copy([record, statistics].map(|buffer| (buffer.clone(), 0)), statistics.size());
+        pass.into_iter().chain([copy]).collect()
+    }
+}
+
+const BATCH_STRIDE: usize = UniformTable::stride::<LightBatch>();
