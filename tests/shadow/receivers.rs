@@ -237,8 +237,7 @@ fn pyramid() -> Result<(), String> {
         let farthest = *keys.last().ok_or("no level")?;
         same("sizes and the farthest", &found[..5], &[across, down, pixels[0], pixels[1], farthest])?;
         same(&format!("levels of {pixels:?}"), &found[HEAD..][..keys.len()], &keys)?;
-        let mut nearer = depths.clone();
-        nearer.iter_mut().for_each(|depth| *depth = 0.5 * *depth + 0.5 * near_z);
+        let nearer: Vec<f32> = depths.iter().map(|depth| 0.5 * depth + 0.5 * near_z).collect();
         if farthest > 1 {
             must_fail("nearer depths", &same("levels", &levels(&view, &nearer, samples).0, &keys))?;
         }
@@ -278,8 +277,9 @@ fn filled(gpu: &Gpu, seed: u64) -> Result<Scene, String> {
     Ok(scene)
 }
 
-/// Choices for each caster, light and view; the draws; and the numbers of cached lists and of volumes culled by receivers.
-type Chosen = (Vec<u32>, Vec<u32>, [u32; 2]);
+/// Choices for each caster, light and view; the draws; and the numbers of cached lists, of volumes culled by receivers, and of those
+/// that end.
+type Chosen = (Vec<u32>, Vec<u32>, [u32; 3]);
 
 fn chosen(
     gpu: &Gpu,
@@ -295,7 +295,7 @@ fn chosen(
     let draws: Vec<u32> = gpu.read(&results.shadow_draws[0], usize::MAX)?;
     let statistics = frame.shadow_statistics().ok_or("no view")?;
     let statistics = gpu.read::<rimline::gpu::ShadowStatistics>(statistics, 1)?[0];
-    Ok((words, draws, [statistics.kept_lists, statistics.hidden]))
+    Ok((words, draws, [statistics.kept_lists, statistics.hidden, statistics.ended]))
 }
 
 /// Lists stay cached while camera and version stay the same. Choices always equal those of a new scene.
@@ -331,11 +331,12 @@ fn versions() -> Result<(), String> {
             let camera = eyes[view].camera();
             let version = is_known.then_some(picture as u64);
             let receivers = Receivers { depth: &depths[picture], sky_receives, version };
-            let (words, draws, [lists, volumes]) = chosen(gpu, &mut scene, camera, Some(receivers))?;
-            let (expected, of_new, _) = chosen(gpu, &mut filled(gpu, seed)?, camera, Some(receivers))?;
+            let (words, draws, [lists, volumes, ends]) = chosen(gpu, &mut scene, camera, Some(receivers))?;
+            let (expected, of_new, [.., ends_of_new]) = chosen(gpu, &mut filled(gpu, seed)?, camera, Some(receivers))?;
             let what = format!("{now:?} after {last:?}");
             same(&format!("{what}: choices"), &words, &expected)?;
             same(&format!("{what}: draws"), &draws, &of_new)?;
+            same(&format!("{what}: volumes that end"), &[ends], &[ends_of_new])?;
             let is_kept = is_known && last == Some(now);
             same(&format!("{what}: lists kept"), &[lists], &[if is_kept { 4 } else { 0 }])?;
             *(if is_kept { &mut kept } else { &mut made }) += 1;
