@@ -841,7 +841,7 @@ shared_structs! {
         overflowed_caps: u32,
         /// Lights with a list of sides that overflowed. Their draws go over all edges.
         overflowed_sides: u32,
-        /// Lights whose volume ends at the light's range; of choices that were kept also those that end behind all receivers.
+        /// Lights whose volume ends, at the light's range or behind all receivers.
         ended: u32,
         /// An upper bound of the stencil counts of all casters together, for any light and view. 0 unless it was asked for.
         count_bound: u32,

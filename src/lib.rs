@@ -26,6 +26,9 @@
 //! * Without the feature `gpu`, on by default, the library brings neither wgpu nor naga: meshes, models, lights and [`cpu`] stay.
 //! * [`Origin`]: moves models with large coordinates, such as those of surveys, to where `f32` is fine.
 //!
+//! Files of `docs/numerics` that these pages name, with error bounds and proofs, and those of `tests` lie in the repository, not in
+//! the package.
+//!
 //! ```no_run
 //! use rimline::gpu::{Extraction, Extractor, ExtractorOptions, PositionBuffer};
 //! use rimline::{Light, Mesh, mesh::Weld, wgpu};

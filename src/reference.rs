@@ -150,14 +150,12 @@ pub mod model {
 
 /// Clusters of faces that are decided whole.
 pub mod clusters {
-    pub use crate::cpu::scene::clusters::{LEAST, PRODUCT, Whole, clusters, height_and_spread};
     pub use crate::mesh::clusters::*;
 }
 
 /// CPU twins of stages. File and function have the name of the stage. Tests compare the two bit for bit. Other stages have none:
 /// `tests/common/wgsl.rs` lists them.
 pub mod cpu {
-    pub use crate::cpu::common::cone::may_be_in_cone;
     pub use crate::cpu::common::filter::{RELATIVE, UNDERFLOW};
     pub use crate::cpu::common::positions::is_finite;
     pub use crate::cpu::extract::arguments::arguments;

@@ -3,10 +3,10 @@
 
 use crate::compose::{Composed, compose};
 
-/// A stage. Its entry points, pipeline labels and CPU twin carry its name.
+/// A stage. Its entry points, pipeline labels and CPU twin, if it has one, carry its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Stage {
-    /// The name, also that of its twin `src/cpu/SUBJECT/NAME.rs`.
+    /// The name, also that of a twin `src/cpu/SUBJECT/NAME.rs`.
     pub name: &'static str,
     /// The name of its module. A stage with one text for a single mesh and for scenes has two modules.
     pub module: &'static str,

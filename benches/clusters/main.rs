@@ -5,9 +5,10 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use rimline::reference::clusters::{Arranged, CLUSTER_FACES, Clusters, Whole, clusters};
+use rimline::reference::clusters::{Arranged, CLUSTER_FACES, Clusters};
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Mesh, Predicate};
+use rimline_measure::clusters::whole;
 use rimline_measure::random::Random;
 use rimline_measure::shapes::{Shape, blob, sphere, torus};
 
@@ -83,15 +84,15 @@ fn measure(name: &str, shape: &Shape) {
 fn left(found: &Clusters, mesh: &Mesh, lights: &[Light]) -> (f64, f64) {
     let (mut faces, mut edges) = (0, 0);
     for light in lights {
-        let whole: Vec<Whole> = found.bounds().iter().map(|bound| clusters(bound, light.to_array())).collect();
-        let mut of_faces = vec![Whole::Mixed; mesh.faces().len()];
+        let decided: Vec<_> = found.bounds().iter().map(|bound| whole(bound, *light)).collect();
+        let mut of_faces = vec![None; mesh.faces().len()];
         for (slot, &face) in found.faces().iter().enumerate() {
-            of_faces[face as usize] = whole[slot / CLUSTER_FACES];
+            of_faces[face as usize] = decided[slot / CLUSTER_FACES];
         }
-        faces += of_faces.iter().filter(|&&whole| whole == Whole::Mixed).count();
+        faces += of_faces.iter().filter(|whole| whole.is_none()).count();
         let is_left = |face_0: u32, face_1: Option<u32>| {
             let first = of_faces[face_0 as usize];
-            first == Whole::Mixed || face_1.is_none_or(|face| of_faces[face as usize] != first)
+            first.is_none() || face_1.is_none_or(|face| of_faces[face as usize] != first)
         };
         edges += mesh.edges().iter().filter(|edge| is_left(edge.face_0, edge.face_1)).count();
     }

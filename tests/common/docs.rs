@@ -51,6 +51,33 @@ fn broken_links_are_noticed() {
     assert_eq!(paths(text).into_iter().collect::<Vec<_>>(), ["src/lib.rs"]);
 }
 
+/// Paths in comments of the code, from the root or from the folder of the crate, exist.
+#[test]
+fn paths_in_comments_lead_somewhere() {
+    let mut files = Vec::new();
+    for folder in SOURCES {
+        add_sources(&root().join(folder), &mut files);
+    }
+    let mut wrong = Vec::new();
+    let mut checked = 0;
+    for file in &files {
+        let mut crate_folder = root().to_owned();
+        if let Ok(rest) = file.strip_prefix(root().join("crates")) {
+            crate_folder.extend(Path::new("crates").join(rest).iter().take(2));
+        }
+        let paths = commented_paths(&read(file));
+        checked += paths.len();
+        let is_missing = |path: &&String| !root().join(path).exists() && !crate_folder.join(path).exists();
+        wrong.extend(paths.iter().filter(is_missing).map(|path| format!("{}: {path}", shown(file))));
+    }
+    assert!(checked > 100, "only {checked} paths found");
+    assert!(wrong.is_empty(), "{} of {checked}:\n{}", wrong.len(), wrong.join("\n"));
+    let (first, second) = ("src/b.rs", "wgsl/c.wgsl");
+    let comments =
+        format!("let a = \"src/a.rs\"; // Of {first}.\n//! `{second}`, wgsl/SUBJECT/NAME.wgsl, notes/src/d.rs");
+    assert_eq!(commented_paths(&comments).into_iter().collect::<Vec<_>>(), [first, second]);
+}
+
 /// References in comments, such as `docs/numerics/facing.md, "Filter"`, lead to files and headings.
 #[test]
 fn references_to_numerics_lead_somewhere() {
@@ -180,11 +207,25 @@ fn paths(text: &str) -> BTreeSet<String> {
     let prose = prose(text);
     let is_path = |code: &&str| {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "_./-".contains(c);
-        FOLDERS.iter().any(|folder| code.starts_with(folder))
-            && code.chars().all(is_plain)
-            && !code.split(['/', '.']).any(|part| part.len() > 1 && part.chars().all(|c| c.is_ascii_uppercase()))
+        FOLDERS.iter().any(|folder| code.starts_with(folder)) && code.chars().all(is_plain) && !has_placeholder(code)
     };
     prose.split('`').skip(1).step_by(2).filter(is_path).map(str::to_owned).collect()
+}
+
+/// Paths of files in the comments of a source; those with a placeholder in capitals are none.
+fn commented_paths(text: &str) -> BTreeSet<String> {
+    let comments = text.lines().filter_map(|line| Some(line.split_once("//")?.1));
+    let words = comments.flat_map(|comment| comment.split(|c: char| !c.is_ascii_alphanumeric() && !"_./-".contains(c)));
+    let words = words.map(|word| word.trim_end_matches('.'));
+    let is_file = |word: &&str| {
+        let ends = [".rs", ".wgsl", ".md", ".txt", ".toml"];
+        ends.iter().any(|end| word.ends_with(end)) && FOLDERS.iter().any(|folder| word.starts_with(folder))
+    };
+    words.filter(is_file).filter(|word| !has_placeholder(word)).map(str::to_owned).collect()
+}
+
+fn has_placeholder(path: &str) -> bool {
+    path.split(['/', '.']).any(|part| part.len() > 1 && part.chars().all(|c| c.is_ascii_uppercase()))
 }
 
 fn broken_link(link: &str, document: &Path, folder: &Path) -> Result<(), String> {

@@ -1,9 +1,9 @@
-//! Cubes of six maps: the stencil against the crossings of rays with a boundary that an oracle of its own builds, the merged
-//! samples and their cells against rays, and cameras that do not meet.
+//! Cubes of six maps: the stencil against the crossings of rays with a boundary that an oracle of its own builds, the samples
+//! that `depth_cube` merges and their cells against rays, and cameras that do not meet.
 
 use std::collections::HashMap;
 
-use glam::{DQuat, DVec2, DVec3, Mat4};
+use glam::{DMat3, DVec2, DVec3, Mat4};
 use rimline::gpu::{
     DanglingEdges, DepthCubeMaps, DepthMapCube, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines,
     MemoryError, ShadowFormat,
@@ -19,7 +19,7 @@ use wgpu::TextureFormat;
 use crate::boundary::Boundary;
 use crate::cells::{self, cast, listed_of_cube};
 use crate::maps::Map;
-use crate::parity::{SIDE, device_depth, seen, trials_of, vector};
+use crate::parity::{SIDE, device_depth, mirrored, seen, trials_of, vector};
 use crate::picture::{pipelines, stencil_of};
 use crate::rules;
 use crate::scene::{Eye, Rays};
@@ -59,9 +59,10 @@ pub(crate) fn cube_of(random: &mut Random, side: u32) -> Cube {
     let far = [None, Some(40.0)][random.below(2)];
     let cameras = DepthMapCube::cameras(light.as_vec3().to_array(), 0.3, far, depth, side).expect("a cube");
     let light = light.as_vec3().as_dvec3();
-    let turn = DQuat::from_axis_angle(vector(random), f64::from(random.between(0.0, 6.0)));
-    let is_turned = random.below(2) == 0;
-    let cameras = if is_turned { turned(&cameras, turn) } else { cameras };
+    let turn = DMat3::from_axis_angle(vector(random), f64::from(random.between(0.0, 6.0)));
+    let mirror = if random.below(3) == 0 { -1.0 } else { 1.0 };
+    let turn = mirror * [DMat3::IDENTITY, turn][random.below(2)];
+    let cameras = turned(&cameras, turn);
     let discs: Vec<_> = (0..=random.below(5))
         .map(|_| {
             let mut axis = vector(random).to_array();
@@ -70,7 +71,7 @@ pub(crate) fn cube_of(random: &mut Random, side: u32) -> Cube {
             for other in 1..=kind {
                 axis[other] = axis[other].signum() * axis[0].abs();
             }
-            let axis = if is_turned { turn * DVec3::from_array(axis) } else { DVec3::from_array(axis) };
+            let axis = turn * DVec3::from_array(axis);
             (axis.normalize(), f64::from(random.between(0.5, 0.98)), f64::from(random.between(1.0, 6.0)))
         })
         .collect();
@@ -99,11 +100,11 @@ pub(crate) fn cube_of(random: &mut Random, side: u32) -> Cube {
     Cube { light, cameras, maps, side }
 }
 
-/// Cameras whose world is turned.
-fn turned(cameras: &[ShadowCamera; 6], turn: DQuat) -> [ShadowCamera; 6] {
+/// Cameras whose world is turned, or mirrored.
+fn turned(cameras: &[ShadowCamera; 6], turn: DMat3) -> [ShadowCamera; 6] {
     cameras.map(|camera| {
         let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
-        let matrix = matrix * glam::DMat4::from_quat(turn.inverse());
+        let matrix = matrix * glam::DMat4::from_mat3(turn.inverse());
         ShadowCamera { view_projection: matrix.as_mat4().to_cols_array_2d(), ..camera }
     })
 }
@@ -134,6 +135,7 @@ fn trial(gpu: &Gpu, random: &mut Random, kind: Kind, tally: &mut Tally) -> Resul
     let (far, half_width) = [(None, None), (Some(60.0), None), (Some(60.0), Some(6.0))][random.below(3)];
     let is_relative = random.below(2) == 0;
     let eye = Eye { place, forward: vector(random), near, is_relative, depth, far, half_width }.camera();
+    let eye = mirrored(random, eye);
     let rays = Rays::new(&eye, SIDE);
     let seen = seen(random, &rays);
     let centres: Vec<_> = (0..SIDE * SIDE)

@@ -33,7 +33,6 @@ mod near_rectangles;
 mod parity;
 mod picture;
 mod places;
-mod probe;
 mod refusals;
 mod rules;
 #[path = "../shadow/scene.rs"]
@@ -56,7 +55,7 @@ mod wall_vertices;
 mod worlds;
 mod zero;
 
-use rimline_measure::harness;
+use rimline_measure::{harness, probe};
 
 fn main() {
     let tests = [

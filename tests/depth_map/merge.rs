@@ -1,4 +1,4 @@
-//! Two maps in one: each texel against the nearer depth, as the documents tell it, and against the twin.
+//! Two maps in one by `depth_merge`: each texel against the nearer depth, as the documents tell it.
 
 use rimline::DepthDirection;
 use rimline::gpu::{DepthMap, DepthMapError, DepthMapMerge, DepthMapMethod, DepthMapOptions, DepthMapVolumes};

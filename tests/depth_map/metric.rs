@@ -1,5 +1,5 @@
-//! Maps of distances: the depths that are made from them against `f64`, within the bound of docs/numerics/depth-maps.md, "Maps of
-//! distances", and shadows of maps that were converted.
+//! Maps of distances: the depths that `depth_metric` makes from them against `f64`, within the bound of
+//! docs/numerics/depth-maps.md, "Maps of distances", and shadows of maps that were converted.
 
 use glam::{DVec2, DVec3, Mat4};
 use rimline::gpu::{DepthMap, DepthMapConversion, DepthMapError, DepthMapOptions, DepthMetric};

@@ -1,4 +1,5 @@
-//! Near caps that are left out: pictures do not change, and the GPU tells what the samples around the near rectangle say.
+//! Near caps that are left out: pictures do not change, and `depth_near` and `depth_near_walls` tell what the samples around the
+//! near rectangle say.
 
 use glam::{DVec2, DVec3};
 use rimline::gpu::{

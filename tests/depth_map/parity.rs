@@ -47,6 +47,12 @@ pub(crate) fn light(random: &mut Random) -> (ShadowCamera, DVec4) {
     (eye.camera(), if half_width.is_some() { away.extend(0.0) } else { place.extend(1.0) })
 }
 
+/// The camera, or in every third case its mirror image.
+pub(crate) fn mirrored(random: &mut Random, camera: ShadowCamera) -> ShadowCamera {
+    let sign = if random.below(3) == 0 { -1.0 } else { 1.0 };
+    ShadowCamera { view_projection: camera.view_projection.map(|[x, y, z, w]| [sign * x, y, z, w]), ..camera }
+}
+
 /// Steps, slopes, holes and lone texels.
 pub(crate) fn map(random: &mut Random, camera: &ShadowCamera) -> Map {
     let size = [1 + random.below(12) as u32, 1 + random.below(12) as u32];
@@ -112,12 +118,14 @@ fn trial(gpu: &Gpu, random: &mut Random, tally: &mut Tally, way: Way<'_>) -> Res
     let near = f64::from(random.between(near[0], near[1]));
     let capacity = overflows.then(|| random.below(3) as u32);
     let (camera, light) = light(random);
+    let camera = mirrored(random, camera);
     let map = map(random, &camera);
     let place = f64::from(random.between(0.5, 9.0)) * vector(random);
     let forward = vector(random) * 3.0 - place;
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
     let (far, half_width) = [(None, None), (Some(60.0), None), (Some(60.0), Some(6.0))][random.below(3)];
     let eye = Eye { place, forward, near, is_relative: random.below(2) == 0, depth, far, half_width }.camera();
+    let eye = mirrored(random, eye);
     let rays = Rays::new(&eye, SIDE);
     let seen = seen(random, &rays);
     let centres =

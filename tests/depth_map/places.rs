@@ -1,4 +1,4 @@
-//! Places of contours against rims that are known exactly.
+//! Places of contours by `contour_places` against rims that are known exactly.
 
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;

@@ -1,4 +1,4 @@
-//! The lists that the GPU makes against exact arithmetic, for each format of a map.
+//! The lists that `depth_edges` and `depth_cells` make against exact arithmetic, for each format of a map.
 
 use rimline::gpu::{
     DanglingEdges, DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat,
@@ -23,6 +23,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("lists_of_large_maps_are_those_of_exact_arithmetic", large),
     ("lists_of_objects_are_those_of_exact_arithmetic", of_objects),
     ("lists_of_detectors_are_those_of_exact_arithmetic", detectors),
+    ("slopes_are_left_out_and_steps_are_not", slopes),
     ("encodes_in_one_encoder_do_not_disturb_each_other", two_encodes),
 ];
 
@@ -36,8 +37,13 @@ const FORMATS: [TextureFormat; 5] = [
 
 /// Whether a map is taken with this format: those of all sizes with floats, and with other formats those whose sides are no powers
 /// of two, but for the long run. A software device compiles each shader again for each format, and for each side that is a power of two.
-pub(crate) fn is_taken(map: &Map, format: TextureFormat) -> bool {
-    is_long() || format == TextureFormat::R32Float || !map.size.iter().any(|side| side.is_power_of_two())
+fn is_taken(map: &Map, format: TextureFormat) -> bool {
+    is_long() || is_short(map, format)
+}
+
+/// Whether the short run takes it.
+pub(crate) fn is_short(map: &Map, format: TextureFormat) -> bool {
+    format == TextureFormat::R32Float || !map.size.iter().any(|side| side.is_power_of_two())
 }
 
 pub(crate) fn camera(depth: DepthDirection) -> ShadowCamera {
@@ -84,6 +90,12 @@ fn check(
     let found: Vec<u32> = gpu.read(volumes.cells(), expected.len())?;
     let what = format!("{format:?} {:?}, reversed {}, threshold {threshold}, {bits} bits", map.size, map.is_reversed);
     same(&what, &found, &expected)?;
+    // Negative control: a triangle is drawn that is not, or the other way round.
+    let mut other = found;
+    if let Some(entry) = other[1..].last_mut() {
+        *entry ^= 1 << 31;
+        must_fail("another triangle", &same(&what, &other, &expected))?;
+    }
     Ok(expected[0])
 }
 
@@ -177,11 +189,13 @@ fn two_encodes() -> Result<(), String> {
         }
         Ok(())
     })?;
-    for (number, (map, copy)) in maps.into_iter().zip(&copies).enumerate() {
-        let map = Map { is_reversed: number == 1, ..map };
-        let expected = listed(&map, &[], 0.0, false, None);
-        let found: Vec<u32> = gpu.read(copy, expected.len())?;
-        same(&format!("encode {number}"), &found, &expected)?;
+    let [first, second] = maps;
+    let second = Map { is_reversed: true, ..second };
+    let expected = [first, second].map(|map| listed(&map, &[], 0.0, false, None));
+    for (number, copy) in copies.iter().enumerate() {
+        let found: Vec<u32> = gpu.read(copy, expected[number].len())?;
+        same(&format!("encode {number}"), &found, &expected[number])?;
+        must_fail("the other encode", &same("cells", &found, &expected[1 - number]))?;
     }
     Ok(())
 }
@@ -193,11 +207,11 @@ fn of_objects() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
     let mut random = Random::new(SEED);
-    let mut added = 0;
+    let (mut added, mut noticed) = (0, 0);
     for threshold in [1.0, 0.1] {
         for map in maps(&mut random) {
             let capacity = (random.below(3) == 0).then(|| random.below(20) as u32);
-            let numbers: Vec<_> =
+            let mut numbers: Vec<_> =
                 map.depths.iter().map(|_| [0, 1, u32::MAX, 1 << 24, (1 << 24) + 1][random.below(5)]).collect();
             let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
             let objects = objects(&gpu, map.size, &numbers).create_view(&wgpu::TextureViewDescriptor::default());
@@ -214,10 +228,14 @@ fn of_objects() -> Result<(), String> {
             let found: Vec<u32> = gpu.read(volumes.cells(), expected.len())?;
             same(&format!("{:?}", map.size), &found, &expected)?;
             added += expected[0] - without[0];
+            // Negative control: a texel has the object of the next one.
+            let at = random.below(numbers.len());
+            numbers[at] = numbers[(at + 1) % numbers.len()];
+            noticed += u32::from(found != listed(&map, &numbers, threshold, false, capacity));
         }
     }
-    println!("{added} cells of edges of objects alone");
-    if added > 1000 { Ok(()) } else { Err("too few".to_owned()) }
+    println!("{added} cells of edges of objects alone, {noticed} other objects noticed");
+    if added > 1000 && noticed > 5 { Ok(()) } else { Err("too few".to_owned()) }
 }
 
 /// The rule of a method and a map, with some bits.
@@ -256,12 +274,12 @@ fn detectors() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let of_bits = [pipelines(&gpu, DepthDirection::Reversed, 7..8)?, pipelines(&gpu, DepthDirection::Reversed, 6..8)?];
     let mut random = Random::new(SEED);
-    let (mut cells, mut continued) = (0, 0);
+    let (mut cells, mut continued, mut noticed) = (0, 0, [0; 4]);
     for round in (0..if is_long() { 20 } else { 10 }).map(|round| round % 10) {
         // Each pipeline with few formats: `is_taken`.
         let format = if round < 3 { TextureFormat::R32Float } else { FORMATS[round % FORMATS.len()] };
         let (has_objects, continues) = (round < 5, (round + round / 5) % 2 == 0);
-        for map in further(&mut random).into_iter().chain(maps(&mut random)) {
+        for (number, map) in further(&mut random).into_iter().chain(maps(&mut random)).enumerate() {
             if !is_taken(&map, format) {
                 continue;
             }
@@ -304,8 +322,55 @@ fn detectors() -> Result<(), String> {
             same(&what, &found, &expected)?;
             cells += expected[0];
             continued += further;
+            // Negative control: another rule.
+            let others = [
+                Rule { cells: rule.cells / 2, ..rule },
+                Rule { rings: rule.rings + 1, ..rule },
+                Rule { low: rule.low.map(|low| low + 0.01), ..rule },
+                Rule { slopes: rule.slopes.map(|slopes| slopes + 1.0), ..rule },
+            ];
+            for (noticed, other) in noticed.iter_mut().zip(&others).filter(|_| number == 2) {
+                *noticed += u32::from(found != with_count(self::expected(&read, given, other).0, capacity));
+            }
         }
     }
-    println!("{cells} cells, {continued} edges are continued");
-    if cells > 50_000 && continued > 300 { Ok(()) } else { Err("too few".to_owned()) }
+    println!("{cells} cells, {continued} edges are continued, {noticed:?} other rules noticed");
+    if cells > 50_000 && continued > 300 && !noticed.contains(&0) { Ok(()) } else { Err("too few".to_owned()) }
+}
+
+/// What the rules are for: a slope has no edges within it, and a step on it has.
+fn slopes() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;
+    let flat = |texel: u32| 0.25 + (texel % 20) as f32 / 64.0;
+    // From the middle on, farther away by as much as the slope has in two texels.
+    let step = |texel: u32| flat(texel) + if texel % 20 > 9 { 0.03125 } else { 0.0 };
+    let count = |depth: &dyn Fn(u32) -> f32, method| {
+        let map = Map::new([20, 20], false, depth);
+        let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
+        let options = DepthMapOptions { method, ..Default::default() };
+        let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
+        let (view, light) = (depth_view(&texture), camera(direction(&map)));
+        gpu.submit(|encoder| {
+            let map = DepthMap { texture: &view, light, objects: None };
+            volumes.encode(encoder, &map, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
+        })?;
+        Ok::<_, String>(gpu.read::<u32>(volumes.cells(), 1)?[0])
+    };
+    // `Automatic` marks two columns more, where one difference beside an edge is not known.
+    for (method, further) in [
+        (DepthMapMethod::SecondDifferences { low: 0.001, high: 1.0, dangling: None }, 0),
+        (DepthMapMethod::Automatic { dangling: None }, 2 * 17),
+    ] {
+        // The cells at the border, and those next to them, since triangles are drawn at the ends of marked edges. So are the cells on
+        // both sides of the step, in the 17 rows between.
+        let border = 4 * 20 + 4 * 18;
+        let found = [count(&flat, method)?, count(&step, method)?];
+        println!("{found:?} cells of the slope and the step, {method:?}");
+        if found != [border + further, border + further + 3 * 17] {
+            return Err(format!("{method:?}: {found:?}"));
+        }
+    }
+    let all = count(&flat, DepthMapMethod::Differences { threshold: 0.001, dangling: None })?;
+    if all > 300 { Ok(()) } else { Err(format!("differences list {all} cells of the slope")) }
 }

@@ -195,7 +195,7 @@ fn overflow() -> Result<(), String> {
     Ok(())
 }
 
-/// The pairs of `tests/predicates.rs`: 200,000, 10 million in the long run. Each face's bit for the light that it was
+/// The pairs of `tests/extract/predicates.rs`: 200,000, 10 million in the long run. Each face's bit for the light that it was
 /// made for against big integers, all others against the twin.
 /// A workgroup of 64 that each have 48 faces, as many as a CPU's have; see ARCHITECTURE.md, "Decisions".
 const FULL: u32 = 64 * 48;

@@ -1,6 +1,9 @@
 //! Meshes and lights that clusters may get wrong.
 
 use rimline::Light;
+use rimline::reference::clusters::{ClusterBound, Clusters};
+use rimline::reference::cpu::Threads;
+use rimline_measure::clusters::whole;
 use rimline_measure::random::Random;
 use rimline_measure::shapes::{self, Shape};
 
@@ -36,6 +39,31 @@ pub(crate) fn case(random: &mut Random, index: usize) -> Case {
     }
     let lights = lights(random, &shape);
     Case { name, shape, lights }
+}
+
+/// Lights that clusters of the case are only just decided for: moved from decided to mixed by bisection.
+pub(crate) fn marginal_lights(random: &mut Random, case: &Case) -> Result<Vec<Light>, String> {
+    let mesh = case.shape.mesh().map_err(|error| error.to_string())?;
+    let found = Clusters::new(&mesh, &case.shape.positions, Threads::ONE);
+    let pick = |random: &mut Random| case.lights[random.below(case.lights.len())].to_array();
+    let is_mixed = |bound: &ClusterBound, light: [f32; 4]| whole(bound, Light::homogeneous(light)).is_none();
+    let mut marginal = Vec::new();
+    for _ in 0..6 {
+        let bound = &found.bounds()[random.below(found.bounds().len())];
+        let (mut near, mut far) = (pick(random), pick(random));
+        if is_mixed(bound, near) || !is_mixed(bound, far) {
+            continue;
+        }
+        for _ in 0..40 {
+            let middle: [f32; 4] = std::array::from_fn(|i| 0.5 * near[i] + 0.5 * far[i]);
+            if middle == [0.0; 4] {
+                break;
+            }
+            *if is_mixed(bound, middle) { &mut far } else { &mut near } = middle;
+        }
+        marginal.push(Light::homogeneous(near));
+    }
+    Ok(marginal)
 }
 
 fn smooth(random: &mut Random) -> Shape {

@@ -3,21 +3,22 @@
 use std::collections::BTreeMap;
 
 use rimline::mesh::{EdgeKind, INCONSISTENT_BIT, NO_FACE};
-use rimline::reference::clusters::{Arranged, CLUSTER_FACES, ClusterBound, Clusters, Whole, clusters};
+use rimline::reference::clusters::{Arranged, CLUSTER_FACES, ClusterBound, Clusters};
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::CHUNK;
 use rimline::{Light, Mesh, Predicate};
+use rimline_measure::clusters::whole;
 use rimline_measure::oracle::ExactFace;
 use rimline_measure::random::Random;
 use rimline_measure::shapes::{self, Shape};
 use rimline_measure::{is_long, must_fail, same};
 
-use crate::cluster_meshes::{Case, case};
+use crate::cluster_meshes::{Case, case, marginal_lights};
 
 type Outcome = Result<(), String>;
 
-/// How a cluster is decided.
-type Decide = fn(&ClusterBound, Light) -> Whole;
+/// How a cluster is decided: whether its faces face the light, if all do or none does.
+type Decide = fn(&ClusterBound, Light) -> Option<bool>;
 
 /// Faces of decided clusters, for all lights.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,10 +28,6 @@ struct Decided {
     all: usize,
 }
 
-fn decided(bound: &ClusterBound, light: Light) -> Whole {
-    clusters(bound, light.to_array())
-}
-
 /// Every face of a decided cluster has the sign that the cluster was decided to have, and no face is in the light's plane.
 fn check(shape: &Shape, lights: &[Light], decide: Decide, counts: &mut Decided) -> Outcome {
     let mesh = shape.mesh().map_err(|error| error.to_string())?;
@@ -38,12 +35,11 @@ fn check(shape: &Shape, lights: &[Light], decide: Decide, counts: &mut Decided) 
     let exact: Vec<_> = shape.faces.iter().map(|&face| ExactFace::new(&shape.positions, face)).collect();
     for (slots, bound) in found.faces().chunks(CLUSTER_FACES).zip(found.bounds()) {
         for &light in lights {
-            let whole = decide(bound, light);
             counts.all += slots.len();
-            let wanted = match whole {
-                Whole::Mixed => continue,
-                Whole::Facing => 1,
-                Whole::Averted => -1,
+            let wanted = match decide(bound, light) {
+                None => continue,
+                Some(true) => 1,
+                Some(false) => -1,
             };
             *if wanted > 0 { &mut counts.facing } else { &mut counts.averted } += slots.len();
             for &face in slots {
@@ -55,36 +51,12 @@ fn check(shape: &Shape, lights: &[Light], decide: Decide, counts: &mut Decided) 
                     None => 0,
                 };
                 if sign != wanted {
-                    return Err(format!("{whole:?} for {light:?}, but face {face} at {corners:?} has the sign {sign}"));
+                    return Err(format!("{wanted} for {light:?}, but face {face} at {corners:?} has the sign {sign}"));
                 }
             }
         }
     }
     Ok(())
-}
-
-/// Lights that clusters of the case are only just decided for: moved from decided to mixed by bisection.
-fn marginal_lights(random: &mut Random, case: &Case) -> Result<Vec<Light>, String> {
-    let mesh = case.shape.mesh().map_err(|error| error.to_string())?;
-    let found = Clusters::new(&mesh, &case.shape.positions, Threads::ONE);
-    let pick = |random: &mut Random| case.lights[random.below(case.lights.len())].to_array();
-    let mut marginal = Vec::new();
-    for _ in 0..6 {
-        let bound = &found.bounds()[random.below(found.bounds().len())];
-        let (mut near, mut far) = (pick(random), pick(random));
-        if clusters(bound, near) == Whole::Mixed || clusters(bound, far) != Whole::Mixed {
-            continue;
-        }
-        for _ in 0..40 {
-            let middle: [f32; 4] = std::array::from_fn(|i| 0.5 * near[i] + 0.5 * far[i]);
-            if middle == [0.0; 4] {
-                break;
-            }
-            *if clusters(bound, middle) == Whole::Mixed { &mut far } else { &mut near } = middle;
-        }
-        marginal.push(Light::homogeneous(near));
-    }
-    Ok(marginal)
 }
 
 /// By the names of the cases.
@@ -104,7 +76,7 @@ fn trials(seed: u64, count: usize, decide: Decide) -> Result<BTreeMap<&'static s
 fn decided_clusters_have_the_exact_signs() -> Outcome {
     let seed = 1401;
     println!("seed {seed}; pairs of face and light");
-    for (name, counts) in trials(seed, if is_long() { 20_000 } else { 400 }, decided)? {
+    for (name, counts) in trials(seed, if is_long() { 20_000 } else { 400 }, whole)? {
         println!("{name}: {counts:?}");
         // Faces thrown at random have no side in common.
         if name != "random faces" && counts.facing.min(counts.averted) * 50 < counts.all {
@@ -117,10 +89,10 @@ fn decided_clusters_have_the_exact_signs() -> Outcome {
 /// Bounds that lack a part go not unnoticed.
 #[test]
 fn bounds_without_a_part_are_noticed() -> Outcome {
-    fn without(bound: &ClusterBound, light: Light, change: fn(&mut ClusterBound)) -> Whole {
+    fn without(bound: &ClusterBound, light: Light, change: fn(&mut ClusterBound)) -> Option<bool> {
         let mut bound = *bound;
         change(&mut bound);
-        decided(&bound, light)
+        whole(&bound, light)
     }
     let changed: [(&str, Decide); 8] = [
         ("the range of x", |bound, light| without(bound, light, |bound| bound.half[0] = 0.0)),
@@ -151,11 +123,8 @@ fn decided_clusters_have_the_bits_of_facing_and_exclude_no_face() -> Outcome {
         let excluded = cpu::excluded(&shape.positions, &shape.faces, &lights);
         for (slots, bound) in found.faces().chunks(CLUSTER_FACES).zip(found.bounds()) {
             for (bit, &light) in lights.iter().enumerate() {
-                let expected = match decided(bound, light) {
-                    Whole::Mixed => continue,
-                    Whole::Facing => [1, 0],
-                    Whole::Averted => [0, 0],
-                };
+                let Some(is_facing) = whole(bound, light) else { continue };
+                let expected = [u32::from(is_facing), 0];
                 decided_pairs += slots.len();
                 for &face in slots {
                     let got = [&facing, &excluded].map(|masks| masks[face as usize] >> bit & 1);
@@ -345,16 +314,16 @@ fn bad_faces_have_no_bound() -> Outcome {
     let mesh = shape.mesh().map_err(|error| error.to_string())?;
     let missing = Clusters::new(&mesh, &[], Threads::ONE);
     let light = Light::point([3.0, 4.0, 5.0]);
-    assert!(missing.bounds().iter().all(|bound| decided(bound, light) == Whole::Mixed));
+    assert!(missing.bounds().iter().all(|bound| whole(bound, light).is_none()));
     let twice = Mesh::from_faces(3, vec![[0, 0, 1]; 300]).map_err(|error| error.to_string())?;
     let finite = Clusters::new(&twice, &[[0.0; 3], [1.0; 3], [2.0; 3]], Threads::ONE);
-    assert!(finite.bounds().iter().all(|bound| decided(bound, light) == Whole::Averted));
+    assert!(finite.bounds().iter().all(|bound| whole(bound, light) == Some(false)));
     // Such a face is excluded for every light, so its exclusion is not what averted says.
     let infinite = Clusters::new(&twice, &[[0.0; 3], [f32::INFINITY; 3], [2.0; 3]], Threads::ONE);
-    assert!(infinite.bounds().iter().all(|bound| decided(bound, light) == Whole::Mixed));
+    assert!(infinite.bounds().iter().all(|bound| whole(bound, light).is_none()));
     // Vertices of their own at one place: the light is in the plane, whatever it is.
     let collapsed = Clusters::new(&mesh, &vec![[1.0; 3]; shape.positions.len()], Threads::ONE);
-    assert!(collapsed.bounds().iter().all(|bound| decided(bound, light) == Whole::Mixed));
+    assert!(collapsed.bounds().iter().all(|bound| whole(bound, light).is_none()));
     Ok(())
 }
 
@@ -362,7 +331,7 @@ fn bad_faces_have_no_bound() -> Outcome {
 fn mixed_part(shape: &Shape, lights: &[Light]) -> Result<f64, String> {
     let mesh = shape.mesh().map_err(|error| error.to_string())?;
     let found = Clusters::new(&mesh, &shape.positions, Threads::all());
-    let is_mixed = |light: Light| found.bounds().iter().filter(move |bound| decided(bound, light) == Whole::Mixed);
+    let is_mixed = |light: Light| found.bounds().iter().filter(move |bound| whole(bound, light).is_none());
     let mixed: usize = lights.iter().map(|&light| is_mixed(light).count()).sum();
     Ok(mixed as f64 / (lights.len() * found.bounds().len()) as f64)
 }

@@ -1,4 +1,4 @@
-//! Clusters of rigid casters: every bit and every list is what it is without them, in any motion. Chunks are the goldens.
+//! Clusters of rigid casters: every bit and every list is what it is without them, in any motion.
 
 use std::sync::Arc;
 
@@ -13,7 +13,6 @@ use rimline_measure::{same, shapes};
 
 use crate::cluster_meshes::{self, Case};
 use crate::found::{Found, check_frame};
-use crate::goldens::golden;
 use crate::lists::{Listed, listed};
 use crate::random_scene::{Placed, RandomScene};
 use crate::scenes::roomy;
@@ -55,12 +54,12 @@ fn put_lights(scene: &mut RandomScene, lights: &[Light]) -> Result<(), String> {
     Ok(())
 }
 
-/// A frame against casters alone. Adds what it listed to `words`.
-fn check(gpu: &Gpu, scene: &mut RandomScene, words: &mut Vec<u32>) -> Result<Listed, String> {
+/// A frame against casters alone, and what it listed. `kept` is as in [`listed`].
+fn check(gpu: &Gpu, scene: &mut RandomScene, kept: &mut Vec<u32>) -> Result<Listed, String> {
     let frame: SceneFrame = gpu.submit(|encoder| scene.encode(encoder))?;
     let found = Found::read(gpu, &frame)?;
     check_frame(&scene.content, &frame, &found)?;
-    listed(gpu, &frame, words)
+    listed(gpu, &frame, kept)
 }
 
 /// Smooth, flat, nearly flat, huge, tiny and spoilt meshes, with lights where a bound only just decides, in planes and on
@@ -78,9 +77,9 @@ fn hostile() -> Result<(), String> {
         for _ in 0..3 {
             scene.insert(gpu)?;
         }
-        let mut words = Vec::new();
+        let mut kept = Vec::new();
         for frame in 0..4 {
-            sum.add(check(gpu, &mut scene, &mut words).map_err(what)?);
+            sum.add(check(gpu, &mut scene, &mut kept).map_err(what)?);
             if frame % 2 == 0 {
                 scene.move_lights()?;
                 scene.move_casters()?;
@@ -89,9 +88,6 @@ fn hostile() -> Result<(), String> {
                 let turned: Vec<Light> = lights.iter().cycle().skip(frame).take(lights.len()).copied().collect();
                 put_lights(&mut scene, &turned)?;
             }
-        }
-        if index < 60 {
-            golden("scene", &format!("clusters {index}"), &words)?;
         }
     }
     println!("{sum:?}");

@@ -2,12 +2,14 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use rimline::gpu::{SceneError, SceneFrame, SceneOptions};
-use rimline::reference::cpu::{self, may_be_in_cone};
+use rimline::reference::cpu;
 use rimline::reference::layout::LightCone;
+use rimline::reference::stages::NEEDS;
 use rimline::{Cone, Light, LightError, Matrix3x4};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::text;
+use rimline_measure::probe::Probe;
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, same};
 
@@ -71,11 +73,33 @@ fn box_around(random: &mut Random, place: [f32; 3], size: f32) -> [[f32; 3]; 2] 
     ends
 }
 
+/// A cone and the ends of a box.
+type Boxed = (LightCone, [[f32; 3]; 2]);
+
+/// Whether the boxes may have a point in their cones, by the WGSL. No term of their ends is larger than the ends.
+fn may_be_in_cone(gpu: &Gpu, boxes: &[Boxed]) -> Result<Vec<bool>, String> {
+    let part = |at: u32| format!("probe_inputs[4u * index + {at}u]");
+    let [apex, axis, low, high] = [0, 1, 2, 3].map(part);
+    let call = format!("may_be_in_cone(LightCone({apex}, {axis}), {low}.xyz, {high}.xyz, 0.0)");
+    let probe = Probe::new(gpu, &NEEDS.wgsl(), ("vec4<u32>", &format!("vec4<u32>(u32({call}))")), &[]);
+    let mut all = Vec::new();
+    for boxes in boxes.chunks(100_000) {
+        let four = |&(cone, ends): &Boxed| {
+            let [low, high] = ends.map(|[x, y, z]| [x, y, z, 0.0]);
+            [cone.apex, cone.axis, low, high]
+        };
+        let inputs: Vec<_> = boxes.iter().flat_map(four).collect();
+        all.extend(probe.run(gpu, &[], &inputs)?[..boxes.len()].iter().map(|found| found[0] != 0));
+    }
+    Ok(all)
+}
+
 /// A place in the cone or on its surface, at any distance and scale, and the apex itself.
 fn touching() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
     let seeds = 4601..if is_long() { 2_004_601 } else { 104_601 };
     println!("seeds {seeds:?}");
-    let mut on_surface = 0;
+    let (mut on_surface, mut boxes, mut names) = (0, Vec::new(), Vec::new());
     for seed in seeds {
         let mut random = Random::new(seed);
         let cone = random_cone(&mut random);
@@ -89,41 +113,43 @@ fn touching() -> Result<(), String> {
         let from = DVec3::from(apex.map(f64::from));
         let place = (from + distance * direction(&mut random, cone.axis, angle)).as_vec3().to_array();
         // Rounding may have moved it out.
-        let is_inside = inside(cone, from, DVec3::from(place.map(f64::from))) >= 0.0;
-        if is_inside {
+        if inside(cone, from, DVec3::from(place.map(f64::from))) >= 0.0 {
             on_surface += usize::from(angle == half_angle);
-            let [low, high] = box_around(&mut random, place, scale);
-            if !may_be_in_cone(&packed(cone, apex), low, high, 0.0) {
-                return Err(format!("seed {seed}: {cone:?} at {apex:?} has {place:?}, not {low:?} {high:?}"));
-            }
+            boxes.push((packed(cone, apex), box_around(&mut random, place, scale)));
+            names.push((seed, cone, apex, place));
         }
     }
+    let found = may_be_in_cone(gpu, &boxes)?;
+    if let Some(at) = found.iter().position(|is_kept| !is_kept) {
+        let ((seed, cone, apex, place), ends) = (names[at], boxes[at].1);
+        return Err(format!("seed {seed}: {cone:?} at {apex:?} has {place:?}, not {ends:?}"));
+    }
+    let mut cases = Vec::new();
     // Exactly on the surface: 3, 4 and 5.
     for (cosine, corner, y) in
         [(0.6_f32, [3.0_f32, 4.0, 0.0], 1.0), (-0.6, [-3.0, 4.0, 0.0], -1.0), (0.0, [0.0, 1.0, 2.0], 1.0)]
     {
         let cone = packed(Cone { axis: [1.0, 0.0, 0.0], cosine }, [0.0; 3]);
-        // Away from the cone, with the place at a corner.
+        // Away from the cone, with the place at a corner. Then beside it.
         let ends = [corner[1].min(corner[1] + y), corner[1].max(corner[1] + y)];
-        let [low, high] = [[corner[0] - 1.0, ends[0], corner[2]], [corner[0], ends[1], corner[2]]];
-        same("on the surface", &[may_be_in_cone(&cone, low, high, 0.0)], &[true])?;
-        let apart = [low, high].map(|[x, y, z]| [x - 0.01, y, z]);
-        same("beside it", &[may_be_in_cone(&cone, apart[0], apart[1], 0.0)], &[false])?;
+        let ends = [[corner[0] - 1.0, ends[0], corner[2]], [corner[0], ends[1], corner[2]]];
+        cases.extend([(cone, ends, true), (cone, ends.map(|[x, y, z]| [x - 0.01, y, z]), false)]);
     }
     // No cone, no box, and what is too large or no number.
     let down = packed(Cone { axis: [0.0, -1.0, 0.0], cosine: 0.9 }, [0.0; 3]);
     let up = [[-1.0, 2.0, -1.0], [1.0, 3.0, 1.0]];
     let none = LightCone { apex: [0.0; 4], ..down };
-    let cases = [
+    cases.extend([
         (down, up, false),
         (none, up, true),
         (down, [up[1], up[0]], true),
         (down, [up[0], [1.0, f32::NAN, 1.0]], true),
         (down, up.map(|c| c.map(|c| 1e25 * c)), true),
         (down, up.map(|c| c.map(|c| 1e-12 * c)), true),
-    ];
-    for (cone, [low, high], expected) in cases {
-        same(&format!("{low:?} {high:?}"), &[may_be_in_cone(&cone, low, high, 0.0)], &[expected])?;
+    ]);
+    let found = may_be_in_cone(gpu, &cases.iter().map(|&(cone, ends, _)| (cone, ends)).collect::<Vec<_>>())?;
+    for (&(cone, ends, expected), found) in cases.iter().zip(found) {
+        same(&format!("{cone:?} {ends:?}"), &[found], &[expected])?;
     }
     println!("{on_surface} places on surfaces");
     if on_surface < 10_000 { Err("too few on surfaces".to_owned()) } else { Ok(()) }
@@ -133,7 +159,7 @@ fn touching() -> Result<(), String> {
 fn beside() -> Result<(), String> {
     let seeds = 4701..24_701;
     println!("seeds {seeds:?}");
-    let mut count = 0;
+    let (mut boxes, mut names) = (Vec::new(), Vec::new());
     for seed in seeds {
         let mut random = Random::new(seed);
         let cone = random_cone(&mut random);
@@ -149,13 +175,14 @@ fn beside() -> Result<(), String> {
         let apex = random.direction();
         let place = DVec3::from(apex.map(f64::from)) + 3.0 * direction(&mut random, cone.axis, angle);
         let place = place.as_vec3().to_array();
-        let [low, high] = [place.map(|c| c - 0.03), place.map(|c| c + 0.03)];
-        if may_be_in_cone(&packed(cone, apex), low, high, 0.0) {
-            return Err(format!("seed {seed}: {cone:?} at {apex:?} keeps {place:?}"));
-        }
-        count += 1;
+        boxes.push((packed(cone, apex), [place.map(|c| c - 0.03), place.map(|c| c + 0.03)]));
+        names.push((seed, cone, apex, place));
     }
-    if count < 10_000 { Err(format!("{count} boxes")) } else { Ok(()) }
+    if let Some(at) = may_be_in_cone(&*Gpu::shared()?, &boxes)?.iter().position(|&is_kept| is_kept) {
+        let (seed, cone, apex, place) = names[at];
+        return Err(format!("seed {seed}: {cone:?} at {apex:?} keeps {place:?}"));
+    }
+    if boxes.len() < 10_000 { Err(format!("{} boxes", boxes.len())) } else { Ok(()) }
 }
 
 /// Whether some corner of a finite face is inside the light's cone, in `f64`.
@@ -178,6 +205,31 @@ fn certainly_in_cone(content: &Content, own: &Own, light: Light) -> bool {
             inside(cone, apex, place) > 0.0
         },
     )
+}
+
+/// Whether a ball around the box of a rigid caster is beside the light's cone, by more than rounding may move it.
+fn certainly_beside(content: &Content, own: &Own, light: Light) -> bool {
+    let (Some(cone), Placed::Rigid(rows)) = (light.cone, &own.placed) else { return false };
+    let (_, rest, mesh) = &*content.meshes[own.mesh].0;
+    let finite = mesh.faces().iter().filter(|face| face.iter().all(|&vertex| cpu::is_finite(rest[vertex as usize])));
+    let corners = finite.flatten().map(|&vertex| DVec3::from(rest[vertex as usize].map(f64::from)));
+    let (low, high) =
+        corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+    let apex = DVec3::from(light.xyz.map(f64::from)) / f64::from(light.w);
+    // The box around the box that the matrix moves, and the largest number on the way.
+    let (mut middle, mut half, mut size) = (DVec3::ZERO, DVec3::ZERO, apex.abs().max_element());
+    for axis in 0..3 {
+        let [x, y, z, by] = rows[axis].map(f64::from);
+        let row = DVec3::new(x, y, z);
+        middle[axis] = row.dot(0.5 * (low + high)) + by;
+        half[axis] = row.abs().dot(0.5 * (high - low));
+        size = size.max(row.abs().dot(low.abs().max(high.abs())) + by.abs());
+    }
+    let away = middle - apex;
+    let cosine = away.normalize().dot(DVec3::from(cone.axis.map(f64::from)).normalize());
+    let angle = cosine.clamp(-1.0, 1.0).acos() - f64::from(cone.cosine).acos();
+    let beyond = away.length() * angle.clamp(0.0, std::f64::consts::FRAC_PI_2).sin();
+    (1e-6..1e15).contains(&size) && beyond > half.length() + 1e-3 * size
 }
 
 /// The lights that matter, with changed lights, and the frame.
@@ -203,11 +255,14 @@ struct Pairs {
     /// Casters that only the cone culls.
     left_out: usize,
     kept: usize,
+    /// Words and bits of those that are left out and certainly beside the cone.
+    beside: Vec<(usize, u32)>,
     /// Words and bits of those that are kept, with a corner in the cone.
     inside: Vec<(usize, u32)>,
 }
 
-/// Casters that only the cone culls have no corner in it. No other pair changes.
+/// Casters that only the cone culls have no corner in it, and those that are certainly beside it are culled. No other pair
+/// changes.
 fn check_cones(content: &Content, frame: &SceneFrame, lit: &[u32], uncut: &[u32]) -> Result<Pairs, String> {
     let mut pairs = Pairs::default();
     if let Some(at) = (0..lit.len()).find(|&at| lit[at] & !uncut[at] != 0) {
@@ -222,9 +277,14 @@ fn check_cones(content: &Content, frame: &SceneFrame, lit: &[u32], uncut: &[u32]
                 continue;
             }
             let is_in = certainly_in_cone(content, own, *light);
+            let is_beside = certainly_beside(content, own, *light);
             match (lit[at] >> bit & 1 != 0, is_in) {
                 (false, true) => return Err(format!("caster {index} has a corner in the cone of {light:?}")),
-                (false, false) => pairs.left_out += 1,
+                (false, false) => {
+                    pairs.left_out += 1;
+                    pairs.beside.extend(is_beside.then_some((at, bit)));
+                }
+                (true, _) if is_beside => return Err(format!("caster {index} is kept beside the cone of {light:?}")),
                 (true, _) => {
                     pairs.kept += 1;
                     pairs.inside.extend(is_in.then_some((at, bit)));
@@ -237,7 +297,7 @@ fn check_cones(content: &Content, frame: &SceneFrame, lit: &[u32], uncut: &[u32]
 
 fn scenes() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let (mut left_out, mut kept, mut noticed) = (0, 0, 0);
+    let (mut left_out, mut kept, mut noticed, mut beside) = (0, 0, 0, 0);
     for seed in 4801..if is_long() { 4951 } else { 4831 } {
         println!("seed {seed}");
         let options = SceneOptions { max_lights: 40, ..Default::default() };
@@ -256,10 +316,16 @@ fn scenes() -> Result<(), String> {
             })?;
             let pairs = check_cones(&scene.content, &frame, &lit, &uncut)?;
             (left_out, kept, noticed) = (left_out + pairs.left_out, kept + pairs.kept, noticed + pairs.inside.len());
+            beside += pairs.beside.len();
             if let Some(&(at, bit)) = pairs.inside.first() {
                 let mut wrong = lit.clone();
                 wrong[at] &= !(1 << bit);
                 must_fail("a light that is left out", &check_cones(&scene.content, &frame, &wrong, &uncut).map(drop))?;
+            }
+            if let Some(&(at, bit)) = pairs.beside.first() {
+                let mut wrong = lit.clone();
+                wrong[at] |= 1 << bit;
+                must_fail("a caster that is kept", &check_cones(&scene.content, &frame, &wrong, &uncut).map(drop))?;
             }
         }
         let refused =
@@ -267,6 +333,8 @@ fn scenes() -> Result<(), String> {
         let error = LightError::Cone { index: 0, axis: [0.0; 3], cosine: 0.5 };
         same("a cone without an axis", &[refused], &[Some(SceneError::Light(error))])?;
     }
-    println!("{left_out} pairs left out by cones, {noticed} of {kept} others with a corner inside");
-    if left_out < 500 || noticed < 500 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+    println!(
+        "{left_out} pairs left out by cones, {beside} certainly beside; {noticed} of {kept} others with a corner inside"
+    );
+    if beside < 500 || noticed < 500 { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }

@@ -1,6 +1,9 @@
 //! Scenes of many casters on the GPU. Without an adapter these tests fail; they are never passed over.
 
 mod closure;
+#[path = "../extract/rounding/cluster_cases.rs"]
+mod cluster_cases;
+mod cluster_decisions;
 #[path = "../mesh/cluster_meshes.rs"]
 mod cluster_meshes;
 mod clusters;
@@ -9,14 +12,14 @@ mod crowd;
 mod exact;
 mod found;
 mod frames;
-#[path = "../common/goldens.rs"]
-mod goldens;
 mod hidden;
 mod histories;
 mod kept;
 mod lists;
 mod needs;
 mod occluded;
+#[path = "../extract/rounding/pairs.rs"]
+mod pairs;
 mod random_scene;
 mod refusals;
 mod scenes;
@@ -30,6 +33,7 @@ fn main() {
         scenes::TESTS,
         closure::TESTS,
         clusters::TESTS,
+        cluster_decisions::TESTS,
         exact::TESTS,
         stages::TESTS,
         frames::TESTS,
@@ -41,7 +45,6 @@ fn main() {
         cones::TESTS,
         refusals::TESTS,
         zero::TESTS,
-        goldens::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

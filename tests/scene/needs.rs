@@ -1,4 +1,4 @@
-//! Figures that a frame does not need: they are not deformed, nothing is computed of them, and nothing shows it.
+//! Stage `needs`: figures that a frame does not need: they are not deformed, nothing is computed of them, and nothing shows it.
 
 use glam::{DVec3, DVec4};
 use rimline::gpu::{DeformError, LightMask, SceneError, SceneFrame, SceneNeeds, SceneOptions, SceneStatistics};
@@ -8,7 +8,7 @@ use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::text;
 use rimline_measure::random::Random;
-use rimline_measure::{is_long, same};
+use rimline_measure::{is_long, must_fail, same};
 
 use crate::crowd::{Crowd, Figure, Stage, camera, lights, place, sees, walk};
 use crate::histories::{Volumes, buffers, volumes};
@@ -110,6 +110,9 @@ fn most_views() -> Result<(), String> {
         }
         let expected = if views > most { vec![0; of_one.len()] } else { of_one.clone() };
         same(&format!("{views} views"), &found, &expected)?;
+        let mut other = found;
+        other[views % 60] ^= 1;
+        must_fail("another figure", &same(&format!("{views} views"), &other, &expected))?;
     }
     let unneeded = of_one.iter().filter(|&&word| word != 0).count();
     println!("{most} views, {unneeded} of {} figures not needed", of_one.len());

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use rimline::gpu::{Receivers, ReceiversError, Scene, SceneError, SceneOptions, ShadowOptions};
+use rimline::reference::shadow::CAST_NOTHING;
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::text;
@@ -44,6 +45,15 @@ fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool
     other[at] ^= 1;
     must_fail("one count", &same(&what, &other, &expected_seen))?;
     same("hidden without receivers", &[expected.statistics[0].hidden], &[0])?;
+    // Each pair of caster and light is as without receivers, or casts nothing, and then it is counted.
+    let casting = |counted: &Counted| counted.chosen.concat().iter().map(|light| light.casting).collect::<Vec<_>>();
+    let (found_casting, expected_casting) = (casting(&found), casting(&expected));
+    let pairs = || found_casting.iter().zip(&expected_casting);
+    if let Some((found, expected)) = pairs().find(|(found, expected)| found != expected && **found != CAST_NOTHING) {
+        return Err(format!("{what}: a caster casts by {found}, without receivers by {expected}"));
+    }
+    let hidden = pairs().filter(|(found, expected)| found != expected).count();
+    same(&format!("{what}: hidden"), &[found.statistics[0].hidden as usize], &[hidden])?;
     Ok(found.statistics[0].hidden)
 }
 
@@ -120,6 +130,11 @@ fn walls() -> Result<(), String> {
         hidden += check(&traced, &renderer, counting, false)?;
         let renderer = Renderer { receivers: Some(false), ..renderer };
         traced.check(&renderer, counting, true)?;
+        if seed == 5001 {
+            let other = Traced::of(behind_walls(&mut Random::new(seed + 1)), seed);
+            let other = Traced { truths: other.truths, ..traced };
+            must_fail("the rays of another frame", &other.check(&renderer, counting, true))?;
+        }
     }
     println!("{hidden} of some {} pairs hidden", 9 * frames);
     if 4 * hidden < 9 * frames as u32 { Err("too few".to_owned()) } else { Ok(()) }

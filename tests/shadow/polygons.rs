@@ -1,4 +1,5 @@
 //! Shadows of polygons, twisted ones among them, against the parity of their triangles between light and receivers.
+//! Pieces of twisted ones are drawn by `piece_arguments` and `pieces`.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,5 @@
-//! The pyramid of the farthest receivers, against goldens and against places that are seen.
+//! The pyramid of the farthest receivers that `receiver_depth` and `receiver_pyramid` make, against the depths that are drawn and
+//! places that are seen.
 
 use glam::{DMat4, DVec3, DVec4};
 use rimline::gpu::{Receivers, Scene, SceneOptions};
@@ -12,7 +13,6 @@ use rimline_measure::pipelines::{self, Drawing};
 use rimline_measure::random::Random;
 use rimline_measure::{must_fail, same, shapes};
 
-use crate::goldens::golden;
 use crate::scene::Eye;
 use crate::trials::Test;
 
@@ -121,7 +121,36 @@ fn eye(random: &mut Random, number: usize) -> Eye {
     Eye { place, forward, near: 0.1, is_relative: random.below(5) > 0, depth, far, half_width }
 }
 
-/// The farthest place of each tile that is no sky must be in the box, and its key at least what it says at every level.
+/// The farthest of `by` times `by` cells, in rows of so many cells.
+fn farthest(cells: &[u32], [width, height]: [u32; 2], by: u32) -> (Vec<u32>, [u32; 2]) {
+    let size = [width.div_ceil(by), height.div_ceil(by)];
+    let mut keys = vec![0; (size[0] * size[1]) as usize];
+    for (at, &key) in (0..).zip(cells) {
+        let own = &mut keys[(at / width / by * size[0] + at % width / by) as usize];
+        *own = key.max(*own);
+    }
+    (keys, size)
+}
+
+/// The farthest receiver of each tile of 8 × 8 pixels, then of each four, up to one, and the sizes of the levels. Keys grow with
+/// the distance, and are 0 for none.
+fn levels(view: &ReceiverView, depths: &[f32], samples: u32) -> (Vec<u32>, [u32; 2]) {
+    let key = |depth: &f32| match depth.to_bits() {
+        _ if *depth == 1.0 - view.near_z && view.sky_receives == 0 => 0,
+        bits if view.near_z == 0.0 => bits + 1,
+        bits => 0x4000_0000 - bits,
+    };
+    let of_pixels = depths.chunks(samples as usize).map(|depths| depths.iter().map(key).max().unwrap_or(0));
+    let (mut keys, mut size) = farthest(&of_pixels.collect::<Vec<_>>(), view.pixels, 8);
+    let (mut all, tiles) = (keys.clone(), size);
+    while keys.len() > 1 {
+        (keys, size) = farthest(&keys, size, 2);
+        all.extend(&keys);
+    }
+    (all, tiles)
+}
+
+/// Each place that is no sky must be in the box.
 fn check_places(
     camera: &ShadowCamera,
     view: &ReceiverView,
@@ -157,7 +186,7 @@ fn check_places(
 /// Words before the levels.
 const HEAD: usize = 16;
 
-/// Keys of tiles and levels are the goldens, and the box has all places that are seen.
+/// Keys of tiles and levels are those of the depths, and the box has all places that are seen.
 fn pyramid() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let seed = 6001;
@@ -204,9 +233,14 @@ fn pyramid() -> Result<(), String> {
             at: 0,
             reserved: 0,
         };
-        // Without the box, whose divisions round as the device does.
-        let keys = |words: &[u32]| [&words[..6], &words[HEAD..]].concat();
-        golden("shadow", &format!("receivers {number}"), &keys(&found))?;
+        let (keys, [across, down]) = levels(&view, &depths, samples);
+        let farthest = *keys.last().ok_or("no level")?;
+        same("sizes and the farthest", &found[..5], &[across, down, pixels[0], pixels[1], farthest])?;
+        same(&format!("levels of {pixels:?}"), &found[HEAD..][..keys.len()], &keys)?;
+        let nearer: Vec<f32> = depths.iter().map(|depth| 0.5 * depth + 0.5 * near_z).collect();
+        if farthest > 1 {
+            must_fail("nearer depths", &same("levels", &levels(&view, &nearer, samples).0, &keys))?;
+        }
         check_places(&camera, &view, &found, &depths, samples)?;
         if found[5] == 0 {
             endless += 1;
@@ -243,8 +277,9 @@ fn filled(gpu: &Gpu, seed: u64) -> Result<Scene, String> {
     Ok(scene)
 }
 
-/// Choices for each caster, light and view; the draws; and the numbers of cached lists and of volumes culled by receivers.
-type Chosen = (Vec<u32>, Vec<u32>, [u32; 2]);
+/// Choices for each caster, light and view; the draws; and the numbers of cached lists, of volumes culled by receivers, and of those
+/// that end.
+type Chosen = (Vec<u32>, Vec<u32>, [u32; 3]);
 
 fn chosen(
     gpu: &Gpu,
@@ -260,7 +295,7 @@ fn chosen(
     let draws: Vec<u32> = gpu.read(&results.shadow_draws[0], usize::MAX)?;
     let statistics = frame.shadow_statistics().ok_or("no view")?;
     let statistics = gpu.read::<rimline::gpu::ShadowStatistics>(statistics, 1)?[0];
-    Ok((words, draws, [statistics.kept_lists, statistics.hidden]))
+    Ok((words, draws, [statistics.kept_lists, statistics.hidden, statistics.ended]))
 }
 
 /// Lists stay cached while camera and version stay the same. Choices always equal those of a new scene.
@@ -296,11 +331,12 @@ fn versions() -> Result<(), String> {
             let camera = eyes[view].camera();
             let version = is_known.then_some(picture as u64);
             let receivers = Receivers { depth: &depths[picture], sky_receives, version };
-            let (words, draws, [lists, volumes]) = chosen(gpu, &mut scene, camera, Some(receivers))?;
-            let (expected, of_new, _) = chosen(gpu, &mut filled(gpu, seed)?, camera, Some(receivers))?;
+            let (words, draws, [lists, volumes, ends]) = chosen(gpu, &mut scene, camera, Some(receivers))?;
+            let (expected, of_new, [.., ends_of_new]) = chosen(gpu, &mut filled(gpu, seed)?, camera, Some(receivers))?;
             let what = format!("{now:?} after {last:?}");
             same(&format!("{what}: choices"), &words, &expected)?;
             same(&format!("{what}: draws"), &draws, &of_new)?;
+            same(&format!("{what}: volumes that end"), &[ends], &[ends_of_new])?;
             let is_kept = is_known && last == Some(now);
             same(&format!("{what}: lists kept"), &[lists], &[if is_kept { 4 } else { 0 }])?;
             *(if is_kept { &mut kept } else { &mut made }) += 1;

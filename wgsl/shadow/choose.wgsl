@@ -129,7 +129,7 @@ fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec
   return light;
 }
 
-// Counts the choices of an earlier encode, which stay. `ended` has here also volumes that end only behind all receivers.
+// Counts the choices of an earlier encode, which stay.
 fn count_kept(at: u32, bit: u32, measures: u32) {
   if ((atomicLoad(&choices[at + CASTS]) & bit) == 0u) {
     atomicAdd(&shadow_statistics.skipped, 1u);
@@ -189,11 +189,11 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
     atomicAdd(&shadow_statistics.skipped, 1u);
     return;
   }
-  if (light.end > 0.0) {
-    atomicAdd(&shadow_statistics.ended, 1u);
-  }
   if (receivers_at != 0u && (light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL)) {
     light.end = max(light.end, end_behind(view, light, scale, own.low, own.high, receivers_at));
+  }
+  if (light.end > 0.0) {
+    atomicAdd(&shadow_statistics.ended, 1u);
   }
   atomicOr(&choices[at + CASTS], bit);
   if (light.casting == CAST_EVERY) {

@@ -13,8 +13,7 @@ struct ShadowStatistics {
   capped: atomic<u32>, // Lights with a near cap.
   overflowed_caps: atomic<u32>, // Lights with a list of cap faces that overflowed.
   overflowed_sides: atomic<u32>, // Lights with a list of sides that overflowed.
-  // Pairs whose volume ends at the light's range; of choices that were kept also those that end behind all receivers.
-  ended: atomic<u32>,
+  ended: atomic<u32>, // Pairs whose volume ends, at the light's range or behind all receivers.
   // An upper bound of all stencil counts, for any light, and the lights whose bound exceeds 8 bits. 0 unless asked for.
   count_bound: atomic<u32>,
   may_wrap: atomic<u32>,

@@ -8,13 +8,15 @@
 //! * [`poser`]: where a posed model's vertices are, in `f64`, from the glTF 2.0 specification;
 //! * [`rays`]: triangles and rays in `f64`;
 //! * [`slivers`]: whether a driver rasterises triangles that leave the picture rightly;
-//! * [`pipelines`], [`dispatch`]: short ways to pipelines; [`turns`]: how many turns the loops of a shader have;
+//! * [`clusters`]: what the bound of a cluster decides, in `f64`;
+//! * [`pipelines`], [`dispatch`]: short ways to pipelines; [`probe`]: functions of shaders, called; [`turns`]: how many turns the loops of a shader have;
 //! * [`device`], `harness`: the device that GPU tests run on, and how they are run.
 #![allow(clippy::missing_errors_doc, clippy::missing_panics_doc, reason = "comparators fail and panic by design")]
 #![allow(missing_docs, reason = "fields of fixtures say by their names what they are")]
 
 pub mod band;
 pub mod cases;
+pub mod clusters;
 pub mod device;
 pub mod dispatch;
 pub mod error_metrics;
@@ -29,6 +31,7 @@ pub mod polygon_oracle;
 pub mod polygons;
 pub mod poser;
 pub mod predicates;
+pub mod probe;
 pub mod random;
 pub mod rays;
 pub mod scenes;

@@ -25,6 +25,11 @@ pub struct DepthMap<'a> {
     /// needs no threshold, and finds contacts such as a foot on the ground. It is a view of one layer of a texture of `R32Uint`
     /// with one mip level and usage `TEXTURE_BINDING`, which has the map's size. Numbers where the map is far do not matter.
     /// [`DepthMapMethod::EveryCell`] has all edges already.
+    ///
+    /// With objects as the only detector ([`DepthMapMethod::Differences`] with a `threshold` of 1) take a
+    /// [`slope_bias`](DepthMapOptions::slope_bias) of 0. Steep sides of objects are left out then, and moved by its slope the
+    /// boundary would leave the object behind, so that rays pass through the gap. Shadows of an object onto itself are missed, and
+    /// turn light and shadow round along rays through the gaps.
     pub objects: Option<&'a wgpu::TextureView>,
 }
 

@@ -12,15 +12,15 @@ use crate::cpu::Threads;
 pub const WIDENING: f64 = 14.0 / 8_388_608.0;
 
 /// Kinds of clusters, by the decisions that their bounds allow.
-pub(crate) mod cluster_kinds {
+mod cluster_kinds {
     /// Nothing. A face has no bound.
-    pub(crate) const MIXED: u32 = 0;
+    pub(super) const MIXED: u32 = 0;
     /// All faces face a light, or none does.
-    pub(crate) const BOUNDED: u32 = 1;
+    pub(super) const BOUNDED: u32 = 1;
     /// No face faces a light. Some faces name a vertex twice.
-    pub(crate) const AT_MOST_AVERTED: u32 = 2;
+    pub(super) const AT_MOST_AVERTED: u32 = 2;
     /// Every light is averted: all faces name a vertex twice.
-    pub(crate) const AVERTED: u32 = 3;
+    pub(super) const AVERTED: u32 = 3;
 }
 
 /// The bound of a cluster: 48 bytes.

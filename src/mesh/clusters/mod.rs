@@ -17,8 +17,6 @@ pub use arranged::Spared;
 pub use bound::ClusterBound;
 #[cfg(feature = "reference")]
 pub use bound::WIDENING;
-#[cfg(feature = "reference")]
-pub(crate) use bound::cluster_kinds;
 pub use edges::EdgeOrder;
 #[cfg(feature = "reference")]
 pub use plane::LARGE;

@@ -1,17 +1,19 @@
 //! The decision of clusters in any arithmetic that WGSL allows: no face of a decided cluster has another sign.
 //! docs/numerics/clusters.md.
 
-use rimline::reference::clusters::{ClusterBound, Clusters, LEAST, PRODUCT, WIDENING, height_and_spread};
-use rimline::reference::cpu::Threads;
+use rimline::Light;
+use rimline::reference::clusters::{ClusterBound, WIDENING};
 use rimline::reference::layout::LightBatch;
-use rimline::{Light, Mesh};
+use rimline::reference::stages::CLUSTERS;
 use rimline_measure::band::{facing_bound, gamma};
+use rimline_measure::clusters::{LEAST, PRODUCT, height_and_spread};
 use rimline_measure::oracle::ExactFace;
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail};
 
-use super::pairs;
+use super::cluster_cases::{Bounded, bounded};
 use super::rounding_models::RoundingModels;
+use super::wgsl_constant;
 
 type Outcome = Result<(), String>;
 
@@ -28,7 +30,7 @@ struct Terms {
 
 const OWN: Terms = Terms { widening: 1.0, product: PRODUCT, least: LEAST, tiny_w: true };
 
-/// The height and the spread of `src/cpu/scene/clusters.rs`, in some arithmetic.
+/// The height and the spread of `wgsl/scene/clusters.wgsl`, in some arithmetic.
 fn modelled(with: &mut RoundingModels, bound: &ClusterBound, light: Light, terms: Terms) -> [f32; 2] {
     let batch = LightBatch::new(&[light], 0, 3);
     let ([x, y, z, w], mut inexact_w) = (batch.lights[0], batch.inexact_w[0][0]);
@@ -58,58 +60,6 @@ fn modelled(with: &mut RoundingModels, bound: &ClusterBound, light: Light, terms
     [height, spread]
 }
 
-/// A face across an axis, so far away that even a tiny w counts, and a light along its plane.
-fn far_away(random: &mut Random) -> pairs::Pair {
-    let scale = random.between(30.0, 118.0).exp2();
-    let axis = random.below(3);
-    let level = scale * random.between(-1.0, 1.0);
-    let corners = [(); 3].map(|()| {
-        let mut corner = random.direction().map(|c| c * scale);
-        corner[axis] = level;
-        corner
-    });
-    let w = random.between(-149.0, -58.0).exp2() * [1.0, random.between(1.0, 2.0), -1.0][random.below(3)];
-    let mut light = random.direction();
-    light[axis] *= [0.0, w * level, random.between(-1e-5, 1e-5), 1.0][random.below(4)];
-    let [x, y, z] = light;
-    (corners, Light::homogeneous([x, y, z, w]))
-}
-
-/// A face so long and thin that `f64` loses its normal, and a light around it. The sides are whole numbers.
-fn needle(random: &mut Random) -> pairs::Pair {
-    let mut lattice = |most: usize| [(); 3].map(|()| random.below(2 * most + 1) as f32 - most as f32);
-    let (fine, side) = (lattice(7), lattice(7));
-    let (small, long) = (random.between(-20.0, -10.0).floor().exp2(), random.between(20.0, 60.0).floor().exp2());
-    let a = fine.map(|c| c * small);
-    let b = std::array::from_fn(|i| a[i] + side[i]);
-    let light = random.direction().map(|c| c * random.between(-3.0, 60.0).exp2());
-    ([a, b, side.map(|c| c * long)], Light::point(light))
-}
-
-/// One to three faces that hardly differ, and a light.
-fn case(random: &mut Random) -> (Vec<[[f32; 3]; 3]>, Light) {
-    let (corners, mut light) = match random.below(10) {
-        0 | 1 => far_away(random),
-        2 => needle(random),
-        _ => pairs::any(random),
-    };
-    let mut faces = vec![corners];
-    for _ in 0..random.below(3) {
-        let mut corners = corners;
-        let coordinate = &mut corners[random.below(3)][random.below(3)];
-        *coordinate = if random.below(2) == 0 { coordinate.next_up() } else { coordinate.next_down() };
-        faces.push(corners);
-    }
-    // So small that results are flushed.
-    if random.below(5) == 0 {
-        let largest = corners.as_flattened().iter().chain(&light.xyz).fold(0.0_f32, |most, c| most.max(c.abs()));
-        let by = (random.between(-124.0, -100.0) - largest.log2()).floor().exp2();
-        faces.iter_mut().flatten().flatten().for_each(|c| *c *= by);
-        light.xyz = light.xyz.map(|c| c * by);
-    }
-    (faces, light)
-}
-
 /// Results of trials of the decision.
 #[derive(Clone, Copy, Debug, Default)]
 struct Trials {
@@ -117,7 +67,7 @@ struct Trials {
     decided: usize,
     /// Decided, and not the exact sign of some face.
     wrong: usize,
-    /// Clusters of one face whose height or spread differs from the twin's by more than rounding and underflow.
+    /// Clusters of one face whose height or spread differs from that in `f64` by more than rounding and underflow.
     apart: usize,
     /// The largest distance of a face's height from that of its cluster beside the spread, where a cluster has one face.
     largest_error: f64,
@@ -128,31 +78,24 @@ fn trials(seed: u64, rounds: usize, terms: Terms) -> Result<Trials, String> {
     let mut with = RoundingModels::new(seed + 1);
     let mut trials = Trials::default();
     for _ in 0..rounds {
-        let (corners, light) = case(&mut random);
-        if light.to_array() == [0.0; 4] {
-            continue;
-        }
-        let positions = corners.concat();
-        let faces: Vec<_> = (0..corners.len() as u32).map(|face| [0, 1, 2].map(|corner| 3 * face + corner)).collect();
-        let mesh = Mesh::from_faces(positions.len(), faces.clone()).map_err(|error| error.to_string())?;
-        let found = Clusters::new(&mesh, &positions, Threads::ONE);
-        let Some(bound) = found.bounds().first().filter(|bound| bound.kind == 1) else { continue };
+        let Some(Bounded { faces, light, bound }) = bounded(&mut random)? else { continue };
         trials.bounded += 1;
         with.change();
-        let twin = height_and_spread(bound, light.to_array());
-        let [height, spread] = modelled(&mut with, bound, light, terms);
+        let [height, spread] = modelled(&mut with, &bound, light, terms);
         // With one face the halves are so small that rounding t does not show in the spread.
-        trials.apart += usize::from(faces.len() == 1 && is_apart([height, spread], twin));
+        let exact = height_and_spread(&bound, light);
+        trials.apart += usize::from(faces.len() == 1 && is_apart([height, spread].map(f64::from), exact));
         let is_decided = height.abs() > spread;
         trials.decided += usize::from(is_decided);
         let mut is_wrong = false;
-        for (&face, corners) in faces.iter().zip(corners) {
-            let exact = ExactFace::new(&positions, face).ok_or("no face")?;
+        let is_single = faces.len() == 1;
+        for corners in faces {
+            let exact = ExactFace::new(&corners, [0, 1, 2]).ok_or("no face")?;
             is_wrong |= is_decided && exact.sign(light) != if height > 0.0 { 1 } else { -1 };
             // Exact to 2⁻²⁹ of the light's distance, since the normal is at least 2⁻²⁰ of its terms.
             let height_of_face = facing_bound(corners, light).0 / largest_normal(corners);
             let error = (f64::from(height) - height_of_face).abs() / f64::from(spread);
-            if faces.len() == 1 {
+            if is_single {
                 trials.largest_error = trials.largest_error.max(error);
             }
         }
@@ -162,8 +105,7 @@ fn trials(seed: u64, rounds: usize, terms: Terms) -> Result<Trials, String> {
 }
 
 /// Whether a height and a spread differ by more than rounding and underflow.
-fn is_apart(one: [f32; 2], other: [f32; 2]) -> bool {
-    let [[height, spread], [other_height, other_spread]] = [one, other].map(|pair| pair.map(f64::from));
+fn is_apart([height, spread]: [f64; 2], [other_height, other_spread]: [f64; 2]) -> bool {
     let least = 64.0 * f64::from(f32::MIN_POSITIVE);
     (height - other_height).abs() > spread.max(other_spread)
         || (spread - other_spread).abs() > 1e-5 * spread.max(other_spread) + least
@@ -184,7 +126,7 @@ fn holds(seed: u64, rounds: usize, terms: Terms) -> Outcome {
         return Err(format!("{trials:?}: neither side is tried enough"));
     }
     if apart != 0 {
-        return Err(format!("{apart} heights or spreads are not the twin's"));
+        return Err(format!("{apart} heights or spreads are not those in f64"));
     }
     if wrong != 0 || largest_error > 1.0 {
         return Err(format!("{wrong} wrong, the largest error is {largest_error} of the spread"));
@@ -208,9 +150,10 @@ fn clusters_are_decided_rightly_for_any_rounding() -> Outcome {
     must_fail("a tenth of the widening", &holds(seed, rounds, Terms { widening: 0.1, ..OWN }))
 }
 
-/// The constants are what the derivation asks for, and no more than a quarter above it.
+/// The constants are what the derivation asks for, and no more than a quarter above it. The shader has them.
 #[test]
 fn the_constants_of_clusters_are_those_of_the_derivation() {
+    assert_eq!(["PRODUCT", "LEAST"].map(|name| wgsl_constant(&CLUSTERS, name)), [Some(PRODUCT), Some(LEAST)]);
     let u = 2.0_f64.powi(-23);
     // A plane in f32 and f64, as a part of the largest component: rounding to f32, and what f64 loses.
     let plane = u / 4.0 + 2.0_f64.powi(-29);

@@ -2,6 +2,7 @@
 //! zero, at random or against the result, subnormals flushed or not, products fused or not, sums in any order.
 
 mod boxes;
+mod cluster_cases;
 mod clusters;
 mod pairs;
 mod rounding_models;

@@ -113,7 +113,7 @@ impl RoundingModels {
         }
     }
 
-    /// The determinant of the facing stage, `wgsl/facing.wgsl`; the light scaled as there.
+    /// The determinant of the facing stage, `wgsl/extract/facing.wgsl`; the light scaled as there.
     pub(crate) fn determinant(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light) -> f32 {
         let [x, y, z, w] = LightBatch::new(&[light], 0, 3).lights[0];
         let l = [x, y, z];
@@ -161,7 +161,7 @@ impl RoundingModels {
         self.product_sum(x, y, 0.0, 1.0)
     }
 
-    /// One bound for all lights, here of this one: `wgsl/filter.wgsl`, `face_bound`. `relative` is 10u there.
+    /// One bound for all lights, here of this one: `wgsl/common/determinant.wgsl`, `face_bound`. `relative` is 10u there.
     pub(crate) fn face_bound(&mut self, corners: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
         self.as_bound(|with| with.face_bound_so_rounded(corners, light, relative))
     }
@@ -185,7 +185,7 @@ impl RoundingModels {
         self.product_sum(least, far, size, 1.0)
     }
 
-    /// A light's own bound: `wgsl/exact_facing.wgsl`, `filter_lights`, whose own underflow term is no smaller.
+    /// A light's own bound: `wgsl/extract/exact_facing.wgsl`, `filter_lights`, whose own underflow term is no smaller.
     pub(crate) fn light_bound(&mut self, corners: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
         self.as_bound(|with| with.light_bound_so_rounded(corners, light, relative))
     }

@@ -1,5 +1,5 @@
 //! Small files that once came out wrong. Each kind has tests on models of our own elsewhere, so these run if long trials are
-//! wanted.
+//! wanted, and are listed as ignored otherwise.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -9,20 +9,17 @@ use libtest_mimic::Trial;
 
 use super::draw::png;
 use super::npz_polygons::words;
-use super::run::{Folder, folder, is_long, on_case};
+use super::run::{Folder, folder, on_long_case};
 use super::shadow::apart;
 use super::{Outcome, ensure};
 
 pub(crate) fn trials() -> Vec<Trial> {
-    if !is_long() {
-        return Vec::new();
-    }
     vec![
-        on_case("cases::a_twisted_bar", "m2_screw.obj", screw),
-        on_case("cases::faces_twice", "f6b_dup_flipped.glb", twice),
-        on_case("cases::no_false_warning", "g1_leaky.glb", few_layers),
-        on_case("cases::no_false_warning", "g3_shade.glb", few_layers),
-        on_case("cases::many_layers", "g7_louvres.glb", many_layers),
+        on_long_case("cases::a_twisted_bar", "m2_screw.obj", screw),
+        on_long_case("cases::faces_twice", "f6b_dup_flipped.glb", twice),
+        on_long_case("cases::no_false_warning", "g1_leaky.glb", few_layers),
+        on_long_case("cases::no_false_warning", "g3_shade.glb", few_layers),
+        on_long_case("cases::many_layers", "g7_louvres.glb", many_layers),
     ]
 }
 

@@ -155,6 +155,12 @@ pub(crate) fn on_case(name: &str, file: &'static str, test: fn(&Path) -> Outcome
     Trial::test(format!("{name}::{file}"), run).with_ignored_flag(is_missing)
 }
 
+/// The same, ignored but in long runs.
+pub(crate) fn on_long_case(name: &str, file: &'static str, test: fn(&Path) -> Outcome) -> Trial {
+    let trial = on_case(name, file, test);
+    if is_long() { trial } else { trial.with_ignored_flag(true) }
+}
+
 /// A test on a model file, ignored where there are none.
 pub(crate) fn on_asset(name: &str, file: &'static str, test: fn(&Path) -> Outcome) -> Trial {
     let assets = assets();

@@ -7,7 +7,7 @@ use rimline_measure::random::Random;
 use serde_json::Value;
 
 use super::draw::{is_ink, is_orange, png};
-use super::run::{folder, is_long, on_case, run, write_file};
+use super::run::{folder, on_case, on_long_case, run, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -20,9 +20,8 @@ pub(crate) const TESTS: &[Test] = &[
 
 /// The same on the shared cases.
 pub(crate) fn trials() -> Vec<libtest_mimic::Trial> {
-    let file = |file| on_case("seams::cases", file, |file| closes(file, &file.to_string_lossy(), true));
-    let torus = is_long().then(|| file("h_torus.glb"));
-    torus.into_iter().chain([file("h_cylinder.glb")]).collect()
+    let is_closed = |file: &Path| closes(file, &file.to_string_lossy(), true);
+    vec![on_long_case("seams::cases", "h_torus.glb", is_closed), on_case("seams::cases", "h_cylinder.glb", is_closed)]
 }
 
 /// Rings of a profile turned about the y axis, by the angles that a full turn ends with: the last ring is the first but for

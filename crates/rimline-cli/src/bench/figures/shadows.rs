@@ -100,7 +100,7 @@ fn time_against_error(results: &ShadowResults) -> Figure {
              by rays in double precision, more than a pixel from the shadow's edge; of {} pixels. Where the camera stands \
              in the shadow z-pass is wrong nearly everywhere. The one pixel in a few frames that is wrong by every method \
              alike has an edge within the rasteriser's grid of its centre \
-             (docs/numerics/rasterisers.md, Hairlines).",
+             (docs/numerics/rasterisers.md of the repository, Hairlines).",
             grouped((results.size * results.size) as usize)
         ),
         chart: Some(chart),

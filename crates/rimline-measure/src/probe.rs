@@ -1,17 +1,17 @@
-//! Vertex stages of depth maps, called by a compute shader that writes down what they return.
+//! Functions of a stage's WGSL, called by a compute shader that writes down what they return.
 
-use rimline_measure::device::Gpu;
+use crate::device::Gpu;
 
 /// A module whose entry points are made functions, and a compute shader that evaluates an expression of `input`, a `vec4<f32>`,
 /// and of `index`.
-pub(crate) struct Probe {
+pub struct Probe {
     pipeline: wgpu::ComputePipeline,
     layouts: [wgpu::BindGroupLayout; 2],
 }
 
 /// Resource bound in group 0.
 #[derive(Clone, Copy)]
-pub(crate) enum Bound<'a> {
+pub enum Bound<'a> {
     Uniform(&'a wgpu::Buffer),
     Storage(&'a wgpu::Buffer),
     Floats(&'a wgpu::TextureView),
@@ -48,7 +48,7 @@ fn layout_entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEnt
 
 impl Probe {
     /// `result` is a type of four words. `bound` is of the kinds that [`Self::run`] will get.
-    pub(crate) fn new(gpu: &Gpu, source: &str, (result, expression): (&str, &str), bound: &[(u32, Bound<'_>)]) -> Self {
+    pub fn new(gpu: &Gpu, source: &str, (result, expression): (&str, &str), bound: &[(u32, Bound<'_>)]) -> Self {
         let mut source = source.to_owned();
         for (from, to) in [
             ("@vertex\n", ""),
@@ -107,13 +107,8 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
         Self { pipeline, layouts }
     }
 
-    /// Four words for each input.
-    pub(crate) fn run(
-        &self,
-        gpu: &Gpu,
-        bound: &[(u32, Bound<'_>)],
-        inputs: &[[f32; 4]],
-    ) -> Result<Vec<[u32; 4]>, String> {
+    /// Four words for each input. There are at most 65,535 times 64 of them.
+    pub fn run(&self, gpu: &Gpu, bound: &[(u32, Bound<'_>)], inputs: &[[f32; 4]]) -> Result<Vec<[u32; 4]>, String> {
         let (given, found) = (gpu.storage(inputs), gpu.storage(&vec![[0_u32; 4]; inputs.len()]));
         let group = |layout: &wgpu::BindGroupLayout, bound: &[(u32, Bound<'_>)]| {
             let entries: Vec<_> = bound

@@ -1,0 +1,157 @@
+//! The decision of the stage `clusters`, called alone: no face of a decided cluster has another exact sign, and what `f64`
+//! decides by more than rounding is decided. docs/numerics/clusters.md, "Bound on planes".
+
+use rimline::Light;
+use rimline::reference::clusters::{CLUSTER_FACES, ClusterBound, Clusters};
+use rimline::reference::cpu::{self, Threads};
+use rimline::reference::layout::LightBatch;
+use rimline::reference::stages::CLUSTERS;
+use rimline_measure::clusters::height_and_spread;
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::oracle::ExactFace;
+use rimline_measure::probe::{Bound, Probe};
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail};
+
+use crate::cluster_cases::{Bounded, bounded};
+use crate::cluster_meshes::{case, marginal_lights};
+
+pub(crate) const TESTS: &[Test] =
+    &[("decisions_hang_on_no_rounding", rounding), ("decisions_on_meshes_are_exact_signs", meshes)];
+
+/// A bound, a light, and the exact signs of the cluster's faces: whether all are 1, whether all are -1.
+struct Pair {
+    bound: ClusterBound,
+    light: Light,
+    are_all: [bool; 2],
+}
+
+/// Whether the shader decides that the faces face the light, and that they do not, for each pair.
+fn decisions(gpu: &Gpu, pairs: &[Pair]) -> Result<Vec<[bool; 2]>, String> {
+    // A light of its own for each bound.
+    let source = format!(
+        "{}
+fn probe_decide(index: u32) -> vec4<u32> {{
+  matter = 1u;
+  lights = CasterLights(1u, 2u * index, vec2<f32>());
+  let found = decide(BOUND_WORDS * index);
+  return vec4<u32>(found.decided, found.facing, 0u, 0u);
+}}",
+        CLUSTERS.wgsl()
+    );
+    let bounds: Vec<ClusterBound> = pairs.iter().map(|pair| pair.bound).collect();
+    let of_light = |pair: &Pair| {
+        let batch = LightBatch::new(&[pair.light], 0, 3);
+        [batch.light_bits[0], batch.lights[0].map(f32::to_bits)]
+    };
+    let (table, words) = (gpu.storage(&pairs.iter().flat_map(of_light).collect::<Vec<_>>()), gpu.storage(&bounds));
+    let bound = [(1, Bound::Storage(&table)), (9, Bound::Storage(&words))];
+    let probe = Probe::new(gpu, &source, ("vec4<u32>", "probe_decide(index)"), &bound);
+    let found = probe.run(gpu, &bound, &vec![[0.0; 4]; pairs.len()])?;
+    Ok(found.iter().map(|&[decided, facing, ..]| [facing != 0, decided != 0 && facing == 0]).collect())
+}
+
+/// Clusters that are decided, and those that `f64` cannot tell whether they are to be.
+#[derive(Debug, Default)]
+struct Counts {
+    decided: usize,
+    marginal: usize,
+}
+
+/// Decided pairs have the exact signs. Rounding takes less than half of the spread, so farther from it `f64` knows.
+fn check(pairs: &[Pair], found: &[[bool; 2]]) -> Result<Counts, String> {
+    let mut counts = Counts::default();
+    for (number, (pair, found)) in pairs.iter().zip(found).enumerate() {
+        let &Pair { bound, light, are_all } = pair;
+        let what = || format!("pair {number}, {bound:?}, {light:?}: {found:?}, all {are_all:?}");
+        if (0..2).any(|side| found[side] && !are_all[side]) {
+            return Err(format!("another sign: {}", what()));
+        }
+        let [height, spread] = height_and_spread(&bound, light);
+        let is_decided = found[0] || found[1];
+        counts.decided += usize::from(is_decided);
+        if bound.kind == 1 && height.abs() > 1.5 * spread && !is_decided {
+            return Err(format!("left open at {height:e} and {spread:e}: {}", what()));
+        }
+        if bound.kind == 1 && height.abs() < 0.5 * spread && is_decided {
+            return Err(format!("decided at {height:e} and {spread:e}: {}", what()));
+        }
+        counts.marginal += usize::from((0.5..1.5).contains(&(height.abs() / spread)));
+    }
+    Ok(counts)
+}
+
+/// Negative controls: a decided pair that is turned round, and one that is left open.
+fn check_controls(pairs: &[Pair], found: &[[bool; 2]]) -> Result<(), String> {
+    let at = (0..pairs.len()).find(|&at| {
+        let [height, spread] = height_and_spread(&pairs[at].bound, pairs[at].light);
+        pairs[at].bound.kind == 1 && found[at] != [false; 2] && height.abs() > 2.0 * spread
+    });
+    let at = at.ok_or("nothing is decided")?;
+    for other in [[found[at][1], found[at][0]], [false; 2]] {
+        let mut wrong = found.to_vec();
+        wrong[at] = other;
+        must_fail("another decision", &check(pairs, &wrong))?;
+    }
+    Ok(())
+}
+
+/// Faces far away, thin, tiny and nearly in the light's plane, where each term of the spread counts.
+fn rounding() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(107);
+    println!("seed 107");
+    let (mut pairs, count) = (Vec::new(), if is_long() { 1_000_000 } else { 60_000 });
+    for _ in 0..count {
+        let Some(Bounded { faces, light, bound }) = bounded(&mut random)? else { continue };
+        let signs = faces.iter().map(|face| ExactFace::new(face, [0, 1, 2]).map_or(0, |face| face.sign(light)));
+        let signs: Vec<i32> = signs.collect();
+        let are_all = [1, -1].map(|side| signs.iter().all(|&sign| sign == side));
+        pairs.push(Pair { bound, light, are_all });
+    }
+    let found = decisions(gpu, &pairs)?;
+    let counts = check(&pairs, &found)?;
+    println!("{counts:?} of {}", pairs.len());
+    check_controls(&pairs, &found)?;
+    if pairs.len() * 2 < count || counts.decided * 10 < pairs.len() || counts.decided * 10 > pairs.len() * 9 {
+        return Err("neither side is tried enough".to_owned());
+    }
+    if counts.marginal < 500 { Err("too few are marginal".to_owned()) } else { Ok(()) }
+}
+
+/// Clusters of meshes, with lights for which they are only just decided.
+fn meshes() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(1406);
+    println!("seed 1406");
+    let mut pairs = Vec::new();
+    for index in 0..if is_long() { 4000 } else { 200 } {
+        let mut case = case(&mut random, index);
+        case.lights.extend(marginal_lights(&mut random, &case)?);
+        let mesh = case.shape.mesh().map_err(|error| error.to_string())?;
+        let found = Clusters::new(&mesh, &case.shape.positions, Threads::ONE);
+        let exact: Vec<_> = case.shape.faces.iter().map(|&face| ExactFace::new(&case.shape.positions, face)).collect();
+        for (slots, &bound) in found.faces().chunks(CLUSTER_FACES).zip(found.bounds()) {
+            for &light in &case.lights {
+                let sign = |&face: &u32| {
+                    let corners = case.shape.faces[face as usize].map(|vertex| case.shape.positions[vertex as usize]);
+                    match &exact[face as usize] {
+                        Some(exact) => exact.sign(light),
+                        // It names a vertex twice, so it faces no light.
+                        None if corners.iter().all(|&corner| cpu::is_finite(corner)) => -1,
+                        None => 0,
+                    }
+                };
+                let signs: Vec<i32> = slots.iter().map(sign).collect();
+                let are_all = [1, -1].map(|side| signs.iter().all(|&sign| sign == side));
+                pairs.push(Pair { bound, light, are_all });
+            }
+        }
+    }
+    let found = decisions(gpu, &pairs)?;
+    let counts = check(&pairs, &found)?;
+    println!("{counts:?} of {}", pairs.len());
+    check_controls(&pairs, &found)?;
+    if counts.decided * 10 < pairs.len() || counts.marginal < 100 { Err("too few".to_owned()) } else { Ok(()) }
+}
