@@ -1,11 +1,9 @@
 //! Samples that no device has, things of two devices, lost devices: typed errors, and no error of the device.
 
 use rimline::gpu::{
-    DeformError, Deformer, DeformerOptions, DeviceError, ExtractionEncodeError, ExtractionIncludeError, Extractor,
-    ExtractorError, ExtractorOptions, PositionError, ReadError, ShadowDrawError, ShadowEncodeError, ShadowFormat,
-    ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryEncodeError, ShadowQueryError,
-    ShadowQueryOptions, ShadowVolumes, ShadowVolumesError, StageTimer, TimerError, read_back_vec,
-    results_bind_group_layout,
+    DeformError, Deformer, DeformerOptions, DeviceError, Extractor, ExtractorError, ExtractorOptions, QueryError,
+    ShadowError, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryOptions, ShadowVolumes,
+    StageTimer, read_back_vec, results_bind_group_layout,
 };
 use rimline::{Counting, Mesh};
 use rimline_measure::harness::Test;
@@ -40,7 +38,7 @@ fn formats() -> Result<(), String> {
     let format = ShadowFormat::default().depth_stencil;
     for samples in [0, 2, 3, 8, 64, u32::MAX] {
         let found = make(&watched, ShadowFormat { samples, ..Default::default() });
-        let expected = ShadowFormatError::Samples { samples, format, supported: vec![1, 4] };
+        let expected = ShadowError::Samples { samples, format, supported: vec![1, 4] };
         same(&format!("{samples} samples"), &[found], &[Err(expected)])?;
         watched.quiet(&format!("{samples} samples"))?;
     }
@@ -52,7 +50,7 @@ fn formats() -> Result<(), String> {
         ("too many colours", wgpu::TextureFormat::Rgba8Unorm, 9),
     ] {
         let found = make(&watched, ShadowFormat { colors: vec![Some(color); count], ..Default::default() });
-        expect(what, found, |error| matches!(error, ShadowFormatError::Refused { .. }))?;
+        expect(what, found, |error| matches!(error, ShadowError::Refused { .. }))?;
         watched.quiet(what)?;
     }
     // Where the adapter's own counts are allowed, the device has the last word.
@@ -61,13 +59,13 @@ fn formats() -> Result<(), String> {
     for samples in [2, 8, 16] {
         match make(&watched, ShadowFormat { samples, ..Default::default() }) {
             Ok(()) => println!("{samples} samples are there"),
-            Err(ShadowFormatError::Refused { message }) => println!("{samples} samples: {message}"),
+            Err(ShadowError::Refused { message }) => println!("{samples} samples: {message}"),
             Err(error) => return Err(format!("{samples} samples: {error:?}")),
         }
         watched.quiet(&format!("{samples} samples of the adapter"))?;
     }
     expect("3 samples of the adapter", make(&watched, ShadowFormat { samples: 3, ..Default::default() }), |error| {
-        matches!(error, ShadowFormatError::Samples { samples: 3, .. })
+        matches!(error, ShadowError::Samples { samples: 3, .. })
     })?;
     watched.quiet("3 samples of the adapter")
 }
@@ -89,25 +87,23 @@ fn mixed() -> Result<(), String> {
     let [drawing, foreign_drawing] = [make(ours)?, make(theirs)?];
     let mut extractor = extractor(ours, &mesh, 1)?;
     let volumes = ShadowVolumes::new(&foreign_drawing, &extractor, ShadowOptions::default());
-    expect("volumes", volumes, |error| matches!(error, ShadowVolumesError::Device(error) if is_other(error)))?;
+    expect("volumes", volumes, |error| matches!(error, ShadowError::Device(error) if is_other(error)))?;
     quiet("volumes")?;
 
     let mut encoder = ours.encoder();
     let found = extractor.encode(&mut encoder, packed(&foreign), &[LIGHT], None).map(drop);
-    let refused = |error: &ExtractionEncodeError| {
-        matches!(error, ExtractionEncodeError::Positions(PositionError::Refused { .. }))
-    };
+    let refused = |error: &ExtractorError| matches!(error, ExtractorError::Device(DeviceError::BufferRefused { .. }));
     expect("positions", found, refused)?;
     quiet("positions")?;
     let mut timer = StageTimer::new(&theirs.gpu.device, &theirs.gpu.queue).ok_or("no timer")?;
     let found = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], Some(&mut timer)).map(drop);
-    expect("timer", found, |error| matches!(error, ExtractionEncodeError::Device(error) if is_other(error)))?;
+    expect("timer", found, |error| matches!(error, ExtractorError::Device(error) if is_other(error)))?;
     quiet("timer")?;
     // The refused calls changed no state.
     let extraction = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], None).map_err(text)?;
     let mut volumes = ShadowVolumes::new(&drawing, &extractor, ShadowOptions::default()).map_err(text)?;
     let found = volumes.encode(&mut encoder, &extraction, &camera(), Some(&mut timer));
-    expect("volumes' timer", found, |error| matches!(error, ShadowEncodeError::Device(error) if is_other(error)))?;
+    expect("volumes' timer", found, |error| matches!(error, ShadowError::Device(error) if is_other(error)))?;
     quiet("volumes' timer")?;
     let shadows = volumes.encode(&mut encoder, &extraction, &camera(), None).map_err(text)?;
     let view = depth_stencil(ours);
@@ -121,7 +117,7 @@ fn mixed() -> Result<(), String> {
         ..Default::default()
     });
     let found = shadows.draw(&mut pass, &foreign_drawing, 0);
-    expect("drawing", found, |error| matches!(error, ShadowDrawError::Device(error) if is_other(error)))?;
+    expect("drawing", found, |error| matches!(error, ShadowError::Device(error) if is_other(error)))?;
     shadows.draw(&mut pass, &drawing, 0).map_err(text)?;
     drop(pass);
     ours.gpu.queue.submit([encoder.finish()]);
@@ -131,7 +127,7 @@ fn mixed() -> Result<(), String> {
     let layout = results_bind_group_layout(&theirs.gpu.device, wgpu::ShaderStages::COMPUTE);
     let found = extraction.bind_group(&layout, 0);
     expect("layout", found.map(drop), |error| {
-        matches!(error, ExtractionIncludeError::Positions(PositionError::Refused { .. }))
+        matches!(error, ExtractorError::Device(DeviceError::BufferRefused { .. }))
     })?;
     quiet("layout")?;
 
@@ -139,14 +135,14 @@ fn mixed() -> Result<(), String> {
     let mut query = ShadowQuery::new(&ours.gpu.pipelines, &mesh, options).map_err(text)?;
     let mut encoder = ours.encoder();
     let found = query.encode_at(&mut encoder, packed(&foreign), packed(&positions), 9, &[LIGHT], None);
-    expect("query", found, |error| matches!(error, ShadowQueryEncodeError::Positions(PositionError::Refused { .. })))?;
+    expect("query", found, |error| matches!(error, QueryError::Device(DeviceError::BufferRefused { .. })))?;
     let found = query.encode_at(&mut encoder, packed(&positions), packed(&foreign), 9, &[LIGHT], None);
-    expect("points", found, |error| matches!(error, ShadowQueryEncodeError::Points(PositionError::Refused { .. })))?;
+    expect("points", found, |error| matches!(error, QueryError::Points(DeviceError::BufferRefused { .. })))?;
     let found = query.encode_at(&mut encoder, packed(&positions), packed(&positions), 9, &[LIGHT], Some(&mut timer));
-    expect("query's timer", found, |error| matches!(error, ShadowQueryEncodeError::Device(error) if is_other(error)))?;
+    expect("query's timer", found, |error| matches!(error, QueryError::Device(error) if is_other(error)))?;
     quiet("query")?;
     let found = read_back_vec::<u32>(&ours.gpu.device, &ours.gpu.queue, &foreign);
-    expect("reading back", found, |error| matches!(error, ReadError::Device { .. }))?;
+    expect("reading back", found, |error| matches!(error, DeviceError::ReadBack { .. }))?;
     quiet("reading back")
 }
 
@@ -164,11 +160,11 @@ fn made_on_lost() -> Result<(), String> {
     let made = Extractor::new(pipelines, &mesh, ExtractorOptions::default());
     expect("extractor", made, |error| matches!(error, ExtractorError::Device(error) if is_lost(error)))?;
     let made = ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::ZFail);
-    expect("pipelines", made, |error| matches!(error, ShadowFormatError::Device(error) if is_lost(error)))?;
+    expect("pipelines", made, |error| matches!(error, ShadowError::Device(error) if is_lost(error)))?;
     let made = ShadowVolumes::new(&drawing, &extractor, ShadowOptions::default());
-    expect("volumes", made, |error| matches!(error, ShadowVolumesError::Device(error) if is_lost(error)))?;
+    expect("volumes", made, |error| matches!(error, ShadowError::Device(error) if is_lost(error)))?;
     let made = ShadowQuery::new(pipelines, &mesh, ShadowQueryOptions::default());
-    expect("query", made, |error| matches!(error, ShadowQueryError::Device(error) if is_lost(error)))?;
+    expect("query", made, |error| matches!(error, QueryError::Device(error) if is_lost(error)))?;
     let model = random_model(&mut Random::new(93), 50);
     let made = Deformer::new(pipelines, &model, DeformerOptions::default());
     expect("deformer", made, |error| matches!(error, DeformError::Device(error) if is_lost(error)))?;
@@ -230,22 +226,22 @@ fn encoded_on_lost() -> Result<(), String> {
         let Made { extractor, volumes, query, timer, .. } = made;
         let extraction = extractions.next().ok_or("no extraction")?;
         let found = extractor.encode(encoder, positions, &[LIGHT], Some(timer)).map(drop);
-        expect(what, found, |error| matches!(error, ExtractionEncodeError::Device(error) if is_lost(error)))?;
+        expect(what, found, |error| matches!(error, ExtractorError::Device(error) if is_lost(error)))?;
         let found = query.encode_at(encoder, positions, positions, 9, &[LIGHT], Some(timer));
-        expect(what, found, |error| matches!(error, ShadowQueryEncodeError::Device(error) if is_lost(error)))?;
+        expect(what, found, |error| matches!(error, QueryError::Device(error) if is_lost(error)))?;
         let found = deformer.encode(encoder, &pose, 0.0, None, Some(timer));
         expect(what, found, |error| matches!(error, DeformError::Device(error) if is_lost(error)))?;
         if what == "used" {
             let found = volumes.encode(encoder, &extraction, &camera(), Some(timer));
-            expect(what, found, |error| matches!(error, ShadowEncodeError::Device(error) if is_lost(error)))?;
+            expect(what, found, |error| matches!(error, ShadowError::Device(error) if is_lost(error)))?;
         }
         let found = extraction.bind_group(&layout, 0);
-        expect(what, found, |error| matches!(error, ExtractionIncludeError::Device(error) if is_lost(error)))?;
+        expect(what, found, |error| matches!(error, ExtractorError::Device(error) if is_lost(error)))?;
         timer.resolve(encoder);
         let found = timer.read(&watched.gpu.device, &watched.gpu.queue);
-        expect(what, found, |error| matches!(error, TimerError::Read(ReadError::Device { .. })))?;
+        expect(what, found, |error| matches!(error, DeviceError::ReadBack { .. }))?;
         let found = read_back_vec::<u32>(&watched.gpu.device, &watched.gpu.queue, extractor.results().counts);
-        expect(what, found, |error| matches!(error, ReadError::Device { .. }))?;
+        expect(what, found, |error| matches!(error, DeviceError::ReadBack { .. }))?;
         watched.quiet(what)?;
     }
     // wgpu itself takes encoders of a lost device.

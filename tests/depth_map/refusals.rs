@@ -2,7 +2,7 @@
 
 use rimline::gpu::{
     DanglingEdges, DepthMap, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
-    MemoryError, ShadowFormat, ShadowFormatError,
+    DeviceError, ShadowError, ShadowFormat,
 };
 use rimline::{CameraError, DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -35,7 +35,7 @@ fn making() -> Result<(), String> {
     let refused = |format: ShadowFormat, bit| DepthMapPipelines::new(&gpu.pipelines, &format, bit).err();
     let format = |depth_stencil| ShadowFormat { depth_stencil, ..Default::default() };
     same("bit", &[refused(ShadowFormat::default(), 8)], &[Some(DepthMapError::Bits(8..9))])?;
-    let no_stencil = ShadowFormatError::NoStencil(TextureFormat::Depth32Float).into();
+    let no_stencil = ShadowError::NoStencil(TextureFormat::Depth32Float).into();
     same("stencil", &[refused(format(TextureFormat::Depth32Float), 0)], &[Some(no_stencil)])?;
     let pipelines = pipelines(&gpu)?;
     let refused = |size, options| DepthMapVolumes::new(&pipelines, size, options).err();
@@ -78,7 +78,7 @@ fn making() -> Result<(), String> {
     same("contours' bias", &biased, &[None, Some("slope_bias")])?;
     // The limit of memory holds for all buffers together.
     let limited = |memory_limit| refused([40, 40], DepthMapOptions { memory_limit: Some(memory_limit), ..walled });
-    let Some(DepthMapError::Memory(MemoryError::Total { bytes, .. })) = limited(1) else {
+    let Some(DepthMapError::Device(DeviceError::MemoryLimit { bytes, .. })) = limited(1) else {
         return Err("a byte is enough".to_owned());
     };
     let largest = DepthMapVolumes::new(&pipelines, [40, 40], walled).map_err(text)?.cells().size();
@@ -87,7 +87,7 @@ fn making() -> Result<(), String> {
     }
     let options = DepthMapOptions { memory_limit: Some(100), ..Default::default() };
     match refused([40, 40], options) {
-        Some(DepthMapError::Memory(MemoryError::Total { limit: 100, .. })) => Ok(()),
+        Some(DepthMapError::Device(DeviceError::MemoryLimit { limit: 100, .. })) => Ok(()),
         other => Err(format!("{other:?}")),
     }
 }

@@ -1,9 +1,8 @@
 //! Input that does not fit a device gives a typed error, before anything is allocated.
 
 use rimline::gpu::{
-    DeformError, Deformer, DeformerOptions, ExtractionEncodeError, ExtractionIncludeError, Extractor, ExtractorError,
-    ExtractorOptions, ListOptions, MAX_OUTLINE_EDGES, MemoryError, PositionBuffer, PositionError,
-    results_bind_group_layout,
+    DeformError, Deformer, DeformerOptions, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions,
+    MAX_OUTLINE_EDGES, PositionBuffer, results_bind_group_layout,
 };
 use rimline::mesh::Weld;
 use rimline::reference::Method;
@@ -29,14 +28,14 @@ pub(crate) const TESTS: &[Test] = &[
 ];
 
 /// The memory error of an extractor that must not come to be.
-fn refusal(gpu: &Gpu, mesh: &Mesh, options: ExtractorOptions) -> Result<MemoryError, String> {
+fn refusal(gpu: &Gpu, mesh: &Mesh, options: ExtractorOptions) -> Result<DeviceError, String> {
     match Extractor::new(&gpu.pipelines, mesh, options) {
-        Err(ExtractorError::Memory(error)) => Ok(error),
+        Err(ExtractorError::Device(error)) => Ok(error),
         other => Err(format!("expected a memory error, got {:?}", other.err())),
     }
 }
 
-fn expect(what: &str, error: &MemoryError, fits: fn(&MemoryError) -> bool) -> Result<(), String> {
+fn expect(what: &str, error: &DeviceError, fits: fn(&DeviceError) -> bool) -> Result<(), String> {
     if fits(error) { Ok(()) } else { Err(format!("{what}: {error:?}")) }
 }
 
@@ -77,13 +76,13 @@ fn too_large() -> Result<(), String> {
     let small = limited(16 << 10, 128 << 10, 64)?;
     let error = refusal(&small, &mesh_of(&repeated_torus(100, 60, 0))?, options)?;
     expect("12,000 faces of 12 bytes", &error, |error| {
-        matches!(error, MemoryError::Buffer { label: "faces", bytes: 144_000, limit: 131_072 })
+        matches!(error, DeviceError::BufferTooLarge { label: "faces", bytes: 144_000, limit: 131_072 })
     })?;
 
     let small = limited(4 << 10, 1 << 20, 64)?;
     let error = refusal(&small, &mesh_of(&repeated_torus(60, 40, 0))?, options)?;
     expect("4,800 facing masks", &error, |error| {
-        matches!(error, MemoryError::Gathered { what: "facing masks", bytes: 19_200, limit: 16_384 })
+        matches!(error, DeviceError::GatheredTooLarge { what: "facing masks", bytes: 19_200, limit: 16_384 })
     })?;
     let lists = ExtractorOptions {
         max_lights: 32,
@@ -92,10 +91,10 @@ fn too_large() -> Result<(), String> {
     };
     let error = refusal(&small, &mesh_of(&repeated_torus(20, 20, 0))?, lists)?;
     expect("lists", &error, |error| {
-        matches!(error, MemoryError::Binding { what: "edge lists", bytes: 128_000, limit: 4096 })
+        matches!(error, DeviceError::BindingTooLarge { what: "edge lists", bytes: 128_000, limit: 4096 })
     })?;
     let error = refusal(&limited(1 << 10, 1 << 20, 64)?, &mesh_of(&shapes::cube())?, options)?;
-    expect("less than a workgroup", &error, |error| matches!(error, MemoryError::Binding { .. }))?;
+    expect("less than a workgroup", &error, |error| matches!(error, DeviceError::BindingTooLarge { .. }))?;
     // Every face by itself: three records a face, and blocks of them past what compaction's places can be bound with.
     let mut loose = Shape::default();
     for face in 0..14_000 {
@@ -107,10 +106,10 @@ fn too_large() -> Result<(), String> {
         ..Default::default()
     };
     let error = refusal(&limited(16 << 10, 1 << 20, 64)?, &mesh_of(&loose)?, ordered)?;
-    expect("places", &error, |error| matches!(error, MemoryError::Binding { what: "places", .. }))?;
+    expect("places", &error, |error| matches!(error, DeviceError::BindingTooLarge { what: "places", .. }))?;
     let many = ExtractorOptions { max_lights: 1024, ..options };
     let error = refusal(&limited(16 << 10, 128 << 10, 1)?, &mesh_of(&repeated_torus(60, 40, 0))?, many)?;
-    expect("chunks", &error, |error| matches!(error, MemoryError::Buffer { label: "chunks", .. }))?;
+    expect("chunks", &error, |error| matches!(error, DeviceError::BufferTooLarge { label: "chunks", .. }))?;
     Ok(())
 }
 
@@ -125,16 +124,13 @@ fn positions_and_models_too_large() -> Result<(), String> {
     small.submit(|encoder| {
         let error = extractor.encode(encoder, bound, &[Light::directional([1.0, 0.0, 0.0])], None);
         match error {
-            Err(ExtractionEncodeError::Positions(PositionError::Memory(MemoryError::Gathered {
-                what: "positions",
-                ..
-            }))) => Ok(()),
+            Err(ExtractorError::Device(DeviceError::GatheredTooLarge { what: "positions", .. })) => Ok(()),
             other => Err(format!("positions: {:?}", other.err())),
         }
     })?;
     let model = random_model(&mut Random::new(73), 500);
     match Deformer::new(&limited(1 << 10, 1 << 20, 64)?.pipelines, &model, DeformerOptions::default()) {
-        Err(DeformError::Memory(MemoryError::Binding { .. })) => Ok(()),
+        Err(DeformError::Device(DeviceError::BindingTooLarge { .. })) => Ok(()),
         other => Err(format!("deform: {:?}", other.err())),
     }
 }
@@ -146,15 +142,18 @@ fn memory_limit() -> Result<(), String> {
     let model = random_model(&mut Random::new(74), 500);
     let before = gpu.live_buffers()?;
     let with = |memory_limit| ExtractorOptions { max_lights: 40, masks: true, memory_limit, ..Default::default() };
-    let MemoryError::Total { bytes, limit, largest } = refusal(&gpu, &mesh, with(Some(1000)))? else {
+    let DeviceError::MemoryLimit { bytes, limit, largest } = refusal(&gpu, &mesh, with(Some(1000)))? else {
         return Err("not refused for the total".to_owned());
     };
     println!("{bytes} bytes wanted, most by {largest:?}");
     let one_less = refusal(&gpu, &mesh, with(Some(bytes - 1)))?;
-    let expected = MemoryError::Total { bytes, limit: bytes - 1, largest };
+    let expected = DeviceError::MemoryLimit { bytes, limit: bytes - 1, largest };
     same("one byte less", &[one_less], &[expected])?;
     let limited = DeformerOptions { memory_limit: Some(1000), ..Default::default() };
-    if !matches!(Deformer::new(&gpu.pipelines, &model, limited), Err(DeformError::Memory(MemoryError::Total { .. }))) {
+    if !matches!(
+        Deformer::new(&gpu.pipelines, &model, limited),
+        Err(DeformError::Device(DeviceError::MemoryLimit { .. }))
+    ) {
         return Err("deform not refused".to_owned());
     }
     same("limit", &[limit], &[1000])?;
@@ -179,7 +178,7 @@ fn include_refuses() -> Result<(), String> {
     let light = [Light::point([3.0, 2.0, 1.0])];
     let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, &light, None).map_err(text))?;
     match extraction.bind_group(&layout, 0) {
-        Err(ExtractionIncludeError::Memory(MemoryError::Binding { .. })) => Ok(()),
+        Err(ExtractorError::Device(DeviceError::BindingTooLarge { .. })) => Ok(()),
         other => Err(format!("{:?}", other.err())),
     }?;
     // The extraction itself goes on, in windows.

@@ -1,7 +1,7 @@
 //! Hand-made bad files: each is refused, with its place.
 
 use libtest_mimic::Trial;
-use rimline::gltf::{AnimationError, Asset, GltfError, GltfWarning, LoadOptions};
+use rimline::gltf::{Asset, GltfError, GltfWarning, LoadOptions};
 use rimline::mesh::Weld;
 use serde_json::{Value, json};
 
@@ -60,7 +60,7 @@ fn not_played(spoil: fn(&mut Maker), says: &[&str]) -> Outcome {
     let at_rest = asset.pose(None, 0.0)?;
     ensure(at_rest.instances().len() == rest.instances().len(), || "instances".to_owned())?;
     let error = asset.pose(Some(0), 0.0);
-    let Err(AnimationError::Damaged { index: 0, source }) = error else {
+    let Err(GltfError::DamagedAnimation { index: 0, source }) = error else {
         return Err(format!("asked for: {error:?}").into());
     };
     says_all(&source.to_string(), says)?;

@@ -1,8 +1,8 @@
 //! The shadow depth query on the GPU: the twin's integers, however it is cut, and what is refused.
 
 use rimline::gpu::{
-    Extractor, ExtractorOptions, MemoryError, PositionBuffer, PositionError, ShadowQuery, ShadowQueryEncodeError,
-    ShadowQueryError, ShadowQueryOptions, StaleExtraction,
+    DeviceError, Extractor, ExtractorError, ExtractorOptions, PositionBuffer, QueryError, ShadowQuery,
+    ShadowQueryOptions,
 };
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{FaceCluster, FaceRange, LightBatch, PointChunk};
@@ -190,7 +190,7 @@ fn expect<T, E: std::fmt::Debug>(what: &str, outcome: Result<T, E>, fits: fn(&E)
 }
 
 /// Name of the fault, positions and points, number of points, lights, and the error that must come.
-type Refused<'a> = (&'a str, [PositionBuffer<'a>; 2], u32, Vec<Light>, fn(&ShadowQueryEncodeError) -> bool);
+type Refused<'a> = (&'a str, [PositionBuffer<'a>; 2], u32, Vec<Light>, fn(&QueryError) -> bool);
 
 fn refusals() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
@@ -198,23 +198,23 @@ fn refusals() -> Result<(), String> {
     let options = ShadowQueryOptions { max_points: 10, max_lights: 2, ..ShadowQueryOptions::default() };
     let new = |gpu: &Gpu, options| ShadowQuery::new(&gpu.pipelines, &mesh, options);
     expect("no lights", new(gpu, ShadowQueryOptions { max_lights: 0, ..options }), |error| {
-        matches!(error, ShadowQueryError::Light(LightError::NoRoom))
+        matches!(error, QueryError::Light(LightError::NoRoom))
     })?;
     expect("many lights", new(gpu, ShadowQueryOptions { max_lights: 1025, ..options }), |error| {
-        matches!(error, ShadowQueryError::Light(LightError::TooMany { count: 1025, limit: 1024 }))
+        matches!(error, QueryError::Light(LightError::TooMany { count: 1025, limit: 1024 }))
     })?;
     expect("many depths", new(gpu, ShadowQueryOptions { max_points: u32::MAX, ..options }), |error| {
-        matches!(error, ShadowQueryError::Memory(MemoryError::Buffer { label: "depths", .. }))
+        matches!(error, QueryError::Device(DeviceError::BufferTooLarge { label: "depths", .. }))
     })?;
     expect("little memory", new(gpu, ShadowQueryOptions { memory_limit: Some(1000), ..options }), |error| {
-        matches!(error, ShadowQueryError::Memory(MemoryError::Total { limit: 1000, .. }))
+        matches!(error, QueryError::Device(DeviceError::MemoryLimit { limit: 1000, .. }))
     })?;
     expect("small bindings", new(&limited(8 << 10, 1 << 20, 64)?, options), |error| {
-        matches!(error, ShadowQueryError::Memory(MemoryError::Binding { what: "a group of faces", .. }))
+        matches!(error, QueryError::Device(DeviceError::BindingTooLarge { what: "a group of faces", .. }))
     })?;
     let many = ShadowQueryOptions { max_lights: 32, max_points: 1000, ..options };
     expect("small bindings, many lights", new(&limited(16 << 10, 1 << 20, 64)?, many), |error| {
-        matches!(error, ShadowQueryError::Memory(MemoryError::Binding { what: "64 points", .. }))
+        matches!(error, QueryError::Device(DeviceError::BindingTooLarge { what: "64 points", .. }))
     })?;
 
     let mut query = new(gpu, options).map_err(text)?;
@@ -230,25 +230,25 @@ fn refusals() -> Result<(), String> {
     let (good, light) = ([at(&vertices, 0, 12), at(&points, 0, 12)], Light::point([1.0, 2.0, 3.0]));
     let cases: [Refused<'_>; 7] = [
         ("many lights", good, 1, vec![light; 3], |error| {
-            matches!(error, ShadowQueryEncodeError::Light(LightError::TooMany { count: 3, limit: 2 }))
+            matches!(error, QueryError::Light(LightError::TooMany { count: 3, limit: 2 }))
         }),
         ("a negative w", good, 1, vec![Light::homogeneous([1.0, 1.0, 1.0, -1.0])], |error| {
-            matches!(error, ShadowQueryEncodeError::Light(LightError::NegativeWeight { index: 0, .. }))
+            matches!(error, QueryError::Light(LightError::NegativeWeight { index: 0, .. }))
         }),
         ("many points", good, 11, vec![light], |error| {
-            matches!(error, ShadowQueryEncodeError::TooManyPoints { count: 11, limit: 10 })
+            matches!(error, QueryError::TooManyPoints { count: 11, limit: 10 })
         }),
         ("short positions", [good[1]; 2], 1, vec![light], |error| {
-            matches!(error, ShadowQueryEncodeError::Positions(PositionError::TooShort { .. }))
+            matches!(error, QueryError::Device(DeviceError::PositionsTooShort { .. }))
         }),
         ("short points", [good[0], at(&points, 4, 12)], 10, vec![light], |error| {
-            matches!(error, ShadowQueryEncodeError::Points(PositionError::TooShort { vertices: 10, .. }))
+            matches!(error, QueryError::Points(DeviceError::PositionsTooShort { vertices: 10, .. }))
         }),
         ("a bad stride", [good[0], at(&points, 0, 10)], 1, vec![light], |error| {
-            matches!(error, ShadowQueryEncodeError::Points(PositionError::Alignment { stride: 10, .. }))
+            matches!(error, QueryError::Points(DeviceError::PositionLayout { stride: 10, .. }))
         }),
         ("no storage", [good[0], at(&plain, 0, 12)], 1, vec![light], |error| {
-            matches!(error, ShadowQueryEncodeError::Points(PositionError::NotStorage))
+            matches!(error, QueryError::Points(DeviceError::NotStorage))
         }),
     ];
     for (what, [positions, points], count, lights, fits) in cases {
@@ -292,10 +292,10 @@ fn extractions() -> Result<(), String> {
         same("depths of an extraction", &read(query)?, &expected)?;
     }
     let refused = gpu.submit(|encoder| Ok(of_other.encode(encoder, &extraction, at, 50, None)))?;
-    same("another mesh", &[refused], &[Err(ShadowQueryEncodeError::OtherMesh)])?;
+    same("another mesh", &[refused], &[Err(QueryError::OtherMesh)])?;
     gpu.submit(|encoder| extractor.encode(encoder, bound, &lights[..1], None).map_err(text))?;
     let refused = gpu.submit(|encoder| Ok(query.encode(encoder, &extraction, at, 50, None)))?;
-    same("an extraction of before", &[refused], &[Err(StaleExtraction.into())])
+    same("an extraction of before", &[refused], &[Err(ExtractorError::Stale.into())])
 }
 
 /// A pair that is counted anew, in a dispatch that goes over some of the faces: those of clusters past the range, in the same

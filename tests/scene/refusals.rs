@@ -1,6 +1,6 @@
 //! Typed errors for input that a scene refuses.
 
-use rimline::gpu::{Caster, CasterPositions, LightMask, MemoryError, PositionError, Scene, SceneError, SceneOptions};
+use rimline::gpu::{Caster, CasterPositions, DeviceError, LightMask, Scene, SceneOptions, ShadowError};
 use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -30,7 +30,7 @@ fn scene(gpu: &Gpu) -> Result<Scene, String> {
     Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions { max_lights: 2, ..Default::default() }).map_err(text)
 }
 
-fn is<T: std::fmt::Debug>(what: &str, got: Result<T, SceneError>, expected: SceneError) -> Result<(), String> {
+fn is<T: std::fmt::Debug>(what: &str, got: Result<T, ShadowError>, expected: ShadowError) -> Result<(), String> {
     same(what, &[got.err()], &[Some(expected)])
 }
 
@@ -41,7 +41,7 @@ fn handles() -> Result<(), String> {
     let cube = one.add_mesh(&mesh, &positions).map_err(text)?;
     let caster = one.insert(Caster::rigid(cube, IDENTITY)).map_err(text)?;
     let light = one.add_light(Light::directional([0.0, 1.0, 0.0])).map_err(text)?;
-    let other_scene = |what| SceneError::OtherScene { what };
+    let other_scene = |what| ShadowError::OtherScene { what };
     is("mesh", other.insert(Caster::rigid(cube, IDENTITY)), other_scene("mesh"))?;
     is("mesh", other.remove_mesh(cube), other_scene("mesh"))?;
     is("caster", other.set_transform(caster, IDENTITY), other_scene("caster"))?;
@@ -56,7 +56,7 @@ fn handles() -> Result<(), String> {
     let again = one.add_mesh(&mesh, &positions).map_err(text)?;
     one.insert(Caster::rigid(again, IDENTITY)).map_err(text)?;
     one.add_light(Light::directional([0.0, 1.0, 0.0])).map_err(text)?;
-    let stale = |what| SceneError::Stale { what };
+    let stale = |what| ShadowError::Removed { what };
     is("mesh", one.insert(Caster::rigid(cube, IDENTITY)), stale("mesh"))?;
     is("mesh", one.remove_mesh(cube), stale("mesh"))?;
     is("caster", one.set_transform(caster, IDENTITY), stale("caster"))?;
@@ -72,13 +72,13 @@ fn meshes() -> Result<(), String> {
     let mut scene = scene(gpu)?;
     let short = scene.add_mesh(&mesh, &positions[1..]);
     let given = positions.len() - 1;
-    is("positions", short, SceneError::TooFewPositions { given, needed: mesh.vertex_count() })?;
+    is("positions", short, ShadowError::TooFewPositions { given, needed: mesh.vertex_count() })?;
     let quads = quad_box(1);
     let of_quads = quads.mesh(Weld::Position).map_err(text)?;
-    is("polygons", scene.add_mesh(&of_quads, &quads.positions), SceneError::Polygons)?;
+    is("polygons", scene.add_mesh(&of_quads, &quads.positions), ShadowError::Polygons)?;
     let cube = scene.add_mesh(&mesh, &positions).map_err(text)?;
     let casters = [(); 2].map(|()| scene.insert(Caster::rigid(cube, IDENTITY)));
-    is("a mesh in use", scene.remove_mesh(cube), SceneError::MeshInUse { casters: 2 })?;
+    is("a mesh in use", scene.remove_mesh(cube), ShadowError::MeshInUse { casters: 2 })?;
     for caster in casters {
         scene.remove(caster.map_err(text)?).map_err(text)?;
     }
@@ -91,11 +91,11 @@ fn lights() -> Result<(), String> {
     let light = Light::point([1.0, 2.0, 3.0]);
     let first = two.add_light(light).map_err(text)?;
     two.add_light(light).map_err(text)?;
-    is("a third light", two.add_light(light), SceneError::NoLightBit { limit: 2 })?;
-    let range = |range| SceneError::Light(LightError::Range { index: 0, range });
+    is("a third light", two.add_light(light), ShadowError::NoLightBit { limit: 2 })?;
+    let range = |range| ShadowError::Light(LightError::Range { index: 0, range });
     is("a range", two.set_light(first, light.with_range(-1.0)), range(-1.0))?;
     let none = SceneOptions { max_lights: 0, ..Default::default() };
-    is("no room", Scene::new(&gpu.pipelines, &gpu.queue, none), SceneError::Light(LightError::NoRoom))
+    is("no room", Scene::new(&gpu.pipelines, &gpu.queue, none), ShadowError::Light(LightError::NoRoom))
 }
 
 fn positions() -> Result<(), String> {
@@ -108,20 +108,20 @@ fn positions() -> Result<(), String> {
         let positions = CasterPositions::Buffer { buffer: buffer.clone(), offset, stride };
         scene.insert(Caster { positions, ..Caster::rigid(cube, IDENTITY) })
     };
-    let alignment = SceneError::Positions(PositionError::Alignment { offset: 2, stride: 12 });
+    let alignment = ShadowError::Device(DeviceError::PositionLayout { offset: 2, stride: 12 });
     is("an offset", insert(2, 12), alignment)?;
     match insert(12, 12) {
-        Err(SceneError::Positions(PositionError::TooShort { .. })) => {}
+        Err(ShadowError::Device(DeviceError::PositionsTooShort { .. })) => {}
         other => return Err(format!("a short buffer: {other:?}")),
     }
     let caster = insert(0, 12).map_err(text)?;
-    is("a transform", scene.set_transform(caster, IDENTITY), SceneError::NotRigid)?;
+    is("a transform", scene.set_transform(caster, IDENTITY), ShadowError::NotRigid)?;
     // A buffer that is gone when the frame is laid out.
     buffer.destroy();
     scene.add_light(Light::point([1.0, 2.0, 3.0])).map_err(text)?;
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     match scene.encode(&mut encoder, &[], None) {
-        Err(SceneError::Positions(PositionError::Refused { .. })) => {}
+        Err(ShadowError::Device(DeviceError::BufferRefused { .. })) => {}
         other => return Err(format!("a destroyed buffer: {other:?}")),
     }
     scene.remove(caster).map_err(text)?;
@@ -134,7 +134,7 @@ fn memory() -> Result<(), String> {
     let options = SceneOptions { memory_limit: Some(1000), ..Default::default() };
     let mut small = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     match small.add_mesh(&mesh, &positions) {
-        Err(SceneError::Memory(MemoryError::Total { limit: 1000, .. })) => {}
+        Err(ShadowError::Device(DeviceError::MemoryLimit { limit: 1000, .. })) => {}
         other => return Err(format!("a page beyond the limit: {other:?}")),
     }
     // A page fits, and the results of many casters do not.
@@ -145,7 +145,7 @@ fn memory() -> Result<(), String> {
     let casters = (0..10_000).map(|_| scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text));
     let casters = casters.collect::<Result<Vec<_>, _>>()?;
     match gpu.submit(|encoder| Ok(scene.encode(encoder, &[], None))) {
-        Ok(Err(SceneError::Memory(MemoryError::Total { limit: 2_000_000, .. }))) => {}
+        Ok(Err(ShadowError::Device(DeviceError::MemoryLimit { limit: 2_000_000, .. }))) => {}
         other => return Err(format!("results beyond the limit: {other:?}")),
     }
     for caster in &casters[1..] {
@@ -158,7 +158,7 @@ fn memory() -> Result<(), String> {
     let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position).map_err(text)?;
     let mut scene = Scene::new(&tight.pipelines, &tight.queue, SceneOptions::default()).map_err(text)?;
     match scene.add_mesh(&mesh, &shape.positions) {
-        Err(SceneError::Memory(MemoryError::Binding { what: "faces", .. })) => Ok(()),
+        Err(ShadowError::Device(DeviceError::BindingTooLarge { what: "faces", .. })) => Ok(()),
         other => Err(format!("a large mesh: {other:?}")),
     }
 }
@@ -181,8 +181,8 @@ fn views() -> Result<(), String> {
     let mut encode = |views| gpu.submit(|encoder| Ok(scene.encode(encoder, &vec![camera(); views], None)));
     for (views, is_memory) in [(1000, true), (100_000, false)] {
         match encode(views)? {
-            Err(SceneError::Memory(MemoryError::Total { .. })) if is_memory => {}
-            Err(SceneError::Memory(MemoryError::Binding { .. })) if !is_memory => {}
+            Err(ShadowError::Device(DeviceError::MemoryLimit { .. })) if is_memory => {}
+            Err(ShadowError::Device(DeviceError::BindingTooLarge { .. })) if !is_memory => {}
             other => return Err(format!("{views} views: {other:?}")),
         }
         for views in [1, 0, 2] {
@@ -216,7 +216,7 @@ fn grow(memory_limit: Option<u64>, one_by_one: usize, casters: usize) -> Result<
         if number + one_by_one >= casters {
             match gpu.submit(|encoder| Ok(scene.encode(encoder, &[camera()], None)))? {
                 Ok(_) => {}
-                Err(SceneError::Memory(MemoryError::Total { .. })) => return Ok(false),
+                Err(ShadowError::Device(DeviceError::MemoryLimit { .. })) => return Ok(false),
                 Err(error) => return Err(error.to_string()),
             }
         }

@@ -5,9 +5,8 @@ use glam::camera::rh::proj::directx::{orthographic, perspective, perspective_inf
 use glam::camera::rh::view::look_at_mat4;
 use glam::{Mat4, Vec3};
 use rimline::gpu::{
-    DrawArguments, Extraction, ExtractionDrawError, ExtractionIncludeError, Extractor, ExtractorOptions, MemoryError,
-    PositionBuffer, ShadowDrawError, ShadowEncodeError, ShadowFormat, ShadowFormatError, ShadowFrame, ShadowOptions,
-    ShadowPipelines, ShadowVolumes, ShadowVolumesError, StaleExtraction,
+    DeviceError, DrawArguments, Extraction, Extractor, ExtractorError, ExtractorOptions, PositionBuffer, ShadowError,
+    ShadowFormat, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
 use rimline::reference::layout::ShadowDraws;
 use rimline::{CameraError, Counting, DepthDirection, Light, ShadowCamera};
@@ -52,17 +51,17 @@ fn formats() -> Result<(), String> {
         wgpu::TextureFormat::Rgba8Unorm,
     ] {
         let found = made(gpu, &depth_stencil(format), Counting::Auto);
-        same("no depth or no stencil", &[found], &[Err(ShadowFormatError::NoStencil(format))])?;
+        same("no depth or no stencil", &[found], &[Err(ShadowError::NoStencil(format))])?;
     }
     let format = wgpu::TextureFormat::Depth32FloatStencil8;
     let needed = wgpu::Features::DEPTH32FLOAT_STENCIL8;
     let found = made(gpu, &depth_stencil(format), Counting::Auto);
-    same("a feature", &[found], &[Err(ShadowFormatError::Feature { format, needed })])?;
+    same("a feature", &[found], &[Err(ShadowError::Feature { format, needed })])?;
     let with = Gpu::with(needed | wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
     same("with it", &[made(&with, &depth_stencil(format), Counting::Auto)], &[Ok(Counting::Auto)])?;
     let far = ShadowFormat { has_far_plane: true, ..ShadowFormat::default() };
     for counting in METHODS {
-        let expected = if is_fail(counting) { Err(ShadowFormatError::DepthClip) } else { Ok(counting) };
+        let expected = if is_fail(counting) { Err(ShadowError::DepthClip) } else { Ok(counting) };
         same("a far plane without DEPTH_CLIP_CONTROL", &[made(gpu, &far, counting)], &[expected])?;
         same("a far plane with it", &[made(&with, &far, counting)], &[Ok(counting)])?;
         same("no far plane", &[made(gpu, &ShadowFormat::default(), counting)], &[Ok(counting)])?;
@@ -106,7 +105,7 @@ impl<'a> Caster<'a> {
     }
 }
 
-type Encoded = Result<ShadowFrame, ShadowEncodeError>;
+type Encoded = Result<ShadowFrame, ShadowError>;
 
 /// Result of encoding an extraction.
 fn encoded(
@@ -153,12 +152,12 @@ fn far_planes() -> Result<(), String> {
                 let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)?;
                 let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera)?;
                 let clips = is_fail(counting) && camera_has && !has_far_plane;
-                let expected = if clips { Err(ShadowEncodeError::FarPlane { counting }) } else { Ok(()) };
+                let expected = if clips { Err(ShadowError::FarPlane { counting }) } else { Ok(()) };
                 same(&format!("camera {number}, {counting:?}, {has_far_plane}"), &[found.map(drop)], &[expected])?;
             }
         }
     }
-    let message = ShadowEncodeError::FarPlane { counting: Counting::ZFail }.to_string();
+    let message = ShadowError::FarPlane { counting: Counting::ZFail }.to_string();
     if message.contains("DEPTH_CLIP_CONTROL") { Ok(()) } else { Err(message) }
 }
 
@@ -171,7 +170,7 @@ fn depths() -> Result<(), String> {
             let format = ShadowFormat { depth, ..ShadowFormat::default() };
             let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto).map_err(text)?;
             let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera)?;
-            let differ = ShadowEncodeError::Depth { camera: camera.depth, pipelines: depth };
+            let differ = ShadowError::CameraDepth { camera: camera.depth, pipelines: depth };
             let expected = if camera.depth == depth { Ok(()) } else { Err(differ) };
             same(&format!("{depth:?}"), &[found.map(drop)], &[expected])?;
         }
@@ -204,8 +203,8 @@ fn mirrors() -> Result<(), String> {
             for (pipelines, for_mirrors) in [(&plain, false), (&mirroring, true)] {
                 let found = caster.encoded(&mut caster.volumes(pipelines)?, &camera)?;
                 let expected = match (is_mirrored, for_mirrors) {
-                    (true, false) => Err(ShadowEncodeError::Camera(CameraError::Mirrored)),
-                    (false, true) => Err(ShadowEncodeError::Camera(CameraError::NotMirrored)),
+                    (true, false) => Err(ShadowError::Camera(CameraError::Mirrored)),
+                    (false, true) => Err(ShadowError::Camera(CameraError::NotMirrored)),
                     _ => Ok(()),
                 };
                 let what = format!("{:?}, mirrored {is_mirrored}, for mirrors {for_mirrors}", camera.depth);
@@ -214,7 +213,7 @@ fn mirrors() -> Result<(), String> {
                 let [own, other] = if for_mirrors { [&mirroring, &plain] } else { [&plain, &mirroring] };
                 let (ccw, cw) = (wgpu::FrontFace::Ccw, wgpu::FrontFace::Cw);
                 let [volumes, pipelines] = if for_mirrors { [cw, ccw] } else { [ccw, cw] };
-                let refused = Err(ShadowDrawError::FrontFace { volumes, pipelines });
+                let refused = Err(ShadowError::OtherFrontFace { volumes, pipelines });
                 same(&format!("{what}: drawn"), &[drawn(gpu, &frame, other, 0)?], &[refused])?;
                 same(&format!("{what}: drawn by its own"), &[drawn(gpu, &frame, own, 0)?], &[Ok(())])?;
             }
@@ -239,7 +238,7 @@ fn near_planes() -> Result<(), String> {
         let expected = if is_good { Ok(()) } else { Err(CameraError::DepthRange) };
         same(&format!("{near:e}"), &[camera.check()], &[expected])?;
         let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera)?.map(drop);
-        same(&format!("{near:e}"), &[found], &[expected.map_err(ShadowEncodeError::Camera)])?;
+        same(&format!("{near:e}"), &[found], &[expected.map_err(ShadowError::Camera)])?;
     }
     Ok(())
 }
@@ -253,7 +252,7 @@ fn extractors() -> Result<(), String> {
     let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
     let mut volumes = caster.volumes(&pipelines)?;
     let found = other.encoded(&mut volumes, &camera)?.map(drop);
-    same("another extractor of an equal mesh", &[found], &[Err(ShadowEncodeError::OtherExtractor)])?;
+    same("another extractor of an equal mesh", &[found], &[Err(ShadowError::OtherExtractor)])?;
     same("its own", &[caster.encoded(&mut volumes, &camera)?.map(drop)], &[Ok(())])
 }
 
@@ -264,7 +263,7 @@ fn stale() -> Result<(), String> {
     let (camera, _) = cameras()[0];
     let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
     let mut volumes = caster.volumes(&pipelines)?;
-    let mut expect = |what: &str, extraction: &Extraction, expected: Result<(), ShadowEncodeError>| {
+    let mut expect = |what: &str, extraction: &Extraction, expected: Result<(), ShadowError>| {
         let found = encoded(gpu, &mut volumes, extraction, &camera)?;
         same(what, &[found.as_ref().map(|_| ()).map_err(Clone::clone)], &[expected])?;
         Ok::<_, String>(found.ok())
@@ -273,24 +272,24 @@ fn stale() -> Result<(), String> {
     let one = expect("the first", &first, Ok(()))?.ok_or("no frame")?;
     let two = expect("the first again, for another frame", &first, Ok(()))?.ok_or("no frame")?;
     let draws = |frame: &ShadowFrame, light: usize| drawn(gpu, frame, &pipelines, light);
-    same("an earlier frame", &[draws(&one, 0)?], &[Err(ShadowDrawError::StaleFrame)])?;
+    same("an earlier frame", &[draws(&one, 0)?], &[Err(ShadowError::StaleVolumes)])?;
     same("the later frame", &[draws(&two, 0)?, draws(&two, 1)?], &[Ok(()), Ok(())])?;
-    let missing = |light| Err(ShadowDrawError::NoSuchLight { light, lights: 2 });
+    let missing = |light| Err(ShadowError::NoSuchLight { light, lights: 2 });
     // One within the batch, one past it, one past what the extractor has room for.
     for light in [2, 3, 4, 31, 32, usize::MAX] {
         same("a light past those extracted", &[draws(&two, light)?], &[missing(light)])?;
     }
     let second = caster.extract(&LIGHTS[2..])?;
-    same("after another encode", &[draws(&two, 0)?], &[Err(StaleExtraction.into())])?;
-    expect("the first after another encode", &first, Err(StaleExtraction.into()))?;
+    same("after another encode", &[draws(&two, 0)?], &[Err(ExtractorError::Stale.into())])?;
+    expect("the first after another encode", &first, Err(ExtractorError::Stale.into()))?;
     expect("the second", &second, Ok(()))?;
     let layout = rimline::gpu::results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
-    same("its bind group", &[first.bind_group(&layout, 0).map(drop)], &[Err(StaleExtraction.into())])?;
-    same("its draws", &[first.draw_arguments(0).map(drop)], &[Err(ExtractionDrawError::Stale(StaleExtraction))])?;
-    same("its results", &[first.results().map(drop)], &[Err(StaleExtraction)])?;
-    let past = |light| Err(ExtractionDrawError::NoSuchLight { light, lights: 1 });
+    same("its bind group", &[first.bind_group(&layout, 0).map(drop)], &[Err(ExtractorError::Stale)])?;
+    same("its draws", &[first.draw_arguments(0).map(drop)], &[Err(ExtractorError::Stale)])?;
+    same("its results", &[first.results().map(drop)], &[Err(ExtractorError::Stale)])?;
+    let past = |light| Err(ExtractorError::NoSuchLight { light, lights: 1 });
     same("draws past the lights", &[second.draw_arguments(1).map(drop)], &[past(1)])?;
-    let batch = Err(ExtractionIncludeError::NoSuchBatch { batch: 1, batches: 1 });
+    let batch = Err(ExtractorError::NoSuchBatch { batch: 1, batches: 1 });
     same("a batch past the lights", &[second.bind_group(&layout, 1).map(drop)], &[batch])?;
     same("a good one", &[second.bind_group(&layout, 0).map(drop)], &[Ok(())])?;
     // A refused extraction does not change the results.
@@ -320,7 +319,7 @@ fn no_lights() -> Result<(), String> {
     must_fail("silhouettes of three lights", &same("before", &before, &[0; 4]))?;
     let draws: Vec<ShadowDraws> = gpu.read(&volumes.draw_arguments()[0], 4)?;
     same("volumes of no lights", &draws, &[bytemuck::Zeroable::zeroed(); 4])?;
-    let missing = Err(ShadowDrawError::NoSuchLight { light: 0, lights: 0 });
+    let missing = Err(ShadowError::NoSuchLight { light: 0, lights: 0 });
     same("drawing a light of none", &[drawn(gpu, &frame, &pipelines, 0)?], &[missing])?;
     same("batches", &[none.batches()], &[0])
 }
@@ -331,7 +330,7 @@ fn drawn(
     frame: &ShadowFrame,
     pipelines: &ShadowPipelines,
     light: usize,
-) -> Result<Result<(), ShadowDrawError>, String> {
+) -> Result<Result<(), ShadowError>, String> {
     let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("target"),
         size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
@@ -379,11 +378,11 @@ fn pipelines() -> Result<(), String> {
             let drawing = made(theirs)?;
             let found = drawn(gpu, &frame, &drawing, 0)?;
             let expected = if ours.0 != theirs.0 {
-                Err(ShadowDrawError::Counting { volumes: ours.0, pipelines: theirs.0 })
+                Err(ShadowError::OtherCounting { volumes: ours.0, pipelines: theirs.0 })
             } else if ours.1 != theirs.1 {
-                Err(ShadowDrawError::Depth { volumes: ours.1, pipelines: theirs.1 })
+                Err(ShadowError::OtherDepth { volumes: ours.1, pipelines: theirs.1 })
             } else if is_fail(ours.0) && ours.2 && !theirs.2 {
-                Err(ShadowDrawError::FarPlane)
+                Err(ShadowError::OtherFarPlane)
             } else {
                 Ok(())
             };
@@ -417,7 +416,7 @@ fn capacities() -> Result<(), String> {
     same("all that fit", &[made(&small, asked(fitting))?], &[Ok(())])?;
     let binding = |bytes| {
         let what = "lists of cap faces";
-        Err(ShadowVolumesError::Memory(MemoryError::Binding { what, bytes, limit: 64 << 10 }))
+        Err(ShadowError::Device(DeviceError::BindingTooLarge { what, bytes, limit: 64 << 10 }))
     };
     same("one more", &[made(&small, asked(fitting + 1))?], &[binding(bytes(fitting + 1))])?;
     same("every face", &[made(&small, asked(faces))?], &[binding(bytes(faces))])?;
@@ -427,15 +426,15 @@ fn capacities() -> Result<(), String> {
         let options = ShadowOptions { memory_limit: Some(memory_limit), cap_capacity, ..plain };
         made(gpu, options)
     };
-    let Err(ShadowVolumesError::Memory(MemoryError::Total { bytes: least, .. })) = within(0, Some(1))? else {
+    let Err(ShadowError::Device(DeviceError::MemoryLimit { bytes: least, .. })) = within(0, Some(1))? else {
         return Err("one entry a list was not refused".to_owned());
     };
     same("as little as can be", &[within(least, None)?], &[Ok(())])?;
     same("somewhat more", &[within(least + 10_000, None)?], &[Ok(())])?;
     match (within(least + 10_000, Some(faces))?, within(least - 1, None)?) {
         (
-            Err(ShadowVolumesError::Memory(MemoryError::Total { .. })),
-            Err(ShadowVolumesError::Memory(MemoryError::Total { .. })),
+            Err(ShadowError::Device(DeviceError::MemoryLimit { .. })),
+            Err(ShadowError::Device(DeviceError::MemoryLimit { .. })),
         ) => Ok(()),
         other => Err(format!("not refused: {other:?}")),
     }

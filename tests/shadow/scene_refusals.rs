@@ -1,8 +1,6 @@
 //! Errors of a scene when its shadow volumes are recorded or drawn.
 
-use rimline::gpu::{
-    Caster, Scene, SceneError, SceneFrame, SceneOptions, ScenePipelines, ShadowDrawError, ShadowFormat,
-};
+use rimline::gpu::{Caster, DeviceError, Scene, SceneFrame, SceneOptions, ScenePipelines, ShadowError, ShadowFormat};
 use rimline::{CameraError, Counting, DepthDirection, Light, LightError, ShadowCamera};
 
 use crate::scene::Eye;
@@ -31,7 +29,7 @@ fn scene(gpu: &Gpu, options: SceneOptions) -> Result<(Scene, Caster), String> {
     Ok((scene, Caster::rigid(mesh, ROWS)))
 }
 
-fn encode(gpu: &Gpu, scene: &mut Scene, cameras: &[ShadowCamera]) -> Result<SceneFrame, SceneError> {
+fn encode(gpu: &Gpu, scene: &mut Scene, cameras: &[ShadowCamera]) -> Result<SceneFrame, ShadowError> {
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let frame = scene.encode(&mut encoder, cameras, None);
     gpu.queue.submit([encoder.finish()]);
@@ -42,14 +40,14 @@ fn recording() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let good = camera(DepthDirection::Reversed, None);
     let (mut own, caster) = scene(gpu, SceneOptions::default())?;
-    let refused = |found: Result<SceneFrame, SceneError>| found.err();
+    let refused = |found: Result<SceneFrame, ShadowError>| found.err();
     let bad = ShadowCamera { view_projection: [[0.0; 4]; 4], ..good };
-    let error = SceneError::Camera { view: 1, error: CameraError::Singular };
+    let error = ShadowError::ViewCamera { view: 1, error: CameraError::Singular };
     same("a singular camera", &[refused(encode(gpu, &mut own, &[good, bad]))], &[Some(error)])?;
     // A light that extraction takes and shadows do not.
     let light = own.add_light(Light::homogeneous([1.0, 2.0, 3.0, -1.0])).map_err(text)?;
     same("no camera", &[refused(encode(gpu, &mut own, &[]))], &[None])?;
-    let negative = |index| SceneError::Light(LightError::NegativeWeight { index, w: -1.0 });
+    let negative = |index| ShadowError::Light(LightError::NegativeWeight { index, w: -1.0 });
     same("a negative w", &[refused(encode(gpu, &mut own, &[good]))], &[Some(negative(0))])?;
     // The error names the light's bit, whatever other lights there are.
     let second = own.add_light(Light::homogeneous([1.0, 2.0, 3.0, -1.0])).map_err(text)?;
@@ -61,15 +59,19 @@ fn recording() -> Result<(), String> {
     same("all good", &[refused(encode(gpu, &mut own, &[good]))], &[None])?;
     let caster = own.insert(caster).map_err(text)?;
     let outside = own.set_excluded(caster, light, &[3, 12]);
-    same("a face too many", &[outside], &[Err(SceneError::NoSuchFace { face: 12, faces: 12 })])?;
+    same("a face too many", &[outside], &[Err(ShadowError::NoSuchFace { face: 12, faces: 12 })])?;
     own.set_excluded(caster, light, &[3, 11]).map_err(text)?;
     own.remove_light(light).map_err(text)?;
     let stale = own.set_excluded(caster, light, &[3]);
-    same("a light that is gone", &[stale], &[Err(SceneError::Stale { what: "light" })])?;
+    same("a light that is gone", &[stale], &[Err(ShadowError::Removed { what: "light" })])?;
     same("without light", &[refused(encode(gpu, &mut own, &[good]))], &[None])?;
     let counting = Counting::ZpPlus2005;
     let (mut published, _) = scene(gpu, SceneOptions { counting, ..SceneOptions::default() })?;
-    same("as published", &[refused(encode(gpu, &mut published, &[good]))], &[Some(SceneError::Counting(counting))])
+    same(
+        "as published",
+        &[refused(encode(gpu, &mut published, &[good]))],
+        &[Some(ShadowError::SceneCounting(counting))],
+    )
 }
 
 fn drawing() -> Result<(), String> {
@@ -117,28 +119,28 @@ fn drawing() -> Result<(), String> {
         drawn
     };
     same("all good", &[draw(&frame, &right, 0, light)], &[Ok(())])?;
-    same("an earlier frame", &[draw(&first, &right, 0, light)], &[Err(SceneError::StaleFrame)])?;
-    let no_view = Err(SceneError::NoSuchView { view: 1, views: 1 });
+    same("an earlier frame", &[draw(&first, &right, 0, light)], &[Err(ShadowError::StaleFrame)])?;
+    let no_view = Err(ShadowError::NoSuchView { view: 1, views: 1 });
     same("a view too many", &[draw(&frame, &right, 1, light)], &[no_view])?;
-    same("a later light", &[draw(&frame, &right, 0, later)], &[Err(SceneError::NotEncoded)])?;
-    same("a foreign light", &[draw(&frame, &right, 0, foreign)], &[Err(SceneError::OtherScene { what: "light" })])?;
-    let counting = ShadowDrawError::Counting { volumes: Counting::Auto, pipelines: Counting::ZPass };
+    same("a later light", &[draw(&frame, &right, 0, later)], &[Err(ShadowError::NotEncoded)])?;
+    same("a foreign light", &[draw(&frame, &right, 0, foreign)], &[Err(ShadowError::OtherScene { what: "light" })])?;
+    let counting = ShadowError::OtherCounting { volumes: Counting::Auto, pipelines: Counting::ZPass };
     let found = draw(&frame, &made(Counting::ZPass)?, 0, light);
-    same("another method", &[found], &[Err(SceneError::Draw(counting))])?;
+    same("another method", &[found], &[Err(counting)])?;
     let mut mirrored = camera(DepthDirection::Reversed, None);
     mirrored.view_projection.iter_mut().for_each(|column| column[1] = -column[1]);
     let mirror_image = encode(gpu, &mut own, &[mirrored]).map_err(text)?;
     let (ccw, cw) = (wgpu::FrontFace::Ccw, wgpu::FrontFace::Cw);
-    let mirrors = ShadowDrawError::FrontFace { volumes: cw, pipelines: ccw };
-    same("a mirror image", &[draw(&mirror_image, &right, 0, light)], &[Err(SceneError::Draw(mirrors))])?;
+    let mirrors = ShadowError::OtherFrontFace { volumes: cw, pipelines: ccw };
+    same("a mirror image", &[draw(&mirror_image, &right, 0, light)], &[Err(mirrors)])?;
     let frame = encode(gpu, &mut own, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
     let (volumes, pipelines) = (DepthDirection::Reversed, DepthDirection::Standard);
-    let depth = ShadowDrawError::Depth { volumes, pipelines };
-    same("another depth", &[draw(&frame, &standard, 0, light)], &[Err(SceneError::Draw(depth))])?;
-    let batches = Err(SceneError::CountBatches { count_batches: 1 });
+    let depth = ShadowError::OtherDepth { volumes, pipelines };
+    same("another depth", &[draw(&frame, &standard, 0, light)], &[Err(depth)])?;
+    let batches = Err(ShadowError::CountBatches { count_batches: 1 });
     same("in batches", &[draw(&frame, &in_batches, 0, light)], &[batches])?;
     match draw(&frame, &elsewhere, 0, light) {
-        Err(SceneError::Device(_)) => {}
+        Err(ShadowError::Device(DeviceError::OtherDevice { .. })) => {}
         other => return Err(format!("another device: {other:?}")),
     }
     // z-fail with a far plane needs pipelines that do not clip there.
@@ -147,7 +149,7 @@ fn drawing() -> Result<(), String> {
     failing.insert(caster).map_err(text)?;
     let frame = encode(gpu, &mut failing, &[camera(DepthDirection::Reversed, Some(50.0))]).map_err(text)?;
     let found = draw(&frame, &made(Counting::ZFail)?, 0, light);
-    same("a far plane", &[found], &[Err(SceneError::Draw(ShadowDrawError::FarPlane))])?;
+    same("a far plane", &[found], &[Err(ShadowError::OtherFarPlane)])?;
     let frame = encode(gpu, &mut failing, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
     same("no far plane", &[draw(&frame, &made(Counting::ZFail)?, 0, light)], &[Ok(())])
 }

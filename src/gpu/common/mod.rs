@@ -2,13 +2,13 @@
 
 pub(crate) mod bindings;
 pub(crate) mod cache;
+pub(crate) mod device_error;
 pub(crate) mod dispatch_limits;
 pub(crate) mod download;
 pub(crate) mod memory;
 pub(crate) mod pass;
 pub(crate) mod pipelines;
 pub(crate) mod positions;
-pub(crate) mod read_error;
 pub(crate) mod readback;
 pub(crate) mod requirements;
 pub(crate) mod timer;

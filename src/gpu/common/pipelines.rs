@@ -7,10 +7,11 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::bindings::Bindings;
 use super::cache::Cache;
+use super::device_error::DeviceError;
 use super::dispatch_limits::binding;
 use super::memory::any_error;
-use super::positions::{PositionError, bound};
-use super::requirements::{DeviceError, Subject, check_alive, check_device};
+use super::positions::bound;
+use super::requirements::{Subject, check_alive, check_device};
 use super::together::together;
 use crate::displace::Displacement;
 use crate::gpu::shadow::format::VolumeKey;
@@ -231,7 +232,7 @@ impl Pipelines {
     }
 
     /// Refuses a caller's buffer that the device cannot bind.
-    pub(crate) fn check_bindable(&self, buffer: &wgpu::Buffer) -> Result<(), PositionError> {
+    pub(crate) fn check_bindable(&self, buffer: &wgpu::Buffer) -> Result<(), DeviceError> {
         let read = wgpu::BufferBindingType::Storage { read_only: true };
         let ty = wgpu::BindingType::Buffer { ty: read, has_dynamic_offset: false, min_binding_size: None };
         let visibility = wgpu::ShaderStages::COMPUTE;

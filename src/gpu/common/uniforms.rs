@@ -2,8 +2,8 @@
 
 use bytemuck::Pod;
 
+use super::device_error::DeviceError;
 use super::memory::{any_error, filled, mapped, write_mapped};
-use super::requirements::DeviceError;
 
 /// The alignment of dynamic offsets of uniforms. It works on every device.
 const ALIGNMENT: usize = 256;

@@ -4,17 +4,18 @@ use wgpu::BufferUsages;
 
 use super::model_data::{ModelData, Plan, PlannedDispatch, PoseLayout};
 use crate::displace::{DISPLACE_GROUP, Displacement};
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
-use crate::gpu::common::memory::{MemoryError, buffer, filled, guarded, scoped};
+use crate::gpu::common::memory::{buffer, filled, guarded, scoped};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::PositionBuffer;
-use crate::gpu::common::requirements::{DeviceError, Subject, check_same, check_timer};
+use crate::gpu::common::requirements::{Subject, check_same, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry, upload};
 use crate::gpu::scene::needs::SceneNeeds;
 use crate::layout::{DeformChunk, DeformDispatch};
-use crate::model::{Geometry, Model, Pose, PoseMismatch};
+use crate::model::{Geometry, Model, ModelError, Pose};
 use crate::turns::DEFORM_TERMS;
 
 /// The displacement of a [`Deformer`], beside morph targets and skins, and its memory limit.
@@ -35,15 +36,12 @@ pub struct DeformerOptions<'a> {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DeformError {
-    /// The device lacks what deformation needs, is lost, or is not the timer's device.
+    /// The device lacks what deformation needs, is lost, or is not the timer's. Or the model does not fit it.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// The model does not fit the device.
-    #[error(transparent)]
-    Memory(#[from] MemoryError),
     /// The pose does not fit this model.
     #[error(transparent)]
-    Pose(#[from] PoseMismatch),
+    Model(#[from] ModelError),
     /// A vertex is the sum of more terms than one invocation may add.
     #[error(
         "a vertex of instance {instance} has {influences} influences, and {targets} morph targets have a weight other than \
@@ -301,7 +299,7 @@ impl Deformer {
         let mut target_counts = Vec::with_capacity(self.layouts.len());
         if pose.instances().len() != self.layouts.len() {
             let (given, needed) = (pose.instances().len(), self.layouts.len());
-            return Err(PoseMismatch::Instances { given, needed }.into());
+            return Err(ModelError::PoseInstances { given, needed }.into());
         }
         for (instance, (layout, pose)) in self.layouts.iter().zip(pose.instances()).enumerate() {
             layout.check(instance, pose)?;

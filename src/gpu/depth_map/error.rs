@@ -2,11 +2,8 @@
 
 use std::ops::Range;
 
-use crate::gpu::common::memory::MemoryError;
-use crate::gpu::common::positions::PositionError;
-use crate::gpu::common::requirements::DeviceError;
-use crate::gpu::scene::errors::SceneError;
-use crate::gpu::shadow::ShadowFormatError;
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::shadow::errors::ShadowError;
 use crate::shadow::{CameraError, DepthDirection};
 
 /// Why depth maps, their volumes or what draws them cannot be made, recorded or drawn.
@@ -15,21 +12,13 @@ use crate::shadow::{CameraError, DepthDirection};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DepthMapError {
-    /// The device lacks something, is lost, or is not that of the others.
+    /// The device lacks something, is lost, or is not that of the others. Or buffers or textures do not fit it, or the positions
+    /// of a mesh cannot be read.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// Buffers or textures do not fit.
+    /// The device cannot draw into the attachments, or a handle is of another scene or names what was removed.
     #[error(transparent)]
-    Memory(#[from] MemoryError),
-    /// The device cannot draw into the attachments.
-    #[error(transparent)]
-    Format(#[from] ShadowFormatError),
-    /// The positions of a mesh cannot be read.
-    #[error(transparent)]
-    Positions(#[from] PositionError),
-    /// A handle is of another scene, or names what was removed.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
+    Shadow(ShadowError),
     /// The camera of the eye is refused.
     #[error("the eye: {0}")]
     Camera(CameraError),
@@ -263,4 +252,14 @@ pub enum DepthMapError {
     /// One draw cannot have so many vertices.
     #[error("the mesh has {0} faces, and one draw has at most 1,431,655,765; divide the mesh")]
     Faces(usize),
+}
+
+impl From<ShadowError> for DepthMapError {
+    /// A device is refused by the same case, whoever finds it.
+    fn from(error: ShadowError) -> Self {
+        match error {
+            ShadowError::Device(error) => Self::Device(error),
+            error => Self::Shadow(error),
+        }
+    }
 }

@@ -6,8 +6,9 @@ use super::errors::ExtractorError;
 use super::options::ExtractorOptions;
 use super::polygon_buffers::{PolygonBuffers, PolygonShape, faces_of_records};
 use crate::cpu::extract::per_edge::edge_corners;
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
+use crate::gpu::common::memory::{Allocation, buffer, check, filled, guarded, padded};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::{Chunk, DrawArguments, EdgeMasks, ExtractionStatistics, LightBatch};
 use crate::method::Predicate;
@@ -46,7 +47,7 @@ impl Shape {
         };
         if capacity > fitting {
             let bytes = u64::from(capacity) * 4 * batch;
-            return Err(MemoryError::Binding { what: "edge lists", bytes, limit: split.binding }.into());
+            return Err(DeviceError::BindingTooLarge { what: "edge lists", bytes, limit: split.binding }.into());
         }
         let polygons = mesh
             .polygons()
@@ -133,7 +134,7 @@ impl Buffers {
         options: &ExtractorOptions,
         split: &DispatchLimits,
         chunks: usize,
-    ) -> Result<Self, MemoryError> {
+    ) -> Result<Self, DeviceError> {
         let batches = shape.batches();
         let per_edge = options.method().is_per_edge();
         let ordered = options.lists.is_some_and(|lists| lists.ordered);
@@ -162,7 +163,7 @@ impl Buffers {
             bound_whole.iter().chain(of_polygons).find(|&&(_, bytes)| padded(bytes) > split.binding)
         {
             let limit = split.binding;
-            return Err(MemoryError::Binding { what, bytes, limit });
+            return Err(DeviceError::BindingTooLarge { what, bytes, limit });
         }
 
         let mut wanted = vec![("faces", faces * 12), ("edge vertices", edges * 8), ("edge faces", edges * 8)];

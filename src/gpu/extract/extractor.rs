@@ -5,17 +5,18 @@ use std::sync::Arc;
 
 use super::bind_groups::BindGroupBuilder;
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
-use super::errors::{ExtractionEncodeError, ExtractorError};
+use super::errors::ExtractorError;
 use super::extraction::{Extraction, Place, Shared};
 use super::options::ExtractorOptions;
 use super::polygon_passes::PolygonPasses;
 use super::programs;
 #[cfg(feature = "reference")]
 use super::results::ExtractionResults;
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::Pipelines;
-use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer, PositionError};
+use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer};
 use crate::gpu::common::requirements::{Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
@@ -154,7 +155,7 @@ impl Extractor {
     /// `timer` takes a timestamp around each stage.
     ///
     /// # Errors
-    /// [`ExtractionEncodeError`] if lights or positions are refused, or the device is lost or not the timer's. Nothing
+    /// [`ExtractorError`] if lights or positions are refused, or the device is lost or not the timer's. Nothing
     /// is recorded then.
     pub fn encode(
         &mut self,
@@ -162,7 +163,7 @@ impl Extractor {
         positions: PositionBuffer<'_>,
         lights: &[Light],
         mut timer: Option<&mut StageTimer>,
-    ) -> Result<Extraction, ExtractionEncodeError> {
+    ) -> Result<Extraction, ExtractorError> {
         check_lights(lights, self.options.max_lights)?;
         check_timer(timer.as_deref(), self.shared.device())?;
         let bound = positions.bind(self.shared.shape.vertices, &self.shared.limits)?;
@@ -260,7 +261,7 @@ impl Extractor {
     }
 
     /// Makes the bind groups that read positions, unless they exist for this place.
-    fn bind_positions(&mut self, place: &Place, bound: &BoundPositions) -> Result<(), PositionError> {
+    fn bind_positions(&mut self, place: &Place, bound: &BoundPositions) -> Result<(), DeviceError> {
         if self.bound_to.as_ref() == Some(place) {
             return Ok(());
         }

@@ -2,8 +2,9 @@
 
 use super::layout::Group;
 use super::options::SceneOptions;
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
+use crate::gpu::common::memory::{Allocation, buffer, check, guarded, padded};
 use crate::gpu::extract::buffers::RECORD_HEAD;
 use crate::layout::{CHUNK, DrawArguments, FACE_ENTRY, SceneStatistics};
 use crate::method::Predicate;
@@ -165,11 +166,11 @@ impl Buffers {
         old: Option<&Self>,
         wanted: &Wanted<'_>,
         limits: &DispatchLimits,
-    ) -> Result<Self, MemoryError> {
+    ) -> Result<Self, DeviceError> {
         let kept = 4 * wanted.kept_words();
         for (what, bytes) in [("versions of casters", kept), ("lists of chunks", 4 * wanted.work)] {
             if bytes > limits.binding {
-                return Err(MemoryError::Binding { what, bytes, limit: limits.binding });
+                return Err(DeviceError::BindingTooLarge { what, bytes, limit: limits.binding });
             }
         }
         let with_headroom = Self::make(device, old, wanted, limits, limits.binding);
@@ -182,7 +183,7 @@ impl Buffers {
         wanted: &Wanted<'_>,
         limits: &DispatchLimits,
         headroom: u64,
-    ) -> Result<Self, MemoryError> {
+    ) -> Result<Self, DeviceError> {
         let Wanted { groups, lit, work, others, memory_limit, .. } = *wanted;
         let kept = 4 * wanted.kept_words();
         let takes_old = old.is_some_and(|old| Maker::fits(&old.kept, kept));

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use slotmap::DefaultKey;
 
-use super::errors::SceneError;
+use crate::gpu::shadow::errors::ShadowError;
 
 /// The identity of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -49,13 +49,13 @@ impl LightHandle {
 }
 
 impl MeshHandle {
-    pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, SceneError> {
-        if self.scene == scene { Ok(self.key) } else { Err(SceneError::OtherScene { what: "mesh" }) }
+    pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, ShadowError> {
+        if self.scene == scene { Ok(self.key) } else { Err(ShadowError::OtherScene { what: "mesh" }) }
     }
 }
 
 impl CasterHandle {
-    pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, SceneError> {
-        if self.scene == scene { Ok(self.key) } else { Err(SceneError::OtherScene { what: "caster" }) }
+    pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, ShadowError> {
+        if self.scene == scene { Ok(self.key) } else { Err(ShadowError::OtherScene { what: "caster" }) }
     }
 }

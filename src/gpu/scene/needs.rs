@@ -6,17 +6,18 @@ use bytemuck::Zeroable;
 use slotmap::DefaultKey;
 
 use super::caster::Placement;
-use super::errors::SceneError;
 use super::handles::{CasterHandle, SceneId};
 use super::options::Measuring;
 use super::scene::Scene;
 use crate::ShadowCamera;
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, buffer, check, guarded, mapped, write_mapped};
 use crate::gpu::common::pass::{Dispatch, Pass};
-use crate::gpu::common::requirements::{DeviceError, check_timer};
+use crate::gpu::common::requirements::check_timer;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
+use crate::gpu::shadow::errors::ShadowError;
 use crate::layout::{LightCone, NeedsDispatch, SeenLight, ShadowLight, ShadowView};
 use crate::stages::NEEDS;
 use crate::turns::NEEDS_BOXES;
@@ -103,14 +104,14 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::NoBuffer`] for a rigid caster, [`SceneError::ListedTwice`], or as [`Self::encode`].
+    /// [`ShadowError::NoBuffer`] for a rigid caster, [`ShadowError::ListedTwice`], or as [`Self::encode`].
     pub fn encode_needs(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         casters: &[CasterHandle],
         cameras: &[ShadowCamera],
         timer: Option<&mut StageTimer>,
-    ) -> Result<SceneNeeds, SceneError> {
+    ) -> Result<SceneNeeds, ShadowError> {
         check_timer(timer.as_deref(), self.pipelines.device())?;
         let views = self.check_views(cameras)?;
         let keys = self.number_figures(casters)?;
@@ -138,13 +139,13 @@ impl Scene {
     }
 
     /// The keys of casters with buffers.
-    fn number_figures(&mut self, casters: &[CasterHandle]) -> Result<Vec<DefaultKey>, SceneError> {
+    fn number_figures(&mut self, casters: &[CasterHandle]) -> Result<Vec<DefaultKey>, ShadowError> {
         let mut keys = Vec::with_capacity(casters.len());
         for caster in casters {
             let key = caster.key_in(self.id)?;
-            let entry = self.casters.get(key).ok_or(SceneError::Stale { what: "caster" })?;
+            let entry = self.casters.get(key).ok_or(ShadowError::Removed { what: "caster" })?;
             if matches!(entry.placement, Placement::Rigid(_)) {
-                return Err(SceneError::NoBuffer);
+                return Err(ShadowError::NoBuffer);
             }
             keys.push(key);
         }
@@ -152,7 +153,7 @@ impl Scene {
         sorted.sort_unstable();
         if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
             let caster = keys.iter().rposition(|key| *key == pair[0]).unwrap_or(0);
-            return Err(SceneError::ListedTwice { caster });
+            return Err(ShadowError::ListedTwice { caster });
         }
         Ok(keys)
     }
@@ -193,7 +194,7 @@ impl Scene {
         frame: &NeedsDispatch,
         inputs: [&[u8]; 2],
         timer: Option<&mut StageTimer>,
-    ) -> Result<wgpu::Buffer, SceneError> {
+    ) -> Result<wgpu::Buffer, ShadowError> {
         let device = self.pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
         let least = [size_of::<SeenLight>(), size_of::<[u32; 4]>()];
@@ -234,9 +235,9 @@ impl Scene {
     }
 
     /// Whether the scene is as it was when it found these needs, and is asked for the same views.
-    pub(super) fn check_needs(&self, needs: &SceneNeeds, views: &[ShadowView]) -> Result<(), SceneError> {
+    pub(super) fn check_needs(&self, needs: &SceneNeeds, views: &[ShadowView]) -> Result<(), ShadowError> {
         if needs.scene != self.id {
-            return Err(SceneError::OtherScene { what: "needs" });
+            return Err(ShadowError::OtherScene { what: "needs" });
         }
         let bytes = bytemuck::cast_slice::<ShadowView, u8>;
         let is_same = needs.serial == self.needs
@@ -246,7 +247,7 @@ impl Scene {
             && bytes(&needs.views) == bytes(views)
             && needs.entries.start == 0
             && needs.len() == needs.keys.len();
-        if is_same { Ok(()) } else { Err(SceneError::StaleNeeds) }
+        if is_same { Ok(()) } else { Err(ShadowError::StaleNeeds) }
     }
 
     /// Numbers the figures of an encode. Results of casters that become figures, or cease to be, are not cached.

@@ -2,12 +2,12 @@
 
 use glam::Mat4;
 
-use super::errors::{ReceiversError, SceneError};
 use crate::ShadowCamera;
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
+use crate::gpu::shadow::errors::ShadowError;
 use crate::layout::{ReceiverView, ShadowView};
 use crate::stages::{RECEIVER_DEPTH, RECEIVER_PYRAMID, RECEIVER_SAMPLES};
 
@@ -73,14 +73,14 @@ impl Receivers<'_> {
     }
 
     /// Refuses what cannot be read, as far as a texture tells.
-    pub(crate) fn check(&self) -> Result<(), ReceiversError> {
+    pub(crate) fn check(&self, view: usize) -> Result<(), ShadowError> {
         let texture = self.depth.texture();
         let format = texture.format();
         if !format.has_depth_aspect() {
-            return Err(ReceiversError::NoDepth { format });
+            return Err(ShadowError::ReceiversFormat { view, format });
         }
         if !texture.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING) {
-            return Err(ReceiversError::Usage);
+            return Err(ShadowError::ReceiversUsage { view });
         }
         Ok(())
     }
@@ -121,7 +121,7 @@ impl ReceiverStages {
         views: &[ShadowView],
         receivers: &[Option<Receivers<'_>>],
         (target, words): (&wgpu::Buffer, u64),
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, ShadowError> {
         let mut table = UniformTable::default();
         let mut given = Vec::new();
         for (number, ((camera, view), receivers)) in cameras.iter().zip(views).zip(receivers).enumerate() {
@@ -154,8 +154,7 @@ impl ReceiverStages {
                 ];
                 resources.extend(texture.map(|texture| ("depth_texture", texture)));
                 let group = any_error(device, || pipeline.bind(device, &resources));
-                let group = group
-                    .map_err(|message| SceneError::Receivers { view, error: ReceiversError::Refused { message } })?;
+                let group = group.map_err(|message| ShadowError::ReceiversRefused { view, message })?;
                 let (name, pipeline) = (stage.name, pipeline.compute.clone());
                 stages.push(Bound { name, pipeline, group, offset, workgroups });
             }

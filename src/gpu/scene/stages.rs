@@ -4,10 +4,11 @@ use wgpu::BindingResource;
 
 use super::buffers::{Buffers, GroupBuffers, LISTS_HEAD, WORK_WORDS};
 use super::structure::{GroupBatch, Making, Structure};
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding, loops_of};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program};
-use crate::gpu::common::positions::{PositionError, bound};
+use crate::gpu::common::positions::bound;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
 use crate::gpu::shadow;
@@ -48,8 +49,8 @@ impl Passes {
     /// The passes of a structure.
     ///
     /// # Errors
-    /// [`PositionError::Refused`] if a caller destroyed the buffer of a caster.
-    pub(crate) fn new(making: &Making<'_>, structure: &Structure) -> Result<Self, PositionError> {
+    /// [`DeviceError::BufferRefused`] if a caller destroyed the buffer of a caster.
+    pub(crate) fn new(making: &Making<'_>, structure: &Structure) -> Result<Self, DeviceError> {
         let device = making.pipelines.device();
         let limits = &DispatchLimits::new(&device.limits());
         bound(device, || Binder { pipelines: making.pipelines, structure, making, limits }.passes())

@@ -1,7 +1,6 @@
 //! The shadow volumes of a scene.
 
 use super::buffers::LISTS_HEAD;
-use super::errors::SceneError;
 use super::layout::Group;
 use super::structure::{GroupBatch, Making, Structure};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
@@ -10,6 +9,7 @@ use crate::gpu::common::positions::bound;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::shadow::buffers::VolumeBuffers;
 use crate::gpu::shadow::draws::LightDraws;
+use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::sizes::{GroupSize, Room, VolumeSettings, VolumeSizes};
 use crate::gpu::shadow::source::{BatchSource, GroupSource, VolumeSource};
 use crate::gpu::shadow::stages::{StagePipelines, VolumeStages};
@@ -35,7 +35,7 @@ impl Volumes {
         views: usize,
         receivers: u64,
         others: u64,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, ShadowError> {
         let device = making.pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
         let settings = making.options.volumes(making.has_receivers);

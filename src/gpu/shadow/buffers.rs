@@ -3,8 +3,9 @@
 use wgpu::BufferUsages;
 
 use super::sizes::{Room, VolumeSizes};
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
+use crate::gpu::common::memory::{Allocation, buffer, check, filled, guarded, padded};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::{PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics};
 
@@ -66,13 +67,13 @@ impl VolumeBuffers {
         sizes: VolumeSizes,
         others: &[Allocation],
         limits: &DispatchLimits,
-    ) -> Result<Self, MemoryError> {
+    ) -> Result<Self, DeviceError> {
         let mut wanted = sizes.besides_lists();
         for room in &sizes.rooms {
             wanted.extend((0..sizes.views).flat_map(|_| room.lists()).map(|(label, bytes, _)| (label, bytes)));
         }
         if let Some(&(what, bytes)) = wanted.iter().find(|&&(_, bytes)| padded(bytes) > limits.binding) {
-            return Err(MemoryError::Binding { what, bytes, limit: limits.binding });
+            return Err(DeviceError::BindingTooLarge { what, bytes, limit: limits.binding });
         }
         let allocation = |&(label, bytes): &(&'static str, u64)| Allocation { label, bytes: padded(bytes) };
         let own = wanted.iter().map(allocation);
