@@ -9,7 +9,7 @@ use rimline_measure::harness::Test;
 use rimline_measure::models::{random_model, random_pose};
 use rimline_measure::on_gpu::text;
 use rimline_measure::random::Random;
-use rimline_measure::refusals::{Expected, is, refusal, refused, says};
+use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
 
 use crate::watched::{LIGHT, Watched, camera, caster, depth_stencil, extractor, packed};
 
@@ -38,8 +38,8 @@ fn formats() -> Result<(), String> {
     let colors = |color, count| make(&watched, ShadowFormat { colors: vec![Some(color); count], ..Default::default() });
     let (undrawable, rgba) = (wgpu::TextureFormat::Rgb9e5Ufloat, wgpu::TextureFormat::Rgba8Unorm);
     refused([
-        refusal("a format that cannot be drawn into", colors(undrawable, 1), says(&["Refused {"])),
-        refusal("too many colours", colors(rgba, 9), says(&["Refused {"])),
+        refusal("a format that cannot be drawn into", colors(undrawable, 1), shows(&["Refused {"])),
+        refusal("too many colours", colors(rgba, 9), shows(&["Refused {"])),
     ])?;
     watched.quiet("colours")?;
     // Where the adapter's own counts are allowed, the device has the last word.
@@ -54,7 +54,7 @@ fn formats() -> Result<(), String> {
         watched.quiet(&format!("{samples} samples of the adapter"))?;
     }
     let three = make(&watched, ShadowFormat { samples: 3, ..Default::default() });
-    refused([refusal("3 samples of the adapter", three, says(&["Samples { samples: 3,"]))])?;
+    refused([refusal("3 samples of the adapter", three, shows(&["Samples { samples: 3,"]))])?;
     watched.quiet("3 samples of the adapter")
 }
 
@@ -81,16 +81,16 @@ fn mixed() -> Result<(), String> {
     let mut timer = StageTimer::new(&theirs.gpu.device, &theirs.gpu.queue).ok_or("no timer")?;
     let timed = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], Some(&mut timer));
     refused([
-        refusal("volumes", volumes, says(OTHER)),
-        refusal("positions", of_theirs, says(REFUSED)),
-        refusal("timer", timed, says(OTHER)),
+        refusal("volumes", volumes, shows(OTHER)),
+        refusal("positions", of_theirs, shows(REFUSED)),
+        refusal("timer", timed, shows(OTHER)),
     ])?;
     quiet("volumes, positions and timer")?;
     // The refused calls changed no state.
     let extraction = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], None).map_err(text)?;
     let mut volumes = ShadowVolumes::new(&drawing, &extractor, ShadowOptions::default()).map_err(text)?;
     let timed = volumes.encode(&mut encoder, &extraction, &camera(), Some(&mut timer));
-    refused([refusal("volumes' timer", timed, says(OTHER))])?;
+    refused([refusal("volumes' timer", timed, shows(OTHER))])?;
     quiet("volumes' timer")?;
     let shadows = volumes.encode(&mut encoder, &extraction, &camera(), None).map_err(text)?;
     let view = depth_stencil(ours);
@@ -104,7 +104,7 @@ fn mixed() -> Result<(), String> {
         ..Default::default()
     });
     refused([
-        refusal("drawing", shadows.draw(&mut pass, &foreign_drawing, 0), says(OTHER)),
+        refusal("drawing", shadows.draw(&mut pass, &foreign_drawing, 0), shows(OTHER)),
         refusal("its own", shadows.draw(&mut pass, &drawing, 0), Expected::Taken),
     ])?;
     drop(pass);
@@ -120,11 +120,11 @@ fn mixed() -> Result<(), String> {
     let mut encode = |at, points, timer| query.encode_at(&mut encoder, at, points, 9, &[LIGHT], timer);
     let read = read_back_vec::<u32>(&ours.gpu.device, &ours.gpu.queue, &foreign);
     refused([
-        refusal("layout", extraction.bind_group(&layout, 0), says(REFUSED)),
-        refusal("query", encode(foreign_points, own, None), says(REFUSED)),
-        refusal("points", encode(own, foreign_points, None), says(&["Points(BufferRefused {"])),
-        refusal("query's timer", encode(own, own, Some(&mut timer)), says(OTHER)),
-        refusal("reading back", read, says(&["ReadBack {"])),
+        refusal("layout", extraction.bind_group(&layout, 0), shows(REFUSED)),
+        refusal("query", encode(foreign_points, own, None), shows(REFUSED)),
+        refusal("points", encode(own, foreign_points, None), shows(&["Points(BufferRefused {"])),
+        refusal("query's timer", encode(own, own, Some(&mut timer)), shows(OTHER)),
+        refusal("reading back", read, shows(&["ReadBack {"])),
     ])?;
     quiet("layout, query and reading back")
 }
@@ -140,13 +140,13 @@ fn made_on_lost() -> Result<(), String> {
     let options = ExtractorOptions::default();
     let (format, volumes) = (ShadowFormat::default(), ShadowOptions::default());
     refused([
-        refusal("extractor", Extractor::new(pipelines, &mesh, options), says(LOST)),
-        refusal("pipelines", ShadowPipelines::new(pipelines, &format, Counting::ZFail), says(LOST)),
-        refusal("volumes", ShadowVolumes::new(&drawing, &extractor, volumes), says(LOST)),
-        refusal("query", ShadowQuery::new(pipelines, &mesh, ShadowQueryOptions::default()), says(LOST)),
-        refusal("deformer", Deformer::new(pipelines, &model, DeformerOptions::default()), says(LOST)),
+        refusal("extractor", Extractor::new(pipelines, &mesh, options), shows(LOST)),
+        refusal("pipelines", ShadowPipelines::new(pipelines, &format, Counting::ZFail), shows(LOST)),
+        refusal("volumes", ShadowVolumes::new(&drawing, &extractor, volumes), shows(LOST)),
+        refusal("query", ShadowQuery::new(pipelines, &mesh, ShadowQueryOptions::default()), shows(LOST)),
+        refusal("deformer", Deformer::new(pipelines, &model, DeformerOptions::default()), shows(LOST)),
         // Nor with pipelines of one's own.
-        refusal("its own pipelines", Extractor::new(&watched.gpu.device, &mesh, options), says(LOST)),
+        refusal("its own pipelines", Extractor::new(&watched.gpu.device, &mesh, options), shows(LOST)),
     ])?;
     watched.quiet("constructors")
 }
@@ -203,20 +203,20 @@ fn encoded_on_lost() -> Result<(), String> {
         let Made { extractor, volumes, query, timer, .. } = made;
         let extraction = extractions.next().ok_or("no extraction")?;
         refused([
-            refusal(what, extractor.encode(encoder, positions, &[LIGHT], Some(timer)), says(LOST)),
-            refusal(what, query.encode_at(encoder, positions, positions, 9, &[LIGHT], Some(timer)), says(LOST)),
-            refusal(what, deformer.encode(encoder, &pose, 0.0, None, Some(timer)), says(LOST)),
-            refusal(what, extraction.bind_group(&layout, 0), says(LOST)),
+            refusal(what, extractor.encode(encoder, positions, &[LIGHT], Some(timer)), shows(LOST)),
+            refusal(what, query.encode_at(encoder, positions, positions, 9, &[LIGHT], Some(timer)), shows(LOST)),
+            refusal(what, deformer.encode(encoder, &pose, 0.0, None, Some(timer)), shows(LOST)),
+            refusal(what, extraction.bind_group(&layout, 0), shows(LOST)),
         ])?;
         if what == "used" {
             let encoded = volumes.encode(encoder, &extraction, &camera(), Some(timer));
-            refused([refusal("used volumes", encoded, says(LOST))])?;
+            refused([refusal("used volumes", encoded, shows(LOST))])?;
         }
         timer.resolve(encoder);
         let (device, queue, counts) = (&watched.gpu.device, &watched.gpu.queue, extractor.results().counts);
         refused([
-            refusal(what, timer.read(device, queue), says(&["ReadBack {"])),
-            refusal(what, read_back_vec::<u32>(device, queue, counts), says(&["ReadBack {"])),
+            refusal(what, timer.read(device, queue), shows(&["ReadBack {"])),
+            refusal(what, read_back_vec::<u32>(device, queue, counts), shows(&["ReadBack {"])),
         ])?;
         watched.quiet(what)?;
     }

@@ -17,7 +17,7 @@ use rimline_measure::on_gpu::interleaved;
 use rimline_measure::on_gpu::{limited, repeated_torus, text};
 use rimline_measure::polygons::{PolygonSet, quad_box};
 use rimline_measure::random::Random;
-use rimline_measure::refusals::{Expected, is, refusal, refused, says};
+use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
 use rimline_measure::same;
 
 pub(crate) const TESTS: &[Test] = &[
@@ -69,13 +69,25 @@ fn too_large() -> Result<(), String> {
     let torus = |rings, segments| repeated_torus(rings, segments, 0);
     let row = |what, (binding, buffer, workgroups), shape: Shape, options, parts| -> Result<_, String> {
         let made = Extractor::new(&limited(binding, buffer, workgroups)?.pipelines, &mesh_of(&shape)?, options);
-        Ok(refusal(what, made, says(parts)))
+        Ok(refusal(what, made, shows(parts)))
     };
     let (small, smaller, smallest) = ((16 << 10, 1 << 20, 64), (4 << 10, 1 << 20, 64), (1 << 10, 1 << 20, 64));
     refused([
-        row("faces", (16 << 10, 128 << 10, 64), torus(100, 60), options, &["faces needs 144000", "allows 131072"])?,
-        row("facing masks", smaller, torus(60, 40), options, &["facing masks take 19200", "hold 16384"])?,
-        row("lists", smaller, torus(20, 20), listed, &["BindingTooLarge", "edge lists needs 128000", "allows 4096"])?,
+        row(
+            "faces",
+            (16 << 10, 128 << 10, 64),
+            torus(100, 60),
+            options,
+            &["BufferTooLarge { label: \"faces\"", "144000", "131072"],
+        )?,
+        row(
+            "facing masks",
+            smaller,
+            torus(60, 40),
+            options,
+            &["GatheredTooLarge", "\"facing masks\"", "19200", "16384"],
+        )?,
+        row("lists", smaller, torus(20, 20), listed, &["BindingTooLarge", "\"edge lists\"", "128000", "4096"])?,
         row("less than a workgroup", smallest, shapes::cube(), options, &["BindingTooLarge"])?,
         row("places", small, loose, ordered, &["BindingTooLarge { what: \"places\""])?,
         row("chunks", (16 << 10, 128 << 10, 1), torus(60, 40), many, &["BufferTooLarge { label: \"chunks\""])?,
@@ -95,8 +107,8 @@ fn positions_and_models_too_large() -> Result<(), String> {
     let model = random_model(&mut Random::new(73), 500);
     let deformer = Deformer::new(&limited(1 << 10, 1 << 20, 64)?.pipelines, &model, DeformerOptions::default());
     refused([
-        refusal("positions", encoded, says(&["Device(GatheredTooLarge { what: \"positions\""])),
-        refusal("deform", deformer, says(&["Device(BindingTooLarge"])),
+        refusal("positions", encoded, shows(&["Device(GatheredTooLarge { what: \"positions\""])),
+        refusal("deform", deformer, shows(&["Device(BindingTooLarge"])),
     ])
 }
 
@@ -117,7 +129,7 @@ fn memory_limit() -> Result<(), String> {
     let deformer = Deformer::new(&gpu.pipelines, &model, limited);
     refused([
         refusal("one byte less", made(bytes - 1), is(expected)),
-        refusal("deform", deformer, says(&["Device(MemoryLimit"])),
+        refusal("deform", deformer, shows(&["Device(MemoryLimit"])),
     ])?;
     same("live buffers", &[gpu.live_buffers()?], &[before])?;
     let extractor = made(bytes).map_err(text)?;
@@ -140,7 +152,7 @@ fn include_refuses() -> Result<(), String> {
     let light = [Light::point([3.0, 2.0, 1.0])];
     let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, &light, None).map_err(text))?;
     let group = extraction.bind_group(&layout, 0);
-    refused([refusal("the include", group, says(&["Device(BindingTooLarge"]))])?;
+    refused([refusal("the include", group, shows(&["Device(BindingTooLarge"]))])?;
     // The extraction itself goes on, in windows.
     let options = ExtractorOptions { masks: true, ..Default::default() };
     extract(&gpu, &shape.positions, &mesh, &[Light::point([3.0, 2.0, 1.0])], options).map(drop)

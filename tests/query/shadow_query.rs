@@ -16,7 +16,7 @@ use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::interleaved;
 use rimline_measure::on_gpu::{limited, text};
 use rimline_measure::random::Random;
-use rimline_measure::refusals::{Expected, is, refusal, refused, says};
+use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
 use rimline_measure::shadow_cases::{ShadowCase, lattice, shadow_cases};
 use rimline_measure::{is_long, lights, must_fail, same};
 
@@ -200,10 +200,14 @@ fn refusing() -> Result<(), String> {
     refused([
         refusal("no lights", with(|options| options.max_lights = 0), of_light(LightError::NoRoom)),
         refusal("lights", with(|options| options.max_lights = 1025), too_many(1025, 1024)),
-        refusal("depths", with(|options| options.max_points = u32::MAX), says(&["BufferTooLarge { label: \"depths\""])),
-        refusal("memory", with(|options| options.memory_limit = Some(1000)), says(&["MemoryLimit", "1000 allowed"])),
-        refusal("small bindings", new(&small, options), says(&["BindingTooLarge { what: \"a group of faces\""])),
-        refusal("many lights", new(&larger, many), says(&["BindingTooLarge { what: \"64 points\""])),
+        refusal(
+            "depths",
+            with(|options| options.max_points = u32::MAX),
+            shows(&["BufferTooLarge { label: \"depths\""]),
+        ),
+        refusal("memory", with(|options| options.memory_limit = Some(1000)), shows(&["MemoryLimit", "limit: 1000"])),
+        refusal("small bindings", new(&small, options), shows(&["BindingTooLarge { what: \"a group of faces\""])),
+        refusal("many lights", new(&larger, many), shows(&["BindingTooLarge { what: \"64 points\""])),
     ])?;
 
     let mut query = new(gpu, options).map_err(text)?;
@@ -230,8 +234,12 @@ fn refusing() -> Result<(), String> {
             refusal("many lights", encode(vertices, good, 1, &[light; 3]), too_many(3, 2)),
             refusal("a negative w", encode(vertices, good, 1, &[negative]), of_light(negative_w)),
             refusal("many points", encode(vertices, good, 11, &[light]), is(many)),
-            refusal("short positions", encode(good, good, 1, &[light]), says(&["Device(PositionsTooShort"])),
-            refusal("short", encode(vertices, short, 10, &[light]), says(&["Points(PositionsTooShort { vertices: 10"])),
+            refusal("short positions", encode(good, good, 1, &[light]), shows(&["Device(PositionsTooShort"])),
+            refusal(
+                "short",
+                encode(vertices, short, 10, &[light]),
+                shows(&["Points(PositionsTooShort { vertices: 10"]),
+            ),
             refusal("a bad stride", encode(vertices, narrow, 1, &[light]), is(stride)),
             refusal(
                 "no storage",

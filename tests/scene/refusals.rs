@@ -6,7 +6,7 @@ use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::{limited, text};
 use rimline_measure::polygons::quad_box;
-use rimline_measure::refusals::{Expected, is, refusal, refused, says};
+use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
 use rimline_measure::shapes;
 
 pub(crate) const TESTS: &[Test] = &[
@@ -113,7 +113,7 @@ fn positions() -> Result<(), String> {
             insert(2, 12),
             is(ShadowError::Device(DeviceError::PositionLayout { offset: 2, stride: 12 })),
         ),
-        refusal("a short buffer", insert(12, 12), says(&["Device(PositionsTooShort"])),
+        refusal("a short buffer", insert(12, 12), shows(&["Device(PositionsTooShort"])),
     ])?;
     let caster = insert(0, 12).map_err(text)?;
     let transform = scene.set_transform(caster, IDENTITY);
@@ -123,7 +123,7 @@ fn positions() -> Result<(), String> {
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     refused([
         refusal("a transform", transform, is(ShadowError::NotRigid)),
-        refusal("a destroyed buffer", scene.encode(&mut encoder, &[], None), says(&["Device(BufferRefused"])),
+        refusal("a destroyed buffer", scene.encode(&mut encoder, &[], None), shows(&["Device(BufferRefused"])),
         refusal("its removal", scene.remove(caster), Expected::Taken),
         refusal("without it", scene.encode(&mut encoder, &[], None), Expected::Taken),
     ])
@@ -135,7 +135,7 @@ fn memory() -> Result<(), String> {
     let options = SceneOptions { memory_limit: Some(1000), ..Default::default() };
     let mut small = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     let page = small.add_mesh(&mesh, &positions);
-    refused([refusal("a page beyond the limit", page, says(&["Device(MemoryLimit", "1000 allowed"]))])?;
+    refused([refusal("a page beyond the limit", page, shows(&["Device(MemoryLimit", "limit: 1000"]))])?;
     // A page fits, and the results of many casters do not.
     let options = SceneOptions { memory_limit: Some(2_000_000), ..Default::default() };
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
@@ -144,7 +144,7 @@ fn memory() -> Result<(), String> {
     let casters = (0..10_000).map(|_| scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text));
     let casters = casters.collect::<Result<Vec<_>, _>>()?;
     let encoded = gpu.submit(|encoder| Ok(scene.encode(encoder, &[], None)))?;
-    refused([refusal("results beyond the limit", encoded, says(&["Device(MemoryLimit", "2000000 allowed"]))])?;
+    refused([refusal("results beyond the limit", encoded, shows(&["Device(MemoryLimit", "limit: 2000000"]))])?;
     for caster in &casters[1..] {
         scene.remove(*caster).map_err(text)?;
     }
@@ -155,7 +155,7 @@ fn memory() -> Result<(), String> {
     let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position).map_err(text)?;
     let mut scene = Scene::new(&tight.pipelines, &tight.queue, SceneOptions::default()).map_err(text)?;
     let large = scene.add_mesh(&mesh, &shape.positions);
-    refused([refusal("a large mesh", large, says(&["Device(BindingTooLarge { what: \"faces\""]))])
+    refused([refusal("a large mesh", large, shows(&["Device(BindingTooLarge { what: \"faces\""]))])
 }
 
 /// At the origin, looking along x.
@@ -175,7 +175,7 @@ fn views() -> Result<(), String> {
     scene.add_light(Light::point([1.0, 2.0, 3.0])).map_err(text)?;
     let mut encode = |views| gpu.submit(|encoder| Ok(scene.encode(encoder, &vec![camera(); views], None)));
     for (views, error) in [(1000, "Device(MemoryLimit"), (100_000, "Device(BindingTooLarge")] {
-        refused([refusal(format!("{views} views"), encode(views)?, says(&[error]))])?;
+        refused([refusal(format!("{views} views"), encode(views)?, shows(&[error]))])?;
         for views in [1, 0, 2] {
             encode(views)?.map_err(text)?;
         }

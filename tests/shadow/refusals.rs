@@ -15,15 +15,14 @@ use rimline_measure::shapes;
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::{limited, text};
-use rimline_measure::refusals::{Expected, is, refusal, refused, says};
+use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
 use rimline_measure::{must_fail, same};
 
 use crate::render::{Renderer, attachment};
 
 pub(crate) const TESTS: &[Test] = &[
     ("formats_that_do_not_serve_are_typed_errors", formats),
-    ("z_fail_needs_pipelines_for_the_cameras_far_plane", far_planes),
-    ("depth_of_camera_and_pipelines_must_agree", depths),
+    ("cameras_need_pipelines_for_their_depth_and_far_plane", conventions),
     ("mirror_images_need_pipelines_for_them", mirrors),
     ("near_planes_next_to_the_eye_are_refused", near_planes),
     ("volumes_belong_to_one_extractor", extractors),
@@ -75,12 +74,14 @@ fn formats() -> Result<(), String> {
     Ok(())
 }
 
-/// A caster with all that it needs.
+type Encoded = Result<ShadowFrame, ShadowError>;
+
+/// A caster with all that it needs, and the last extraction, at first of all lights.
 struct Caster<'a> {
     gpu: &'a Gpu,
     positions: wgpu::Buffer,
     extractor: Extractor,
-    extraction: Option<Extraction>,
+    extraction: Extraction,
 }
 
 impl<'a> Caster<'a> {
@@ -88,30 +89,36 @@ impl<'a> Caster<'a> {
         let shape = shapes::torus(16, 8, 1.0, 0.4);
         let mesh = shape.mesh().map_err(text)?;
         let options = ExtractorOptions { max_lights: 4, ..Default::default() };
-        let extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
-        Ok(Self { gpu, positions: gpu.storage(&shape.positions), extractor, extraction: None })
+        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+        let positions = gpu.storage(&shape.positions);
+        let extraction = extracted(gpu, &mut extractor, &positions, &LIGHTS)?;
+        Ok(Self { gpu, positions, extractor, extraction })
+    }
+
+    fn extract(&mut self, lights: &[Light]) -> Result<Extraction, String> {
+        self.extraction = extracted(self.gpu, &mut self.extractor, &self.positions, lights)?;
+        Ok(self.extraction.clone())
     }
 
     fn volumes(&self, pipelines: &ShadowPipelines) -> Result<ShadowVolumes, String> {
         ShadowVolumes::new(pipelines, &self.extractor, ShadowOptions::default()).map_err(text)
     }
 
-    fn extract(&mut self, lights: &[Light]) -> Result<Extraction, String> {
-        let bound = PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 };
-        let extractor = &mut self.extractor;
-        let extraction = self.gpu.submit(|encoder| extractor.encode(encoder, bound, lights, None).map_err(text))?;
-        self.extraction = Some(extraction.clone());
-        Ok(extraction)
-    }
-
-    /// Result of encoding the last extraction.
-    fn encoded(&self, volumes: &mut ShadowVolumes, camera: &ShadowCamera) -> Result<Encoded, String> {
-        let extraction = self.extraction.as_ref().ok_or("nothing was extracted")?;
-        encoded(self.gpu, volumes, extraction, camera)
+    /// Result of encoding the last extraction for new volumes.
+    fn encoded(&self, pipelines: &ShadowPipelines, camera: &ShadowCamera) -> Result<Encoded, String> {
+        encoded(self.gpu, &mut self.volumes(pipelines)?, &self.extraction, camera)
     }
 }
 
-type Encoded = Result<ShadowFrame, ShadowError>;
+fn extracted(
+    gpu: &Gpu,
+    extractor: &mut Extractor,
+    buffer: &wgpu::Buffer,
+    lights: &[Light],
+) -> Result<Extraction, String> {
+    let bound = PositionBuffer { buffer, offset: 0, stride: 12 };
+    gpu.submit(|encoder| extractor.encode(encoder, bound, lights, None).map_err(text))
+}
 
 /// Result of encoding an extraction.
 fn encoded(
@@ -121,6 +128,14 @@ fn encoded(
     camera: &ShadowCamera,
 ) -> Result<Encoded, String> {
     gpu.submit(|encoder| Ok(volumes.encode(encoder, extraction, camera, None)))
+}
+
+fn made(gpu: &Gpu, format: &ShadowFormat, counting: Counting) -> Result<ShadowPipelines, String> {
+    ShadowPipelines::new(&gpu.pipelines, format, counting).map_err(text)
+}
+
+fn default_pipelines(gpu: &Gpu) -> Result<ShadowPipelines, String> {
+    made(gpu, &ShadowFormat::default(), Counting::Auto)
 }
 
 const LIGHTS: [Light; 3] =
@@ -146,42 +161,34 @@ fn cameras() -> [(ShadowCamera, bool); 6] {
     ]
 }
 
-/// Pipelines for no far plane and a camera that has one would have dark caps clipped.
-fn far_planes() -> Result<(), String> {
+/// Pipelines for no far plane and a camera that has one would have dark caps clipped. Those of another depth would take near
+/// for far.
+fn conventions() -> Result<(), String> {
     let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
-    let mut caster = Caster::new(gpu)?;
-    caster.extract(&LIGHTS)?;
+    let caster = Caster::new(gpu)?;
     for (number, (camera, camera_has)) in cameras().into_iter().enumerate() {
-        for counting in METHODS {
-            for has_far_plane in [false, true] {
-                let format = ShadowFormat { depth: camera.depth, has_far_plane, ..ShadowFormat::default() };
-                let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)?;
-                let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera)?;
-                let clips = is_fail(counting) && camera_has && !has_far_plane;
-                let expected = if clips { is(ShadowError::FarPlane { counting }) } else { Expected::Taken };
-                refused([refusal(format!("camera {number}, {counting:?}, {has_far_plane}"), found, expected)])?;
-            }
+        for (counting, depth, has_far_plane) in all_conventions() {
+            let format = ShadowFormat { depth, has_far_plane, ..ShadowFormat::default() };
+            let found = caster.encoded(&made(gpu, &format, counting)?, &camera)?;
+            let expected = if camera.depth != depth {
+                is(ShadowError::CameraDepth { camera: camera.depth, pipelines: depth })
+            } else if is_fail(counting) && camera_has && !has_far_plane {
+                is(ShadowError::FarPlane { counting })
+            } else {
+                Expected::Taken
+            };
+            refused([refusal(format!("camera {number}, {counting:?}, {depth:?}, {has_far_plane}"), found, expected)])?;
         }
     }
     let message = ShadowError::FarPlane { counting: Counting::ZFail }.to_string();
     if message.contains("DEPTH_CLIP_CONTROL") { Ok(()) } else { Err(message) }
 }
 
-fn depths() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut caster = Caster::new(gpu)?;
-    caster.extract(&LIGHTS)?;
-    for (camera, _) in cameras() {
-        for depth in [DepthDirection::Reversed, DepthDirection::Standard] {
-            let format = ShadowFormat { depth, ..ShadowFormat::default() };
-            let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto).map_err(text)?;
-            let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera)?;
-            let differ = ShadowError::CameraDepth { camera: camera.depth, pipelines: depth };
-            let expected = if camera.depth == depth { Expected::Taken } else { is(differ) };
-            refused([refusal(format!("{depth:?}"), found, expected)])?;
-        }
-    }
-    Ok(())
+/// Methods, depths, and whether there is a far plane.
+fn all_conventions() -> Vec<(Counting, DepthDirection, bool)> {
+    let depths = [DepthDirection::Reversed, DepthDirection::Standard];
+    let of = |counting| depths.map(|depth| [false, true].map(|has_far_plane| (counting, depth, has_far_plane)));
+    METHODS.map(of).into_iter().flatten().flatten().collect()
 }
 
 /// The camera with its y, or another axis, the other way round.
@@ -193,21 +200,19 @@ fn flipped(camera: ShadowCamera, axes: Vec3) -> ShadowCamera {
 /// Near caps are wound by the light, and sides by the picture: a mirror image would count them against each other.
 fn mirrors() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut caster = Caster::new(gpu)?;
-    caster.extract(&LIGHTS)?;
+    let caster = Caster::new(gpu)?;
     for (camera, _) in cameras() {
-        let made = |front_face| {
-            let format = ShadowFormat { depth: camera.depth, front_face, ..ShadowFormat::default() };
-            ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto).map_err(text)
-        };
-        let [plain, mirroring] = [made(wgpu::FrontFace::Ccw)?, made(wgpu::FrontFace::Cw)?];
+        let of = |front_face| ShadowFormat { depth: camera.depth, front_face, ..ShadowFormat::default() };
+        let [plain, mirroring] =
+            [wgpu::FrontFace::Ccw, wgpu::FrontFace::Cw].map(|front_face| made(gpu, &of(front_face), Counting::Auto));
+        let (plain, mirroring) = (plain?, mirroring?);
         let mirrored = flipped(camera, Vec3::new(1.0, -1.0, 1.0));
         same("the check", &[camera.check(), mirrored.check()], &[Ok(()), Err(CameraError::Mirrored)])?;
         for (camera, is_mirrored) in
             [(camera, false), (mirrored, true), (flipped(mirrored, Vec3::NEG_ONE.with_z(1.0)), true)]
         {
             for (pipelines, for_mirrors) in [(&plain, false), (&mirroring, true)] {
-                let found = caster.encoded(&mut caster.volumes(pipelines)?, &camera)?;
+                let found = caster.encoded(pipelines, &camera)?;
                 let expected = match (is_mirrored, for_mirrors) {
                     (true, false) => is(ShadowError::Camera(CameraError::Mirrored)),
                     (false, true) => is(ShadowError::Camera(CameraError::NotMirrored)),
@@ -232,9 +237,8 @@ fn mirrors() -> Result<(), String> {
 
 fn near_planes() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut caster = Caster::new(gpu)?;
-    caster.extract(&LIGHTS)?;
-    let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
+    let caster = Caster::new(gpu)?;
+    let pipelines = default_pipelines(gpu)?;
     for (near, is_good) in [(1e-30, true), (1e-33, true), (1e-35, false), (1e-36, false), (1e-38, false)] {
         let eye = Vec3::new(1.0, 2.0, 6.0);
         let view = look_at_mat4(Vec3::ZERO, -eye, Vec3::Y);
@@ -246,7 +250,7 @@ fn near_planes() -> Result<(), String> {
         let expected = |error: fn(CameraError) -> Expected| {
             if is_good { Expected::Taken } else { error(CameraError::DepthRange) }
         };
-        let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera)?;
+        let found = caster.encoded(&pipelines, &camera)?;
         refused([
             refusal(format!("{near:e}, checked"), camera.check(), expected(is)),
             refusal(format!("{near:e}"), found, expected(|error| is(ShadowError::Camera(error)))),
@@ -257,16 +261,12 @@ fn near_planes() -> Result<(), String> {
 
 fn extractors() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let [mut caster, mut other] = [Caster::new(gpu)?, Caster::new(gpu)?];
-    caster.extract(&LIGHTS)?;
-    other.extract(&LIGHTS)?;
-    let (camera, _) = cameras()[0];
-    let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
-    let mut volumes = caster.volumes(&pipelines)?;
-    let found = other.encoded(&mut volumes, &camera)?;
+    let [caster, other] = [Caster::new(gpu)?, Caster::new(gpu)?];
+    let mut volumes = caster.volumes(&default_pipelines(gpu)?)?;
+    let mut encode = |extraction| encoded(gpu, &mut volumes, extraction, &cameras()[0].0);
     refused([
-        refusal("another extractor of an equal mesh", found, is(ShadowError::OtherExtractor)),
-        refusal("its own", caster.encoded(&mut volumes, &camera)?, Expected::Taken),
+        refusal("another extractor of an equal mesh", encode(&other.extraction)?, is(ShadowError::OtherExtractor)),
+        refusal("its own", encode(&caster.extraction)?, Expected::Taken),
     ])
 }
 
@@ -275,7 +275,7 @@ fn stale() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut caster = Caster::new(gpu)?;
     let (camera, _) = cameras()[0];
-    let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
+    let pipelines = default_pipelines(gpu)?;
     let mut volumes = caster.volumes(&pipelines)?;
     let mut encode = |extraction: &Extraction| encoded(gpu, &mut volumes, extraction, &camera);
     let first = caster.extract(&LIGHTS[..2])?;
@@ -319,17 +319,16 @@ fn no_lights() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut caster = Caster::new(gpu)?;
     let (camera, _) = cameras()[0];
-    let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
+    let pipelines = default_pipelines(gpu)?;
     let mut volumes = caster.volumes(&pipelines)?;
-    caster.extract(&LIGHTS)?;
-    caster.encoded(&mut volumes, &camera)?.map_err(text)?;
+    encoded(gpu, &mut volumes, &caster.extraction, &camera)?.map_err(text)?;
     let silhouettes = |caster: &Caster<'_>| -> Result<Vec<u32>, String> {
         let draws: Vec<DrawArguments> = gpu.read(caster.extractor.results().draw_arguments, 4)?;
         Ok(draws.iter().map(|draw| draw.instance_count).collect())
     };
     let before = silhouettes(&caster)?;
     let none = caster.extract(&[])?;
-    let frame = caster.encoded(&mut volumes, &camera)?.map_err(text)?;
+    let frame = encoded(gpu, &mut volumes, &none, &camera)?.map_err(text)?;
     same("silhouettes of no lights", &silhouettes(&caster)?, &[0; 4])?;
     must_fail("silhouettes of three lights", &same("before", &before, &[0; 4]))?;
     let draws: Vec<ShadowDraws> = gpu.read(&volumes.draw_arguments()[0], 4)?;
@@ -356,22 +355,15 @@ fn drawn(
 
 /// Formats differ where attachments do; what volumes were made for must not.
 fn pipelines() -> Result<(), String> {
-    use DepthDirection::{Reversed, Standard};
     let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
-    let mut caster = Caster::new(gpu)?;
-    caster.extract(&LIGHTS)?;
-    let all = METHODS.map(|counting| {
-        [Reversed, Standard].map(|depth| [false, true].map(|has_far_plane| (counting, depth, has_far_plane)))
-    });
-    let all: Vec<_> = all.into_iter().flatten().flatten().collect();
+    let caster = Caster::new(gpu)?;
+    let all = all_conventions();
     let made = |&(counting, depth, has_far_plane): &(Counting, DepthDirection, bool)| {
-        let format = ShadowFormat { depth, has_far_plane, ..ShadowFormat::default() };
-        ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)
+        made(gpu, &ShadowFormat { depth, has_far_plane, ..ShadowFormat::default() }, counting)
     };
     for ours in &all {
-        let mut volumes = caster.volumes(&made(ours)?)?;
-        let (camera, _) = cameras()[usize::from(ours.1 == Standard)];
-        let frame = caster.encoded(&mut volumes, &camera)?.map_err(text)?;
+        let (camera, _) = cameras()[usize::from(ours.1 == DepthDirection::Standard)];
+        let frame = caster.encoded(&made(ours)?, &camera)?.map_err(text)?;
         for theirs in &all {
             let found = drawn(gpu, &frame, &made(theirs)?, 0)?;
             let expected = if ours.0 != theirs.0 {
@@ -428,7 +420,7 @@ fn capacities() -> Result<(), String> {
     let Err(ShadowError::Device(DeviceError::MemoryLimit { bytes: least, .. })) = within(0, Some(1))? else {
         return Err("one entry a list was not refused".to_owned());
     };
-    let too_little = || says(&["Device(MemoryLimit {"]);
+    let too_little = || shows(&["Device(MemoryLimit {"]);
     refused([
         refusal("as little as can be", within(least, None)?, Expected::Taken),
         refusal("somewhat more", within(least + 10_000, None)?, Expected::Taken),

@@ -9,7 +9,7 @@ use crate::trials::Test;
 use glam::DVec3;
 use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::text;
-use rimline_measure::refusals::{Expected, is, refusal, refused, says};
+use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
 use rimline_measure::shapes;
 
 pub(crate) const TESTS: &[Test] = &[
@@ -125,7 +125,7 @@ fn drawing() -> Result<(), String> {
     refused([
         refusal("another depth", draw(&frame, &standard, 0, light), is(depth)),
         refusal("in batches", draw(&frame, &in_batches, 0, light), is(ShadowError::CountBatches { count_batches: 1 })),
-        refusal("another device", draw(&frame, &elsewhere, 0, light), says(&["Device(OtherDevice {"])),
+        refusal("another device", draw(&frame, &elsewhere, 0, light), shows(&["Device(OtherDevice {"])),
     ])?;
     // z-fail with a far plane needs pipelines that do not clip there.
     let (mut failing, caster) = scene(gpu, SceneOptions { counting: Counting::ZFail, ..SceneOptions::default() })?;
