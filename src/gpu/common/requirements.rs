@@ -48,7 +48,7 @@ macro_rules! need {
 }
 
 /// The needs that do not depend on mesh, lights and options. A test takes the numbers from the WGSL.
-/// [`super::memory::DeviceError`] covers sizes that grow with the mesh. The order is that of [`Subject`]: extract,
+/// [`super::memory::check`] covers sizes that grow with the mesh. The order is that of [`Subject`]: extract,
 /// shadow, query, deform, depth maps.
 pub(crate) const AT_LEAST: [Need; 19] = [
     // This comes first, because a device without compute shaders has 0 here.

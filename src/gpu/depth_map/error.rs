@@ -80,7 +80,7 @@ pub enum DepthMapError {
         /// Largest side of textures on the device.
         most: u32,
     },
-    /// A number of [`DepthMapOptions`](crate::gpu::DepthMapOptions) or its method is out of range.
+    /// A number of [`DepthMapOptions`](crate::gpu::DepthMapOptions), its method or a cube is out of range.
     #[error("`{name}` is {given}; take {range}")]
     Option {
         /// Name of the field.
@@ -114,9 +114,6 @@ pub enum DepthMapError {
     /// The light of a cube is nowhere.
     #[error("the light is at {0:?}; take finite coordinates")]
     Place([f32; 3]),
-    /// The near plane is nowhere before the light.
-    #[error("`near` is {0}; take a finite distance above 0")]
-    Near(f32),
     /// The far plane is not behind the near plane.
     #[error("`far` is {far} and `near` {near}; take a finite distance above `near`, or `None` for no far plane")]
     Far {

@@ -51,7 +51,7 @@ impl Scene {
     /// says that the depth is the same.
     ///
     /// # Errors
-    /// The errors of [`Self::encode`], and [`ShadowError`] if receivers are refused.
+    /// The errors of [`Self::encode`], and those of receivers, such as [`ShadowError::ReceiversFormat`].
     pub fn encode_for(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
