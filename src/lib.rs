@@ -125,7 +125,6 @@ pub use mesh::{Mesh, MeshError};
 pub use method::Predicate;
 pub use model::{
     Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelBounds, ModelError, Pose,
-    PoseMismatch, PosedMeshError,
 };
 pub use origin::Origin;
 pub use shadow::{CameraError, Counting, DepthDirection, ShadowCamera, falloff};

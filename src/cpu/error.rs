@@ -3,18 +3,28 @@
 use crate::light::LightError;
 use crate::mesh::{Mesh, NO_FACE};
 
-/// Why [`cpu::extract`](crate::cpu::extract()), [`cpu::Extraction`](crate::cpu::Extraction) or
-/// [`cpu::shadow_depth`](crate::cpu::shadow_depth) refuses what it is given. On the GPU the same is refused, but for faces of points,
-/// which are in a buffer.
+/// Why [`cpu::extract`](crate::cpu::extract()), [`cpu::Extraction`](crate::cpu::Extraction),
+/// [`cpu::shadow_depth`](crate::cpu::shadow_depth) or [`cpu::HiddenFaces`](crate::cpu::HiddenFaces) refuses what it is given. On the
+/// GPU the same is refused, but for faces of points, which are in a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum ArgumentError {
+pub enum CpuError {
     /// The lights are refused.
     #[error(transparent)]
     Light(#[from] LightError),
     /// Positions are missing.
     #[error("{given} positions given, and the mesh has {needed} vertices; give one for each")]
     TooFewPositions {
+        /// Positions given.
+        given: usize,
+        /// Vertices of the mesh.
+        needed: u32,
+    },
+    /// Positions of a caster are missing.
+    #[error("caster {caster} has {given} positions, and its mesh has {needed} vertices; give one for each")]
+    TooFewCasterPositions {
+        /// Number of the caster.
+        caster: usize,
         /// Positions given.
         given: usize,
         /// Vertices of the mesh.
@@ -40,28 +50,31 @@ pub enum ArgumentError {
         /// Faces of the mesh.
         faces: usize,
     },
+    /// The caller ended the search.
+    #[error("the search for hidden faces was cancelled")]
+    Cancelled,
 }
 
 /// Checks that each vertex of the mesh has a position. There may be more.
 ///
 /// # Errors
-/// [`ArgumentError::TooFewPositions`] if there are fewer.
-pub(crate) fn check_positions(positions: &[[f32; 3]], mesh: &Mesh) -> Result<(), ArgumentError> {
+/// [`CpuError::TooFewPositions`] if there are fewer.
+pub(crate) fn check_positions(positions: &[[f32; 3]], mesh: &Mesh) -> Result<(), CpuError> {
     let (given, needed) = (positions.len(), mesh.vertex_count());
-    if given < needed as usize { Err(ArgumentError::TooFewPositions { given, needed }) } else { Ok(()) }
+    if given < needed as usize { Err(CpuError::TooFewPositions { given, needed }) } else { Ok(()) }
 }
 
 /// Checks the faces that points name: one for each point, and each a face of the mesh or [`NO_FACE`].
 ///
 /// # Errors
-/// [`ArgumentError::FaceForEachPoint`] or [`ArgumentError::NoSuchFace`] otherwise.
-pub(crate) fn check_on_face(on_face: Option<&[u32]>, points: usize, faces: usize) -> Result<(), ArgumentError> {
+/// [`CpuError::FaceForEachPoint`] or [`CpuError::NoSuchFace`] otherwise.
+pub(crate) fn check_on_face(on_face: Option<&[u32]>, points: usize, faces: usize) -> Result<(), CpuError> {
     let Some(given) = on_face else { return Ok(()) };
     if given.len() != points {
-        return Err(ArgumentError::FaceForEachPoint { given: given.len(), points });
+        return Err(CpuError::FaceForEachPoint { given: given.len(), points });
     }
     match given.iter().position(|&face| face != NO_FACE && face as usize >= faces) {
-        Some(point) => Err(ArgumentError::NoSuchFace { point, face: given[point], faces }),
+        Some(point) => Err(CpuError::NoSuchFace { point, face: given[point], faces }),
         None => Ok(()),
     }
 }

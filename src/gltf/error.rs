@@ -244,6 +244,53 @@ pub enum GltfError {
         /// Index of the node.
         node: usize,
     },
+    /// There is no such animation.
+    #[error("animation {index} was asked for, but the file has {count}")]
+    NoAnimation {
+        /// The index that was asked for.
+        index: usize,
+        /// Animations in the file.
+        count: usize,
+    },
+    /// The animation is damaged. The rest of the file can be used.
+    #[error("animation {index} cannot be played: {source}")]
+    DamagedAnimation {
+        /// The index that was asked for.
+        index: usize,
+        /// The fault, and where it is.
+        source: Box<GltfError>,
+    },
+    /// Two of the animations move the same property of a node, so they cannot play together.
+    #[error("animations {first} and {second} both move the {property} of nodes[{node}]; leave one of them out")]
+    SameProperty {
+        /// Index of an animation.
+        first: usize,
+        /// Index of another animation, asked for later.
+        second: usize,
+        /// Index of the node.
+        node: usize,
+        /// `translation`, `rotation`, `scale` or `weights`.
+        property: &'static str,
+    },
+    /// A light is damaged. The rest of the file can be used.
+    #[error("the light of nodes[{node}] cannot be used: {source}")]
+    DamagedLight {
+        /// Index of the light's node.
+        node: usize,
+        /// The fault, and where it is.
+        source: Box<GltfError>,
+    },
+    /// The time is NaN.
+    #[error("the time is not a number; give seconds")]
+    Time,
+    /// A matrix or a morph weight is infinite or NaN.
+    #[error("{place} has no finite transform or morph weights at {time_s} s")]
+    NotFinite {
+        /// JSON path of the node that places the instance or light.
+        place: String,
+        /// The time that was asked for.
+        time_s: f32,
+    },
 }
 
 impl PartialEq for GltfError {
@@ -307,58 +354,5 @@ pub enum AccessorProblem {
         index: u32,
         /// Elements of the accessor.
         elements: u64,
-    },
-}
-
-/// Why there is no pose at some time.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum AnimationError {
-    /// There is no such animation.
-    #[error("animation {index} was asked for, but the file has {count}")]
-    NoAnimation {
-        /// The index that was asked for.
-        index: usize,
-        /// Animations in the file.
-        count: usize,
-    },
-    /// The animation is damaged. The rest of the file can be used.
-    #[error("animation {index} cannot be played: {source}")]
-    Damaged {
-        /// The index that was asked for.
-        index: usize,
-        /// The fault, and where it is.
-        source: Box<GltfError>,
-    },
-    /// Two of the animations move the same property of a node, so they cannot play together.
-    #[error("animations {first} and {second} both move the {property} of nodes[{node}]; leave one of them out")]
-    SameProperty {
-        /// Index of an animation.
-        first: usize,
-        /// Index of another animation, asked for later.
-        second: usize,
-        /// Index of the node.
-        node: usize,
-        /// `translation`, `rotation`, `scale` or `weights`.
-        property: &'static str,
-    },
-    /// A light is damaged. The rest of the file can be used.
-    #[error("the light of nodes[{node}] cannot be used: {source}")]
-    DamagedLight {
-        /// Index of the light's node.
-        node: usize,
-        /// The fault, and where it is.
-        source: Box<GltfError>,
-    },
-    /// The time is NaN.
-    #[error("the time is not a number; give seconds")]
-    Time,
-    /// A matrix or a morph weight is infinite or NaN.
-    #[error("{place} has no finite transform or morph weights at {time_s} s")]
-    NotFinite {
-        /// JSON path of the node that places the instance or light.
-        place: String,
-        /// The time that was asked for.
-        time_s: f32,
     },
 }

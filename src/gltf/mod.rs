@@ -74,7 +74,7 @@ mod vertices;
 mod warning;
 
 pub use asset::Asset;
-pub use error::{AccessorProblem, AnimationError, GltfError};
+pub use error::{AccessorProblem, GltfError};
 pub use info::{AnimationInfo, MeshInfo, SkinInfo, SkippedPrimitives};
 pub use options::LoadOptions;
 pub use origin::SceneExtent;

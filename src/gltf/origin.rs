@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::asset::Asset;
-use super::error::AnimationError;
+use super::error::GltfError;
 use super::node_state::State;
 use super::placement::Placement;
 use crate::model::Geometry;
@@ -55,12 +55,12 @@ impl Asset {
     /// The origin for all instances at one time, as [`Origin::near`] chooses it: zero for files that `f32` holds well.
     ///
     /// # Errors
-    /// [`AnimationError`] as for [`Asset::pose`].
+    /// [`GltfError`] as for [`Asset::pose`].
     pub fn suggested_origin(
         &self,
         animations: impl IntoIterator<Item = usize>,
         time_s: f32,
-    ) -> Result<Origin, AnimationError> {
+    ) -> Result<Origin, GltfError> {
         let state = self.state(animations, time_s)?;
         let extent = self.extent_of(&state);
         Ok(extent.map_or(Origin::ZERO, |extent| Origin::near(extent.bounds, || self.smallest_edge_of(&state))))
@@ -69,12 +69,12 @@ impl Asset {
     /// Where all instances are at one time. `None` if nothing has a finite position.
     ///
     /// # Errors
-    /// [`AnimationError`] as for [`Asset::pose`].
+    /// [`GltfError`] as for [`Asset::pose`].
     pub fn extent(
         &self,
         animations: impl IntoIterator<Item = usize>,
         time_s: f32,
-    ) -> Result<Option<SceneExtent>, AnimationError> {
+    ) -> Result<Option<SceneExtent>, GltfError> {
         Ok(self.extent_of(&self.state(animations, time_s)?))
     }
 
@@ -82,12 +82,8 @@ impl Asset {
     /// [`Origin::near`] asks for.
     ///
     /// # Errors
-    /// [`AnimationError`] as for [`Asset::pose`].
-    pub fn smallest_edge(
-        &self,
-        animations: impl IntoIterator<Item = usize>,
-        time_s: f32,
-    ) -> Result<f64, AnimationError> {
+    /// [`GltfError`] as for [`Asset::pose`].
+    pub fn smallest_edge(&self, animations: impl IntoIterator<Item = usize>, time_s: f32) -> Result<f64, GltfError> {
         Ok(self.smallest_edge_of(&self.state(animations, time_s)?))
     }
 

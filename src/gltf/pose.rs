@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec3};
 use super::animation::LoadedAnimation;
 use super::asset::Asset;
 use super::document::{NamedLight, Part, Transform};
-use super::error::{AnimationError, GltfError};
+use super::error::GltfError;
 use super::node_state::{State, apply, property_name, rows};
 use super::placement::{Frame, Placement};
 use super::scene_light::{SceneLight, SceneLightKind, SpotCone};
@@ -20,9 +20,9 @@ impl Asset {
     /// first key and after the last one, the nearest key applies. It is relative to [`Asset::origin`].
     ///
     /// # Errors
-    /// [`AnimationError`] for an animation that does not exist or is damaged, two that move the same property of a node,
+    /// [`GltfError`] for an animation that does not exist or is damaged, two that move the same property of a node,
     /// a time that is NaN, or a result that is not finite.
-    pub fn pose(&self, animations: impl IntoIterator<Item = usize>, time_s: f32) -> Result<Pose, AnimationError> {
+    pub fn pose(&self, animations: impl IntoIterator<Item = usize>, time_s: f32) -> Result<Pose, GltfError> {
         let state = self.state(animations, time_s)?;
         let (mut instances, mut mixed_determinants) = (Vec::with_capacity(self.built.placements.len()), 0);
         for (placement, instance) in self.built.placements.iter().zip(self.built.model.instances()) {
@@ -33,7 +33,7 @@ impl Asset {
                     Some(node) => format!("nodes[{node}]"),
                     None => format!("meshes[{}]", placement.mesh),
                 };
-                return Err(AnimationError::NotFinite { place, time_s });
+                return Err(GltfError::NotFinite { place, time_s });
             };
             mixed_determinants += usize::from(mixed);
             instances.push(posed);
@@ -45,24 +45,24 @@ impl Asset {
     /// nodes. Their places are relative to [`Asset::origin`]. Lights of hidden nodes are none.
     ///
     /// # Errors
-    /// [`AnimationError`] as for [`Asset::pose`], and for a light that is damaged. [`Asset::each_light`] gives the others.
+    /// [`GltfError`] as for [`Asset::pose`], and for a light that is damaged. [`Asset::each_light`] gives the others.
     pub fn lights(
         &self,
         animations: impl IntoIterator<Item = usize>,
         time_s: f32,
-    ) -> Result<Vec<SceneLight>, AnimationError> {
+    ) -> Result<Vec<SceneLight>, GltfError> {
         self.each_light(animations, time_s)?.into_iter().collect()
     }
 
     /// The same as [`Asset::lights`], where a light that is damaged does not refuse the others.
     ///
     /// # Errors
-    /// [`AnimationError`] as for [`Asset::pose`].
+    /// [`GltfError`] as for [`Asset::pose`].
     pub fn each_light(
         &self,
         animations: impl IntoIterator<Item = usize>,
         time_s: f32,
-    ) -> Result<Vec<Result<SceneLight, AnimationError>>, AnimationError> {
+    ) -> Result<Vec<Result<SceneLight, GltfError>>, GltfError> {
         let world = self.state(animations, time_s)?.world;
         Ok(self.light_nodes().map(|(n, light)| self.light(n, light, &world[n], time_s)).collect())
     }
@@ -82,14 +82,8 @@ impl Asset {
     }
 
     /// The light of node `n`, whose world matrix is given.
-    fn light(
-        &self,
-        n: usize,
-        light: &Part<usize>,
-        world: &DAffine3,
-        time_s: f32,
-    ) -> Result<SceneLight, AnimationError> {
-        let damaged = |fault: &GltfError| AnimationError::DamagedLight { node: n, source: Box::new(fault.clone()) };
+    fn light(&self, n: usize, light: &Part<usize>, world: &DAffine3, time_s: f32) -> Result<SceneLight, GltfError> {
+        let damaged = |fault: &GltfError| GltfError::DamagedLight { node: n, source: Box::new(fault.clone()) };
         let NamedLight { name, light } = &self.document.lights[*light.as_ref().map_err(|fault| damaged(fault))?];
         let light = light.as_ref().map_err(|fault| damaged(fault))?;
         let (w, xyz) = match light.kind {
@@ -99,7 +93,7 @@ impl Asset {
         let [x, y, z] = xyz.as_vec3().to_array();
         if ![x, y, z].iter().all(|c| c.is_finite()) {
             let place = format!("nodes[{n}]");
-            return Err(AnimationError::NotFinite { place, time_s });
+            return Err(GltfError::NotFinite { place, time_s });
         }
         let direction = (-world.matrix3.z_axis.normalize()).as_vec3();
         let spot = |[inner_angle, outer_angle]: [f32; 2]| {
@@ -119,13 +113,9 @@ impl Asset {
         })
     }
 
-    pub(super) fn state(
-        &self,
-        animations: impl IntoIterator<Item = usize>,
-        time_s: f32,
-    ) -> Result<State, AnimationError> {
+    pub(super) fn state(&self, animations: impl IntoIterator<Item = usize>, time_s: f32) -> Result<State, GltfError> {
         if time_s.is_nan() {
-            return Err(AnimationError::Time);
+            return Err(GltfError::Time);
         }
         let mut transforms: Vec<Transform> = self.document.nodes.iter().map(|node| node.transform).collect();
         let mut weights = HashMap::new();
@@ -146,13 +136,13 @@ impl Asset {
     }
 
     /// The animations, each once. No two move the same property of a node.
-    fn playing(&self, animations: impl IntoIterator<Item = usize>) -> Result<Vec<&LoadedAnimation>, AnimationError> {
+    fn playing(&self, animations: impl IntoIterator<Item = usize>) -> Result<Vec<&LoadedAnimation>, GltfError> {
         let count = self.animations.len();
         let (mut playing, mut taken, mut moved) = (Vec::new(), BTreeSet::new(), HashMap::new());
         for index in animations {
-            let animation = self.animations.get(index).ok_or(AnimationError::NoAnimation { index, count })?;
+            let animation = self.animations.get(index).ok_or(GltfError::NoAnimation { index, count })?;
             let animation =
-                animation.as_ref().map_err(|fault| AnimationError::Damaged { index, source: fault.clone() })?;
+                animation.as_ref().map_err(|fault| GltfError::DamagedAnimation { index, source: fault.clone() })?;
             if !taken.insert(index) {
                 continue;
             }
@@ -160,7 +150,7 @@ impl Asset {
                 let (node, property) = (channel.node, property_name(channel.property));
                 let first = *moved.entry((node, property)).or_insert(index);
                 if first != index {
-                    return Err(AnimationError::SameProperty { first, second: index, node, property });
+                    return Err(GltfError::SameProperty { first, second: index, node, property });
                 }
             }
             playing.push(animation);
@@ -230,7 +220,7 @@ mod tests {
     use crate::mesh::Weld;
 
     /// The lights of a file with one light, on a node that is turned about X by half a turn and stretched.
-    fn lights(light: &str) -> Result<Vec<SceneLight>, AnimationError> {
+    fn lights(light: &str) -> Result<Vec<SceneLight>, GltfError> {
         let json = format!(
             r#"{{ "asset": {{ "version": "2.0" }}, "extensionsUsed": ["KHR_lights_punctual"],
                 "extensions": {{ "KHR_lights_punctual": {{ "lights": [{light}] }} }},

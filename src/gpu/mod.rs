@@ -11,33 +11,30 @@ mod shadow;
 mod warm_up;
 
 pub use crate::layout::{DrawArguments, EdgeMasks, ExtractionStatistics, SceneStatistics, ShadowStatistics};
-pub use common::memory::{Allocation, MemoryError};
+pub use common::device_error::DeviceError;
+pub use common::memory::Allocation;
 pub use common::pipelines::Pipelines;
-pub use common::positions::{PositionBuffer, PositionError};
-pub use common::readback::{ReadError, read_back, read_back_async, read_back_vec, read_back_vec_async};
-pub use common::requirements::DeviceError;
-pub use common::timer::{StageTimer, StageTimes, TimerError};
+pub use common::positions::PositionBuffer;
+pub use common::readback::{read_back, read_back_async, read_back_vec, read_back_vec_async};
+pub use common::timer::{StageTimer, StageTimes};
 pub use deform::deformer::{DeformError, Deformer, DeformerOptions};
 pub use depth_map::{
     DanglingEdges, DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapFrame,
     DepthMapMerge, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapStatistics, DepthMapVolumes,
     DepthMetric, MeshDepth, SceneDepth, SceneDepthCounts,
 };
-pub use extract::errors::{
-    ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, StaleExtraction,
-};
+pub use extract::errors::ExtractorError;
 pub use extract::extraction::Extraction;
 pub use extract::extractor::Extractor;
 pub use extract::include::{include_wgsl, results_bind_group_layout};
 pub use extract::options::{ExtractorOptions, ListOptions, MAX_OUTLINE_EDGES};
 pub use extract::results::ExtractionResults;
-pub use query::errors::{ShadowQueryEncodeError, ShadowQueryError};
+pub use query::errors::QueryError;
 pub use query::options::ShadowQueryOptions;
 pub use query::points::QueryPoints;
 pub use query::shadow_query::ShadowQuery;
 pub use scene::caster::{Caster, CasterPositions};
 pub use scene::depths::SceneDepthCasters;
-pub use scene::errors::{OccluderError, ReceiversError, SceneError};
 pub use scene::frame::SceneFrame;
 #[cfg(feature = "reference")]
 pub use scene::frame::{SceneGroupResults, SceneResults};
@@ -50,8 +47,6 @@ pub use scene::options::Measuring;
 pub use scene::options::SceneOptions;
 pub use scene::receivers::Receivers;
 pub use scene::scene::Scene;
-pub use shadow::{
-    ScenePipelines, ShadowDrawError, ShadowEncodeError, ShadowFormat, ShadowFormatError, ShadowFrame, ShadowOptions,
-    ShadowPipelines, ShadowVolumes, ShadowVolumesError,
-};
+pub use shadow::errors::ShadowError;
+pub use shadow::{ScenePipelines, ShadowFormat, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes};
 pub use warm_up::Use;

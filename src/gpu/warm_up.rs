@@ -1,7 +1,7 @@
 //! Making pipelines before the first frame.
 
 use super::common::pipelines::{Pipelines, Program};
-use super::common::requirements::{DeviceError, Subject};
+use super::common::requirements::Subject;
 use super::extract::options::ExtractorOptions;
 use super::extract::stages as extraction;
 use super::scene::options::SceneOptions;
@@ -9,6 +9,7 @@ use super::scene::stages as scene;
 use super::shadow::ScenePipelines;
 use super::shadow::pipelines::Part;
 use super::shadow::stages as shadow;
+use crate::gpu::common::device_error::DeviceError;
 use crate::stages::{NEEDS, RECEIVER_DEPTH, RECEIVER_PYRAMID, RECEIVER_SAMPLES};
 
 /// A use that [`Pipelines::warm_up`] makes pipelines for.

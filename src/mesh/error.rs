@@ -4,8 +4,8 @@
 /// mesh has at most three edge records for each face.
 pub const MAX_FACES: usize = (1 << 31) / 3;
 
-/// Why a mesh is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+/// Why a mesh or a weld distance is refused.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
     /// There are no faces, so there is no silhouette.
@@ -112,5 +112,11 @@ pub enum MeshError {
         index: u32,
         /// Vertices of the mesh.
         vertices: usize,
+    },
+    /// A weld distance is negative, infinite or NaN.
+    #[error("a weld distance is a finite number, 0 or more, and {distance} is not")]
+    WeldDistance {
+        /// The distance given.
+        distance: f32,
     },
 }

@@ -20,4 +20,4 @@ pub(crate) use faces::MeshId;
 pub use polygons::{MAX_POLYGON_CORNERS, PolygonLoops, Polygons};
 pub(crate) use topology::is_degenerate;
 pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT_BIT, NO_FACE};
-pub use weld::{Weld, WeldCounts, WeldDistance, WeldDistanceError};
+pub use weld::{Weld, WeldCounts, WeldDistance};

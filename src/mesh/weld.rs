@@ -8,7 +8,7 @@ use std::hash::{BuildHasher, RandomState};
 
 use super::topology::is_degenerate;
 pub(crate) use cells::{NearGroups, near_groups};
-pub use distance::{WeldDistance, WeldDistanceError};
+pub use distance::WeldDistance;
 
 /// Which vertices are welded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Geometry, InstancePose, Model, Pose, PoseMismatch};
+use super::{Geometry, InstancePose, Model, ModelError, Pose};
 
 /// A box by its lowest and its highest corner.
 pub type Box3 = [[f32; 3]; 2];
@@ -138,11 +138,11 @@ impl ModelBounds {
     /// large that something may overflow.
     ///
     /// # Errors
-    /// [`PoseMismatch`] if the pose does not fit the model.
-    pub fn boxes(&self, pose: &Pose, displaced_by: f32) -> Result<Vec<Option<Box3>>, PoseMismatch> {
+    /// [`ModelError`] if the pose does not fit the model.
+    pub fn boxes(&self, pose: &Pose, displaced_by: f32) -> Result<Vec<Option<Box3>>, ModelError> {
         let (given, needed) = (pose.instances().len(), self.instances.len());
         if given != needed {
-            return Err(PoseMismatch::Instances { given, needed });
+            return Err(ModelError::PoseInstances { given, needed });
         }
         let instances = self.instances.iter().zip(pose.instances()).enumerate();
         let own_box = |(number, (&geometry, pose)): (usize, (&usize, &InstancePose))| {

@@ -3,8 +3,9 @@
 use crate::mesh::MeshError;
 
 /// Why a [`Geometry`](super::Geometry), an [`Influences`](super::Influences), a [`Model`](super::Model) or an
-/// [`InstancePose`](super::InstancePose) cannot be made from what was given.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+/// [`InstancePose`](super::InstancePose) cannot be made from what was given, or a pose does not fit a model or
+/// makes no mesh.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
     /// There are more vertices than `u32` indices can name.
@@ -131,15 +132,9 @@ pub enum ModelError {
         /// Its weight.
         weight: f32,
     },
-}
-
-/// Why a pose does not fit a model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PoseMismatch {
     /// The pose has another number of instances.
     #[error("the pose has {given} instances, and the model has {needed}; pose each instance once")]
-    Instances {
+    PoseInstances {
         /// Instances of the pose.
         given: usize,
         /// Instances of the model.
@@ -147,7 +142,7 @@ pub enum PoseMismatch {
     },
     /// The pose has too few matrices.
     #[error("the pose of instance {instance} has {given} matrices, and its geometry needs {needed}; give one a joint")]
-    Palette {
+    PosePalette {
         /// The instance's index.
         instance: usize,
         /// Matrices of the pose.
@@ -159,7 +154,7 @@ pub enum PoseMismatch {
     #[error(
         "the pose of instance {instance} has {given} morph weights, and its geometry has {needed} targets; give one a target"
     )]
-    MorphWeights {
+    PoseMorphWeights {
         /// The instance's index.
         instance: usize,
         /// Weights of the pose.
@@ -167,15 +162,6 @@ pub enum PoseMismatch {
         /// Targets of the geometry.
         needed: usize,
     },
-}
-
-/// Why a model in a pose does not make a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PosedMeshError {
-    /// The pose does not fit the model.
-    #[error(transparent)]
-    Pose(#[from] PoseMismatch),
     /// All instances together do not make a mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),

@@ -8,7 +8,7 @@ mod geometry;
 mod pose;
 
 pub use bounds::{Box3, ModelBounds};
-pub use error::{ModelError, PoseMismatch, PosedMeshError};
+pub use error::ModelError;
 pub use geometry::{Geometry, GeometryOptions, Influences};
 pub use pose::{InstancePose, Matrix3x4, Pose};
 
@@ -95,11 +95,11 @@ impl Model {
     /// needs.
     ///
     /// # Errors
-    /// [`PoseMismatch`] for the first instance that does not fit.
-    pub fn check(&self, pose: &Pose) -> Result<(), PoseMismatch> {
+    /// [`ModelError`] for the first instance that does not fit.
+    pub fn check(&self, pose: &Pose) -> Result<(), ModelError> {
         let (given, needed) = (pose.instances().len(), self.instances.len());
         if given != needed {
-            return Err(PoseMismatch::Instances { given, needed });
+            return Err(ModelError::PoseInstances { given, needed });
         }
         let mut instances = pose.instances().iter().zip(self.placed_geometries()).enumerate();
         instances.try_for_each(|(instance, (pose, geometry))| pose.check(instance, geometry))
@@ -110,8 +110,8 @@ impl Model {
     /// [`InstancePose::faces_turned`] of the pose, so it stays valid for other poses until this changes.
     ///
     /// # Errors
-    /// [`PosedMeshError`] when the pose does not fit the model, or for the reasons of [`Mesh::from_faces`].
-    pub fn mesh(&self, pose: &Pose) -> Result<Mesh, PosedMeshError> {
+    /// [`ModelError`] when the pose does not fit the model, or for the reasons of [`Mesh::from_faces`].
+    pub fn mesh(&self, pose: &Pose) -> Result<Mesh, ModelError> {
         self.check(pose)?;
         // Faces are counted first, so that many instances of a large geometry are refused before they fill the memory.
         let count = self.placed_geometries().fold(0, |sum: usize, geometry| sum.saturating_add(geometry.faces().len()));

@@ -1,6 +1,6 @@
 //! Poses: the place and shape of each instance of a model at one time.
 
-use super::{Geometry, ModelError, PoseMismatch};
+use super::{Geometry, ModelError};
 
 /// A matrix of three rows and four columns, stored by rows. It maps `(x, y, z, 1)`.
 pub type Matrix3x4 = [[f32; 4]; 3];
@@ -69,19 +69,19 @@ impl InstancePose {
     }
 
     /// Checks that this pose fits instance number `instance`, which is of `geometry`.
-    pub(super) fn check(&self, instance: usize, geometry: &Geometry) -> Result<(), PoseMismatch> {
+    pub(super) fn check(&self, instance: usize, geometry: &Geometry) -> Result<(), ModelError> {
         self.check_counts(instance, geometry.joints_needed(), geometry.morph_targets().len())
     }
 
     /// Checks that there are as many matrices and weights as instance number `instance` needs.
-    pub(crate) fn check_counts(&self, instance: usize, joints: usize, targets: usize) -> Result<(), PoseMismatch> {
+    pub(crate) fn check_counts(&self, instance: usize, joints: usize, targets: usize) -> Result<(), ModelError> {
         let (given, needed) = (self.palette.len(), joints);
         if given < needed {
-            return Err(PoseMismatch::Palette { instance, given, needed });
+            return Err(ModelError::PosePalette { instance, given, needed });
         }
         let (given, needed) = (self.morph_weights.len(), targets);
         if given != needed {
-            return Err(PoseMismatch::MorphWeights { instance, given, needed });
+            return Err(ModelError::PoseMorphWeights { instance, given, needed });
         }
         Ok(())
     }
@@ -102,7 +102,7 @@ pub struct Pose {
 
 impl Pose {
     /// One pose for each of [`Model::instances`](super::Model::instances), in their order. Functions that take a model
-    /// and a pose compare the two and return a [`PoseMismatch`] if they do not fit.
+    /// and a pose compare the two and return a [`ModelError`] if they do not fit.
     pub fn new(instances: Vec<InstancePose>) -> Self {
         Self { instances, mixed_determinants: 0 }
     }

@@ -1,18 +1,15 @@
 //! Samples that no device has, things of two devices, lost devices: typed errors, and no error of the device.
 
 use rimline::gpu::{
-    DeformError, Deformer, DeformerOptions, DeviceError, ExtractionEncodeError, ExtractionIncludeError, Extractor,
-    ExtractorError, ExtractorOptions, PositionError, ReadError, ShadowDrawError, ShadowEncodeError, ShadowFormat,
-    ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryEncodeError, ShadowQueryError,
-    ShadowQueryOptions, ShadowVolumes, ShadowVolumesError, StageTimer, TimerError, read_back_vec,
-    results_bind_group_layout,
+    Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowError, ShadowFormat, ShadowOptions, ShadowPipelines,
+    ShadowQuery, ShadowQueryOptions, ShadowVolumes, StageTimer, read_back_vec, results_bind_group_layout,
 };
 use rimline::{Counting, Mesh};
 use rimline_measure::harness::Test;
 use rimline_measure::models::{random_model, random_pose};
 use rimline_measure::on_gpu::text;
 use rimline_measure::random::Random;
-use rimline_measure::same;
+use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
 
 use crate::watched::{LIGHT, Watched, camera, caster, depth_stencil, extractor, packed};
 
@@ -23,15 +20,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("nothing_is_encoded_on_a_lost_device", encoded_on_lost),
 ];
 
-/// Fails unless `fits` says that the error is the one.
-fn expect<T, E: std::fmt::Debug>(what: &str, found: Result<T, E>, fits: impl Fn(&E) -> bool) -> Result<(), String> {
-    match found {
-        Err(error) if fits(&error) => Ok(()),
-        Err(error) => Err(format!("{what}: another error, {error:?}")),
-        Ok(_) => Err(format!("{what}: no error")),
-    }
-}
-
 fn formats() -> Result<(), String> {
     let watched = Watched::plain()?;
     let make = |watched: &Watched, format: ShadowFormat| {
@@ -40,41 +28,40 @@ fn formats() -> Result<(), String> {
     let format = ShadowFormat::default().depth_stencil;
     for samples in [0, 2, 3, 8, 64, u32::MAX] {
         let found = make(&watched, ShadowFormat { samples, ..Default::default() });
-        let expected = ShadowFormatError::Samples { samples, format, supported: vec![1, 4] };
-        same(&format!("{samples} samples"), &[found], &[Err(expected)])?;
+        let expected = ShadowError::Samples { samples, format, supported: vec![1, 4] };
+        refused([refusal(format!("{samples} samples"), found, is(expected))])?;
         watched.quiet(&format!("{samples} samples"))?;
     }
     for samples in [1, 4] {
         make(&watched, ShadowFormat { samples, ..Default::default() }).map_err(text)?;
     }
-    for (what, color, count) in [
-        ("a format that cannot be drawn into", wgpu::TextureFormat::Rgb9e5Ufloat, 1),
-        ("too many colours", wgpu::TextureFormat::Rgba8Unorm, 9),
-    ] {
-        let found = make(&watched, ShadowFormat { colors: vec![Some(color); count], ..Default::default() });
-        expect(what, found, |error| matches!(error, ShadowFormatError::Refused { .. }))?;
-        watched.quiet(what)?;
-    }
+    let colors = |color, count| make(&watched, ShadowFormat { colors: vec![Some(color); count], ..Default::default() });
+    let (undrawable, rgba) = (wgpu::TextureFormat::Rgb9e5Ufloat, wgpu::TextureFormat::Rgba8Unorm);
+    refused([
+        refusal("a format that cannot be drawn into", colors(undrawable, 1), shows(&["Refused {"])),
+        refusal("too many colours", colors(rgba, 9), shows(&["Refused {"])),
+    ])?;
+    watched.quiet("colours")?;
     // Where the adapter's own counts are allowed, the device has the last word.
     let feature = wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
     let watched = Watched::new(feature, wgpu::Limits::default())?;
     for samples in [2, 8, 16] {
         match make(&watched, ShadowFormat { samples, ..Default::default() }) {
             Ok(()) => println!("{samples} samples are there"),
-            Err(ShadowFormatError::Refused { message }) => println!("{samples} samples: {message}"),
+            Err(ShadowError::Refused { message }) => println!("{samples} samples: {message}"),
             Err(error) => return Err(format!("{samples} samples: {error:?}")),
         }
         watched.quiet(&format!("{samples} samples of the adapter"))?;
     }
-    expect("3 samples of the adapter", make(&watched, ShadowFormat { samples: 3, ..Default::default() }), |error| {
-        matches!(error, ShadowFormatError::Samples { samples: 3, .. })
-    })?;
+    let three = make(&watched, ShadowFormat { samples: 3, ..Default::default() });
+    refused([refusal("3 samples of the adapter", three, shows(&["Samples { samples: 3,"]))])?;
     watched.quiet("3 samples of the adapter")
 }
 
-fn is_other(error: &DeviceError) -> bool {
-    matches!(error, DeviceError::OtherDevice { .. })
-}
+/// Parts of the errors of other devices, of their buffers, and of lost devices.
+const OTHER: &[&str] = &["Device(OtherDevice {"];
+const REFUSED: &[&str] = &["Device(BufferRefused {"];
+const LOST: &[&str] = &["Device(Lost)"];
 
 fn mixed() -> Result<(), String> {
     // Both devices are of one instance. wgpu confuses resources of different instances that have the same id.
@@ -89,25 +76,21 @@ fn mixed() -> Result<(), String> {
     let [drawing, foreign_drawing] = [make(ours)?, make(theirs)?];
     let mut extractor = extractor(ours, &mesh, 1)?;
     let volumes = ShadowVolumes::new(&foreign_drawing, &extractor, ShadowOptions::default());
-    expect("volumes", volumes, |error| matches!(error, ShadowVolumesError::Device(error) if is_other(error)))?;
-    quiet("volumes")?;
-
     let mut encoder = ours.encoder();
-    let found = extractor.encode(&mut encoder, packed(&foreign), &[LIGHT], None).map(drop);
-    let refused = |error: &ExtractionEncodeError| {
-        matches!(error, ExtractionEncodeError::Positions(PositionError::Refused { .. }))
-    };
-    expect("positions", found, refused)?;
-    quiet("positions")?;
+    let of_theirs = extractor.encode(&mut encoder, packed(&foreign), &[LIGHT], None);
     let mut timer = StageTimer::new(&theirs.gpu.device, &theirs.gpu.queue).ok_or("no timer")?;
-    let found = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], Some(&mut timer)).map(drop);
-    expect("timer", found, |error| matches!(error, ExtractionEncodeError::Device(error) if is_other(error)))?;
-    quiet("timer")?;
+    let timed = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], Some(&mut timer));
+    refused([
+        refusal("volumes", volumes, shows(OTHER)),
+        refusal("positions", of_theirs, shows(REFUSED)),
+        refusal("timer", timed, shows(OTHER)),
+    ])?;
+    quiet("volumes, positions and timer")?;
     // The refused calls changed no state.
     let extraction = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], None).map_err(text)?;
     let mut volumes = ShadowVolumes::new(&drawing, &extractor, ShadowOptions::default()).map_err(text)?;
-    let found = volumes.encode(&mut encoder, &extraction, &camera(), Some(&mut timer));
-    expect("volumes' timer", found, |error| matches!(error, ShadowEncodeError::Device(error) if is_other(error)))?;
+    let timed = volumes.encode(&mut encoder, &extraction, &camera(), Some(&mut timer));
+    refused([refusal("volumes' timer", timed, shows(OTHER))])?;
     quiet("volumes' timer")?;
     let shadows = volumes.encode(&mut encoder, &extraction, &camera(), None).map_err(text)?;
     let view = depth_stencil(ours);
@@ -120,38 +103,30 @@ fn mixed() -> Result<(), String> {
         }),
         ..Default::default()
     });
-    let found = shadows.draw(&mut pass, &foreign_drawing, 0);
-    expect("drawing", found, |error| matches!(error, ShadowDrawError::Device(error) if is_other(error)))?;
-    shadows.draw(&mut pass, &drawing, 0).map_err(text)?;
+    refused([
+        refusal("drawing", shadows.draw(&mut pass, &foreign_drawing, 0), shows(OTHER)),
+        refusal("its own", shadows.draw(&mut pass, &drawing, 0), Expected::Taken),
+    ])?;
     drop(pass);
     ours.gpu.queue.submit([encoder.finish()]);
     if ours.gpu.read::<u32>(extractor.results().counts, 1)? == [0] {
         return Err("no silhouette after what was refused".to_owned());
     }
     let layout = results_bind_group_layout(&theirs.gpu.device, wgpu::ShaderStages::COMPUTE);
-    let found = extraction.bind_group(&layout, 0);
-    expect("layout", found.map(drop), |error| {
-        matches!(error, ExtractionIncludeError::Positions(PositionError::Refused { .. }))
-    })?;
-    quiet("layout")?;
-
     let options = ShadowQueryOptions { max_points: 64, ..Default::default() };
     let mut query = ShadowQuery::new(&ours.gpu.pipelines, &mesh, options).map_err(text)?;
     let mut encoder = ours.encoder();
-    let found = query.encode_at(&mut encoder, packed(&foreign), packed(&positions), 9, &[LIGHT], None);
-    expect("query", found, |error| matches!(error, ShadowQueryEncodeError::Positions(PositionError::Refused { .. })))?;
-    let found = query.encode_at(&mut encoder, packed(&positions), packed(&foreign), 9, &[LIGHT], None);
-    expect("points", found, |error| matches!(error, ShadowQueryEncodeError::Points(PositionError::Refused { .. })))?;
-    let found = query.encode_at(&mut encoder, packed(&positions), packed(&positions), 9, &[LIGHT], Some(&mut timer));
-    expect("query's timer", found, |error| matches!(error, ShadowQueryEncodeError::Device(error) if is_other(error)))?;
-    quiet("query")?;
-    let found = read_back_vec::<u32>(&ours.gpu.device, &ours.gpu.queue, &foreign);
-    expect("reading back", found, |error| matches!(error, ReadError::Device { .. }))?;
-    quiet("reading back")
-}
-
-fn is_lost(error: &DeviceError) -> bool {
-    *error == DeviceError::Lost
+    let [own, foreign_points] = [packed(&positions), packed(&foreign)];
+    let mut encode = |at, points, timer| query.encode_at(&mut encoder, at, points, 9, &[LIGHT], timer);
+    let read = read_back_vec::<u32>(&ours.gpu.device, &ours.gpu.queue, &foreign);
+    refused([
+        refusal("layout", extraction.bind_group(&layout, 0), shows(REFUSED)),
+        refusal("query", encode(foreign_points, own, None), shows(REFUSED)),
+        refusal("points", encode(own, foreign_points, None), shows(&["Points(BufferRefused {"])),
+        refusal("query's timer", encode(own, own, Some(&mut timer)), shows(OTHER)),
+        refusal("reading back", read, shows(&["ReadBack {"])),
+    ])?;
+    quiet("layout, query and reading back")
 }
 
 fn made_on_lost() -> Result<(), String> {
@@ -161,20 +136,18 @@ fn made_on_lost() -> Result<(), String> {
     let extractor = extractor(&watched, &mesh, 1)?;
     let drawing = ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
     watched.gpu.device.destroy();
-    let made = Extractor::new(pipelines, &mesh, ExtractorOptions::default());
-    expect("extractor", made, |error| matches!(error, ExtractorError::Device(error) if is_lost(error)))?;
-    let made = ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::ZFail);
-    expect("pipelines", made, |error| matches!(error, ShadowFormatError::Device(error) if is_lost(error)))?;
-    let made = ShadowVolumes::new(&drawing, &extractor, ShadowOptions::default());
-    expect("volumes", made, |error| matches!(error, ShadowVolumesError::Device(error) if is_lost(error)))?;
-    let made = ShadowQuery::new(pipelines, &mesh, ShadowQueryOptions::default());
-    expect("query", made, |error| matches!(error, ShadowQueryError::Device(error) if is_lost(error)))?;
     let model = random_model(&mut Random::new(93), 50);
-    let made = Deformer::new(pipelines, &model, DeformerOptions::default());
-    expect("deformer", made, |error| matches!(error, DeformError::Device(error) if is_lost(error)))?;
-    // Nor with pipelines of one's own.
-    let made = Extractor::new(&watched.gpu.device, &mesh, ExtractorOptions::default());
-    expect("extractor", made, |error| matches!(error, ExtractorError::Device(error) if is_lost(error)))?;
+    let options = ExtractorOptions::default();
+    let (format, volumes) = (ShadowFormat::default(), ShadowOptions::default());
+    refused([
+        refusal("extractor", Extractor::new(pipelines, &mesh, options), shows(LOST)),
+        refusal("pipelines", ShadowPipelines::new(pipelines, &format, Counting::ZFail), shows(LOST)),
+        refusal("volumes", ShadowVolumes::new(&drawing, &extractor, volumes), shows(LOST)),
+        refusal("query", ShadowQuery::new(pipelines, &mesh, ShadowQueryOptions::default()), shows(LOST)),
+        refusal("deformer", Deformer::new(pipelines, &model, DeformerOptions::default()), shows(LOST)),
+        // Nor with pipelines of one's own.
+        refusal("its own pipelines", Extractor::new(&watched.gpu.device, &mesh, options), shows(LOST)),
+    ])?;
     watched.quiet("constructors")
 }
 
@@ -229,23 +202,22 @@ fn encoded_on_lost() -> Result<(), String> {
     for (what, made, encoder) in [("unused", &mut unused, &mut before), ("used", &mut used, &mut after)] {
         let Made { extractor, volumes, query, timer, .. } = made;
         let extraction = extractions.next().ok_or("no extraction")?;
-        let found = extractor.encode(encoder, positions, &[LIGHT], Some(timer)).map(drop);
-        expect(what, found, |error| matches!(error, ExtractionEncodeError::Device(error) if is_lost(error)))?;
-        let found = query.encode_at(encoder, positions, positions, 9, &[LIGHT], Some(timer));
-        expect(what, found, |error| matches!(error, ShadowQueryEncodeError::Device(error) if is_lost(error)))?;
-        let found = deformer.encode(encoder, &pose, 0.0, None, Some(timer));
-        expect(what, found, |error| matches!(error, DeformError::Device(error) if is_lost(error)))?;
+        refused([
+            refusal(what, extractor.encode(encoder, positions, &[LIGHT], Some(timer)), shows(LOST)),
+            refusal(what, query.encode_at(encoder, positions, positions, 9, &[LIGHT], Some(timer)), shows(LOST)),
+            refusal(what, deformer.encode(encoder, &pose, 0.0, None, Some(timer)), shows(LOST)),
+            refusal(what, extraction.bind_group(&layout, 0), shows(LOST)),
+        ])?;
         if what == "used" {
-            let found = volumes.encode(encoder, &extraction, &camera(), Some(timer));
-            expect(what, found, |error| matches!(error, ShadowEncodeError::Device(error) if is_lost(error)))?;
+            let encoded = volumes.encode(encoder, &extraction, &camera(), Some(timer));
+            refused([refusal("used volumes", encoded, shows(LOST))])?;
         }
-        let found = extraction.bind_group(&layout, 0);
-        expect(what, found, |error| matches!(error, ExtractionIncludeError::Device(error) if is_lost(error)))?;
         timer.resolve(encoder);
-        let found = timer.read(&watched.gpu.device, &watched.gpu.queue);
-        expect(what, found, |error| matches!(error, TimerError::Read(ReadError::Device { .. })))?;
-        let found = read_back_vec::<u32>(&watched.gpu.device, &watched.gpu.queue, extractor.results().counts);
-        expect(what, found, |error| matches!(error, ReadError::Device { .. }))?;
+        let (device, queue, counts) = (&watched.gpu.device, &watched.gpu.queue, extractor.results().counts);
+        refused([
+            refusal(what, timer.read(device, queue), shows(&["ReadBack {"])),
+            refusal(what, read_back_vec::<u32>(device, queue, counts), shows(&["ReadBack {"])),
+        ])?;
         watched.quiet(what)?;
     }
     // wgpu itself takes encoders of a lost device.

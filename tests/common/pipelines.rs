@@ -4,7 +4,7 @@ use std::any::Any;
 
 use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, Extractor, ExtractorOptions, ListOptions, Pipelines, PositionBuffer,
-    ShadowFormat, ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryOptions, ShadowVolumes,
+    ShadowError, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryOptions, ShadowVolumes,
 };
 use rimline::reference::Method;
 use rimline::{Counting, Displacement, Light, Mesh, Predicate};
@@ -296,7 +296,7 @@ fn errors() -> Result<(), String> {
     for _ in 0..2 {
         let format = ShadowFormat { colors: colors.clone(), ..ShadowFormat::default() };
         match ShadowPipelines::new(&pipelines, &format, Counting::Auto) {
-            Err(ShadowFormatError::Refused { message }) => messages.push(message),
+            Err(ShadowError::Refused { message }) => messages.push(message),
             other => return Err(format!("expected a refusal, got {:?}", other.err())),
         }
         kept.push(pipelines.len());

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::task::{Context, Poll, Wake, Waker};
 
 use rimline::gpu::{
-    Extractor, ExtractorOptions, ReadError, StageTimer, TimerError, read_back, read_back_async, read_back_vec,
+    DeviceError, Extractor, ExtractorOptions, StageTimer, read_back, read_back_async, read_back_vec,
     read_back_vec_async,
 };
 use rimline_measure::harness::Test;
@@ -122,14 +122,14 @@ fn errors() -> Result<(), String> {
         mapped_at_creation: false,
     });
     let found = finish(&watched, read_back_vec_async::<u32>(&gpu.device, &gpu.queue, &buffer))?;
-    same("no copy source", &[found], &[Err(ReadError::NotCopySource)])?;
+    same("no copy source", &[found], &[Err(DeviceError::NotCopySource)])?;
     let buffer = gpu.storage(&[1_u32; 4]);
     buffer.destroy();
     for found in [
         read_back_vec::<u32>(&gpu.device, &gpu.queue, &buffer),
         finish(&watched, read_back_vec_async::<u32>(&gpu.device, &gpu.queue, &buffer))?,
     ] {
-        if !matches!(found, Err(ReadError::Device { bytes: 16, .. })) {
+        if !matches!(found, Err(DeviceError::ReadBack { bytes: 16, .. })) {
             return Err(format!("destroyed: {found:?}"));
         }
     }
@@ -137,7 +137,7 @@ fn errors() -> Result<(), String> {
     let buffer = gpu.storage(&[1_u32; 4]);
     gpu.device.destroy();
     let found = finish(&watched, read_back_vec_async::<u32>(&gpu.device, &gpu.queue, &buffer))?;
-    if !matches!(found, Err(ReadError::Device { bytes: 16, .. })) {
+    if !matches!(found, Err(DeviceError::ReadBack { bytes: 16, .. })) {
         return Err(format!("lost: {found:?}"));
     }
     watched.quiet("lost")
@@ -189,9 +189,9 @@ fn still() -> Result<(), String> {
         timer.resolve(encoder);
         Ok(())
     })?;
-    same("waiting", &[timer.read(&gpu.device, &gpu.queue)], &[Err(TimerError::Still { passes: 2 })])?;
+    same("waiting", &[timer.read(&gpu.device, &gpu.queue)], &[Err(DeviceError::ClockStill { passes: 2 })])?;
     let found = finish(&watched, timer.read_async(&gpu.device, &gpu.queue))?;
-    same("without", &[found.map(|times| times.span_ms)], &[Err(TimerError::Still { passes: 2 })])?;
+    same("without", &[found.map(|times| times.span_ms)], &[Err(DeviceError::ClockStill { passes: 2 })])?;
     timer.clear();
     same("nothing timed", &[timer.read(&gpu.device, &gpu.queue)], &[Ok(Vec::new())])?;
     watched.quiet("standing still")

@@ -2,9 +2,8 @@
 
 use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, DepthMap, DepthMapError, DepthMapOptions, DepthMapPipelines,
-    DepthMapVolumes, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions, Pipelines, ShadowFormat,
-    ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryError, ShadowQueryOptions,
-    ShadowVolumes,
+    DepthMapVolumes, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions, Pipelines, QueryError,
+    ShadowError, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryOptions, ShadowVolumes,
 };
 use rimline::reference::Method;
 use rimline::{Counting, Light};
@@ -42,24 +41,27 @@ fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, S
     match subject {
         Subject::Extract => match Extractor::new(pipelines, &mesh, ExtractorOptions::default()) {
             // A memory error concerns this mesh only, not the limits that every mesh needs.
-            Ok(_) | Err(ExtractorError::Memory(_)) => Ok(None),
+            Ok(_) => Ok(None),
+            Err(ExtractorError::Device(error)) if error.is_memory() => Ok(None),
             Err(ExtractorError::Device(error)) => Ok(Some(error)),
             Err(error) => other(&error),
         },
         Subject::Shadow => match ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::Auto) {
             Ok(_) => Ok(None),
-            Err(ShadowFormatError::Device(error)) => Ok(Some(error)),
+            Err(ShadowError::Device(error)) => Ok(Some(error)),
             Err(error) => other(&error),
         },
         Subject::Query => match ShadowQuery::new(pipelines, &mesh, ShadowQueryOptions::default()) {
-            Ok(_) | Err(ShadowQueryError::Memory(_)) => Ok(None),
-            Err(ShadowQueryError::Device(error)) => Ok(Some(error)),
+            Ok(_) => Ok(None),
+            Err(QueryError::Device(error)) if error.is_memory() => Ok(None),
+            Err(QueryError::Device(error)) => Ok(Some(error)),
             Err(error) => other(&error),
         },
         Subject::Deform => {
             let model = random_model(&mut Random::new(91), 50);
             match Deformer::new(pipelines, &model, DeformerOptions::default()) {
-                Ok(_) | Err(DeformError::Memory(_)) => Ok(None),
+                Ok(_) => Ok(None),
+                Err(DeformError::Device(error)) if error.is_memory() => Ok(None),
                 Err(DeformError::Device(error)) => Ok(Some(error)),
                 Err(error) => other(&error),
             }

@@ -3,7 +3,7 @@
 use rimline::cpu::{self, Threads};
 use rimline::model::Box3;
 use rimline::{
-    Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelBounds, Pose, PoseMismatch,
+    Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelBounds, ModelError, Pose,
 };
 use rimline_measure::models::{bending_tube, random_geometry, random_matrix, random_model, random_pose};
 use rimline_measure::random::Random;
@@ -209,10 +209,10 @@ fn poses_that_do_not_fit_are_refused() {
     let (joints, model) = (geometry.joints_needed(), Model::new(vec![geometry], vec![Instance::new(0, None)]));
     let bounds = ModelBounds::new(&model.expect("one geometry"));
     let of = |pose: &Pose| bounds.boxes(pose, 0.0).err();
-    assert_eq!(of(&Pose::new(Vec::new())), Some(PoseMismatch::Instances { given: 0, needed: 1 }));
-    let few = PoseMismatch::Palette { instance: 0, given: joints - 1, needed: joints };
+    assert_eq!(of(&Pose::new(Vec::new())), Some(ModelError::PoseInstances { given: 0, needed: 1 }));
+    let few = ModelError::PosePalette { instance: 0, given: joints - 1, needed: joints };
     assert_eq!(of(&pose(vec![IDENTITY; joints - 1], vec![0.0; 2])), Some(few));
-    let other = PoseMismatch::MorphWeights { instance: 0, given: 3, needed: 2 };
+    let other = ModelError::PoseMorphWeights { instance: 0, given: 3, needed: 2 };
     assert_eq!(of(&pose(vec![IDENTITY; joints], vec![0.0; 3])), Some(other));
     assert_eq!(of(&pose(vec![IDENTITY; joints], vec![0.0; 2])), None);
 }

@@ -1,11 +1,9 @@
 //! Models, poses and their parts are checked when they are made, and each refusal names the place.
 
-use rimline::model::ModelError;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::model::{influence_range, most_per_vertex};
 use rimline::{
-    Geometry, GeometryOptions, Influences, Instance, InstancePose, Mesh, MeshError, Model, Pose, PoseMismatch,
-    PosedMeshError,
+    Geometry, GeometryOptions, Influences, Instance, InstancePose, Mesh, MeshError, Model, ModelError, Pose,
 };
 
 const POSITIONS: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -152,17 +150,17 @@ fn a_pose_of_another_model_is_refused() {
     };
     let all = |pose: &Pose| {
         let checked = model.check(pose).err();
-        assert_eq!(model.mesh(pose).err(), checked.map(PosedMeshError::Pose));
+        assert_eq!(model.mesh(pose).err(), checked);
         assert_eq!(cpu::deform(&model, pose, 0.0, None, Threads::ONE).err(), checked);
         checked
     };
     assert_eq!(all(&pose(1, 3, 1)), None);
     assert_eq!(all(&pose(1, 4, 1)), None, "joints that no vertex follows");
-    assert_eq!(all(&Pose::default()), Some(PoseMismatch::Instances { given: 0, needed: 2 }));
-    assert_eq!(all(&pose(0, 3, 1)), Some(PoseMismatch::Palette { instance: 0, given: 0, needed: 1 }));
-    assert_eq!(all(&pose(1, 2, 1)), Some(PoseMismatch::Palette { instance: 1, given: 2, needed: 3 }));
-    assert_eq!(all(&pose(1, 3, 0)), Some(PoseMismatch::MorphWeights { instance: 1, given: 0, needed: 1 }));
-    assert_eq!(all(&pose(1, 3, 2)), Some(PoseMismatch::MorphWeights { instance: 1, given: 2, needed: 1 }));
+    assert_eq!(all(&Pose::default()), Some(ModelError::PoseInstances { given: 0, needed: 2 }));
+    assert_eq!(all(&pose(0, 3, 1)), Some(ModelError::PosePalette { instance: 0, given: 0, needed: 1 }));
+    assert_eq!(all(&pose(1, 2, 1)), Some(ModelError::PosePalette { instance: 1, given: 2, needed: 3 }));
+    assert_eq!(all(&pose(1, 3, 0)), Some(ModelError::PoseMorphWeights { instance: 1, given: 0, needed: 1 }));
+    assert_eq!(all(&pose(1, 3, 2)), Some(ModelError::PoseMorphWeights { instance: 1, given: 2, needed: 1 }));
 }
 
 #[test]
@@ -172,6 +170,6 @@ fn a_joint_of_the_highest_number_is_no_overflow() {
     let model = Model::new(vec![geometry(&[[0, 1, 2]], options).expect("a triangle")], vec![Instance::new(0, None)]);
     let pose = Pose::new(vec![InstancePose::new(vec![IDENTITY], Vec::new()).expect("finite")]);
     let refused = model.expect("one geometry").mesh(&pose).expect_err("too few matrices");
-    assert!(matches!(refused, PosedMeshError::Pose(PoseMismatch::Palette { given: 1, .. })), "{refused:?}");
+    assert!(matches!(refused, ModelError::PosePalette { given: 1, .. }), "{refused:?}");
     assert_eq!(Mesh::from_faces(0, Vec::new()).err(), Some(MeshError::NoFaces));
 }

@@ -1,10 +1,9 @@
 //! Deform on the GPU against its twin: within the bound that docs/numerics/deform.md derives.
 
-use rimline::gpu::{DeformError, Deformer, DeformerOptions, MemoryError};
-use rimline::model::PoseMismatch;
+use rimline::gpu::{DeformError, Deformer, DeformerOptions, DeviceError};
 use rimline::reference::cpu::{self, Threads};
 use rimline::wgpu;
-use rimline::{Displacement, Geometry, Instance, InstancePose, MeshError, Model, Pose, PosedMeshError};
+use rimline::{Displacement, Geometry, Instance, InstancePose, MeshError, Model, ModelError, Pose};
 
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -176,7 +175,7 @@ fn empty() -> Result<(), String> {
 }
 
 /// A change of a pose, and the error that it gives.
-type Perturbation = (fn(&mut Vec<InstancePose>), PoseMismatch);
+type Perturbation = (fn(&mut Vec<InstancePose>), ModelError);
 
 /// An instance's pose with another number of matrices or weights.
 fn resized(pose: &InstancePose, matrices: usize, weights: usize) -> InstancePose {
@@ -194,11 +193,11 @@ fn refused() -> Result<(), String> {
     let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
     let before = deformed(gpu, &deformer, &model, &pose)?;
     let perturbations: [Perturbation; 5] = [
-        (|pose| pose.truncate(6), PoseMismatch::Instances { given: 6, needed: 7 }),
-        (|pose| pose.push(pose[0].clone()), PoseMismatch::Instances { given: 8, needed: 7 }),
-        (|pose| pose[1] = resized(&pose[1], 0, 0), PoseMismatch::Palette { instance: 1, given: 0, needed: 1 }),
-        (|pose| pose[3] = resized(&pose[3], 1, 4), PoseMismatch::MorphWeights { instance: 3, given: 4, needed: 5 }),
-        (|pose| pose[2] = resized(&pose[2], 12, 1), PoseMismatch::MorphWeights { instance: 2, given: 1, needed: 0 }),
+        (|pose| pose.truncate(6), ModelError::PoseInstances { given: 6, needed: 7 }),
+        (|pose| pose.push(pose[0].clone()), ModelError::PoseInstances { given: 8, needed: 7 }),
+        (|pose| pose[1] = resized(&pose[1], 0, 0), ModelError::PosePalette { instance: 1, given: 0, needed: 1 }),
+        (|pose| pose[3] = resized(&pose[3], 1, 4), ModelError::PoseMorphWeights { instance: 3, given: 4, needed: 5 }),
+        (|pose| pose[2] = resized(&pose[2], 12, 1), ModelError::PoseMorphWeights { instance: 2, given: 1, needed: 0 }),
     ];
     for (perturb, expected) in perturbations {
         let mut wrong = pose.instances().to_vec();
@@ -206,15 +205,15 @@ fn refused() -> Result<(), String> {
         let wrong = Pose::new(wrong);
         gpu.submit(|encoder| {
             let error = deformer.encode(encoder, &wrong, 0.0, None, None).err();
-            same("pose", &[error], &[Some(DeformError::Pose(expected))])
+            same("pose", &[error], &[Some(DeformError::Model(expected))])
         })?;
         same("on the CPU", &[cpu::deform(&model, &wrong, 0.0, None, Threads::ONE).err()], &[Some(expected)])?;
-        same("mesh", &[model.mesh(&wrong).err()], &[Some(PosedMeshError::Pose(expected))])?;
+        same("mesh", &[model.mesh(&wrong).err()], &[Some(expected)])?;
     }
     same("positions stay", &gpu.read(deformer.positions().buffer, before.len())?, &before)?;
     let limited = DeformerOptions { memory_limit: Some(1000), ..Default::default() };
     match Deformer::new(&gpu.pipelines, &model, limited) {
-        Err(DeformError::Memory(MemoryError::Total { limit: 1000, .. })) => Ok(()),
+        Err(DeformError::Device(DeviceError::MemoryLimit { limit: 1000, .. })) => Ok(()),
         other => Err(format!("memory limit: {:?}", other.err())),
     }
 }

@@ -1,7 +1,7 @@
 //! Zero of anything in a model that deforms: no geometry, no instance, no vertex, no joint, no target. Its positions are those
 //! of the CPU, of which there may be none.
 
-use rimline::gpu::{DeformError, Deformer, DeformerOptions, MemoryError};
+use rimline::gpu::{DeformError, Deformer, DeformerOptions, DeviceError};
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, Pose};
 use rimline_measure::device::Gpu;
@@ -68,7 +68,7 @@ fn nothing() -> Result<(), String> {
     let model = Model::new(geometries, vec![Instance::new(kinds.len() - 1, None)]).map_err(text)?;
     let options = DeformerOptions { memory_limit: Some(0), ..DeformerOptions::default() };
     match Deformer::new(&gpu.pipelines, &model, options).err() {
-        Some(DeformError::Memory(MemoryError::Total { limit: 0, .. })) => Ok(()),
+        Some(DeformError::Device(DeviceError::MemoryLimit { limit: 0, .. })) => Ok(()),
         other => Err(format!("no memory: {other:?}")),
     }
 }

@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 use rimline::DepthDirection;
 use rimline::gpu::{
     DepthMap, DepthMapCube, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
-    MemoryError, ShadowFormat,
+    DeviceError, ShadowFormat,
 };
 use rimline::reference::layout::ContourShape;
 use rimline_measure::device::Gpu;
@@ -699,7 +699,7 @@ fn refused() -> Result<(), String> {
     let side = gpu.device.limits().max_texture_dimension_2d;
     let limit = gpu.device.limits().max_storage_buffer_binding_size / 256 * 256;
     match DepthMapVolumes::new(&pipelines, [side; 2], options).err() {
-        Some(DepthMapError::Memory(MemoryError::Binding { bytes, limit: told, .. }))
+        Some(DepthMapError::Device(DeviceError::BindingTooLarge { bytes, limit: told, .. }))
             if told == limit && bytes > limit => {}
         None if 4 * (u64::from(side) + 2).pow(2) <= limit => {}
         other => return Err(format!("{side}²: {other:?}")),

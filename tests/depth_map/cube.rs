@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use glam::{DMat3, DVec2, DVec3, Mat4};
 use rimline::gpu::{
     DanglingEdges, DepthCubeMaps, DepthMapCube, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines,
-    MemoryError, ShadowFormat,
+    DeviceError, ShadowFormat,
 };
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -592,7 +592,7 @@ fn memory(gpu: &Gpu, pipelines: &DepthMapPipelines, cameras: &[ShadowCamera; 6])
         DepthMapCube::new(pipelines, 16, DepthMapOptions { memory_limit: Some(memory_limit), ..Default::default() })
     };
     let needed = |error: Option<DepthMapError>| match error {
-        Some(DepthMapError::Memory(MemoryError::Total { bytes, .. })) => Ok(bytes),
+        Some(DepthMapError::Device(DeviceError::MemoryLimit { bytes, .. })) => Ok(bytes),
         other => Err(format!("{other:?}")),
     };
     let texels = 6 * 16 * 16;

@@ -1,7 +1,7 @@
 //! The depth of a mesh in a map against rays of the light.
 
 use glam::{DVec2, DVec3};
-use rimline::gpu::{DepthMapError, MeshDepth, PositionBuffer};
+use rimline::gpu::{DepthMapError, DeviceError, MeshDepth, PositionBuffer};
 use rimline::mesh::Weld;
 use rimline::{DepthDirection, Mesh, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -40,7 +40,7 @@ fn drawn(gpu: &Gpu, shape: &shapes::Shape, light: &ShadowCamera, made: DepthDire
         let short = PositionBuffer { buffer: &buffer, offset: 32, stride: 20 };
         if !matches!(
             renderer.draw(&mut pass, short, light),
-            Err(DepthMapError::Positions(_) | DepthMapError::Depth { .. })
+            Err(DepthMapError::Device(DeviceError::PositionsTooShort { .. }) | DepthMapError::Depth { .. })
         ) {
             return Err("a buffer that is too short was taken".to_owned());
         }

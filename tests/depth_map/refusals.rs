@@ -2,12 +2,13 @@
 
 use rimline::gpu::{
     DanglingEdges, DepthMap, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
-    MemoryError, ShadowFormat, ShadowFormatError,
+    DeviceError, ShadowError, ShadowFormat,
 };
 use rimline::{CameraError, DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::text;
+use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
 use rimline_measure::same;
 use wgpu::TextureFormat;
 
@@ -32,31 +33,35 @@ fn pipelines(gpu: &Gpu) -> Result<DepthMapPipelines, String> {
 
 fn making() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let refused = |format: ShadowFormat, bit| DepthMapPipelines::new(&gpu.pipelines, &format, bit).err();
-    let format = |depth_stencil| ShadowFormat { depth_stencil, ..Default::default() };
-    same("bit", &[refused(ShadowFormat::default(), 8)], &[Some(DepthMapError::Bits(8..9))])?;
-    let no_stencil = ShadowFormatError::NoStencil(TextureFormat::Depth32Float).into();
-    same("stencil", &[refused(format(TextureFormat::Depth32Float), 0)], &[Some(no_stencil)])?;
+    let no_stencil = ShadowFormat { depth_stencil: TextureFormat::Depth32Float, ..Default::default() };
+    let stencil = DepthMapError::Shadow(ShadowError::NoStencil(TextureFormat::Depth32Float));
+    let made = |format: ShadowFormat, bit| DepthMapPipelines::new(&gpu.pipelines, &format, bit);
+    refused([
+        refusal("bit", made(ShadowFormat::default(), 8), is(DepthMapError::Bits(8..9))),
+        refusal("stencil", made(no_stencil, 0), is(stencil)),
+    ])?;
     let pipelines = pipelines(&gpu)?;
-    let refused = |size, options| DepthMapVolumes::new(&pipelines, size, options).err();
+    let made = |size, options| DepthMapVolumes::new(&pipelines, size, options);
     for size in [[0, 5], [5, 0], [u32::MAX, u32::MAX], [1 << 15, 1 << 15]] {
-        let expected = DepthMapError::Size(size[0], size[1]);
-        same("size", &[refused(size, DepthMapOptions::default())], &[Some(expected)])?;
+        let expected = is(DepthMapError::Size(size[0], size[1]));
+        refused([refusal("size", made(size, DepthMapOptions::default()), expected)])?;
     }
     // The name of the number that is refused.
-    let wrong = |options| match refused([4, 4], options) {
-        Some(DepthMapError::Option { name, .. }) => Some(name),
-        _ => None,
-    };
-    let with = |method| wrong(DepthMapOptions { method, ..Default::default() });
+    let wrong = |name| shows(&[&format!("Option {{ name: {name:?}")]);
+    let with = |method| made([4, 4], DepthMapOptions { method, ..Default::default() });
     for threshold in [-0.1, 1.5, f32::INFINITY, f32::NAN] {
-        let found = with(DepthMapMethod::Differences { threshold, dangling: None });
-        same("threshold", &[found], &[Some("threshold")])?;
+        let made = with(DepthMapMethod::Differences { threshold, dangling: None });
+        refused([refusal(threshold, made, wrong("threshold"))])?;
     }
     let second = |low, high| with(DepthMapMethod::SecondDifferences { low, high, dangling: None });
-    let found = [second(-0.1, 0.5), second(0.5, 0.4), second(0.5, 1.5), second(f32::NAN, 0.5), second(0.5, 0.5)];
-    same("two", &found, &[Some("low"), Some("low"), Some("high"), Some("low"), None])?;
-    for (share, cells, expected) in
+    refused([
+        refusal("a negative one", second(-0.1, 0.5), wrong("low")),
+        refusal("the wrong way round", second(0.5, 0.4), wrong("low")),
+        refusal("more than 1", second(0.5, 1.5), wrong("high")),
+        refusal("NaN", second(f32::NAN, 0.5), wrong("low")),
+        refusal("equal ones", second(0.5, 0.5), Expected::Taken),
+    ])?;
+    for (share, cells, name) in
         [(-0.1, 1, "share"), (1.5, 1, "share"), (f32::NAN, 1, "share"), (0.5, 0, "cells"), (0.5, 65, "cells")]
     {
         let dangling = Some(DanglingEdges { share, cells });
@@ -65,53 +70,48 @@ fn making() -> Result<(), String> {
             DepthMapMethod::Differences { threshold: 0.5, dangling },
             DepthMapMethod::SecondDifferences { low: 0.5, high: 0.5, dangling },
         ] {
-            same("dangling", &[with(method)], &[Some(expected)])?;
+            refused([refusal(format!("{method:?}"), with(method), wrong(name))])?;
         }
-    }
-    for slope_bias in [-1.0, f32::INFINITY, f32::NAN] {
-        let found = wrong(DepthMapOptions { slope_bias, ..Default::default() });
-        same("bias", &[found], &[Some("slope_bias")])?;
     }
     let method = DepthMapMethod::Contours { threshold: 1.0, sideways: 0.25, depth: 0.01 };
     let walled = DepthMapOptions { method, ..Default::default() };
-    let biased = [255.0, 255.5].map(|slope_bias| wrong(DepthMapOptions { slope_bias, ..walled }));
-    same("contours' bias", &biased, &[None, Some("slope_bias")])?;
+    let biased = |slope_bias, options| made([4, 4], DepthMapOptions { slope_bias, ..options });
+    for slope_bias in [-1.0, f32::INFINITY, f32::NAN] {
+        refused([refusal(slope_bias, biased(slope_bias, DepthMapOptions::default()), wrong("slope_bias"))])?;
+    }
+    refused([
+        refusal("the most of contours", biased(255.0, walled), Expected::Taken),
+        refusal("contours' bias", biased(255.5, walled), wrong("slope_bias")),
+    ])?;
     // The limit of memory holds for all buffers together.
-    let limited = |memory_limit| refused([40, 40], DepthMapOptions { memory_limit: Some(memory_limit), ..walled });
-    let Some(DepthMapError::Memory(MemoryError::Total { bytes, .. })) = limited(1) else {
+    let limited =
+        |memory_limit, options| made([40, 40], DepthMapOptions { memory_limit: Some(memory_limit), ..options });
+    let Some(DepthMapError::Device(DeviceError::MemoryLimit { bytes, .. })) = limited(1, walled).err() else {
         return Err("a byte is enough".to_owned());
     };
-    let largest = DepthMapVolumes::new(&pipelines, [40, 40], walled).map_err(text)?.cells().size();
-    if limited(bytes).is_some() || limited(bytes - 1).is_none() || bytes <= largest {
+    let largest = made([40, 40], walled).map_err(text)?.cells().size();
+    if bytes <= largest {
         return Err(format!("{bytes} bytes, {largest} of them for walls"));
     }
-    let options = DepthMapOptions { memory_limit: Some(100), ..Default::default() };
-    match refused([40, 40], options) {
-        Some(DepthMapError::Memory(MemoryError::Total { limit: 100, .. })) => Ok(()),
-        other => Err(format!("{other:?}")),
-    }
+    refused([
+        refusal("enough", limited(bytes, walled), Expected::Taken),
+        refusal("a byte less", limited(bytes - 1, walled), shows(&["Device(MemoryLimit {"])),
+        refusal("100 bytes", limited(100, DepthMapOptions::default()), shows(&["Device(MemoryLimit {", "limit: 100"])),
+    ])
 }
 
-fn attachment(gpu: &Gpu, format: TextureFormat, side: u32, samples: u32, usage: wgpu::TextureUsages) -> wgpu::Texture {
-    with_levels(gpu, (format, side), (samples, 1), usage)
-}
-
-/// A texture of two levels.
-fn levels(gpu: &Gpu, format: TextureFormat, side: u32) -> wgpu::Texture {
-    with_levels(gpu, (format, side), (1, 2), wgpu::TextureUsages::TEXTURE_BINDING)
-}
-
-fn with_levels(
+/// A texture of so many texels a side, samples and levels.
+fn texture(
     gpu: &Gpu,
     (format, side): (TextureFormat, u32),
-    (samples, levels): (u32, u32),
+    [sample_count, mip_level_count]: [u32; 2],
     usage: wgpu::TextureUsages,
 ) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("map"),
         size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
-        mip_level_count: levels,
-        sample_count: samples,
+        mip_level_count,
+        sample_count,
         dimension: wgpu::TextureDimension::D2,
         format,
         usage,
@@ -119,53 +119,67 @@ fn with_levels(
     })
 }
 
+fn view(texture: &wgpu::Texture, base_mip_level: u32) -> wgpu::TextureView {
+    let mip_level_count = Some(1);
+    texture.create_view(&wgpu::TextureViewDescriptor { base_mip_level, mip_level_count, ..Default::default() })
+}
+
+const DRAWN: wgpu::TextureUsages = wgpu::TextureUsages::RENDER_ATTACHMENT;
+const READ: wgpu::TextureUsages = wgpu::TextureUsages::TEXTURE_BINDING;
+
 fn encoding() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let pipelines = pipelines(&gpu)?;
     let mut volumes = DepthMapVolumes::new(&pipelines, [8, 8], DepthMapOptions::default()).map_err(text)?;
-    let (drawn, read) = (wgpu::TextureUsages::RENDER_ATTACHMENT, wgpu::TextureUsages::TEXTURE_BINDING);
-    let mut refused = |texture: &wgpu::TextureView, light: ShadowCamera, eye: ShadowCamera| {
-        gpu.submit(|encoder| Ok(volumes.encode(encoder, &DepthMap { texture, light, objects: None }, &eye, None).err()))
+    let mut encode = |texture: &wgpu::TextureView, light: ShadowCamera, eye: ShadowCamera| {
+        gpu.submit(|encoder| Ok(volumes.encode(encoder, &DepthMap { texture, light, objects: None }, &eye, None)))
     };
     let taken = "Depth16Unorm, Depth24Plus, Depth32Float, or R32Float";
-    let (depth, half, name) = (TextureFormat::Depth32Float, TextureFormat::R16Float, || "the map".to_owned());
-    for (format, side, samples, usage, expected) in [
-        (depth, 8, 1, drawn | read, None),
-        (half, 8, 1, drawn | read, Some(DepthMapError::MapFormat { map: name(), format: half, taken })),
-        (depth, 9, 1, drawn | read, Some(DepthMapError::MapSize { map: name(), given: [9, 9], made: [8, 8] })),
-        (depth, 8, 4, drawn | read, Some(DepthMapError::Samples { map: name(), samples: 4 })),
-        (depth, 8, 1, drawn, Some(DepthMapError::Usage(name()))),
+    let (depth, half, map) = (TextureFormat::Depth32Float, TextureFormat::R16Float, || "the map".to_owned());
+    let levels = || is(DepthMapError::MipLevels { map: map(), levels: 2 });
+    for (what, format, counts, usage, level, expected) in [
+        ("good", (depth, 8), [1, 1], DRAWN | READ, 0, Expected::Taken),
+        (
+            "format",
+            (half, 8),
+            [1, 1],
+            DRAWN | READ,
+            0,
+            is(DepthMapError::MapFormat { map: map(), format: half, taken }),
+        ),
+        (
+            "size",
+            (depth, 9),
+            [1, 1],
+            DRAWN | READ,
+            0,
+            is(DepthMapError::MapSize { map: map(), given: [9, 9], made: [8, 8] }),
+        ),
+        ("samples", (depth, 8), [4, 1], DRAWN | READ, 0, is(DepthMapError::Samples { map: map(), samples: 4 })),
+        ("usage", (depth, 8), [1, 1], DRAWN, 0, is(DepthMapError::Usage(map()))),
+        // The second level has the right size, and so has the first; the view does not tell which is shown.
+        ("the second level", (depth, 16), [1, 2], READ, 1, levels()),
+        ("the first of two levels", (depth, 8), [1, 2], READ, 0, levels()),
+        ("the second of two levels", (depth, 8), [1, 2], READ, 1, levels()),
     ] {
-        let texture = attachment(&gpu, format, side, samples, usage);
-        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        same("texture", &[refused(&view, camera(STANDARD), camera(REVERSED))?], &[expected])?;
+        let view = view(&texture(&gpu, format, counts, usage), level);
+        refused([refusal(what, encode(&view, camera(STANDARD), camera(REVERSED))?, expected)])?;
     }
-    // The second level has the right size, and so has the first; the view does not tell which is shown.
-    for (side, level) in [(16, 1), (8, 0), (8, 1)] {
-        let texture = levels(&gpu, depth, side);
-        let descriptor =
-            wgpu::TextureViewDescriptor { base_mip_level: level, mip_level_count: Some(1), ..Default::default() };
-        let found = refused(&texture.create_view(&descriptor), camera(STANDARD), camera(REVERSED))?;
-        let expected = DepthMapError::MipLevels { map: name(), levels: 2 };
-        same("levels", &[found], &[Some(expected)])?;
-    }
-    let both = attachment(&gpu, TextureFormat::Depth24PlusStencil8, 8, 1, drawn | read);
-    let found =
-        refused(&both.create_view(&wgpu::TextureViewDescriptor::default()), camera(STANDARD), camera(REVERSED))?;
-    if !matches!(found, Some(DepthMapError::Refused { .. })) {
-        return Err(format!("two aspects: {found:?}"));
-    }
-    let view = depth_view(&both);
+    let both = texture(&gpu, (TextureFormat::Depth24PlusStencil8, 8), [1, 1], DRAWN | READ);
+    let (aspects, view) = (view(&both, 0), depth_view(&both));
     let (good, singular) = (camera(REVERSED), ShadowCamera { view_projection: [[0.0; 4]; 4], ..camera(REVERSED) });
     let mismatch = DepthMapError::Depth { what: "the eye", given: STANDARD, made: REVERSED };
-    same("depth", &[refused(&view, good, camera(STANDARD))?], &[Some(mismatch)])?;
-    same("eye", &[refused(&view, good, singular)?], &[Some(DepthMapError::Camera(CameraError::Singular))])?;
-    same("light", &[refused(&view, singular, good)?], &[Some(DepthMapError::Light(CameraError::Singular))])?;
     // Near and far are told apart by the light's own depth: its w ends before its depth does.
     let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, -0.999, -0.1], [0.0, 0.0, -1.0, 0.0]];
     let columns = std::array::from_fn(|column| rows.map(|row: [f32; 4]| row[column]));
     let behind = ShadowCamera { view_projection: columns, origin: [0.0; 3], depth: STANDARD };
-    same("far plane", &[refused(&view, behind, good)?], &[Some(DepthMapError::FarPlane)])
+    refused([
+        refusal("two aspects", encode(&aspects, camera(STANDARD), good)?, shows(&["Refused {"])),
+        refusal("depth", encode(&view, good, camera(STANDARD))?, is(mismatch)),
+        refusal("eye", encode(&view, good, singular)?, is(DepthMapError::Camera(CameraError::Singular))),
+        refusal("light", encode(&view, singular, good)?, is(DepthMapError::Light(CameraError::Singular))),
+        refusal("far plane", encode(&view, behind, good)?, is(DepthMapError::FarPlane)),
+    ])
 }
 
 fn drawing() -> Result<(), String> {
@@ -182,12 +196,10 @@ fn drawing() -> Result<(), String> {
     let method = DepthMapMethod::Contours { threshold: 1.0, sideways: 0.25, depth: 0.001 };
     let options = DepthMapOptions { method, ..Default::default() };
     let mut walled = DepthMapVolumes::new(&pipelines, [8, 8], options).map_err(text)?;
-    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
-    let texture = depth_view(&attachment(&gpu, TextureFormat::Depth32Float, 8, 1, usage));
-    let target = attachment(&gpu, TextureFormat::Depth24PlusStencil8, 8, 1, usage);
-    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-    let found = gpu.submit(|encoder| {
-        let map = DepthMap { texture: &texture, light: camera(REVERSED), objects: None };
+    let map = depth_view(&texture(&gpu, (TextureFormat::Depth32Float, 8), [1, 1], DRAWN | READ));
+    let view = view(&texture(&gpu, (TextureFormat::Depth24PlusStencil8, 8), [1, 1], DRAWN), 0);
+    gpu.submit(|encoder| {
+        let map = DepthMap { texture: &map, light: camera(REVERSED), objects: None };
         let first = volumes.encode(encoder, &map, &camera(REVERSED), None).map_err(text)?;
         let second = volumes.encode(encoder, &map, &camera(REVERSED), None).map_err(text)?;
         let walls = walled.encode(encoder, &map, &camera(REVERSED), None).map_err(text)?;
@@ -200,57 +212,50 @@ fn drawing() -> Result<(), String> {
             }),
             ..Default::default()
         });
-        let drawn = [(&first, &pipelines), (&second, &standard), (&second, &pipelines), (&walls, &pipelines)];
-        let other = other.iter().map(|other| (&second, other));
-        Ok(drawn
-            .into_iter()
-            .chain(other)
-            .map(|(frame, pipelines)| frame.draw(&mut pass, pipelines))
-            .collect::<Vec<_>>())
-    })?;
-    let mismatch = DepthMapError::Depth { what: "the pipelines", given: STANDARD, made: REVERSED };
-    let mut expected = vec![Err(DepthMapError::StaleFrame), Err(mismatch), Ok(()), Ok(())];
-    let [volumes, own] = [TextureFormat::Depth24PlusStencil8, TextureFormat::Depth32FloatStencil8];
-    if has_other {
-        expected.push(Err(DepthMapError::DepthFormat { volumes, pipelines: own }));
-    }
-    same("draws", &found, &expected)
+        let mismatch = DepthMapError::Depth { what: "the pipelines", given: STANDARD, made: REVERSED };
+        refused([
+            refusal("an earlier frame", first.draw(&mut pass, &pipelines), is(DepthMapError::StaleFrame)),
+            refusal("depth", second.draw(&mut pass, &standard), is(mismatch)),
+            refusal("the later frame", second.draw(&mut pass, &pipelines), Expected::Taken),
+            refusal("walls", walls.draw(&mut pass, &pipelines), Expected::Taken),
+        ])?;
+        let [volumes, own] = [TextureFormat::Depth24PlusStencil8, TextureFormat::Depth32FloatStencil8];
+        let format = || is(DepthMapError::DepthFormat { volumes, pipelines: own });
+        refused(other.iter().map(|other| refusal("format", second.draw(&mut pass, other), format())))
+    })
 }
 
 fn objects_refused() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let pipelines = pipelines(&gpu)?;
-    let (drawn, read) = (wgpu::TextureUsages::RENDER_ATTACHMENT, wgpu::TextureUsages::TEXTURE_BINDING);
-    let view = |format, side, usage| {
-        attachment(&gpu, format, side, 1, usage).create_view(&wgpu::TextureViewDescriptor::default())
-    };
-    let map = view(TextureFormat::Depth32Float, 8, drawn | read);
-    let many = levels(&gpu, TextureFormat::R32Uint, 8)
-        .create_view(&wgpu::TextureViewDescriptor { mip_level_count: Some(1), ..Default::default() });
-    let [right, large, unbound, other] = [
-        view(TextureFormat::R32Uint, 8, read),
-        view(TextureFormat::R32Uint, 9, read),
-        view(TextureFormat::R32Uint, 8, wgpu::TextureUsages::COPY_DST),
-        view(TextureFormat::R32Sint, 8, read),
-    ];
+    let of = |format, side, levels, usage| view(&texture(&gpu, (format, side), [1, levels], usage), 0);
+    let map = of(TextureFormat::Depth32Float, 8, 1, DRAWN | READ);
+    let right = of(TextureFormat::R32Uint, 8, 1, READ);
+    let large = of(TextureFormat::R32Uint, 9, 1, READ);
+    let unbound = of(TextureFormat::R32Uint, 8, 1, wgpu::TextureUsages::COPY_DST);
+    let other = of(TextureFormat::R32Sint, 8, 1, READ);
+    let many = of(TextureFormat::R32Uint, 8, 2, READ);
     let mut volumes = DepthMapVolumes::new(&pipelines, [8, 8], DepthMapOptions::default()).map_err(text)?;
-    let found = gpu.submit(|encoder| {
-        let given = [None, Some(&right), Some(&large), Some(&unbound), Some(&other), Some(&many)];
-        Ok(given.map(|objects| {
-            let map = DepthMap { texture: &map, light: camera(REVERSED), objects };
-            volumes.encode(encoder, &map, &camera(REVERSED), None).err()
-        }))
-    })?;
     let name = || "the texture of objects".to_owned();
-    let expected = [
-        None,
-        None,
-        Some(DepthMapError::MapSize { map: name(), given: [9, 9], made: [8, 8] }),
-        Some(DepthMapError::Usage(name())),
-        Some(DepthMapError::MapFormat { map: name(), format: TextureFormat::R32Sint, taken: "R32Uint" }),
-        Some(DepthMapError::MipLevels { map: name(), levels: 2 }),
-    ];
-    same("objects", &found, &expected)
+    let format = DepthMapError::MapFormat { map: name(), format: TextureFormat::R32Sint, taken: "R32Uint" };
+    gpu.submit(|encoder| {
+        let mut encode = |objects| {
+            let map = DepthMap { texture: &map, light: camera(REVERSED), objects };
+            volumes.encode(encoder, &map, &camera(REVERSED), None)
+        };
+        refused([
+            refusal("none", encode(None), Expected::Taken),
+            refusal("right", encode(Some(&right)), Expected::Taken),
+            refusal(
+                "size",
+                encode(Some(&large)),
+                is(DepthMapError::MapSize { map: name(), given: [9, 9], made: [8, 8] }),
+            ),
+            refusal("usage", encode(Some(&unbound)), is(DepthMapError::Usage(name()))),
+            refusal("format", encode(Some(&other)), is(format)),
+            refusal("levels", encode(Some(&many)), is(DepthMapError::MipLevels { map: name(), levels: 2 })),
+        ])
+    })
 }
 
 /// Whole sentences: what is wrong, where, and what to do.
@@ -287,10 +292,13 @@ fn beside_meshes() -> Result<(), String> {
         let format = ShadowFormat { count_bits, ..Default::default() };
         DepthMapPipelines::beside_meshes(&gpu.pipelines, &format, bits)
     };
-    let counted = |bit, count_bits| Some(DepthMapError::Counted { bit, count_bits });
-    let found =
-        [made(8, 7..8).err(), made(8, 0..1).err(), made(7, 6..8).err(), made(7, 8..9).err(), made(4, 5..5).err()];
-    let refused = |bits| Some(DepthMapError::Bits(bits));
-    same("beside", &found, &[counted(7, 8), counted(0, 8), counted(6, 7), refused(8..9), refused(5..5)])?;
+    let counted = |bit, count_bits| is(DepthMapError::Counted { bit, count_bits });
+    refused([
+        refusal("all bits count", made(8, 7..8), counted(7, 8)),
+        refusal("the lowest", made(8, 0..1), counted(0, 8)),
+        refusal("one of two", made(7, 6..8), counted(6, 7)),
+        refusal("no bit of the stencil", made(7, 8..9), is(DepthMapError::Bits(8..9))),
+        refusal("no bit", made(4, 5..5), is(DepthMapError::Bits(5..5))),
+    ])?;
     same("bits", &[made(7, 7..8).map_err(text)?.bits(), made(4, 4..8).map_err(text)?.bits()], &[7..8, 4..8])
 }

@@ -1,7 +1,7 @@
 //! Which casters of a scene are drawn into a map, and what is refused.
 
 use glam::DVec3;
-use rimline::gpu::{Caster, DepthMapError, LightMask, SceneDepth, SceneDepthCasters, SceneDepthCounts, SceneError};
+use rimline::gpu::{Caster, DepthMapError, LightMask, SceneDepth, SceneDepthCasters, SceneDepthCounts, ShadowError};
 use rimline::{CameraError, DepthDirection, Light, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -158,13 +158,13 @@ fn refused() -> Result<(), String> {
         ];
         Ok(())
     })?;
-    let of_scene = |error| Some(DepthMapError::Scene(error));
+    let of_scene = |error| Some(DepthMapError::Shadow(error));
     let truth = [
-        of_scene(SceneError::Stale { what: "caster" }),
-        of_scene(SceneError::Stale { what: "caster" }),
-        of_scene(SceneError::OtherScene { what: "caster" }),
-        of_scene(SceneError::Stale { what: "light" }),
-        of_scene(SceneError::OtherScene { what: "light" }),
+        of_scene(ShadowError::Removed { what: "caster" }),
+        of_scene(ShadowError::Removed { what: "caster" }),
+        of_scene(ShadowError::OtherScene { what: "caster" }),
+        of_scene(ShadowError::Removed { what: "light" }),
+        of_scene(ShadowError::OtherScene { what: "light" }),
         Some(DepthMapError::Depth {
             what: "the light",
             given: DepthDirection::Standard,

@@ -3,7 +3,7 @@
 
 use rimline::gpu::{
     DepthCubeMaps, DepthMap, DepthMapCube, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines,
-    DepthMapVolumes, MemoryError, MeshDepth, PositionBuffer, ShadowFormat,
+    DepthMapVolumes, DeviceError, MeshDepth, PositionBuffer, ShadowFormat,
 };
 use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{DepthDirection, Mesh};
@@ -98,7 +98,7 @@ fn without_room() -> Result<(), String> {
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
     let options = DepthMapOptions { memory_limit: Some(0), ..Default::default() };
     let none = DepthMapVolumes::new(&pipelines, [4, 4], options).err();
-    if !matches!(none, Some(DepthMapError::Memory(MemoryError::Total { limit: 0, .. }))) {
+    if !matches!(none, Some(DepthMapError::Device(DeviceError::MemoryLimit { limit: 0, .. }))) {
         return Err(format!("no memory: {none:?}"));
     }
     let cube = DepthMapCube::new(&pipelines, 0, DepthMapOptions::default()).err();

@@ -2,7 +2,7 @@
 
 use rimline::mesh::{EdgeKind, PolygonLoops, Weld};
 use rimline::reference::Method;
-use rimline::reference::cpu::{self, ArgumentError, Threads};
+use rimline::reference::cpu::{self, CpuError, Threads};
 use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, LightError, Mesh, Predicate};
 use rimline_measure::cases::{self, hard_positions, random_soup, topologies};
@@ -57,11 +57,11 @@ fn missing_positions_and_bad_lights_are_refused() {
                 error
             };
             for given in [0, 1, needed - 1] {
-                let few = ArgumentError::TooFewPositions { given, needed: needed as u32 };
+                let few = CpuError::TooFewPositions { given, needed: needed as u32 };
                 assert_eq!(refused(&positions[..given], &good), Some(few), "{method:?}");
                 assert_eq!(refused(&positions[..given], &[]), Some(few), "{method:?}, without lights");
             }
-            let zero = ArgumentError::Light(LightError::Zero { index: 1 });
+            let zero = CpuError::Light(LightError::Zero { index: 1 });
             assert_eq!(refused(positions, &[good[0], Light::homogeneous([0.0; 4])]), Some(zero), "{method:?}");
             let more = [&positions[..], &[[f32::NAN; 3]]].concat();
             let found = cpu::extract_by(&more, mesh, &good, method, Predicate::Exact, Threads::ONE);

@@ -1,7 +1,7 @@
 //! The WGSL include in a caller's own shaders: from lists that fit and lists that overflow.
 
 use rimline::gpu::{
-    Extraction, ExtractionIncludeError, Extractor, ExtractorOptions, ListOptions, PositionBuffer, include_wgsl,
+    Extraction, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer, include_wgsl,
     results_bind_group_layout,
 };
 use rimline::mesh::Weld;
@@ -243,8 +243,8 @@ fn refused() -> Result<(), String> {
     let without_lists = ExtractorOptions { lists: None, ..good };
     let per_edge = ExtractorOptions { method: Method::PerEdge, ..good };
     same("good", &[error(good, 0)?], &[None])?;
-    same("no lists", &[error(without_lists, 0)?], &[Some(ExtractionIncludeError::NoLists)])?;
-    same("per edge", &[error(per_edge, 0)?], &[Some(ExtractionIncludeError::NoLists)])?;
-    let expected = ExtractionIncludeError::NoSuchBatch { batch: 1, batches: 1 };
+    same("no lists", &[error(without_lists, 0)?], &[Some(ExtractorError::NoInclude)])?;
+    same("per edge", &[error(per_edge, 0)?], &[Some(ExtractorError::NoInclude)])?;
+    let expected = ExtractorError::NoSuchBatch { batch: 1, batches: 1 };
     same("batch", &[error(good, 1)?], &[Some(expected)])
 }

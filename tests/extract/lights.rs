@@ -1,6 +1,6 @@
 //! Numbers of lights, several encodes, refused lights and meshes, lights in mesh space.
 
-use rimline::gpu::{ExtractionEncodeError, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer};
+use rimline::gpu::{Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::EdgeMasks;
@@ -160,13 +160,13 @@ fn refused() -> Result<(), String> {
     gpu.submit(|encoder| {
         for (lights, expected) in cases {
             let error = extractor.encode(encoder, bound, &lights, None).err();
-            same("lights", &[error], &[Some(ExtractionEncodeError::Light(expected))])?;
+            same("lights", &[error], &[Some(ExtractorError::Light(expected))])?;
         }
         for at in 0..4 {
             let mut xyzw = [1.0; 4];
             xyzw[at] = f32::NAN;
             let error = extractor.encode(encoder, bound, &[Light::homogeneous(xyzw)], None);
-            let Err(ExtractionEncodeError::Light(LightError::NotFinite { index: 0, .. })) = error else {
+            let Err(ExtractorError::Light(LightError::NotFinite { index: 0, .. })) = error else {
                 return Err(format!("NaN at {at}: {error:?}"));
             };
         }

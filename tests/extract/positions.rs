@@ -1,7 +1,7 @@
 //! A caller's own position buffer: any offset and stride, the caller's own vertex order, and what is refused.
 
 use rimline::Mesh;
-use rimline::gpu::{ExtractionEncodeError, Extractor, ExtractorOptions, ListOptions, PositionBuffer, PositionError};
+use rimline::gpu::{DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::mesh::Weld;
 use rimline_measure::shapes;
 
@@ -88,8 +88,9 @@ fn refused() -> Result<(), String> {
     let buffer = gpu.storage(&positions);
     let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
     let lights = lights(&mut Random::new(52), 1);
-    let alignment = |offset, stride| PositionError::Alignment { offset, stride };
-    let too_short = |offset, stride, needed| PositionError::TooShort { vertices: 8, offset, stride, needed, bytes: 96 };
+    let alignment = |offset, stride| DeviceError::PositionLayout { offset, stride };
+    let too_short =
+        |offset, stride, needed| DeviceError::PositionsTooShort { vertices: 8, offset, stride, needed, bytes: 96 };
     let mut cases = vec![
         (0, 12, None),
         (1, 12, Some(alignment(1, 12))),
@@ -108,7 +109,7 @@ fn refused() -> Result<(), String> {
             let bound = PositionBuffer { buffer: &buffer, offset, stride };
             let error = extractor.encode(encoder, bound, &lights, None).err();
             let what = format!("offset {offset}, stride {stride}");
-            same(&what, &[error], &[expected.map(ExtractionEncodeError::Positions)])?;
+            same(&what, &[error], &[expected.map(ExtractorError::Device)])?;
         }
         let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("vertices"),
@@ -118,7 +119,7 @@ fn refused() -> Result<(), String> {
         });
         let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
         let error = extractor.encode(encoder, bound, &lights, None).err();
-        same("no STORAGE", &[error], &[Some(ExtractionEncodeError::Positions(PositionError::NotStorage))])
+        same("no STORAGE", &[error], &[Some(ExtractorError::Device(DeviceError::NotStorage))])
     })
 }
 

@@ -1,9 +1,8 @@
 //! Input that does not fit a device gives a typed error, before anything is allocated.
 
 use rimline::gpu::{
-    DeformError, Deformer, DeformerOptions, ExtractionEncodeError, ExtractionIncludeError, Extractor, ExtractorError,
-    ExtractorOptions, ListOptions, MAX_OUTLINE_EDGES, MemoryError, PositionBuffer, PositionError,
-    results_bind_group_layout,
+    Deformer, DeformerOptions, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions,
+    MAX_OUTLINE_EDGES, PositionBuffer, results_bind_group_layout,
 };
 use rimline::mesh::Weld;
 use rimline::reference::Method;
@@ -18,6 +17,7 @@ use rimline_measure::on_gpu::interleaved;
 use rimline_measure::on_gpu::{limited, repeated_torus, text};
 use rimline_measure::polygons::{PolygonSet, quad_box};
 use rimline_measure::random::Random;
+use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
 use rimline_measure::same;
 
 pub(crate) const TESTS: &[Test] = &[
@@ -28,18 +28,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("polygons_need_exact_masks_and_outlines_of_some_size", polygons),
 ];
 
-/// The memory error of an extractor that must not come to be.
-fn refusal(gpu: &Gpu, mesh: &Mesh, options: ExtractorOptions) -> Result<MemoryError, String> {
-    match Extractor::new(&gpu.pipelines, mesh, options) {
-        Err(ExtractorError::Memory(error)) => Ok(error),
-        other => Err(format!("expected a memory error, got {:?}", other.err())),
-    }
-}
-
-fn expect(what: &str, error: &MemoryError, fits: fn(&MemoryError) -> bool) -> Result<(), String> {
-    if fits(error) { Ok(()) } else { Err(format!("{what}: {error:?}")) }
-}
-
 fn mesh_of(shape: &Shape) -> Result<Mesh, String> {
     shape.mesh().map_err(text)
 }
@@ -47,71 +35,63 @@ fn mesh_of(shape: &Shape) -> Result<Mesh, String> {
 fn polygons() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mesh = quad_box(1).mesh(Weld::Position).map_err(text)?;
-    let refused = |mesh: &Mesh, options| Extractor::new(&gpu.pipelines, mesh, options).err();
+    let made = |mesh: &Mesh, options| Extractor::new(&gpu.pipelines, mesh, options);
     let exact = ExtractorOptions::default();
-    for options in [
-        ExtractorOptions { predicate: Predicate::Fast, ..exact },
-        ExtractorOptions { method: Method::PerEdge, ..exact },
-    ] {
-        let refused = refused(&mesh, options);
-        if refused != Some(ExtractorError::Polygons) {
-            return Err(format!("expected a refusal, got {refused:?}"));
-        }
-    }
     let mut ring = PolygonSet::default();
     let corners = MAX_OUTLINE_EDGES + 1;
     let corner = |at: usize| (at as f32 / corners as f32 * std::f32::consts::TAU).sin_cos();
     ring.push_points(&[(0..4).map(|at| [at as f32, (at * at) as f32, 0.0]).collect()]);
     ring.push_points(&[(0..corners).map(|at| [corner(at).0, corner(at).1, 0.0]).collect()]);
-    let refused = refused(&ring.mesh(Weld::Position).map_err(text)?, exact);
-    if refused != Some(ExtractorError::OutlineTooLarge { polygon: 1, edges: corners }) {
-        return Err(format!("expected a refusal, got {refused:?}"));
-    }
+    let ring = ring.mesh(Weld::Position).map_err(text)?;
+    let large = ExtractorError::OutlineTooLarge { polygon: 1, edges: corners };
+    let (fast, per_edge) = (Predicate::Fast, Method::PerEdge);
     let triangles = Mesh::from_faces(24, mesh.faces().to_vec()).map_err(text)?;
-    Extractor::new(&gpu.pipelines, &triangles, ExtractorOptions::default()).map_err(text)?;
-    Ok(())
+    refused([
+        refusal("fast", made(&mesh, ExtractorOptions { predicate: fast, ..exact }), is(ExtractorError::Polygons)),
+        refusal("per edge", made(&mesh, ExtractorOptions { method: per_edge, ..exact }), is(ExtractorError::Polygons)),
+        refusal("an outline", made(&ring, exact), is(large)),
+        refusal("triangles", made(&triangles, exact), Expected::Taken),
+    ])
 }
 
 fn too_large() -> Result<(), String> {
     let options = ExtractorOptions { lists: None, ..Default::default() };
-    let small = limited(16 << 10, 128 << 10, 64)?;
-    let error = refusal(&small, &mesh_of(&repeated_torus(100, 60, 0))?, options)?;
-    expect("12,000 faces of 12 bytes", &error, |error| {
-        matches!(error, MemoryError::Buffer { label: "faces", bytes: 144_000, limit: 131_072 })
-    })?;
-
-    let small = limited(4 << 10, 1 << 20, 64)?;
-    let error = refusal(&small, &mesh_of(&repeated_torus(60, 40, 0))?, options)?;
-    expect("4,800 facing masks", &error, |error| {
-        matches!(error, MemoryError::Gathered { what: "facing masks", bytes: 19_200, limit: 16_384 })
-    })?;
-    let lists = ExtractorOptions {
-        max_lights: 32,
-        lists: Some(ListOptions { capacity: Some(1000), ..Default::default() }),
-        ..Default::default()
-    };
-    let error = refusal(&small, &mesh_of(&repeated_torus(20, 20, 0))?, lists)?;
-    expect("lists", &error, |error| {
-        matches!(error, MemoryError::Binding { what: "edge lists", bytes: 128_000, limit: 4096 })
-    })?;
-    let error = refusal(&limited(1 << 10, 1 << 20, 64)?, &mesh_of(&shapes::cube())?, options)?;
-    expect("less than a workgroup", &error, |error| matches!(error, MemoryError::Binding { .. }))?;
+    let lists = |capacity, ordered| Some(ListOptions { capacity: Some(capacity), ordered, ..Default::default() });
+    let listed = ExtractorOptions { max_lights: 32, lists: lists(1000, false), ..Default::default() };
+    let ordered = ExtractorOptions { lists: lists(1, true), ..Default::default() };
+    let many = ExtractorOptions { max_lights: 1024, ..options };
     // Every face by itself: three records a face, and blocks of them past what compaction's places can be bound with.
     let mut loose = Shape::default();
     for face in 0..14_000 {
         loose.positions.extend([[0.0; 3]; 3]);
         loose.faces.push([3 * face, 3 * face + 1, 3 * face + 2]);
     }
-    let ordered = ExtractorOptions {
-        lists: Some(ListOptions { capacity: Some(1), ordered: true, ..Default::default() }),
-        ..Default::default()
+    let torus = |rings, segments| repeated_torus(rings, segments, 0);
+    let row = |what, (binding, buffer, workgroups), shape: Shape, options, parts| -> Result<_, String> {
+        let made = Extractor::new(&limited(binding, buffer, workgroups)?.pipelines, &mesh_of(&shape)?, options);
+        Ok(refusal(what, made, shows(parts)))
     };
-    let error = refusal(&limited(16 << 10, 1 << 20, 64)?, &mesh_of(&loose)?, ordered)?;
-    expect("places", &error, |error| matches!(error, MemoryError::Binding { what: "places", .. }))?;
-    let many = ExtractorOptions { max_lights: 1024, ..options };
-    let error = refusal(&limited(16 << 10, 128 << 10, 1)?, &mesh_of(&repeated_torus(60, 40, 0))?, many)?;
-    expect("chunks", &error, |error| matches!(error, MemoryError::Buffer { label: "chunks", .. }))?;
-    Ok(())
+    let (small, smaller, smallest) = ((16 << 10, 1 << 20, 64), (4 << 10, 1 << 20, 64), (1 << 10, 1 << 20, 64));
+    refused([
+        row(
+            "faces",
+            (16 << 10, 128 << 10, 64),
+            torus(100, 60),
+            options,
+            &["BufferTooLarge { label: \"faces\"", "144000", "131072"],
+        )?,
+        row(
+            "facing masks",
+            smaller,
+            torus(60, 40),
+            options,
+            &["GatheredTooLarge", "\"facing masks\"", "19200", "16384"],
+        )?,
+        row("lists", smaller, torus(20, 20), listed, &["BindingTooLarge", "\"edge lists\"", "128000", "4096"])?,
+        row("less than a workgroup", smallest, shapes::cube(), options, &["BindingTooLarge"])?,
+        row("places", small, loose, ordered, &["BindingTooLarge { what: \"places\""])?,
+        row("chunks", (16 << 10, 128 << 10, 1), torus(60, 40), many, &["BufferTooLarge { label: \"chunks\""])?,
+    ])
 }
 
 fn positions_and_models_too_large() -> Result<(), String> {
@@ -122,21 +102,14 @@ fn positions_and_models_too_large() -> Result<(), String> {
     let mut extractor = Extractor::new(&small.pipelines, &mesh, options).map_err(text)?;
     let buffer = small.storage(&interleaved(&shape.positions, 0, 48));
     let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 48 };
-    small.submit(|encoder| {
-        let error = extractor.encode(encoder, bound, &[Light::directional([1.0, 0.0, 0.0])], None);
-        match error {
-            Err(ExtractionEncodeError::Positions(PositionError::Memory(MemoryError::Gathered {
-                what: "positions",
-                ..
-            }))) => Ok(()),
-            other => Err(format!("positions: {:?}", other.err())),
-        }
-    })?;
+    let light = [Light::directional([1.0, 0.0, 0.0])];
+    let encoded = small.submit(|encoder| Ok(extractor.encode(encoder, bound, &light, None)))?;
     let model = random_model(&mut Random::new(73), 500);
-    match Deformer::new(&limited(1 << 10, 1 << 20, 64)?.pipelines, &model, DeformerOptions::default()) {
-        Err(DeformError::Memory(MemoryError::Binding { .. })) => Ok(()),
-        other => Err(format!("deform: {:?}", other.err())),
-    }
+    let deformer = Deformer::new(&limited(1 << 10, 1 << 20, 64)?.pipelines, &model, DeformerOptions::default());
+    refused([
+        refusal("positions", encoded, shows(&["Device(GatheredTooLarge { what: \"positions\""])),
+        refusal("deform", deformer, shows(&["Device(BindingTooLarge"])),
+    ])
 }
 
 fn memory_limit() -> Result<(), String> {
@@ -146,20 +119,20 @@ fn memory_limit() -> Result<(), String> {
     let model = random_model(&mut Random::new(74), 500);
     let before = gpu.live_buffers()?;
     let with = |memory_limit| ExtractorOptions { max_lights: 40, masks: true, memory_limit, ..Default::default() };
-    let MemoryError::Total { bytes, limit, largest } = refusal(&gpu, &mesh, with(Some(1000)))? else {
+    let made = |memory_limit| Extractor::new(&gpu.pipelines, &mesh, with(Some(memory_limit)));
+    let Err(ExtractorError::Device(DeviceError::MemoryLimit { bytes, limit: 1000, largest })) = made(1000) else {
         return Err("not refused for the total".to_owned());
     };
     println!("{bytes} bytes wanted, most by {largest:?}");
-    let one_less = refusal(&gpu, &mesh, with(Some(bytes - 1)))?;
-    let expected = MemoryError::Total { bytes, limit: bytes - 1, largest };
-    same("one byte less", &[one_less], &[expected])?;
+    let expected = ExtractorError::Device(DeviceError::MemoryLimit { bytes, limit: bytes - 1, largest });
     let limited = DeformerOptions { memory_limit: Some(1000), ..Default::default() };
-    if !matches!(Deformer::new(&gpu.pipelines, &model, limited), Err(DeformError::Memory(MemoryError::Total { .. }))) {
-        return Err("deform not refused".to_owned());
-    }
-    same("limit", &[limit], &[1000])?;
+    let deformer = Deformer::new(&gpu.pipelines, &model, limited);
+    refused([
+        refusal("one byte less", made(bytes - 1), is(expected)),
+        refusal("deform", deformer, shows(&["Device(MemoryLimit"])),
+    ])?;
     same("live buffers", &[gpu.live_buffers()?], &[before])?;
-    let extractor = Extractor::new(&gpu.pipelines, &mesh, with(Some(bytes))).map_err(text)?;
+    let extractor = made(bytes).map_err(text)?;
     let after = gpu.live_buffers()?;
     drop(extractor);
     if after <= before {
@@ -178,10 +151,8 @@ fn include_refuses() -> Result<(), String> {
     let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     let light = [Light::point([3.0, 2.0, 1.0])];
     let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, &light, None).map_err(text))?;
-    match extraction.bind_group(&layout, 0) {
-        Err(ExtractionIncludeError::Memory(MemoryError::Binding { .. })) => Ok(()),
-        other => Err(format!("{:?}", other.err())),
-    }?;
+    let group = extraction.bind_group(&layout, 0);
+    refused([refusal("the include", group, shows(&["Device(BindingTooLarge"]))])?;
     // The extraction itself goes on, in windows.
     let options = ExtractorOptions { masks: true, ..Default::default() };
     extract(&gpu, &shape.positions, &mesh, &[Light::point([3.0, 2.0, 1.0])], options).map(drop)

@@ -2,8 +2,8 @@
 //! for an edge. No room is taken as room for one, of which other tests have pictures.
 
 use rimline::gpu::{
-    DrawArguments, Extractor, ExtractorError, ExtractorOptions, ListOptions, MemoryError, PositionBuffer, ShadowFormat,
-    ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowStatistics, ShadowVolumes, ShadowVolumesError,
+    DeviceError, DrawArguments, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer, ShadowError,
+    ShadowFormat, ShadowOptions, ShadowPipelines, ShadowStatistics, ShadowVolumes,
 };
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -74,19 +74,19 @@ fn without_memory() -> Result<(), String> {
     let mesh = shapes::cube().mesh().map_err(text)?;
     let refused =
         Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions { memory_limit: Some(0), ..Default::default() });
-    let Err(ExtractorError::Memory(MemoryError::Total { limit: 0, .. })) = refused else {
+    let Err(ExtractorError::Device(DeviceError::MemoryLimit { limit: 0, .. })) = refused else {
         return Err(format!("no memory: {:?}", refused.err()));
     };
     let made = |format: &ShadowFormat| ShadowPipelines::new(&gpu.pipelines, format, Counting::Auto);
     let refused = made(&ShadowFormat { samples: 0, ..ShadowFormat::default() }).err();
-    let Some(ShadowFormatError::Samples { samples: 0, .. }) = refused else {
+    let Some(ShadowError::Samples { samples: 0, .. }) = refused else {
         return Err(format!("no samples: {refused:?}"));
     };
     let extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
     let options = ShadowOptions { memory_limit: Some(0), ..ShadowOptions::default() };
     let pipelines = made(&ShadowFormat::default()).map_err(text)?;
     match ShadowVolumes::new(&pipelines, &extractor, options).err() {
-        Some(ShadowVolumesError::Memory(MemoryError::Total { limit: 0, .. })) => Ok(()),
+        Some(ShadowError::Device(DeviceError::MemoryLimit { limit: 0, .. })) => Ok(()),
         other => Err(format!("no memory for volumes: {other:?}")),
     }
 }

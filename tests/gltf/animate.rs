@@ -1,7 +1,7 @@
 //! Interpolation against values computed another way: de Casteljau for splines, angles for rotations.
 
 use libtest_mimic::Trial;
-use rimline::gltf::{AnimationError, Asset};
+use rimline::gltf::{Asset, GltfError};
 use serde_json::{Value, json};
 
 use crate::check::{close, map};
@@ -38,7 +38,7 @@ fn add(maker: &mut Maker, path: &str, sampler: &Value) {
 }
 
 /// Where the animation takes a point of the square's space.
-fn at(asset: &Asset, time: f32, point: [f32; 3]) -> Result<[f64; 3], AnimationError> {
+fn at(asset: &Asset, time: f32, point: [f32; 3]) -> Result<[f64; 3], GltfError> {
     Ok(map(&asset.pose(Some(0), time)?.instances()[0].palette()[0], point))
 }
 
@@ -181,9 +181,9 @@ fn untargeted() -> Outcome {
 fn bad_times() -> Outcome {
     let asset = Maker::square().load()?;
     let nan = asset.pose(None, f32::NAN);
-    ensure(nan == Err(AnimationError::Time), || format!("{nan:?}"))?;
+    ensure(nan == Err(GltfError::Time), || format!("{nan:?}"))?;
     let missing = asset.pose(Some(3), 0.0);
-    ensure(missing == Err(AnimationError::NoAnimation { index: 3, count: 0 }), || format!("{missing:?}"))
+    ensure(missing == Err(GltfError::NoAnimation { index: 3, count: 0 }), || format!("{missing:?}"))
 }
 
 fn overflow() -> Outcome {

@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 
 use libtest_mimic::Trial;
-use rimline::gltf::{AnimationError, Asset, GltfWarning};
+use rimline::gltf::{Asset, GltfError, GltfWarning};
 use rimline::mesh::Weld;
 
 use crate::shape::same;
@@ -67,7 +67,7 @@ fn keys() -> Outcome {
 
 fn animated_matrix() -> Outcome {
     let found = open("j7_matrix_animated.glb")?.pose(Some(0), 0.5);
-    ensure(matches!(found, Err(AnimationError::Damaged { index: 0, .. })), || format!("{found:?}"))
+    ensure(matches!(found, Err(GltfError::DamagedAnimation { index: 0, .. })), || format!("{found:?}"))
 }
 
 fn hidden() -> Outcome {

@@ -1,7 +1,7 @@
 //! Properties of every asset that loads, and comparisons, each with a negative control.
 
 use libtest_mimic::Trial;
-use rimline::gltf::{AnimationError, Asset, GltfWarning};
+use rimline::gltf::{Asset, GltfError, GltfWarning};
 use rimline::model::{
     Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelError, Pose,
 };
@@ -84,14 +84,14 @@ pub(crate) fn asset(asset: &Asset, animations: usize, lenient: bool) -> Outcome 
     sound(asset.model(), !asset.warnings().iter().any(is_infinite))?;
     let is_damaged = |animation: Option<usize>| animation.is_some_and(|a| asset.animations()[a].fault.is_some());
     let check = |animation, time| match asset.pose(animation, time) {
-        Err(AnimationError::Damaged { .. }) if is_damaged(animation) => Ok(()),
+        Err(GltfError::DamagedAnimation { .. }) if is_damaged(animation) => Ok(()),
         Ok(found) => {
             pose(asset.model(), &found)?;
             let lights = asset.lights(animation, time);
-            let is_good = matches!(lights, Ok(_) | Err(AnimationError::DamagedLight { .. }));
+            let is_good = matches!(lights, Ok(_) | Err(GltfError::DamagedLight { .. }));
             ensure(lenient || is_good, || format!("lights at {time}: {lights:?}"))
         }
-        Err(AnimationError::NotFinite { .. }) if lenient => Ok(()),
+        Err(GltfError::NotFinite { .. }) if lenient => Ok(()),
         Err(error) => Err(format!("animation {animation:?} at {time}: {error}").into()),
     };
     check(None, 0.0)?;

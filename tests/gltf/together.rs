@@ -1,7 +1,7 @@
 //! Several animations at once, and keys of one time.
 
 use libtest_mimic::Trial;
-use rimline::gltf::{AnimationError, Asset};
+use rimline::gltf::{Asset, GltfError};
 use serde_json::json;
 
 use crate::check::{close, map};
@@ -34,7 +34,7 @@ fn two_squares() -> Maker {
 }
 
 /// Where both squares' origins are.
-fn origins(asset: &Asset, animations: &[usize], time: f32) -> Result<Vec<[f64; 3]>, AnimationError> {
+fn origins(asset: &Asset, animations: &[usize], time: f32) -> Result<Vec<[f64; 3]>, GltfError> {
     let pose = asset.pose(animations.iter().copied(), time)?;
     Ok(pose.instances().iter().map(|instance| map(&instance.palette()[0], [0.0; 3])).collect())
 }
@@ -55,7 +55,7 @@ fn several() -> Outcome {
     let corner = map(&asset.pose(0..3, 0.5)?.instances()[0].palette()[0], [1.0, 0.0, 0.0]);
     close(&corner, &[2.0, 0.0, 2.0], 1e-6, "another property of the same node")?;
     let missing = asset.pose([0, 3], 0.0);
-    ensure(missing == Err(AnimationError::NoAnimation { index: 3, count: 3 }), || format!("{missing:?}"))
+    ensure(missing == Err(GltfError::NoAnimation { index: 3, count: 3 }), || format!("{missing:?}"))
 }
 
 fn conflict() -> Outcome {
@@ -63,7 +63,7 @@ fn conflict() -> Outcome {
     animate(&mut maker, 1, "translation", 1.0, &[0.0; 6]);
     let asset = maker.load()?;
     asset.pose(Some(3), 0.0)?;
-    let expected = AnimationError::SameProperty { first: 1, second: 3, node: 1, property: "translation" };
+    let expected = GltfError::SameProperty { first: 1, second: 3, node: 1, property: "translation" };
     let found = asset.pose(0..4, 0.0);
     ensure(found.as_ref() == Err(&expected), || format!("{found:?}"))?;
     ensure(asset.lights(0..4, 0.0) == Err(expected.clone()), || "lights".to_owned())?;

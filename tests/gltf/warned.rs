@@ -1,7 +1,7 @@
 //! Faults that do not refuse a file: in parts that nothing shows, and slips that can be read in one way only.
 
 use libtest_mimic::Trial;
-use rimline::gltf::{AnimationError, Asset, GltfError, GltfWarning, LoadOptions};
+use rimline::gltf::{Asset, GltfError, GltfWarning, LoadOptions};
 use rimline::mesh::Weld;
 use serde_json::json;
 
@@ -87,7 +87,7 @@ fn missing_buffer() -> Outcome {
     // The buffer and the animation are at the same fault, which is said once.
     same(&asset.warnings().len(), &1, "warnings")?;
     match asset.pose(Some(0), 0.0) {
-        Err(AnimationError::Damaged { source, .. }) if matches!(*source, GltfError::Read { .. }) => Ok(()),
+        Err(GltfError::DamagedAnimation { source, .. }) if matches!(*source, GltfError::Read { .. }) => Ok(()),
         other => Err(format!("{other:?}").into()),
     }
 }
@@ -104,9 +104,9 @@ fn damaged_light() -> Outcome {
     same(&asset.warnings().len(), &1, "warnings")?;
     same(&asset.light_names(), &vec![Some("panel"), Some("n")], "names")?;
     let each = asset.each_light(None, 0.0)?;
-    ensure(matches!(each[..], [Err(AnimationError::DamagedLight { node: 1, .. }), Ok(_)]), || format!("{each:?}"))?;
+    ensure(matches!(each[..], [Err(GltfError::DamagedLight { node: 1, .. }), Ok(_)]), || format!("{each:?}"))?;
     let all = asset.lights(None, 0.0);
-    ensure(matches!(all, Err(AnimationError::DamagedLight { node: 1, .. })), || format!("{all:?}"))
+    ensure(matches!(all, Err(GltfError::DamagedLight { node: 1, .. })), || format!("{all:?}"))
 }
 
 /// 65,536 vertices of 2-byte indices, and 256 of 1-byte indices.

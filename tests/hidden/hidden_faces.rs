@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use rimline::cpu::{HiddenCaster, HiddenError, HiddenFaces, HiddenOptions, Threads};
+use rimline::cpu::{CpuError, HiddenCaster, HiddenFaces, HiddenOptions, Threads};
 use rimline::mesh::Weld;
 use rimline::{Light, LightError, Mesh};
 use rimline_measure::random::Random;
@@ -167,19 +167,19 @@ fn searches_can_be_cancelled_and_say_what_is_wrong() {
         calls.push((done, all));
         if done == 0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     });
-    assert_eq!(ended, Err(HiddenError::Cancelled));
+    assert_eq!(ended, Err(CpuError::Cancelled));
     assert_eq!(calls.iter().map(|call| call.0).collect::<Vec<_>>(), [0, 256]);
     let several = HiddenOptions { threads: Threads::new(3), ..options };
     let ended = HiddenFaces::find(scene.light, &casters(&scene), several, |_, _| ControlFlow::Break(()));
-    assert_eq!(ended, Err(HiddenError::Cancelled));
+    assert_eq!(ended, Err(CpuError::Cancelled));
     let go_on = |_, _| ControlFlow::Continue(());
     let own = &scene.casters[1];
     let short = [HiddenCaster { mesh: &own.mesh, positions: &own.positions[1..], version: None }];
     let (given, needed) = (own.positions.len() - 1, own.mesh.vertex_count());
     let error = HiddenFaces::find(scene.light, &short, options, go_on);
-    assert_eq!(error, Err(HiddenError::TooFewPositions { caster: 0, given, needed }));
+    assert_eq!(error, Err(CpuError::TooFewCasterPositions { caster: 0, given, needed }));
     let error = HiddenFaces::find(Light::homogeneous([1.0, 0.0, 0.0, -1.0]), &[], options, go_on);
-    assert_eq!(error, Err(HiddenError::Light(LightError::NegativeWeight { index: 0, w: -1.0 })));
+    assert_eq!(error, Err(CpuError::Light(LightError::NegativeWeight { index: 0, w: -1.0 })));
     // Places that are none take no part.
     let mut holed = own.positions.clone();
     holed[0] = [f32::NAN; 3];

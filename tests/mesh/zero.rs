@@ -122,7 +122,7 @@ fn lights_without_range_axis_and_angle() {
     let extract = |light| cpu::extract(&CORNERS, &mesh, &[light], Predicate::Exact, Threads::new(0));
     let light = Light::point([0.0, 0.0, 2.0]);
     let refused = |light: Light| match extract(light) {
-        Err(cpu::ArgumentError::Light(error)) => error,
+        Err(cpu::CpuError::Light(error)) => error,
         other => panic!("{other:?}"),
     };
     assert_eq!(refused(light.with_range(0.0)), LightError::Range { index: 0, range: 0.0 });

@@ -1,7 +1,7 @@
 //! Shadow depths of polygons on the GPU: those of the twin, however the faces are cut into runs.
 
 use rimline::Light;
-use rimline::gpu::{MemoryError, PositionBuffer, QueryPoints, ShadowQuery, ShadowQueryError, ShadowQueryOptions};
+use rimline::gpu::{DeviceError, PositionBuffer, QueryError, QueryPoints, ShadowQuery, ShadowQueryOptions};
 use rimline::mesh::{NO_FACE, Weld};
 use rimline::reference::cpu::{self, Threads};
 
@@ -167,7 +167,7 @@ fn large() -> Result<(), String> {
     let small = limited(16 << 10, 2 << 20, 64)?;
     let options = ShadowQueryOptions { max_points: 64, ..ShadowQueryOptions::default() };
     match ShadowQuery::new(&small.pipelines, &case.mesh, options) {
-        Err(ShadowQueryError::Memory(MemoryError::Binding { what: "the triangles of a polygon", .. })) => Ok(()),
+        Err(QueryError::Device(DeviceError::BindingTooLarge { what: "the triangles of a polygon", .. })) => Ok(()),
         other => Err(format!("{:?}", other.err())),
     }
 }

@@ -1,8 +1,8 @@
 //! Zero of anything on the GPU: meshes without a triangle, no lights, no points. Nothing is found, and nothing fails.
 
 use rimline::gpu::{
-    ExtractionEncodeError, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer, ShadowFormat,
-    ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryError, ShadowQueryOptions, ShadowVolumes,
+    Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer, QueryError, ShadowFormat, ShadowOptions,
+    ShadowPipelines, ShadowQuery, ShadowQueryOptions, ShadowVolumes,
 };
 use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera};
@@ -81,7 +81,7 @@ fn no_room() -> Result<(), String> {
         let Err(ExtractorError::Light(_)) = refused else { return Err(format!("{:?}", refused.err())) };
         let options = ShadowQueryOptions { max_lights: 0, ..Default::default() };
         let refused = ShadowQuery::new(&gpu.pipelines, &mesh, options);
-        let Err(ShadowQueryError::Light(_)) = refused else { return Err(format!("{:?}", refused.err())) };
+        let Err(QueryError::Light(_)) = refused else { return Err(format!("{:?}", refused.err())) };
     }
     // Lights for which there is no room, and one that is none.
     let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).map_err(text)?;
@@ -92,7 +92,7 @@ fn no_room() -> Result<(), String> {
     let mut encoder = gpu.device.create_command_encoder(&rimline::wgpu::CommandEncoderDescriptor::default());
     for lights in [&LIGHTS[..], &[Light::homogeneous([0.0; 4])]] {
         let refused = extractor.encode(&mut encoder, positions, lights, None);
-        let Err(ExtractionEncodeError::Light(_)) = refused else { return Err(format!("{:?}", refused.err())) };
+        let Err(ExtractorError::Light(_)) = refused else { return Err(format!("{:?}", refused.err())) };
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Points that name the face that they are on: that face does not count for them, and all else is as before.
 
 use rimline::mesh::NO_FACE;
-use rimline::reference::cpu::{self, ArgumentError, Threads};
+use rimline::reference::cpu::{self, CpuError, Threads};
 use rimline::{Light, Mesh};
 use rimline_measure::random::Random;
 use rimline_measure::shadow_cases::{ShadowCase, centre, put_on_faces, shadow_cases};
@@ -81,11 +81,11 @@ fn faces_that_are_not_there_are_refused() {
     assert_eq!(with(&[[0.0; 3]; 2], &[7, NO_FACE]), Ok(vec![1, 1]));
     assert_eq!(
         with(&[[0.0; 3]; 2], &[NO_FACE, 8]),
-        Err(ArgumentError::NoSuchFace { point: 1, face: 8, faces: 8 }),
+        Err(CpuError::NoSuchFace { point: 1, face: 8, faces: 8 }),
         "a face behind the last"
     );
     for given in [0, 1, 3] {
-        let error = ArgumentError::FaceForEachPoint { given, points: 2 };
+        let error = CpuError::FaceForEachPoint { given, points: 2 };
         assert_eq!(with(&[[0.0; 3]; 2], &vec![0; given]), Err(error));
     }
     assert_eq!(with(&[], &[]), Ok(Vec::new()));

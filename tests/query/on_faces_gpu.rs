@@ -1,8 +1,6 @@
 //! Points that name their face, on the GPU: the twin's integers, however points lie and the query is cut, and what is refused.
 
-use rimline::gpu::{
-    PositionBuffer, PositionError, QueryPoints, ShadowQuery, ShadowQueryEncodeError, ShadowQueryOptions,
-};
+use rimline::gpu::{DeviceError, PositionBuffer, QueryError, QueryPoints, ShadowQuery, ShadowQueryOptions};
 use rimline::mesh::NO_FACE;
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Mesh};
@@ -137,11 +135,11 @@ fn refusals() -> Result<(), String> {
         gpu.submit(|encoder| Ok(query.encode_at(encoder, positions, points, count, &light, None)))
     };
     for (stride, offset) in [(12, 12), (16, 0), (16, 8), (16, 14), (16, 16), (20, 13), (20, 20), (20, u64::MAX - 3)] {
-        let right = Err(ShadowQueryEncodeError::FaceOffset { offset, stride });
+        let right = Err(QueryError::FaceOffset { offset, stride });
         same(&format!("{offset} of {stride}"), &[with(stride, 1, Some(offset))?], &[right])?;
     }
     match with(16, 10, Some(12))? {
-        Err(ShadowQueryEncodeError::Points(PositionError::TooShort { needed: 160, bytes: 156, .. })) => {}
+        Err(QueryError::Points(DeviceError::PositionsTooShort { needed: 160, bytes: 156, .. })) => {}
         other => return Err(format!("a short buffer: {other:?}")),
     }
     same("without faces", &[with(16, 10, None)?], &[Ok(())])?;

@@ -1,6 +1,6 @@
 //! The shadow depth query's CPU twin: against brute force, and what must hold of any such count.
 
-use rimline::reference::cpu::{self, ArgumentError, Threads};
+use rimline::reference::cpu::{self, CpuError, Threads};
 use rimline::{Light, LightError, Mesh};
 use rimline_measure::random::Random;
 use rimline_measure::shadow_cases::{ShadowCase, lattice, shadow_cases};
@@ -52,7 +52,7 @@ fn refused_arguments() {
         cpu::shadow_depth(positions, &mesh, &[[0.0; 3]], lights, Threads::ONE)
     };
     let refused = |lights: &[Light]| match with(&corners, lights) {
-        Err(ArgumentError::Light(error)) => error,
+        Err(CpuError::Light(error)) => error,
         found => panic!("a bad light: {found:?}"),
     };
     let good = Light::point([1.0, 2.0, 3.0]);
@@ -62,7 +62,7 @@ fn refused_arguments() {
     assert!(matches!(refused(&[Light::point([f32::NAN; 3])]), LightError::NotFinite { index: 0, .. }));
     assert!(matches!(refused(&vec![good; 1025]), LightError::TooMany { count: 1025, .. }));
     for given in 0..3 {
-        let few = ArgumentError::TooFewPositions { given, needed: 3 };
+        let few = CpuError::TooFewPositions { given, needed: 3 };
         assert_eq!(with(&corners[..given], &[good]), Err(few));
         assert_eq!(with(&corners[..given], &[]), Err(few), "without lights, too");
     }

@@ -1,8 +1,8 @@
 //! The shadow depth query on the GPU: the twin's integers, however it is cut, and what is refused.
 
 use rimline::gpu::{
-    Extractor, ExtractorOptions, MemoryError, PositionBuffer, PositionError, ShadowQuery, ShadowQueryEncodeError,
-    ShadowQueryError, ShadowQueryOptions, StaleExtraction,
+    DeviceError, Extractor, ExtractorError, ExtractorOptions, PositionBuffer, QueryError, ShadowQuery,
+    ShadowQueryOptions,
 };
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{FaceCluster, FaceRange, LightBatch, PointChunk};
@@ -16,6 +16,7 @@ use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::interleaved;
 use rimline_measure::on_gpu::{limited, text};
 use rimline_measure::random::Random;
+use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
 use rimline_measure::shadow_cases::{ShadowCase, lattice, shadow_cases};
 use rimline_measure::{is_long, lights, must_fail, same};
 
@@ -25,7 +26,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("exact_shadow_depth_settles_many_ties", ties),
     ("shadow_depth_does_not_depend_on_skipping_or_splitting", splits),
     ("shadow_depth_on_small_limits_and_any_stride", small_limits),
-    ("shadow_depth_refuses_with_typed_errors", refusals),
+    ("shadow_depth_refuses_with_typed_errors", refusing),
     ("shadow_depth_of_an_extraction", extractions),
     ("exact_shadow_depth_counts_anew_within_its_range", recount),
     ("shadow_depth_finds_faces_of_subnormal_extent", subnormal),
@@ -182,40 +183,32 @@ fn boxes() -> Result<(), String> {
     Ok(())
 }
 
-fn expect<T, E: std::fmt::Debug>(what: &str, outcome: Result<T, E>, fits: fn(&E) -> bool) -> Result<(), String> {
-    match outcome {
-        Err(error) if fits(&error) => Ok(()),
-        other => Err(format!("{what}: {:?}", other.err())),
-    }
-}
-
-/// Name of the fault, positions and points, number of points, lights, and the error that must come.
-type Refused<'a> = (&'a str, [PositionBuffer<'a>; 2], u32, Vec<Light>, fn(&ShadowQueryEncodeError) -> bool);
-
-fn refusals() -> Result<(), String> {
+fn refusing() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mesh = mesh_of(&shapes::torus(70, 50, 1.0, 0.4))?;
     let options = ShadowQueryOptions { max_points: 10, max_lights: 2, ..ShadowQueryOptions::default() };
     let new = |gpu: &Gpu, options| ShadowQuery::new(&gpu.pipelines, &mesh, options);
-    expect("no lights", new(gpu, ShadowQueryOptions { max_lights: 0, ..options }), |error| {
-        matches!(error, ShadowQueryError::Light(LightError::NoRoom))
-    })?;
-    expect("many lights", new(gpu, ShadowQueryOptions { max_lights: 1025, ..options }), |error| {
-        matches!(error, ShadowQueryError::Light(LightError::TooMany { count: 1025, limit: 1024 }))
-    })?;
-    expect("many depths", new(gpu, ShadowQueryOptions { max_points: u32::MAX, ..options }), |error| {
-        matches!(error, ShadowQueryError::Memory(MemoryError::Buffer { label: "depths", .. }))
-    })?;
-    expect("little memory", new(gpu, ShadowQueryOptions { memory_limit: Some(1000), ..options }), |error| {
-        matches!(error, ShadowQueryError::Memory(MemoryError::Total { limit: 1000, .. }))
-    })?;
-    expect("small bindings", new(&limited(8 << 10, 1 << 20, 64)?, options), |error| {
-        matches!(error, ShadowQueryError::Memory(MemoryError::Binding { what: "a group of faces", .. }))
-    })?;
+    let with = |change: fn(&mut ShadowQueryOptions)| {
+        let mut options = options;
+        change(&mut options);
+        new(gpu, options)
+    };
+    let (small, larger) = (limited(8 << 10, 1 << 20, 64)?, limited(16 << 10, 1 << 20, 64)?);
     let many = ShadowQueryOptions { max_lights: 32, max_points: 1000, ..options };
-    expect("small bindings, many lights", new(&limited(16 << 10, 1 << 20, 64)?, many), |error| {
-        matches!(error, ShadowQueryError::Memory(MemoryError::Binding { what: "64 points", .. }))
-    })?;
+    let of_light = |error| is(QueryError::Light(error));
+    let too_many = |count, limit| of_light(LightError::TooMany { count, limit });
+    refused([
+        refusal("no lights", with(|options| options.max_lights = 0), of_light(LightError::NoRoom)),
+        refusal("lights", with(|options| options.max_lights = 1025), too_many(1025, 1024)),
+        refusal(
+            "depths",
+            with(|options| options.max_points = u32::MAX),
+            shows(&["BufferTooLarge { label: \"depths\""]),
+        ),
+        refusal("memory", with(|options| options.memory_limit = Some(1000)), shows(&["MemoryLimit", "limit: 1000"])),
+        refusal("small bindings", new(&small, options), shows(&["BindingTooLarge { what: \"a group of faces\""])),
+        refusal("many lights", new(&larger, many), shows(&["BindingTooLarge { what: \"64 points\""])),
+    ])?;
 
     let mut query = new(gpu, options).map_err(text)?;
     let vertices = gpu.storage(&vec![[0.0_f32; 3]; 3500]);
@@ -227,37 +220,36 @@ fn refusals() -> Result<(), String> {
         mapped_at_creation: false,
     });
     let at = |buffer, offset, stride| PositionBuffer { buffer, offset, stride };
-    let (good, light) = ([at(&vertices, 0, 12), at(&points, 0, 12)], Light::point([1.0, 2.0, 3.0]));
-    let cases: [Refused<'_>; 7] = [
-        ("many lights", good, 1, vec![light; 3], |error| {
-            matches!(error, ShadowQueryEncodeError::Light(LightError::TooMany { count: 3, limit: 2 }))
-        }),
-        ("a negative w", good, 1, vec![Light::homogeneous([1.0, 1.0, 1.0, -1.0])], |error| {
-            matches!(error, ShadowQueryEncodeError::Light(LightError::NegativeWeight { index: 0, .. }))
-        }),
-        ("many points", good, 11, vec![light], |error| {
-            matches!(error, ShadowQueryEncodeError::TooManyPoints { count: 11, limit: 10 })
-        }),
-        ("short positions", [good[1]; 2], 1, vec![light], |error| {
-            matches!(error, ShadowQueryEncodeError::Positions(PositionError::TooShort { .. }))
-        }),
-        ("short points", [good[0], at(&points, 4, 12)], 10, vec![light], |error| {
-            matches!(error, ShadowQueryEncodeError::Points(PositionError::TooShort { vertices: 10, .. }))
-        }),
-        ("a bad stride", [good[0], at(&points, 0, 10)], 1, vec![light], |error| {
-            matches!(error, ShadowQueryEncodeError::Points(PositionError::Alignment { stride: 10, .. }))
-        }),
-        ("no storage", [good[0], at(&plain, 0, 12)], 1, vec![light], |error| {
-            matches!(error, ShadowQueryEncodeError::Points(PositionError::NotStorage))
-        }),
-    ];
-    for (what, [positions, points], count, lights, fits) in cases {
-        gpu.submit(|encoder| expect(what, query.encode_at(encoder, positions, points, count, &lights, None), fits))?;
-    }
-    // Without a fault nothing is refused, and no lights are none.
+    let (vertices, good, plain) = (at(&vertices, 0, 12), at(&points, 0, 12), at(&plain, 0, 12));
+    let (short, narrow) = (at(&points, 4, 12), at(&points, 0, 10));
+    let (light, negative) = (Light::point([1.0, 2.0, 3.0]), Light::homogeneous([1.0, 1.0, 1.0, -1.0]));
     gpu.submit(|encoder| {
-        query.encode_at(encoder, good[0], good[1], 10, &[light; 2], None).map_err(text)?;
-        query.encode_at(encoder, good[0], good[1], 10, &[], None).map_err(text)
+        let mut encode = |positions, points, count, lights: &[Light]| {
+            query.encode_at(encoder, positions, points, count, lights, None)
+        };
+        let negative_w = LightError::NegativeWeight { index: 0, w: -1.0 };
+        let many = QueryError::TooManyPoints { count: 11, limit: 10 };
+        let stride = QueryError::Points(DeviceError::PositionLayout { offset: 0, stride: 10 });
+        refused([
+            refusal("many lights", encode(vertices, good, 1, &[light; 3]), too_many(3, 2)),
+            refusal("a negative w", encode(vertices, good, 1, &[negative]), of_light(negative_w)),
+            refusal("many points", encode(vertices, good, 11, &[light]), is(many)),
+            refusal("short positions", encode(good, good, 1, &[light]), shows(&["Device(PositionsTooShort"])),
+            refusal(
+                "short",
+                encode(vertices, short, 10, &[light]),
+                shows(&["Points(PositionsTooShort { vertices: 10"]),
+            ),
+            refusal("a bad stride", encode(vertices, narrow, 1, &[light]), is(stride)),
+            refusal(
+                "no storage",
+                encode(vertices, plain, 1, &[light]),
+                is(QueryError::Points(DeviceError::NotStorage)),
+            ),
+            // Without a fault nothing is refused, and no lights are none.
+            refusal("good", encode(vertices, good, 10, &[light; 2]), Expected::Taken),
+            refusal("no light", encode(vertices, good, 10, &[]), Expected::Taken),
+        ])
     })
 }
 
@@ -291,11 +283,15 @@ fn extractions() -> Result<(), String> {
         })?;
         same("depths of an extraction", &read(query)?, &expected)?;
     }
-    let refused = gpu.submit(|encoder| Ok(of_other.encode(encoder, &extraction, at, 50, None)))?;
-    same("another mesh", &[refused], &[Err(ShadowQueryEncodeError::OtherMesh)])?;
-    gpu.submit(|encoder| extractor.encode(encoder, bound, &lights[..1], None).map_err(text))?;
-    let refused = gpu.submit(|encoder| Ok(query.encode(encoder, &extraction, at, 50, None)))?;
-    same("an extraction of before", &[refused], &[Err(StaleExtraction.into())])
+    gpu.submit(|encoder| {
+        let of_other = of_other.encode(encoder, &extraction, at, 50, None);
+        extractor.encode(encoder, bound, &lights[..1], None).map_err(text)?;
+        let of_before = query.encode(encoder, &extraction, at, 50, None);
+        refused([
+            refusal("another mesh", of_other, is(QueryError::OtherMesh)),
+            refusal("an extraction of before", of_before, is(QueryError::Extraction(ExtractorError::Stale))),
+        ])
+    })
 }
 
 /// A pair that is counted anew, in a dispatch that goes over some of the faces: those of clusters past the range, in the same

@@ -1,7 +1,7 @@
 //! Cones of spot lights: what is left out is outside of the cone, and little else is kept.
 
 use glam::{DAffine3, DMat3, DVec3};
-use rimline::gpu::{SceneError, SceneFrame, SceneOptions};
+use rimline::gpu::{SceneFrame, SceneOptions, ShadowError};
 use rimline::reference::cpu;
 use rimline::reference::layout::LightCone;
 use rimline::reference::stages::NEEDS;
@@ -331,7 +331,7 @@ fn scenes() -> Result<(), String> {
         let refused =
             scene.scene.add_light(Light::point([0.0; 3]).with_cone(Cone { axis: [0.0; 3], cosine: 0.5 })).err();
         let error = LightError::Cone { index: 0, axis: [0.0; 3], cosine: 0.5 };
-        same("a cone without an axis", &[refused], &[Some(SceneError::Light(error))])?;
+        same("a cone without an axis", &[refused], &[Some(ShadowError::Light(error))])?;
     }
     println!(
         "{left_out} pairs left out by cones, {beside} certainly beside; {noticed} of {kept} others with a corner inside"

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::{SceneError, SceneFrame, SceneOptions};
+use rimline::gpu::{SceneFrame, SceneOptions, ShadowError};
 use rimline::reference::cpu::SceneTable;
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -75,7 +75,7 @@ fn swapped() -> Result<(), String> {
         check_frame(&scene.content, &later, &Found::read(gpu, &later)?)?;
         gpu.queue.submit([first.finish()]);
         check_frame(&before, &earlier, &Found::of(gpu, &results)?)?;
-        same("a stale frame", &[earlier.results().err()], &[Some(SceneError::StaleFrame)])?;
+        same("a stale frame", &[earlier.results().err()], &[Some(ShadowError::StaleFrame)])?;
         scene.change(gpu)?;
         let frame = gpu.submit(|encoder| scene.encode(encoder))?;
         check_frame(&scene.content, &frame, &Found::read(gpu, &frame)?)?;

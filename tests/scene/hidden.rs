@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
 use rimline::gpu::{
-    Caster, CasterHandle, CasterPositions, HiddenCounts, LightHandle, LightMask, Scene, SceneError, SceneOptions,
+    Caster, CasterHandle, CasterPositions, HiddenCounts, LightHandle, LightMask, Scene, SceneOptions, ShadowError,
 };
 use rimline::{Light, Mesh};
 use rimline_measure::device::Gpu;
@@ -85,7 +85,7 @@ fn seen(gpu: &Gpu, scene: &mut Scene) -> Result<Seen, String> {
 }
 
 /// A change of something that the search read, or its reversal.
-type Change = Box<dyn Fn(&mut Scene, bool) -> Result<(), SceneError>>;
+type Change = Box<dyn Fn(&mut Scene, bool) -> Result<(), ShadowError>>;
 
 fn holds() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
@@ -172,7 +172,7 @@ fn refused() -> Result<(), String> {
     let mut set = |casters: &[CasterHandle]| scene.set_hidden_faces(light, casters, Some(&hidden)).err();
     let [wall, ball, ring] = [casters[0], casters[1], casters[2]];
     let [sphere, torus] = [1, 2].map(|number| meshes[number].0.faces.len());
-    same("too few", &[set(&[wall, ball])], &[Some(SceneError::HiddenCasters { given: 2, found: 3 })])?;
-    let swapped = SceneError::HiddenCaster { caster: 1, faces: torus, found: sphere };
+    same("too few", &[set(&[wall, ball])], &[Some(ShadowError::HiddenCasters { given: 2, found: 3 })])?;
+    let swapped = ShadowError::HiddenCaster { caster: 1, faces: torus, found: sphere };
     same("swapped", &[set(&[wall, ring, ball])], &[Some(swapped)])
 }

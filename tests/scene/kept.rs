@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use rimline::ShadowCamera;
 use rimline::gpu::{
-    CasterHandle, CasterPositions, Measuring, SceneError, SceneFrame, SceneOptions, SceneStatistics, ShadowStatistics,
+    CasterHandle, CasterPositions, Measuring, SceneFrame, SceneOptions, SceneStatistics, ShadowError, ShadowStatistics,
 };
 use rimline::reference::cpu;
 use rimline_measure::device::Gpu;
@@ -379,7 +379,7 @@ fn versions() -> Result<(), String> {
     scene.insert_rigid()?;
     let rigid = scene.content.casters[1].handle;
     let refused = scene.scene.set_position_version(rigid, Some(1));
-    same("a version for a rigid caster", &[refused], &[Err(SceneError::NoBuffer)])
+    same("a version for a rigid caster", &[refused], &[Err(ShadowError::NoBuffer)])
 }
 
 /// A stated box is heeded, whether it is true or not, and only finite boxes are taken.
@@ -405,13 +405,13 @@ fn boxes() -> Result<(), String> {
     for [low, high] in [[[0.0; 3], [-1.0, 1.0, 1.0]], [[0.0; 3], [1.0, f32::INFINITY, 1.0]], [[f32::NAN; 3], [1.0; 3]]]
     {
         let refused = scene.scene.set_bounds(caster, Some([low, high]));
-        if !matches!(refused, Err(SceneError::Bounds { .. })) {
+        if !matches!(refused, Err(ShadowError::Bounds { .. })) {
             return Err(format!("{low:?} {high:?}: {refused:?}"));
         }
     }
     scene.insert_rigid()?;
     let rigid = scene.content.casters[1].handle;
-    same("a rigid caster", &[scene.scene.set_bounds(rigid, None)], &[Err(SceneError::NoBuffer)])
+    same("a rigid caster", &[scene.scene.set_bounds(rigid, None)], &[Err(ShadowError::NoBuffer)])
 }
 
 /// Masks of callers are copied for each frame, and nothing of their group is kept.

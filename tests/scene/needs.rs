@@ -1,7 +1,7 @@
 //! Stage `needs`: figures that a frame does not need: they are not deformed, nothing is computed of them, and nothing shows it.
 
 use glam::{DVec3, DVec4};
-use rimline::gpu::{DeformError, LightMask, SceneError, SceneFrame, SceneNeeds, SceneOptions, SceneStatistics};
+use rimline::gpu::{DeformError, LightMask, SceneFrame, SceneNeeds, SceneOptions, SceneStatistics, ShadowError};
 use rimline::model::Box3;
 use rimline::{Cone, Light, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -313,7 +313,7 @@ fn off() -> Result<(), String> {
 }
 
 /// A change of a scene after its needs were found.
-type Change = fn(&mut Stage) -> Result<(), SceneError>;
+type Change = fn(&mut Stage) -> Result<(), ShadowError>;
 
 fn refusals() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
@@ -327,7 +327,7 @@ fn refusals() -> Result<(), String> {
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let [a, b, ..] = stage.casters[..] else { return Err("four figures".to_owned()) };
     let twice = stage.scene.encode_needs(&mut encoder, &[a, b, a], &cameras, None).err();
-    same("twice", &[twice], &[Some(SceneError::ListedTwice { caster: 2 })])?;
+    same("twice", &[twice], &[Some(ShadowError::ListedTwice { caster: 2 })])?;
     let all = stage.casters.clone();
     let needs = |stage: &mut Stage, encoder: &mut wgpu::CommandEncoder| {
         stage.scene.encode_needs(encoder, &all, &cameras, None).map_err(text)
@@ -336,7 +336,7 @@ fn refusals() -> Result<(), String> {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         stage.scene.encode_needed(&mut encoder, cameras, &[], needs, None).err()
     };
-    let stale = [Some(SceneError::StaleNeeds)];
+    let stale = [Some(ShadowError::StaleNeeds)];
     let own = needs(&mut stage, &mut encoder)?;
     same("as it was", &[encode(&mut stage, &own, &cameras)], &[None])?;
     same("other cameras", &[encode(&mut stage, &own, &[camera(&mut random)])], &stale)?;
@@ -359,7 +359,11 @@ fn refusals() -> Result<(), String> {
     same("not the last", &[encode(&mut stage, &first, &cameras)], &stale)?;
     same("the last", &[encode(&mut stage, &second, &cameras)], &[None])?;
     let mut other = Stage::new(gpu, &crowd, &lights, options())?;
-    same("another scene", &[encode(&mut other, &second, &cameras)], &[Some(SceneError::OtherScene { what: "needs" })])?;
+    same(
+        "another scene",
+        &[encode(&mut other, &second, &cameras)],
+        &[Some(ShadowError::OtherScene { what: "needs" })],
+    )?;
     let few = stage.deformer.encode_needed(&mut encoder, &pose, 0.0, None, &part, None).err();
     same("three of four", &[few], &[Some(DeformError::Needs { given: 3, instances: 4 })])
 }

@@ -1,9 +1,7 @@
 //! Casters that occluders hide: only those that are hidden, and all bits are right when they are not hidden any more.
 
 use glam::{DMat3, DVec3};
-use rimline::gpu::{
-    Caster, CasterHandle, LightHandle, MeshHandle, OccluderError, Scene, SceneError, SceneFrame, SceneOptions,
-};
+use rimline::gpu::{Caster, CasterHandle, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions, ShadowError};
 use rimline::reference::cpu::SceneTable;
 use rimline::{Light, Matrix3x4, Mesh};
 use rimline_measure::device::Gpu;
@@ -392,14 +390,13 @@ fn refused() -> Result<(), String> {
     let mut error = |polygons: &[&[[f32; 3]]]| stage.scene.set_occluders(caster, polygons).err();
     let good: &[[f32; 3]] = &[[1.0, -1.0, -1.0], [1.0, 1.0, -1.0], [1.0, 1.0, 1.0]];
     same("good", &[error(&[good, good])], &[None])?;
-    let of = |number, error| Some(SceneError::Occluder { number, error });
-    same("two corners", &[error(&[good, &good[..2]])], &[of(1, OccluderError::Corners { corners: 2 })])?;
-    same("nine corners", &[error(&[&[[1.0; 3]; 9]])], &[of(0, OccluderError::Corners { corners: 9 })])?;
+    let of = |number, corners| Some(ShadowError::OccluderCorners { number, corners });
+    same("two corners", &[error(&[good, &good[..2]])], &[of(1, 2)])?;
+    same("nine corners", &[error(&[&[[1.0; 3]; 9]])], &[of(0, 9)])?;
     for c in [1.5, f32::NAN, f32::INFINITY] {
         let position = [1.0, c, 1.0];
         let found = error(&[&[good[0], good[1], position]]);
-        let is_outside =
-            matches!(found, Some(SceneError::Occluder { number: 0, error: OccluderError::Outside { corner: 2, .. } }));
+        let is_outside = matches!(found, Some(ShadowError::OccluderOutside { number: 0, corner: 2, .. }));
         if !is_outside {
             return Err(format!("{c}: {found:?}"));
         }
@@ -409,5 +406,5 @@ fn refused() -> Result<(), String> {
     let buffer = gpu.storage(&shape.positions);
     let positions = rimline::gpu::PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     stage.scene.set_positions(caster, positions).map_err(text)?;
-    same("in a buffer", &[stage.scene.set_occluders(caster, &[good]).err()], &[Some(SceneError::NotRigid)])
+    same("in a buffer", &[stage.scene.set_occluders(caster, &[good]).err()], &[Some(ShadowError::NotRigid)])
 }

@@ -1,12 +1,13 @@
 //! Typed errors for input that a scene refuses.
 
-use rimline::gpu::{Caster, CasterPositions, LightMask, MemoryError, PositionError, Scene, SceneError, SceneOptions};
+use rimline::gpu::{Caster, CasterPositions, DeviceError, LightMask, Scene, SceneOptions, ShadowError};
 use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::{limited, text};
 use rimline_measure::polygons::quad_box;
-use rimline_measure::{same, shapes};
+use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
+use rimline_measure::shapes;
 
 pub(crate) const TESTS: &[Test] = &[
     ("stale_handles_and_those_of_other_scenes_are_typed_errors", handles),
@@ -30,10 +31,6 @@ fn scene(gpu: &Gpu) -> Result<Scene, String> {
     Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions { max_lights: 2, ..Default::default() }).map_err(text)
 }
 
-fn is<T: std::fmt::Debug>(what: &str, got: Result<T, SceneError>, expected: SceneError) -> Result<(), String> {
-    same(what, &[got.err()], &[Some(expected)])
-}
-
 fn handles() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (positions, mesh) = cube()?;
@@ -41,14 +38,18 @@ fn handles() -> Result<(), String> {
     let cube = one.add_mesh(&mesh, &positions).map_err(text)?;
     let caster = one.insert(Caster::rigid(cube, IDENTITY)).map_err(text)?;
     let light = one.add_light(Light::directional([0.0, 1.0, 0.0])).map_err(text)?;
-    let other_scene = |what| SceneError::OtherScene { what };
-    is("mesh", other.insert(Caster::rigid(cube, IDENTITY)), other_scene("mesh"))?;
-    is("mesh", other.remove_mesh(cube), other_scene("mesh"))?;
-    is("caster", other.set_transform(caster, IDENTITY), other_scene("caster"))?;
-    is("caster", other.set_lights(caster, LightMask::ALL), other_scene("caster"))?;
-    is("caster", other.remove(caster), other_scene("caster"))?;
-    is("light", other.set_light(light, Light::point([0.0; 3])), other_scene("light"))?;
-    is("light", other.remove_light(light), other_scene("light"))?;
+    let rows = |scene: &mut Scene, error: fn(&'static str) -> ShadowError| {
+        refused([
+            refusal("insert", scene.insert(Caster::rigid(cube, IDENTITY)), is(error("mesh"))),
+            refusal("remove_mesh", scene.remove_mesh(cube), is(error("mesh"))),
+            refusal("set_transform", scene.set_transform(caster, IDENTITY), is(error("caster"))),
+            refusal("set_lights", scene.set_lights(caster, LightMask::ALL), is(error("caster"))),
+            refusal("remove", scene.remove(caster), is(error("caster"))),
+            refusal("set_light", scene.set_light(light, Light::point([0.0; 3])), is(error("light"))),
+            refusal("remove_light", scene.remove_light(light), is(error("light"))),
+        ])
+    };
+    rows(&mut other, |what| ShadowError::OtherScene { what })?;
     one.remove(caster).map_err(text)?;
     one.remove_light(light).map_err(text)?;
     one.remove_mesh(cube).map_err(text)?;
@@ -56,29 +57,24 @@ fn handles() -> Result<(), String> {
     let again = one.add_mesh(&mesh, &positions).map_err(text)?;
     one.insert(Caster::rigid(again, IDENTITY)).map_err(text)?;
     one.add_light(Light::directional([0.0, 1.0, 0.0])).map_err(text)?;
-    let stale = |what| SceneError::Stale { what };
-    is("mesh", one.insert(Caster::rigid(cube, IDENTITY)), stale("mesh"))?;
-    is("mesh", one.remove_mesh(cube), stale("mesh"))?;
-    is("caster", one.set_transform(caster, IDENTITY), stale("caster"))?;
-    is("caster", one.set_lights(caster, LightMask::ALL), stale("caster"))?;
-    is("caster", one.remove(caster), stale("caster"))?;
-    is("light", one.set_light(light, Light::point([0.0; 3])), stale("light"))?;
-    is("light", one.remove_light(light), stale("light"))
+    rows(&mut one, |what| ShadowError::Removed { what })
 }
 
 fn meshes() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (positions, mesh) = cube()?;
     let mut scene = scene(gpu)?;
-    let short = scene.add_mesh(&mesh, &positions[1..]);
-    let given = positions.len() - 1;
-    is("positions", short, SceneError::TooFewPositions { given, needed: mesh.vertex_count() })?;
     let quads = quad_box(1);
     let of_quads = quads.mesh(Weld::Position).map_err(text)?;
-    is("polygons", scene.add_mesh(&of_quads, &quads.positions), SceneError::Polygons)?;
+    let few = ShadowError::TooFewPositions { given: positions.len() - 1, needed: mesh.vertex_count() };
+    refused([
+        refusal("positions", scene.add_mesh(&mesh, &positions[1..]), is(few)),
+        refusal("polygons", scene.add_mesh(&of_quads, &quads.positions), is(ShadowError::Polygons)),
+    ])?;
     let cube = scene.add_mesh(&mesh, &positions).map_err(text)?;
     let casters = [(); 2].map(|()| scene.insert(Caster::rigid(cube, IDENTITY)));
-    is("a mesh in use", scene.remove_mesh(cube), SceneError::MeshInUse { casters: 2 })?;
+    let used = ShadowError::MeshInUse { casters: 2 };
+    refused([refusal("a mesh in use", scene.remove_mesh(cube), is(used))])?;
     for caster in casters {
         scene.remove(caster.map_err(text)?).map_err(text)?;
     }
@@ -91,11 +87,14 @@ fn lights() -> Result<(), String> {
     let light = Light::point([1.0, 2.0, 3.0]);
     let first = two.add_light(light).map_err(text)?;
     two.add_light(light).map_err(text)?;
-    is("a third light", two.add_light(light), SceneError::NoLightBit { limit: 2 })?;
-    let range = |range| SceneError::Light(LightError::Range { index: 0, range });
-    is("a range", two.set_light(first, light.with_range(-1.0)), range(-1.0))?;
+    let range = ShadowError::Light(LightError::Range { index: 0, range: -1.0 });
     let none = SceneOptions { max_lights: 0, ..Default::default() };
-    is("no room", Scene::new(&gpu.pipelines, &gpu.queue, none), SceneError::Light(LightError::NoRoom))
+    let none = Scene::new(&gpu.pipelines, &gpu.queue, none);
+    refused([
+        refusal("a third light", two.add_light(light), is(ShadowError::NoLightBit { limit: 2 })),
+        refusal("a range", two.set_light(first, light.with_range(-1.0)), is(range)),
+        refusal("no room", none, is(ShadowError::Light(LightError::NoRoom))),
+    ])
 }
 
 fn positions() -> Result<(), String> {
@@ -108,24 +107,26 @@ fn positions() -> Result<(), String> {
         let positions = CasterPositions::Buffer { buffer: buffer.clone(), offset, stride };
         scene.insert(Caster { positions, ..Caster::rigid(cube, IDENTITY) })
     };
-    let alignment = SceneError::Positions(PositionError::Alignment { offset: 2, stride: 12 });
-    is("an offset", insert(2, 12), alignment)?;
-    match insert(12, 12) {
-        Err(SceneError::Positions(PositionError::TooShort { .. })) => {}
-        other => return Err(format!("a short buffer: {other:?}")),
-    }
+    refused([
+        refusal(
+            "an offset",
+            insert(2, 12),
+            is(ShadowError::Device(DeviceError::PositionLayout { offset: 2, stride: 12 })),
+        ),
+        refusal("a short buffer", insert(12, 12), shows(&["Device(PositionsTooShort"])),
+    ])?;
     let caster = insert(0, 12).map_err(text)?;
-    is("a transform", scene.set_transform(caster, IDENTITY), SceneError::NotRigid)?;
+    let transform = scene.set_transform(caster, IDENTITY);
     // A buffer that is gone when the frame is laid out.
     buffer.destroy();
     scene.add_light(Light::point([1.0, 2.0, 3.0])).map_err(text)?;
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    match scene.encode(&mut encoder, &[], None) {
-        Err(SceneError::Positions(PositionError::Refused { .. })) => {}
-        other => return Err(format!("a destroyed buffer: {other:?}")),
-    }
-    scene.remove(caster).map_err(text)?;
-    scene.encode(&mut encoder, &[], None).map(drop).map_err(text)
+    refused([
+        refusal("a transform", transform, is(ShadowError::NotRigid)),
+        refusal("a destroyed buffer", scene.encode(&mut encoder, &[], None), shows(&["Device(BufferRefused"])),
+        refusal("its removal", scene.remove(caster), Expected::Taken),
+        refusal("without it", scene.encode(&mut encoder, &[], None), Expected::Taken),
+    ])
 }
 
 fn memory() -> Result<(), String> {
@@ -133,10 +134,8 @@ fn memory() -> Result<(), String> {
     let (positions, mesh) = cube()?;
     let options = SceneOptions { memory_limit: Some(1000), ..Default::default() };
     let mut small = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
-    match small.add_mesh(&mesh, &positions) {
-        Err(SceneError::Memory(MemoryError::Total { limit: 1000, .. })) => {}
-        other => return Err(format!("a page beyond the limit: {other:?}")),
-    }
+    let page = small.add_mesh(&mesh, &positions);
+    refused([refusal("a page beyond the limit", page, shows(&["Device(MemoryLimit", "limit: 1000"]))])?;
     // A page fits, and the results of many casters do not.
     let options = SceneOptions { memory_limit: Some(2_000_000), ..Default::default() };
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
@@ -144,10 +143,8 @@ fn memory() -> Result<(), String> {
     scene.add_light(Light::point([1.0, 2.0, 3.0])).map_err(text)?;
     let casters = (0..10_000).map(|_| scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text));
     let casters = casters.collect::<Result<Vec<_>, _>>()?;
-    match gpu.submit(|encoder| Ok(scene.encode(encoder, &[], None))) {
-        Ok(Err(SceneError::Memory(MemoryError::Total { limit: 2_000_000, .. }))) => {}
-        other => return Err(format!("results beyond the limit: {other:?}")),
-    }
+    let encoded = gpu.submit(|encoder| Ok(scene.encode(encoder, &[], None)))?;
+    refused([refusal("results beyond the limit", encoded, shows(&["Device(MemoryLimit", "limit: 2000000"]))])?;
     for caster in &casters[1..] {
         scene.remove(*caster).map_err(text)?;
     }
@@ -157,10 +154,8 @@ fn memory() -> Result<(), String> {
     let shape = shapes::torus(60, 60, 1.0, 0.4);
     let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position).map_err(text)?;
     let mut scene = Scene::new(&tight.pipelines, &tight.queue, SceneOptions::default()).map_err(text)?;
-    match scene.add_mesh(&mesh, &shape.positions) {
-        Err(SceneError::Memory(MemoryError::Binding { what: "faces", .. })) => Ok(()),
-        other => Err(format!("a large mesh: {other:?}")),
-    }
+    let large = scene.add_mesh(&mesh, &shape.positions);
+    refused([refusal("a large mesh", large, shows(&["Device(BindingTooLarge { what: \"faces\""]))])
 }
 
 /// At the origin, looking along x.
@@ -179,12 +174,8 @@ fn views() -> Result<(), String> {
     scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text)?;
     scene.add_light(Light::point([1.0, 2.0, 3.0])).map_err(text)?;
     let mut encode = |views| gpu.submit(|encoder| Ok(scene.encode(encoder, &vec![camera(); views], None)));
-    for (views, is_memory) in [(1000, true), (100_000, false)] {
-        match encode(views)? {
-            Err(SceneError::Memory(MemoryError::Total { .. })) if is_memory => {}
-            Err(SceneError::Memory(MemoryError::Binding { .. })) if !is_memory => {}
-            other => return Err(format!("{views} views: {other:?}")),
-        }
+    for (views, error) in [(1000, "Device(MemoryLimit"), (100_000, "Device(BindingTooLarge")] {
+        refused([refusal(format!("{views} views"), encode(views)?, shows(&[error]))])?;
         for views in [1, 0, 2] {
             encode(views)?.map_err(text)?;
         }
@@ -216,7 +207,7 @@ fn grow(memory_limit: Option<u64>, one_by_one: usize, casters: usize) -> Result<
         if number + one_by_one >= casters {
             match gpu.submit(|encoder| Ok(scene.encode(encoder, &[camera()], None)))? {
                 Ok(_) => {}
-                Err(SceneError::Memory(MemoryError::Total { .. })) => return Ok(false),
+                Err(ShadowError::Device(DeviceError::MemoryLimit { .. })) => return Ok(false),
                 Err(error) => return Err(error.to_string()),
             }
         }

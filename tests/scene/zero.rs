@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 
 use rimline::cpu::{HiddenFaces, HiddenOptions};
 use rimline::gpu::{
-    Caster, CasterHandle, Deformer, DeformerOptions, LightHandle, LightMask, MemoryError, OccluderError, Pipelines,
-    PositionBuffer, Receivers, Scene, SceneError, SceneFrame, SceneOptions, read_back_vec, read_back_vec_async,
+    Caster, CasterHandle, Deformer, DeformerOptions, DeviceError, LightHandle, LightMask, Pipelines, PositionBuffer,
+    Receivers, Scene, SceneFrame, SceneOptions, ShadowError, read_back_vec, read_back_vec_async,
 };
 use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{Counting, DepthDirection, Light, Matrix3x4, Mesh, Model, Pose, ShadowCamera};
@@ -155,7 +155,7 @@ fn without_lists() -> Result<(), String> {
     scene.set_occluders(caster, &[]).map_err(text)?;
     scene.set_hidden_faces(light, &[], Some(&hidden)).map_err(text)?;
     scene.set_hidden_faces(light, &[], None).map_err(text)?;
-    let polygon = Err(SceneError::Occluder { number: 0, error: OccluderError::Corners { corners: 0 } });
+    let polygon = Err(ShadowError::OccluderCorners { number: 0, corners: 0 });
     same("an occluder without corners", &[scene.set_occluders(caster, &[&[]])], &[polygon])?;
     // No camera, and no receivers of one; no figures, of a model without any.
     let model = Model::new(Vec::new(), Vec::new()).map_err(text)?;
@@ -200,7 +200,7 @@ fn without_memory() -> Result<(), String> {
     // Statistics take memory without content, too.
     let frame = gpu.submit(|encoder| Ok(scene.encode(encoder, &[], None).err()))?;
     for refused in [mesh, frame] {
-        if !matches!(refused, Some(SceneError::Memory(MemoryError::Total { limit: 0, .. }))) {
+        if !matches!(refused, Some(ShadowError::Device(DeviceError::MemoryLimit { limit: 0, .. }))) {
             return Err(format!("no memory: {refused:?}"));
         }
     }

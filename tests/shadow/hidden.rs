@@ -1,7 +1,7 @@
 //! Volumes that no receiver can be in: without them every receiver has the same count.
 
 use glam::DVec3;
-use rimline::gpu::{Receivers, ReceiversError, Scene, SceneError, SceneOptions, ShadowOptions};
+use rimline::gpu::{Receivers, Scene, SceneOptions, ShadowError, ShadowOptions};
 use rimline::reference::shadow::CAST_NOTHING;
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -202,11 +202,9 @@ fn refused() -> Result<(), String> {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         errors.push(match scene.encode_for(&mut encoder, &[camera], &receivers, None) {
             Ok(_) => "none",
-            Err(SceneError::Receivers { view: 0, error: ReceiversError::NoDepth { format } }) if format == colour => {
-                "format"
-            }
-            Err(SceneError::Receivers { view: 0, error: ReceiversError::Usage }) => "usage",
-            Err(SceneError::Receivers { view: 0, error: ReceiversError::Refused { .. } }) => "refused",
+            Err(ShadowError::ReceiversFormat { view: 0, format }) if format == colour => "format",
+            Err(ShadowError::ReceiversUsage { view: 0 }) => "usage",
+            Err(ShadowError::ReceiversRefused { view: 0, .. }) => "refused",
             Err(error) => return Err(error.to_string()),
         });
         scene.encode_for(&mut encoder, &[camera], &[None], None).map_err(text)?;
@@ -217,7 +215,7 @@ fn refused() -> Result<(), String> {
             &[None],
             None,
         );
-        let error = SceneError::Receivers { view: 0, error: ReceiversError::TooMany { given: 1, views: 0 } };
+        let error = ShadowError::TooManyReceivers { given: 1, views: 0 };
         same("too many", &[many.map(drop)], &[Err(error)])?;
     }
     same("errors", &errors, &["format", "usage", "refused", "refused", "none"])

@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use rimline::gpu::{
-    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Measuring, Receivers, Scene, SceneError, SceneFrame,
-    SceneOptions, ScenePipelines, ShadowFormat, ShadowOptions,
+    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Measuring, Receivers, Scene, SceneFrame,
+    SceneOptions, ScenePipelines, ShadowError, ShadowFormat, ShadowOptions,
 };
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{ShadowLight, ShadowStatistics};
@@ -255,7 +255,7 @@ impl InScene {
             // All bits and lists of silhouettes are then those of an encode before.
             for &caster in &casters {
                 match scene.set_position_version(caster, Some(1)) {
-                    Ok(()) | Err(SceneError::NoBuffer) => {}
+                    Ok(()) | Err(ShadowError::NoBuffer) => {}
                     Err(error) => return Err(text(error)),
                 }
             }

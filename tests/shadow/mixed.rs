@@ -1,7 +1,7 @@
 //! Volumes of meshes and of a depth map in one stencil: counts own the low bits, parity the high ones.
 
 use glam::DVec3;
-use rimline::gpu::{DepthMap, DepthMapOptions, DepthMapPipelines, ShadowDrawError, ShadowFormat, ShadowOptions};
+use rimline::gpu::{DepthMap, DepthMapOptions, DepthMapPipelines, ShadowFormat, ShadowOptions};
 use rimline::{Counting, DepthDirection, Light};
 use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::text;
@@ -200,27 +200,25 @@ fn batches() -> Result<(), String> {
 }
 
 fn refusals() -> Result<(), String> {
-    use rimline::gpu::{
-        DepthMapError, Scene, SceneError, SceneOptions, ScenePipelines, ShadowFormatError, ShadowPipelines,
-    };
+    use rimline::gpu::{DepthMapError, Scene, SceneOptions, ScenePipelines, ShadowError, ShadowPipelines};
     let gpu = &*Gpu::shared()?;
     let format = |count_bits| ShadowFormat { count_bits, ..Default::default() };
     for given in [0, 9, u32::MAX] {
-        let error = ShadowFormatError::CountBits { given, least: 1 };
+        let error = ShadowError::CountBits { given, least: 1 };
         let found = ShadowPipelines::new(&gpu.pipelines, &format(given), Counting::Auto).err();
         same("volumes", &[found], &[Some(error.clone())])?;
         let found = DepthMapPipelines::new(&gpu.pipelines, &format(given), 7).err();
-        same("maps", &[found], &[Some(DepthMapError::Format(error.clone()))])?;
+        same("maps", &[found], &[Some(DepthMapError::Shadow(error.clone()))])?;
         let options = SceneOptions { count_bits: given, ..Default::default() };
         let found = Scene::new(&gpu.pipelines, &gpu.queue, options).err();
-        same("scene", &[found], &[Some(SceneError::Format(error))])?;
+        same("scene", &[found], &[Some(error)])?;
     }
-    let error = ShadowFormatError::CountBits { given: 1, least: 2 };
+    let error = ShadowError::CountBits { given: 1, least: 2 };
     let found = ScenePipelines::in_batches(&gpu.pipelines, &format(1), Counting::Auto).err();
     same("batches", &[found], &[Some(error.clone())])?;
     let options = SceneOptions { count_bits: 1, count_batches: 2, ..Default::default() };
     let found = Scene::new(&gpu.pipelines, &gpu.queue, options).err();
-    same("scene in batches", &[found], &[Some(SceneError::Format(error))])?;
+    same("scene in batches", &[found], &[Some(error)])?;
     let found = DepthMapPipelines::antialiased(&gpu.pipelines, &format(6), 5..8).err();
     same("a bit of counts", &[found], &[Some(DepthMapError::Counted { bit: 5, count_bits: 6 })])?;
     // Volumes for counts of other bits.
@@ -236,5 +234,5 @@ fn refusals() -> Result<(), String> {
         let mut pass = encoder.begin_render_pass(&crate::render::attachment(&view, wgpu::LoadOp::Clear(0.0)));
         Ok(frame.draw(&mut pass, &pipelines, 0, light).err())
     })?;
-    same("draw", &[found], &[Some(SceneError::Draw(ShadowDrawError::CountBits { volumes: 8, pipelines: 7 }))])
+    same("draw", &[found], &[Some(ShadowError::OtherCountBits { volumes: 8, pipelines: 7 })])
 }

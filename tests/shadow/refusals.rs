@@ -5,9 +5,8 @@ use glam::camera::rh::proj::directx::{orthographic, perspective, perspective_inf
 use glam::camera::rh::view::look_at_mat4;
 use glam::{Mat4, Vec3};
 use rimline::gpu::{
-    DrawArguments, Extraction, ExtractionDrawError, ExtractionIncludeError, Extractor, ExtractorOptions, MemoryError,
-    PositionBuffer, ShadowDrawError, ShadowEncodeError, ShadowFormat, ShadowFormatError, ShadowFrame, ShadowOptions,
-    ShadowPipelines, ShadowVolumes, ShadowVolumesError, StaleExtraction,
+    DeviceError, DrawArguments, Extraction, Extractor, ExtractorError, ExtractorOptions, PositionBuffer, ShadowError,
+    ShadowFormat, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
 use rimline::reference::layout::ShadowDraws;
 use rimline::{CameraError, Counting, DepthDirection, Light, ShadowCamera};
@@ -16,12 +15,14 @@ use rimline_measure::shapes;
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::{limited, text};
+use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
 use rimline_measure::{must_fail, same};
+
+use crate::render::{Renderer, attachment};
 
 pub(crate) const TESTS: &[Test] = &[
     ("formats_that_do_not_serve_are_typed_errors", formats),
-    ("z_fail_needs_pipelines_for_the_cameras_far_plane", far_planes),
-    ("depth_of_camera_and_pipelines_must_agree", depths),
+    ("cameras_need_pipelines_for_their_depth_and_far_plane", conventions),
     ("mirror_images_need_pipelines_for_them", mirrors),
     ("near_planes_next_to_the_eye_are_refused", near_planes),
     ("volumes_belong_to_one_extractor", extractors),
@@ -41,9 +42,7 @@ fn is_fail(counting: Counting) -> bool {
 
 fn formats() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let made = |gpu: &Gpu, format: &ShadowFormat, counting| {
-        ShadowPipelines::new(&gpu.pipelines, format, counting).map(|pipelines| pipelines.counting())
-    };
+    let made = |gpu: &Gpu, format: &ShadowFormat, counting| ShadowPipelines::new(&gpu.pipelines, format, counting);
     let depth_stencil = |depth_stencil| ShadowFormat { depth_stencil, ..ShadowFormat::default() };
     for format in [
         wgpu::TextureFormat::Depth32Float,
@@ -51,31 +50,38 @@ fn formats() -> Result<(), String> {
         wgpu::TextureFormat::Stencil8,
         wgpu::TextureFormat::Rgba8Unorm,
     ] {
-        let found = made(gpu, &depth_stencil(format), Counting::Auto);
-        same("no depth or no stencil", &[found], &[Err(ShadowFormatError::NoStencil(format))])?;
+        let made = made(gpu, &depth_stencil(format), Counting::Auto);
+        refused([refusal("no depth or no stencil", made, is(ShadowError::NoStencil(format)))])?;
     }
     let format = wgpu::TextureFormat::Depth32FloatStencil8;
     let needed = wgpu::Features::DEPTH32FLOAT_STENCIL8;
-    let found = made(gpu, &depth_stencil(format), Counting::Auto);
-    same("a feature", &[found], &[Err(ShadowFormatError::Feature { format, needed })])?;
     let with = Gpu::with(needed | wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
-    same("with it", &[made(&with, &depth_stencil(format), Counting::Auto)], &[Ok(Counting::Auto)])?;
-    let far = ShadowFormat { has_far_plane: true, ..ShadowFormat::default() };
+    let [plain, far] = [false, true].map(|has_far_plane| ShadowFormat { has_far_plane, ..ShadowFormat::default() });
+    let feature = depth_stencil(format);
+    refused([
+        refusal("a feature", made(gpu, &feature, Counting::Auto), is(ShadowError::Feature { format, needed })),
+        refusal("with it", made(&with, &feature, Counting::Auto), Expected::Taken),
+    ])?;
     for counting in METHODS {
-        let expected = if is_fail(counting) { Err(ShadowFormatError::DepthClip) } else { Ok(counting) };
-        same("a far plane without DEPTH_CLIP_CONTROL", &[made(gpu, &far, counting)], &[expected])?;
-        same("a far plane with it", &[made(&with, &far, counting)], &[Ok(counting)])?;
-        same("no far plane", &[made(gpu, &ShadowFormat::default(), counting)], &[Ok(counting)])?;
+        let clipped = if is_fail(counting) { is(ShadowError::DepthClip) } else { Expected::Taken };
+        refused([
+            refusal("a far plane without DEPTH_CLIP_CONTROL", made(gpu, &far, counting), clipped),
+            refusal("a far plane with it", made(&with, &far, counting), Expected::Taken),
+            refusal("no far plane", made(gpu, &plain, counting), Expected::Taken),
+        ])?;
+        same("method", &[made(gpu, &plain, counting).map_err(text)?.counting()], &[counting])?;
     }
     Ok(())
 }
 
-/// A caster with all that it needs.
+type Encoded = Result<ShadowFrame, ShadowError>;
+
+/// A caster with all that it needs, and the last extraction, at first of all lights.
 struct Caster<'a> {
     gpu: &'a Gpu,
     positions: wgpu::Buffer,
     extractor: Extractor,
-    extraction: Option<Extraction>,
+    extraction: Extraction,
 }
 
 impl<'a> Caster<'a> {
@@ -83,30 +89,36 @@ impl<'a> Caster<'a> {
         let shape = shapes::torus(16, 8, 1.0, 0.4);
         let mesh = shape.mesh().map_err(text)?;
         let options = ExtractorOptions { max_lights: 4, ..Default::default() };
-        let extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
-        Ok(Self { gpu, positions: gpu.storage(&shape.positions), extractor, extraction: None })
+        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+        let positions = gpu.storage(&shape.positions);
+        let extraction = extracted(gpu, &mut extractor, &positions, &LIGHTS)?;
+        Ok(Self { gpu, positions, extractor, extraction })
+    }
+
+    fn extract(&mut self, lights: &[Light]) -> Result<Extraction, String> {
+        self.extraction = extracted(self.gpu, &mut self.extractor, &self.positions, lights)?;
+        Ok(self.extraction.clone())
     }
 
     fn volumes(&self, pipelines: &ShadowPipelines) -> Result<ShadowVolumes, String> {
         ShadowVolumes::new(pipelines, &self.extractor, ShadowOptions::default()).map_err(text)
     }
 
-    fn extract(&mut self, lights: &[Light]) -> Result<Extraction, String> {
-        let bound = PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 };
-        let extractor = &mut self.extractor;
-        let extraction = self.gpu.submit(|encoder| extractor.encode(encoder, bound, lights, None).map_err(text))?;
-        self.extraction = Some(extraction.clone());
-        Ok(extraction)
-    }
-
-    /// Result of encoding the last extraction.
-    fn encoded(&self, volumes: &mut ShadowVolumes, camera: &ShadowCamera) -> Result<Encoded, String> {
-        let extraction = self.extraction.as_ref().ok_or("nothing was extracted")?;
-        encoded(self.gpu, volumes, extraction, camera)
+    /// Result of encoding the last extraction for new volumes.
+    fn encoded(&self, pipelines: &ShadowPipelines, camera: &ShadowCamera) -> Result<Encoded, String> {
+        encoded(self.gpu, &mut self.volumes(pipelines)?, &self.extraction, camera)
     }
 }
 
-type Encoded = Result<ShadowFrame, ShadowEncodeError>;
+fn extracted(
+    gpu: &Gpu,
+    extractor: &mut Extractor,
+    buffer: &wgpu::Buffer,
+    lights: &[Light],
+) -> Result<Extraction, String> {
+    let bound = PositionBuffer { buffer, offset: 0, stride: 12 };
+    gpu.submit(|encoder| extractor.encode(encoder, bound, lights, None).map_err(text))
+}
 
 /// Result of encoding an extraction.
 fn encoded(
@@ -116,6 +128,14 @@ fn encoded(
     camera: &ShadowCamera,
 ) -> Result<Encoded, String> {
     gpu.submit(|encoder| Ok(volumes.encode(encoder, extraction, camera, None)))
+}
+
+fn made(gpu: &Gpu, format: &ShadowFormat, counting: Counting) -> Result<ShadowPipelines, String> {
+    ShadowPipelines::new(&gpu.pipelines, format, counting).map_err(text)
+}
+
+fn default_pipelines(gpu: &Gpu) -> Result<ShadowPipelines, String> {
+    made(gpu, &ShadowFormat::default(), Counting::Auto)
 }
 
 const LIGHTS: [Light; 3] =
@@ -141,42 +161,34 @@ fn cameras() -> [(ShadowCamera, bool); 6] {
     ]
 }
 
-/// Pipelines for no far plane and a camera that has one would have dark caps clipped.
-fn far_planes() -> Result<(), String> {
+/// Pipelines for no far plane and a camera that has one would have dark caps clipped. Those of another depth would take near
+/// for far.
+fn conventions() -> Result<(), String> {
     let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
-    let mut caster = Caster::new(gpu)?;
-    caster.extract(&LIGHTS)?;
+    let caster = Caster::new(gpu)?;
     for (number, (camera, camera_has)) in cameras().into_iter().enumerate() {
-        for counting in METHODS {
-            for has_far_plane in [false, true] {
-                let format = ShadowFormat { depth: camera.depth, has_far_plane, ..ShadowFormat::default() };
-                let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)?;
-                let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera)?;
-                let clips = is_fail(counting) && camera_has && !has_far_plane;
-                let expected = if clips { Err(ShadowEncodeError::FarPlane { counting }) } else { Ok(()) };
-                same(&format!("camera {number}, {counting:?}, {has_far_plane}"), &[found.map(drop)], &[expected])?;
-            }
+        for (counting, depth, has_far_plane) in all_conventions() {
+            let format = ShadowFormat { depth, has_far_plane, ..ShadowFormat::default() };
+            let found = caster.encoded(&made(gpu, &format, counting)?, &camera)?;
+            let expected = if camera.depth != depth {
+                is(ShadowError::CameraDepth { camera: camera.depth, pipelines: depth })
+            } else if is_fail(counting) && camera_has && !has_far_plane {
+                is(ShadowError::FarPlane { counting })
+            } else {
+                Expected::Taken
+            };
+            refused([refusal(format!("camera {number}, {counting:?}, {depth:?}, {has_far_plane}"), found, expected)])?;
         }
     }
-    let message = ShadowEncodeError::FarPlane { counting: Counting::ZFail }.to_string();
+    let message = ShadowError::FarPlane { counting: Counting::ZFail }.to_string();
     if message.contains("DEPTH_CLIP_CONTROL") { Ok(()) } else { Err(message) }
 }
 
-fn depths() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut caster = Caster::new(gpu)?;
-    caster.extract(&LIGHTS)?;
-    for (camera, _) in cameras() {
-        for depth in [DepthDirection::Reversed, DepthDirection::Standard] {
-            let format = ShadowFormat { depth, ..ShadowFormat::default() };
-            let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto).map_err(text)?;
-            let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera)?;
-            let differ = ShadowEncodeError::Depth { camera: camera.depth, pipelines: depth };
-            let expected = if camera.depth == depth { Ok(()) } else { Err(differ) };
-            same(&format!("{depth:?}"), &[found.map(drop)], &[expected])?;
-        }
-    }
-    Ok(())
+/// Methods, depths, and whether there is a far plane.
+fn all_conventions() -> Vec<(Counting, DepthDirection, bool)> {
+    let depths = [DepthDirection::Reversed, DepthDirection::Standard];
+    let of = |counting| depths.map(|depth| [false, true].map(|has_far_plane| (counting, depth, has_far_plane)));
+    METHODS.map(of).into_iter().flatten().flatten().collect()
 }
 
 /// The camera with its y, or another axis, the other way round.
@@ -188,35 +200,35 @@ fn flipped(camera: ShadowCamera, axes: Vec3) -> ShadowCamera {
 /// Near caps are wound by the light, and sides by the picture: a mirror image would count them against each other.
 fn mirrors() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut caster = Caster::new(gpu)?;
-    caster.extract(&LIGHTS)?;
+    let caster = Caster::new(gpu)?;
     for (camera, _) in cameras() {
-        let made = |front_face| {
-            let format = ShadowFormat { depth: camera.depth, front_face, ..ShadowFormat::default() };
-            ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto).map_err(text)
-        };
-        let [plain, mirroring] = [made(wgpu::FrontFace::Ccw)?, made(wgpu::FrontFace::Cw)?];
+        let of = |front_face| ShadowFormat { depth: camera.depth, front_face, ..ShadowFormat::default() };
+        let [plain, mirroring] =
+            [wgpu::FrontFace::Ccw, wgpu::FrontFace::Cw].map(|front_face| made(gpu, &of(front_face), Counting::Auto));
+        let (plain, mirroring) = (plain?, mirroring?);
         let mirrored = flipped(camera, Vec3::new(1.0, -1.0, 1.0));
         same("the check", &[camera.check(), mirrored.check()], &[Ok(()), Err(CameraError::Mirrored)])?;
         for (camera, is_mirrored) in
             [(camera, false), (mirrored, true), (flipped(mirrored, Vec3::NEG_ONE.with_z(1.0)), true)]
         {
             for (pipelines, for_mirrors) in [(&plain, false), (&mirroring, true)] {
-                let found = caster.encoded(&mut caster.volumes(pipelines)?, &camera)?;
+                let found = caster.encoded(pipelines, &camera)?;
                 let expected = match (is_mirrored, for_mirrors) {
-                    (true, false) => Err(ShadowEncodeError::Camera(CameraError::Mirrored)),
-                    (false, true) => Err(ShadowEncodeError::Camera(CameraError::NotMirrored)),
-                    _ => Ok(()),
+                    (true, false) => is(ShadowError::Camera(CameraError::Mirrored)),
+                    (false, true) => is(ShadowError::Camera(CameraError::NotMirrored)),
+                    _ => Expected::Taken,
                 };
                 let what = format!("{:?}, mirrored {is_mirrored}, for mirrors {for_mirrors}", camera.depth);
-                same(&what, &[found.as_ref().map(|_| ()).map_err(Clone::clone)], &[expected])?;
+                refused([refusal(&what, found.clone(), expected)])?;
                 let Ok(frame) = found else { continue };
                 let [own, other] = if for_mirrors { [&mirroring, &plain] } else { [&plain, &mirroring] };
                 let (ccw, cw) = (wgpu::FrontFace::Ccw, wgpu::FrontFace::Cw);
                 let [volumes, pipelines] = if for_mirrors { [cw, ccw] } else { [ccw, cw] };
-                let refused = Err(ShadowDrawError::FrontFace { volumes, pipelines });
-                same(&format!("{what}: drawn"), &[drawn(gpu, &frame, other, 0)?], &[refused])?;
-                same(&format!("{what}: drawn by its own"), &[drawn(gpu, &frame, own, 0)?], &[Ok(())])?;
+                let front_face = ShadowError::OtherFrontFace { volumes, pipelines };
+                refused([
+                    refusal(format!("{what}: drawn"), drawn(gpu, &frame, other, 0)?, is(front_face)),
+                    refusal(format!("{what}: drawn by its own"), drawn(gpu, &frame, own, 0)?, Expected::Taken),
+                ])?;
             }
         }
     }
@@ -225,9 +237,8 @@ fn mirrors() -> Result<(), String> {
 
 fn near_planes() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut caster = Caster::new(gpu)?;
-    caster.extract(&LIGHTS)?;
-    let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
+    let caster = Caster::new(gpu)?;
+    let pipelines = default_pipelines(gpu)?;
     for (near, is_good) in [(1e-30, true), (1e-33, true), (1e-35, false), (1e-36, false), (1e-38, false)] {
         let eye = Vec3::new(1.0, 2.0, 6.0);
         let view = look_at_mat4(Vec3::ZERO, -eye, Vec3::Y);
@@ -236,25 +247,27 @@ fn near_planes() -> Result<(), String> {
         // Without products that would round it away.
         view_projection[3][2] = near;
         let camera = ShadowCamera { view_projection, origin: eye.to_array(), depth: DepthDirection::Reversed };
-        let expected = if is_good { Ok(()) } else { Err(CameraError::DepthRange) };
-        same(&format!("{near:e}"), &[camera.check()], &[expected])?;
-        let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera)?.map(drop);
-        same(&format!("{near:e}"), &[found], &[expected.map_err(ShadowEncodeError::Camera)])?;
+        let expected = |error: fn(CameraError) -> Expected| {
+            if is_good { Expected::Taken } else { error(CameraError::DepthRange) }
+        };
+        let found = caster.encoded(&pipelines, &camera)?;
+        refused([
+            refusal(format!("{near:e}, checked"), camera.check(), expected(is)),
+            refusal(format!("{near:e}"), found, expected(|error| is(ShadowError::Camera(error)))),
+        ])?;
     }
     Ok(())
 }
 
 fn extractors() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let [mut caster, mut other] = [Caster::new(gpu)?, Caster::new(gpu)?];
-    caster.extract(&LIGHTS)?;
-    other.extract(&LIGHTS)?;
-    let (camera, _) = cameras()[0];
-    let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
-    let mut volumes = caster.volumes(&pipelines)?;
-    let found = other.encoded(&mut volumes, &camera)?.map(drop);
-    same("another extractor of an equal mesh", &[found], &[Err(ShadowEncodeError::OtherExtractor)])?;
-    same("its own", &[caster.encoded(&mut volumes, &camera)?.map(drop)], &[Ok(())])
+    let [caster, other] = [Caster::new(gpu)?, Caster::new(gpu)?];
+    let mut volumes = caster.volumes(&default_pipelines(gpu)?)?;
+    let mut encode = |extraction| encoded(gpu, &mut volumes, extraction, &cameras()[0].0);
+    refused([
+        refusal("another extractor of an equal mesh", encode(&other.extraction)?, is(ShadowError::OtherExtractor)),
+        refusal("its own", encode(&caster.extraction)?, Expected::Taken),
+    ])
 }
 
 /// Every reader refuses results that were overwritten, and lights that are not there.
@@ -262,42 +275,43 @@ fn stale() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut caster = Caster::new(gpu)?;
     let (camera, _) = cameras()[0];
-    let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
+    let pipelines = default_pipelines(gpu)?;
     let mut volumes = caster.volumes(&pipelines)?;
-    let mut expect = |what: &str, extraction: &Extraction, expected: Result<(), ShadowEncodeError>| {
-        let found = encoded(gpu, &mut volumes, extraction, &camera)?;
-        same(what, &[found.as_ref().map(|_| ()).map_err(Clone::clone)], &[expected])?;
-        Ok::<_, String>(found.ok())
-    };
+    let mut encode = |extraction: &Extraction| encoded(gpu, &mut volumes, extraction, &camera);
     let first = caster.extract(&LIGHTS[..2])?;
-    let one = expect("the first", &first, Ok(()))?.ok_or("no frame")?;
-    let two = expect("the first again, for another frame", &first, Ok(()))?.ok_or("no frame")?;
-    let draws = |frame: &ShadowFrame, light: usize| drawn(gpu, frame, &pipelines, light);
-    same("an earlier frame", &[draws(&one, 0)?], &[Err(ShadowDrawError::StaleFrame)])?;
-    same("the later frame", &[draws(&two, 0)?, draws(&two, 1)?], &[Ok(()), Ok(())])?;
-    let missing = |light| Err(ShadowDrawError::NoSuchLight { light, lights: 2 });
+    let (one, two) = (encode(&first)?.map_err(text)?, encode(&first)?.map_err(text)?);
+    let draw = |frame: &ShadowFrame, light: usize| drawn(gpu, frame, &pipelines, light);
+    refused([
+        refusal("an earlier frame", draw(&one, 0)?, is(ShadowError::StaleVolumes)),
+        refusal("the later frame", draw(&two, 0)?, Expected::Taken),
+        refusal("its second light", draw(&two, 1)?, Expected::Taken),
+    ])?;
     // One within the batch, one past it, one past what the extractor has room for.
     for light in [2, 3, 4, 31, 32, usize::MAX] {
-        same("a light past those extracted", &[draws(&two, light)?], &[missing(light)])?;
+        let missing = is(ShadowError::NoSuchLight { light, lights: 2 });
+        refused([refusal("a light past those extracted", draw(&two, light)?, missing)])?;
     }
     let second = caster.extract(&LIGHTS[2..])?;
-    same("after another encode", &[draws(&two, 0)?], &[Err(StaleExtraction.into())])?;
-    expect("the first after another encode", &first, Err(StaleExtraction.into()))?;
-    expect("the second", &second, Ok(()))?;
     let layout = rimline::gpu::results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
-    same("its bind group", &[first.bind_group(&layout, 0).map(drop)], &[Err(StaleExtraction.into())])?;
-    same("its draws", &[first.draw_arguments(0).map(drop)], &[Err(ExtractionDrawError::Stale(StaleExtraction))])?;
-    same("its results", &[first.results().map(drop)], &[Err(StaleExtraction)])?;
-    let past = |light| Err(ExtractionDrawError::NoSuchLight { light, lights: 1 });
-    same("draws past the lights", &[second.draw_arguments(1).map(drop)], &[past(1)])?;
-    let batch = Err(ExtractionIncludeError::NoSuchBatch { batch: 1, batches: 1 });
-    same("a batch past the lights", &[second.bind_group(&layout, 1).map(drop)], &[batch])?;
-    same("a good one", &[second.bind_group(&layout, 0).map(drop)], &[Ok(())])?;
+    let stale = || is(ExtractorError::Stale);
+    let past = is(ExtractorError::NoSuchLight { light: 1, lights: 1 });
+    let batch = is(ExtractorError::NoSuchBatch { batch: 1, batches: 1 });
+    refused([
+        refusal("after another encode", draw(&two, 0)?, is(ShadowError::Extraction(ExtractorError::Stale))),
+        refusal("the first", encode(&first)?, is(ShadowError::Extraction(ExtractorError::Stale))),
+        refusal("the second", encode(&second)?, Expected::Taken),
+        refusal("its bind group", first.bind_group(&layout, 0), stale()),
+        refusal("its draws", first.draw_arguments(0), stale()),
+        refusal("its results", first.results(), stale()),
+        refusal("draws past the lights", second.draw_arguments(1), past),
+        refusal("a batch past the lights", second.bind_group(&layout, 1), batch),
+        refusal("a good one", second.bind_group(&layout, 0), Expected::Taken),
+    ])?;
     // A refused extraction does not change the results.
     if caster.extract(&[Light::homogeneous([0.0; 4])]).is_ok() {
         return Err("no light was extracted".to_owned());
     }
-    expect("the second after what was refused", &second, Ok(())).map(drop)
+    refused([refusal("the second after what was refused", encode(&second)?, Expected::Taken)])
 }
 
 /// A frame without lights draws nothing, also where lights were before.
@@ -305,23 +319,22 @@ fn no_lights() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut caster = Caster::new(gpu)?;
     let (camera, _) = cameras()[0];
-    let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
+    let pipelines = default_pipelines(gpu)?;
     let mut volumes = caster.volumes(&pipelines)?;
-    caster.extract(&LIGHTS)?;
-    caster.encoded(&mut volumes, &camera)?.map_err(text)?;
+    encoded(gpu, &mut volumes, &caster.extraction, &camera)?.map_err(text)?;
     let silhouettes = |caster: &Caster<'_>| -> Result<Vec<u32>, String> {
         let draws: Vec<DrawArguments> = gpu.read(caster.extractor.results().draw_arguments, 4)?;
         Ok(draws.iter().map(|draw| draw.instance_count).collect())
     };
     let before = silhouettes(&caster)?;
     let none = caster.extract(&[])?;
-    let frame = caster.encoded(&mut volumes, &camera)?.map_err(text)?;
+    let frame = encoded(gpu, &mut volumes, &none, &camera)?.map_err(text)?;
     same("silhouettes of no lights", &silhouettes(&caster)?, &[0; 4])?;
     must_fail("silhouettes of three lights", &same("before", &before, &[0; 4]))?;
     let draws: Vec<ShadowDraws> = gpu.read(&volumes.draw_arguments()[0], 4)?;
     same("volumes of no lights", &draws, &[bytemuck::Zeroable::zeroed(); 4])?;
-    let missing = Err(ShadowDrawError::NoSuchLight { light: 0, lights: 0 });
-    same("drawing a light of none", &[drawn(gpu, &frame, &pipelines, 0)?], &[missing])?;
+    let missing = is(ShadowError::NoSuchLight { light: 0, lights: 0 });
+    refused([refusal("drawing a light of none", drawn(gpu, &frame, &pipelines, 0)?, missing)])?;
     same("batches", &[none.batches()], &[0])
 }
 
@@ -331,63 +344,38 @@ fn drawn(
     frame: &ShadowFrame,
     pipelines: &ShadowPipelines,
     light: usize,
-) -> Result<Result<(), ShadowDrawError>, String> {
-    let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("target"),
-        size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Depth24PlusStencil8,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
-    });
-    let target = target.create_view(&wgpu::TextureViewDescriptor::default());
+) -> Result<Result<(), ShadowError>, String> {
+    let target = Renderer::new(gpu).target(8, 1, wgpu::TextureFormat::Depth24PlusStencil8);
+    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
     gpu.submit(|encoder| {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("target"),
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &target,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.5), store: wgpu::StoreOp::Store }),
-                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
-            }),
-            ..Default::default()
-        });
+        let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Clear(0.5)));
         Ok(frame.draw(&mut pass, pipelines, light))
     })
 }
 
 /// Formats differ where attachments do; what volumes were made for must not.
 fn pipelines() -> Result<(), String> {
-    use DepthDirection::{Reversed, Standard};
     let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
-    let mut caster = Caster::new(gpu)?;
-    caster.extract(&LIGHTS)?;
-    let all = METHODS.map(|counting| {
-        [Reversed, Standard].map(|depth| [false, true].map(|has_far_plane| (counting, depth, has_far_plane)))
-    });
-    let all: Vec<_> = all.into_iter().flatten().flatten().collect();
+    let caster = Caster::new(gpu)?;
+    let all = all_conventions();
     let made = |&(counting, depth, has_far_plane): &(Counting, DepthDirection, bool)| {
-        let format = ShadowFormat { depth, has_far_plane, ..ShadowFormat::default() };
-        ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)
+        made(gpu, &ShadowFormat { depth, has_far_plane, ..ShadowFormat::default() }, counting)
     };
     for ours in &all {
-        let mut volumes = caster.volumes(&made(ours)?)?;
-        let (camera, _) = cameras()[usize::from(ours.1 == Standard)];
-        let frame = caster.encoded(&mut volumes, &camera)?.map_err(text)?;
+        let (camera, _) = cameras()[usize::from(ours.1 == DepthDirection::Standard)];
+        let frame = caster.encoded(&made(ours)?, &camera)?.map_err(text)?;
         for theirs in &all {
-            let drawing = made(theirs)?;
-            let found = drawn(gpu, &frame, &drawing, 0)?;
+            let found = drawn(gpu, &frame, &made(theirs)?, 0)?;
             let expected = if ours.0 != theirs.0 {
-                Err(ShadowDrawError::Counting { volumes: ours.0, pipelines: theirs.0 })
+                is(ShadowError::OtherCounting { volumes: ours.0, pipelines: theirs.0 })
             } else if ours.1 != theirs.1 {
-                Err(ShadowDrawError::Depth { volumes: ours.1, pipelines: theirs.1 })
+                is(ShadowError::OtherDepth { volumes: ours.1, pipelines: theirs.1 })
             } else if is_fail(ours.0) && ours.2 && !theirs.2 {
-                Err(ShadowDrawError::FarPlane)
+                is(ShadowError::OtherFarPlane)
             } else {
-                Ok(())
+                Expected::Taken
             };
-            same(&format!("{ours:?}, {theirs:?}"), &[found], &[expected])?;
+            refused([refusal(format!("{ours:?}, {theirs:?}"), found, expected)])?;
         }
     }
     Ok(())
@@ -405,38 +393,38 @@ fn capacities() -> Result<(), String> {
         let pipelines =
             ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::ZFail).map_err(text)?;
         let extractor = Extractor::new(&gpu.pipelines, &mesh, extractor_options).map_err(text)?;
-        Ok::<_, String>(ShadowVolumes::new(&pipelines, &extractor, options).map(|_| ()))
+        Ok::<_, String>(ShadowVolumes::new(&pipelines, &extractor, options))
     };
     let plain = ShadowOptions::default();
     let small = limited(64 << 10, 1 << 20, 64)?;
-    same("by default", &[made(&small, plain)?], &[Ok(())])?;
     // Counts, and an entry for near caps, which z-fail has none of.
     let fitting = ((64 << 10) - 512) / (4 * 32) - 1;
     let bytes = |capacity: u32| 512 + 128 * (u64::from(capacity) + 1);
     let asked = |capacity| ShadowOptions { cap_capacity: Some(capacity), ..plain };
-    same("all that fit", &[made(&small, asked(fitting))?], &[Ok(())])?;
     let binding = |bytes| {
         let what = "lists of cap faces";
-        Err(ShadowVolumesError::Memory(MemoryError::Binding { what, bytes, limit: 64 << 10 }))
+        is(ShadowError::Device(DeviceError::BindingTooLarge { what, bytes, limit: 64 << 10 }))
     };
-    same("one more", &[made(&small, asked(fitting + 1))?], &[binding(bytes(fitting + 1))])?;
-    same("every face", &[made(&small, asked(faces))?], &[binding(bytes(faces))])?;
+    refused([
+        refusal("by default", made(&small, plain)?, Expected::Taken),
+        refusal("all that fit", made(&small, asked(fitting))?, Expected::Taken),
+        refusal("one more", made(&small, asked(fitting + 1))?, binding(bytes(fitting + 1))),
+        refusal("every face", made(&small, asked(faces))?, binding(bytes(faces))),
+    ])?;
 
     let gpu = &*Gpu::shared()?;
     let within = |memory_limit, cap_capacity| {
         let options = ShadowOptions { memory_limit: Some(memory_limit), cap_capacity, ..plain };
         made(gpu, options)
     };
-    let Err(ShadowVolumesError::Memory(MemoryError::Total { bytes: least, .. })) = within(0, Some(1))? else {
+    let Err(ShadowError::Device(DeviceError::MemoryLimit { bytes: least, .. })) = within(0, Some(1))? else {
         return Err("one entry a list was not refused".to_owned());
     };
-    same("as little as can be", &[within(least, None)?], &[Ok(())])?;
-    same("somewhat more", &[within(least + 10_000, None)?], &[Ok(())])?;
-    match (within(least + 10_000, Some(faces))?, within(least - 1, None)?) {
-        (
-            Err(ShadowVolumesError::Memory(MemoryError::Total { .. })),
-            Err(ShadowVolumesError::Memory(MemoryError::Total { .. })),
-        ) => Ok(()),
-        other => Err(format!("not refused: {other:?}")),
-    }
+    let too_little = || shows(&["Device(MemoryLimit {"]);
+    refused([
+        refusal("as little as can be", within(least, None)?, Expected::Taken),
+        refusal("somewhat more", within(least + 10_000, None)?, Expected::Taken),
+        refusal("lists of every face", within(least + 10_000, Some(faces))?, too_little()),
+        refusal("a byte less", within(least - 1, None)?, too_little()),
+    ])
 }

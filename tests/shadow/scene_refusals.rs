@@ -1,16 +1,16 @@
 //! Errors of a scene when its shadow volumes are recorded or drawn.
 
-use rimline::gpu::{
-    Caster, Scene, SceneError, SceneFrame, SceneOptions, ScenePipelines, ShadowDrawError, ShadowFormat,
-};
+use rimline::gpu::{Caster, Scene, SceneFrame, SceneOptions, ScenePipelines, ShadowError, ShadowFormat};
 use rimline::{CameraError, Counting, DepthDirection, Light, LightError, ShadowCamera};
 
+use crate::render::{Renderer, attachment};
 use crate::scene::Eye;
 use crate::trials::Test;
 use glam::DVec3;
 use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::text;
-use rimline_measure::{same, shapes};
+use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
+use rimline_measure::shapes;
 
 pub(crate) const TESTS: &[Test] = &[
     ("scenes_refuse_cameras_lights_and_faces", recording),
@@ -31,7 +31,7 @@ fn scene(gpu: &Gpu, options: SceneOptions) -> Result<(Scene, Caster), String> {
     Ok((scene, Caster::rigid(mesh, ROWS)))
 }
 
-fn encode(gpu: &Gpu, scene: &mut Scene, cameras: &[ShadowCamera]) -> Result<SceneFrame, SceneError> {
+fn encode(gpu: &Gpu, scene: &mut Scene, cameras: &[ShadowCamera]) -> Result<SceneFrame, ShadowError> {
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let frame = scene.encode(&mut encoder, cameras, None);
     gpu.queue.submit([encoder.finish()]);
@@ -42,34 +42,40 @@ fn recording() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let good = camera(DepthDirection::Reversed, None);
     let (mut own, caster) = scene(gpu, SceneOptions::default())?;
-    let refused = |found: Result<SceneFrame, SceneError>| found.err();
     let bad = ShadowCamera { view_projection: [[0.0; 4]; 4], ..good };
-    let error = SceneError::Camera { view: 1, error: CameraError::Singular };
-    same("a singular camera", &[refused(encode(gpu, &mut own, &[good, bad]))], &[Some(error)])?;
+    let singular = ShadowError::ViewCamera { view: 1, error: CameraError::Singular };
+    let negative = |index| is(ShadowError::Light(LightError::NegativeWeight { index, w: -1.0 }));
+    refused([refusal("a singular camera", encode(gpu, &mut own, &[good, bad]), is(singular))])?;
     // A light that extraction takes and shadows do not.
     let light = own.add_light(Light::homogeneous([1.0, 2.0, 3.0, -1.0])).map_err(text)?;
-    same("no camera", &[refused(encode(gpu, &mut own, &[]))], &[None])?;
-    let negative = |index| SceneError::Light(LightError::NegativeWeight { index, w: -1.0 });
-    same("a negative w", &[refused(encode(gpu, &mut own, &[good]))], &[Some(negative(0))])?;
+    refused([
+        refusal("no camera", encode(gpu, &mut own, &[]), Expected::Taken),
+        refusal("a negative w", encode(gpu, &mut own, &[good]), negative(0)),
+    ])?;
     // The error names the light's bit, whatever other lights there are.
     let second = own.add_light(Light::homogeneous([1.0, 2.0, 3.0, -1.0])).map_err(text)?;
     own.remove_light(light).map_err(text)?;
-    same("a light of bit 1", &[refused(encode(gpu, &mut own, &[good]))], &[Some(negative(1))])?;
+    refused([refusal("a light of bit 1", encode(gpu, &mut own, &[good]), negative(1))])?;
     let light = own.add_light(Light::point([1.0, 5.0, 3.0])).map_err(text)?;
     own.remove_light(second).map_err(text)?;
     own.set_light(light, Light::point([1.0, 5.0, 3.0])).map_err(text)?;
-    same("all good", &[refused(encode(gpu, &mut own, &[good]))], &[None])?;
     let caster = own.insert(caster).map_err(text)?;
-    let outside = own.set_excluded(caster, light, &[3, 12]);
-    same("a face too many", &[outside], &[Err(SceneError::NoSuchFace { face: 12, faces: 12 })])?;
-    own.set_excluded(caster, light, &[3, 11]).map_err(text)?;
-    own.remove_light(light).map_err(text)?;
-    let stale = own.set_excluded(caster, light, &[3]);
-    same("a light that is gone", &[stale], &[Err(SceneError::Stale { what: "light" })])?;
-    same("without light", &[refused(encode(gpu, &mut own, &[good]))], &[None])?;
     let counting = Counting::ZpPlus2005;
     let (mut published, _) = scene(gpu, SceneOptions { counting, ..SceneOptions::default() })?;
-    same("as published", &[refused(encode(gpu, &mut published, &[good]))], &[Some(SceneError::Counting(counting))])
+    let too_many = ShadowError::NoSuchFace { face: 12, faces: 12 };
+    refused([
+        refusal("all good", encode(gpu, &mut own, &[good]), Expected::Taken),
+        refusal("a face too many", own.set_excluded(caster, light, &[3, 12]), is(too_many)),
+        refusal("the last face", own.set_excluded(caster, light, &[3, 11]), Expected::Taken),
+        refusal("removal", own.remove_light(light), Expected::Taken),
+        refusal(
+            "a light that is gone",
+            own.set_excluded(caster, light, &[3]),
+            is(ShadowError::Removed { what: "light" }),
+        ),
+        refusal("without light", encode(gpu, &mut own, &[good]), Expected::Taken),
+        refusal("as published", encode(gpu, &mut published, &[good]), is(ShadowError::SceneCounting(counting))),
+    ])
 }
 
 fn drawing() -> Result<(), String> {
@@ -90,64 +96,44 @@ fn drawing() -> Result<(), String> {
     let first = encode(gpu, &mut own, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
     let frame = encode(gpu, &mut own, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
     let later = own.add_light(Light::point([2.0, 5.0, 3.0])).map_err(text)?;
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("depth"),
-        size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: format.depth_stencil,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
-    });
-    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let target = Renderer::new(gpu).target(8, 1, format.depth_stencil);
+    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
     let draw = |frame: &SceneFrame, pipelines: &ScenePipelines, view_number: usize, light| {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &view,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
-                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
-            }),
-            ..Default::default()
-        });
+        let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Clear(0.0)));
         let drawn = frame.draw(&mut pass, pipelines, view_number, light);
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
         drawn
     };
-    same("all good", &[draw(&frame, &right, 0, light)], &[Ok(())])?;
-    same("an earlier frame", &[draw(&first, &right, 0, light)], &[Err(SceneError::StaleFrame)])?;
-    let no_view = Err(SceneError::NoSuchView { view: 1, views: 1 });
-    same("a view too many", &[draw(&frame, &right, 1, light)], &[no_view])?;
-    same("a later light", &[draw(&frame, &right, 0, later)], &[Err(SceneError::NotEncoded)])?;
-    same("a foreign light", &[draw(&frame, &right, 0, foreign)], &[Err(SceneError::OtherScene { what: "light" })])?;
-    let counting = ShadowDrawError::Counting { volumes: Counting::Auto, pipelines: Counting::ZPass };
-    let found = draw(&frame, &made(Counting::ZPass)?, 0, light);
-    same("another method", &[found], &[Err(SceneError::Draw(counting))])?;
     let mut mirrored = camera(DepthDirection::Reversed, None);
     mirrored.view_projection.iter_mut().for_each(|column| column[1] = -column[1]);
+    let counting = ShadowError::OtherCounting { volumes: Counting::Auto, pipelines: Counting::ZPass };
+    let front_face = ShadowError::OtherFrontFace { volumes: wgpu::FrontFace::Cw, pipelines: wgpu::FrontFace::Ccw };
+    let depth = ShadowError::OtherDepth { volumes: DepthDirection::Reversed, pipelines: DepthDirection::Standard };
+    refused([
+        refusal("all good", draw(&frame, &right, 0, light), Expected::Taken),
+        refusal("an earlier frame", draw(&first, &right, 0, light), is(ShadowError::StaleFrame)),
+        refusal("a view too many", draw(&frame, &right, 1, light), is(ShadowError::NoSuchView { view: 1, views: 1 })),
+        refusal("a later light", draw(&frame, &right, 0, later), is(ShadowError::NotEncoded)),
+        refusal("a foreign light", draw(&frame, &right, 0, foreign), is(ShadowError::OtherScene { what: "light" })),
+        refusal("another method", draw(&frame, &made(Counting::ZPass)?, 0, light), is(counting)),
+    ])?;
     let mirror_image = encode(gpu, &mut own, &[mirrored]).map_err(text)?;
-    let (ccw, cw) = (wgpu::FrontFace::Ccw, wgpu::FrontFace::Cw);
-    let mirrors = ShadowDrawError::FrontFace { volumes: cw, pipelines: ccw };
-    same("a mirror image", &[draw(&mirror_image, &right, 0, light)], &[Err(SceneError::Draw(mirrors))])?;
+    refused([refusal("a mirror image", draw(&mirror_image, &right, 0, light), is(front_face))])?;
     let frame = encode(gpu, &mut own, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
-    let (volumes, pipelines) = (DepthDirection::Reversed, DepthDirection::Standard);
-    let depth = ShadowDrawError::Depth { volumes, pipelines };
-    same("another depth", &[draw(&frame, &standard, 0, light)], &[Err(SceneError::Draw(depth))])?;
-    let batches = Err(SceneError::CountBatches { count_batches: 1 });
-    same("in batches", &[draw(&frame, &in_batches, 0, light)], &[batches])?;
-    match draw(&frame, &elsewhere, 0, light) {
-        Err(SceneError::Device(_)) => {}
-        other => return Err(format!("another device: {other:?}")),
-    }
+    refused([
+        refusal("another depth", draw(&frame, &standard, 0, light), is(depth)),
+        refusal("in batches", draw(&frame, &in_batches, 0, light), is(ShadowError::CountBatches { count_batches: 1 })),
+        refusal("another device", draw(&frame, &elsewhere, 0, light), shows(&["Device(OtherDevice {"])),
+    ])?;
     // z-fail with a far plane needs pipelines that do not clip there.
     let (mut failing, caster) = scene(gpu, SceneOptions { counting: Counting::ZFail, ..SceneOptions::default() })?;
     let light = failing.add_light(Light::point([1.0, 5.0, 3.0])).map_err(text)?;
     failing.insert(caster).map_err(text)?;
-    let frame = encode(gpu, &mut failing, &[camera(DepthDirection::Reversed, Some(50.0))]).map_err(text)?;
-    let found = draw(&frame, &made(Counting::ZFail)?, 0, light);
-    same("a far plane", &[found], &[Err(SceneError::Draw(ShadowDrawError::FarPlane))])?;
-    let frame = encode(gpu, &mut failing, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
-    same("no far plane", &[draw(&frame, &made(Counting::ZFail)?, 0, light)], &[Ok(())])
+    for (far, expected) in [(Some(50.0), is(ShadowError::OtherFarPlane)), (None, Expected::Taken)] {
+        let frame = encode(gpu, &mut failing, &[camera(DepthDirection::Reversed, far)]).map_err(text)?;
+        refused([refusal(format!("{far:?}"), draw(&frame, &made(Counting::ZFail)?, 0, light), expected)])?;
+    }
+    Ok(())
 }

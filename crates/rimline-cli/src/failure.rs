@@ -33,7 +33,7 @@ pub(crate) enum Failure {
     },
     /// A pose of another model.
     #[error(transparent)]
-    Pose(#[from] rimline::PoseMismatch),
+    Pose(#[from] rimline::ModelError),
     /// The command line asks for what cannot be.
     #[error(transparent)]
     Usage(#[from] UsageError),
@@ -85,8 +85,6 @@ pub(crate) enum InputError {
     )]
     Outside { place: String, uri: String, path: PathBuf },
     #[error(transparent)]
-    Pose(#[from] rimline::gltf::AnimationError),
-    #[error(transparent)]
     Model(#[from] rimline::ModelError),
     #[error(transparent)]
     Npz(#[from] NpzError),
@@ -98,8 +96,6 @@ pub(crate) enum InputError {
     DepthMapTimes { what: String },
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    #[error(transparent)]
-    PosedMesh(#[from] rimline::PosedMeshError),
     #[error("its lights cannot be used: {0}")]
     Lights(LightError),
     #[error(
@@ -145,13 +141,13 @@ pub(crate) enum UsageError {
     #[error("the file has no lights; give some with `--light point:x,y,z` or `--light dir:x,y,z`")]
     NoFileLights,
     #[error("{}: {error}", .file.display())]
-    Together { file: PathBuf, error: rimline::gltf::AnimationError },
+    Together { file: PathBuf, error: rimline::gltf::GltfError },
     #[error("the scene of the file has no light `{wanted}`; it has {there}")]
     FileLight { wanted: String, there: String },
     #[error(transparent)]
     Lights(LightError),
     #[error(transparent)]
-    Arguments(#[from] rimline::cpu::ArgumentError),
+    Arguments(#[from] rimline::cpu::CpuError),
     #[error("{0}; change --eye, --target, --fov or --near")]
     Camera(CameraError),
     #[error(
@@ -218,7 +214,7 @@ pub(crate) enum UsageError {
     )]
     CastersWithoutScene,
     #[error("{0}; give another light, or leave out --hide-covered")]
-    Covered(rimline::cpu::HiddenError),
+    Covered(rimline::cpu::CpuError),
     #[error(
         "--method {0} draws each file by itself, so no file covers another; leave out --hide-covered or --method {0}"
     )]

@@ -4,9 +4,7 @@ use std::path::{Path, PathBuf};
 
 use rimline::LightError;
 use rimline::gpu::{
-    DeformError, DepthMapError, ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError,
-    MAX_OUTLINE_EDGES, MemoryError, PositionError, ReadError, SceneError, ShadowDrawError, ShadowEncodeError,
-    ShadowFormatError, ShadowQueryEncodeError, ShadowQueryError, ShadowVolumesError, StaleExtraction, TimerError,
+    DeformError, DepthMapError, DeviceError, ExtractorError, MAX_OUTLINE_EDGES, QueryError, ShadowError,
 };
 
 use crate::device::{Gpu, describe};
@@ -22,33 +20,15 @@ pub(crate) enum GpuError {
     #[error(transparent)]
     Extractor(#[from] ExtractorError),
     #[error(transparent)]
-    Encode(#[from] ExtractionEncodeError),
+    Device(#[from] DeviceError),
     #[error(transparent)]
-    Include(#[from] ExtractionIncludeError),
+    Query(#[from] QueryError),
+    /// Of scenes, or of what shadows of any kind have.
     #[error(transparent)]
-    Memory(#[from] MemoryError),
+    Shadow(#[from] ShadowError),
+    /// Of a caster by itself.
     #[error(transparent)]
-    Query(#[from] ShadowQueryEncodeError),
-    #[error(transparent)]
-    ShadowQuery(#[from] ShadowQueryError),
-    #[error(transparent)]
-    Read(#[from] ReadError),
-    #[error(transparent)]
-    Timer(#[from] TimerError),
-    #[error(transparent)]
-    Draw(#[from] ExtractionDrawError),
-    #[error(transparent)]
-    Shadow(#[from] ShadowEncodeError),
-    #[error(transparent)]
-    ShadowVolumes(#[from] ShadowVolumesError),
-    #[error(transparent)]
-    ShadowDraw(#[from] ShadowDrawError),
-    #[error(transparent)]
-    ShadowFormat(#[from] ShadowFormatError),
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    #[error(transparent)]
-    Stale(#[from] StaleExtraction),
+    Volumes(ShadowError),
     #[error(transparent)]
     DepthMap(#[from] DepthMapError),
     /// The user's depth map is the reason.
@@ -71,11 +51,11 @@ impl GpuError {
 
     /// Makes a map of the user's the reason, where it is one.
     pub(crate) fn of_map(self, file: &Path) -> Self {
-        use DepthMapError::{Camera, Device, Format, Memory, Positions, Refused, StaleFrame};
+        use DepthMapError::{Camera, Device, Refused, Shadow, StaleFrame};
         let error: GivenMapError = match self {
-            Self::DepthMap(
-                error @ (Camera(_) | Device(_) | Format(_) | Memory(_) | Positions(_) | Refused { .. } | StaleFrame),
-            ) => return Self::DepthMap(error),
+            Self::DepthMap(error @ (Camera(_) | Device(_) | Shadow(_) | Refused { .. } | StaleFrame)) => {
+                return Self::DepthMap(error);
+            }
             Self::DepthMap(error) => error.into(),
             other => return other,
         };
@@ -84,11 +64,9 @@ impl GpuError {
 
     fn of_device(self, gpu: &Gpu) -> Failure {
         match &self {
-            Self::Shadow(ShadowEncodeError::Camera(camera)) | Self::DepthMap(DepthMapError::Camera(camera)) => {
-                return UsageError::Camera(*camera).into();
-            }
-            Self::Scene(SceneError::Camera { error, .. }) => return UsageError::Camera(*error).into(),
-            Self::Shadow(ShadowEncodeError::Light(lights)) => return UsageError::Lights(*lights).into(),
+            Self::Shadow(ShadowError::ViewCamera { error: camera, .. })
+            | Self::Volumes(ShadowError::Camera(camera))
+            | Self::DepthMap(DepthMapError::Camera(camera)) => return UsageError::Camera(*camera).into(),
             // The CPU would do.
             Self::Deform(DeformError::TooManyTerms { .. })
             | Self::Extractor(ExtractorError::Polygons | ExtractorError::OutlineTooLarge { .. })
@@ -113,7 +91,7 @@ impl GpuError {
     /// Reason why something does not fit, in words for users who cannot change the device's limits.
     fn reason(&self) -> String {
         let of_scene =
-            if let Self::Scene(_) = self { "; it may fit with fewer instances, joined to fewer meshes" } else { "" };
+            if let Self::Shadow(_) = self { "; it may fit with fewer instances, joined to fewer meshes" } else { "" };
         // Its advice is to give the options of the command.
         if let Self::Extractor(ExtractorError::OutlineTooLarge { polygon, edges }) = self {
             return format!(
@@ -122,52 +100,39 @@ impl GpuError {
             );
         }
         match self.memory() {
-            Some(MemoryError::Binding { what, bytes, limit } | MemoryError::Gathered { what, bytes, limit }) => {
+            Some(
+                DeviceError::BindingTooLarge { what, bytes, limit }
+                | DeviceError::GatheredTooLarge { what, bytes, limit },
+            ) => {
                 format!("{what}: {} at once, and the device reads at most {}{of_scene}", size(*bytes), size(*limit))
             }
-            Some(MemoryError::Buffer { label, bytes, limit }) => {
+            Some(DeviceError::BufferTooLarge { label, bytes, limit }) => {
                 format!("{label}: {} in one buffer, and the device allows {}{of_scene}", size(*bytes), size(*limit))
             }
             _ => self.to_string(),
         }
     }
 
-    fn memory(&self) -> Option<&MemoryError> {
+    /// What does not fit.
+    fn memory(&self) -> Option<&DeviceError> {
         match self {
-            Self::Memory(memory)
-            | Self::Deform(DeformError::Memory(memory))
-            | Self::Extractor(ExtractorError::Memory(memory))
-            | Self::Encode(ExtractionEncodeError::Positions(PositionError::Memory(memory)))
-            | Self::ShadowQuery(ShadowQueryError::Memory(memory))
-            | Self::Query(
-                ShadowQueryEncodeError::Positions(PositionError::Memory(memory))
-                | ShadowQueryEncodeError::Points(PositionError::Memory(memory)),
-            )
-            | Self::Include(
-                ExtractionIncludeError::Memory(memory)
-                | ExtractionIncludeError::Positions(PositionError::Memory(memory)),
-            )
-            | Self::ShadowVolumes(ShadowVolumesError::Memory(memory))
-            | Self::DepthMap(DepthMapError::Memory(memory) | DepthMapError::Positions(PositionError::Memory(memory)))
-            | Self::Scene(SceneError::Memory(memory) | SceneError::Positions(PositionError::Memory(memory)))
-            | Self::Shadow(
-                ShadowEncodeError::Positions(PositionError::Memory(memory))
-                | ShadowEncodeError::Include(
-                    ExtractionIncludeError::Memory(memory)
-                    | ExtractionIncludeError::Positions(PositionError::Memory(memory)),
-                ),
-            ) => Some(memory),
+            Self::Device(error)
+            | Self::Deform(DeformError::Device(error))
+            | Self::Extractor(ExtractorError::Device(error))
+            | Self::Query(QueryError::Device(error) | QueryError::Points(error))
+            | Self::Shadow(ShadowError::Device(error))
+            | Self::Volumes(ShadowError::Device(error))
+            | Self::DepthMap(DepthMapError::Device(error)) => Some(error).filter(|error| error.is_memory()),
             _ => None,
         }
     }
 
     fn lights(&self) -> Option<&LightError> {
         match self {
-            Self::Scene(SceneError::Light(lights))
-            | Self::Extractor(ExtractorError::Light(lights))
-            | Self::Encode(ExtractionEncodeError::Light(lights))
-            | Self::ShadowQuery(ShadowQueryError::Light(lights))
-            | Self::Query(ShadowQueryEncodeError::Light(lights)) => Some(lights),
+            Self::Extractor(ExtractorError::Light(lights))
+            | Self::Query(QueryError::Light(lights))
+            | Self::Shadow(ShadowError::Light(lights))
+            | Self::Volumes(ShadowError::Light(lights)) => Some(lights),
             _ => None,
         }
     }

@@ -4,12 +4,12 @@ use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use rimline::MAX_LIGHTS;
-use rimline::gltf::{AnimationError, Asset, GltfError, GltfWarning, LoadOptions, SceneLight};
+use rimline::gltf::{Asset, GltfError, GltfWarning, LoadOptions, SceneLight};
 use rimline::mesh::{Weld, WeldCounts, WeldDistance};
 use rimline::reference::light::check_lights;
 use rimline::{
     Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, Mesh, MeshError, Model, ModelError, Origin,
-    Pose, PosedMeshError,
+    Pose,
 };
 
 use crate::begins::{Begins, begins};
@@ -164,9 +164,9 @@ impl Input {
     }
 
     /// Why there is no pose: the file is damaged, or the command line asks for what cannot be.
-    pub(crate) fn not_posed(&self, error: AnimationError) -> Failure {
+    pub(crate) fn not_posed(&self, error: GltfError) -> Failure {
         match error {
-            AnimationError::SameProperty { .. } => UsageError::Together { file: self.file.clone(), error }.into(),
+            GltfError::SameProperty { .. } => UsageError::Together { file: self.file.clone(), error }.into(),
             error => Failure::input(&self.file)(error.into()),
         }
     }
@@ -217,7 +217,7 @@ impl Input {
         }
         let mesh = match shape {
             Shape::Posed { model, pose } => model.mesh(pose).map_err(|error| match error {
-                PosedMeshError::Mesh(error) => self.no_mesh(error),
+                ModelError::Mesh(error) => self.no_mesh(error),
                 error => error.into(),
             }),
             Shape::World(_) => resting().map_err(InputError::from).and_then(|pose| Ok(self.model().mesh(&pose)?)),
@@ -255,7 +255,7 @@ impl Input {
             _ => Vec::new(),
         };
         let origin = self.origin;
-        let of_file = |(_, own): &(Option<String>, Result<SceneLight, AnimationError>)| match own {
+        let of_file = |(_, own): &(Option<String>, Result<SceneLight, GltfError>)| match own {
             Ok(own) => Ok(ChosenLight { light: own.light, own: Some(own.clone()) }),
             Err(error) => Err(self.not_posed(error.clone())),
         };

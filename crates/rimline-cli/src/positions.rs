@@ -1,6 +1,6 @@
 //! Positions on the GPU, whether the file has them or a pose makes them.
 
-use rimline::gpu::{Deformer, DeformerOptions, MemoryError, PositionBuffer, ReadError, StageTimer, read_back_vec};
+use rimline::gpu::{Deformer, DeformerOptions, DeviceError, PositionBuffer, StageTimer, read_back_vec};
 use rimline::{Displacement, wgpu};
 
 use crate::device::Gpu;
@@ -21,7 +21,7 @@ impl Positions {
                 let (size, limit) = (bytes.len() as u64, gpu.device.limits().max_buffer_size);
                 if size > limit {
                     let label = "positions";
-                    return Err(MemoryError::Buffer { label, bytes: size, limit }.into());
+                    return Err(DeviceError::BufferTooLarge { label, bytes: size, limit }.into());
                 }
                 let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
                     label: Some("positions"),
@@ -67,7 +67,7 @@ impl Positions {
         }
     }
 
-    pub(crate) fn read(&self, gpu: &Gpu, vertices: usize) -> Result<Vec<[f32; 3]>, ReadError> {
+    pub(crate) fn read(&self, gpu: &Gpu, vertices: usize) -> Result<Vec<[f32; 3]>, DeviceError> {
         let mut positions = read_back_vec(&gpu.device, &gpu.queue, self.buffer().buffer)?;
         positions.truncate(vertices);
         Ok(positions)

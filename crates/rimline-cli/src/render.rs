@@ -6,7 +6,7 @@ pub(crate) mod normals;
 pub(crate) mod pipeline_factory;
 pub(crate) mod support;
 
-use rimline::gpu::MemoryError;
+use rimline::gpu::DeviceError;
 use rimline::mesh::Bounds;
 
 use crate::device::{self, Gpu};
@@ -61,7 +61,7 @@ pub(crate) fn check_model(gpu: &Gpu, faces: usize, vertices: usize) -> Result<()
     for (what, count) in [("the model's array of faces", faces), ("its array of positions", vertices)] {
         let bytes = BYTES * count as u64;
         if bytes > limit {
-            return Err(MemoryError::Binding { what, bytes, limit }.into());
+            return Err(DeviceError::BindingTooLarge { what, bytes, limit }.into());
         }
     }
     Ok(())

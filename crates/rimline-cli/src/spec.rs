@@ -1,7 +1,7 @@
 //! The small languages of the command line: lights, points and picture sizes.
 
 use rimline::gpu::{DanglingEdges, DepthMapMethod};
-use rimline::mesh::{WeldDistance, WeldDistanceError};
+use rimline::mesh::{MeshError, WeldDistance};
 use rimline::{AreaShape, Light};
 
 use crate::coordinates::{Coordinate, GivenLight};
@@ -61,7 +61,7 @@ pub(crate) enum SpecError {
     #[error("`{0}` is beyond what a 32-bit float holds (about ±3.4e38)")]
     Overflow(String),
     #[error(transparent)]
-    WeldDistance(WeldDistanceError),
+    WeldDistance(MeshError),
     #[error("all components are zero, which is neither a point nor a direction")]
     Zero,
     #[error("a size is written as width x height in pixels, such as 1280x960")]

@@ -9,7 +9,9 @@
 //! * [`rays`]: triangles and rays in `f64`;
 //! * [`slivers`]: whether a driver rasterises triangles that leave the picture rightly;
 //! * [`clusters`]: what the bound of a cluster decides, in `f64`;
-//! * [`pipelines`], [`dispatch`]: short ways to pipelines; [`probe`]: functions of shaders, called; [`turns`]: how many turns the loops of a shader have;
+//! * [`pipelines`], [`dispatch`]: short ways to pipelines; [`probe`]: functions of shaders, called; [`turns`]: how many turns the
+//!   loops of a shader have;
+//! * [`refusals`]: tables of calls that must be refused;
 //! * [`device`], `harness`: the device that GPU tests run on, and how they are run.
 #![allow(clippy::missing_errors_doc, clippy::missing_panics_doc, reason = "comparators fail and panic by design")]
 #![allow(missing_docs, reason = "fields of fixtures say by their names what they are")]
@@ -34,6 +36,7 @@ pub mod predicates;
 pub mod probe;
 pub mod random;
 pub mod rays;
+pub mod refusals;
 pub mod scenes;
 pub mod shadow_cases;
 pub mod shadow_oracle;

@@ -1,7 +1,7 @@
 //! Deform: morph, skin, displace, from mesh space to world space.
 
 use crate::cpu::common::parallel::Threads;
-use crate::model::{Geometry, InstancePose, Model, Pose, PoseMismatch};
+use crate::model::{Geometry, InstancePose, Model, ModelError, Pose};
 
 /// The caller's displacement. Its arguments are the world-space position after morph and skin, the source vertex index,
 /// and the time in seconds. It returns the displaced position in world space.
@@ -12,14 +12,14 @@ pub type Displace<'a> = &'a (dyn Fn([f32; 3], u32, f32) -> [f32; 3] + Sync);
 /// "Deform".
 ///
 /// # Errors
-/// [`PoseMismatch`] if the pose does not fit the model.
+/// [`ModelError`] if the pose does not fit the model.
 pub fn deform(
     model: &Model,
     pose: &Pose,
     time_s: f32,
     displace: Option<Displace<'_>>,
     threads: Threads,
-) -> Result<Vec<[f32; 3]>, PoseMismatch> {
+) -> Result<Vec<[f32; 3]>, ModelError> {
     model.check(pose)?;
     let mut positions = vec![[0.0; 3]; model.vertex_count()];
     let mut rest = positions.as_mut_slice();

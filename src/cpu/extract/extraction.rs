@@ -6,7 +6,7 @@ use super::facing::facing_into;
 #[cfg(feature = "reference")]
 use super::per_edge::per_edge;
 use crate::cpu::common::parallel::Threads;
-use crate::cpu::error::{ArgumentError, check_positions};
+use crate::cpu::error::{CpuError, check_positions};
 use crate::cpu::polygon::polygon_facing::polygon_facing;
 use crate::layout::EdgeMasks;
 use crate::light::{MAX_LIGHTS, check_lights};
@@ -36,7 +36,7 @@ impl Extraction {
     /// The memory of an earlier call is reused. No lights are allowed. Polygons are decided exactly by any predicate.
     ///
     /// # Errors
-    /// [`ArgumentError`] for fewer positions than the mesh has vertices, more lights than [`MAX_LIGHTS`], or a light that
+    /// [`CpuError`] for fewer positions than the mesh has vertices, more lights than [`MAX_LIGHTS`], or a light that
     /// is non-finite, all zeros or has an impossible range. Nothing is changed then.
     pub fn update(
         &mut self,
@@ -45,7 +45,7 @@ impl Extraction {
         lights: &[Light],
         predicate: Predicate,
         threads: Threads,
-    ) -> Result<(), ArgumentError> {
+    ) -> Result<(), CpuError> {
         check_lights(lights, MAX_LIGHTS)?;
         check_positions(positions, mesh)?;
         self.twisted.clear();
@@ -76,7 +76,7 @@ impl Extraction {
         method: Method,
         predicate: Predicate,
         threads: Threads,
-    ) -> Result<(), ArgumentError> {
+    ) -> Result<(), CpuError> {
         if method == Method::FaceMask {
             return self.update(positions, mesh, lights, predicate, threads);
         }
@@ -101,7 +101,7 @@ pub fn extract(
     lights: &[Light],
     predicate: Predicate,
     threads: Threads,
-) -> Result<Extraction, ArgumentError> {
+) -> Result<Extraction, CpuError> {
     let mut extraction = Extraction::default();
     extraction.update(positions, mesh, lights, predicate, threads)?;
     Ok(extraction)
@@ -119,7 +119,7 @@ pub fn extract_by(
     method: Method,
     predicate: Predicate,
     threads: Threads,
-) -> Result<Extraction, ArgumentError> {
+) -> Result<Extraction, CpuError> {
     let mut extraction = Extraction::default();
     extraction.update_by(positions, mesh, lights, method, predicate, threads)?;
     Ok(extraction)

@@ -9,9 +9,10 @@ use super::outline::Outline;
 use super::search::search;
 use super::tree::Face;
 use crate::cpu::common::positions::{is_finite, position};
+use crate::cpu::error::CpuError;
 use crate::cpu::extract::exact_facing::exact_facing;
 use crate::cpu::polygon::polygon_turns::convex;
-use crate::light::{Light, LightError, check_shadow_lights};
+use crate::light::{Light, check_shadow_lights};
 use crate::mesh::{Mesh, Polygons, is_degenerate};
 
 /// A static caster in world space.
@@ -25,28 +26,6 @@ pub struct HiddenCaster<'a> {
     /// The version of the positions, as in [`Scene::set_position_version`](crate::gpu::Scene::set_position_version). `None` for
     /// a rigid caster.
     pub version: Option<u64>,
-}
-
-/// Why no hidden faces were found.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum HiddenError {
-    /// The light is refused.
-    #[error(transparent)]
-    Light(#[from] LightError),
-    /// Positions are missing.
-    #[error("caster {caster} has {given} positions, and its mesh has {needed} vertices; give one for each")]
-    TooFewPositions {
-        /// Number of the caster.
-        caster: usize,
-        /// Positions given.
-        given: usize,
-        /// Vertices of the mesh.
-        needed: u32,
-    },
-    /// The caller ended it.
-    #[error("the search for hidden faces was cancelled")]
-    Cancelled,
 }
 
 /// Counts of a search.
@@ -102,20 +81,20 @@ impl HiddenFaces {
     /// number of faces tried and of all to try; [`ControlFlow::Break`] ends the search.
     ///
     /// # Errors
-    /// [`HiddenError`] for a light that shadows refuse, missing positions, or if `progress` ends it.
+    /// [`CpuError`] for a light that shadows refuse, missing positions, or if `progress` ends it.
     pub fn find(
         light: Light,
         casters: &[HiddenCaster<'_>],
         options: HiddenOptions,
         mut progress: impl FnMut(usize, usize) -> ControlFlow<()>,
-    ) -> Result<Self, HiddenError> {
+    ) -> Result<Self, CpuError> {
         check_shadow_lights(&[light], 1)?;
         let (mut faces, mut owners, mut facing, mut tried) = (Vec::new(), Vec::new(), Vec::new(), 0);
         for (number, caster) in casters.iter().enumerate() {
             let needed = caster.mesh.vertex_count();
             if caster.positions.len() < needed as usize {
                 let given = caster.positions.len();
-                return Err(HiddenError::TooFewPositions { caster: number, given, needed });
+                return Err(CpuError::TooFewCasterPositions { caster: number, given, needed });
             }
             let found = participants(caster, light);
             let mut is_facing = vec![false; caster.mesh.face_count()];
@@ -138,7 +117,7 @@ impl HiddenFaces {
             })
             .collect();
         let cones = cones(&faces, order(&faces, light), light);
-        let searched = search(&faces, light, options, &cones, &mut progress).ok_or(HiddenError::Cancelled)?;
+        let searched = search(&faces, light, options, &cones, &mut progress).ok_or(CpuError::Cancelled)?;
         let mut statistics = HiddenStatistics {
             tried,
             undecided: searched.undecided,
@@ -156,7 +135,7 @@ impl HiddenFaces {
         }
         for ((caster, facing), of_caster) in casters.iter().zip(&facing).zip(&mut of_casters) {
             if progress(faces.len(), faces.len()).is_break() {
-                return Err(HiddenError::Cancelled);
+                return Err(CpuError::Cancelled);
             }
             of_caster.faces = whole(caster.mesh, std::mem::take(&mut of_caster.faces));
             statistics.hidden += of_caster.faces.len();

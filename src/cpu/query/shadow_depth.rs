@@ -6,7 +6,7 @@ use crate::Light;
 use crate::cpu::common::double_sign::{RELATIVE, certain_sign, cross, difference, dot, sum_of_sizes, to_light};
 use crate::cpu::common::parallel::Threads;
 use crate::cpu::common::positions::{is_finite, position};
-use crate::cpu::error::{ArgumentError, check_on_face, check_positions};
+use crate::cpu::error::{CpuError, check_on_face, check_positions};
 use crate::layout::FaceCluster;
 use crate::light::{MAX_LIGHTS, check_shadow_lights};
 use crate::mesh::{Mesh, NO_FACE, is_degenerate};
@@ -25,7 +25,7 @@ use crate::mesh::{Mesh, NO_FACE, is_degenerate};
 /// The GPU gives the same integers. Here `f64` decides where a bound allows it, else integers do.
 ///
 /// # Errors
-/// [`ArgumentError`] for fewer positions than the mesh has vertices, more lights than [`MAX_LIGHTS`], or a light that is
+/// [`CpuError`] for fewer positions than the mesh has vertices, more lights than [`MAX_LIGHTS`], or a light that is
 /// non-finite, all zeros, has an impossible range or a negative `w`.
 pub fn shadow_depth(
     positions: &[[f32; 3]],
@@ -33,7 +33,7 @@ pub fn shadow_depth(
     points: &[[f32; 3]],
     lights: &[Light],
     threads: Threads,
-) -> Result<Vec<i32>, ArgumentError> {
+) -> Result<Vec<i32>, CpuError> {
     shadow_depth_on_faces(positions, mesh, points, None, lights, threads)
 }
 
@@ -43,7 +43,7 @@ pub fn shadow_depth(
 /// where the point is in the triangle.
 ///
 /// # Errors
-/// The errors of [`shadow_depth`], and [`ArgumentError`] if `on_face` has not an entry for each point, or names a face that
+/// The errors of [`shadow_depth`], and [`CpuError`] if `on_face` has not an entry for each point, or names a face that
 /// the mesh lacks.
 pub fn shadow_depth_on_faces(
     positions: &[[f32; 3]],
@@ -52,7 +52,7 @@ pub fn shadow_depth_on_faces(
     on_face: Option<&[u32]>,
     lights: &[Light],
     threads: Threads,
-) -> Result<Vec<i32>, ArgumentError> {
+) -> Result<Vec<i32>, CpuError> {
     check_shadow_lights(lights, MAX_LIGHTS)?;
     check_positions(positions, mesh)?;
     check_on_face(on_face, points.len(), mesh.faces().len())?;

@@ -1,9 +1,9 @@
 //! Cuts work to a device's limits: chunks for arrays that a dispatch walks along, windows for arrays that it gathers
 //! from.
 
+use crate::gpu::common::device_error::DeviceError;
 use std::ops::Range;
 
-use super::memory::MemoryError;
 use crate::turns::ITEMS;
 
 /// The number of invocations of a workgroup, in every stage that works item by item.
@@ -52,12 +52,12 @@ impl DispatchLimits {
         what: &'static str,
         items: usize,
         bytes_per_item: u64,
-    ) -> Result<Vec<Range<usize>>, MemoryError> {
+    ) -> Result<Vec<Range<usize>>, DeviceError> {
         let workgroup = u64::from(WORKGROUP);
         let fitting = (self.binding / bytes_per_item.max(1)).min(self.workgroups * workgroup);
         let run = fitting / workgroup * workgroup;
         if run == 0 {
-            return Err(MemoryError::Binding { what, bytes: bytes_per_item * workgroup, limit: self.binding });
+            return Err(DeviceError::BindingTooLarge { what, bytes: bytes_per_item * workgroup, limit: self.binding });
         }
         let run = run as usize;
         Ok((0..items).step_by(run).map(|first| first..(first + run).min(items)).collect())
@@ -65,10 +65,10 @@ impl DispatchLimits {
 
     /// Cuts `bytes` into [`WINDOWS`] bindings. All have the same length except the last one, and unused ones repeat the
     /// first. Also returns the number of words in a window, or 0 when one window holds everything.
-    pub(crate) fn windows(&self, what: &'static str, bytes: u64) -> Result<Windows, MemoryError> {
+    pub(crate) fn windows(&self, what: &'static str, bytes: u64) -> Result<Windows, DeviceError> {
         let limit = self.binding * WINDOWS as u64;
         if bytes > limit {
-            return Err(MemoryError::Gathered { what, bytes, limit });
+            return Err(DeviceError::GatheredTooLarge { what, bytes, limit });
         }
         let single = bytes <= self.binding;
         let ranges = std::array::from_fn(|window| {

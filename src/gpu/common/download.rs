@@ -1,5 +1,6 @@
 //! Copies a part of a buffer to the CPU, as a future.
 
+use crate::gpu::common::device_error::DeviceError;
 use std::ops::Range;
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -7,27 +8,6 @@ use std::task::{Context, Poll, Wake, Waker};
 use std::thread::{self, Thread};
 
 use super::memory::any_error;
-
-/// Why a buffer cannot be read.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ReadError {
-    /// The buffer was made without usage `COPY_SRC`.
-    #[error("the buffer to read lacks usage COPY_SRC")]
-    NotCopySource,
-    /// The device was lost, or it refused the copy or the mapping. For example it lacks the memory, or the buffer
-    /// belongs to another device or was destroyed.
-    #[error("the device did not hand back {bytes} bytes: {message}")]
-    Device {
-        /// Bytes that were asked for.
-        bytes: u64,
-        /// The message of the device.
-        message: String,
-    },
-    /// The platform is a browser, where no thread may wait for the device.
-    #[error("this platform does not wait for the device; await `read_back_async` or `StageTimer::read_async` instead")]
-    CannotWait,
-}
 
 /// State that the callback of the mapping and the future share.
 #[derive(Default)]
@@ -56,7 +36,7 @@ impl Download {
         queue: &wgpu::Queue,
         buffer: &wgpu::Buffer,
         range: Range<u64>,
-    ) -> Result<Self, ReadError> {
+    ) -> Result<Self, DeviceError> {
         let bytes = range.end - range.start;
         let answer = Arc::new(Mutex::new(Answer::default()));
         let submit = || {
@@ -80,13 +60,13 @@ impl Download {
             });
             staging
         };
-        let staging = any_error(device, submit).map_err(|message| ReadError::Device { bytes, message })?;
+        let staging = any_error(device, submit).map_err(|message| DeviceError::ReadBack { bytes, message })?;
         Ok(Self { copied: Some(Copied { staging, bytes }), answer })
     }
 }
 
 impl Future for Download {
-    type Output = Result<Copied, ReadError>;
+    type Output = Result<Copied, DeviceError>;
 
     fn poll(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
         let mut answer = self.answer.lock().unwrap_or_else(PoisonError::into_inner);
@@ -98,7 +78,7 @@ impl Future for Download {
         let Some(copied) = self.copied.take() else { return Poll::Pending };
         let failed = |error: wgpu::BufferAsyncError| {
             let message = format!("{error}; the device may be lost");
-            ReadError::Device { bytes: copied.bytes, message }
+            DeviceError::ReadBack { bytes: copied.bytes, message }
         };
         Poll::Ready(result.map_err(failed).map(|()| copied))
     }
@@ -106,10 +86,10 @@ impl Future for Download {
 
 impl Copied {
     /// Gives the bytes to `take`.
-    pub(crate) fn hand_to(self, take: &mut impl FnMut(&[u8])) -> Result<(), ReadError> {
+    pub(crate) fn hand_to(self, take: &mut impl FnMut(&[u8])) -> Result<(), DeviceError> {
         let Self { staging, bytes } = self;
         let view = staging.slice(..).get_mapped_range();
-        take(&view.map_err(|error| ReadError::Device { bytes, message: error.to_string() })?);
+        take(&view.map_err(|error| DeviceError::ReadBack { bytes, message: error.to_string() })?);
         Ok(())
     }
 }
@@ -124,9 +104,9 @@ impl Wake for Unpark {
 }
 
 /// Waits for the device and the copy.
-pub(crate) fn wait(device: &wgpu::Device, mut download: Download) -> Result<Copied, ReadError> {
+pub(crate) fn wait(device: &wgpu::Device, mut download: Download) -> Result<Copied, DeviceError> {
     if cfg!(target_family = "wasm") {
-        return Err(ReadError::CannotWait);
+        return Err(DeviceError::CannotWait);
     }
     let bytes = download.copied.as_ref().map_or(0, |copied| copied.bytes);
     let waker = Waker::from(Arc::new(Unpark(thread::current())));
@@ -137,7 +117,7 @@ pub(crate) fn wait(device: &wgpu::Device, mut download: Download) -> Result<Copi
         }
         device
             .poll(wgpu::PollType::wait_indefinitely())
-            .map_err(|error| ReadError::Device { bytes, message: error.to_string() })?;
+            .map_err(|error| DeviceError::ReadBack { bytes, message: error.to_string() })?;
         if let Poll::Ready(copied) = Pin::new(&mut download).poll(&mut context) {
             return copied;
         }

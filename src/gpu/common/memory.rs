@@ -1,5 +1,6 @@
 //! Buffers. All sizes are summed and checked before the first buffer is made.
 
+use crate::gpu::common::device_error::DeviceError;
 use std::future::Future;
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
@@ -13,77 +14,20 @@ pub struct Allocation {
     pub bytes: u64,
 }
 
-/// Why buffers cannot be made.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum MemoryError {
-    /// One buffer is larger than the device allows.
-    #[error("{label} needs {bytes} bytes in one buffer, and the device allows {limit}; split the mesh")]
-    Buffer {
-        /// The buffer's label.
-        label: &'static str,
-        /// Bytes needed.
-        bytes: u64,
-        /// `max_buffer_size` of the device.
-        limit: u64,
-    },
-    /// An array that has to be bound at once, such as the share of a single workgroup, does not fit one binding.
-    #[error("{what} needs {bytes} bytes in one binding, and the device allows {limit}; request a larger limit")]
-    Binding {
-        /// The array that is bound.
-        what: &'static str,
-        /// Bytes needed.
-        bytes: u64,
-        /// `max_storage_buffer_binding_size` of the device.
-        limit: u64,
-    },
-    /// A gathered array needs more bindings than the shaders have.
-    #[error("{what} take {bytes} bytes, and four bindings of the device hold {limit}; split the mesh")]
-    Gathered {
-        /// The array that is gathered from.
-        what: &'static str,
-        /// Bytes needed.
-        bytes: u64,
-        /// Four times `max_storage_buffer_binding_size` of the device.
-        limit: u64,
-    },
-    /// All buffers together exceed the caller's limit.
-    #[error(
-        "{bytes} bytes needed in all, {limit} allowed (`memory_limit`); the largest is {} with {} bytes",
-        .largest.label, .largest.bytes
-    )]
-    Total {
-        /// Bytes needed.
-        bytes: u64,
-        /// The limit given.
-        limit: u64,
-        /// The largest buffer.
-        largest: Allocation,
-    },
-    /// The device ran out of memory. The buffers that had been made are freed.
-    #[error("the device has no room for {bytes} bytes: {message}")]
-    OutOfMemory {
-        /// Bytes needed in all.
-        bytes: u64,
-        /// The message of the device.
-        message: String,
-    },
-}
-
 /// Checks the sizes of buffers before any is made. Returns their sum.
 pub(crate) fn check(
     allocations: &[Allocation],
     buffer_limit: u64,
     memory_limit: Option<u64>,
-) -> Result<u64, MemoryError> {
+) -> Result<u64, DeviceError> {
     if let Some(&Allocation { label, bytes }) = allocations.iter().find(|allocation| allocation.bytes > buffer_limit) {
-        return Err(MemoryError::Buffer { label, bytes, limit: buffer_limit });
+        return Err(DeviceError::BufferTooLarge { label, bytes, limit: buffer_limit });
     }
     let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
     if let (Some(limit), Some(&largest)) = (memory_limit, allocations.iter().max_by_key(|allocation| allocation.bytes))
         && bytes > limit
     {
-        return Err(MemoryError::Total { bytes, limit, largest });
+        return Err(DeviceError::MemoryLimit { bytes, limit, largest });
     }
     Ok(bytes)
 }
@@ -92,16 +36,16 @@ pub(crate) fn check(
 pub(crate) fn check_bindings<'a>(
     allocations: impl IntoIterator<Item = &'a Allocation>,
     limit: u64,
-) -> Result<(), MemoryError> {
+) -> Result<(), DeviceError> {
     match allocations.into_iter().find(|allocation| allocation.bytes > limit) {
-        Some(&Allocation { label, bytes }) => Err(MemoryError::Binding { what: label, bytes, limit }),
+        Some(&Allocation { label, bytes }) => Err(DeviceError::BindingTooLarge { what: label, bytes, limit }),
         None => Ok(()),
     }
 }
 
 /// Runs `make`, which makes buffers of `bytes` in all. Running out of memory is an error.
-pub(crate) fn guarded<T>(device: &wgpu::Device, bytes: u64, make: impl FnOnce() -> T) -> Result<T, MemoryError> {
-    scoped(device, wgpu::ErrorFilter::OutOfMemory, make).map_err(|message| MemoryError::OutOfMemory { bytes, message })
+pub(crate) fn guarded<T>(device: &wgpu::Device, bytes: u64, make: impl FnOnce() -> T) -> Result<T, DeviceError> {
+    scoped(device, wgpu::ErrorFilter::OutOfMemory, make).map_err(|message| DeviceError::OutOfMemory { bytes, message })
 }
 
 /// Runs `make` and returns the device's errors of one kind, in the device's words. A browser answers later than a

@@ -1,5 +1,6 @@
 //! Pipelines made from the list of stages, and sharing of pipelines.
 
+use crate::gpu::common::device_error::DeviceError;
 use std::cmp::Reverse;
 use std::fmt;
 use std::sync::{Arc, OnceLock};
@@ -8,8 +9,8 @@ use super::bindings::{Bindings, READ, Resource, entries, part};
 use super::cache::Cache;
 use super::memory::any_error;
 use super::pass::{Dispatch, Step, Workgroups};
-use super::positions::{PositionError, bound};
-use super::requirements::{DeviceError, Subject, check_alive, check_device};
+use super::positions::bound;
+use super::requirements::{Subject, check_alive, check_device};
 use super::together::together;
 use crate::displace::Displacement;
 use crate::gpu::shadow::format::VolumeKey;
@@ -190,7 +191,7 @@ impl Pipelines {
     }
 
     /// Refuses a caller's buffer that the device cannot bind.
-    pub(crate) fn check_bindable(&self, buffer: &wgpu::Buffer) -> Result<(), PositionError> {
+    pub(crate) fn check_bindable(&self, buffer: &wgpu::Buffer) -> Result<(), DeviceError> {
         let layout = self.layout("bindable", entries(wgpu::ShaderStages::COMPUTE, [(0, READ)]));
         bound(self.device(), || drop(group(self.device(), "bindable", &layout, &[part(buffer, 0..4)])))
     }

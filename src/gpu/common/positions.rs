@@ -2,7 +2,8 @@
 
 use super::bindings::{Resource, part};
 use super::dispatch_limits::{DispatchLimits, Windows};
-use super::memory::{MemoryError, scoped};
+use super::memory::scoped;
+use crate::gpu::common::device_error::DeviceError;
 
 /// Vertex positions in a storage buffer: three consecutive `f32` for each vertex, in the space of the lights. Any
 /// offset and stride that are multiples of 4 bytes will do.
@@ -14,48 +15,6 @@ pub struct PositionBuffer<'a> {
     pub offset: u64,
     /// Bytes from one vertex to the next. A multiple of 4, at least 12.
     pub stride: u64,
-}
-
-/// Why positions cannot be read.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PositionError {
-    /// The offset or the stride is not a multiple of 4, or the stride is smaller than 12.
-    #[error("positions at offset {offset}, stride {stride}: both must be multiples of 4, and the stride at least 12")]
-    Alignment {
-        /// The offset given.
-        offset: u64,
-        /// The stride given.
-        stride: u64,
-    },
-    /// The buffer ends before the last vertex.
-    #[error("{vertices} vertices at offset {offset}, stride {stride} need {needed} bytes, and the buffer has {bytes}")]
-    TooShort {
-        /// Vertices of the mesh.
-        vertices: u32,
-        /// The offset given.
-        offset: u64,
-        /// The stride given.
-        stride: u64,
-        /// Bytes needed.
-        needed: u64,
-        /// Bytes of the buffer.
-        bytes: u64,
-    },
-    /// The buffer does not have usage `STORAGE`, so no shader can bind it.
-    #[error("the position buffer lacks usage STORAGE")]
-    NotStorage,
-    /// The device cannot bind the buffer: it belongs to another device or was destroyed.
-    #[error(
-        "the device does not bind the buffer; give one of the device that the stages are on, not destroyed: {message}"
-    )]
-    Refused {
-        /// The message of the device.
-        message: String,
-    },
-    /// The positions do not fit the bindings of the shaders.
-    #[error(transparent)]
-    Memory(#[from] MemoryError),
 }
 
 /// A position buffer that was checked, as stages bind it.
@@ -70,34 +29,34 @@ pub(crate) struct BoundPositions {
 
 impl PositionBuffer<'_> {
     /// The end in the buffer of the last of `vertices`, in bytes.
-    pub(crate) fn end(&self, vertices: u32) -> Result<u64, PositionError> {
+    pub(crate) fn end(&self, vertices: u32) -> Result<u64, DeviceError> {
         self.end_of(vertices, 12)
     }
 
     /// The same if each takes so many bytes from its x on.
-    pub(crate) fn end_of(&self, vertices: u32, bytes: u64) -> Result<u64, PositionError> {
+    pub(crate) fn end_of(&self, vertices: u32, bytes: u64) -> Result<u64, DeviceError> {
         let Self { buffer, offset, stride } = *self;
         if offset % 4 != 0 || stride % 4 != 0 || stride < 12 {
-            return Err(PositionError::Alignment { offset, stride });
+            return Err(DeviceError::PositionLayout { offset, stride });
         }
         if !buffer.usage().contains(wgpu::BufferUsages::STORAGE) {
-            return Err(PositionError::NotStorage);
+            return Err(DeviceError::NotStorage);
         }
         let span = u128::from(vertices.max(1) - 1) * u128::from(stride) + u128::from(bytes) + u128::from(offset);
         if span > u128::from(buffer.size()) {
             let needed = u64::try_from(span).unwrap_or(u64::MAX);
-            return Err(PositionError::TooShort { vertices, offset, stride, needed, bytes: buffer.size() });
+            return Err(DeviceError::PositionsTooShort { vertices, offset, stride, needed, bytes: buffer.size() });
         }
         Ok(span as u64)
     }
 
-    pub(crate) fn bind(&self, vertices: u32, split: &DispatchLimits) -> Result<BoundPositions, PositionError> {
+    pub(crate) fn bind(&self, vertices: u32, split: &DispatchLimits) -> Result<BoundPositions, DeviceError> {
         let Self { offset, stride, .. } = *self;
         let end = self.end(vertices)?;
         let base = split.align_down(offset);
         let bytes = end - base;
         if bytes / 4 > u64::from(u32::MAX) {
-            return Err(MemoryError::Gathered { what: "positions", bytes, limit: 4 * u64::from(u32::MAX) }.into());
+            return Err(DeviceError::GatheredTooLarge { what: "positions", bytes, limit: 4 * u64::from(u32::MAX) });
         }
         let windows = split.windows("positions", bytes)?;
         Ok(BoundPositions {
@@ -111,8 +70,8 @@ impl PositionBuffer<'_> {
 
 /// Runs `make`, which makes bind groups over a caller's buffers, and returns an error for a buffer that the device
 /// refuses.
-pub(crate) fn bound<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, PositionError> {
-    scoped(device, wgpu::ErrorFilter::Validation, make).map_err(|message| PositionError::Refused { message })
+pub(crate) fn bound<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, DeviceError> {
+    scoped(device, wgpu::ErrorFilter::Validation, make).map_err(|message| DeviceError::BufferRefused { message })
 }
 
 impl BoundPositions {

@@ -1,8 +1,8 @@
 //! Reads buffers back, for tools and tests without a window. No stage does.
 
+use crate::gpu::common::device_error::DeviceError;
 use std::ops::Range;
 
-pub use super::download::ReadError;
 use super::download::{Download, wait};
 
 /// The largest size of one copy, in bytes.
@@ -12,13 +12,13 @@ const PIECE: u64 = 16 << 20;
 /// nothing may wait; use [`read_back_async`] there.
 ///
 /// # Errors
-/// [`ReadError`] when the buffer lacks `COPY_SRC`, the device is lost, or the platform cannot wait.
+/// [`DeviceError`] when the buffer lacks `COPY_SRC`, the device is lost, or the platform cannot wait.
 pub fn read_back(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     buffer: &wgpu::Buffer,
     mut take: impl FnMut(&[u8]),
-) -> Result<(), ReadError> {
+) -> Result<(), DeviceError> {
     // The next piece is copied after `take` has this one, so only one piece is in memory twice.
     for range in pieces(buffer)? {
         wait(device, Download::new(device, queue, buffer, range)?)?.hand_to(&mut take)?;
@@ -36,21 +36,21 @@ pub fn read_back(
 /// `queue` must be the queue of `device`. wgpu does not tell which device a queue belongs to.
 ///
 /// ```no_run
-/// # use rimline::gpu::{ReadError, read_back_vec_async};
-/// # async fn counts(device: &wgpu::Device, queue: &wgpu::Queue, counts: &wgpu::Buffer) -> Result<(), ReadError> {
+/// # use rimline::gpu::{DeviceError, read_back_vec_async};
+/// # async fn counts(device: &wgpu::Device, queue: &wgpu::Queue, counts: &wgpu::Buffer) -> Result<(), DeviceError> {
 /// let counts: Vec<u32> = read_back_vec_async(device, queue, counts).await?;
 /// # Ok(())
 /// # }
 /// ```
 ///
 /// # Errors
-/// [`ReadError`] when the buffer lacks `COPY_SRC` or the device is lost.
+/// [`DeviceError`] when the buffer lacks `COPY_SRC` or the device is lost.
 pub fn read_back_async<F: FnMut(&[u8])>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     buffer: &wgpu::Buffer,
     mut take: F,
-) -> impl Future<Output = Result<(), ReadError>> + use<F> {
+) -> impl Future<Output = Result<(), DeviceError>> + use<F> {
     // The copy is submitted here and not at the first poll, so it reads the current content of the buffer.
     let downloads = downloads(device, queue, buffer);
     async move {
@@ -70,7 +70,7 @@ pub fn read_back_vec<T: bytemuck::Pod>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     buffer: &wgpu::Buffer,
-) -> Result<Vec<T>, ReadError> {
+) -> Result<Vec<T>, DeviceError> {
     let mut items = Items::with_capacity_for(buffer);
     read_back(device, queue, buffer, |bytes| items.take(bytes))?;
     Ok(items.items)
@@ -84,7 +84,7 @@ pub fn read_back_vec_async<T: bytemuck::Pod>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     buffer: &wgpu::Buffer,
-) -> impl Future<Output = Result<Vec<T>, ReadError>> + use<T> {
+) -> impl Future<Output = Result<Vec<T>, DeviceError>> + use<T> {
     let downloads = downloads(device, queue, buffer);
     let mut items = Items::with_capacity_for(buffer);
     async move {
@@ -96,14 +96,14 @@ pub fn read_back_vec_async<T: bytemuck::Pod>(
 }
 
 /// Submits the copies of a whole buffer.
-fn downloads(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Result<Vec<Download>, ReadError> {
+fn downloads(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Result<Vec<Download>, DeviceError> {
     pieces(buffer)?.map(|range| Download::new(device, queue, buffer, range)).collect()
 }
 
 /// The ranges of bytes that are copied one by one.
-fn pieces(buffer: &wgpu::Buffer) -> Result<impl Iterator<Item = Range<u64>> + use<>, ReadError> {
+fn pieces(buffer: &wgpu::Buffer) -> Result<impl Iterator<Item = Range<u64>> + use<>, DeviceError> {
     if !buffer.usage().contains(wgpu::BufferUsages::COPY_SRC) {
-        return Err(ReadError::NotCopySource);
+        return Err(DeviceError::NotCopySource);
     }
     let end = buffer.size();
     Ok((0..end).step_by(PIECE as usize).map(move |begin| begin..end.min(begin + PIECE)))

@@ -3,72 +3,7 @@
 use super::bindings::{READ, entries};
 use super::memory::{any_error, buffer, mapped, scoped, write_mapped};
 use super::timer::StageTimer;
-
-/// Why a device cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum DeviceError {
-    /// A limit of the device is too small.
-    #[error(
-        "{subject} needs `{limit}` of at least {needed}, and the device has {there}; request the device with \
-         `required_limits: wgpu::Limits::default()`, or with this limit raised"
-    )]
-    Limit {
-        /// The subject whose stages need it.
-        subject: &'static str,
-        /// The field of [`wgpu::Limits`].
-        limit: &'static str,
-        /// The smallest value that works.
-        needed: u64,
-        /// The value of the device.
-        there: u64,
-    },
-    /// An alignment of offsets of the device is too coarse.
-    #[error(
-        "{subject} needs `{limit}` of at most {needed}, and the device has {there}; request the device with \
-         `required_limits: wgpu::Limits::default()`, or with this limit lowered"
-    )]
-    Alignment {
-        /// The subject whose stages need it.
-        subject: &'static str,
-        /// The field of [`wgpu::Limits`].
-        limit: &'static str,
-        /// The largest value that works.
-        needed: u64,
-        /// The value of the device.
-        there: u64,
-    },
-    /// The adapter lacks a downlevel flag. A device does not list these flags, so each is tried once.
-    #[error(
-        "{subject} needs `DownlevelFlags::{flag}`, which the adapter lacks; take another adapter or backend: {message}"
-    )]
-    Downlevel {
-        /// The subject whose stages need it.
-        subject: &'static str,
-        /// The flag of [`wgpu::DownlevelFlags`].
-        flag: &'static str,
-        /// The message of the device.
-        message: String,
-    },
-    /// The device was lost or destroyed.
-    #[error("the device is lost; make a new one, and everything on it anew")]
-    Lost,
-    /// Objects of two devices were used together. This is found only for devices of one [`wgpu::Instance`]. For two
-    /// instances wgpu cannot tell the objects apart; it panics or takes one for another.
-    #[error("{what} is of another device than {with}; make both on one device")]
-    OtherDevice {
-        /// The object that was given.
-        what: &'static str,
-        /// The object that it was given to.
-        with: &'static str,
-    },
-    /// The device refuses something, and no limit, feature or flag says why.
-    #[error("the device refuses what Rimline makes: {message}")]
-    Refused {
-        /// The message of the device.
-        message: String,
-    },
-}
+use crate::gpu::common::device_error::DeviceError;
 
 /// A group of stages with its own needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,7 +49,7 @@ macro_rules! need {
 }
 
 /// The needs that do not depend on mesh, lights and options. A test takes the numbers from the WGSL.
-/// [`super::memory::MemoryError`] covers sizes that grow with the mesh. The order is that of [`Subject`]: extract,
+/// [`super::memory::check`] covers sizes that grow with the mesh. The order is that of [`Subject`]: extract,
 /// shadow, query, deform, depth maps.
 pub(crate) const AT_LEAST: [Need; 19] = [
     // This comes first, because a device without compute shaders has 0 here.

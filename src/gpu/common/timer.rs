@@ -1,41 +1,10 @@
 //! Measures the GPU time of each stage, on devices with timestamp queries.
 
-use super::readback::{ReadError, read_back_vec, read_back_vec_async};
+use super::readback::{read_back_vec, read_back_vec_async};
+use crate::gpu::common::device_error::DeviceError;
 
 /// The number of passes that a timer can hold. A query set has at most 4,096 queries, and a pass takes two.
 const MOST: u32 = 2048;
-
-/// Why a timer has no times.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TimerError {
-    /// The timestamps cannot be read.
-    #[error(transparent)]
-    Read(#[from] ReadError),
-    /// The queue does not say how long a tick is.
-    #[error("the queue's timestamp period is {period} ns, so its timestamps are no times; measure by a clock")]
-    Period {
-        /// Nanoseconds for each tick, as [`wgpu::Queue::get_timestamp_period`] returns it.
-        period: f32,
-    },
-    /// All timestamps are equal, so no time was measured.
-    #[error(
-        "{passes} passes were timed, and all timestamps are equal: the device's clock stands still, or is too coarse; \
-         measure by a clock"
-    )]
-    Still {
-        /// Passes that were timed.
-        passes: usize,
-    },
-    /// A pass ended before it began, or before the first pass began.
-    #[error("pass {pass} ({name}) ended before it began: the device's clock runs backwards; measure by a clock")]
-    Backwards {
-        /// The number of the pass, in the order of recording.
-        pass: usize,
-        /// The name of its stage.
-        name: &'static str,
-    },
-}
 
 /// Results of a [`StageTimer`].
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +19,7 @@ pub struct StageTimes {
 /// Takes timestamps around the pass of each stage. The device needs `Features::TIMESTAMP_QUERY`.
 ///
 /// On a software device ([`Self::is_software`]) the timestamps are the machine's clock, read by any of its threads.
-/// Reading returns a [`TimerError`] where the times have no meaning.
+/// Reading returns a [`DeviceError`] where the times have no meaning.
 #[derive(Debug)]
 pub struct StageTimer {
     set: wgpu::QuerySet,
@@ -139,8 +108,8 @@ impl StageTimer {
     /// one more.
     ///
     /// # Errors
-    /// [`TimerError`] when the device is lost or the timestamps have no meaning.
-    pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<(&'static str, f64)>, TimerError> {
+    /// [`DeviceError`] when the device is lost or the timestamps have no meaning.
+    pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<(&'static str, f64)>, DeviceError> {
         self.read_times(device, queue).map(|times| times.stages)
     }
 
@@ -149,11 +118,11 @@ impl StageTimer {
     ///
     /// # Errors
     /// The errors of [`Self::read`].
-    pub fn read_span(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<f64, TimerError> {
+    pub fn read_span(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<f64, DeviceError> {
         self.read_times(device, queue).map(|times| times.span_ms)
     }
 
-    fn read_times(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<StageTimes, TimerError> {
+    fn read_times(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<StageTimes, DeviceError> {
         let ticks: Vec<u64> = read_back_vec(device, queue, &self.resolved)?;
         times(&self.names, &ticks, self.period_ns)
     }
@@ -168,7 +137,7 @@ impl StageTimer {
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-    ) -> impl Future<Output = Result<StageTimes, TimerError>> + use<> {
+    ) -> impl Future<Output = Result<StageTimes, DeviceError>> + use<> {
         let ticks = read_back_vec_async::<u64>(device, queue, &self.resolved);
         let (names, period_ns) = (self.names.clone(), self.period_ns);
         async move { times(&names, &ticks.await?, period_ns) }
@@ -176,19 +145,19 @@ impl StageTimer {
 }
 
 /// Stages and span of passes, from the beginning and end of each. An error if they have no meaning.
-fn times(names: &[&'static str], ticks: &[u64], period_ns: f32) -> Result<StageTimes, TimerError> {
+fn times(names: &[&'static str], ticks: &[u64], period_ns: f32) -> Result<StageTimes, DeviceError> {
     let mut times = StageTimes { stages: Vec::new(), span_ms: 0.0 };
     let passes: Vec<[u64; 2]> = ticks.chunks_exact(2).map(|pair| [pair[0], pair[1]]).take(names.len()).collect();
     let Some(first) = passes.iter().map(|pass| pass[0]).min() else { return Ok(times) };
     if !(period_ns > 0.0 && period_ns.is_finite()) {
-        return Err(TimerError::Period { period: period_ns });
+        return Err(DeviceError::TimestampPeriod { period: period_ns });
     }
     if let Some(pass) = passes.iter().position(|[begin, end]| end < begin) {
-        return Err(TimerError::Backwards { pass, name: names[pass] });
+        return Err(DeviceError::ClockBackwards { pass, name: names[pass] });
     }
     let last = passes.iter().map(|pass| pass[1]).max().unwrap_or(first);
     if last == first {
-        return Err(TimerError::Still { passes: passes.len() });
+        return Err(DeviceError::ClockStill { passes: passes.len() });
     }
     let milliseconds = |ticks: u64| ticks as f64 * f64::from(period_ns) / 1e6;
     times.span_ms = milliseconds(last - first);
@@ -221,16 +190,16 @@ mod tests {
     #[test]
     fn a_period_that_is_no_time_is_an_error() {
         for period in [0.0, -1.0, f32::INFINITY] {
-            assert_eq!(times(&["a"], &[0, 9], period), Err(TimerError::Period { period }));
+            assert_eq!(times(&["a"], &[0, 9], period), Err(DeviceError::TimestampPeriod { period }));
         }
-        assert!(matches!(times(&["a"], &[0, 9], f32::NAN), Err(TimerError::Period { .. })));
+        assert!(matches!(times(&["a"], &[0, 9], f32::NAN), Err(DeviceError::TimestampPeriod { .. })));
     }
 
     #[test]
     fn a_clock_that_stands_still_or_runs_backwards_is_an_error() {
-        assert_eq!(times(&["a", "b"], &[7, 7, 7, 7], 1.0), Err(TimerError::Still { passes: 2 }));
-        assert_eq!(times(&["a", "b"], &[0; 4], 1.0), Err(TimerError::Still { passes: 2 }));
-        assert_eq!(times(&["a", "b"], &[7, 8, 9, 8], 1.0), Err(TimerError::Backwards { pass: 1, name: "b" }));
+        assert_eq!(times(&["a", "b"], &[7, 7, 7, 7], 1.0), Err(DeviceError::ClockStill { passes: 2 }));
+        assert_eq!(times(&["a", "b"], &[0; 4], 1.0), Err(DeviceError::ClockStill { passes: 2 }));
+        assert_eq!(times(&["a", "b"], &[7, 8, 9, 8], 1.0), Err(DeviceError::ClockBackwards { pass: 1, name: "b" }));
         // A stage may be shorter than the clock's step, as long as some time passed.
         assert!(times(&["a", "b"], &[7, 7, 8, 8], 1.0).is_ok());
     }

@@ -1,9 +1,9 @@
 //! Uniforms: tables of structs. Dispatches select an entry by a dynamic offset.
 
+use crate::gpu::common::device_error::DeviceError;
 use bytemuck::Pod;
 
 use super::memory::{any_error, filled, mapped, write_mapped};
-use super::requirements::DeviceError;
 
 /// The alignment of dynamic offsets of uniforms. It works on every device.
 const ALIGNMENT: usize = 256;

@@ -1,7 +1,8 @@
 //! The planner of buffers.
 
-use super::memory::{Allocation, MemoryError, buffer, filled, padded};
+use super::memory::{Allocation, buffer, filled, padded};
 use super::uniforms::UniformTable;
+use crate::gpu::common::device_error::DeviceError;
 
 /// A buffer that is to be made. All that there is to say about it is said here, once: a subject lists its buffers in a function
 /// that runs twice, first to sum them in an [`Account`], then to make them.
@@ -80,9 +81,9 @@ impl Account {
     }
 
     /// Checks the arrays that are bound as a whole.
-    pub(crate) fn check_whole(&self, limit: u64) -> Result<(), MemoryError> {
+    pub(crate) fn check_whole(&self, limit: u64) -> Result<(), DeviceError> {
         match self.whole.iter().find(|allocation| padded(allocation.bytes) > limit) {
-            Some(&Allocation { label, bytes }) => Err(MemoryError::Binding { what: label, bytes, limit }),
+            Some(&Allocation { label, bytes }) => Err(DeviceError::BindingTooLarge { what: label, bytes, limit }),
             None => Ok(()),
         }
     }

@@ -1,21 +1,22 @@
 //! Deforms a model on the GPU: computes world-space positions of a pose in a storage buffer.
 
+use crate::gpu::common::device_error::DeviceError;
 use wgpu::BufferUsages;
 
 use super::model_data::{ModelData, Plan, PlannedDispatch, PoseLayout};
 use crate::displace::{DISPLACE_GROUP, Displacement};
 use crate::gpu::common::bindings::{part, uniform, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{MemoryError, buffer, filled, guarded, scoped};
+use crate::gpu::common::memory::{buffer, filled, guarded, scoped};
 use crate::gpu::common::pass::{Step, Workgroups, record_with};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program};
 use crate::gpu::common::positions::PositionBuffer;
-use crate::gpu::common::requirements::{DeviceError, Subject, check_same, check_timer};
+use crate::gpu::common::requirements::{Subject, check_same, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
 use crate::gpu::scene::needs::SceneNeeds;
 use crate::layout::{DeformChunk, DeformDispatch};
-use crate::model::{Geometry, Model, Pose, PoseMismatch};
+use crate::model::{Geometry, Model, ModelError, Pose};
 use crate::turns::DEFORM_TERMS;
 
 /// The displacement of a [`Deformer`], beside morph targets and skins, and its memory limit.
@@ -36,15 +37,12 @@ pub struct DeformerOptions<'a> {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DeformError {
-    /// The device lacks what deformation needs, is lost, or is not the timer's device.
+    /// The device lacks what deformation needs, is lost, or is not the timer's. Or the model does not fit it.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// The model does not fit the device.
-    #[error(transparent)]
-    Memory(#[from] MemoryError),
     /// The pose does not fit this model.
     #[error(transparent)]
-    Pose(#[from] PoseMismatch),
+    Model(#[from] ModelError),
     /// A vertex is the sum of more terms than one invocation may add.
     #[error(
         "a vertex of instance {instance} has {influences} influences, and {targets} morph targets have a weight other than \
@@ -303,7 +301,7 @@ impl Deformer {
         let mut target_counts = Vec::with_capacity(self.layouts.len());
         if pose.instances().len() != self.layouts.len() {
             let (given, needed) = (pose.instances().len(), self.layouts.len());
-            return Err(PoseMismatch::Instances { given, needed }.into());
+            return Err(ModelError::PoseInstances { given, needed }.into());
         }
         for (instance, (layout, pose)) in self.layouts.iter().zip(pose.instances()).enumerate() {
             layout.check(instance, pose)?;

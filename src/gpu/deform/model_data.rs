@@ -1,15 +1,16 @@
 //! The geometry of a model as the deform stage reads it, in chunks, and the dispatches that take them. A dispatch takes as
 //! many chunks as its bindings hold, of all instances.
 
+use crate::gpu::common::device_error::DeviceError;
 use std::ops::Range;
 
 use wgpu::BufferUsages;
 
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
-use crate::gpu::common::memory::{Allocation, MemoryError, check, filled, padded};
+use crate::gpu::common::memory::{Allocation, check, filled, padded};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::{DeformChunk, DeformDispatch};
-use crate::model::{Geometry, Influences, InstancePose, Model, PoseMismatch};
+use crate::model::{Geometry, Influences, InstancePose, Model, ModelError};
 
 /// The words of a 3×4 matrix.
 const MATRIX_WORDS: u64 = 12;
@@ -87,7 +88,7 @@ const CHUNK_WORDS: u64 = (size_of::<DeformChunk>() / 4) as u64;
 const LABELS: [&str; 4] = ["rest positions", "morph targets", "influences", "source vertices"];
 
 impl ModelData {
-    pub(super) fn new(model: &Model, split: &DispatchLimits) -> Result<Self, MemoryError> {
+    pub(super) fn new(model: &Model, split: &DispatchLimits) -> Result<Self, DeviceError> {
         let mut bytes = [0; 4];
         let mut geometries = Vec::with_capacity(model.geometries().len());
         for geometry in model.geometries() {
@@ -108,7 +109,7 @@ impl ModelData {
             pose_words = targets + 2 * target_count;
             let bytes = 4 * (pose_words + workgroups);
             if bytes > split.binding {
-                return Err(MemoryError::Binding { what: "pose", bytes, limit: split.binding });
+                return Err(DeviceError::BindingTooLarge { what: "pose", bytes, limit: split.binding });
             }
             pose_layouts.push(PoseLayout {
                 palette: palette as u32,
@@ -131,7 +132,7 @@ impl ModelData {
     }
 
     /// Checks all sizes before any buffer is made.
-    pub(super) fn check(&self, split: &DispatchLimits, memory_limit: Option<u64>) -> Result<u64, MemoryError> {
+    pub(super) fn check(&self, split: &DispatchLimits, memory_limit: Option<u64>) -> Result<u64, DeviceError> {
         // There is never more than one dispatch for each chunk.
         let uniforms = self.chunks * UniformTable::stride::<DeformDispatch>() as u64;
         let own = [
@@ -265,7 +266,7 @@ fn chunk_geometry(
     geometry: &Geometry,
     split: &DispatchLimits,
     ends: &mut [u64; 4],
-) -> Result<Vec<GeometryChunk>, MemoryError> {
+) -> Result<Vec<GeometryChunk>, DeviceError> {
     // A dispatch also binds positions before its own, up to one alignment.
     let morph_bytes = 12 * geometry.morph_targets().len() as u64;
     let most_influences = geometry.influences().map_or(0, |influences| influences.most_per_vertex() as u64);
@@ -308,7 +309,7 @@ fn skin_words(geometry: &Geometry, vertices: &Range<usize>) -> Vec<u32> {
 
 impl PoseLayout {
     /// Checks that the pose has the matrices and weights that the geometry of instance number `instance` needs.
-    pub(super) fn check(&self, instance: usize, pose: &InstancePose) -> Result<(), PoseMismatch> {
+    pub(super) fn check(&self, instance: usize, pose: &InstancePose) -> Result<(), ModelError> {
         pose.check_counts(instance, self.joints as usize, self.target_count as usize)
     }
 }

@@ -1,12 +1,9 @@
 //! Errors of depth maps.
 
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::shadow::errors::ShadowError;
 use std::ops::Range;
 
-use crate::gpu::common::memory::MemoryError;
-use crate::gpu::common::positions::PositionError;
-use crate::gpu::common::requirements::DeviceError;
-use crate::gpu::scene::errors::SceneError;
-use crate::gpu::shadow::ShadowFormatError;
 use crate::shadow::{CameraError, DepthDirection};
 
 /// Why depth maps, their volumes or what draws them cannot be made, recorded or drawn.
@@ -15,21 +12,13 @@ use crate::shadow::{CameraError, DepthDirection};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DepthMapError {
-    /// The device lacks something, is lost, or is not that of the others.
+    /// The device lacks something, is lost, or is not that of the others. Or buffers or textures do not fit it, or the positions
+    /// of a mesh cannot be read.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// Buffers or textures do not fit.
+    /// The device cannot draw into the attachments, or a handle is of another scene or names what was removed.
     #[error(transparent)]
-    Memory(#[from] MemoryError),
-    /// The device cannot draw into the attachments.
-    #[error(transparent)]
-    Format(#[from] ShadowFormatError),
-    /// The positions of a mesh cannot be read.
-    #[error(transparent)]
-    Positions(#[from] PositionError),
-    /// A handle is of another scene, or names what was removed.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
+    Shadow(ShadowError),
     /// The camera of the eye is refused.
     #[error("the eye: {0}")]
     Camera(CameraError),
@@ -91,7 +80,7 @@ pub enum DepthMapError {
         /// Largest side of textures on the device.
         most: u32,
     },
-    /// A number of [`DepthMapOptions`](crate::gpu::DepthMapOptions) or its method is out of range.
+    /// A number of [`DepthMapOptions`](crate::gpu::DepthMapOptions), its method or a cube is out of range.
     #[error("`{name}` is {given}; take {range}")]
     Option {
         /// Name of the field.
@@ -125,9 +114,6 @@ pub enum DepthMapError {
     /// The light of a cube is nowhere.
     #[error("the light is at {0:?}; take finite coordinates")]
     Place([f32; 3]),
-    /// The near plane is nowhere before the light.
-    #[error("`near` is {0}; take a finite distance above 0")]
-    Near(f32),
     /// The far plane is not behind the near plane.
     #[error("`far` is {far} and `near` {near}; take a finite distance above `near`, or `None` for no far plane")]
     Far {
@@ -263,4 +249,14 @@ pub enum DepthMapError {
     /// One draw cannot have so many vertices.
     #[error("the mesh has {0} faces, and one draw has at most 1,431,655,765; divide the mesh")]
     Faces(usize),
+}
+
+impl From<ShadowError> for DepthMapError {
+    /// A device is refused by the same case, whoever finds it.
+    fn from(error: ShadowError) -> Self {
+        match error {
+            ShadowError::Device(error) => Self::Device(error),
+            error => Self::Shadow(error),
+        }
+    }
 }

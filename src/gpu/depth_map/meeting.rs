@@ -39,7 +39,7 @@ pub(super) fn cameras(
         return Err(DepthMapError::Place(place));
     }
     if !(near.is_finite() && near > 0.0) {
-        return Err(DepthMapError::Near(near));
+        return Err(DepthMapError::Option { name: "near", given: near, range: "a finite distance above 0" });
     }
     if let Some(far) = far
         && !(far.is_finite() && far > near)

@@ -1,5 +1,7 @@
 //! Render pipelines that turn a bit of the stencil round at each triangle of the boundary.
 
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::shadow::errors::ShadowError;
 use std::ops::Range;
 use std::sync::OnceLock;
 
@@ -10,10 +12,10 @@ use crate::gpu::common::bindings::{FLOAT_TEXTURE, READ, Resource, UINT_TEXTURE, 
 use crate::gpu::common::drawing::Drawn;
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
-use crate::gpu::common::requirements::{DeviceError, Subject, check_sample_shading};
+use crate::gpu::common::requirements::{Subject, check_sample_shading};
+use crate::gpu::shadow::ShadowFormat;
 use crate::gpu::shadow::format::Casters;
 use crate::gpu::shadow::pipelines::{check, check_count_bits};
-use crate::gpu::shadow::{ShadowFormat, ShadowFormatError};
 use crate::stages::{DEPTH_SURFACE, DEPTH_WALLS, Stage};
 
 /// The pipelines that draw volumes from depth maps, for one [`ShadowFormat`] and one bit of the stencil, or some.
@@ -109,7 +111,7 @@ impl DepthMapPipelines {
         pipelines.clone().construct(Subject::DepthMap, || {
             check(pipelines.device(), format, false)?;
             if format.samples > 1 {
-                check_sample_shading(pipelines.device(), Subject::DepthMap).map_err(ShadowFormatError::from)?;
+                check_sample_shading(pipelines.device(), Subject::DepthMap)?;
             }
             check_count_bits(count_bits, Casters::One)?;
             if count_bits < 8 && bits.start < count_bits {
@@ -117,7 +119,7 @@ impl DepthMapPipelines {
             }
             let device = pipelines.device().clone();
             any_error(&device, || Self::with(pipelines, format, bits))
-                .map_err(|message| ShadowFormatError::Refused { message }.into())
+                .map_err(|message| ShadowError::Refused { message }.into())
         })
     }
 

@@ -1,13 +1,14 @@
 //! The buffers of an extraction and their sizes.
 
-use super::errors::ExtractorError;
 use super::options::ExtractorOptions;
 use super::polygon_buffers::{PolygonBuffers, PolygonShape, faces_of_records, outlines};
 use crate::cpu::extract::per_edge::edge_corners;
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
-use crate::gpu::common::memory::{MemoryError, check, guarded};
+use crate::gpu::common::memory::{check, guarded};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::common::wanted::{Account, Wanted};
+use crate::gpu::extract::errors::ExtractorError;
 use crate::layout::{DrawArguments, DrawShape, EdgeMasks, ExtractionStatistics, LightBatch};
 use crate::method::Predicate;
 use crate::{Mesh, light};
@@ -45,7 +46,7 @@ impl Shape {
         };
         if capacity > fitting {
             let bytes = u64::from(capacity) * 4 * batch;
-            return Err(MemoryError::Binding { what: "edge lists", bytes, limit: split.binding }.into());
+            return Err(DeviceError::BindingTooLarge { what: "edge lists", bytes, limit: split.binding }.into());
         }
         let polygons = mesh
             .polygons()
@@ -149,7 +150,7 @@ impl Buffers {
         options: &ExtractorOptions,
         split: &DispatchLimits,
         chunks: &UniformTable,
-    ) -> Result<Self, MemoryError> {
+    ) -> Result<Self, DeviceError> {
         let per_edge = options.method().is_per_edge();
         let mut light_batches = UniformTable::default();
         (0..shape.batches()).for_each(|_| _ = light_batches.push(&LightBatch::new(&[], 0, 3)));

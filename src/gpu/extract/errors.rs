@@ -1,40 +1,21 @@
 //! Why extractions cannot be made, recorded, read or drawn.
 
 use super::options::MAX_OUTLINE_EDGES;
-use crate::gpu::common::memory::MemoryError;
-use crate::gpu::common::positions::PositionError;
-use crate::gpu::common::requirements::DeviceError;
+use crate::gpu::common::device_error::DeviceError;
 use crate::light::LightError;
 use crate::turns::POLYGON_TRIANGLES;
 
-/// Why an extraction cannot be recorded.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ExtractionEncodeError {
-    /// The device is lost, or the timer belongs to another device.
-    #[error(transparent)]
-    Device(#[from] DeviceError),
-    /// The lights are refused.
-    #[error(transparent)]
-    Light(#[from] LightError),
-    /// The position buffer is refused.
-    #[error(transparent)]
-    Positions(#[from] PositionError),
-}
-
-/// Why an extractor cannot be made.
+/// Why an extraction cannot be made, recorded, read, drawn or included.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExtractorError {
-    /// The device lacks what extraction needs, or is lost.
+    /// The device lacks what extraction needs, is lost, or is not that of the timer. Or the mesh does not fit it, the position
+    /// buffer is refused, or an array needs more than one binding, and the include reads each array from one.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// `max_lights` is 0 or more than [`MAX_LIGHTS`](crate::MAX_LIGHTS).
+    /// The lights are refused, or `max_lights` is 0 or more than [`MAX_LIGHTS`](crate::MAX_LIGHTS).
     #[error(transparent)]
     Light(#[from] LightError),
-    /// The mesh does not fit the device.
-    #[error(transparent)]
-    Memory(#[from] MemoryError),
     /// The mesh has polygons, and the options ask for something else than exact facing masks.
     #[error(
         "the mesh has faces of more than three corners, which only `Predicate::Exact` decides, by face masks; ask for \
@@ -62,23 +43,12 @@ pub enum ExtractorError {
         /// The number of its triangles.
         triangles: usize,
     },
-}
-
-/// The results of an extraction were overwritten, because its extractor was encoded again.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "this extraction is out of date: its extractor was encoded again, which overwrites the results; use the value that \
-     the last encode returned"
-)]
-pub struct StaleExtraction;
-
-/// Why the silhouette of a light cannot be drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ExtractionDrawError {
-    /// A later encode overwrote the results.
-    #[error(transparent)]
-    Stale(#[from] StaleExtraction),
+    /// The results were overwritten.
+    #[error(
+        "this extraction is out of date: its extractor was encoded again, which overwrites the results; use the value that \
+         the last encode returned"
+    )]
+    Stale,
     /// The extraction has no light with this index.
     #[error("light {light} asked for, and {lights} lights were extracted; lights count from 0")]
     NoSuchLight {
@@ -90,18 +60,9 @@ pub enum ExtractionDrawError {
     /// The extractor makes no lists, so there is nothing to draw.
     #[error("the extractor makes no lists to draw from; set `ExtractorOptions::lists`")]
     NoLists,
-}
-
-/// Why the bind group of the include cannot be made.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ExtractionIncludeError {
-    /// The device is lost.
-    #[error(transparent)]
-    Device(#[from] DeviceError),
     /// The extractor makes no lists, or it uses the per-edge method, which has no facing masks.
     #[error("the include needs lists and facing masks; make the extractor with `lists` and `Method::FaceMask`")]
-    NoLists,
+    NoInclude,
     /// The extraction has no batch of lights with this index.
     #[error("batch {batch} of lights asked for, and there are {batches}; a batch is 32 lights, and they count from 0")]
     NoSuchBatch {
@@ -110,13 +71,4 @@ pub enum ExtractionIncludeError {
         /// Batches of the extraction.
         batches: usize,
     },
-    /// A later encode overwrote the results.
-    #[error(transparent)]
-    Stale(#[from] StaleExtraction),
-    /// The position buffer is refused.
-    #[error(transparent)]
-    Positions(#[from] PositionError),
-    /// An array needs more than one binding, and the include reads each array from one.
-    #[error(transparent)]
-    Memory(#[from] MemoryError),
 }

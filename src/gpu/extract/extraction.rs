@@ -1,14 +1,15 @@
 //! The result of one encode.
 
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::extract::errors::ExtractorError;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::buffers::{Buffers, Shape};
-use super::errors::{ExtractionDrawError, ExtractionIncludeError, StaleExtraction};
 use super::results::ExtractionResults;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, Windows};
 use crate::gpu::common::pipelines::Pipelines;
-use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
+use crate::gpu::common::positions::{BoundPositions, PositionBuffer};
 use crate::mesh::MeshId;
 use crate::{Light, light};
 
@@ -90,7 +91,7 @@ impl Shared {
 /// The result of one [`Extractor::encode`](crate::gpu::Extractor::encode): a mesh, at these positions, for these
 /// lights. Everything that reads the results takes this value, so it cannot be given other positions or lights by
 /// mistake. A later encode of the same extractor overwrites the results. This value is then refused with
-/// [`StaleExtraction`].
+/// [`ExtractorError`].
 ///
 /// A clone is cheap. It keeps the extractor's buffers alive.
 #[derive(Clone, Debug)]
@@ -124,8 +125,8 @@ impl Extraction {
     /// The buffers that hold the results once the encoder is submitted.
     ///
     /// # Errors
-    /// [`StaleExtraction`] if a later encode overwrites them.
-    pub fn results(&self) -> Result<ExtractionResults<'_>, StaleExtraction> {
+    /// [`ExtractorError`] if a later encode overwrites them.
+    pub fn results(&self) -> Result<ExtractionResults<'_>, ExtractorError> {
         self.check_current()?;
         Ok(self.shared.results())
     }
@@ -135,9 +136,9 @@ impl Extraction {
     /// The caller sets pipeline and bind groups; [`Self::bind_group`] makes the one that the include reads.
     ///
     /// # Errors
-    /// [`ExtractionDrawError`] if the light was not extracted, there are no lists, or a later encode overwrites the
+    /// [`ExtractorError`] if the light was not extracted, there are no lists, or a later encode overwrites the
     /// results. Nothing is drawn then.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), ExtractionDrawError> {
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), ExtractorError> {
         let (arguments, offset) = self.draw_arguments(light)?;
         pass.draw_indirect(arguments, offset);
         Ok(())
@@ -148,14 +149,14 @@ impl Extraction {
     ///
     /// # Errors
     /// The errors of [`Self::draw`].
-    pub fn draw_arguments(&self, light: usize) -> Result<(&wgpu::Buffer, u64), ExtractionDrawError> {
+    pub fn draw_arguments(&self, light: usize) -> Result<(&wgpu::Buffer, u64), ExtractorError> {
         self.check_current()?;
         let lights = self.lights.len();
         if self.shared.buffers.lists.is_empty() {
-            return Err(ExtractionDrawError::NoLists);
+            return Err(ExtractorError::NoLists);
         }
         if light >= lights {
-            return Err(ExtractionDrawError::NoSuchLight { light, lights });
+            return Err(ExtractorError::NoSuchLight { light, lights });
         }
         Ok((&self.shared.buffers.draw_arguments, (light * size_of::<crate::layout::DrawArguments>()) as u64))
     }
@@ -166,17 +167,13 @@ impl Extraction {
     /// gives the same group.
     ///
     /// # Errors
-    /// [`ExtractionIncludeError`] if the extractor lacks what the include reads, an array does not fit one binding,
+    /// [`ExtractorError`] if the extractor lacks what the include reads, an array does not fit one binding,
     /// there is no such batch, or a later encode overwrites the results.
-    pub fn bind_group(
-        &self,
-        layout: &wgpu::BindGroupLayout,
-        batch: usize,
-    ) -> Result<wgpu::BindGroup, ExtractionIncludeError> {
+    pub fn bind_group(&self, layout: &wgpu::BindGroupLayout, batch: usize) -> Result<wgpu::BindGroup, ExtractorError> {
         self.check_current()?;
         let batches = self.batches();
         if batch >= batches {
-            return Err(ExtractionIncludeError::NoSuchBatch { batch, batches });
+            return Err(ExtractorError::NoSuchBatch { batch, batches });
         }
         let mut kept = self.shared.include_groups.lock().unwrap_or_else(PoisonError::into_inner);
         let is_it = |kept: &&IncludeGroup| kept.batch == batch && kept.place == self.place && kept.layout == *layout;
@@ -193,12 +190,12 @@ impl Extraction {
         Ok(group)
     }
 
-    pub(crate) fn check_current(&self) -> Result<(), StaleExtraction> {
-        if self.shared.encodes.load(Ordering::Relaxed) == self.encode { Ok(()) } else { Err(StaleExtraction) }
+    pub(crate) fn check_current(&self) -> Result<(), ExtractorError> {
+        if self.shared.encodes.load(Ordering::Relaxed) == self.encode { Ok(()) } else { Err(ExtractorError::Stale) }
     }
 
     /// The positions as stages bind them.
-    pub(crate) fn bound(&self) -> Result<BoundPositions, PositionError> {
+    pub(crate) fn bound(&self) -> Result<BoundPositions, DeviceError> {
         self.place.as_buffer().bind(self.shared.shape.vertices, &self.shared.limits)
     }
 }

@@ -1,10 +1,11 @@
 //! The extraction stages: facing, edges, compaction, draw arguments.
 
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::extract::errors::ExtractorError;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex};
 
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
-use super::errors::{ExtractionEncodeError, ExtractorError};
 use super::extraction::{Extraction, Place, Shared};
 use super::options::ExtractorOptions;
 #[cfg(feature = "reference")]
@@ -13,7 +14,7 @@ use super::stages::{Binder, Made, Runs, from_facing, from_positions, made, progr
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pass::{Step, record};
 use crate::gpu::common::pipelines::{Pipelines, Program};
-use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer, PositionError};
+use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer};
 use crate::gpu::common::requirements::{Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
@@ -106,7 +107,7 @@ impl Extractor {
     /// `timer` takes a timestamp around each stage.
     ///
     /// # Errors
-    /// [`ExtractionEncodeError`] if lights or positions are refused, or the device is lost or not the timer's. Nothing
+    /// [`ExtractorError`] if lights or positions are refused, or the device is lost or not the timer's. Nothing
     /// is recorded then.
     pub fn encode(
         &mut self,
@@ -114,7 +115,7 @@ impl Extractor {
         positions: PositionBuffer<'_>,
         lights: &[Light],
         timer: Option<&mut StageTimer>,
-    ) -> Result<Extraction, ExtractionEncodeError> {
+    ) -> Result<Extraction, ExtractorError> {
         check_lights(lights, self.options.max_lights)?;
         check_timer(timer.as_deref(), self.shared.device())?;
         let bound = positions.bind(self.shared.shape.vertices, &self.shared.limits)?;
@@ -137,7 +138,7 @@ impl Extractor {
     }
 
     /// Makes the bind groups that read positions, unless they exist for this place.
-    fn bind_positions(&mut self, place: &Place, bound: &BoundPositions) -> Result<(), PositionError> {
+    fn bind_positions(&mut self, place: &Place, bound: &BoundPositions) -> Result<(), DeviceError> {
         if self.from_positions.as_ref().is_some_and(|(made, _)| made == place) {
             return Ok(());
         }

@@ -1,13 +1,13 @@
 //! The WGSL include, with which a caller's shaders read the results.
 
-use super::errors::ExtractionIncludeError;
 use super::extraction::Shared;
 use crate::gpu::common::bindings::{READ, UNIFORM, entries, whole};
-use crate::gpu::common::memory::MemoryError;
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::pipelines::group;
 use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer};
 use crate::gpu::common::requirements::check_alive;
 use crate::gpu::common::uniforms::UniformTable;
+use crate::gpu::extract::errors::ExtractorError;
 use crate::layout::RimlineInfo;
 use crate::stages::source;
 
@@ -38,12 +38,12 @@ impl Shared {
         layout: &wgpu::BindGroupLayout,
         batch: usize,
         positions: PositionBuffer<'_>,
-    ) -> Result<wgpu::BindGroup, ExtractionIncludeError> {
+    ) -> Result<wgpu::BindGroup, ExtractorError> {
         let (device, limits, shape) = (self.device(), &self.limits, &self.shape);
         let results = self.results();
         self.check_include()?;
         let (Some(list), Some(facing)) = (results.lists.get(batch), results.facing.get(batch)) else {
-            return Err(ExtractionIncludeError::NoSuchBatch { batch, batches: results.lists.len() });
+            return Err(ExtractorError::NoSuchBatch { batch, batches: results.lists.len() });
         };
         check_alive(device)?;
         let bound = positions.bind(shape.vertices, limits)?;
@@ -72,9 +72,9 @@ impl Shared {
     }
 
     /// Checks that each array that the include and shadow volumes read fits one binding.
-    pub(crate) fn check_single_bindings(&self, bound: &BoundPositions) -> Result<(), MemoryError> {
+    pub(crate) fn check_single_bindings(&self, bound: &BoundPositions) -> Result<(), DeviceError> {
         let limit = self.limits.binding;
-        let too_large = |what, bytes| Err(MemoryError::Binding { what, bytes, limit });
+        let too_large = |what, bytes| Err(DeviceError::BindingTooLarge { what, bytes, limit });
         if bound.windows.words != 0 {
             return too_large("positions", bound.windows.ranges.iter().map(|range| range.end).max().unwrap_or(0));
         }
@@ -89,8 +89,8 @@ impl Shared {
     }
 
     /// Checks that the extractor has what the include reads.
-    pub(crate) fn check_include(&self) -> Result<(), ExtractionIncludeError> {
+    pub(crate) fn check_include(&self) -> Result<(), ExtractorError> {
         let is_there = !self.buffers.lists.is_empty() && !self.buffers.facing.is_empty();
-        if is_there { Ok(()) } else { Err(ExtractionIncludeError::NoLists) }
+        if is_there { Ok(()) } else { Err(ExtractorError::NoInclude) }
     }
 }

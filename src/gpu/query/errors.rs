@@ -1,48 +1,30 @@
-//! Why shadow depth queries cannot be made or recorded.
+//! Why queries of occluder counts cannot be made or recorded.
 
-use crate::gpu::common::memory::MemoryError;
-use crate::gpu::common::positions::PositionError;
-use crate::gpu::common::requirements::DeviceError;
-use crate::gpu::extract::errors::StaleExtraction;
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::extract::errors::ExtractorError;
 use crate::light::LightError;
 
-/// Why a query cannot be made.
+/// Why a query cannot be made or recorded.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum ShadowQueryError {
-    /// The device lacks what the query needs, or is lost.
+pub enum QueryError {
+    /// The device lacks what the query needs, is lost, or is not that of the timer. Or the mesh or the counts do not fit it, or
+    /// the position buffer is refused.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// `max_lights` is 0 or more than [`MAX_LIGHTS`](crate::MAX_LIGHTS).
+    /// The lights are refused, for example one with a negative `w`, or `max_lights` is 0 or more than
+    /// [`MAX_LIGHTS`](crate::MAX_LIGHTS).
     #[error(transparent)]
     Light(#[from] LightError),
-    /// The mesh or the depths do not fit the device.
-    #[error(transparent)]
-    Memory(#[from] MemoryError),
-}
-
-/// Why a query cannot be recorded.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ShadowQueryEncodeError {
-    /// The device is lost, or the timer belongs to another device.
-    #[error(transparent)]
-    Device(#[from] DeviceError),
-    /// The lights are refused, for example one with a negative `w`.
-    #[error(transparent)]
-    Light(#[from] LightError),
-    /// The position buffer is refused.
-    #[error(transparent)]
-    Positions(#[from] PositionError),
     /// The extraction belongs to another mesh.
     #[error("the extraction is of another mesh than this query was made for; make both with the same `Mesh`")]
     OtherMesh,
     /// A later encode of the extractor may have moved the positions that the extraction names.
     #[error(transparent)]
-    Stale(#[from] StaleExtraction),
+    Extraction(#[from] ExtractorError),
     /// The buffer of points is refused.
     #[error("points: {0}")]
-    Points(PositionError),
+    Points(DeviceError),
     /// The faces that points are on lie in the points or behind them.
     #[error(
         "faces of points at offset {offset}, stride {stride}: the offset must be a multiple of 4 from 12 to the stride less 4"

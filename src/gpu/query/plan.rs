@@ -1,9 +1,9 @@
 //! Cuts a shadow depth query into dispatches.
 
+use crate::gpu::common::device_error::DeviceError;
 use std::ops::Range;
 
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::MemoryError;
 use crate::layout::{FaceCluster, UndecidedFaces};
 use crate::turns::QUERY_GROUPS;
 
@@ -26,17 +26,17 @@ const UNDECIDED_HEAD: u64 = 8;
 const UNDECIDED: u64 = size_of::<UndecidedFaces>() as u64;
 
 /// The number of clusters that one binding and one dispatch of the boxes stage can hold: whole groups.
-pub(super) fn cluster_run(split: &DispatchLimits) -> Result<usize, MemoryError> {
+pub(super) fn cluster_run(split: &DispatchLimits) -> Result<usize, DeviceError> {
     let bytes = (GROUP * size_of::<FaceCluster>()) as u64;
     let groups = (split.binding / bytes).min(split.workgroups);
     if groups == 0 {
-        return Err(MemoryError::Binding { what: "a group of faces", bytes, limit: split.binding });
+        return Err(DeviceError::BindingTooLarge { what: "a group of faces", bytes, limit: split.binding });
     }
     Ok(groups as usize * GROUP)
 }
 
 /// The runs of clusters that one binding and one dispatch of the boxes stage can hold.
-pub(super) fn cluster_chunks(split: &DispatchLimits, clusters: usize) -> Result<Vec<Range<usize>>, MemoryError> {
+pub(super) fn cluster_chunks(split: &DispatchLimits, clusters: usize) -> Result<Vec<Range<usize>>, DeviceError> {
     let run = cluster_run(split)?;
     Ok((0..clusters).step_by(run).map(|first| first..(first + run).min(clusters)).collect())
 }
@@ -59,7 +59,7 @@ pub(super) fn point_chunks(
     points: u32,
     lights: usize,
     stride: u64,
-) -> Result<Vec<Range<u32>>, MemoryError> {
+) -> Result<Vec<Range<u32>>, DeviceError> {
     let depths = 4 * lights as u64;
     let by_undecided = queries / lights.min(32) as u64;
     // The binding may begin a little before the first point.
@@ -67,7 +67,7 @@ pub(super) fn point_chunks(
     let run = by_undecided.min(by_points).min(split.binding / depths) / POINTS * POINTS;
     if run == 0 {
         let bytes = POINTS * depths.max(stride).max(UNDECIDED * lights.min(32) as u64);
-        return Err(MemoryError::Binding { what: "64 points", bytes, limit: split.binding });
+        return Err(DeviceError::BindingTooLarge { what: "64 points", bytes, limit: split.binding });
     }
     Ok((0..points).step_by(run as usize).map(|first| first..first.saturating_add(run as u32).min(points)).collect())
 }

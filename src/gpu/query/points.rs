@@ -1,7 +1,7 @@
 //! The points of a shadow depth query, and the faces that they are on.
 
-use super::errors::ShadowQueryEncodeError;
 use crate::gpu::common::positions::PositionBuffer;
+use crate::gpu::query::errors::QueryError;
 
 /// Points of a [`ShadowQuery`](crate::gpu::ShadowQuery). A [`PositionBuffer`] becomes points that name no face.
 #[derive(Clone, Copy, Debug)]
@@ -26,14 +26,14 @@ impl<'a> From<PositionBuffer<'a>> for QueryPoints<'a> {
 
 impl QueryPoints<'_> {
     /// Checks that the buffer has `count` points with their faces.
-    pub(super) fn check(&self, count: u32) -> Result<(), ShadowQueryEncodeError> {
+    pub(super) fn check(&self, count: u32) -> Result<(), QueryError> {
         let Self { points, on_face } = *self;
-        points.end(count).map_err(ShadowQueryEncodeError::Points)?;
+        points.end(count).map_err(QueryError::Points)?;
         let Some(offset) = on_face else { return Ok(()) };
         if !offset.is_multiple_of(4) || offset < 12 || offset > points.stride - 4 {
-            return Err(ShadowQueryEncodeError::FaceOffset { offset, stride: points.stride });
+            return Err(QueryError::FaceOffset { offset, stride: points.stride });
         }
-        points.end_of(count, offset + 4).map_err(ShadowQueryEncodeError::Points)?;
+        points.end_of(count, offset + 4).map_err(QueryError::Points)?;
         Ok(())
     }
 }

@@ -1,8 +1,9 @@
 //! The shadow depth query: the number of faces strictly between each point and each light.
 
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::query::errors::QueryError;
 use std::ops::Range;
 
-use super::errors::{ShadowQueryEncodeError, ShadowQueryError};
 use super::options::ShadowQueryOptions;
 use super::plan::{
     CLUSTER, GROUP, cluster_chunks, cluster_run, most_queries, point_chunks, range_clusters, undecided_bytes,
@@ -12,10 +13,10 @@ use super::points::QueryPoints;
 use crate::cpu::query::shadow_boxes::{self, cluster_count, largest_polygon};
 use crate::gpu::common::bindings::{Resource, part, uniform};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{MemoryError, check, guarded};
+use crate::gpu::common::memory::{check, guarded};
 use crate::gpu::common::pass::{Dispatch, Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
-use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
+use crate::gpu::common::positions::{BoundPositions, PositionBuffer};
 use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::UniformTable;
@@ -124,18 +125,14 @@ impl ShadowQuery {
     /// [`Pipelines`] that many meshes share.
     ///
     /// # Errors
-    /// [`ShadowQueryError`] if the device lacks what the query needs, the number of lights is impossible, or the mesh
+    /// [`QueryError`] if the device lacks what the query needs, the number of lights is impossible, or the mesh
     /// or the results do not fit the device's limits, the `memory_limit` or the device's memory.
-    pub fn new(
-        pipelines: impl Into<Pipelines>,
-        mesh: &Mesh,
-        options: ShadowQueryOptions,
-    ) -> Result<Self, ShadowQueryError> {
+    pub fn new(pipelines: impl Into<Pipelines>, mesh: &Mesh, options: ShadowQueryOptions) -> Result<Self, QueryError> {
         let pipelines = pipelines.into();
         pipelines.clone().construct(Subject::Query, || Self::with(pipelines, mesh, options))
     }
 
-    fn with(pipelines: Pipelines, mesh: &Mesh, options: ShadowQueryOptions) -> Result<Self, ShadowQueryError> {
+    fn with(pipelines: Pipelines, mesh: &Mesh, options: ShadowQueryOptions) -> Result<Self, QueryError> {
         let device = pipelines.device();
         let ShadowQueryOptions { max_points, max_lights, skip_by_boxes, memory_limit, .. } = options;
         check_room(max_lights)?;
@@ -144,7 +141,12 @@ impl ShadowQuery {
         let faces = largest_polygon(mesh);
         if faces > run * CLUSTER {
             let bytes = (faces.div_ceil(CLUSTER) * size_of::<FaceCluster>()) as u64;
-            return Err(MemoryError::Binding { what: "the triangles of a polygon", bytes, limit: split.binding }.into());
+            return Err(DeviceError::BindingTooLarge {
+                what: "the triangles of a polygon",
+                bytes,
+                limit: split.binding,
+            }
+            .into());
         }
         let clusters = cluster_count(mesh, run);
         let max_points = max_points.max(1);
@@ -175,7 +177,7 @@ impl ShadowQuery {
     /// Points are in the space of the positions. [`Self::encode_at`] needs no extraction.
     ///
     /// # Errors
-    /// [`ShadowQueryEncodeError`] if the extraction belongs to another mesh or is out of date, or if lights or points
+    /// [`QueryError`] if the extraction belongs to another mesh or is out of date, or if lights or points
     /// are refused. Nothing is recorded then.
     pub fn encode<'p>(
         &mut self,
@@ -184,9 +186,9 @@ impl ShadowQuery {
         points: impl Into<QueryPoints<'p>>,
         point_count: u32,
         timer: Option<&mut StageTimer>,
-    ) -> Result<(), ShadowQueryEncodeError> {
+    ) -> Result<(), QueryError> {
         if extraction.shared.mesh != self.mesh {
-            return Err(ShadowQueryEncodeError::OtherMesh);
+            return Err(QueryError::OtherMesh);
         }
         extraction.check_current()?;
         self.encode_at(encoder, extraction.positions(), points, point_count, extraction.lights(), timer)
@@ -198,7 +200,7 @@ impl ShadowQuery {
     /// on. `timer` takes a timestamp around each stage.
     ///
     /// # Errors
-    /// [`ShadowQueryEncodeError`] if lights, positions or points are refused, or the device is lost or not the timer's.
+    /// [`QueryError`] if lights, positions or points are refused, or the device is lost or not the timer's.
     /// Nothing is recorded then.
     pub fn encode_at<'p>(
         &mut self,
@@ -208,11 +210,11 @@ impl ShadowQuery {
         point_count: u32,
         lights: &[Light],
         timer: Option<&mut StageTimer>,
-    ) -> Result<(), ShadowQueryEncodeError> {
+    ) -> Result<(), QueryError> {
         check_shadow_lights(lights, self.options.max_lights)?;
         let limit = self.options.max_points;
         if point_count > limit {
-            return Err(ShadowQueryEncodeError::TooManyPoints { count: point_count, limit });
+            return Err(QueryError::TooManyPoints { count: point_count, limit });
         }
         let bound = positions.bind(self.vertices, &self.split)?;
         let given: QueryPoints<'p> = points.into();
@@ -221,13 +223,13 @@ impl ShadowQuery {
         check_timer(timer.as_deref(), self.pipelines.device())?;
         check_alive(self.pipelines.device())?;
         self.pipelines.check_bindable(positions.buffer)?;
-        self.pipelines.check_bindable(points.buffer).map_err(ShadowQueryEncodeError::Points)?;
+        self.pipelines.check_bindable(points.buffer).map_err(QueryError::Points)?;
         if lights.is_empty() {
             return Ok(());
         }
-        let clusters = cluster_chunks(&self.split, self.clusters).map_err(PositionError::from)?;
+        let clusters = cluster_chunks(&self.split, self.clusters)?;
         let chunks = point_chunks(&self.split, self.most_queries, point_count, lights.len(), points.stride)
-            .map_err(|error| ShadowQueryEncodeError::Points(error.into()))?;
+            .map_err(QueryError::Points)?;
         let (names_faces, window_words) = (given.on_face.is_some(), bound.windows.words);
         let kind = PassKind { names_faces, window_words, ..self.passes.kind };
         if self.passes.kind != kind {

@@ -2,8 +2,9 @@
 
 use super::layout::Group;
 use super::options::SceneOptions;
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, MemoryError, check, guarded, padded};
+use crate::gpu::common::memory::{Allocation, check, guarded, padded};
 use crate::gpu::common::wanted::{Account, Wanted};
 use crate::gpu::extract::buffers::RECORD_HEAD;
 use crate::layout::{CHUNK, DrawArguments, FACE_ENTRY, SceneStatistics};
@@ -127,10 +128,10 @@ impl Buffers {
         old: Option<&Self>,
         sizes: &Sizes<'_>,
         limits: &DispatchLimits,
-    ) -> Result<Self, MemoryError> {
+    ) -> Result<Self, DeviceError> {
         for (what, bytes) in [("versions of casters", sizes.kept()), ("lists of chunks", 4 * sizes.work)] {
             if bytes > limits.binding {
-                return Err(MemoryError::Binding { what, bytes, limit: limits.binding });
+                return Err(DeviceError::BindingTooLarge { what, bytes, limit: limits.binding });
             }
         }
         let with_headroom = Self::make(device, old, sizes, limits, limits.binding);
@@ -145,7 +146,7 @@ impl Buffers {
         sizes: &Sizes<'_>,
         limits: &DispatchLimits,
         headroom: u64,
-    ) -> Result<Self, MemoryError> {
+    ) -> Result<Self, DeviceError> {
         let takes_old = old.is_some_and(|old| fits(&old.kept, sizes.kept()));
         // If old buffers are not taken, they only tell what may be needed soon.
         let sized = |wanted: Wanted<'static>, old: Option<&wgpu::Buffer>| {

@@ -1,12 +1,12 @@
 //! The casters of a scene as they are drawn into a depth map.
 
+use crate::gpu::shadow::errors::ShadowError;
 use std::collections::HashSet;
 use std::ops::Range;
 
 use slotmap::DefaultKey;
 
 use super::caster::{CasterEntry, MeshEntry, Placement};
-use super::errors::SceneError;
 use super::handles::{CasterHandle, LightHandle};
 use super::scene::Scene;
 use crate::Matrix3x4;
@@ -71,7 +71,7 @@ impl DepthCaster {
 
 impl Scene {
     /// The casters of a choice, by group.
-    pub(crate) fn depth_groups(&self, which: SceneDepthCasters<'_>) -> Result<Vec<DepthGroup<'_>>, SceneError> {
+    pub(crate) fn depth_groups(&self, which: SceneDepthCasters<'_>) -> Result<Vec<DepthGroup<'_>>, ShadowError> {
         let (listed, is_left_out) = match which {
             SceneDepthCasters::All => (&[][..], true),
             SceneDepthCasters::Only(listed) => (listed, false),
@@ -85,7 +85,7 @@ impl Scene {
         for handle in listed {
             let key = handle.key_in(self.id)?;
             if !self.casters.contains_key(key) {
-                return Err(SceneError::Stale { what: "caster" });
+                return Err(ShadowError::Removed { what: "caster" });
             }
             keys.insert(key);
         }

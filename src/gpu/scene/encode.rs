@@ -1,10 +1,11 @@
 //! Encodes of a scene: brings table, buffers and volumes up to date, and records the stages.
 
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::shadow::errors::ShadowError;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::caster::CasterEntry;
-use super::errors::{ReceiversError, SceneError};
 use super::frame::SceneFrame;
 use super::layout::put_lights;
 use super::needs::SceneNeeds;
@@ -15,7 +16,6 @@ use super::stages::steps;
 use super::structure::{Making, Number, Structure};
 use super::table::{Part, Table};
 use super::volumes::Volumes;
-use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pass::record;
 use crate::gpu::common::requirements::check_timer;
 use crate::gpu::common::timer::StageTimer;
@@ -34,7 +34,7 @@ impl Scene {
     /// an encode so far. `timer` takes a timestamp around each stage.
     ///
     /// # Errors
-    /// [`SceneError`] if a camera is refused, the scene does not fit the device or the memory limit, or the device is lost or
+    /// [`ShadowError`] if a camera is refused, the scene does not fit the device or the memory limit, or the device is lost or
     /// not the timer's. With a camera, lights of negative `w` are refused; `index` is the bit of the light then. Nothing is
     /// recorded then, and the next encode is not affected.
     pub fn encode(
@@ -42,7 +42,7 @@ impl Scene {
         encoder: &mut wgpu::CommandEncoder,
         cameras: &[ShadowCamera],
         timer: Option<&mut StageTimer>,
-    ) -> Result<SceneFrame, SceneError> {
+    ) -> Result<SceneFrame, ShadowError> {
         self.encode_for(encoder, cameras, &[], timer)
     }
 
@@ -52,14 +52,14 @@ impl Scene {
     /// says that the depth is the same.
     ///
     /// # Errors
-    /// The errors of [`Self::encode`], and [`SceneError::Receivers`].
+    /// The errors of [`Self::encode`], and those of receivers, such as [`ShadowError::ReceiversFormat`].
     pub fn encode_for(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         cameras: &[ShadowCamera],
         receivers: &[Option<Receivers<'_>>],
         timer: Option<&mut StageTimer>,
-    ) -> Result<SceneFrame, SceneError> {
+    ) -> Result<SceneFrame, ShadowError> {
         self.record(encoder, cameras, receivers, None, timer)
     }
 
@@ -68,7 +68,7 @@ impl Scene {
     /// since.
     ///
     /// # Errors
-    /// The errors of [`Self::encode_for`], and [`SceneError::StaleNeeds`].
+    /// The errors of [`Self::encode_for`], and [`ShadowError::StaleNeeds`].
     pub fn encode_needed(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -76,7 +76,7 @@ impl Scene {
         receivers: &[Option<Receivers<'_>>],
         needs: &SceneNeeds,
         timer: Option<&mut StageTimer>,
-    ) -> Result<SceneFrame, SceneError> {
+    ) -> Result<SceneFrame, ShadowError> {
         self.record(encoder, cameras, receivers, Some(needs), timer)
     }
 
@@ -87,7 +87,7 @@ impl Scene {
         receivers: &[Option<Receivers<'_>>],
         needs: Option<&SceneNeeds>,
         mut timer: Option<&mut StageTimer>,
-    ) -> Result<SceneFrame, SceneError> {
+    ) -> Result<SceneFrame, ShadowError> {
         check_timer(timer.as_deref(), self.pipelines.device())?;
         let views = self.check_views(cameras)?;
         let receivers = self.check_receivers(cameras, receivers)?;
@@ -143,20 +143,21 @@ impl Scene {
     }
 
     /// The cameras as stages see them.
-    pub(super) fn check_views(&self, cameras: &[ShadowCamera]) -> Result<Vec<ShadowView>, SceneError> {
+    pub(super) fn check_views(&self, cameras: &[ShadowCamera]) -> Result<Vec<ShadowView>, ShadowError> {
         if cameras.is_empty() {
             return Ok(Vec::new());
         }
         if self.options.counting.is_zp_plus_2005() {
-            return Err(SceneError::Counting(self.options.counting));
+            return Err(ShadowError::SceneCounting(self.options.counting));
         }
         // Errors name the bit of a light.
         let none = Light::directional([0.0, 0.0, 1.0]);
         let bits = 0..32 * self.lights.batches() as u32;
         let lights: Vec<Light> = bits.map(|bit| self.lights.get(bit).unwrap_or(none)).collect();
         check_shadow_lights(&lights, lights.len())?;
-        let view =
-            |(view, camera): (usize, &ShadowCamera)| camera.view().map_err(|error| SceneError::Camera { view, error });
+        let view = |(view, camera): (usize, &ShadowCamera)| {
+            camera.view().map_err(|error| ShadowError::ViewCamera { view, error })
+        };
         cameras.iter().enumerate().map(view).collect()
     }
 
@@ -165,14 +166,13 @@ impl Scene {
         &self,
         cameras: &[ShadowCamera],
         receivers: &'a [Option<Receivers<'r>>],
-    ) -> Result<&'a [Option<Receivers<'r>>], SceneError> {
+    ) -> Result<&'a [Option<Receivers<'r>>], ShadowError> {
         let (given, views) = (receivers.len(), cameras.len());
         if given > views {
-            return Err(SceneError::Receivers { view: views, error: ReceiversError::TooMany { given, views } });
+            return Err(ShadowError::TooManyReceivers { given, views });
         }
         for (view, receivers) in receivers.iter().enumerate() {
-            let checked = receivers.as_ref().map_or(Ok(()), Receivers::check);
-            checked.map_err(|error| SceneError::Receivers { view, error })?;
+            receivers.as_ref().map_or(Ok(()), |receivers| receivers.check(view))?;
         }
         if self.options.measuring.has(Measuring::WITHOUT_RECEIVERS) {
             return Ok(&[]);
@@ -185,7 +185,7 @@ impl Scene {
         &mut self,
         views: usize,
         words: u64,
-    ) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), SceneError> {
+    ) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), ShadowError> {
         let before = self.receiver_words;
         // The table has room for where volumes end, once there are receivers.
         let set = |scene: &mut Self, words| {
@@ -211,7 +211,7 @@ impl Scene {
     }
 
     /// The volumes of the structure.
-    fn volumes(&mut self, structure: &Structure) -> Result<Arc<Volumes>, SceneError> {
+    fn volumes(&mut self, structure: &Structure) -> Result<Arc<Volumes>, ShadowError> {
         if let Some(volumes) = &self.volumes {
             return Ok(Arc::clone(volumes));
         }
@@ -265,14 +265,17 @@ impl Scene {
     }
 
     /// Brings everything up to date, with room for so many views.
-    pub(super) fn prepare_views(&mut self, views: usize) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), SceneError> {
+    pub(super) fn prepare_views(
+        &mut self,
+        views: usize,
+    ) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), ShadowError> {
         let before = self.views;
         if views > before {
             self.views = views;
             self.structure = None;
         }
         let made = match self.prepare_all(views) {
-            Err(SceneError::Memory(MemoryError::Total { .. } | MemoryError::OutOfMemory { .. })) => {
+            Err(ShadowError::Device(DeviceError::MemoryLimit { .. } | DeviceError::OutOfMemory { .. })) => {
                 // Buffers that are kept may be larger than what is needed.
                 (self.structure, self.last, self.volumes) = (None, None, None);
                 self.prepare_all(views)
@@ -286,14 +289,14 @@ impl Scene {
         made
     }
 
-    fn prepare_all(&mut self, views: usize) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), SceneError> {
+    fn prepare_all(&mut self, views: usize) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), ShadowError> {
         let structure = self.prepare()?;
         let volumes = if views == 0 { None } else { Some(self.volumes(&structure)?) };
         Ok((structure, volumes))
     }
 
     /// Brings the table up to date.
-    fn prepare(&mut self) -> Result<Arc<Structure>, SceneError> {
+    fn prepare(&mut self) -> Result<Arc<Structure>, ShadowError> {
         self.renew_hidden();
         let structure = match &self.structure {
             Some(structure) => {
@@ -313,7 +316,7 @@ impl Scene {
         (self.encodes.load(Ordering::Relaxed) + 1) as u32
     }
 
-    fn lay_out(&mut self) -> Result<Arc<Structure>, SceneError> {
+    fn lay_out(&mut self) -> Result<Arc<Structure>, ShadowError> {
         self.structures = self.structures.wrapping_add(1).max(1);
         let number = Number { structure: self.structures, encode: self.encode_number() };
         self.lights.renew(number.encode);

@@ -1,9 +1,9 @@
 //! The result of one encode of a scene.
 
+use crate::gpu::shadow::errors::ShadowError;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::errors::SceneError;
 #[cfg(feature = "reference")]
 use super::handles::CasterHandle;
 use super::handles::{LightHandle, SceneId};
@@ -18,7 +18,7 @@ use crate::gpu::shadow::scene_pipelines::ScenePipelines;
 use crate::layout::SceneDispatch;
 
 /// The result of one [`Scene::encode`](crate::gpu::Scene::encode): the casters and lights of that moment. A later
-/// encode of the same scene overwrites the results. This value is then refused with [`SceneError::StaleFrame`].
+/// encode of the same scene overwrites the results. This value is then refused with [`ShadowError::StaleFrame`].
 ///
 /// A clone is cheap. It keeps the scene's buffers alive.
 #[derive(Clone, Debug)]
@@ -142,7 +142,7 @@ impl SceneFrame {
     /// must add nothing beyond it.
     ///
     /// # Errors
-    /// [`SceneError`] if the pipelines do not match the scene, the frame has no such view or light, or a later encode
+    /// [`ShadowError`] if the pipelines do not match the scene, the frame has no such view or light, or a later encode
     /// overwrites what is drawn. Nothing is drawn then.
     pub fn draw(
         &self,
@@ -150,20 +150,20 @@ impl SceneFrame {
         pipelines: &ScenePipelines,
         view: usize,
         light: LightHandle,
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), ShadowError> {
         self.check_current()?;
         if light.scene != self.scene {
-            return Err(SceneError::OtherScene { what: "light" });
+            return Err(ShadowError::OtherScene { what: "light" });
         }
         let views = self.views.len();
-        let Some(convention) = self.views.get(view) else { return Err(SceneError::NoSuchView { view, views }) };
+        let Some(convention) = self.views.get(view) else { return Err(ShadowError::NoSuchView { view, views }) };
         if !self.lights.iter().any(|(handle, _)| *handle == light) {
-            return Err(SceneError::NotEncoded);
+            return Err(ShadowError::NotEncoded);
         }
         check_same(["the pipelines", "the scene"], [pipelines.volumes.shared().device(), &self.device])?;
         convention.check_drawn_by(pipelines.volumes.convention)?;
         if (self.count_batches > 1) != pipelines.is_in_batches() {
-            return Err(SceneError::CountBatches { count_batches: self.count_batches });
+            return Err(ShadowError::CountBatches { count_batches: self.count_batches });
         }
         if let Some(volumes) = &self.volumes {
             for count_batch in 0..self.count_batches {
@@ -193,17 +193,17 @@ impl SceneFrame {
     /// Refuses a frame whose results a later encode overwrites.
     ///
     /// # Errors
-    /// [`SceneError::StaleFrame`].
-    pub fn check_current(&self) -> Result<(), SceneError> {
-        if self.encodes.load(Ordering::Relaxed) == self.encode { Ok(()) } else { Err(SceneError::StaleFrame) }
+    /// [`ShadowError::StaleFrame`].
+    pub fn check_current(&self) -> Result<(), ShadowError> {
+        if self.encodes.load(Ordering::Relaxed) == self.encode { Ok(()) } else { Err(ShadowError::StaleFrame) }
     }
 
     /// The buffers that hold the results once the encoder is submitted.
     ///
     /// # Errors
-    /// [`SceneError::StaleFrame`] if a later encode overwrites them.
+    /// [`ShadowError::StaleFrame`] if a later encode overwrites them.
     #[cfg(feature = "reference")]
-    pub fn results(&self) -> Result<SceneResults<'_>, SceneError> {
+    pub fn results(&self) -> Result<SceneResults<'_>, ShadowError> {
         self.check_current()?;
         let Structure { table, buffers, parts, .. } = &*self.structure;
         let volumes = self.volumes.as_ref().map(|volumes| &volumes.buffers);

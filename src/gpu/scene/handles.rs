@@ -1,10 +1,9 @@
 //! Handles. Each names one thing of one scene, and nothing else after its removal.
 
+use crate::gpu::shadow::errors::ShadowError;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use slotmap::DefaultKey;
-
-use super::errors::SceneError;
 
 /// The identity of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -49,13 +48,13 @@ impl LightHandle {
 }
 
 impl MeshHandle {
-    pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, SceneError> {
-        if self.scene == scene { Ok(self.key) } else { Err(SceneError::OtherScene { what: "mesh" }) }
+    pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, ShadowError> {
+        if self.scene == scene { Ok(self.key) } else { Err(ShadowError::OtherScene { what: "mesh" }) }
     }
 }
 
 impl CasterHandle {
-    pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, SceneError> {
-        if self.scene == scene { Ok(self.key) } else { Err(SceneError::OtherScene { what: "caster" }) }
+    pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, ShadowError> {
+        if self.scene == scene { Ok(self.key) } else { Err(ShadowError::OtherScene { what: "caster" }) }
     }
 }

@@ -1,10 +1,10 @@
 //! Faces that other faces hide from a light: whether what was found still holds, and which casters it excludes faces of.
 
+use crate::gpu::shadow::errors::ShadowError;
 use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::caster::{HiddenOfLight, HiddenSource, Placement};
-use super::errors::SceneError;
 use super::handles::{CasterHandle, LightHandle};
 use super::scene::Scene;
 use crate::Matrix3x4;
@@ -44,13 +44,13 @@ impl Scene {
     /// The caller sees to it that the positions are those that were searched: of a rigid caster those of its mesh.
     ///
     /// # Errors
-    /// [`SceneError::HiddenCasters`], [`SceneError::HiddenCaster`], or an error of a handle.
+    /// [`ShadowError::HiddenCasters`], [`ShadowError::HiddenCaster`], or an error of a handle.
     pub fn set_hidden_faces(
         &mut self,
         light: LightHandle,
         casters: &[CasterHandle],
         hidden: Option<&HiddenFaces>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), ShadowError> {
         self.lights.check(light)?;
         let made = hidden.map(|hidden| self.hidden_of_light(light, casters, hidden)).transpose()?;
         let Self { hidden: all, casters, structure, .. } = self;
@@ -70,20 +70,20 @@ impl Scene {
         light: LightHandle,
         casters: &[CasterHandle],
         hidden: &HiddenFaces,
-    ) -> Result<HiddenOfLight, SceneError> {
+    ) -> Result<HiddenOfLight, ShadowError> {
         let (given, found) = (casters.len(), hidden.casters().len());
         if given != found {
-            return Err(SceneError::HiddenCasters { given, found });
+            return Err(ShadowError::HiddenCasters { given, found });
         }
         let mut keys = HashSet::new();
         let mut sources = Vec::with_capacity(given);
         for (number, (caster, of_caster)) in casters.iter().zip(hidden.casters()).enumerate() {
             let key = caster.key_in(self.id)?;
-            let entry = self.casters.get(key).ok_or(SceneError::Stale { what: "caster" })?;
+            let entry = self.casters.get(key).ok_or(ShadowError::Removed { what: "caster" })?;
             let mesh = self.meshes.get(entry.mesh);
             let faces = mesh.map_or(0, |mesh| mesh.faces as usize);
             if faces != of_caster.face_count || !keys.insert(key) {
-                return Err(SceneError::HiddenCaster { caster: number, faces, found: of_caster.face_count });
+                return Err(ShadowError::HiddenCaster { caster: number, faces, found: of_caster.face_count });
             }
             let order = mesh.and_then(|mesh| mesh.order.as_ref());
             let own = of_caster.faces.as_slice();

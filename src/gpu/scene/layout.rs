@@ -1,5 +1,6 @@
 //! Lays a scene out: groups, slots, and what lies where in the scene table.
 
+use crate::gpu::common::device_error::DeviceError;
 use std::collections::HashMap;
 #[cfg(feature = "reference")]
 use std::sync::Arc;
@@ -14,7 +15,6 @@ use super::table::{LIGHT_PARTS, Part, Slots, Table};
 #[cfg(feature = "reference")]
 use super::topology::SlotOrder;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::MemoryError;
 use crate::layout::CHUNK;
 use crate::mesh::EdgeCounts;
 
@@ -106,7 +106,7 @@ impl Layout {
         lights: &Lights,
         encode: u32,
         limits: &DispatchLimits,
-    ) -> Result<Self, MemoryError> {
+    ) -> Result<Self, DeviceError> {
         // Excluded faces of a removed light go with it.
         for caster in casters.values_mut() {
             caster.excluded.retain(|(light, _)| lights.check(*light).is_ok());
@@ -170,7 +170,7 @@ impl Layout {
         casters: &mut SlotMap<DefaultKey, CasterEntry>,
         lights: &Lights,
         limits: &DispatchLimits,
-    ) -> Result<(), MemoryError> {
+    ) -> Result<(), DeviceError> {
         let parts = std::mem::take(&mut table.parts);
         *table = Table { parts, casters: self.order.len(), batches: lights.batches(), ..*table };
         let mut next = table.pairs_at();
@@ -202,7 +202,7 @@ impl Layout {
         // The shaders hold places in 32 bits, which one binding never exceeds.
         let bytes = (next * size_of::<Part>()) as u64;
         if bytes > limits.binding {
-            return Err(MemoryError::Binding { what: "the scene table", bytes, limit: limits.binding });
+            return Err(DeviceError::BindingTooLarge { what: "the scene table", bytes, limit: limits.binding });
         }
         table.parts.clear();
         table.parts.resize(next, [0; 4]);

@@ -1,8 +1,8 @@
 //! The lights of a scene. Each has a bit that it keeps.
 
+use crate::gpu::shadow::errors::ShadowError;
 use std::sync::Arc;
 
-use super::errors::SceneError;
 use super::handles::{LightHandle, SceneId};
 use super::mask::LightMask;
 use crate::light::{MAX_LIGHTS, check_lights, check_room};
@@ -33,16 +33,16 @@ pub(crate) struct Lights {
 }
 
 impl Lights {
-    pub(crate) fn new(scene: SceneId, limit: usize) -> Result<Self, SceneError> {
+    pub(crate) fn new(scene: SceneId, limit: usize) -> Result<Self, ShadowError> {
         check_room(limit)?;
         Ok(Self { scene, limit, bits: Vec::new(), used: LightMask::NONE, moved: LightMask::NONE, listed: None })
     }
 
-    pub(crate) fn add(&mut self, light: Light) -> Result<LightHandle, SceneError> {
+    pub(crate) fn add(&mut self, light: Light) -> Result<LightHandle, ShadowError> {
         check_lights(&[light], MAX_LIGHTS)?;
         let free = self.bits.iter().position(|bit| bit.light.is_none()).unwrap_or(self.bits.len());
         if free >= self.limit {
-            return Err(SceneError::NoLightBit { limit: self.limit });
+            return Err(ShadowError::NoLightBit { limit: self.limit });
         }
         if free == self.bits.len() {
             self.bits.push(Bit::default());
@@ -53,7 +53,7 @@ impl Lights {
         Ok(handle)
     }
 
-    pub(crate) fn set(&mut self, handle: LightHandle, light: Light) -> Result<(), SceneError> {
+    pub(crate) fn set(&mut self, handle: LightHandle, light: Light) -> Result<(), ShadowError> {
         self.check(handle)?;
         check_lights(&[light], MAX_LIGHTS)?;
         let cone_bits = |Cone { axis: [x, y, z], cosine }: Cone| [x, y, z, cosine].map(f32::to_bits);
@@ -65,19 +65,19 @@ impl Lights {
         Ok(())
     }
 
-    pub(crate) fn remove(&mut self, handle: LightHandle) -> Result<(), SceneError> {
+    pub(crate) fn remove(&mut self, handle: LightHandle) -> Result<(), ShadowError> {
         self.check(handle)?;
         self.put(handle, None);
         Ok(())
     }
 
-    pub(crate) fn check(&self, handle: LightHandle) -> Result<(), SceneError> {
+    pub(crate) fn check(&self, handle: LightHandle) -> Result<(), ShadowError> {
         if handle.scene != self.scene {
-            return Err(SceneError::OtherScene { what: "light" });
+            return Err(ShadowError::OtherScene { what: "light" });
         }
         match self.bits.get(handle.bit as usize) {
             Some(bit) if bit.light.is_some() && bit.generation == handle.generation => Ok(()),
-            _ => Err(SceneError::Stale { what: "light" }),
+            _ => Err(ShadowError::Removed { what: "light" }),
         }
     }
 
@@ -136,16 +136,16 @@ mod tests {
         let mut lights = Lights::new(SceneId::next(), 3).expect("room");
         let handles: Vec<_> = (0..3).map(|_| lights.add(light).expect("room")).collect();
         assert_eq!(handles.iter().map(|handle| handle.bit()).collect::<Vec<_>>(), [0, 1, 2]);
-        assert_eq!(lights.add(light), Err(SceneError::NoLightBit { limit: 3 }));
+        assert_eq!(lights.add(light), Err(ShadowError::NoLightBit { limit: 3 }));
         lights.remove(handles[2]).expect("there");
         lights.remove(handles[0]).expect("there");
         let again = lights.add(light).expect("room");
         assert_eq!(again.bit(), 0);
         assert_ne!(again, handles[0]);
-        assert_eq!(lights.set(handles[0], light), Err(SceneError::Stale { what: "light" }));
-        assert_eq!(lights.remove(handles[2]), Err(SceneError::Stale { what: "light" }));
+        assert_eq!(lights.set(handles[0], light), Err(ShadowError::Removed { what: "light" }));
+        assert_eq!(lights.remove(handles[2]), Err(ShadowError::Removed { what: "light" }));
         let other = Lights::new(SceneId::next(), 3).expect("room");
-        assert_eq!(other.check(again), Err(SceneError::OtherScene { what: "light" }));
+        assert_eq!(other.check(again), Err(ShadowError::OtherScene { what: "light" }));
         assert_eq!(lights.listed().len(), 2);
     }
 }

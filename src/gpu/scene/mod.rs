@@ -5,7 +5,6 @@ pub(crate) mod buffers;
 pub(crate) mod caster;
 pub(crate) mod depths;
 mod encode;
-pub(crate) mod errors;
 pub(crate) mod frame;
 pub(crate) mod handles;
 pub(crate) mod hidden;

@@ -1,12 +1,12 @@
 //! The needs of a frame: which figures must be deformed, found on the GPU before they are.
 
+use crate::gpu::shadow::errors::ShadowError;
 use std::ops::Range;
 
 use bytemuck::Zeroable;
 use slotmap::DefaultKey;
 
 use super::caster::Placement;
-use super::errors::SceneError;
 use super::handles::{CasterHandle, SceneId};
 use super::options::Measuring;
 use super::scene::Scene;
@@ -105,14 +105,14 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::NoBuffer`] for a rigid caster, [`SceneError::ListedTwice`], or as [`Self::encode`].
+    /// [`ShadowError::NoBuffer`] for a rigid caster, [`ShadowError::ListedTwice`], or as [`Self::encode`].
     pub fn encode_needs(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         casters: &[CasterHandle],
         cameras: &[ShadowCamera],
         timer: Option<&mut StageTimer>,
-    ) -> Result<SceneNeeds, SceneError> {
+    ) -> Result<SceneNeeds, ShadowError> {
         check_timer(timer.as_deref(), self.pipelines.device())?;
         let views = self.check_views(cameras)?;
         let keys = self.number_figures(casters)?;
@@ -143,13 +143,13 @@ impl Scene {
     }
 
     /// The keys of casters with buffers.
-    fn number_figures(&mut self, casters: &[CasterHandle]) -> Result<Vec<DefaultKey>, SceneError> {
+    fn number_figures(&mut self, casters: &[CasterHandle]) -> Result<Vec<DefaultKey>, ShadowError> {
         let mut keys = Vec::with_capacity(casters.len());
         for caster in casters {
             let key = caster.key_in(self.id)?;
-            let entry = self.casters.get(key).ok_or(SceneError::Stale { what: "caster" })?;
+            let entry = self.casters.get(key).ok_or(ShadowError::Removed { what: "caster" })?;
             if matches!(entry.placement, Placement::Rigid(_)) {
-                return Err(SceneError::NoBuffer);
+                return Err(ShadowError::NoBuffer);
             }
             keys.push(key);
         }
@@ -157,7 +157,7 @@ impl Scene {
         sorted.sort_unstable();
         if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
             let caster = keys.iter().rposition(|key| *key == pair[0]).unwrap_or(0);
-            return Err(SceneError::ListedTwice { caster });
+            return Err(ShadowError::ListedTwice { caster });
         }
         Ok(keys)
     }
@@ -198,7 +198,7 @@ impl Scene {
         frame: &NeedsDispatch,
         inputs: [&[u8]; 2],
         timer: Option<&mut StageTimer>,
-    ) -> Result<wgpu::Buffer, SceneError> {
+    ) -> Result<wgpu::Buffer, ShadowError> {
         let device = self.pipelines.device();
         check_alive(device)?;
         let limits = DispatchLimits::new(&device.limits());
@@ -229,9 +229,9 @@ impl Scene {
     }
 
     /// Whether the scene is as it was when it found these needs, and is asked for the same views.
-    pub(super) fn check_needs(&self, needs: &SceneNeeds, views: &[ShadowView]) -> Result<(), SceneError> {
+    pub(super) fn check_needs(&self, needs: &SceneNeeds, views: &[ShadowView]) -> Result<(), ShadowError> {
         if needs.scene != self.id {
-            return Err(SceneError::OtherScene { what: "needs" });
+            return Err(ShadowError::OtherScene { what: "needs" });
         }
         let bytes = bytemuck::cast_slice::<ShadowView, u8>;
         let is_same = needs.serial == self.needs
@@ -241,7 +241,7 @@ impl Scene {
             && bytes(&needs.views) == bytes(views)
             && needs.entries.start == 0
             && needs.len() == needs.keys.len();
-        if is_same { Ok(()) } else { Err(SceneError::StaleNeeds) }
+        if is_same { Ok(()) } else { Err(ShadowError::StaleNeeds) }
     }
 
     /// Numbers the figures of an encode. Results of casters that become figures, or cease to be, are not cached.

@@ -1,12 +1,12 @@
 //! Occluders: polygons on casters, behind which other casters need not throw shadows. docs/numerics/scene.md, "Occluders".
 
+use crate::gpu::shadow::errors::ShadowError;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, DVec4};
 use slotmap::{DefaultKey, SlotMap};
 
 use super::caster::{CasterEntry, MeshEntry, Placement, Rigid};
-use super::errors::OccluderError;
 use super::lights::Lights;
 use super::mask::bits;
 use super::table::{Part, Table};
@@ -28,14 +28,14 @@ pub(crate) struct OccluderPlaces {
 }
 
 /// Refuses polygons that are none, or are not on the mesh.
-pub(crate) fn check(corners: &[[f32; 3]], mesh: &MeshEntry) -> Result<(), OccluderError> {
+pub(crate) fn check(number: usize, corners: &[[f32; 3]], mesh: &MeshEntry) -> Result<(), ShadowError> {
     if !(3..=MOST_CORNERS).contains(&corners.len()) {
-        return Err(OccluderError::Corners { corners: corners.len() });
+        return Err(ShadowError::OccluderCorners { number, corners: corners.len() });
     }
     for (corner, &position) in corners.iter().enumerate() {
         let is_in = (0..3).all(|axis| (mesh.low[axis]..=mesh.high[axis]).contains(&position[axis]));
         if !is_in {
-            return Err(OccluderError::Outside { corner, position });
+            return Err(ShadowError::OccluderOutside { number, corner, position });
         }
     }
     Ok(())

@@ -1,13 +1,13 @@
 //! Pools of topology: the faces, edge records, positions and clusters of many meshes in few buffers.
 
+use crate::gpu::common::device_error::DeviceError;
 use std::ops::Range;
 
 use range_alloc::RangeAllocator;
 
 use super::topology::Topology;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, MemoryError, any_error, check, guarded};
-use crate::gpu::common::requirements::DeviceError;
+use crate::gpu::common::memory::{Allocation, any_error, check, guarded};
 use crate::gpu::common::wanted::Wanted;
 
 /// The kinds of elements in a page: faces, edge records, vertices, and words of clusters.
@@ -96,7 +96,7 @@ impl Pages {
         vertices: u32,
         used: u64,
         memory_limit: Option<u64>,
-    ) -> Result<Run, MemoryError> {
+    ) -> Result<Run, DeviceError> {
         // The allocator refuses empty runs.
         let items = [mesh.faces.len(), mesh.edge_faces.len(), vertices as usize, mesh.clusters.len()];
         let items = items.map(|n| n.max(1) as u64);
@@ -161,13 +161,17 @@ impl Pages {
 }
 
 /// How many of each kind a new page has. A mesh that is larger gets a page of its size.
-fn page_sizes(page: usize, items: [u64; KINDS], binding: u64) -> Result<[u64; KINDS], MemoryError> {
+fn page_sizes(page: usize, items: [u64; KINDS], binding: u64) -> Result<[u64; KINDS], DeviceError> {
     let grown = 4_u64.pow(page.min(10) as u32);
     let mut sizes = [0; KINDS];
     for (kind, size) in sizes.iter_mut().enumerate() {
         let most = binding / BYTES[kind];
         if items[kind] > most {
-            return Err(MemoryError::Binding { what: WHAT[kind], bytes: items[kind] * BYTES[kind], limit: binding });
+            return Err(DeviceError::BindingTooLarge {
+                what: WHAT[kind],
+                bytes: items[kind] * BYTES[kind],
+                limit: binding,
+            });
         }
         *size = (FIRST[kind] * grown).min(most).max(items[kind]);
     }
@@ -186,6 +190,6 @@ mod tests {
         let most = BYTES.map(|bytes| binding / bytes);
         assert_eq!(page_sizes(usize::MAX, [1; KINDS], binding), Ok(most));
         let refused = page_sizes(0, [1, most[1] + 1, 1, 1], binding);
-        assert!(matches!(refused, Err(MemoryError::Binding { what: "edge records", .. })), "{refused:?}");
+        assert!(matches!(refused, Err(DeviceError::BindingTooLarge { what: "edge records", .. })), "{refused:?}");
     }
 }

@@ -1,8 +1,8 @@
 //! Receivers: what the shadows of a view may fall on, from the depth that they are drawn against.
 
+use crate::gpu::shadow::errors::ShadowError;
 use glam::Mat4;
 
-use super::errors::{ReceiversError, SceneError};
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{texture, uniform, whole};
 use crate::gpu::common::memory::any_error;
@@ -74,14 +74,14 @@ impl Receivers<'_> {
     }
 
     /// Refuses what cannot be read, as far as a texture tells.
-    pub(crate) fn check(&self) -> Result<(), ReceiversError> {
+    pub(crate) fn check(&self, view: usize) -> Result<(), ShadowError> {
         let texture = self.depth.texture();
         let format = texture.format();
         if !format.has_depth_aspect() {
-            return Err(ReceiversError::NoDepth { format });
+            return Err(ShadowError::ReceiversFormat { view, format });
         }
         if !texture.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING) {
-            return Err(ReceiversError::Usage);
+            return Err(ShadowError::ReceiversUsage { view });
         }
         Ok(())
     }
@@ -109,7 +109,7 @@ pub(crate) fn steps(
     views: &[ShadowView],
     receivers: &[Option<Receivers<'_>>],
     (target, words): (&wgpu::Buffer, u64),
-) -> Result<Vec<Step>, SceneError> {
+) -> Result<Vec<Step>, ShadowError> {
     let mut table = UniformTable::default();
     let mut given = Vec::new();
     for (number, ((camera, view), receivers)) in cameras.iter().zip(views).zip(receivers).enumerate() {
@@ -140,7 +140,7 @@ pub(crate) fn steps(
         for (stage, workgroups) in [(of_tiles, over), (&RECEIVER_PYRAMID, Workgroups::Known([1, 1]))] {
             let pipeline = pipelines.compute(stage, stage.name, &[]);
             let dispatch = any_error(device, || pipeline.dispatch(device, workgroups, get));
-            let refused = |message| SceneError::Receivers { view, error: ReceiversError::Refused { message } };
+            let refused = |message| ShadowError::ReceiversRefused { view, message };
             steps.push(pipeline.pass([dispatch.map_err(refused)?]));
         }
     }

@@ -1,12 +1,12 @@
 //! The scene: meshes, casters and lights, and their extraction.
 
+use crate::gpu::shadow::errors::ShadowError;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use slotmap::{DefaultKey, SlotMap};
 
 use super::caster::{Caster, CasterEntry, CasterPositions, HiddenOfLight, MeshEntry, Placement, Rigid};
-use super::errors::SceneError;
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
 use super::lights::Lights;
 use super::mask::LightMask;
@@ -81,15 +81,15 @@ impl Scene {
     /// queue of another one, [`Self::add_mesh`] causes a validation error on that other device.
     ///
     /// # Errors
-    /// [`SceneError`] if the device lacks what extraction needs, or `max_lights` or `count_bits` is impossible.
+    /// [`ShadowError`] if the device lacks what extraction needs, or `max_lights` or `count_bits` is impossible.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         queue: &wgpu::Queue,
         options: SceneOptions,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, ShadowError> {
         let options = SceneOptions { count_batches: options.count_batches.max(1), ..options };
         let pipelines: Pipelines = pipelines.into();
-        pipelines.construct(Subject::Extract, || Ok::<_, SceneError>(()))?;
+        pipelines.construct(Subject::Extract, || Ok::<_, ShadowError>(()))?;
         let casters = if options.count_batches > 1 { Casters::Batches } else { Casters::Scene };
         check_count_bits(options.count_bits, casters)?;
         let id = SceneId::next();
@@ -129,15 +129,15 @@ impl Scene {
     /// are allowed; their faces never face a light.
     ///
     /// # Errors
-    /// [`SceneError`] if positions are missing, the mesh has polygons of more than three corners, or it does not fit one binding,
+    /// [`ShadowError`] if positions are missing, the mesh has polygons of more than three corners, or it does not fit one binding,
     /// the memory limit or the device.
-    pub fn add_mesh(&mut self, mesh: &Mesh, positions: &[[f32; 3]]) -> Result<MeshHandle, SceneError> {
+    pub fn add_mesh(&mut self, mesh: &Mesh, positions: &[[f32; 3]]) -> Result<MeshHandle, ShadowError> {
         let needed = mesh.vertex_count();
         let Some(own) = positions.get(..needed as usize) else {
-            return Err(SceneError::TooFewPositions { given: positions.len(), needed });
+            return Err(ShadowError::TooFewPositions { given: positions.len(), needed });
         };
         if mesh.polygons().is_some() {
-            return Err(SceneError::Polygons);
+            return Err(ShadowError::Polygons);
         }
         let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes);
         let used = self.last.as_ref().map_or(0, |last| last.bytes()) + volumes;
@@ -168,12 +168,12 @@ impl Scene {
     /// buffers. So submit or drop encoders that hold earlier encodes before you add a mesh then.
     ///
     /// # Errors
-    /// [`SceneError::MeshInUse`], or an error of the handle.
-    pub fn remove_mesh(&mut self, mesh: MeshHandle) -> Result<(), SceneError> {
+    /// [`ShadowError::MeshInUse`], or an error of the handle.
+    pub fn remove_mesh(&mut self, mesh: MeshHandle) -> Result<(), ShadowError> {
         let key = mesh.key_in(self.id)?;
-        let casters = self.meshes.get(key).ok_or(SceneError::Stale { what: "mesh" })?.casters;
+        let casters = self.meshes.get(key).ok_or(ShadowError::Removed { what: "mesh" })?.casters;
         if casters > 0 {
-            return Err(SceneError::MeshInUse { casters });
+            return Err(ShadowError::MeshInUse { casters });
         }
         if let Some(entry) = self.meshes.remove(key) {
             self.pages.free(entry.run, self.encodes.load(Ordering::Relaxed));
@@ -184,8 +184,8 @@ impl Scene {
     /// Adds a light. It takes the lowest free bit.
     ///
     /// # Errors
-    /// [`SceneError::Light`] for a light that is refused, or [`SceneError::NoLightBit`].
-    pub fn add_light(&mut self, light: Light) -> Result<LightHandle, SceneError> {
+    /// [`ShadowError::Light`] for a light that is refused, or [`ShadowError::NoLightBit`].
+    pub fn add_light(&mut self, light: Light) -> Result<LightHandle, ShadowError> {
         let handle = self.lights.add(light)?;
         self.structure = None;
         Ok(handle)
@@ -194,8 +194,8 @@ impl Scene {
     /// Changes a light. It keeps its bit.
     ///
     /// # Errors
-    /// [`SceneError::Light`] for a light that is refused, or an error of the handle.
-    pub fn set_light(&mut self, handle: LightHandle, light: Light) -> Result<(), SceneError> {
+    /// [`ShadowError::Light`] for a light that is refused, or an error of the handle.
+    pub fn set_light(&mut self, handle: LightHandle, light: Light) -> Result<(), ShadowError> {
         self.lights.set(handle, light)
     }
 
@@ -203,7 +203,7 @@ impl Scene {
     ///
     /// # Errors
     /// An error of the handle.
-    pub fn remove_light(&mut self, handle: LightHandle) -> Result<(), SceneError> {
+    pub fn remove_light(&mut self, handle: LightHandle) -> Result<(), ShadowError> {
         self.lights.remove(handle)?;
         self.structure = None;
         Ok(())
@@ -213,7 +213,7 @@ impl Scene {
     ///
     /// # Errors
     /// An error of the mesh's handle, or of the position buffer.
-    pub fn insert(&mut self, caster: Caster) -> Result<CasterHandle, SceneError> {
+    pub fn insert(&mut self, caster: Caster) -> Result<CasterHandle, ShadowError> {
         let Caster { mesh, positions, lights, in_depth } = caster;
         let mesh = mesh.key_in(self.id)?;
         let (placement, source) = self.place(mesh, positions)?;
@@ -245,10 +245,10 @@ impl Scene {
     /// [`Self::set_positions`].
     ///
     /// # Errors
-    /// [`SceneError::NotRigid`], or an error of the handle.
-    pub fn set_transform(&mut self, caster: CasterHandle, mesh_to_world: Matrix3x4) -> Result<(), SceneError> {
+    /// [`ShadowError::NotRigid`], or an error of the handle.
+    pub fn set_transform(&mut self, caster: CasterHandle, mesh_to_world: Matrix3x4) -> Result<(), ShadowError> {
         let (key, entry) = self.entry(caster)?;
-        let Placement::Rigid(rigid) = &mut entry.placement else { return Err(SceneError::NotRigid) };
+        let Placement::Rigid(rigid) = &mut entry.placement else { return Err(ShadowError::NotRigid) };
         if bytemuck::bytes_of(&rigid.rows) != bytemuck::bytes_of(&mesh_to_world) {
             *rigid = Rigid::new(mesh_to_world);
             self.note_change(key);
@@ -261,8 +261,8 @@ impl Scene {
     /// be others in each encode.
     ///
     /// # Errors
-    /// [`SceneError::NoBuffer`] for a rigid caster, or an error of the handle.
-    pub fn set_position_version(&mut self, caster: CasterHandle, version: Option<u64>) -> Result<(), SceneError> {
+    /// [`ShadowError::NoBuffer`] for a rigid caster, or an error of the handle.
+    pub fn set_position_version(&mut self, caster: CasterHandle, version: Option<u64>) -> Result<(), ShadowError> {
         let (key, entry) = self.entry_in_buffer(caster)?;
         if entry.positions_version != version {
             entry.positions_version = version;
@@ -280,13 +280,13 @@ impl Scene {
     /// [`ModelBounds`](crate::ModelBounds) computes those of poses.
     ///
     /// # Errors
-    /// [`SceneError::NoBuffer`] for a rigid caster, [`SceneError::Bounds`] for a box that is none, or an error of the handle.
-    pub fn set_bounds(&mut self, caster: CasterHandle, bounds: Option<[[f32; 3]; 2]>) -> Result<(), SceneError> {
+    /// [`ShadowError::NoBuffer`] for a rigid caster, [`ShadowError::Bounds`] for a box that is none, or an error of the handle.
+    pub fn set_bounds(&mut self, caster: CasterHandle, bounds: Option<[[f32; 3]; 2]>) -> Result<(), ShadowError> {
         let (key, entry) = self.entry_in_buffer(caster)?;
         if let Some([low, high]) = bounds
             && !low.iter().zip(high).all(|(low, high)| low.is_finite() && high.is_finite() && *low <= high)
         {
-            return Err(SceneError::Bounds { low, high });
+            return Err(ShadowError::Bounds { low, high });
         }
         if entry.bounds != bounds {
             entry.bounds = bounds;
@@ -296,15 +296,15 @@ impl Scene {
     }
 
     /// A caster.
-    fn entry(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), SceneError> {
+    fn entry(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), ShadowError> {
         let key = caster.key_in(self.id)?;
-        self.casters.get_mut(key).map(|entry| (key, entry)).ok_or(SceneError::Stale { what: "caster" })
+        self.casters.get_mut(key).map(|entry| (key, entry)).ok_or(ShadowError::Removed { what: "caster" })
     }
 
     /// A caster with positions in a buffer.
-    fn entry_in_buffer(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), SceneError> {
+    fn entry_in_buffer(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), ShadowError> {
         let (key, entry) = self.entry(caster)?;
-        if let Placement::Rigid(_) = entry.placement { Err(SceneError::NoBuffer) } else { Ok((key, entry)) }
+        if let Placement::Rigid(_) = entry.placement { Err(ShadowError::NoBuffer) } else { Ok((key, entry)) }
     }
 
     /// Notes that a caster is to be written to the table.
@@ -324,9 +324,9 @@ impl Scene {
         &mut self,
         caster: CasterHandle,
         positions: impl Into<CasterPositions>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), ShadowError> {
         let key = caster.key_in(self.id)?;
-        let mesh = self.casters.get(key).ok_or(SceneError::Stale { what: "caster" })?.mesh;
+        let mesh = self.casters.get(key).ok_or(ShadowError::Removed { what: "caster" })?.mesh;
         let (placement, source) = self.place(mesh, positions.into())?;
         if let Some(entry) = self.casters.get_mut(key) {
             entry.placement = placement;
@@ -341,8 +341,8 @@ impl Scene {
     }
 
     /// Where a caster of a mesh is, and the source of its positions, which counts it.
-    fn place(&mut self, mesh: DefaultKey, positions: CasterPositions) -> Result<(Placement, DefaultKey), SceneError> {
-        let entry = self.meshes.get(mesh).ok_or(SceneError::Stale { what: "mesh" })?;
+    fn place(&mut self, mesh: DefaultKey, positions: CasterPositions) -> Result<(Placement, DefaultKey), ShadowError> {
+        let entry = self.meshes.get(mesh).ok_or(ShadowError::Removed { what: "mesh" })?;
         let (page, vertices) = (entry.run.page, entry.vertices);
         let (placement, bound) = match positions {
             CasterPositions::Rigid(matrix) => (Placement::Rigid(Rigid::new(matrix)), None),
@@ -359,7 +359,7 @@ impl Scene {
     ///
     /// # Errors
     /// An error of the handle.
-    pub fn set_lights(&mut self, caster: CasterHandle, lights: LightMask) -> Result<(), SceneError> {
+    pub fn set_lights(&mut self, caster: CasterHandle, lights: LightMask) -> Result<(), ShadowError> {
         let (_, entry) = self.entry(caster)?;
         if entry.lights != lights {
             entry.lights = lights;
@@ -375,15 +375,15 @@ impl Scene {
     /// This is for faces of which it is known that their shadow lies in that of others. It goes with the light.
     ///
     /// # Errors
-    /// [`SceneError::NoSuchFace`], or an error of a handle.
-    pub fn set_excluded(&mut self, caster: CasterHandle, light: LightHandle, faces: &[u32]) -> Result<(), SceneError> {
+    /// [`ShadowError::NoSuchFace`], or an error of a handle.
+    pub fn set_excluded(&mut self, caster: CasterHandle, light: LightHandle, faces: &[u32]) -> Result<(), ShadowError> {
         let key = caster.key_in(self.id)?;
         self.lights.check(light)?;
-        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
+        let entry = self.casters.get_mut(key).ok_or(ShadowError::Removed { what: "caster" })?;
         let mesh = self.meshes.get(entry.mesh);
         let count = mesh.map_or(0, |mesh| mesh.faces);
         if let Some(&face) = faces.iter().find(|&&face| face >= count) {
-            return Err(SceneError::NoSuchFace { face, faces: count });
+            return Err(ShadowError::NoSuchFace { face, faces: count });
         }
         entry.excluded.retain(|(of, _)| *of != light && self.lights.check(*of).is_ok());
         if !faces.is_empty() {
@@ -406,16 +406,16 @@ impl Scene {
     /// excluded. Each polygon is tried for each caster and light.
     ///
     /// # Errors
-    /// [`SceneError::NotRigid`], [`SceneError::Occluder`], or an error of the handle.
-    pub fn set_occluders(&mut self, caster: CasterHandle, polygons: &[&[[f32; 3]]]) -> Result<(), SceneError> {
+    /// [`ShadowError::NotRigid`], [`ShadowError::OccluderCorners`], [`ShadowError::OccluderOutside`], or an error of the handle.
+    pub fn set_occluders(&mut self, caster: CasterHandle, polygons: &[&[[f32; 3]]]) -> Result<(), ShadowError> {
         let key = caster.key_in(self.id)?;
-        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
+        let entry = self.casters.get_mut(key).ok_or(ShadowError::Removed { what: "caster" })?;
         if matches!(entry.placement, Placement::World { .. }) {
-            return Err(SceneError::NotRigid);
+            return Err(ShadowError::NotRigid);
         }
         if let Some(mesh) = self.meshes.get(entry.mesh) {
             for (number, polygon) in polygons.iter().enumerate() {
-                occluders::check(polygon, mesh).map_err(|error| SceneError::Occluder { number, error })?;
+                occluders::check(number, polygon, mesh)?;
             }
         }
         entry.occluders = polygons.iter().map(|&polygon| polygon.into()).collect();
@@ -427,9 +427,9 @@ impl Scene {
     ///
     /// # Errors
     /// An error of the handle.
-    pub fn remove(&mut self, caster: CasterHandle) -> Result<(), SceneError> {
+    pub fn remove(&mut self, caster: CasterHandle) -> Result<(), ShadowError> {
         let key = caster.key_in(self.id)?;
-        let entry = self.casters.remove(key).ok_or(SceneError::Stale { what: "caster" })?;
+        let entry = self.casters.remove(key).ok_or(ShadowError::Removed { what: "caster" })?;
         if let Some(mesh) = self.meshes.get_mut(entry.mesh) {
             mesh.casters -= 1;
         }

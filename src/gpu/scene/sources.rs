@@ -1,16 +1,16 @@
 //! Where casters read their positions.
 
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::shadow::errors::ShadowError;
 use std::collections::HashMap;
 use std::ops::Range;
 
 use slotmap::{DefaultKey, SlotMap};
 
 use super::caster::Placement;
-use super::errors::SceneError;
 use super::pages::Page;
 use crate::gpu::common::bindings::{Resource, part, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
 
@@ -87,7 +87,7 @@ pub(crate) fn bind(
     pipelines: &Pipelines,
     positions: &PositionBuffer<'_>,
     vertices: u32,
-) -> Result<(Placement, BoundBuffer), SceneError> {
+) -> Result<(Placement, BoundBuffer), ShadowError> {
     let end = positions.end(vertices)?;
     pipelines.check_bindable(positions.buffer)?;
     let limits = DispatchLimits::new(&pipelines.device().limits());
@@ -96,7 +96,7 @@ pub(crate) fn bind(
     let range = base..whole.min(base + limits.binding);
     if end > range.end {
         let bytes = end - base;
-        return Err(MemoryError::Binding { what: "positions of a caster", bytes, limit: limits.binding }.into());
+        return Err(DeviceError::BindingTooLarge { what: "positions of a caster", bytes, limit: limits.binding }.into());
     }
     let offset = ((positions.offset - base) / 4) as u32;
     let placement = Placement::World { offset, stride: (positions.stride / 4) as u32 };

@@ -3,10 +3,11 @@
 use super::buffers::{Buffers, LISTS_HEAD, WORK_WORDS};
 use super::structure::{GroupBatch, Making, Structure};
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, loops_of};
 use crate::gpu::common::pass::{Step, Workgroups};
 use crate::gpu::common::pipelines::Program;
-use crate::gpu::common::positions::{PositionError, bound};
+use crate::gpu::common::positions::bound;
 use crate::gpu::shadow;
 use crate::layout::{CHUNK, DrawShape, ExtractionStatistics, LANES, SceneDispatch};
 use crate::method::Predicate;
@@ -62,8 +63,8 @@ pub(crate) fn programs(predicate: Predicate) -> Vec<Program> {
 /// The steps of a structure, after its table was uploaded. There are none without casters or lights.
 ///
 /// # Errors
-/// [`PositionError::Refused`] if a caller destroyed the buffer of a caster.
-pub(crate) fn steps(making: &Making<'_>, structure: &Structure) -> Result<Vec<Step>, PositionError> {
+/// [`DeviceError::Refused`] if a caller destroyed the buffer of a caster.
+pub(crate) fn steps(making: &Making<'_>, structure: &Structure) -> Result<Vec<Step>, DeviceError> {
     let Making { pipelines, options, views, .. } = *making;
     let (device, predicate) = (pipelines.device(), options.predicate());
     let Some(first) = structure.parts.first() else { return Ok(Vec::new()) };

@@ -1,10 +1,11 @@
 //! The layout, the buffers and the uniforms of a scene. They are made anew only when casters or lights come and go.
 
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::shadow::errors::ShadowError;
 use slotmap::{DefaultKey, SlotMap};
 
 use super::buffers::{Buffers, CLUSTER_WORDS, GroupSizes, Sizes, WorkPlace, work_places};
 use super::caster::{CasterEntry, MeshEntry};
-use super::errors::SceneError;
 use super::layout::{Group, Layout};
 use super::lights::Lights;
 use super::options::{Measuring, SceneOptions};
@@ -12,9 +13,8 @@ use super::pages::{Page, Pages};
 use super::sources::{Source, Sources};
 use super::table::{Part, Table};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, MemoryError, check, filled, guarded, mapped, write_mapped};
+use crate::gpu::common::memory::{Allocation, check, filled, guarded, mapped, write_mapped};
 use crate::gpu::common::pipelines::Pipelines;
-use crate::gpu::common::requirements::DeviceError;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::shadow::sizes::choice_bytes;
 use crate::layout::{DrawShape, SceneDispatch};
@@ -89,7 +89,7 @@ impl Structure {
         table: &mut Table,
         old: Option<&Self>,
         number: Number,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, ShadowError> {
         let Making { pipelines, meshes, pages, lights, options, views, .. } = *making;
         let device = pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
@@ -108,7 +108,7 @@ impl Structure {
         let table_bytes = (table.parts.len() * size_of::<Part>()) as u64 + choices;
         if table_bytes > limits.binding {
             let limit = limits.binding;
-            return Err(MemoryError::Binding { what: "the scene table", bytes: table_bytes, limit }.into());
+            return Err(DeviceError::BindingTooLarge { what: "the scene table", bytes: table_bytes, limit }.into());
         }
         let given = given_masks(&layout, table, casters);
         let given_bytes: u64 = given.iter().flatten().map(|masks| 4 * masks.len() as u64).sum();
@@ -195,7 +195,7 @@ fn room(lights: &Lights, batch: usize) -> u32 {
 }
 
 /// The table as it is, with `bytes` in all.
-fn table_buffer(device: &wgpu::Device, table: &Table, bytes: u64) -> Result<wgpu::Buffer, SceneError> {
+fn table_buffer(device: &wgpu::Device, table: &Table, bytes: u64) -> Result<wgpu::Buffer, ShadowError> {
     let label = "scene table";
     check(&[Allocation { label, bytes }], device.limits().max_buffer_size, None)?;
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;

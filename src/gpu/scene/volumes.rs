@@ -1,7 +1,6 @@
 //! The shadow volumes of a scene.
 
 use super::buffers::LISTS_HEAD;
-use super::errors::SceneError;
 use super::layout::Group;
 use super::structure::{GroupBatch, Making, Structure};
 use crate::gpu::common::bindings::{part, whole};
@@ -9,6 +8,7 @@ use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::Allocation;
 use crate::gpu::common::positions::bound;
 use crate::gpu::shadow::buffers::SizedBuffers;
+use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::sizes::{GroupSize, Room, VolumeSizes};
 use crate::gpu::shadow::source::{GroupSource, VolumeSource};
 use crate::gpu::shadow::stages::{StagePipelines, VolumeStages};
@@ -34,7 +34,7 @@ impl Volumes {
         views: usize,
         receivers: u64,
         others: u64,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, ShadowError> {
         let device = making.pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
         let sizes = VolumeSizes { receivers, ..sizes(making, structure, views, &limits) };

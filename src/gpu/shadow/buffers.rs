@@ -1,8 +1,9 @@
 //! The buffers of shadow volumes.
 
 use super::sizes::VolumeSizes;
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, MemoryError, check, check_bindings, guarded};
+use crate::gpu::common::memory::{Allocation, check, check_bindings, guarded};
 use crate::gpu::common::pass::Step;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::common::wanted::{Account, Wanted};
@@ -72,7 +73,7 @@ impl SizedBuffers {
         mut sizes: VolumeSizes,
         others: Allocation,
         limits: &DispatchLimits,
-    ) -> Result<Self, MemoryError> {
+    ) -> Result<Self, DeviceError> {
         let account = |sizes: &VolumeSizes, tables: &[UniformTable; 2]| {
             let mut account = Account::default();
             VolumeBuffers::<()>::plan(sizes, tables, |wanted| account.note(&wanted));

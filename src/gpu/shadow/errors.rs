@@ -1,62 +1,81 @@
-//! Why shadow volumes cannot be made, recorded or drawn.
+//! Why pipelines of shadow volumes, volumes and scenes cannot be made, changed, recorded or drawn.
 
-use crate::gpu::common::memory::MemoryError;
-use crate::gpu::common::positions::PositionError;
-use crate::gpu::common::requirements::DeviceError;
-use crate::gpu::extract::errors::ExtractionIncludeError;
-use crate::gpu::extract::errors::StaleExtraction;
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::extract::errors::ExtractorError;
 use crate::light::LightError;
 use crate::shadow::{CameraError, Counting, DepthDirection};
 
-/// Why shadow volumes cannot be made.
+/// Why pipelines of shadow volumes, volumes or a scene cannot be made, changed, recorded or drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum ShadowVolumesError {
-    /// The device lacks what shadow volumes need, is lost, or is not that of the pipelines or the timer.
+pub enum ShadowError {
+    /// The device lacks what is needed, is lost, or is not that of the pipelines or the timer. Or a mesh or the scene does not fit
+    /// it or the memory limit, or a position buffer is refused.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// The extractor makes no lists or no facing masks.
-    #[error(transparent)]
-    Include(#[from] ExtractionIncludeError),
-    /// The buffers of the volumes do not fit the device.
-    #[error(transparent)]
-    Memory(#[from] MemoryError),
-}
-
-/// Why shadow volumes cannot be recorded.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ShadowEncodeError {
-    /// The device is lost, or is not the timer's device.
-    #[error(transparent)]
-    Device(#[from] DeviceError),
-    /// An array of the extraction does not fit one binding.
-    #[error(transparent)]
-    Include(#[from] ExtractionIncludeError),
-    /// The position buffer is refused.
-    #[error(transparent)]
-    Positions(#[from] PositionError),
-    /// The camera is refused.
-    #[error(transparent)]
-    Camera(#[from] CameraError),
-    /// A light is refused, because its `w` is negative.
+    /// A light is refused, for example one with a negative `w`, or `max_lights` is impossible.
     #[error(transparent)]
     Light(#[from] LightError),
+    /// The camera is refused. [`Self::ViewCamera`] is that of a scene.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// The extractor makes no lists or no facing masks, or a later encode of it overwrote what the volumes read.
+    #[error(transparent)]
+    Extraction(ExtractorError),
+
+    /// The format lacks stencil or depth. The stencil counts, and the depth tells near from far.
+    #[error("{0:?} does not hold both depth and stencil; take Depth24PlusStencil8 or Depth32FloatStencil8")]
+    NoStencil(wgpu::TextureFormat),
+    /// The device was not asked for the format's feature.
+    #[error("{format:?} needs {needed:?}, which the device was not made with")]
+    Feature {
+        /// The format.
+        format: wgpu::TextureFormat,
+        /// The feature that the device lacks.
+        needed: wgpu::Features,
+    },
+    /// The format does not allow this number of samples.
+    #[error("{samples} samples a pixel of {format:?} are not to be had; take one of {supported:?}")]
+    Samples {
+        /// Samples given.
+        samples: u32,
+        /// The depth-stencil format.
+        format: wgpu::TextureFormat,
+        /// The numbers that every device allows, or some devices with
+        /// `Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES`.
+        supported: Vec<u32>,
+    },
+    /// The device makes no pipelines for the attachments. For example a format cannot be drawn into, there are too many
+    /// attachments, or the adapter lacks the sample count.
+    #[error("the device refuses pipelines for these attachments: {message}")]
+    Refused {
+        /// The message of the device.
+        message: String,
+    },
+    /// Counts own no bit of the stencil, or more than it has.
+    #[error("`count_bits` is {given}; counts own {least} to 8 bits of the stencil here")]
+    CountBits {
+        /// Bits given.
+        given: u32,
+        /// The fewest: one, or two where casters are counted in batches.
+        least: u32,
+    },
+    /// The far plane would cut off dark caps. The device needs `Features::DEPTH_CLIP_CONTROL`.
+    #[error("z-fail with a far plane needs DEPTH_CLIP_CONTROL; use an infinite far plane, or `Counting::Auto`")]
+    DepthClip,
+
     /// The extraction belongs to another extractor. The volumes read the lists of the extractor that they were made
     /// for.
     #[error(
         "these volumes were made for another extractor; encode them with an extraction of the one given to `ShadowVolumes::new`"
     )]
     OtherExtractor,
-    /// A later encode of the extractor overwrote what the volumes read.
-    #[error(transparent)]
-    Stale(#[from] StaleExtraction),
     /// The depth directions of camera and pipelines differ. Near and far would be exchanged.
     #[error(
         "the camera's depth is {camera:?}, and the pipelines that the volumes were made with have {pipelines:?}; set \
          `ShadowFormat::depth` to the camera's"
     )]
-    Depth {
+    CameraDepth {
         /// Depth direction of the camera.
         camera: DepthDirection,
         /// Depth direction of the pipelines.
@@ -71,24 +90,13 @@ pub enum ShadowEncodeError {
         /// The counting method.
         counting: Counting,
     },
-}
 
-/// Why volumes cannot be drawn.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ShadowDrawError {
-    /// The pipelines belong to another device.
-    #[error(transparent)]
-    Device(#[from] DeviceError),
-    /// A later encode of the extractor overwrote what is drawn.
-    #[error(transparent)]
-    Stale(#[from] StaleExtraction),
     /// A later encode of the volumes overwrote what is drawn.
     #[error(
         "this frame is out of date: its volumes were encoded again, which overwrites them; draw the value that the last \
          encode returned"
     )]
-    StaleFrame,
+    StaleVolumes,
     /// The frame has no light with this index.
     #[error("light {light} asked for, and {lights} lights were encoded; lights count from 0")]
     NoSuchLight {
@@ -102,7 +110,7 @@ pub enum ShadowDrawError {
         "volumes made for {volumes:?} drawn with pipelines of {pipelines:?}; draw them with pipelines of the counting \
          method given to `ShadowVolumes::new`"
     )]
-    Counting {
+    OtherCounting {
         /// Counting method of the volumes.
         volumes: Counting,
         /// Counting method of the pipelines.
@@ -112,7 +120,7 @@ pub enum ShadowDrawError {
     #[error(
         "volumes made for {volumes:?} depth drawn with pipelines of {pipelines:?} depth; take a `ShadowFormat` of that"
     )]
-    Depth {
+    OtherDepth {
         /// Depth direction of the volumes.
         volumes: DepthDirection,
         /// Depth direction of the pipelines.
@@ -124,7 +132,7 @@ pub enum ShadowDrawError {
         "volumes whose camera needs front faces {volumes:?} drawn with pipelines of {pipelines:?}; change the sign of the row \
          of y of a camera that mirrors by mistake, or set `ShadowFormat::front_face`"
     )]
-    FrontFace {
+    OtherFrontFace {
         /// The front faces of the volumes' camera.
         volumes: wgpu::FrontFace,
         /// The front faces of the pipelines.
@@ -134,16 +142,217 @@ pub enum ShadowDrawError {
     #[error(
         "volumes made for z-fail with a far plane drawn with pipelines for none; set `ShadowFormat::has_far_plane`"
     )]
-    FarPlane,
+    OtherFarPlane,
     /// The pipelines count in other bits than the volumes were made for, so counts wrap elsewhere.
     #[error(
         "volumes made for counts of {volumes} bits drawn with pipelines of {pipelines}; take a `ShadowFormat` of the same \
          `count_bits` (for a scene, `SceneOptions::count_bits`)"
     )]
-    CountBits {
+    OtherCountBits {
         /// Bits of counts that the volumes were made for.
         volumes: u32,
         /// Bits of counts of the pipelines.
         pipelines: u32,
     },
+
+    /// All bits of lights are in use.
+    #[error("the scene has room for {limit} lights; remove one first, or make the scene with a larger `max_lights`")]
+    NoLightBit {
+        /// The `max_lights` of the scene.
+        limit: usize,
+    },
+    /// The mesh has polygons, which scenes do not take so far.
+    #[error(
+        "the mesh has faces of more than three corners, which a scene does not take; make a mesh of its triangles by \
+         `Mesh::from_polygons`, or take `Extractor` and `ShadowVolumes`"
+    )]
+    Polygons,
+    /// There are fewer positions than the mesh has vertices.
+    #[error("{given} positions given, and the mesh has {needed} vertices; give one for each source vertex")]
+    TooFewPositions {
+        /// Positions given.
+        given: usize,
+        /// Vertices of the mesh.
+        needed: u32,
+    },
+    /// A handle belongs to another scene.
+    #[error("the handle of a {what} is of another scene; use it with the scene that returned it")]
+    OtherScene {
+        /// The kind of the handle.
+        what: &'static str,
+    },
+    /// The mesh, caster or light of a handle was removed.
+    #[error("the {what} of this handle was removed from the scene; use the handle that the last insertion returned")]
+    Removed {
+        /// The kind of the handle.
+        what: &'static str,
+    },
+    /// A caster was given twice to [`Scene::encode_needs`](crate::gpu::Scene::encode_needs).
+    #[error("caster {caster} of those listed is there twice; list each once")]
+    ListedTwice {
+        /// The later place in the list.
+        caster: usize,
+    },
+    /// The scene, its lights or the cameras are not those that needs were found for.
+    #[error(
+        "the scene or the cameras changed since `encode_needs`, or these needs are a part or not the last; call `encode_needs` \
+         after all \
+         changes, deform by what it returns, and pass the same to `encode_needed`"
+    )]
+    StaleNeeds,
+    /// A mesh cannot be removed while casters use it.
+    #[error("{casters} casters still use the mesh; remove them first")]
+    MeshInUse {
+        /// The number of casters.
+        casters: usize,
+    },
+    /// Hidden faces of a list of casters, and another number of casters.
+    #[error(
+        "the hidden faces are those of {found} casters, and {given} casters are given; give those that were searched"
+    )]
+    HiddenCasters {
+        /// Casters given.
+        given: usize,
+        /// Casters that were searched.
+        found: usize,
+    },
+    /// Hidden faces of another mesh, or of a caster given twice.
+    #[error(
+        "caster {caster} of the list has {faces} faces or stands in the list twice, and hidden faces are those of a mesh with \
+         {found} faces; give the casters once and in the order of the search"
+    )]
+    HiddenCaster {
+        /// Number of the caster in the list.
+        caster: usize,
+        /// Faces of its mesh.
+        faces: usize,
+        /// Faces of the mesh that was searched.
+        found: usize,
+    },
+    /// A face that the mesh does not have was to be excluded.
+    #[error("face {face} is to be excluded, and the mesh of the caster has {faces} faces; faces count from 0")]
+    NoSuchFace {
+        /// The face given.
+        face: u32,
+        /// Faces of the mesh.
+        faces: u32,
+    },
+    /// A transform was given for a caster whose positions lie in a buffer in world space.
+    #[error(
+        "the caster has positions in a buffer, in world space, and no transform; give it `CasterPositions::Rigid` by \
+         `Scene::set_positions`"
+    )]
+    NotRigid,
+    /// A version or a box of positions is given for a rigid caster.
+    #[error("the caster is rigid, so there is no version and no box of its positions; move it by `set_transform`")]
+    NoBuffer,
+    /// A box is none.
+    #[error("the box from {low:?} to {high:?} is none; give finite corners, the lowest first")]
+    Bounds {
+        /// The lowest corner given.
+        low: [f32; 3],
+        /// The highest corner given.
+        high: [f32; 3],
+    },
+    /// An occluder has too few or too many corners.
+    #[error("occluder {number}: it has {corners} corners; give 3 to 8")]
+    OccluderCorners {
+        /// The number of the polygon.
+        number: usize,
+        /// Corners given.
+        corners: usize,
+    },
+    /// A corner of an occluder is not on the mesh.
+    #[error(
+        "occluder {number}: corner {corner} at {position:?} is outside the box of the mesh's faces; give positions on its faces, \
+         in mesh space"
+    )]
+    OccluderOutside {
+        /// The number of the polygon.
+        number: usize,
+        /// The number of the corner.
+        corner: usize,
+        /// Where it is.
+        position: [f32; 3],
+    },
+    /// The camera of a view of a scene is refused.
+    #[error("view {view}: {error}")]
+    ViewCamera {
+        /// The number of the view.
+        view: usize,
+        /// Why.
+        error: CameraError,
+    },
+    /// There are more receivers than views.
+    #[error("view {views}: {given} receivers given for {views} cameras; give at most one for each camera")]
+    TooManyReceivers {
+        /// Receivers given.
+        given: usize,
+        /// Cameras given.
+        views: usize,
+    },
+    /// The texture of receivers has no depth.
+    #[error("view {view}: the receivers have the format {format:?}, which has no depth; give the depth attachment")]
+    ReceiversFormat {
+        /// The number of the view.
+        view: usize,
+        /// The format of the texture.
+        format: wgpu::TextureFormat,
+    },
+    /// The texture of receivers cannot be read.
+    #[error("view {view}: the depth texture lacks the usage `TEXTURE_BINDING`; add it where the texture is made")]
+    ReceiversUsage {
+        /// The number of the view.
+        view: usize,
+    },
+    /// The device refuses to read the receivers.
+    #[error(
+        "view {view}: the device cannot read the depth: {message}; give a view of the depth aspect alone, of one layer and level"
+    )]
+    ReceiversRefused {
+        /// The number of the view.
+        view: usize,
+        /// The message of the device.
+        message: String,
+    },
+    /// The scene's counting method needs what the published method of one caster has.
+    #[error("scenes are not counted by {0:?}, which is for a single caster; take `ShadowVolumes`")]
+    SceneCounting(Counting),
+    /// The frame has no view with this number.
+    #[error("view {view} asked for, and {views} cameras were encoded; views count from 0")]
+    NoSuchView {
+        /// The view that was asked for.
+        view: usize,
+        /// Views of the frame.
+        views: usize,
+    },
+    /// The pipelines and the scene do not agree on whether casters are counted in batches.
+    #[error(
+        "the scene counts its casters in {count_batches} batches (`SceneOptions::count_batches`); draw several with \
+         `ScenePipelines::in_batches`, and one with `ScenePipelines::new`"
+    )]
+    CountBatches {
+        /// Batches of the scene.
+        count_batches: u32,
+    },
+    /// The light was not in the scene when the frame was encoded.
+    #[error("the light was not in the scene when this frame was encoded; add it before `Scene::encode`")]
+    NotEncoded,
+    /// A later encode overwrote the results of the frame.
+    #[error(
+        "this frame is out of date: its scene was encoded again, which overwrites the results; use the value that the \
+         last encode returned"
+    )]
+    StaleFrame,
+}
+
+impl From<ExtractorError> for ShadowError {
+    /// A device and lights are refused by the same cases, whoever finds it.
+    fn from(error: ExtractorError) -> Self {
+        match error {
+            ExtractorError::Device(error) => Self::Device(error),
+            ExtractorError::Light(error) => Self::Light(error),
+            error => Self::Extraction(error),
+        }
+    }
 }

@@ -1,6 +1,5 @@
 //! The attachments that volumes are drawn into, and the key of a pipeline of volumes.
 
-use crate::gpu::common::requirements::DeviceError;
 use crate::shadow::DepthDirection;
 
 /// The attachments that volumes are drawn into.
@@ -99,55 +98,6 @@ impl ShadowFormat {
             bias: wgpu::DepthBiasState::default(),
         }
     }
-}
-
-/// Why pipelines cannot be made.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ShadowFormatError {
-    /// The device lacks what shadow volumes need, or is lost.
-    #[error(transparent)]
-    Device(#[from] DeviceError),
-    /// The format lacks stencil or depth. The stencil counts, and the depth tells near from far.
-    #[error("{0:?} does not hold both depth and stencil; take Depth24PlusStencil8 or Depth32FloatStencil8")]
-    NoStencil(wgpu::TextureFormat),
-    /// The device was not asked for the format's feature.
-    #[error("{format:?} needs {needed:?}, which the device was not made with")]
-    Feature {
-        /// The format.
-        format: wgpu::TextureFormat,
-        /// The feature that the device lacks.
-        needed: wgpu::Features,
-    },
-    /// The format does not allow this number of samples.
-    #[error("{samples} samples a pixel of {format:?} are not to be had; take one of {supported:?}")]
-    Samples {
-        /// Samples given.
-        samples: u32,
-        /// The depth-stencil format.
-        format: wgpu::TextureFormat,
-        /// The numbers that every device allows, or some devices with
-        /// `Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES`.
-        supported: Vec<u32>,
-    },
-    /// The device makes no pipelines for the attachments. For example a format cannot be drawn into, there are too many
-    /// attachments, or the adapter lacks the sample count.
-    #[error("the device refuses pipelines for these attachments: {message}")]
-    Refused {
-        /// The message of the device.
-        message: String,
-    },
-    /// Counts own no bit of the stencil, or more than it has.
-    #[error("`count_bits` is {given}; counts own {least} to 8 bits of the stencil here")]
-    CountBits {
-        /// Bits given.
-        given: u32,
-        /// The fewest: one, or two where casters are counted in batches.
-        least: u32,
-    },
-    /// The far plane would cut off dark caps. The device needs `Features::DEPTH_CLIP_CONTROL`.
-    #[error("z-fail with a far plane needs DEPTH_CLIP_CONTROL; use an infinite far plane, or `Counting::Auto`")]
-    DepthClip,
 }
 
 /// The fragments that count.

@@ -1,10 +1,10 @@
 //! The result of one encode of shadow volumes: what can be drawn.
 
+use crate::gpu::shadow::errors::ShadowError;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::buffers::SizedBuffers;
-use super::errors::ShadowDrawError;
 use super::pipelines::{Convention, ShadowPipelines};
 use super::stages::VolumeStages;
 use crate::Light;
@@ -55,21 +55,21 @@ impl ShadowFrame {
     /// depth and the bits that count are the same.
     ///
     /// # Errors
-    /// [`ShadowDrawError`] if the pipelines do not match the volumes, the light was not encoded, or a later encode
+    /// [`ShadowError`] if the pipelines do not match the volumes, the light was not encoded, or a later encode
     /// overwrites what is drawn. Nothing is drawn then.
     pub fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         pipelines: &ShadowPipelines,
         light: usize,
-    ) -> Result<(), ShadowDrawError> {
+    ) -> Result<(), ShadowError> {
         self.extraction.check_current()?;
         if self.shared.encodes.load(Ordering::Relaxed) != self.encode {
-            return Err(ShadowDrawError::StaleFrame);
+            return Err(ShadowError::StaleVolumes);
         }
         let lights = self.lights().len();
         if light >= lights {
-            return Err(ShadowDrawError::NoSuchLight { light, lights });
+            return Err(ShadowError::NoSuchLight { light, lights });
         }
         let devices = [pipelines.shared().device(), self.shared.source.device()];
         check_same(["the pipelines", "the volumes"], devices)?;

@@ -13,8 +13,7 @@ pub(crate) mod source;
 pub(crate) mod stages;
 mod volumes;
 
-pub use errors::{ShadowDrawError, ShadowEncodeError, ShadowVolumesError};
-pub use format::{ShadowFormat, ShadowFormatError};
+pub use format::ShadowFormat;
 pub use frame::ShadowFrame;
 pub use options::ShadowOptions;
 pub use pipelines::ShadowPipelines;

@@ -1,11 +1,11 @@
 //! Render pipelines that count shadow volumes in a stencil buffer.
 
+use crate::gpu::shadow::errors::ShadowError;
 use std::sync::OnceLock;
 
 use wgpu::{CompareFunction, StencilOperation};
 
-use super::errors::ShadowDrawError;
-use super::format::{Casters, Count, Polygons, ShadowFormat, ShadowFormatError, VolumeKey};
+use super::format::{Casters, Count, Polygons, ShadowFormat, VolumeKey};
 use crate::gpu::common::bindings::{READ, UNIFORM, entries};
 use crate::gpu::common::drawing;
 use crate::gpu::common::memory::any_error;
@@ -159,21 +159,21 @@ impl Convention {
     }
 
     /// Refuses to draw volumes of this convention by pipelines of another.
-    pub(crate) fn check_drawn_by(self, pipelines: Self) -> Result<(), ShadowDrawError> {
+    pub(crate) fn check_drawn_by(self, pipelines: Self) -> Result<(), ShadowError> {
         if self.counting != pipelines.counting {
-            return Err(ShadowDrawError::Counting { volumes: self.counting, pipelines: pipelines.counting });
+            return Err(ShadowError::OtherCounting { volumes: self.counting, pipelines: pipelines.counting });
         }
         if self.depth != pipelines.depth {
-            return Err(ShadowDrawError::Depth { volumes: self.depth, pipelines: pipelines.depth });
+            return Err(ShadowError::OtherDepth { volumes: self.depth, pipelines: pipelines.depth });
         }
         if self.mirrors != pipelines.mirrors {
-            return Err(ShadowDrawError::FrontFace { volumes: self.front_face(), pipelines: pipelines.front_face() });
+            return Err(ShadowError::OtherFrontFace { volumes: self.front_face(), pipelines: pipelines.front_face() });
         }
         if self.is_unclipped && !pipelines.is_unclipped {
-            return Err(ShadowDrawError::FarPlane);
+            return Err(ShadowError::OtherFarPlane);
         }
         if self.count_bits != pipelines.count_bits {
-            return Err(ShadowDrawError::CountBits { volumes: self.count_bits, pipelines: pipelines.count_bits });
+            return Err(ShadowError::OtherCountBits { volumes: self.count_bits, pipelines: pipelines.count_bits });
         }
         Ok(())
     }
@@ -197,12 +197,12 @@ impl ShadowPipelines {
     /// methods and extractors share.
     ///
     /// # Errors
-    /// [`ShadowFormatError`] if the device lacks what shadow volumes need, or cannot draw into the attachments.
+    /// [`ShadowError`] if the device lacks what shadow volumes need, or cannot draw into the attachments.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         format: &ShadowFormat,
         counting: Counting,
-    ) -> Result<Self, ShadowFormatError> {
+    ) -> Result<Self, ShadowError> {
         Self::of_casters(pipelines.into(), format, counting, Casters::One)
     }
 
@@ -212,13 +212,13 @@ impl ShadowPipelines {
         format: &ShadowFormat,
         counting: Counting,
         casters: Casters,
-    ) -> Result<Self, ShadowFormatError> {
+    ) -> Result<Self, ShadowError> {
         pipelines.clone().construct(Subject::Shadow, || {
             check(pipelines.device(), format, counting.may_fail())?;
             check_count_bits(format.count_bits, casters)?;
             let device = pipelines.device().clone();
             any_error(&device, || Self::with(pipelines, format, counting, casters))
-                .map_err(|message| ShadowFormatError::Refused { message })
+                .map_err(|message| ShadowError::Refused { message })
         })
     }
 
@@ -277,29 +277,29 @@ pub(crate) fn layouts(pipelines: &Pipelines) -> Layouts {
 }
 
 /// Refuses attachments that the device cannot draw volumes into.
-pub(crate) fn check(device: &wgpu::Device, format: &ShadowFormat, is_fail: bool) -> Result<(), ShadowFormatError> {
+pub(crate) fn check(device: &wgpu::Device, format: &ShadowFormat, is_fail: bool) -> Result<(), ShadowError> {
     let depth_stencil = format.depth_stencil;
     if !(depth_stencil.has_stencil_aspect() && depth_stencil.has_depth_aspect()) {
-        return Err(ShadowFormatError::NoStencil(depth_stencil));
+        return Err(ShadowError::NoStencil(depth_stencil));
     }
     let needed = depth_stencil.required_features();
     if !device.features().contains(needed) {
-        return Err(ShadowFormatError::Feature { format: depth_stencil, needed });
+        return Err(ShadowError::Feature { format: depth_stencil, needed });
     }
     let supported = sample_counts(device, depth_stencil);
     if !supported.contains(&format.samples) {
-        return Err(ShadowFormatError::Samples { samples: format.samples, format: depth_stencil, supported });
+        return Err(ShadowError::Samples { samples: format.samples, format: depth_stencil, supported });
     }
     if is_fail && format.has_far_plane && !device.features().contains(wgpu::Features::DEPTH_CLIP_CONTROL) {
-        return Err(ShadowFormatError::DepthClip);
+        return Err(ShadowError::DepthClip);
     }
     Ok(())
 }
 
 /// Refuses numbers of bits that counts cannot own.
-pub(crate) fn check_count_bits(given: u32, casters: Casters) -> Result<(), ShadowFormatError> {
+pub(crate) fn check_count_bits(given: u32, casters: Casters) -> Result<(), ShadowError> {
     let least = casters.least_bits();
-    if (least..=8).contains(&given) { Ok(()) } else { Err(ShadowFormatError::CountBits { given, least }) }
+    if (least..=8).contains(&given) { Ok(()) } else { Err(ShadowError::CountBits { given, least }) }
 }
 
 /// The sample counts that a format may have on a device. An adapter may add some to those of every device, but wgpu

@@ -1,10 +1,11 @@
 //! Render pipelines that count the shadow volumes of scenes.
 
-use super::format::{Casters, ShadowFormat, ShadowFormatError};
+use super::format::{Casters, ShadowFormat};
 use super::pipelines::ShadowPipelines;
 use crate::gpu::common::drawing::Drawn;
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
+use crate::gpu::shadow::errors::ShadowError;
 use crate::shadow::Counting;
 
 /// A triangle over the whole picture.
@@ -37,12 +38,12 @@ impl ScenePipelines {
     /// that of the scenes; see [`SceneOptions`](crate::gpu::SceneOptions).
     ///
     /// # Errors
-    /// [`ShadowFormatError`] if the device lacks what shadow volumes need, or cannot draw into the attachments.
+    /// [`ShadowError`] if the device lacks what shadow volumes need, or cannot draw into the attachments.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         format: &ShadowFormat,
         counting: Counting,
-    ) -> Result<Self, ShadowFormatError> {
+    ) -> Result<Self, ShadowError> {
         let volumes = ShadowPipelines::of_casters(pipelines.into(), format, counting, Casters::Scene)?;
         Ok(Self { volumes, resolve: None })
     }
@@ -57,11 +58,11 @@ impl ScenePipelines {
         pipelines: impl Into<Pipelines>,
         format: &ShadowFormat,
         counting: Counting,
-    ) -> Result<Self, ShadowFormatError> {
+    ) -> Result<Self, ShadowError> {
         let pipelines = pipelines.into();
         let volumes = ShadowPipelines::of_casters(pipelines.clone(), format, counting, Casters::Batches)?;
         let made = any_error(pipelines.device(), || resolve(&pipelines, format));
-        let resolve = made.map_err(|message| ShadowFormatError::Refused { message })?;
+        let resolve = made.map_err(|message| ShadowError::Refused { message })?;
         Ok(Self { volumes, resolve: Some(resolve) })
     }
 

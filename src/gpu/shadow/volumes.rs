@@ -1,10 +1,11 @@
 //! The shadow volumes of one caster.
 
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::shadow::errors::ShadowError;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use super::buffers::SizedBuffers;
-use super::errors::{ShadowEncodeError, ShadowVolumesError};
 use super::frame::{ShadowFrame, Shared};
 use super::options::ShadowOptions;
 use super::pipelines::{Convention, Part, ShadowPipelines};
@@ -13,12 +14,11 @@ use super::source::{GroupSource, VolumeSource};
 use super::stages::{StagePipelines, VolumeStages};
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{Resource, whole};
-use crate::gpu::common::memory::{Allocation, MemoryError, buffer, guarded};
+use crate::gpu::common::memory::{Allocation, buffer, guarded};
 use crate::gpu::common::positions::{self, BoundPositions};
 use crate::gpu::common::requirements::{Subject, check_same, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::upload;
-use crate::gpu::extract::errors::ExtractionIncludeError;
 use crate::gpu::extract::extraction::{self, Extraction, Place};
 use crate::gpu::extract::extractor::Extractor;
 use crate::gpu::scene::options::SceneOptions;
@@ -105,28 +105,24 @@ impl ShadowVolumes {
     /// the same device. `pipelines` also provides the compute pipelines.
     ///
     /// # Errors
-    /// [`ShadowVolumesError`] if the extractor lacks lists or facing masks or is on another device, or the mesh does
+    /// [`ShadowError`] if the extractor lacks lists or facing masks or is on another device, or the mesh does
     /// not fit the device.
     pub fn new(
         pipelines: &ShadowPipelines,
         extractor: &Extractor,
         options: ShadowOptions,
-    ) -> Result<Self, ShadowVolumesError> {
+    ) -> Result<Self, ShadowError> {
         let devices = [extractor.shared().device(), pipelines.shared().device()];
         check_same(["the extractor", "the pipelines"], devices)?;
         pipelines.shared().construct(Subject::Shadow, || Self::with(pipelines, extractor, options))
     }
 
-    fn with(
-        pipelines: &ShadowPipelines,
-        extractor: &Extractor,
-        options: ShadowOptions,
-    ) -> Result<Self, ShadowVolumesError> {
+    fn with(pipelines: &ShadowPipelines, extractor: &Extractor, options: ShadowOptions) -> Result<Self, ShadowError> {
         let source = extractor.shared();
         source.check_include()?;
         if source.buffers.faces.size() > source.limits.binding {
             let (bytes, limit) = (source.buffers.faces.size(), source.limits.binding);
-            return Err(MemoryError::Binding { what: "faces", bytes, limit }.into());
+            return Err(DeviceError::BindingTooLarge { what: "faces", bytes, limit }.into());
         }
         let scene = options.of_scene(pipelines.convention);
         let has_pieces = source.buffers.polygons.is_some();
@@ -157,7 +153,7 @@ impl ShadowVolumes {
     /// positions in their own space. `timer` takes a timestamp around each stage.
     ///
     /// # Errors
-    /// [`ShadowEncodeError`] if camera or lights are refused, or the extraction belongs to another extractor or is out
+    /// [`ShadowError`] if camera or lights are refused, or the extraction belongs to another extractor or is out
     /// of date. Nothing is recorded then.
     pub fn encode(
         &mut self,
@@ -165,7 +161,7 @@ impl ShadowVolumes {
         extraction: &Extraction,
         camera: &ShadowCamera,
         timer: Option<&mut StageTimer>,
-    ) -> Result<ShadowFrame, ShadowEncodeError> {
+    ) -> Result<ShadowFrame, ShadowError> {
         self.check(extraction, camera)?;
         check_timer(timer.as_deref(), extraction.shared.device())?;
         camera.check_hand(self.shared.convention.mirrors)?;
@@ -220,36 +216,32 @@ impl ShadowVolumes {
 
     /// Refuses input that would draw wrong shadows: an extraction of another extractor or out of date, or a camera that
     /// the pipelines are not for.
-    fn check(&self, extraction: &Extraction, camera: &ShadowCamera) -> Result<(), ShadowEncodeError> {
+    fn check(&self, extraction: &Extraction, camera: &ShadowCamera) -> Result<(), ShadowError> {
         let Shared { source, convention, .. } = &*self.shared;
         if !Arc::ptr_eq(source, &extraction.shared) {
-            return Err(ShadowEncodeError::OtherExtractor);
+            return Err(ShadowError::OtherExtractor);
         }
         extraction.check_current()?;
         check_shadow_lights(extraction.lights(), source.shape.max_lights)?;
         let &Convention { counting, depth, .. } = convention;
         if camera.depth != depth {
-            return Err(ShadowEncodeError::Depth { camera: camera.depth, pipelines: depth });
+            return Err(ShadowError::CameraDepth { camera: camera.depth, pipelines: depth });
         }
         if convention.needs_far_end() && camera.has_far_plane() {
-            return Err(ShadowEncodeError::FarPlane { counting });
+            return Err(ShadowError::FarPlane { counting });
         }
         Ok(())
     }
 
     /// Binds the stages and draws to positions, unless they are bound to this place.
-    fn bind(
-        &mut self,
-        extraction: &Extraction,
-        bound: &BoundPositions,
-    ) -> Result<Arc<VolumeStages>, ShadowEncodeError> {
+    fn bind(&mut self, extraction: &Extraction, bound: &BoundPositions) -> Result<Arc<VolumeStages>, ShadowError> {
         if let Some((place, stages)) = &self.stages
             && *place == extraction.place
         {
             return Ok(Arc::clone(stages));
         }
         let Shared { buffers, source, table, .. } = &*self.shared;
-        source.check_single_bindings(bound).map_err(ExtractionIncludeError::from)?;
+        source.check_single_bindings(bound)?;
         let place = extraction.positions();
         let stages = positions::bound(source.device(), || {
             let positions = bound.first_binding(place.buffer);

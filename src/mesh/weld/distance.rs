@@ -2,6 +2,8 @@
 
 use std::cmp::Ordering;
 
+use crate::mesh::MeshError;
+
 /// How far apart vertices may be that are welded: see [`Weld::Distance`](super::Weld::Distance).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WeldDistance {
@@ -9,22 +11,14 @@ pub struct WeldDistance {
     across_data: bool,
 }
 
-/// A weld distance is negative, infinite or NaN.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("a weld distance is a finite number, 0 or more, and {distance} is not")]
-pub struct WeldDistanceError {
-    /// The distance given.
-    pub distance: f32,
-}
-
 impl WeldDistance {
     /// A distance in the space of the positions. 0 joins vertices at one place, as [`Weld::Data`](super::Weld::Data) does.
     ///
     /// # Errors
-    /// [`WeldDistanceError`] for a distance that is negative, infinite or NaN.
-    pub fn new(distance: f32) -> Result<Self, WeldDistanceError> {
+    /// [`MeshError`] for a distance that is negative, infinite or NaN.
+    pub fn new(distance: f32) -> Result<Self, MeshError> {
         if !(distance.is_finite() && distance >= 0.0) {
-            return Err(WeldDistanceError { distance });
+            return Err(MeshError::WeldDistance { distance });
         }
         Ok(Self { bits: super::bits(distance), across_data: false })
     }

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use rimline::gpu::{Extractor, PositionBuffer, StageTimer, TimerError};
+use rimline::gpu::{DeviceError, Extractor, PositionBuffer, StageTimer};
 use rimline::reference::Method;
 use rimline::reference::cpu;
 use rimline::reference::layout::ExtractionStatistics;
@@ -64,9 +64,13 @@ impl<'a> Uploaded<'a> {
             let read = || Ok((timer.read(&gpu.device, &gpu.queue)?, timer.read_span(&gpu.device, &gpu.queue)?));
             match read() {
                 Ok((stages, gpu_ms)) => Ok(Sample { wall_ms, gpu_ms: Some(gpu_ms), stages }),
-                Err(TimerError::Read(error)) => Err(fail(error.into())),
                 // Timestamps that mean nothing: the clock's time is left.
-                Err(_) => Ok(Sample { wall_ms, ..Sample::default() }),
+                Err(
+                    DeviceError::TimestampPeriod { .. }
+                    | DeviceError::ClockStill { .. }
+                    | DeviceError::ClockBackwards { .. },
+                ) => Ok(Sample { wall_ms, ..Sample::default() }),
+                Err(error) => Err(fail(error.into())),
             }
         }))
     }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use rimline::gpu::{Extractor, ExtractorOptions, ReadError, StageTimer, read_back_vec};
+use rimline::gpu::{DeviceError, Extractor, ExtractorOptions, StageTimer, read_back_vec};
 use rimline::mesh::Polygons;
 use rimline::reference::Method;
 use rimline::reference::cpu::FacingStatistics;
@@ -166,7 +166,7 @@ pub(crate) fn read_planes<T: bytemuck::Pod>(
     gpu: &Gpu,
     buffers: &[wgpu::Buffer],
     items: usize,
-) -> Result<Vec<T>, ReadError> {
+) -> Result<Vec<T>, DeviceError> {
     let mut all = Vec::new();
     for buffer in buffers {
         // A buffer may be longer than what it holds.

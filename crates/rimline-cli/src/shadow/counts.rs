@@ -1,6 +1,6 @@
 //! Whether eight bits of stencil hold what is counted, and other numbers that stages leave.
 
-use rimline::gpu::{ReadError, read_back_vec};
+use rimline::gpu::{DeviceError, read_back_vec};
 use rimline::reference::layout::ShadowStatistics;
 use rimline::wgpu;
 
@@ -45,7 +45,7 @@ impl CountBound {
 }
 
 /// The statistics in a buffer.
-pub(super) fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<ShadowStatistics, ReadError> {
+pub(super) fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<ShadowStatistics, DeviceError> {
     let statistics: Vec<ShadowStatistics> = read_back_vec(&gpu.device, &gpu.queue, buffer)?;
     Ok(statistics.first().copied().unwrap_or(bytemuck::Zeroable::zeroed()))
 }

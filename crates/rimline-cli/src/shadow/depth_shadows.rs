@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::{DepthMapPipelines, MeshDepth, ReadError, StageTimer};
+use rimline::gpu::{DepthMapPipelines, DeviceError, MeshDepth, StageTimer};
 use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
 
 use super::cast_inputs::{CastInputs, parity, put};
@@ -107,7 +107,7 @@ impl DepthShadows {
     }
 
     /// Results for each file, without volumes. Waits for the device.
-    pub(super) fn found_of_files(&self, gpu: &Gpu) -> Result<Vec<Found>, ReadError> {
+    pub(super) fn found_of_files(&self, gpu: &Gpu) -> Result<Vec<Found>, DeviceError> {
         let of_file = |file: &File| {
             let (silhouettes, extraction) = file.surface.found(gpu, self.max_lights)?;
             let lights = vec![bytemuck::Zeroable::zeroed(); self.max_lights];
@@ -117,7 +117,7 @@ impl DepthShadows {
     }
 
     /// Results in the maps of all lights. Waits for the device.
-    pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthsFound, ReadError> {
+    pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthsFound, DeviceError> {
         let lights = self.lights.iter().map(|maps| maps.found(gpu)).collect::<Result<_, _>>()?;
         Ok(DepthsFound { size: self.from.size(), has_walls: self.from.has_walls(), lights })
     }

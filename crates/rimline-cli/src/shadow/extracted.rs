@@ -1,6 +1,6 @@
 //! The extraction of a single file's mesh.
 
-use rimline::gpu::{Extraction, Extractor, ExtractorOptions, ReadError, StageTimer, read_back_vec};
+use rimline::gpu::{DeviceError, Extraction, Extractor, ExtractorOptions, StageTimer, read_back_vec};
 use rimline::reference::layout::ExtractionStatistics;
 use rimline::{Light, Mesh, wgpu};
 
@@ -55,7 +55,7 @@ impl Extracted {
     }
 
     /// The silhouette edges of each light, and the statistics. Waits for the device.
-    pub(super) fn found(&self, gpu: &Gpu, lights: usize) -> Result<(Vec<u32>, ExtractionStatistics), ReadError> {
+    pub(super) fn found(&self, gpu: &Gpu, lights: usize) -> Result<(Vec<u32>, ExtractionStatistics), DeviceError> {
         let results = self.extractor.results();
         let mut silhouettes: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, results.counts)?;
         silhouettes.truncate(lights);

@@ -2,7 +2,7 @@
 
 use rimline::gpu::{
     DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapFrame, DepthMapPipelines,
-    DepthMapVolumes, DepthMetric, ReadError, StageTimer, read_back_vec,
+    DepthMapVolumes, DepthMetric, DeviceError, StageTimer, read_back_vec,
 };
 use rimline::{Origin, ShadowCamera, wgpu};
 
@@ -119,7 +119,7 @@ impl LightMaps {
     }
 
     /// Results in the maps. Waits for the device.
-    pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthFound, ReadError> {
+    pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthFound, DeviceError> {
         let list: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, self.cells())?;
         let listed = list.first().copied().unwrap_or(0);
         Ok(DepthFound { maps: self.views.len(), listed, capacity: self.capacity() })

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use rimline::gpu::{CasterHandle, ReadError, SceneError, SceneFrame, SceneGroupResults, read_back_vec};
+use rimline::gpu::{CasterHandle, DeviceError, SceneFrame, SceneGroupResults, ShadowError, read_back_vec};
 use rimline::reference::cpu::{self, CHOICE_WORDS, SceneTable};
 use rimline::reference::layout::{ExtractionStatistics, SeenLight, ShadowShape, ShadowStatistics};
 use rimline::reference::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS};
@@ -21,8 +21,8 @@ use crate::gpu_error::GpuError;
 const CAPPED: usize = 3;
 
 /// The place of a caster in the table, and its group.
-fn place(frame: &SceneFrame, caster: CasterHandle) -> Result<(u32, usize), SceneError> {
-    frame.place(caster).ok_or(SceneError::Stale { what: "caster" })
+fn place(frame: &SceneFrame, caster: CasterHandle) -> Result<(u32, usize), ShadowError> {
+    frame.place(caster).ok_or(ShadowError::Removed { what: "caster" })
 }
 
 impl SceneShadows {
@@ -105,7 +105,7 @@ impl SceneShadows {
     }
 
     /// The statistics of all files.
-    pub(super) fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, ReadError> {
+    pub(super) fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, DeviceError> {
         let buffer = self.frame().ok().and_then(SceneFrame::shadow_statistics);
         let found = buffer.map_or(Ok(bytemuck::Zeroable::zeroed()), |buffer| counts::read(gpu, buffer))?;
         Ok(match self.layers {
@@ -147,14 +147,14 @@ fn code(counting: Counting) -> u32 {
 }
 
 /// The number of silhouette edges of each light of a group and batch, and its statistics.
-fn of_group(gpu: &Gpu, group: &SceneGroupResults<'_>) -> Result<(Vec<u32>, ExtractionStatistics), ReadError> {
+fn of_group(gpu: &Gpu, group: &SceneGroupResults<'_>) -> Result<(Vec<u32>, ExtractionStatistics), DeviceError> {
     let counts = first_words(gpu, group.lists, 32)?;
     let record = first_words(gpu, group.record, size_of::<ExtractionStatistics>() as u64 / 4)?;
     Ok((counts, bytemuck::pod_read_unaligned(bytemuck::cast_slice(&record))))
 }
 
 /// The first words of a buffer whose rest is not needed.
-fn first_words(gpu: &Gpu, buffer: &wgpu::Buffer, words: u64) -> Result<Vec<u32>, ReadError> {
+fn first_words(gpu: &Gpu, buffer: &wgpu::Buffer, words: u64) -> Result<Vec<u32>, DeviceError> {
     let label = Some("first words");
     let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
     let copy =

@@ -5,7 +5,7 @@ use std::collections::btree_map::Entry;
 
 use rimline::cpu::HiddenFaces;
 use rimline::gpu::{
-    Caster, CasterHandle, LightHandle, MeshHandle, Scene, SceneError, SceneFrame, SceneOptions, ScenePipelines,
+    Caster, CasterHandle, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions, ScenePipelines, ShadowError,
     StageTimer,
 };
 use rimline::{Counting, Light, wgpu};
@@ -56,7 +56,7 @@ impl SceneShadows {
     pub(super) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         self.layers = None;
         let Self { scene, files, .. } = self;
-        let failed = |error: SceneError| GpuError::from(error).on(gpu);
+        let failed = |error: ShadowError| GpuError::from(error).on(gpu);
         files.resize_with(bodies.len(), File::default);
         for (File { meshes, casters }, body) in files.iter_mut().zip(bodies) {
             for (instance, &topology) in body.topologies.iter().enumerate() {
@@ -116,7 +116,7 @@ impl SceneShadows {
         Ok(())
     }
 
-    fn set_lights(&mut self, lights: &[Light]) -> Result<(), SceneError> {
+    fn set_lights(&mut self, lights: &[Light]) -> Result<(), ShadowError> {
         let Self { scene, lights: handles, .. } = self;
         for (number, &light) in lights.iter().enumerate() {
             match handles.get(number) {
@@ -153,12 +153,12 @@ impl SceneShadows {
         {
             return Ok(());
         }
-        let handle = *self.lights.get(light).ok_or(SceneError::NotEncoded)?;
+        let handle = *self.lights.get(light).ok_or(ShadowError::NotEncoded)?;
         Ok(self.frame()?.draw(pass, pipelines, 0, handle)?)
     }
 
     /// Frame of the last encode.
-    pub(super) fn frame(&self) -> Result<&SceneFrame, SceneError> {
-        self.frame.as_ref().ok_or(SceneError::NotEncoded)
+    pub(super) fn frame(&self) -> Result<&SceneFrame, ShadowError> {
+        self.frame.as_ref().ok_or(ShadowError::NotEncoded)
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rimline::gpu::{
-    DepthMapPipelines, ReadError, ScenePipelines, ShadowDrawError, ShadowFormat, ShadowPipelines, StageTimer, Use,
+    DepthMapPipelines, DeviceError, ScenePipelines, ShadowError, ShadowFormat, ShadowPipelines, StageTimer, Use,
 };
 use rimline::reference::layout::ShadowStatistics;
 use rimline::{Counting, Light, Origin, wgpu};
@@ -187,7 +187,7 @@ impl Shadows {
             (Self::Depth(maps), VolumePipelines::Depth(pipelines, _)) => maps.draw(pass, pipelines, light),
             (_, pipelines) => {
                 let (volumes, pipelines) = (self.counting(), pipelines.counting());
-                Err(ShadowDrawError::Counting { volumes, pipelines }.into())
+                Err(ShadowError::OtherCounting { volumes, pipelines }.into())
             }
         }
     }
@@ -201,7 +201,7 @@ impl Shadows {
     }
 
     /// Results in maps, if maps cast. Waits for the device.
-    pub(super) fn depth_found(&self, gpu: &Gpu) -> Result<Option<DepthsFound>, ReadError> {
+    pub(super) fn depth_found(&self, gpu: &Gpu) -> Result<Option<DepthsFound>, DeviceError> {
         match self {
             Self::Scene(_) | Self::Single(_) => Ok(None),
             Self::Depth(maps) => maps.found(gpu).map(Some),
@@ -248,7 +248,7 @@ impl Shadows {
     }
 
     /// The statistics of all files together. Waits for the device.
-    pub(crate) fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, ReadError> {
+    pub(crate) fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, DeviceError> {
         match self {
             Self::Scene(scene) => scene.statistics(gpu),
             Self::Single(single) => single.statistics(gpu),

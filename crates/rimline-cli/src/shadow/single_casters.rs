@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rimline::gpu::{
-    ReadError, ShadowDrawError, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes, StageTimer, read_back_vec,
+    DeviceError, ShadowError, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes, StageTimer, read_back_vec,
 };
 use rimline::reference::cpu;
 use rimline::reference::layout::{SeenLight, ShadowStatistics};
@@ -56,7 +56,7 @@ impl SingleCasters {
             };
             let options = ShadowOptions { bound_counts: true, ..ShadowOptions::default() };
             let volumes = ShadowVolumes::new(&self.pipelines, &extracted.extractor, options)
-                .map_err(|error| GpuError::from(error).on(gpu))?;
+                .map_err(|error| GpuError::Volumes(error).on(gpu))?;
             let caster = Caster { extracted, surface, volumes, frame: None };
             put(&mut self.casters, number, caster);
         }
@@ -74,7 +74,8 @@ impl SingleCasters {
             if let Some(surface) = surface {
                 surface.encode(encoder, body, lights, timer.as_deref_mut())?;
             }
-            *frame = Some(volumes.encode(encoder, extraction, camera, timer.as_deref_mut())?);
+            let encoded = volumes.encode(encoder, extraction, camera, timer.as_deref_mut());
+            *frame = Some(encoded.map_err(GpuError::Volumes)?);
         }
         Ok(())
     }
@@ -84,7 +85,7 @@ impl SingleCasters {
         pass: &mut wgpu::RenderPass<'_>,
         pipelines: &ShadowPipelines,
         light: usize,
-    ) -> Result<(), ShadowDrawError> {
+    ) -> Result<(), ShadowError> {
         self.casters
             .iter()
             .filter_map(|caster| caster.frame.as_ref())
@@ -98,7 +99,7 @@ impl SingleCasters {
         self.casters.iter().zip(bodies).map(of_file).collect()
     }
 
-    pub(super) fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, ReadError> {
+    pub(super) fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, DeviceError> {
         let (device, queue) = (&gpu.device, &gpu.queue);
         let of_file = |Caster { extracted, volumes, .. }: &Caster| {
             let (silhouettes, extraction) = extracted.found(gpu, self.max_lights)?;
@@ -117,7 +118,7 @@ impl SingleCasters {
     }
 
     /// All casters count into one stencil, so their bounds add up.
-    pub(super) fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, ReadError> {
+    pub(super) fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, DeviceError> {
         let mut all: ShadowStatistics = bytemuck::Zeroable::zeroed();
         for caster in &self.casters {
             all = counts::sum(all, counts::read(gpu, caster.volumes.statistics())?);

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use rimline::gpu::{ShadowFormat, StageTimer, TimerError};
+use rimline::gpu::{DeviceError, ShadowFormat, StageTimer};
 use rimline::wgpu;
 use wgpu::{LoadOp, Operations, StoreOp, TextureFormat, TextureUsages};
 
@@ -185,11 +185,15 @@ impl<'a> Stopwatch<'a> {
         let Gpu { device, queue, .. } = self.gpu;
         match timer.read(device, queue).and_then(|stages| Ok((stages, timer.read_span(device, queue)?))) {
             Ok(times) => Ok(Some(times)),
-            Err(TimerError::Read(error)) => Err(GpuError::from(error).on(self.gpu)),
-            Err(_) => {
+            Err(
+                DeviceError::TimestampPeriod { .. }
+                | DeviceError::ClockStill { .. }
+                | DeviceError::ClockBackwards { .. },
+            ) => {
                 self.timer = None;
                 Ok(None)
             }
+            Err(error) => Err(GpuError::from(error).on(self.gpu)),
         }
     }
 }

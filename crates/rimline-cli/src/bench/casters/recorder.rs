@@ -168,7 +168,8 @@ impl MeshRecorders {
             let options = ExtractorOptions { max_lights: LIGHTS, ..ExtractorOptions::default() };
             let make = || -> Result<_, GpuError> {
                 let extractor = Extractor::new(&gpu.pipelines, &mesh, options)?;
-                let volumes = ShadowVolumes::new(&pipelines.volumes, &extractor, ShadowOptions::default())?;
+                let volumes = ShadowVolumes::new(&pipelines.volumes, &extractor, ShadowOptions::default())
+                    .map_err(GpuError::Volumes)?;
                 let bytes: &[u8] = bytemuck::cast_slice(&shape.positions);
                 let positions = gpu.device.create_buffer(&wgpu::BufferDescriptor {
                     label: Some("positions"),

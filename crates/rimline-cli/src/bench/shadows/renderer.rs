@@ -111,7 +111,8 @@ impl<'a> ShadowBenchRenderer<'a> {
         let extractor = Extractor::new(&gpu.pipelines, stage.mesh, ExtractorOptions::default())?;
         let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
         let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, method.counting)?;
-        let volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default())?;
+        let volumes =
+            ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default()).map_err(GpuError::Volumes)?;
         let size = [stage.size; 2];
         let texture = |label, format, usage| factory.target(label, size, format, 1, usage);
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());

@@ -3,7 +3,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use rimline::gpu::{Pipelines, ScenePipelines, ShadowFormat, ShadowFormatError};
+use rimline::gpu::{Pipelines, ScenePipelines, ShadowError, ShadowFormat};
 use rimline::{Counting, wgpu};
 
 /// The bits that count.
@@ -39,7 +39,7 @@ impl BatchPipelines {
         Self { pipelines: pipelines.clone(), format, counting, made: Arc::default() }
     }
 
-    pub(super) fn get(&self) -> Result<&Made, ShadowFormatError> {
+    pub(super) fn get(&self) -> Result<&Made, ShadowError> {
         if let Some(made) = self.made.get() {
             return Ok(made);
         }

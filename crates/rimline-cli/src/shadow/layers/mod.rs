@@ -6,7 +6,7 @@ mod batches;
 mod deepest;
 mod rays;
 
-use rimline::gpu::{Caster, LightHandle, Scene, SceneError, SceneFrame, SceneOptions};
+use rimline::gpu::{Caster, LightHandle, Scene, SceneFrame, SceneOptions, ShadowError};
 use rimline::{Counting, Light, Mesh, MeshError, ShadowCamera, wgpu};
 
 use super::cast_inputs::CastInputs;
@@ -75,7 +75,7 @@ impl Layers {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         CastInputs { camera, lights, .. }: &CastInputs<'_>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), ShadowError> {
         match self {
             Self::Batched(batches) => batches.iter_mut().try_for_each(|batch| batch.encode(encoder, camera, lights)),
             Self::Few(_) | Self::Many => Ok(()),
@@ -95,8 +95,8 @@ impl Layers {
             if number > 0 {
                 made.resolve(pass);
             }
-            let frame = batch.frame.as_ref().ok_or(SceneError::NotEncoded)?;
-            let handle = *batch.lights.get(light).ok_or(SceneError::NotEncoded)?;
+            let frame = batch.frame.as_ref().ok_or(ShadowError::NotEncoded)?;
+            let handle = *batch.lights.get(light).ok_or(ShadowError::NotEncoded)?;
             frame.draw(pass, &made.counting, 0, handle)?;
         }
         Ok(true)
@@ -112,7 +112,7 @@ impl Batch {
         max_lights: usize,
         of: &[u32],
     ) -> Result<Self, Failure> {
-        let failed = |error: SceneError| GpuError::from(error).on(gpu);
+        let failed = |error: ShadowError| GpuError::from(error).on(gpu);
         let options = SceneOptions { max_lights, counting, count_bits: COUNT_BITS, ..SceneOptions::default() };
         let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(failed)?;
         let mut of = of.to_vec();
@@ -149,7 +149,7 @@ impl Batch {
         encoder: &mut wgpu::CommandEncoder,
         camera: &ShadowCamera,
         lights: &[Light],
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), ShadowError> {
         for (number, &light) in lights.iter().enumerate() {
             match self.lights.get(number) {
                 Some(&handle) => self.scene.set_light(handle, light)?,

@@ -1,0 +1,210 @@
+//! Why a device, or a buffer on it, does not do.
+
+use super::memory::Allocation;
+
+/// Why a device cannot be used, or buffers cannot be made, bound or read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DeviceError {
+    /// A limit of the device is too small.
+    #[error(
+        "{subject} needs `{limit}` of at least {needed}, and the device has {there}; request the device with \
+         `required_limits: wgpu::Limits::default()`, or with this limit raised"
+    )]
+    Limit {
+        /// The subject whose stages need it.
+        subject: &'static str,
+        /// The field of [`wgpu::Limits`].
+        limit: &'static str,
+        /// The smallest value that works.
+        needed: u64,
+        /// The value of the device.
+        there: u64,
+    },
+    /// An alignment of offsets of the device is too coarse.
+    #[error(
+        "{subject} needs `{limit}` of at most {needed}, and the device has {there}; request the device with \
+         `required_limits: wgpu::Limits::default()`, or with this limit lowered"
+    )]
+    Alignment {
+        /// The subject whose stages need it.
+        subject: &'static str,
+        /// The field of [`wgpu::Limits`].
+        limit: &'static str,
+        /// The largest value that works.
+        needed: u64,
+        /// The value of the device.
+        there: u64,
+    },
+    /// The adapter lacks a downlevel flag. A device does not list these flags, so each is tried once.
+    #[error(
+        "{subject} needs `DownlevelFlags::{flag}`, which the adapter lacks; take another adapter or backend: {message}"
+    )]
+    Downlevel {
+        /// The subject whose stages need it.
+        subject: &'static str,
+        /// The flag of [`wgpu::DownlevelFlags`].
+        flag: &'static str,
+        /// The message of the device.
+        message: String,
+    },
+    /// The device was lost or destroyed.
+    #[error("the device is lost; make a new one, and everything on it anew")]
+    Lost,
+    /// Objects of two devices were used together. This is found only for devices of one [`wgpu::Instance`]. For two
+    /// instances wgpu cannot tell the objects apart; it panics or takes one for another.
+    #[error("{what} is of another device than {with}; make both on one device")]
+    OtherDevice {
+        /// The object that was given.
+        what: &'static str,
+        /// The object that it was given to.
+        with: &'static str,
+    },
+    /// The device refuses something, and no limit, feature or flag says why.
+    #[error("the device refuses what Rimline makes: {message}")]
+    Refused {
+        /// The message of the device.
+        message: String,
+    },
+
+    /// One buffer is larger than the device allows.
+    #[error("{label} needs {bytes} bytes in one buffer, and the device allows {limit}; split the mesh")]
+    BufferTooLarge {
+        /// The buffer's label.
+        label: &'static str,
+        /// Bytes needed.
+        bytes: u64,
+        /// `max_buffer_size` of the device.
+        limit: u64,
+    },
+    /// An array that has to be bound at once, such as the share of a single workgroup, does not fit one binding.
+    #[error("{what} needs {bytes} bytes in one binding, and the device allows {limit}; request a larger limit")]
+    BindingTooLarge {
+        /// The array that is bound.
+        what: &'static str,
+        /// Bytes needed.
+        bytes: u64,
+        /// `max_storage_buffer_binding_size` of the device.
+        limit: u64,
+    },
+    /// A gathered array needs more bindings than the shaders have.
+    #[error("{what} take {bytes} bytes, and four bindings of the device hold {limit}; split the mesh")]
+    GatheredTooLarge {
+        /// The array that is gathered from.
+        what: &'static str,
+        /// Bytes needed.
+        bytes: u64,
+        /// Four times `max_storage_buffer_binding_size` of the device.
+        limit: u64,
+    },
+    /// All buffers together exceed the caller's limit.
+    #[error(
+        "{bytes} bytes needed in all, {limit} allowed (`memory_limit`); the largest is {} with {} bytes",
+        .largest.label, .largest.bytes
+    )]
+    MemoryLimit {
+        /// Bytes needed.
+        bytes: u64,
+        /// The limit given.
+        limit: u64,
+        /// The largest buffer.
+        largest: Allocation,
+    },
+    /// The device ran out of memory. The buffers that had been made are freed.
+    #[error("the device has no room for {bytes} bytes: {message}")]
+    OutOfMemory {
+        /// Bytes needed in all.
+        bytes: u64,
+        /// The message of the device.
+        message: String,
+    },
+
+    /// The offset or the stride is not a multiple of 4, or the stride is smaller than 12.
+    #[error("positions at offset {offset}, stride {stride}: both must be multiples of 4, and the stride at least 12")]
+    PositionLayout {
+        /// The offset given.
+        offset: u64,
+        /// The stride given.
+        stride: u64,
+    },
+    /// The buffer ends before the last vertex.
+    #[error("{vertices} vertices at offset {offset}, stride {stride} need {needed} bytes, and the buffer has {bytes}")]
+    PositionsTooShort {
+        /// Vertices of the mesh.
+        vertices: u32,
+        /// The offset given.
+        offset: u64,
+        /// The stride given.
+        stride: u64,
+        /// Bytes needed.
+        needed: u64,
+        /// Bytes of the buffer.
+        bytes: u64,
+    },
+    /// The buffer does not have usage `STORAGE`, so no shader can bind it.
+    #[error("the position buffer lacks usage STORAGE")]
+    NotStorage,
+    /// The device cannot bind the buffer: it belongs to another device or was destroyed.
+    #[error(
+        "the device does not bind the buffer; give one of the device that the stages are on, not destroyed: {message}"
+    )]
+    BufferRefused {
+        /// The message of the device.
+        message: String,
+    },
+
+    /// The buffer was made without usage `COPY_SRC`.
+    #[error("the buffer to read lacks usage COPY_SRC")]
+    NotCopySource,
+    /// The device was lost, or it refused the copy or the mapping. For example it lacks the memory, or the buffer
+    /// belongs to another device or was destroyed.
+    #[error("the device did not hand back {bytes} bytes: {message}")]
+    ReadBack {
+        /// Bytes that were asked for.
+        bytes: u64,
+        /// The message of the device.
+        message: String,
+    },
+    /// The platform is a browser, where no thread may wait for the device.
+    #[error("this platform does not wait for the device; await `read_back_async` or `StageTimer::read_async` instead")]
+    CannotWait,
+
+    /// The queue does not say how long a tick is.
+    #[error("the queue's timestamp period is {period} ns, so its timestamps are no times; measure by a clock")]
+    TimestampPeriod {
+        /// Nanoseconds for each tick, as [`wgpu::Queue::get_timestamp_period`] returns it.
+        period: f32,
+    },
+    /// All timestamps are equal, so no time was measured.
+    #[error(
+        "{passes} passes were timed, and all timestamps are equal: the device's clock stands still, or is too coarse; \
+         measure by a clock"
+    )]
+    ClockStill {
+        /// Passes that were timed.
+        passes: usize,
+    },
+    /// A pass ended before it began, or before the first pass began.
+    #[error("pass {pass} ({name}) ended before it began: the device's clock runs backwards; measure by a clock")]
+    ClockBackwards {
+        /// The number of the pass, in the order of recording.
+        pass: usize,
+        /// The name of its stage.
+        name: &'static str,
+    },
+}
+
+impl DeviceError {
+    /// Whether something is too large for the device or a memory limit, so that smaller meshes may fit.
+    pub fn is_memory(&self) -> bool {
+        use DeviceError::{BindingTooLarge, BufferTooLarge, GatheredTooLarge, MemoryLimit, OutOfMemory};
+        matches!(
+            self,
+            BufferTooLarge { .. }
+                | BindingTooLarge { .. }
+                | GatheredTooLarge { .. }
+                | MemoryLimit { .. }
+                | OutOfMemory { .. }
+        )
+    }
+}
