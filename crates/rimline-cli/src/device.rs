@@ -2,12 +2,13 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use rimline::gpu::Pipelines;
+use rimline::gpu::{Pipelines, read_back_vec};
 use rimline::wgpu;
 use rimline_measure::slivers;
 use wgpu::{AdapterInfo, Backend, Backends, DeviceType, Features, Limits};
 
 use crate::failure::{Failure, NoDevice};
+use crate::gpu_error::GpuError;
 use crate::output::note;
 
 /// Features that Rimline uses where a device has them; it needs none of them.
@@ -331,6 +332,30 @@ impl Gpu {
         // wgpu's messages are paragraphs; the command's are lines.
         let lines: Vec<&str> = message.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
         Failure::DeviceLost { adapter: describe(&self.info), message: lines.join(" ") }
+    }
+
+    pub(crate) fn encoder(&self, label: &str) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
+    }
+
+    pub(crate) fn submit(&self, encoder: wgpu::CommandEncoder) {
+        self.queue.submit([encoder.finish()]);
+    }
+
+    /// A buffer that is written by copies and has at least 16 bytes.
+    pub(crate) fn buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let (label, size, usage) = (Some(label), size.max(16), usage | wgpu::BufferUsages::COPY_DST);
+        self.device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
+    }
+
+    /// Contents of a buffer. Waits for the device.
+    pub(crate) fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer) -> Result<Vec<T>, GpuError> {
+        Ok(read_back_vec(&self.device, &self.queue, buffer)?)
+    }
+
+    /// The first item of a buffer, or zeros. Waits for the device.
+    pub(crate) fn read_first<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer) -> Result<T, GpuError> {
+        Ok(self.read(buffer)?.first().copied().unwrap_or(T::zeroed()))
     }
 
     /// Waits until everything submitted is done.

@@ -9,7 +9,7 @@ use crate::begins::FormatError;
 use crate::load_args::size;
 use crate::npz::NpzError;
 use crate::obj::ObjError;
-use crate::shadow::given_map_error::GivenMapError;
+use crate::shadow::given_map::GivenMapError;
 use crate::spec::SpecError;
 
 /// Advice for a machine without any adapter.

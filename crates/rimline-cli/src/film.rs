@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::claim::Claim;
 use crate::ending;
 use crate::failure::{Failure, UsageError};
-use crate::gpu_error::GpuError;
+use crate::gpu_error::On as _;
 use crate::input::{Input, Source};
 use crate::output::{Folder, Output, print};
 use crate::overwrite::Inputs;
@@ -53,8 +53,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 
     progress.step("opening the device");
     let gpu = open_gpu(scene)?;
-    let fail = |error: GpuError| error.on(&gpu);
-    let method = ShadowMethod::new(scene.method.counting(), &props.inputs);
+    let method = ShadowMethod::new(scene.method.counting(), &props.inputs, None);
     let _compiling = method.compile(&gpu);
     progress.step("looking at the motion");
     let mut bodies = props.bodies(&gpu, time(0))?;
@@ -66,22 +65,20 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     }
     let mut set = ShadowScene::new(scene, bodies, &points, None)?;
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let pictures =
-        Pictures::new(&gpu, &resources, &method, scene.mode, scene.volumes, set.is_in_parts()).map_err(fail)?;
+    let pictures = Pictures::new(&gpu, &resources, &method, scene.mode, scene.volumes, set.is_in_parts()).on(&gpu)?;
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));
-    let mut casters = Casters::new(&gpu, &pictures.pipelines, set.samples(), scene.volumes).map_err(fail)?;
+    let mut casters = Casters::new(&gpu, &pictures.pipelines, set.samples(), scene.volumes).on(&gpu)?;
     let mut bound = CountBound::default();
     for frame in 0..frames {
         let output = output.take().map_or_else(|| Output::create(&file(frame)), Ok)?;
         set.pose(&gpu, time(frame))?;
         casters.place(&gpu, &set.bodies)?;
-        set.cast(&gpu, &resources, &mut casters, None).map_err(fail)?;
+        set.cast(&gpu, &resources, &mut casters, None).on(&gpu)?;
         set.count_layers(&gpu, &mut casters)?;
-        let picture = shadow::picture(&gpu, &resources, &pictures, &mut set, &mut casters).map_err(fail)?;
-        let statistics = casters.shadows.statistics(&gpu).map_err(|error| fail(error.into()))?;
-        bound = bound.max(statistics.into());
+        let picture = shadow::picture(&gpu, &resources, &pictures, &mut set, &mut casters).on(&gpu)?;
+        bound = bound.max(casters.shadows.statistics(&gpu).on(&gpu)?.into());
         gpu.check()?;
         output.finish(|file| picture.write_png(file))?;
         if frame == 0 {

@@ -7,7 +7,6 @@ mod bench;
 mod chart;
 mod chosen_animations;
 mod claim;
-mod compiling;
 mod coordinates;
 mod device;
 mod devices;

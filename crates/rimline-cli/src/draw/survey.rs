@@ -4,8 +4,7 @@
 use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, ShaderStages, TextureFormat, TextureUsages};
 
-use super::passes::{color_pass, depth_test};
-use crate::render::pipeline_factory::{Pass, PipelineFactory};
+use crate::render::pipeline_factory::{Pass, PipelineFactory, READ_ONLY, color_pass, depth_test, view};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba16Uint;
 
@@ -34,10 +33,8 @@ pub(super) struct Survey {
 impl Survey {
     /// For a picture of this size, with so many places each way a pixel.
     pub(super) fn new(factory: &PipelineFactory<'_>, size: [u32; 2], places: u32) -> Self {
-        let target = |label, format, usage| {
-            let texture = factory.target(label, size.map(|pixels| places * pixels), format, 1, usage);
-            texture.create_view(&wgpu::TextureViewDescriptor::default())
-        };
+        let target =
+            |label, format, usage| view(&factory.target(label, size.map(|pixels| places * pixels), format, 1, usage));
         Self {
             seen: target("survey", FORMAT, TextureUsages::TEXTURE_BINDING),
             depth: target("survey depth", TextureFormat::Depth32Float, TextureUsages::empty()),
@@ -46,19 +43,8 @@ impl Survey {
 
     /// The pipeline that draws it. `geometry` is the layout of the model's group.
     pub(super) fn pipeline(factory: &PipelineFactory<'_>, geometry: &BindGroupLayout) -> wgpu::RenderPipeline {
-        factory.pipeline(&Pass {
-            name: "survey",
-            vertex: "survey",
-            source: include_str!("survey.wgsl"),
-            groups: &[geometry],
-            topology: wgpu::PrimitiveTopology::TriangleList,
-            format: FORMAT,
-            blend: None,
-            samples: 1,
-            write: wgpu::ColorWrites::ALL,
-            depth: Some(depth_test(true)),
-            constants: &[],
-        })
+        let source = include_str!("survey.wgsl");
+        factory.pipeline(&Pass { depth: Some(depth_test(true)), ..Pass::new("survey", source, &[geometry], FORMAT) })
     }
 
     /// Records the survey of so many corners.
@@ -81,12 +67,7 @@ impl Survey {
     /// The layout of the survey, positions and drawn faces for `lines.wgsl`. Vertex shaders do not see them: what lists are read
     /// by there leaves no room for more storage buffers.
     pub(super) fn layout(factory: &PipelineFactory<'_>) -> BindGroupLayout {
-        let storage = BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: true },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        factory.layout_for(ShaderStages::FRAGMENT, &[SEEN, storage, storage])
+        factory.layout_for(ShaderStages::FRAGMENT, &[SEEN, READ_ONLY, READ_ONLY])
     }
 
     /// A group of this layout.

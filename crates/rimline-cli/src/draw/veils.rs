@@ -1,11 +1,10 @@
 //! How far away what lies behind everything seen in a part of the picture is hidden. Lines ask it before they ask the survey.
 
 use rimline::wgpu;
-use wgpu::{BindGroup, BindGroupLayout, BindingResource, PrimitiveTopology, TextureFormat, TextureUsages};
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, TextureFormat, TextureUsages};
 
-use super::passes::color_pass;
 use super::survey::SEEN;
-use crate::render::pipeline_factory::{Pass, PipelineFactory};
+use crate::render::pipeline_factory::{Pass, PipelineFactory, color_pass, plain_texture, view};
 
 /// Bits of floats, as OpenGL need not draw onto floats.
 const FORMAT: TextureFormat = TextureFormat::R32Uint;
@@ -25,21 +24,7 @@ impl Veils {
     /// `survey` is the layout of the survey's group, as `lines.wgsl` reads it.
     pub(super) fn new(factory: &PipelineFactory<'_>, survey: &BindGroupLayout) -> Self {
         let layout = factory.layout(&[SEEN]);
-        let pipeline = |name, group| {
-            factory.pipeline(&Pass {
-                name,
-                vertex: name,
-                source: include_str!("veil.wgsl"),
-                groups: &[group],
-                topology: PrimitiveTopology::TriangleList,
-                format: FORMAT,
-                blend: None,
-                samples: 1,
-                write: wgpu::ColorWrites::ALL,
-                depth: None,
-                constants: &[],
-            })
-        };
+        let pipeline = |name, group| factory.pipeline(&Pass::new(name, include_str!("veil.wgsl"), &[group], FORMAT));
         let (finest, coarser) = (pipeline("veil", survey), pipeline("veil_level", &layout));
         Self { layout, finest, coarser }
     }
@@ -53,18 +38,11 @@ impl Veils {
         places: [u32; 2],
     ) -> BindGroup {
         // Each level has half of the squares of the finer one, and none is left over.
-        let [width, height] = places.map(|places| places.div_ceil(SQUARE).next_power_of_two());
-        let levels = width.max(height).ilog2() + 1;
-        let texture = factory.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("veils"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: levels,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
-            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        });
+        let size = places.map(|places| places.div_ceil(SQUARE).next_power_of_two());
+        let levels = size[0].max(size[1]).ilog2() + 1;
+        let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT;
+        let plain = plain_texture("veils", size, FORMAT, usage);
+        let texture = factory.device.create_texture(&wgpu::TextureDescriptor { mip_level_count: levels, ..plain });
         let level = |level| {
             texture.create_view(&wgpu::TextureViewDescriptor {
                 base_mip_level: level,
@@ -72,7 +50,7 @@ impl Veils {
                 ..Default::default()
             })
         };
-        let group = |view: &wgpu::TextureView| factory.group(&self.layout, &[BindingResource::TextureView(view)]);
+        let group = |of: &wgpu::TextureView| factory.group(&self.layout, &[BindingResource::TextureView(of)]);
         let mut draw = |pipeline: &wgpu::RenderPipeline, target: u32, source: &BindGroup| {
             let load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
             let mut pass = color_pass(encoder, "veils", &level(target), None, load, None);
@@ -85,6 +63,6 @@ impl Veils {
         for target in 1..levels {
             draw(&self.coarser, target, &group(&level(target - 1)));
         }
-        group(&texture.create_view(&wgpu::TextureViewDescriptor::default()))
+        group(&view(&texture))
     }
 }

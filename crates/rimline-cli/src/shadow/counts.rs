@@ -1,10 +1,7 @@
 //! Whether eight bits of stencil hold what is counted, and other numbers that stages leave.
 
-use rimline::gpu::{ReadError, read_back_vec};
 use rimline::reference::layout::ShadowStatistics;
-use rimline::wgpu;
 
-use crate::device::Gpu;
 use crate::output::note;
 
 /// The most that the stencil counts to; 256 looks like 0.
@@ -42,12 +39,6 @@ impl CountBound {
             ));
         }
     }
-}
-
-/// The statistics in a buffer.
-pub(super) fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<ShadowStatistics, ReadError> {
-    let statistics: Vec<ShadowStatistics> = read_back_vec(&gpu.device, &gpu.queue, buffer)?;
-    Ok(statistics.first().copied().unwrap_or(bytemuck::Zeroable::zeroed()))
 }
 
 /// Each number of one statistic and the same of the other.

@@ -6,8 +6,8 @@ use std::ops::Range;
 use glam::Vec3;
 use rimline::wgpu;
 
-use super::found::{FacingMasks, FacingRun};
 use super::posed_model::PosedModel;
+use super::shadows::FacingMasks;
 use crate::device::Gpu;
 use crate::render::coincident::{Coincident, corners};
 use crate::render::normals;
@@ -21,15 +21,8 @@ const CLAYS: [[[f32; 3]; 2]; 4] = [
     [[0.46, 0.54, 0.38], [0.58, 0.40, 0.29]],
 ];
 
-/// The draws of a body where it is now.
-pub(super) struct Receiver(Vec<Run>);
-
-/// Faces that one buffer has the facing masks of.
-struct Run {
-    corners: Range<u32>,
-    /// For each batch of 32 lights.
-    groups: Vec<wgpu::BindGroup>,
-}
+/// The draws of a body where it is now: corners of faces that one buffer has the facing masks of, for each batch of 32 lights.
+pub(super) struct Receiver(Vec<(Range<u32>, Vec<wgpu::BindGroup>)>);
 
 impl Receiver {
     /// The body with this number, as it is seen from the eye.
@@ -54,16 +47,13 @@ impl Receiver {
             let buffers = [&clay, positions.buffer, &faces, &normals, &slots, facing];
             factory.group(layout, &buffers.map(wgpu::Buffer::as_entire_binding))
         };
-        let run = |run: &FacingRun| Run {
-            corners: 3 * run.faces.start..3 * run.faces.end,
-            groups: run.facing.iter().map(group).collect(),
-        };
-        Self(masks.runs.iter().map(run).collect())
+        let runs = masks.runs.iter();
+        Self(runs.map(|(of, facing)| (3 * of.start..3 * of.end, facing.iter().map(group).collect())).collect())
     }
 
     /// Draws it for one light.
     pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) {
-        for Run { corners, groups } in &self.0 {
+        for (corners, groups) in &self.0 {
             if let Some(group) = groups.get(light / 32) {
                 pass.set_bind_group(2, group, &[]);
                 pass.draw(corners.clone(), 0..1);
@@ -91,7 +81,7 @@ fn normals_and_slots<'a>(body: &PosedModel<'_>, masks: &'a FacingMasks, eye: Vec
         one_sided.map(|(&face, front)| if front.is_none() { face } else { [face[0]; 3] }).collect();
     let mut normals = normals::corner_normals(&body.world, &one_sided);
     let mut slots = masks.slots.clone();
-    let run_of = |face: usize| masks.runs.iter().position(|run| run.faces.contains(&(face as u32)));
+    let run_of = |face: usize| masks.runs.iter().position(|(faces, _)| faces.contains(&(face as u32)));
     for (number, front) in fronts.into_iter().enumerate() {
         let Some(front) = front else { continue };
         let place = |corner: u32| body.world[corner as usize].map(|c| c + 0.0);

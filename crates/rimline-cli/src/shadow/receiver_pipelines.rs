@@ -2,13 +2,13 @@
 
 use rimline::wgpu;
 use wgpu::{
-    BlendComponent, BlendFactor, BlendOperation, BlendState, ColorWrites, CompareFunction, PrimitiveTopology,
-    StencilOperation, TextureFormat,
+    BlendComponent, BlendFactor, BlendOperation, BlendState, ColorWrites, CompareFunction, StencilOperation,
+    TextureFormat,
 };
 
 use super::casters::Casters;
 use super::depth::depth_format;
-use crate::render::pipeline_factory::{Pass, PipelineFactory};
+use crate::render::pipeline_factory::{Pass, PipelineFactory, READ_ONLY, UNIFORM};
 
 /// Which pixels receivers are drawn onto.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,14 +47,10 @@ pub(super) struct Layouts {
 
 impl Layouts {
     pub(super) fn new(factory: &PipelineFactory<'_>) -> Self {
-        let buffer =
-            |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
-        let uniform = wgpu::BufferBindingType::Uniform;
-        let storage = buffer(wgpu::BufferBindingType::Storage { read_only: true }, false);
-        Self {
-            shaded: factory.layout(&[buffer(uniform, true)]),
-            geometry: factory.layout(&[buffer(uniform, false), storage, storage, storage, storage, storage]),
-        }
+        let ty = wgpu::BufferBindingType::Uniform;
+        let of_light = wgpu::BindingType::Buffer { ty, has_dynamic_offset: true, min_binding_size: None };
+        let geometry = [UNIFORM, READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY];
+        Self { shaded: factory.layout(&[of_light]), geometry: factory.layout(&geometry) }
     }
 }
 
@@ -69,24 +65,17 @@ impl ReceiverPipelines {
         factory: &PipelineFactory<'_>,
         layouts: &Layouts,
         target: Target,
-        fragment: &'static str,
-        onto: Onto,
-        blend: Option<BlendState>,
-        write: ColorWrites,
+        (fragment, onto): (&'static str, Onto),
+        (blend, write): (Option<BlendState>, ColorWrites),
     ) -> Self {
         let pipeline = |vertex, source, groups: &[&wgpu::BindGroupLayout]| {
             factory.pipeline(&Pass {
-                name: fragment,
                 vertex,
-                source,
-                groups,
-                topology: PrimitiveTopology::TriangleList,
-                format: target.format,
                 blend,
                 samples: target.samples,
                 write,
                 depth: Some(onto.state(depth_format(factory.device))),
-                constants: &[],
+                ..Pass::new(fragment, source, groups, target.format)
             })
         };
         Self {

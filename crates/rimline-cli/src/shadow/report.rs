@@ -5,17 +5,16 @@ use std::path::PathBuf;
 
 use rimline::Origin;
 use rimline::cpu::{HiddenFaces, HiddenStatistics};
-use rimline::reference::layout::{ShadowLight, ShadowStatistics};
-use rimline::reference::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
+use rimline::reference::layout::ShadowStatistics;
 use serde_json::{Value, json};
 
 use super::casters::Casters;
 use super::counts::{self, CountBound};
 use super::covered::CoveredFaces;
-use super::found::Found;
 use super::from_depth::{DepthFound, DepthsFound};
 use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
+use super::shadows::Found;
 use crate::coordinates;
 use crate::device::{Gpu, describe};
 use crate::gpu_error::GpuError;
@@ -47,10 +46,6 @@ pub(super) struct Report {
     depth: Option<DepthsFound>,
 }
 
-fn casting(light: &ShadowLight) -> &'static str {
-    ["nothing", "averted", "every"].get(light.casting as usize).copied().unwrap_or("unknown")
-}
-
 fn covered_json(covered: &HiddenStatistics) -> Value {
     let HiddenStatistics { tried, hidden, left_out, undecided, without_room, sides, sides_left, .. } = covered;
     json!({
@@ -62,16 +57,6 @@ fn covered_json(covered: &HiddenStatistics) -> Value {
         "sides": sides,
         "sides_left": sides_left,
     })
-}
-
-fn counting(light: &ShadowLight) -> &'static str {
-    match light.counting {
-        COUNT_Z_PASS => "z-pass",
-        COUNT_ZP_PLUS => "zp+",
-        COUNT_Z_FAIL => "z-fail",
-        COUNT_ZP_PLUS_2005 => "zp+paper",
-        _ => "unknown",
-    }
 }
 
 impl Report {
@@ -102,7 +87,7 @@ impl Report {
             samples: samples / set.shaded_lights.len().max(1),
             covered: covered.map(|covered| covered.found.iter().map(HiddenFaces::statistics).collect()),
             left_out: casters.shadows.left_out(),
-            depth: casters.shadows.depth_found(gpu)?,
+            depth: casters.shadows.maps().map(|maps| maps.depths_found(gpu)).transpose()?,
         })
     }
 
@@ -119,8 +104,8 @@ impl Report {
                 let chosen = &found.lights[of.clone()];
                 json!({
                     "file": name,
-                    "casting": per_sample(chosen.iter().map(|light| self.casting(light).into()).collect()),
-                    "counting": per_sample(chosen.iter().map(|light| self.counting(light).into()).collect()),
+                    "casting": per_sample(chosen.iter().map(|light| light.casting.into()).collect()),
+                    "counting": per_sample(chosen.iter().map(|light| light.counting.into()).collect()),
                     "silhouette_edges": per_sample(found.silhouettes[of.clone()].iter().map(|&n| n.into()).collect()),
                 })
             };
@@ -196,14 +181,6 @@ impl Report {
         });
         coordinates::add_origin(&mut report, self.origin);
         format!("{report:#}\n")
-    }
-
-    fn casting(&self, light: &ShadowLight) -> &'static str {
-        if self.depth.is_some() { "depth map" } else { casting(light) }
-    }
-
-    fn counting(&self, light: &ShadowLight) -> &'static str {
-        if self.depth.is_some() { "parity" } else { counting(light) }
     }
 
     /// A bound on all counts.

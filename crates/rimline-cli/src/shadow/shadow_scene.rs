@@ -7,7 +7,6 @@ use rimline::gpu::StageTimer;
 use rimline::mesh::Bounds;
 use rimline::{Displacement, Light, MAX_LIGHTS, Origin, wgpu};
 
-use super::cast_inputs::CastInputs;
 use super::casters::Casters;
 use super::depth::{Seen, depth_format};
 use super::frame::{Frame, part_camera, unit};
@@ -15,6 +14,7 @@ use super::part::{PARTS, Part};
 use super::posed_model::PosedModel;
 use super::render_resources::{DrawInputs, RenderResources};
 use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
+use super::shadows::CastInputs;
 use crate::chosen_animations::animations;
 use crate::device::{self, Gpu, Wanted};
 use crate::displacement;
@@ -233,12 +233,12 @@ impl<'a> ShadowScene<'a> {
         casters: &mut Casters,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cast") });
+        let mut encoder = gpu.encoder("cast");
         self.encode_lights(gpu, &mut encoder, resources, casters, timer.as_deref_mut())?;
         if let Some(timer) = timer {
             timer.resolve(&mut encoder);
         }
-        gpu.queue.submit([encoder.finish()]);
+        gpu.submit(encoder);
         casters.bind(gpu, &resources.factory, resources.geometry_layout(), &self.bodies, self.camera.eye)
     }
 
@@ -316,11 +316,4 @@ fn check_near(near: f32, farthest: f32) -> Result<(), UsageError> {
     // Slopes of depths above 2⁻¹⁰⁴ keep 22 bits.
     let least = farthest * 2.0_f32.powi(-104);
     if near < least { Err(UsageError::Near { near, farthest, least }) } else { Ok(()) }
-}
-
-/// `PREFIX.<light>.<ending>`.
-pub(crate) fn numbered(prefix: &Path, light: usize, ending: &str) -> std::path::PathBuf {
-    let mut name = prefix.as_os_str().to_owned();
-    name.push(format!(".{light}.{ending}"));
-    name.into()
 }
