@@ -23,13 +23,13 @@ use crate::gpu_error::{GpuError, On as _};
 use crate::image::{Picture, wrote};
 use crate::input::{Scene, Shape};
 use crate::output::{Output, print};
-use crate::overwrite::Inputs;
 use crate::posed_input::PosedInput;
 use crate::positions::Positions;
 use crate::progress::Progress;
 use crate::render::camera::{Camera, elevation};
 use crate::render::coincident::{Coincident, corners};
 use crate::render::{centre, check_bounds, check_model, check_size, extent, normals, too_large};
+use crate::target::Inputs;
 use frame::Frame;
 use outline_picture::{Canvas, LinePipelines, ModelPipelines};
 

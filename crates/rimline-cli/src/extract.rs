@@ -18,9 +18,9 @@ use crate::ending::{self, Written};
 use crate::failure::{Failure, UsageError};
 use crate::input::Scene;
 use crate::output::{Output, print};
-use crate::overwrite::Inputs;
 use crate::posed_input::PosedInput;
 use crate::progress::Progress;
+use crate::target::Inputs;
 use crate::times::Times;
 use report::Report;
 

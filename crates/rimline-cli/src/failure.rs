@@ -314,7 +314,7 @@ impl Failure {
             Self::Differs { .. } => 5,
             Self::Unchecked { first, .. } => first.code(),
             // 128 and the number of the signal, as shells have it.
-            Self::Interrupted => crate::interrupt::interrupted_code(),
+            Self::Interrupted => crate::signals::interrupted_code(),
         }
     }
 }

@@ -17,14 +17,15 @@ use rimline::{Light, Origin};
 use crate::begins;
 use crate::device::Device;
 use crate::ending::{self, Written};
+use crate::extract::arrays::write_lights;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input::{Scene, Shape};
 use crate::npz::{self, ElementType, NpzWriter, write_origin};
 use crate::output::{Output, print};
-use crate::overwrite::Inputs;
 use crate::posed_input::PosedInput;
 use crate::progress::Progress;
 use crate::source;
+use crate::target::Inputs;
 use crate::times::Times;
 use args::QueryArgs;
 use asked::Asked;
@@ -124,13 +125,9 @@ fn write(
     origin: Origin,
 ) -> io::Result<()> {
     let mut npz = NpzWriter::new(file);
-    npz.array("points", ElementType::F32, &[points.len(), 3], |to| to.write_all(bytemuck::cast_slice(points)))?;
-    npz.array("lights", ElementType::F32, &[lights.len(), 4], |to| {
-        to.write_all(bytemuck::cast_slice(&crate::extract::arrays::components(lights)))
-    })?;
-    npz.array("depth", ElementType::I32, &[points.len(), lights.len()], |to| {
-        to.write_all(bytemuck::cast_slice(depths))
-    })?;
+    npz.slice("points", ElementType::F32, &[points.len(), 3], points)?;
+    write_lights(&mut npz, lights)?;
+    npz.slice("depth", ElementType::I32, &[points.len(), lights.len()], depths)?;
     write_origin(&mut npz, origin)?;
     npz.finish()
 }

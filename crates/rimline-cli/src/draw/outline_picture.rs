@@ -84,16 +84,7 @@ impl LinePipelines {
             samples: SAMPLES,
             ..Pass::new("lines", &lines, &groups, FORMAT)
         };
-        Self {
-            occlusion,
-            darken,
-            lines: factory.pipeline(&lines),
-            seen,
-            darkening,
-            survey,
-            results,
-            veils,
-        }
+        Self { occlusion, darken, lines: factory.pipeline(&lines), seen, darkening, survey, results, veils }
     }
 }
 

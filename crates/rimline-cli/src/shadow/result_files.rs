@@ -12,8 +12,7 @@ use crate::failure::{Failure, UsageError};
 use crate::gpu_error::On as _;
 use crate::image::Picture;
 use crate::output::Output;
-use crate::overwrite::Inputs;
-use crate::target::is_same_file;
+use crate::target::{Inputs, is_same_file};
 
 /// Files in the making. A file that is dropped before it is finished leaves nothing.
 pub(super) struct ResultFiles {
@@ -71,10 +70,6 @@ impl ResultFiles {
         pictures.extend(masks);
         archives.extend(maps);
         Ok(())
-    }
-
-    pub(super) fn has_picture(&self) -> bool {
-        self.picture.is_some()
     }
 
     pub(super) fn finish_picture(&mut self, gpu: &Gpu, picture: &Picture) -> Result<(), Failure> {
