@@ -1,11 +1,13 @@
 //! The model file, whatever its format, and the mesh it makes at one posed.
 
+use std::borrow::Cow;
 use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use rimline::MAX_LIGHTS;
 use rimline::gltf::{AnimationError, Asset, GltfError, GltfWarning, LoadOptions, SceneLight};
 use rimline::mesh::{Weld, WeldCounts, WeldDistance};
+use rimline::reference::cpu::{self, Threads};
 use rimline::reference::light::check_lights;
 use rimline::{
     Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, Mesh, MeshError, Model, ModelError, Origin,
@@ -22,6 +24,7 @@ use crate::obj;
 use crate::output::note;
 use crate::source;
 use crate::spec::LightSpec;
+use crate::times::Times;
 
 /// A model file in memory.
 pub(crate) struct Input {
@@ -70,6 +73,19 @@ pub(crate) enum Shape<'a> {
     World(&'a [[f32; 3]]),
     /// A model that is yet to be deformed.
     Posed { model: &'a Model, pose: Pose },
+}
+
+impl<'a> Shape<'a> {
+    /// The positions, by the CPU.
+    pub(crate) fn on_cpu(&self, times: &mut Times) -> Result<Cow<'a, [[f32; 3]]>, Failure> {
+        match self {
+            Self::World(positions) => Ok(Cow::Borrowed(positions)),
+            Self::Posed { model, pose } => {
+                let deformed = times.measure("deform", || cpu::deform(model, pose, 0.0, None, Threads::all()));
+                Ok(Cow::Owned(deformed?))
+            }
+        }
+    }
 }
 
 impl Input {

@@ -32,6 +32,7 @@ mod positions;
 mod progress;
 mod query;
 mod render;
+mod report;
 mod shadow;
 mod shown;
 mod signals;

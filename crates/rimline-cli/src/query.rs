@@ -3,33 +3,34 @@
 pub(crate) mod args;
 mod asked;
 mod on_gpu;
-mod report;
 
 use std::io::{self, Seek, Write};
 use std::path::Path;
 use std::time::Instant;
 
-use rimline::MAX_LIGHTS;
+use rimline::mesh::NO_FACE;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::light::check_shadow_lights;
-use rimline::{Light, Origin};
+use rimline::{Light, MAX_LIGHTS, Mesh, Origin};
+use serde_json::json;
 
 use crate::begins;
 use crate::device::Device;
 use crate::ending::{self, Written};
 use crate::extract::arrays::write_lights;
 use crate::failure::{Failure, InputError, UsageError};
-use crate::input::{Scene, Shape};
+use crate::input::Scene;
 use crate::npz::{self, ElementType, NpzWriter, write_origin};
 use crate::output::{Output, print};
 use crate::posed_input::PosedInput;
 use crate::progress::Progress;
+use crate::report::{self, Lines, first_lights, per_light};
+use crate::shown::Line;
 use crate::source;
 use crate::target::Inputs;
 use crate::times::Times;
 use args::QueryArgs;
 use asked::Asked;
-use report::Report;
 
 pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     ending::check(&args.out, Written::Npz)?;
@@ -78,17 +79,16 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
                 };
                 // Times are for those who ask for them; all others would wait for the work twice.
                 if args.json {
-                    job.run_warm(gpu, &mut depths, &mut times)?;
-                } else {
-                    job.run(gpu, &mut depths, &mut times)?;
+                    times.measure("compile", || job.warm_up(gpu))?;
                 }
+                job.run(gpu, &mut depths, &mut times)?;
             }
         }
         Ok(times)
     })?;
     progress.step("writing");
     times.measure("write", || output.finish(|file| write(file, (&points, &lights), &depths, origin)))?;
-    let report = Report::new(&scene.mesh, &asked, &depths, origin, device.name(), times);
+    let report = Report { mesh: &scene.mesh, asked, depths: &depths, origin, adapter: device.name(), times };
     drop(progress);
     print(&if args.json { report.json() } else { report.text(&args.out) })
 }
@@ -100,18 +100,10 @@ fn read_points(file: &Path, memory_limit: u64) -> Result<npz::PointArrays, Failu
 }
 
 fn on_cpu(scene: &Scene<'_>, asked: Asked<'_>, depths: &mut Vec<i32>, times: &mut Times) -> Result<(), Failure> {
-    let threads = Threads::all();
-    let deformed;
-    let positions: &[[f32; 3]] = match &scene.shape {
-        Shape::World(positions) => positions,
-        Shape::Posed { model, pose } => {
-            deformed = times.measure("deform", || cpu::deform(model, pose, 0.0, None, threads))?;
-            &deformed
-        }
-    };
+    let positions = scene.shape.on_cpu(times)?;
     times.measure("shadow_depth", || {
         asked.each_slice(asked.slice(&scene.mesh), depths, |Asked { points, on_face, lights, .. }| {
-            let found = cpu::shadow_depth_on_faces(positions, &scene.mesh, points, on_face, lights, threads);
+            let found = cpu::shadow_depth_on_faces(&positions, &scene.mesh, points, on_face, lights, Threads::all());
             Ok(found.map_err(UsageError::Arguments)?)
         })
     })
@@ -130,4 +122,77 @@ fn write(
     npz.slice("depth", ElementType::I32, &[points.len(), lights.len()], depths)?;
     write_origin(&mut npz, origin)?;
     npz.finish()
+}
+
+/// The counts and times that are printed.
+struct Report<'a> {
+    mesh: &'a Mesh,
+    asked: Asked<'a>,
+    depths: &'a [i32],
+    origin: Origin,
+    adapter: String,
+    times: Times,
+}
+
+/// Counts of depths.
+struct Counts {
+    points_on_faces: usize,
+    non_finite_points: usize,
+    /// One a light.
+    points_in_shadow: Vec<usize>,
+    deepest: Vec<usize>,
+}
+
+impl Report<'_> {
+    fn counts(&self) -> Counts {
+        let (faces, lights) = (self.asked.on_face.unwrap_or_default(), self.asked.lights.len());
+        let each = |count: &dyn Fn(&mut dyn Iterator<Item = i32>) -> usize| -> Vec<usize> {
+            let of_light = |light| count(&mut self.depths.iter().skip(light).step_by(lights).copied());
+            (0..lights).map(of_light).collect()
+        };
+        Counts {
+            points_on_faces: faces.iter().filter(|&&face| face != NO_FACE).count(),
+            non_finite_points: self.depths.iter().step_by(lights).filter(|&&depth| depth < 0).count(),
+            points_in_shadow: each(&|depths| depths.filter(|&depth| depth > 0).count()),
+            deepest: each(&|depths| depths.max().unwrap_or(0).max(0) as usize),
+        }
+    }
+
+    /// Lists have an entry a light, in the order given.
+    fn json(&self) -> String {
+        let Counts { points_on_faces, non_finite_points, points_in_shadow, deepest } = self.counts();
+        let report = json!({
+            "adapter": self.adapter,
+            "vertices": self.mesh.vertex_count(),
+            "faces": self.mesh.faces().len(),
+            "points": self.asked.points.len(),
+            "points_on_faces": points_on_faces,
+            "non_finite_points": non_finite_points,
+            "lights": deepest.len(),
+            "points_in_shadow": points_in_shadow,
+            "deepest": deepest,
+        });
+        report::json(report, self.origin, &self.times)
+    }
+
+    fn text(&self, out: &Path) -> String {
+        let Counts { points_on_faces, non_finite_points, points_in_shadow, deepest } = self.counts();
+        let mut lines = Lines::default();
+        lines.line("device", &self.adapter);
+        lines.line("vertices", self.mesh.vertex_count());
+        lines.line("faces", self.mesh.faces().len());
+        lines.origin(self.origin);
+        lines.line("points", self.asked.points.len());
+        if points_on_faces > 0 {
+            lines.line("", format!("{points_on_faces} name their face"));
+        }
+        if non_finite_points > 0 {
+            lines.line("", format!("{non_finite_points} not finite: their depth is -1"));
+        }
+        lines.line("points in shadow", per_light(&points_in_shadow));
+        let (deepest, more) = first_lights(&deepest);
+        lines.line("deepest", deepest + if more { ", …" } else { "" });
+        lines.times(&self.times);
+        format!("{}wrote {}\n", lines.0, Line(out.display()))
+    }
 }

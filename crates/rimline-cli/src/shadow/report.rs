@@ -18,6 +18,7 @@ use super::shadows::Found;
 use crate::coordinates;
 use crate::device::{Gpu, describe};
 use crate::gpu_error::GpuError;
+use crate::report::{self, Lines};
 use crate::shadow::args::{ShadowSceneArgs, value_name};
 use crate::shown::Line;
 use crate::times::Times;
@@ -162,8 +163,7 @@ impl Report {
         if self.covered.is_some() {
             totals["covered_faces"] = self.left_out.into();
         }
-        let [set_up, work] = times.set_up_and_work();
-        let mut report = json!({
+        let report = json!({
             "adapter": self.adapter,
             "method": if self.depth.is_some() { "parity".to_owned() } else { value_name(&args.method) },
             "mode": value_name(&args.mode),
@@ -175,12 +175,8 @@ impl Report {
             "lights": self.lights.iter().enumerate().map(light).collect::<Vec<_>>(),
             "statistics": self.files.iter().map(statistics).collect::<Vec<_>>(),
             "totals": totals,
-            "milliseconds": times.json(),
-            "set_up_milliseconds": set_up,
-            "work_milliseconds": work,
         });
-        coordinates::add_origin(&mut report, self.origin);
-        format!("{report:#}\n")
+        report::json(report, self.origin, times)
     }
 
     /// A bound on all counts.
@@ -190,24 +186,19 @@ impl Report {
 
     /// `pictures` of this size and `archives` were written.
     pub(super) fn text(&self, [pictures, archives]: &[Vec<PathBuf>; 2], size: [u32; 2], times: &Times) -> String {
-        let mut text = String::new();
-        let mut line = |name: &str, value: &str| {
-            let _ = writeln!(text, "{name:<18} {value}");
-        };
-        line("device", &self.adapter);
-        if let Some(origin) = coordinates::origin_text(self.origin) {
-            line("origin", &origin);
-        }
+        let mut lines = Lines::default();
+        lines.line("device", &self.adapter);
+        lines.origin(self.origin);
         for File { name, faces, found: Found { lights, silhouettes, shadow, .. } } in &self.files {
-            line("caster", &format!("{}, {faces} faces", Line(name)));
+            lines.line("caster", &format!("{}, {faces} faces", Line(name)));
             let edges: u64 = silhouettes.iter().copied().map(u64::from).sum();
             let sum = if lights.len() == 1 { String::new() } else { format!(" for {} lights", lights.len()) };
-            line("silhouette edges", &format!("{edges}{sum}"));
+            lines.line("silhouette edges", &format!("{edges}{sum}"));
             let ShadowStatistics { skipped, capped, .. } = shadow;
             let counted = |count: u32| format!("for {count} of {} lights", lights.len());
-            line("near caps", &if *capped == 0 { "none needed".to_owned() } else { counted(*capped) });
+            lines.line("near caps", &if *capped == 0 { "none needed".to_owned() } else { counted(*capped) });
             if *skipped > 0 {
-                line("no shadow", &format!("{}: the shadow is out of range or out of sight", counted(*skipped)));
+                lines.line("no shadow", &format!("{}: the shadow is out of range or out of sight", counted(*skipped)));
             }
         }
         let what = match self.depth.as_ref().map(|found| found.has_walls) {
@@ -221,7 +212,7 @@ impl Report {
             if found.is_overflowed() {
                 let _ = write!(value, "; their list has room for {capacity}, so every cell is drawn");
             }
-            line("depth map", &value);
+            lines.line("depth map", &value);
         }
         for covered in self.covered.iter().flatten() {
             let HiddenStatistics { tried, hidden, left_out, sides, sides_left, .. } = covered;
@@ -229,16 +220,12 @@ impl Report {
                 "{hidden} of {tried} faces are hidden from the light, {left_out} left out; sides {sides} before, {sides_left} \
                  after"
             );
-            line("covered", &value);
+            lines.line("covered", &value);
         }
-        line("milliseconds", &times.sums());
-        line("by stage", &times.text());
-        for file in pictures {
-            let _ = writeln!(text, "{}", crate::image::wrote(file, size));
-        }
-        for file in archives {
-            let _ = writeln!(text, "wrote {}", Line(file.display()));
-        }
-        text
+        lines.times(times);
+        let pictures = pictures.iter().map(|file| crate::image::wrote(file, size));
+        let archives = archives.iter().map(|file| format!("wrote {}", Line(file.display())));
+        let wrote: String = pictures.chain(archives).map(|line| line + "\n").collect();
+        lines.0 + &wrote
     }
 }
