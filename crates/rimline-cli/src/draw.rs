@@ -3,9 +3,7 @@
 mod contact_shadow;
 mod frame;
 mod outline_picture;
-mod region;
 mod survey;
-mod veils;
 
 use std::borrow::Cow;
 use std::thread::ScopedJoinHandle;

@@ -12,7 +12,7 @@ use crate::progress::Progress;
 use crate::shadow;
 use crate::shadow::args::{FilmArgs, MAX_FRAMES};
 use crate::shadow::casters::Casters;
-use crate::shadow::counts::CountBound;
+use crate::shadow::depth::CountBound;
 use crate::shadow::pictures::Pictures;
 use crate::shadow::posed_model::PosedModel;
 use crate::shadow::render_resources::RenderResources;

@@ -17,11 +17,11 @@ use rimline::{
 use crate::begins::{Begins, begins};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input_args::ModelArgs;
-use crate::listed::listed;
 use crate::load_args::TakenPolygons;
 use crate::npz;
 use crate::obj;
 use crate::output::note;
+use crate::shown::listed;
 use crate::source;
 use crate::spec::LightSpec;
 use crate::times::Times;

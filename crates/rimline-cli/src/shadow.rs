@@ -2,9 +2,8 @@
 
 pub(crate) mod args;
 pub(crate) mod casters;
-pub(crate) mod counts;
 mod covered;
-mod depth;
+pub(crate) mod depth;
 mod depth_shadows;
 pub(crate) mod frame;
 pub(crate) mod from_depth;
@@ -13,10 +12,8 @@ mod layers;
 mod light_depths;
 mod light_maps;
 mod overlay;
-mod part;
 pub(crate) mod pictures;
 pub(crate) mod posed_model;
-mod receiver;
 pub(crate) mod receiver_pipelines;
 pub(crate) mod render_resources;
 mod report;
@@ -32,11 +29,11 @@ use std::time::Instant;
 use rimline::gpu::StageTimer;
 
 use crate::device::Gpu;
-use crate::displacement;
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::{GpuError, On as _};
 use crate::image::Picture;
 use crate::output::print;
+use crate::posed_input::note_idle_time;
 use crate::progress::Progress;
 use crate::target::Inputs;
 use crate::times::Times;
@@ -44,9 +41,9 @@ use crate::warm_up;
 use args::{CountingArg, ShadowArgs, value_name};
 use casters::Casters;
 use covered::CoveredFaces;
+use frame::PARTS;
 use from_depth::FromDepth;
 use given_map::GivenMap;
-use part::PARTS;
 use pictures::{Masks, Pictures};
 use render_resources::{DrawInputs, RenderResources};
 use report::Report;
@@ -66,7 +63,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let mut props = times.measure("load", || ShadowInputs::read(scene))?;
     let origin = times.measure("load", || props.settle(scene.posed.pose.time))?;
     for animations in &props.animations {
-        displacement::note_idle_time(&scene.posed.pose, animations, props.displacement.as_ref());
+        note_idle_time(&scene.posed.pose, animations, props.displacement.as_ref());
     }
     let from_depth = times.measure("load", || args.depth_maps(origin))?;
     let given = from_depth.as_ref().and_then(FromDepth::given);

@@ -143,26 +143,21 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
         begin: None,
         exponent: None,
     };
-    let bounded = |option, value: f32| {
-        let needed = "0 to 1000000000";
-        if (0.0..=MOST_LAMP).contains(&value) { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
+    let lamp = |option, value: f32, is_right: bool, needed| {
+        if is_right { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
     };
-    let at_least_0 = |option, value: f32| {
-        let needed = "0 or more";
-        if value >= 0.0 { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
-    };
+    let bounded = |option, value| lamp(option, value, (0.0..=MOST_LAMP).contains(&value), "0 to 1000000000");
     for option in options {
         let (name, value) = option.split_once('=').unwrap_or((option, ""));
         match name {
             "range" => {
                 let range = number(value)?;
-                if range <= 0.0 {
-                    let needed = "more than 0";
-                    return Err(SpecError::LampValue { option: "range", value: range, needed });
-                }
-                shaded.range = Some(range);
+                shaded.range = Some(lamp("range", range, range > 0.0, "more than 0")?);
             }
-            "begin" => shaded.begin = Some(at_least_0("begin", number(value)?)?),
+            "begin" => {
+                let begin = number(value)?;
+                shaded.begin = Some(lamp("begin", begin, begin >= 0.0, "0 or more")?);
+            }
             "exponent" => shaded.exponent = Some(bounded("exponent", number(value)?)?),
             "intensity" => shaded.intensity = Some(bounded("intensity", number(value)?)?),
             "color" => {

@@ -3,7 +3,7 @@
 use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BlendComponent, BlendFactor, BlendOperation, BlendState, TextureFormat};
 
-use super::region::Region;
+use super::frame::Region;
 use crate::render::pipeline_factory::{Pass, PipelineFactory, UNIFORM, color_pass, read_texture, view};
 
 /// Pixels along a side of the map.

@@ -7,8 +7,7 @@ use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, PrimitiveTop
 
 use super::contact_shadow::{self, ContactShadow};
 use super::frame::Frame;
-use super::survey::{SEEN, Survey};
-use super::veils::Veils;
+use super::survey::{SEEN, Survey, Veils};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::render::pipeline_factory::{Pass, PipelineFactory, READ_ONLY, color_pass, depth_test, read_texture, view};

@@ -4,7 +4,7 @@ use rimline::gpu::{PositionBuffer, QueryPoints, ShadowQuery, ShadowQueryOptions}
 use rimline::mesh::NO_FACE;
 use rimline::{Displacement, wgpu};
 
-use super::asked::Asked;
+use super::Asked;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};

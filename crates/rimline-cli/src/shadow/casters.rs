@@ -6,7 +6,7 @@ use rimline::wgpu;
 
 use super::covered::CoveredFaces;
 use super::posed_model::PosedModel;
-use super::receiver::Receiver;
+use super::receiver_pipelines::Receiver;
 use super::shadows::{CastInputs, Shadows, VolumePipelines, put};
 use super::single_casters::Extracted;
 use crate::device::Gpu;

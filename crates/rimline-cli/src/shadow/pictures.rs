@@ -4,8 +4,8 @@ use rimline::wgpu;
 use wgpu::{ColorWrites, CompareFunction, LoadOp, StencilFaceState, TextureFormat, TextureUsages};
 
 use super::depth::depth_format;
+use super::frame::{PARTS, Part};
 use super::overlay::Overlay;
-use super::part::{PARTS, Part};
 use super::receiver_pipelines::{ADD, MULTIPLY, Onto, ReceiverPipelines, Target, depth_state};
 use super::render_resources::{Attachments, DrawInputs, RenderResources};
 use super::shadows::{ShadowMethod, VolumePipelines};

@@ -9,8 +9,8 @@ use rimline::reference::layout::ShadowStatistics;
 use serde_json::{Value, json};
 
 use super::casters::Casters;
-use super::counts::{self, CountBound};
 use super::covered::CoveredFaces;
+use super::depth::{self, CountBound};
 use super::from_depth::{DepthFound, DepthsFound};
 use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
@@ -150,7 +150,7 @@ impl Report {
                 "overflowed_lists": extraction.overflowed_lists,
             })
         };
-        let extraction = self.files.iter().map(|file| file.found.extraction).reduce(counts::sum);
+        let extraction = self.files.iter().map(|file| file.found.extraction).reduce(depth::sum);
         let mut totals = json!({
             "skipped": self.all.skipped,
             "every_face": self.all.every_face,

@@ -11,8 +11,8 @@ use rimline::reference::cpu::{CHOICE_WORDS, SceneTable};
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::{Counting, Light, wgpu};
 
-use super::counts;
 use super::covered::{CoveredFaces, VERSION};
+use super::depth;
 use super::layers::Layers;
 use super::posed_model::{PosedModel, Topology};
 use super::shadows::{CastInputs, Choice, FacingMasks, Found, Shadows, VolumePipelines};
@@ -191,7 +191,7 @@ impl Shadows for SceneShadows {
                 let counted = silhouettes.iter_mut().skip(32 * group.batch);
                 counted.zip(first_words(gpu, group.lists, 32)?).for_each(|(sum, count)| *sum += count);
                 let record = first_words(gpu, group.record, size_of::<ExtractionStatistics>() as u64 / 4)?;
-                extraction = counts::sum(extraction, bytemuck::pod_read_unaligned(bytemuck::cast_slice(&record)));
+                extraction = depth::sum(extraction, bytemuck::pod_read_unaligned(bytemuck::cast_slice(&record)));
             }
             let lights = Choice::all(self.counting, &words, lights);
             let count = |casting| lights.iter().filter(|light| light.casting == casting).count() as u32;

@@ -9,25 +9,23 @@ use rimline::{Displacement, Light, MAX_LIGHTS, Origin, wgpu};
 
 use super::casters::Casters;
 use super::depth::{Seen, depth_format};
-use super::frame::{Frame, part_camera, unit};
-use super::part::{PARTS, Part};
+use super::frame::{Frame, PARTS, Part, part_camera, unit};
 use super::posed_model::PosedModel;
 use super::render_resources::{DrawInputs, RenderResources};
 use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
 use super::shadows::CastInputs;
-use crate::chosen_animations::animations;
 use crate::device::{self, Gpu, Wanted};
-use crate::displacement;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::{Input, Source};
-use crate::listed::{animation_name, listed_animations};
 use crate::origin;
 use crate::output::note;
+use crate::posed_input::{self, animations};
 use crate::render::camera::{Camera, elevation};
 use crate::render::support::outermost;
 use crate::render::{centre, check_bounds, check_size, extent, too_large};
 use crate::shadow::args::{ModeArg, ShadowSceneArgs, value_name};
+use crate::shown::{animation_name, listed_animations};
 
 /// Degrees that the eye is above the models by default: enough to see shadows on the ground.
 const ELEVATION: f64 = 24.0;
@@ -48,7 +46,7 @@ impl ShadowInputs {
         if let (Some(_), mode @ (ModeArg::Ambient | ModeArg::Black | ModeArg::Composited)) = (args.area, &args.mode) {
             return Err(UsageError::AreaMode(value_name(mode)).into());
         }
-        let displacement = args.posed.displace.as_deref().map(displacement::read).transpose()?;
+        let displacement = args.posed.displace.as_deref().map(posed_input::read_displacement).transpose()?;
         let options = args.load.options(args.weld.weld());
         let open = |file: &std::path::PathBuf| Input::read(file, options, args.polygons.taken());
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;

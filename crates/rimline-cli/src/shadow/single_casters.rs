@@ -8,7 +8,7 @@ use rimline::gpu::{
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::{Light, Mesh, wgpu};
 
-use super::counts;
+use super::depth;
 use super::posed_model::{PosedModel, Topology};
 use super::shadows::{CastInputs, Choice, FacingMasks, Found, Shadows, VolumePipelines, put};
 use crate::device::Gpu;
@@ -145,10 +145,10 @@ impl Shadows for SingleCasters {
     fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, GpuError> {
         let mut all: ShadowStatistics = bytemuck::Zeroable::zeroed();
         for caster in &self.casters {
-            all = counts::sum(all, gpu.read_first(caster.volumes.statistics())?);
+            all = depth::sum(all, gpu.read_first(caster.volumes.statistics())?);
         }
         if self.casters.len() > 1 {
-            all.may_wrap = if all.count_bound > counts::MOST { self.max_lights as u32 } else { 0 };
+            all.may_wrap = if all.count_bound > depth::MOST { self.max_lights as u32 } else { 0 };
         }
         Ok(all)
     }

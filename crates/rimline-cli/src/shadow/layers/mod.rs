@@ -9,7 +9,7 @@ mod rays;
 use rimline::gpu::{Caster, LightHandle, Scene, SceneError, SceneFrame, SceneOptions};
 use rimline::{Counting, Light, Mesh, MeshError, ShadowCamera, wgpu};
 
-use super::counts::MOST;
+use super::depth::MOST;
 use super::posed_model::PosedModel;
 use super::scene_shadows::set_lights;
 use super::shadows::CastInputs;
