@@ -17,7 +17,6 @@ pub(crate) const OPTIONAL_FEATURES: [(Features, &str); 2] = [
     (Features::DEPTH32FLOAT_STENCIL8, "shadows far away from a near plane that is next to the eye"),
 ];
 
-/// Value of `--device`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
     Auto,
@@ -44,7 +43,6 @@ impl Wanted {
     }
 }
 
-/// Where the work is done.
 pub(crate) enum Device {
     Cpu,
     Gpu(Box<Gpu>),
@@ -64,7 +62,6 @@ impl Device {
     }
 }
 
-/// An opened adapter.
 pub(crate) struct Gpu {
     pub(crate) info: AdapterInfo,
     pub(crate) device: wgpu::Device,
@@ -125,7 +122,6 @@ pub(crate) fn lacks(adapter: &wgpu::Adapter) -> Option<String> {
     })
 }
 
-/// Opens what `--device` asks for.
 pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
     if *wanted == Wanted::Cpu {
         return Ok(Device::Cpu);
@@ -358,7 +354,6 @@ impl Gpu {
         Ok(self.read(buffer)?.first().copied().unwrap_or(T::zeroed()))
     }
 
-    /// Waits until everything submitted is done.
     pub(crate) fn wait(&self) -> Result<(), Failure> {
         let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
         self.check()?;

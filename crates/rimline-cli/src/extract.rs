@@ -148,7 +148,6 @@ fn on_cpu<'a>(
     Ok(Found { positions, facing, twisted: Vec::new(), masks, statistics })
 }
 
-/// The counts and times that are printed.
 struct Report<'a> {
     mesh: &'a Mesh,
     lights: usize,

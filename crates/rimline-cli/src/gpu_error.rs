@@ -14,7 +14,6 @@ use crate::failure::{Failure, NoDevice, UsageError};
 use crate::load_args::size;
 use crate::shadow::given_map::GivenMapError;
 
-/// Any of them.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum GpuError {
     #[error(transparent)]

@@ -10,7 +10,6 @@ use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::shown::Line;
 
-/// Message for the user about a complete picture.
 pub(crate) fn wrote(file: &Path, [width, height]: [u32; 2]) -> String {
     format!("wrote {} ({width}×{height})", Line(file.display()))
 }
@@ -47,7 +46,6 @@ impl Picture {
         Ok(Self { size: [width, height], pitch: pitch as usize, depth: depth as usize, bytes })
     }
 
-    /// The bytes of each row.
     pub(crate) fn rows(&self) -> impl Iterator<Item = &[u8]> {
         self.bytes.chunks(self.pitch).map(|row| &row[..self.depth * self.size[0] as usize])
     }

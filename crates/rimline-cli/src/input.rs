@@ -26,7 +26,6 @@ use crate::source;
 use crate::spec::LightSpec;
 use crate::times::Times;
 
-/// A model file in memory.
 pub(crate) struct Input {
     pub(crate) file: PathBuf,
     pub(crate) source: Source,
@@ -34,14 +33,12 @@ pub(crate) struct Input {
     pub(crate) origin: Origin,
 }
 
-/// A light that was asked for.
 pub(crate) struct ChosenLight {
     pub(crate) light: Light,
     /// The light in the file, if it comes from the file.
     pub(crate) own: Option<SceneLight>,
 }
 
-/// Contents of the file.
 pub(crate) enum Source {
     Gltf(Box<Asset>),
     /// World-space positions less the origin, welded: one geometry, one instance.
@@ -55,7 +52,6 @@ pub(crate) enum Source {
     },
 }
 
-/// Polygons as a file has them.
 pub(crate) struct GivenPolygons {
     pub(crate) mesh: Mesh,
     pub(crate) positions: Vec<[f32; 3]>,
@@ -67,7 +63,6 @@ pub(crate) struct Scene<'a> {
     pub(crate) shape: Shape<'a>,
 }
 
-/// Where the mesh's vertices are.
 pub(crate) enum Shape<'a> {
     /// World-space positions, used bit for bit.
     World(&'a [[f32; 3]]),
@@ -76,7 +71,6 @@ pub(crate) enum Shape<'a> {
 }
 
 impl<'a> Shape<'a> {
-    /// The positions, by the CPU.
     pub(crate) fn on_cpu(&self, times: &mut Times) -> Result<Cow<'a, [[f32; 3]]>, Failure> {
         match self {
             Self::World(positions) => Ok(Cow::Borrowed(positions)),
@@ -328,7 +322,6 @@ fn open(file: &Path, options: LoadOptions, taken: TakenPolygons) -> Result<(Sour
     }
 }
 
-/// Standard input, by how it begins.
 fn open_stdin(options: LoadOptions, taken: TakenPolygons) -> Result<(Source, Origin), InputError> {
     let bytes = source::read(Path::new("-"))?;
     match begins(&mut Cursor::new(&bytes))? {
@@ -375,7 +368,6 @@ fn open_npz(reader: impl Read + Seek, options: LoadOptions) -> Result<(Source, O
     of_arrays(npz::read(reader, options.memory_limit)?, options, TakenPolygons::Whole)
 }
 
-/// World-space positions, and triangles or polygons.
 fn of_arrays(arrays: npz::Arrays, options: LoadOptions, taken: TakenPolygons) -> Result<(Source, Origin), InputError> {
     let npz::Arrays { positions, mut faces, polygons, origin } = arrays;
     let by_loop =

@@ -21,7 +21,6 @@ pub(crate) struct PosedInput<'a> {
 }
 
 impl<'a> PosedInput<'a> {
-    /// Reads the model and the displacement.
     pub(crate) fn read(args: &'a MomentArgs, model: &ModelArgs) -> Result<Self, Failure> {
         if Wanted::parse(&args.device.device) == Wanted::Cpu && args.displace.is_some() {
             return Err(UsageError::DisplaceOnCpu.into());
@@ -107,7 +106,6 @@ fn named(input: &Input, wanted: &str) -> Result<Vec<usize>, Failure> {
     Ok(found.collect())
 }
 
-/// Checks that these animations can be played together.
 fn check(input: &Input, animations: &[usize]) -> Result<(), Failure> {
     match &input.source {
         // An error at one time occurs at all times.
@@ -118,7 +116,6 @@ fn check(input: &Input, animations: &[usize]) -> Result<(), Failure> {
     }
 }
 
-/// Reads and checks it.
 pub(crate) fn read_displacement(file: &Path) -> Result<Displacement, Failure> {
     let read = || -> Result<Displacement, InputError> {
         let displacement = Displacement::new(&source::read_text(file)?)?;

@@ -54,7 +54,6 @@ impl Positions {
         }
     }
 
-    /// The positions of one instance.
     pub(crate) fn of_instance(&self, instance: usize) -> Option<PositionBuffer<'_>> {
         match self {
             Self::Uploaded(_) => (instance == 0).then(|| self.buffer()),

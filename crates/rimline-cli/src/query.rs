@@ -122,7 +122,6 @@ fn write(
     npz.finish()
 }
 
-/// The counts and times that are printed.
 struct Report<'a> {
     mesh: &'a Mesh,
     asked: Asked<'a>,
@@ -132,7 +131,6 @@ struct Report<'a> {
     times: Times,
 }
 
-/// Counts of depths.
 struct Counts {
     points_on_faces: usize,
     non_finite_points: usize,

@@ -46,7 +46,6 @@ fn steers(c: char) -> bool {
         || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// The file's animations.
 pub(crate) fn listed_animations(asset: &Asset) -> String {
     format!("the file has {}", listed("animation", asset.animations().iter().map(|info| info.name.as_deref())))
 }
@@ -63,7 +62,6 @@ pub(crate) fn listed<'a>(kind: &str, names: impl ExactSizeIterator<Item = Option
     format!("{count} {kind}{plural}: {}{more}", shown.join(", "))
 }
 
-/// A number, and the name if there is one.
 fn numbered(index: usize, name: Option<&str>) -> String {
     name.map_or_else(|| format!("{index} (without a name)"), |name| format!("{index} `{name}`"))
 }

@@ -37,7 +37,6 @@ pub(crate) fn complete(file: &Path, run: impl FnOnce() -> io::Result<()>) -> io:
     Ok(())
 }
 
-/// Removes what is unfinished, if it is.
 pub(crate) fn remove_unfinished(path: &Path) {
     unfinished().extract_if(.., |unfinished| unfinished == path).for_each(|path| remove(&path));
 }
@@ -78,7 +77,6 @@ pub(crate) fn finish_at_interrupt() {
     IS_FINISHING.store(true, Ordering::SeqCst);
 }
 
-/// Whether Ctrl-C came.
 pub(crate) fn is_interrupted() -> bool {
     SIGNAL.load(Ordering::SeqCst) != 0
 }

@@ -9,7 +9,6 @@ use crate::failure::UsageError;
 use crate::output;
 use crate::source;
 
-/// Where a result goes.
 pub(crate) enum Target {
     /// A name for a regular file, with what is there already.
     Replace(PathBuf, Option<Metadata>),
@@ -62,7 +61,6 @@ fn existing(name: &Path, there: Metadata) -> io::Result<Target> {
     Ok(Target::Through(file, there.is_file()))
 }
 
-/// Whether this stands for standard output.
 fn is_stdout(name: &Path) -> bool {
     name.as_os_str() == "-"
 }
@@ -144,7 +142,6 @@ type Identity = (u64, u64);
 #[cfg(not(unix))]
 type Identity = PathBuf;
 
-/// Identity of an existing file.
 #[cfg(unix)]
 #[expect(clippy::unnecessary_wraps, reason = "elsewhere it may not be known")]
 fn identity(_: &Path, there: &Metadata) -> Option<Identity> {

@@ -14,7 +14,6 @@ use crate::shadow::shadows::{CastInputs, VolumePipelines};
 
 const CORNERS: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
-/// A triangle that is not deformed.
 fn triangle() -> Option<Model> {
     let geometry = Geometry::new(CORNERS.to_vec(), vec![[0, 1, 2]], GeometryOptions::default()).ok()?;
     Model::new(vec![geometry], vec![Instance::new(0, None)]).ok()

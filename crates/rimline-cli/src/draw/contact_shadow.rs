@@ -12,7 +12,6 @@ pub(super) const SIZE: u32 = 512;
 pub(super) const SPREAD: f64 = 12.0 * (1.6 + 0.7) + 2.0;
 const FORMAT: TextureFormat = TextureFormat::R8Unorm;
 
-/// The pipelines that draw the map.
 pub(super) struct ContactShadow {
     /// The layout with which `shadow.wgsl` reads the map, and each blur the map before.
     pub(super) layout: BindGroupLayout,

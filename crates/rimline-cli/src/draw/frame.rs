@@ -135,7 +135,6 @@ impl Region {
     }
 }
 
-/// The corners of a box.
 pub(super) fn corners(bounds: &Bounds) -> impl Iterator<Item = DVec3> {
     let sides = [bounds.min, bounds.max].map(|side| DVec3::from(side.map(f64::from)));
     (0..8).map(move |number| DVec3::from([0, 1, 2].map(|axis| sides[number >> axis & 1][axis])))

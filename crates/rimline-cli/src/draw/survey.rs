@@ -24,7 +24,6 @@ pub(super) fn places([width, height]: [u32; 2], most: u32) -> u32 {
     if is_small { 2 } else { 1 }
 }
 
-/// The survey's targets.
 pub(super) struct Survey {
     pub(super) seen: wgpu::TextureView,
     depth: wgpu::TextureView,
@@ -47,7 +46,6 @@ impl Survey {
         factory.pipeline(&Pass { depth: Some(depth_test(true)), ..Pass::new("survey", source, &[geometry], FORMAT) })
     }
 
-    /// Records the survey of so many corners.
     pub(super) fn record(
         &self,
         factory: &PipelineFactory<'_>,
@@ -89,7 +87,6 @@ const VEIL: TextureFormat = TextureFormat::R32Uint;
 /// Places of the survey each way in a square of the finest level; as in `veil.wgsl`.
 const SQUARE: u32 = 8;
 
-/// The pipelines that draw veils.
 pub(super) struct Veils {
     /// One texture that vertices and fragments see.
     pub(super) layout: BindGroupLayout,

@@ -10,7 +10,6 @@ use rimline::{Light, Mesh, Origin};
 use super::Found;
 use crate::npz::{ElementType, NpzWriter, write_origin};
 
-/// Writes the four components of each light.
 pub(crate) fn write_lights(npz: &mut NpzWriter<impl Write + Seek>, lights: &[Light]) -> io::Result<()> {
     let components: Vec<[f32; 4]> = lights.iter().map(|light| light.to_array()).collect();
     npz.slice("lights", ElementType::F32, &[lights.len(), 4], &components)

@@ -18,7 +18,6 @@ use crate::positions::Positions;
 use crate::times::Times;
 use crate::warm_up::with_triangle;
 
-/// One extraction.
 #[derive(Clone, Copy)]
 pub(super) struct Job<'a, 's> {
     pub(super) scene: &'a Scene<'s>,

@@ -8,7 +8,6 @@ use super::header::ElementType;
 use super::read::{Budget, Entry, NpzError, Values, index, is_float, is_integer, is_real, raw, real};
 use super::write::NpzWriter;
 
-/// The most texels of a map across or down.
 pub const MAX_SIDE: u32 = 4096;
 /// Bytes for a value: as read, in its own type, turned into C order, and on its way to the device.
 const VALUE: u64 = 4 * 3 + 12;
@@ -37,7 +36,6 @@ pub enum Depths {
 /// One map, or six of a cube, and what they were drawn with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthMapArrays {
-    /// Texels of a map across and down.
     pub size: [u32; 2],
     /// Map by map, row by row, the first row at the top.
     pub depths: Depths,
@@ -72,7 +70,6 @@ const VIEW_PROJECTION: Entry = Entry {
 };
 const ORIGIN: Entry =
     Entry { array: "origin", shape: "(3,)", limit: 3, row_bytes: 64, wanted: VIEW_PROJECTION.wanted, accepts: is_real };
-/// A single number.
 const fn scalar(array: &'static str, wanted: &'static str, accepts: fn(ElementType) -> bool) -> Entry {
     Entry { array, shape: "()", limit: 1, row_bytes: 64, wanted, accepts }
 }
@@ -162,7 +159,6 @@ pub fn read_depth_map(
     Ok(DepthMapArrays { size, depths, view_projections, origin, is_reversed, depth_bits, metric, objects })
 }
 
-/// The only number of an array.
 fn number(entry: &Entry, archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) -> Result<u32, NpzError> {
     let shape = |shape: &[u64]| matches!(*shape, [] | [1]);
     let elements = entry.values(archive, budget, |element, bytes| index(unsigned(element), bytes), shape)?.elements;

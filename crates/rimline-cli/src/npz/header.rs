@@ -56,7 +56,6 @@ impl fmt::Display for ElementType {
     }
 }
 
-/// The header of an array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Header {
     /// The type as the file writes it, which may be anything.
@@ -65,11 +64,9 @@ pub(crate) struct Header {
     pub(crate) element: Option<ElementType>,
     pub(crate) fortran_order: bool,
     pub(crate) shape: Vec<u64>,
-    /// Bytes of the header.
     pub(crate) length: u64,
 }
 
-/// Why a header is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum HeaderError {
     #[error("it ends within the header: {0}")]

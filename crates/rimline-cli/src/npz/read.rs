@@ -48,7 +48,6 @@ impl PolygonArrays {
     }
 }
 
-/// Why an archive is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum NpzError {
     #[error("it is not a ZIP archive that can be read: {0}")]
@@ -124,7 +123,6 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// Charges what an array is going to take.
     fn take(&mut self, array: &'static str, rows: u64, bytes: u64) -> Result<(), NpzError> {
         let needed = self.used.saturating_add(bytes);
         if needed > self.limit {
@@ -236,7 +234,6 @@ const ORIGIN: Entry = Entry {
     accepts: is_real,
 };
 
-/// A float of either size.
 pub(super) fn is_real(element: ElementType) -> bool {
     matches!((element.kind, element.size), ('f', 4 | 8))
 }
@@ -270,11 +267,9 @@ pub(super) fn is_integer(element: ElementType) -> bool {
     matches!((element.kind, element.size), ('i' | 'u', 1 | 2 | 4 | 8))
 }
 
-/// Requirements for one of the arrays.
 pub(super) struct Entry {
     pub(super) array: &'static str,
     pub(super) shape: &'static str,
-    /// The most rows.
     pub(super) limit: u64,
     /// Bytes that a row takes of the budget, or a value of an array that is no table.
     pub(super) row_bytes: u64,
@@ -282,7 +277,6 @@ pub(super) struct Entry {
     pub(super) accepts: fn(ElementType) -> bool,
 }
 
-/// How much an array holds.
 struct Extent {
     /// Tuples that are read.
     tuples: u64,
@@ -334,7 +328,6 @@ impl Entry {
         Ok(Values { shape: header.shape, element, elements })
     }
 
-    /// Whether the archive has the array.
     pub(super) fn is_in(&self, archive: &ZipArchive<impl Read + Seek>) -> bool {
         archive.index_for_name(&format!("{}.npy", self.array)).is_some()
     }
@@ -392,7 +385,6 @@ impl Entry {
     }
 }
 
-/// Contents of the header of an array.
 struct Head {
     header: Header,
     element: ElementType,
@@ -409,7 +401,6 @@ fn table<const C: usize>(shape: &[u64]) -> Option<Extent> {
     }
 }
 
-/// The elements of one array, about to be read.
 struct Elements<T> {
     array: &'static str,
     head: Head,

@@ -13,7 +13,6 @@ use crate::positions::Positions;
 use crate::times::Times;
 use crate::warm_up::with_triangle;
 
-/// One query.
 #[derive(Clone, Copy)]
 pub(super) struct Job<'a, 's> {
     pub(super) scene: &'a Scene<'s>,

@@ -2,21 +2,18 @@
 
 use rimline::wgpu;
 
-/// A uniform buffer in a layout.
 pub(crate) const UNIFORM: wgpu::BindingType = wgpu::BindingType::Buffer {
     ty: wgpu::BufferBindingType::Uniform,
     has_dynamic_offset: false,
     min_binding_size: None,
 };
 
-/// A storage buffer in a layout.
 pub(crate) const READ_ONLY: wgpu::BindingType = wgpu::BindingType::Buffer {
     ty: wgpu::BufferBindingType::Storage { read_only: true },
     has_dynamic_offset: false,
     min_binding_size: None,
 };
 
-/// A texture of floats in a layout.
 pub(crate) fn read_texture(view_dimension: wgpu::TextureViewDimension, filterable: bool) -> wgpu::BindingType {
     let sample_type = wgpu::TextureSampleType::Float { filterable };
     wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }

@@ -73,7 +73,6 @@ impl Casters {
         Ok(())
     }
 
-    /// Records what draws need.
     pub(super) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,

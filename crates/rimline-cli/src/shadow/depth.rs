@@ -16,7 +16,6 @@ pub(crate) fn depth_format(device: &wgpu::Device) -> TextureFormat {
 /// Lengths that the depth format must resolve, in the models' unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seen {
-    /// The near plane's distance.
     pub(crate) near: f32,
     /// Distance of the farthest surface with a shadow.
     pub(crate) farthest: f32,

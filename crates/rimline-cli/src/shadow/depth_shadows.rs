@@ -42,7 +42,6 @@ impl DepthShadows {
         Self { pipelines: Arc::clone(pipelines), from: from.clone(), max_lights, files, lights }
     }
 
-    /// Results in the maps of all lights. Waits for the device.
     pub(super) fn depths_found(&self, gpu: &Gpu) -> Result<DepthsFound, GpuError> {
         let lights = self.lights.iter().map(|maps| maps.found(gpu)).collect::<Result<_, _>>()?;
         Ok(DepthsFound { size: self.from.size(), has_walls: self.from.has_walls(), lights })

@@ -145,7 +145,6 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// All of them.
     pub(crate) const WHOLE: Self = Self { pitch: 1.0, first: [0.5; 2], clip: Mat4::IDENTITY };
 
     /// Parts that follow each other share a pixel: their patterns are most unlike.
@@ -164,7 +163,6 @@ impl Part {
         Self { pitch, first, clip }
     }
 
-    /// Pixels of each part of a picture of this size.
     pub(crate) fn size(size: [u32; 2]) -> [u32; 2] {
         size.map(|pixels| pixels.div_ceil(PITCH))
     }

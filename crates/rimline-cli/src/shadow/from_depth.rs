@@ -67,7 +67,6 @@ impl FromDepth {
         matches!(self.method, DepthMapMethod::Contours { .. })
     }
 
-    /// Options for reconstruction from the maps.
     pub(super) fn options(&self) -> DepthMapOptions {
         let mut options = DepthMapOptions { method: self.method, ..DepthMapOptions::default() };
         if let MapSource::Given(map) = &self.source {
@@ -77,7 +76,6 @@ impl FromDepth {
         options
     }
 
-    /// Texels of a map across and down.
     pub(super) fn size(&self) -> [u32; 2] {
         match &self.source {
             MapSource::Drawn { side } => [*side; 2],
@@ -105,7 +103,6 @@ pub(super) fn points(bodies: &[PosedModel<'_>]) -> Vec<[f32; 3]> {
     bodies.iter().flat_map(PosedModel::points).collect()
 }
 
-/// Results in the maps of a light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DepthFound {
     /// Maps of the light: 1 or 6.
@@ -153,9 +150,7 @@ impl DepthsFound {
     }
 }
 
-/// Results in the maps of all lights.
 pub(crate) struct DepthsFound {
-    /// Texels of a map across and down.
     pub(crate) size: [u32; 2],
     pub(crate) has_walls: bool,
     pub(crate) lights: Vec<DepthFound>,

@@ -167,7 +167,6 @@ fn spec(light: &Light, origin: Origin) -> String {
     }
 }
 
-/// Errors of a map whose arrays are sound.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum GivenMapError {
     #[error(

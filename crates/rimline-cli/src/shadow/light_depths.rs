@@ -105,13 +105,11 @@ impl LightMaps {
         Ok(())
     }
 
-    /// Results in the maps. Waits for the device.
     pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthFound, GpuError> {
         let (capacity, cells, _) = self.rebuilt();
         Ok(DepthFound { maps: self.views.len(), listed: gpu.read_first(cells)?, capacity })
     }
 
-    /// Contents of the overlay of the maps.
     pub(super) fn shown(&self) -> Option<ShownDepths<'_>> {
         let (_, cells, texture) = self.rebuilt();
         Some(ShownDepths { shown: &self.shown, cells, texture: texture? })

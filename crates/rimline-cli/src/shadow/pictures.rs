@@ -19,7 +19,6 @@ const LINEAR: Target = Target { format: TextureFormat::Rgba16Float, samples: 4 }
 /// The same of a part of the picture.
 const PART: Target = Target { format: LINEAR.format, samples: 1 };
 
-/// Draws pictures.
 pub(crate) struct Pictures {
     pub(crate) pipelines: VolumePipelines,
     /// Attachments of the whole picture or of its parts.

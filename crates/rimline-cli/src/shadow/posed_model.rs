@@ -18,10 +18,9 @@ pub(crate) struct Topology {
     pub(crate) is_turned: bool,
 }
 
-/// A model and where its vertices are.
 pub(crate) struct PosedModel<'a> {
     pub(crate) input: &'a Input,
-    animations: &'a [usize],
+    pub(super) animations: &'a [usize],
     displaced: bool,
     shape: Shape<'a>,
     pub(crate) positions: Positions,
@@ -52,7 +51,6 @@ impl<'a> PosedModel<'a> {
         Ok(body)
     }
 
-    /// Moves to another posed.
     pub(crate) fn pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), Failure> {
         if let Shape::Posed { .. } = self.shape {
             self.shape = self.input.shape(self.animations, time_s, self.displaced)?;
@@ -92,7 +90,6 @@ impl<'a> PosedModel<'a> {
             .collect()
     }
 
-    /// The mesh of a topology.
     pub(crate) fn mesh_of(&self, topology: Topology) -> Result<Mesh, Failure> {
         let geometry = &self.input.model().geometries()[topology.geometry];
         let mesh = Mesh::from_faces(geometry.positions().len(), topology.faces(geometry, 0).collect());
@@ -114,10 +111,6 @@ impl<'a> PosedModel<'a> {
         let mesh = || Mesh::from_faces(self.world.len(), self.faces.clone());
         let triangles = self.has_polygons().then(mesh).transpose();
         triangles.map_err(|error| Failure::input(&self.input.file)(error.into()))
-    }
-
-    pub(crate) fn animations(&self) -> &[usize] {
-        self.animations
     }
 
     /// The vertices of the faces that are drawn, those with finite positions; each once.

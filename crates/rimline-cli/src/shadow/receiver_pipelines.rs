@@ -19,7 +19,6 @@ use crate::render::coincident::{Coincident, corners};
 use crate::render::normals;
 use crate::render::pipeline_factory::{Pass, PipelineFactory, READ_ONLY, UNIFORM};
 
-/// Which pixels receivers are drawn onto.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Onto {
     /// The nearest surface, which this pass finds.
@@ -31,7 +30,6 @@ pub(crate) enum Onto {
     Shadowed,
 }
 
-/// Adds the drawn colour to the colour of the target.
 pub(crate) const ADD: Option<BlendState> = Some(blend(BlendFactor::One, BlendFactor::One));
 /// There times drawn.
 pub(super) const MULTIPLY: Option<BlendState> = Some(blend(BlendFactor::Dst, BlendFactor::Zero));
@@ -48,7 +46,6 @@ pub(super) struct Target {
     pub(super) samples: u32,
 }
 
-/// Bind groups' layouts beyond the frame's.
 pub(super) struct Layouts {
     pub(super) shaded: wgpu::BindGroupLayout,
     pub(super) geometry: wgpu::BindGroupLayout,
@@ -123,7 +120,6 @@ impl Onto {
     }
 }
 
-/// A state of the depth-stencil attachment.
 pub(super) fn depth_state(
     format: TextureFormat,
     write: bool,
@@ -177,7 +173,6 @@ impl Receiver {
         Self(runs.map(|(of, facing)| (3 * of.start..3 * of.end, facing.iter().map(group).collect())).collect())
     }
 
-    /// Draws it for one light.
     pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) {
         for (corners, groups) in &self.0 {
             if let Some(group) = groups.get(light / 32) {

@@ -14,7 +14,6 @@ use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::render::pipeline_factory::{PipelineFactory, view};
 
-/// Everything that stays from frame to frame.
 pub(crate) struct RenderResources<'a> {
     pub(crate) factory: PipelineFactory<'a>,
     pub(super) layouts: Layouts,
@@ -23,7 +22,6 @@ pub(crate) struct RenderResources<'a> {
     lamp_group: wgpu::BindGroup,
 }
 
-/// Inputs of a picture.
 pub(crate) struct DrawInputs<'a> {
     pub(crate) casters: &'a Casters,
     /// Samples of all lights together.
@@ -109,7 +107,6 @@ impl<'a> RenderResources<'a> {
     }
 }
 
-/// A colour target and its depth and stencil.
 pub(super) struct Attachments {
     pub(super) color: wgpu::TextureView,
     pub(super) depth: wgpu::TextureView,

@@ -23,7 +23,6 @@ use crate::shadow::args::{ShadowSceneArgs, value_name};
 use crate::shown::Line;
 use crate::times::Times;
 
-/// Results and choices of the stages for a file.
 struct File {
     name: String,
     faces: usize,
@@ -41,7 +40,6 @@ pub(super) struct Report {
     samples: usize,
     /// Statistics of occluded faces for each light, if they were asked for.
     covered: Option<Vec<HiddenStatistics>>,
-    /// Covered faces that were left out.
     left_out: usize,
     /// If maps of the lights cast.
     depth: Option<DepthsFound>,
@@ -190,15 +188,15 @@ impl Report {
         lines.line("device", &self.adapter);
         lines.origin(self.origin);
         for File { name, faces, found: Found { lights, silhouettes, shadow, .. } } in &self.files {
-            lines.line("caster", &format!("{}, {faces} faces", Line(name)));
+            lines.line("caster", format!("{}, {faces} faces", Line(name)));
             let edges: u64 = silhouettes.iter().copied().map(u64::from).sum();
             let sum = if lights.len() == 1 { String::new() } else { format!(" for {} lights", lights.len()) };
-            lines.line("silhouette edges", &format!("{edges}{sum}"));
+            lines.line("silhouette edges", format!("{edges}{sum}"));
             let ShadowStatistics { skipped, capped, .. } = shadow;
             let counted = |count: u32| format!("for {count} of {} lights", lights.len());
-            lines.line("near caps", &if *capped == 0 { "none needed".to_owned() } else { counted(*capped) });
+            lines.line("near caps", if *capped == 0 { "none needed".to_owned() } else { counted(*capped) });
             if *skipped > 0 {
-                lines.line("no shadow", &format!("{}: the shadow is out of range or out of sight", counted(*skipped)));
+                lines.line("no shadow", format!("{}: the shadow is out of range or out of sight", counted(*skipped)));
             }
         }
         let what = match self.depth.as_ref().map(|found| found.has_walls) {
@@ -212,7 +210,7 @@ impl Report {
             if found.is_overflowed() {
                 let _ = write!(value, "; their list has room for {capacity}, so every cell is drawn");
             }
-            lines.line("depth map", &value);
+            lines.line("depth map", value);
         }
         for covered in self.covered.iter().flatten() {
             let HiddenStatistics { tried, hidden, left_out, sides, sides_left, .. } = covered;
@@ -220,7 +218,7 @@ impl Report {
                 "{hidden} of {tried} faces are hidden from the light, {left_out} left out; sides {sides} before, {sides_left} \
                  after"
             );
-            lines.line("covered", &value);
+            lines.line("covered", value);
         }
         lines.times(times);
         let pictures = pictures.iter().map(|file| crate::image::wrote(file, size));

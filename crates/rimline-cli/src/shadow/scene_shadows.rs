@@ -27,7 +27,6 @@ pub(super) struct SceneShadows {
     /// Each light has the bit of its number.
     lights: Vec<LightHandle>,
     files: Vec<File>,
-    /// Frame of the last encode.
     frame: Option<SceneFrame>,
     max_lights: usize,
     /// If the bound of the stages leaves it open whether the stencil counts to what lies over each other.

@@ -30,10 +30,8 @@ use crate::shown::{animation_name, listed_animations};
 /// Degrees that the eye is above the models by default: enough to see shadows on the ground.
 const ELEVATION: f64 = 24.0;
 
-/// Inputs that are read before any device is opened.
 pub(crate) struct ShadowInputs {
     pub(crate) inputs: Vec<Input>,
-    /// Animations of each input.
     pub(crate) animations: Vec<Vec<usize>>,
     pub(crate) displacement: Option<Displacement>,
 }
@@ -100,7 +98,6 @@ pub(crate) fn open_gpu(args: &ShadowSceneArgs) -> Result<Gpu, Failure> {
     Ok(gpu)
 }
 
-/// Where everything is.
 pub(crate) struct ShadowScene<'a> {
     args: &'a ShadowSceneArgs,
     pub(crate) bodies: Vec<PosedModel<'a>>,
@@ -165,7 +162,6 @@ impl<'a> ShadowScene<'a> {
         seen.warn(depth_format(&gpu.device));
     }
 
-    /// How large a pixel is at a distance of 1.
     fn pixel(&self) -> f32 {
         2.0 / (self.camera.scale[1] * self.args.view.size[1] as f32)
     }

@@ -23,7 +23,6 @@ use crate::failure::Failure;
 use crate::gpu_error::GpuError;
 use crate::input::Input;
 
-/// The casters of all files.
 pub(crate) trait Shadows {
     /// Takes the bodies with their current faces. Bodies that are there already stay.
     fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure>;
@@ -81,11 +80,9 @@ pub(crate) struct CastInputs<'a> {
     pub(crate) lights: &'a [Light],
 }
 
-/// Results and choices for a file.
 pub(crate) struct Found {
     /// For a file of many casters, the most that any of them needs for each light.
     pub(super) lights: Vec<Choice>,
-    /// The silhouette edges for each light.
     pub(super) silhouettes: Vec<u32>,
     pub(super) extraction: ExtractionStatistics,
     pub(super) shadow: ShadowStatistics,
@@ -128,7 +125,6 @@ impl Choice {
     }
 }
 
-/// Where a file's facing masks lie.
 #[derive(Default)]
 pub(crate) struct FacingMasks {
     /// Faces whose masks lie in one buffer for each batch of 32 lights.
@@ -137,7 +133,6 @@ pub(crate) struct FacingMasks {
     pub(super) slots: Vec<u32>,
 }
 
-/// How shadows are counted.
 #[derive(Clone, Debug)]
 pub(crate) struct ShadowMethod {
     counting: Counting,

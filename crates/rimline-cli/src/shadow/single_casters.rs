@@ -36,7 +36,6 @@ impl Extracted {
         self.topologies == body.topologies
     }
 
-    /// Records the extraction.
     pub(super) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
