@@ -26,7 +26,6 @@ pub(crate) struct Foreign {
     advice: &'static str,
 }
 
-/// Why a format is not read.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum FormatError {
     #[error("cannot be read: {0}")]
@@ -35,7 +34,6 @@ pub(crate) enum FormatError {
     Foreign(#[from] Foreign),
 }
 
-/// Bytes that are looked at.
 const FAR: u64 = 1 << 16;
 
 const SURFACE: &str = "convert it to .glb or .obj, in Blender or by Python: \
@@ -46,7 +44,6 @@ const UNPACK: &str = "unpack it and give the model file in it";
 const ARCHIVE: &str = "give an .npz, as `numpy.savez` writes it";
 const NO_MODEL: &str = "give a .glb, .gltf, .obj or .npz";
 
-/// First bytes of other files.
 const FIRST_BYTES: &[(&[u8], &str, &str)] = &[
     (b"Kaydara FBX Binary", "an FBX file", SCENE),
     (b"BLENDER", "a Blender file", BLENDER),

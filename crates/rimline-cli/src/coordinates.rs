@@ -3,7 +3,6 @@
 use rimline::{Light, Origin};
 use serde_json::{Value, json};
 
-/// A coordinate of the command line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Coordinate {
     /// The nearest `f32`, rounded once.
@@ -11,7 +10,6 @@ pub(crate) struct Coordinate {
     pub(crate) double: f64,
 }
 
-/// A light of the command line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct GivenLight {
     /// Each component the nearest `f32`.
@@ -26,7 +24,6 @@ impl Coordinate {
     }
 }
 
-/// A point relative to the origin.
 pub(crate) fn relative(point: [Coordinate; 3], origin: Origin) -> [f32; 3] {
     let ([x, y, z], [ox, oy, oz]) = (point, origin.to_array());
     [x.relative_to(ox), y.relative_to(oy), z.relative_to(oz)]

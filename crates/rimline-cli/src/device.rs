@@ -2,12 +2,13 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use rimline::gpu::Pipelines;
+use rimline::gpu::{Pipelines, read_back_vec};
 use rimline::wgpu;
 use rimline_measure::slivers;
 use wgpu::{AdapterInfo, Backend, Backends, DeviceType, Features, Limits};
 
 use crate::failure::{Failure, NoDevice};
+use crate::gpu_error::GpuError;
 use crate::output::note;
 
 /// Features that Rimline uses where a device has them; it needs none of them.
@@ -16,7 +17,6 @@ pub(crate) const OPTIONAL_FEATURES: [(Features, &str); 2] = [
     (Features::DEPTH32FLOAT_STENCIL8, "shadows far away from a near plane that is next to the eye"),
 ];
 
-/// Value of `--device`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
     Auto,
@@ -43,7 +43,6 @@ impl Wanted {
     }
 }
 
-/// Where the work is done.
 pub(crate) enum Device {
     Cpu,
     Gpu(Box<Gpu>),
@@ -63,7 +62,6 @@ impl Device {
     }
 }
 
-/// An opened adapter.
 pub(crate) struct Gpu {
     pub(crate) info: AdapterInfo,
     pub(crate) device: wgpu::Device,
@@ -124,7 +122,6 @@ pub(crate) fn lacks(adapter: &wgpu::Adapter) -> Option<String> {
     })
 }
 
-/// Opens what `--device` asks for.
 pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
     if *wanted == Wanted::Cpu {
         return Ok(Device::Cpu);
@@ -333,7 +330,30 @@ impl Gpu {
         Failure::DeviceLost { adapter: describe(&self.info), message: lines.join(" ") }
     }
 
-    /// Waits until everything submitted is done.
+    pub(crate) fn encoder(&self, label: &str) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
+    }
+
+    pub(crate) fn submit(&self, encoder: wgpu::CommandEncoder) {
+        self.queue.submit([encoder.finish()]);
+    }
+
+    /// A buffer that is written by copies and has at least 16 bytes.
+    pub(crate) fn buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let (label, size, usage) = (Some(label), size.max(16), usage | wgpu::BufferUsages::COPY_DST);
+        self.device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
+    }
+
+    /// Contents of a buffer. Waits for the device.
+    pub(crate) fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer) -> Result<Vec<T>, GpuError> {
+        Ok(read_back_vec(&self.device, &self.queue, buffer)?)
+    }
+
+    /// The first item of a buffer, or zeros. Waits for the device.
+    pub(crate) fn read_first<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer) -> Result<T, GpuError> {
+        Ok(self.read(buffer)?.first().copied().unwrap_or(T::zeroed()))
+    }
+
     pub(crate) fn wait(&self) -> Result<(), Failure> {
         let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
         self.check()?;

@@ -3,10 +3,7 @@
 mod contact_shadow;
 mod frame;
 mod outline_picture;
-mod passes;
-mod region;
 mod survey;
-mod veils;
 
 use std::borrow::Cow;
 use std::thread::ScopedJoinHandle;
@@ -20,17 +17,17 @@ use crate::args::DrawArgs;
 use crate::device::{self, Gpu, Wanted};
 use crate::ending::{self, Written};
 use crate::failure::{Failure, InputError, UsageError};
-use crate::gpu_error::GpuError;
+use crate::gpu_error::{GpuError, On as _};
 use crate::image::{Picture, wrote};
 use crate::input::{Scene, Shape};
 use crate::output::{Output, print};
-use crate::overwrite::Inputs;
 use crate::posed_input::PosedInput;
 use crate::positions::Positions;
 use crate::progress::Progress;
 use crate::render::camera::{Camera, elevation};
 use crate::render::coincident::{Coincident, corners};
 use crate::render::{centre, check_bounds, check_model, check_size, extent, normals, too_large};
+use crate::target::Inputs;
 use frame::Frame;
 use outline_picture::{Canvas, LinePipelines, ModelPipelines};
 
@@ -56,8 +53,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     progress.step("opening the device");
     let gpu = device::open_gpu(&wanted)?;
     check_size(&gpu, args.view.size)?;
-    let fail = |error: GpuError| error.on(&gpu);
-    check_model(&gpu, scene.mesh.faces().len(), scene.mesh.vertex_count() as usize).map_err(fail)?;
+    check_model(&gpu, scene.mesh.faces().len(), scene.mesh.vertex_count() as usize).on(&gpu)?;
     let picture = draw(args, &gpu, &posed, &scene, &progress)?;
     gpu.check()?;
     progress.step("writing");
@@ -75,7 +71,6 @@ fn draw(
     scene: &Scene<'_>,
     progress: &Progress,
 ) -> Result<Picture, Failure> {
-    let fail = |error: GpuError| error.on(gpu);
     let factory = outline_picture::factory(gpu);
     std::thread::scope(|scope| {
         let model_pipelines = scope.spawn(|| ModelPipelines::new(&factory));
@@ -86,16 +81,16 @@ fn draw(
             }
             LinePipelines::new(&factory)
         });
-        let positions = Positions::new(gpu, &scene.shape, posed.displacement.as_ref()).map_err(fail)?;
-        let mut encoder = commands(gpu, "positions");
-        positions.encode(&mut encoder, &scene.shape, posed.time_s(), None).map_err(fail)?;
-        gpu.queue.submit([encoder.finish()]);
+        let positions = Positions::new(gpu, &scene.shape, posed.displacement.as_ref()).on(gpu)?;
+        let mut encoder = gpu.encoder("positions");
+        positions.encode(&mut encoder, &scene.shape, posed.time_s(), None).on(gpu)?;
+        gpu.submit(encoder);
         // The camera and the normals need positions here; the silhouette stays on the GPU.
         let world: Cow<'_, [[f32; 3]]> = match &scene.shape {
             Shape::World(world) => Cow::Borrowed(world),
             Shape::Posed { .. } => {
                 let count = scene.mesh.vertex_count() as usize;
-                Cow::Owned(positions.read(gpu, count).map_err(|error| fail(error.into()))?)
+                Cow::Owned(positions.read(gpu, count).on(gpu)?)
             }
         };
 
@@ -119,28 +114,28 @@ fn draw(
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let record = || {
             let canvas = Canvas::new(gpu, &factory, (&frame, &bounds), args.view.size);
-            let mut encoder = commands(gpu, "model");
+            let mut encoder = gpu.encoder("model");
             let (normals, buffer) = (normals::corner_normals(&world, &faces), positions.buffer().buffer);
             let model = &joined(model_pipelines);
             let drawn = canvas.model(&mut encoder, model, buffer, (&faces, &normals));
-            gpu.queue.submit([encoder.finish()]);
+            gpu.submit(encoder);
 
             let mut extractor = Extractor::new(&gpu.pipelines, outlined, options())?;
-            let mut encoder = commands(gpu, "silhouette");
+            let mut encoder = gpu.encoder("silhouette");
             let eye = Light::point(camera.eye.into());
             let extraction = extractor.encode(&mut encoder, positions.buffer(), &[eye], None)?;
-            gpu.queue.submit([encoder.finish()]);
+            gpu.submit(encoder);
 
-            let mut encoder = commands(gpu, "lines");
+            let mut encoder = gpu.encoder("lines");
             let texture = canvas.lines(&mut encoder, &joined(line_pipelines), &extraction, [buffer, &drawn])?;
-            gpu.queue.submit([encoder.finish()]);
+            gpu.submit(encoder);
             Ok(texture)
         };
         let texture: Result<wgpu::Texture, GpuError> = record();
         if pollster::block_on(scope.pop()).is_some() {
             return Err(too_large(gpu, args.view.size, PIXEL_BYTES).into());
         }
-        Picture::read(gpu, &texture.map_err(fail)?).map_err(fail)
+        Picture::read(gpu, &texture.on(gpu)?).on(gpu)
     })
 }
 
@@ -150,10 +145,6 @@ fn options() -> ExtractorOptions {
         lists: Some(ListOptions { ordered: true, ..ListOptions::default() }),
         ..ExtractorOptions::default()
     }
-}
-
-fn commands(gpu: &Gpu, label: &str) -> wgpu::CommandEncoder {
-    gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
 }
 
 /// The result of a thread. A panic there goes on here.

@@ -1,16 +1,19 @@
 //! `rimline extract`: facing, silhouette and winding bits for lights, as NumPy arrays.
 
 pub(crate) mod arrays;
-mod on_cpu;
 pub(crate) mod on_gpu;
-pub(crate) mod report;
 
+use std::borrow::Cow;
+use std::path::Path;
 use std::time::Instant;
 
+use rimline::mesh::EdgeCounts;
 use rimline::reference::Method;
-use rimline::reference::cpu::FacingStatistics;
+use rimline::reference::cpu::{self, Extraction, FacingStatistics, Threads};
 use rimline::reference::layout::EdgeMasks;
-use rimline::{Light, Predicate};
+use rimline::{Light, Mesh, Origin, Predicate};
+use rimline_measure::error_metrics::light_counts;
+use serde_json::json;
 
 use crate::args::{ExtractArgs, MethodArg, PredicateArg};
 use crate::device::Device;
@@ -18,15 +21,17 @@ use crate::ending::{self, Written};
 use crate::failure::{Failure, UsageError};
 use crate::input::Scene;
 use crate::output::{Output, print};
-use crate::overwrite::Inputs;
 use crate::posed_input::PosedInput;
 use crate::progress::Progress;
+use crate::report::{self, Lines, per_light};
+use crate::shadow::args::value_name;
+use crate::shown::Line;
+use crate::target::Inputs;
 use crate::times::Times;
-use report::Report;
 
 /// Results of either device. Masks lie in ⌈N/32⌉ planes, item after item.
 pub(crate) struct Found<'a> {
-    positions: std::borrow::Cow<'a, [[f32; 3]]>,
+    positions: Cow<'a, [[f32; 3]]>,
     facing: Vec<u32>,
     /// Twisted polygons; empty unless faces are polygons.
     twisted: Vec<u32>,
@@ -38,16 +43,16 @@ pub(crate) struct Found<'a> {
 pub(crate) fn extract_exactly<'s>(device: &Device, scene: &Scene<'s>, lights: &[Light]) -> Result<Found<'s>, Failure> {
     let (method, predicate) = (Method::FaceMask, Predicate::Exact);
     match device {
-        Device::Cpu => Ok(on_cpu::extract(scene, lights, method, predicate, &mut Times::default())?),
+        Device::Cpu => on_cpu(scene, lights, (method, predicate), &mut Times::default()),
         Device::Gpu(gpu) => {
             let job = on_gpu::Job { scene, lights, method, predicate, displacement: None, time_s: 0.0 };
-            job.run(gpu, &mut Times::default())
+            job.run(gpu, &mut Times::default(), false)
         }
     }
 }
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
-    let (method, predicate) = way(args)?;
+    let way = way(args)?;
     ending::check(&args.out, Written::Npz)?;
     let progress = Progress::start();
     let mut times = Times::default();
@@ -66,18 +71,18 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
         let mut times = times.clone();
         times.add("device", begin.elapsed().as_secs_f64() * 1e3);
         let found = match device {
-            Device::Cpu => on_cpu::extract(&scene, &lights, method, predicate, &mut times)?,
+            Device::Cpu => on_cpu(&scene, &lights, (way.0, way.1), &mut times)?,
             Device::Gpu(gpu) => {
                 let job = on_gpu::Job {
                     scene: &scene,
                     lights: &lights,
-                    method,
-                    predicate,
+                    method: way.0,
+                    predicate: way.1,
                     displacement: posed.displacement.as_ref(),
                     time_s: posed.time_s(),
                 };
                 // Times are for those who ask for them; all others would wait for the work twice.
-                if args.json { job.run_warm(gpu, &mut times)? } else { job.run(gpu, &mut times)? }
+                job.run(gpu, &mut times, args.json)?
             }
         };
         Ok((found, times))
@@ -85,23 +90,139 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     progress.step("writing");
     let (mesh, origin) = (&scene.mesh, posed.input.origin);
     times.measure("write", || output.finish(|file| arrays::write(file, mesh, &lights, &found, origin)))?;
-    let report = Report::new(mesh, &lights, &found, (method, predicate), origin, device.name(), times);
+    let names = [device.name(), value_name(&args.method), value_name(&way.2)];
+    let report = Report { mesh, lights: lights.len(), found: &found, names, origin, times };
     drop(progress);
     print(&if args.json { report.json() } else { report.text(&args.out) })
 }
 
 /// Method and predicate, which must go together.
-fn way(args: &ExtractArgs) -> Result<(Method, Predicate), UsageError> {
-    let method = match args.method {
-        MethodArg::FaceMask => Method::FaceMask,
-        MethodArg::PerEdge => Method::PerEdge,
+fn way(args: &ExtractArgs) -> Result<(Method, Predicate, PredicateArg), UsageError> {
+    let (method, usual) = match args.method {
+        MethodArg::FaceMask => (Method::FaceMask, PredicateArg::Exact),
+        MethodArg::PerEdge => (Method::PerEdge, PredicateArg::Plane),
     };
-    let predicate = match args.predicate {
-        Some(PredicateArg::Exact) if method == Method::PerEdge => return Err(UsageError::ExactPerEdge),
-        None => method.predicate(Predicate::Exact),
-        Some(PredicateArg::Exact) => Predicate::Exact,
-        Some(PredicateArg::Fast) => Predicate::Fast,
-        Some(PredicateArg::Plane) => Predicate::Plane,
+    let named = args.predicate.unwrap_or(usual);
+    let predicate = match named {
+        PredicateArg::Exact if method == Method::PerEdge => return Err(UsageError::ExactPerEdge),
+        PredicateArg::Exact => Predicate::Exact,
+        PredicateArg::Fast => Predicate::Fast,
+        PredicateArg::Plane => Predicate::Plane,
     };
-    Ok((method, predicate))
+    Ok((method, predicate, named))
+}
+
+/// The CPU references, stage by stage.
+fn on_cpu<'a>(
+    scene: &Scene<'a>,
+    lights: &[Light],
+    (method, predicate): (Method, Predicate),
+    times: &mut Times,
+) -> Result<Found<'a>, Failure> {
+    let (mesh, threads) = (&scene.mesh, Threads::all());
+    let positions = scene.shape.on_cpu(times)?;
+    if mesh.polygons().is_some() {
+        let extract = |method| {
+            let found = cpu::extract_by(&positions, mesh, lights, method, predicate, threads);
+            found.map_err(|error| Failure::from(UsageError::Arguments(error)))
+        };
+        let Extraction { facing, twisted, mut masks, statistics } =
+            times.measure("facing", || extract(Method::FaceMask))?;
+        if method == Method::PerEdge {
+            masks = times.measure("per_edge", || extract(method))?.masks;
+        }
+        return Ok(Found { positions, facing, twisted, masks, statistics });
+    }
+    let faces = mesh.faces();
+    let mut facing = Vec::new();
+    // The per-edge method has no face bits, so the file gets the exact ones.
+    let of_faces = if method == Method::PerEdge { Predicate::Exact } else { predicate };
+    let statistics =
+        times.measure("facing", || cpu::facing_into(&mut facing, &positions, faces, lights, of_faces, threads));
+    let masks = match method {
+        Method::FaceMask => {
+            times.measure("edges", || cpu::edges(mesh.edges(), &facing, faces.len(), lights.len(), threads))
+        }
+        Method::PerEdge => times.measure("per_edge", || cpu::per_edge(&positions, mesh, lights, predicate, threads)),
+    };
+    Ok(Found { positions, facing, twisted: Vec::new(), masks, statistics })
+}
+
+struct Report<'a> {
+    mesh: &'a Mesh,
+    lights: usize,
+    found: &'a Found<'a>,
+    /// The device, the method and the predicate.
+    names: [String; 3],
+    origin: Origin,
+    times: Times,
+}
+
+impl Report<'_> {
+    /// For each light, silhouette edges and unclosed vertices.
+    fn counts(&self) -> (Vec<usize>, Vec<usize>) {
+        let Self { mesh, found, lights, .. } = self;
+        let counts = light_counts(mesh, &found.masks, &found.twisted, *lights).into_iter();
+        counts.map(|light| (light.silhouette_edges, light.unclosed_vertices)).unzip()
+    }
+
+    /// The number of twisted polygons for each light, if the mesh has polygons.
+    fn twisted(&self) -> Option<Vec<usize>> {
+        let faces = self.mesh.polygons()?.len();
+        let plane = |light: usize| self.found.twisted.iter().skip(light / 32 * faces).take(faces);
+        let of_light = |light| plane(light).filter(|&&mask| mask >> (light % 32) & 1 != 0).count();
+        Some((0..self.lights).map(of_light).collect())
+    }
+
+    /// Lists have an entry a light, in the order given.
+    fn json(&self) -> String {
+        let EdgeCounts { consistent, inconsistent, boundary } = self.mesh.edges().counts();
+        let FacingStatistics { non_finite_faces, undecided_pairs, exact_zeros } = self.found.statistics;
+        let (silhouette_edges, unclosed_vertices) = self.counts();
+        let [adapter, method, predicate] = &self.names;
+        let report = json!({
+            "adapter": adapter,
+            "method": method,
+            "predicate": predicate,
+            "vertices": self.found.positions.len(),
+            "faces": self.mesh.face_count(),
+            "degenerate_faces": self.mesh.degenerate_faces(),
+            "non_finite_faces": non_finite_faces,
+            "undecided_pairs": undecided_pairs,
+            "exact_zeros": exact_zeros,
+            "edges": { "consistent": consistent, "inconsistent": inconsistent, "boundary": boundary },
+            "lights": self.lights,
+            "silhouette_edges": silhouette_edges,
+            "unclosed_vertices": unclosed_vertices,
+            "twisted_polygons": self.twisted(),
+        });
+        report::json(report, self.origin, &self.times)
+    }
+
+    fn text(&self, out: &Path) -> String {
+        let EdgeCounts { consistent, inconsistent, boundary } = self.mesh.edges().counts();
+        let FacingStatistics { non_finite_faces, undecided_pairs, exact_zeros } = self.found.statistics;
+        let (silhouette_edges, unclosed_vertices) = self.counts();
+        let mut lines = Lines::default();
+        lines.line("device", &self.names[0]);
+        lines.line("vertices", self.found.positions.len());
+        lines.line("faces", self.mesh.face_count());
+        lines.origin(self.origin);
+        if non_finite_faces > 0 {
+            lines.line("", format!("{non_finite_faces} with a position that is not finite: they face no light"));
+        }
+        if undecided_pairs > 0 {
+            let decided = format!("{undecided_pairs} pairs of face and light, {exact_zeros} of them in one plane");
+            lines.line("decided exactly", decided);
+        }
+        if let Some(twisted) = self.twisted() {
+            lines.line("twisted polygons", per_light(&twisted));
+        }
+        let edges = format!("{consistent} consistent, {inconsistent} inconsistent, {boundary} boundary");
+        lines.line("edge records", edges);
+        lines.line("silhouette edges", per_light(&silhouette_edges));
+        lines.line("unclosed vertices", per_light(&unclosed_vertices));
+        lines.times(&self.times);
+        format!("{}wrote {}\n", lines.0, Line(out.display()))
+    }
 }

@@ -1,7 +1,6 @@
 //! Everything that can go wrong, and the exit code it ends with.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use rimline::{CameraError, LightError, MeshError};
 
@@ -9,10 +8,9 @@ use crate::begins::FormatError;
 use crate::load_args::size;
 use crate::npz::NpzError;
 use crate::obj::ObjError;
-use crate::shadow::given_map_error::GivenMapError;
+use crate::shadow::given_map::GivenMapError;
 use crate::spec::SpecError;
 
-/// Advice for a machine without any adapter.
 pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {
     "`rimline extract --device cpu` needs none. To use a GPU, install its Vulkan driver, or Mesa's software one: on Debian \
      and Ubuntu `sudo apt-get install mesa-vulkan-drivers`, on Fedora `sudo dnf install mesa-vulkan-drivers`, on Arch \
@@ -61,7 +59,6 @@ pub(crate) enum Failure {
     },
 }
 
-/// Errors in the input.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum InputError {
     #[error("cannot be read: {0}")]
@@ -247,7 +244,6 @@ pub(crate) enum UsageError {
     Size { width: u32, height: u32, limit: u32, adapter: String },
 }
 
-/// Why no device serves.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum NoDevice {
     #[error("no GPU was found. {}", ADVICE)]
@@ -279,7 +275,6 @@ impl NoDevice {
     }
 }
 
-/// Advice for an adapter that is too small.
 fn remedy(cpu_would_do: bool) -> &'static str {
     if cpu_would_do {
         "`--device cpu` or another device (`rimline devices` lists them)"
@@ -296,11 +291,6 @@ impl Failure {
 
     /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits, 128 and the
     /// signal that stopped it.
-    pub(crate) fn exit_code(&self) -> ExitCode {
-        self.code().into()
-    }
-
-    /// The same as a number.
     pub(crate) fn code(&self) -> u8 {
         match self {
             Self::Input { .. } | Self::Pose(_) => 1,
@@ -310,7 +300,7 @@ impl Failure {
             Self::Differs { .. } => 5,
             Self::Unchecked { first, .. } => first.code(),
             // 128 and the number of the signal, as shells have it.
-            Self::Interrupted => crate::interrupt::interrupted_code(),
+            Self::Interrupted => crate::signals::interrupted_code(),
         }
     }
 }

@@ -1,25 +1,26 @@
 //! `rimline film`: an animation with its shadows, as numbered pictures.
 
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use crate::claim::Claim;
 use crate::ending;
 use crate::failure::{Failure, UsageError};
-use crate::gpu_error::GpuError;
+use crate::gpu_error::On as _;
 use crate::input::{Input, Source};
 use crate::output::{Folder, Output, print};
-use crate::overwrite::Inputs;
 use crate::progress::Progress;
 use crate::shadow;
 use crate::shadow::args::{FilmArgs, MAX_FRAMES};
 use crate::shadow::casters::Casters;
-use crate::shadow::counts::CountBound;
+use crate::shadow::depth::CountBound;
 use crate::shadow::pictures::Pictures;
 use crate::shadow::posed_model::PosedModel;
 use crate::shadow::render_resources::RenderResources;
 use crate::shadow::shadow_scene::{ShadowInputs, ShadowScene, open_gpu};
 use crate::shadow::shadows::ShadowMethod;
 use crate::shown::Line;
+use crate::signals::{create_unfinished, remove_unfinished};
+use crate::target::Inputs;
 
 /// Moments that the camera is chosen by: it must see all of the motion.
 const LOOKS: u32 = 12;
@@ -53,8 +54,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 
     progress.step("opening the device");
     let gpu = open_gpu(scene)?;
-    let fail = |error: GpuError| error.on(&gpu);
-    let method = ShadowMethod::new(scene.method.counting(), &props.inputs);
+    let method = ShadowMethod::new(scene.method.counting(), &props.inputs, None);
     let _compiling = method.compile(&gpu);
     progress.step("looking at the motion");
     let mut bodies = props.bodies(&gpu, time(0))?;
@@ -66,22 +66,20 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     }
     let mut set = ShadowScene::new(scene, bodies, &points, None)?;
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let pictures =
-        Pictures::new(&gpu, &resources, &method, scene.mode, scene.volumes, set.is_in_parts()).map_err(fail)?;
+    let pictures = Pictures::new(&gpu, &resources, &method, scene.mode, scene.volumes, set.is_in_parts()).on(&gpu)?;
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));
-    let mut casters = Casters::new(&gpu, &pictures.pipelines, set.samples(), scene.volumes).map_err(fail)?;
+    let mut casters = Casters::new(&gpu, &pictures.pipelines, set.samples(), scene.volumes).on(&gpu)?;
     let mut bound = CountBound::default();
     for frame in 0..frames {
         let output = output.take().map_or_else(|| Output::create(&file(frame)), Ok)?;
         set.pose(&gpu, time(frame))?;
         casters.place(&gpu, &set.bodies)?;
-        set.cast(&gpu, &resources, &mut casters, None).map_err(fail)?;
+        set.cast(&gpu, &resources, &mut casters, None).on(&gpu)?;
         set.count_layers(&gpu, &mut casters)?;
-        let picture = shadow::picture(&gpu, &resources, &pictures, &mut set, &mut casters).map_err(fail)?;
-        let statistics = casters.shadows.statistics(&gpu).map_err(|error| fail(error.into()))?;
-        bound = bound.max(statistics.into());
+        let picture = shadow::picture(&gpu, &resources, &pictures, &mut set, &mut casters).on(&gpu)?;
+        bound = bound.max(casters.shadows.statistics(&gpu).on(&gpu)?.into());
         gpu.check()?;
         output.finish(|file| picture.write_png(file))?;
         if frame == 0 {
@@ -165,6 +163,55 @@ fn frame_file(folder: &Path, frame: u32, frames: u32) -> PathBuf {
     folder.join(format!("{frame:0digits$}.png"))
 }
 
+/// A film's claim of its folder, as long as it lives: a hidden file with the number of the process. Two films in one folder
+/// would remove and replace each other's pictures.
+#[derive(Debug)]
+struct Claim {
+    file: PathBuf,
+}
+
+const CLAIM: &str = ".rimline-film.part";
+
+impl Claim {
+    /// Claims a folder that is there. A claim whose process is gone counts for nothing.
+    fn take(folder: &Path) -> Result<Self, Failure> {
+        let file = folder.join(CLAIM);
+        let mut taken = claim(&file);
+        if taken.as_ref().is_err_and(is_there) && is_stale(&file) {
+            let _ = std::fs::remove_file(&file);
+            taken = claim(&file);
+        }
+        match taken {
+            Ok(()) => Ok(Self { file }),
+            Err(error) if is_there(&error) => {
+                Err(UsageError::FilmInProgress { folder: folder.to_owned(), claim: file }.into())
+            }
+            Err(source) => Err(Failure::Output { file: folder.to_owned(), source }),
+        }
+    }
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        remove_unfinished(&self.file);
+    }
+}
+
+fn claim(file: &Path) -> io::Result<()> {
+    create_unfinished(file)?.write_all(std::process::id().to_string().as_bytes())
+}
+
+fn is_there(error: &io::Error) -> bool {
+    error.kind() == io::ErrorKind::AlreadyExists
+}
+
+/// Whether the process that a claim names is gone. Where the system does not list processes as files, none is known to be.
+fn is_stale(file: &Path) -> bool {
+    let processes = Path::new("/proc");
+    let process = std::fs::read_to_string(file).ok().and_then(|text| text.parse::<u32>().ok());
+    processes.join("self").exists() && process.is_some_and(|process| !processes.join(process.to_string()).exists())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -200,5 +247,29 @@ mod tests {
             assert_eq!(frame_file(Path::new(folder), 7, 10), Path::new("a/frames/0007.png"));
         }
         assert_eq!(frame_file(Path::new("walk"), 12_345, 20_000), Path::new("walk/12345.png"));
+    }
+
+    #[test]
+    fn a_folder_has_one_film_at_a_time() {
+        let folder = tempfile::tempdir().expect("there is room");
+        let first = Claim::take(folder.path()).expect("nobody claims it");
+        let second = Claim::take(folder.path()).expect_err("it is claimed");
+        assert!(second.to_string().contains(CLAIM), "{second}");
+        drop(first);
+        assert!(!folder.path().join(CLAIM).exists());
+        drop(Claim::take(folder.path()).expect("nobody claims it any more"));
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_claim_of_a_process_that_is_gone_counts_for_nothing() {
+        let folder = tempfile::tempdir().expect("there is room");
+        // Above the largest number of a process.
+        std::fs::write(folder.path().join(CLAIM), "4294967295").expect("there is room");
+        let claim = Claim::take(folder.path()).expect("its process is gone");
+        drop(claim);
+        // A file without a number may be a claim in the making.
+        std::fs::write(folder.path().join(CLAIM), "").expect("there is room");
+        Claim::take(folder.path()).expect_err("it may be in the making");
     }
 }

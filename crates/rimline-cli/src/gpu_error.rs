@@ -10,9 +10,8 @@ use rimline::gpu::{
 use crate::device::{Gpu, describe};
 use crate::failure::{Failure, NoDevice, UsageError};
 use crate::load_args::size;
-use crate::shadow::given_map_error::GivenMapError;
+use crate::shadow::given_map::GivenMapError;
 
-/// Any of them.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum GpuError {
     #[error(transparent)]
@@ -135,5 +134,16 @@ impl GpuError {
             | Self::Volumes(ShadowError::Light(lights)) => Some(lights),
             _ => None,
         }
+    }
+}
+
+/// Results of the library's GPU part as results of the command.
+pub(crate) trait On<T> {
+    fn on(self, gpu: &Gpu) -> Result<T, Failure>;
+}
+
+impl<T, E: Into<GpuError>> On<T> for Result<T, E> {
+    fn on(self, gpu: &Gpu) -> Result<T, Failure> {
+        self.map_err(|error| error.into().on(gpu))
     }
 }

@@ -10,7 +10,6 @@ use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::shown::Line;
 
-/// Message for the user about a complete picture.
 pub(crate) fn wrote(file: &Path, [width, height]: [u32; 2]) -> String {
     format!("wrote {} ({width}×{height})", Line(file.display()))
 }
@@ -30,13 +29,9 @@ impl Picture {
         let (width, height) = (texture.width(), texture.height());
         let depth = texture.format().block_copy_size(None).unwrap_or(4);
         let pitch = (depth * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("picture"),
-            size: u64::from(pitch) * u64::from(height),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let size = u64::from(pitch) * u64::from(height);
+        let buffer = gpu.buffer("picture", size, wgpu::BufferUsages::COPY_SRC);
+        let mut encoder = gpu.encoder("picture");
         encoder.copy_texture_to_buffer(
             texture.as_image_copy(),
             wgpu::TexelCopyBufferInfo {
@@ -45,13 +40,12 @@ impl Picture {
             },
             texture.size(),
         );
-        gpu.queue.submit([encoder.finish()]);
+        gpu.submit(encoder);
         let mut bytes = Vec::with_capacity(pitch as usize * height as usize);
         read_back(&gpu.device, &gpu.queue, &buffer, |piece| bytes.extend_from_slice(piece))?;
         Ok(Self { size: [width, height], pitch: pitch as usize, depth: depth as usize, bytes })
     }
 
-    /// The bytes of each row.
     pub(crate) fn rows(&self) -> impl Iterator<Item = &[u8]> {
         self.bytes.chunks(self.pitch).map(|row| &row[..self.depth * self.size[0] as usize])
     }

@@ -7,20 +7,18 @@ mod report;
 mod seams;
 mod text;
 
-use std::borrow::Cow;
-
-use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Origin};
 use serde_json::{Value, json};
 
 use crate::args::InfoArgs;
 use crate::coordinates::{add_origin, origin_text};
 use crate::failure::{Failure, InputError};
-use crate::input::{Input, Shape, Source};
+use crate::input::{Input, Source};
 use crate::load_args::TakenPolygons;
 use crate::origin;
 use crate::output::print;
 use crate::shown::Line;
+use crate::times::Times;
 use polygons::PolygonReport;
 use report::MeshReport;
 use text::Text;
@@ -64,10 +62,7 @@ impl Report {
             }
             mesh => mesh?,
         };
-        let positions = match &shape {
-            Shape::World(positions) => Cow::Borrowed(*positions),
-            Shape::Posed { model, pose } => Cow::Owned(cpu::deform(model, pose, 0.0, None, Threads::all())?),
-        };
+        let positions = shape.on_cpu(&mut Times::default())?;
         let placed = MeshReport::of_mesh(&mesh, &positions, input.origin);
         let polygons = match input.described() {
             Some(given) => PolygonReport::of_mesh(&given.mesh, &given.positions, lights),

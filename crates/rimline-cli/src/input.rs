@@ -1,11 +1,13 @@
 //! The model file, whatever its format, and the mesh it makes at one posed.
 
+use std::borrow::Cow;
 use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use rimline::MAX_LIGHTS;
 use rimline::gltf::{Asset, GltfError, GltfWarning, LoadOptions, SceneLight};
 use rimline::mesh::{Weld, WeldCounts, WeldDistance};
+use rimline::reference::cpu::{self, Threads};
 use rimline::reference::light::check_lights;
 use rimline::{
     Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, Mesh, MeshError, Model, ModelError, Origin,
@@ -15,15 +17,15 @@ use rimline::{
 use crate::begins::{Begins, begins};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input_args::ModelArgs;
-use crate::listed::listed;
 use crate::load_args::TakenPolygons;
 use crate::npz;
 use crate::obj;
 use crate::output::note;
+use crate::shown::listed;
 use crate::source;
 use crate::spec::LightSpec;
+use crate::times::Times;
 
-/// A model file in memory.
 pub(crate) struct Input {
     pub(crate) file: PathBuf,
     pub(crate) source: Source,
@@ -31,14 +33,12 @@ pub(crate) struct Input {
     pub(crate) origin: Origin,
 }
 
-/// A light that was asked for.
 pub(crate) struct ChosenLight {
     pub(crate) light: Light,
     /// The light in the file, if it comes from the file.
     pub(crate) own: Option<SceneLight>,
 }
 
-/// Contents of the file.
 pub(crate) enum Source {
     Gltf(Box<Asset>),
     /// World-space positions less the origin, welded: one geometry, one instance.
@@ -52,7 +52,6 @@ pub(crate) enum Source {
     },
 }
 
-/// Polygons as a file has them.
 pub(crate) struct GivenPolygons {
     pub(crate) mesh: Mesh,
     pub(crate) positions: Vec<[f32; 3]>,
@@ -64,12 +63,23 @@ pub(crate) struct Scene<'a> {
     pub(crate) shape: Shape<'a>,
 }
 
-/// Where the mesh's vertices are.
 pub(crate) enum Shape<'a> {
     /// World-space positions, used bit for bit.
     World(&'a [[f32; 3]]),
     /// A model that is yet to be deformed.
     Posed { model: &'a Model, pose: Pose },
+}
+
+impl<'a> Shape<'a> {
+    pub(crate) fn on_cpu(&self, times: &mut Times) -> Result<Cow<'a, [[f32; 3]]>, Failure> {
+        match self {
+            Self::World(positions) => Ok(Cow::Borrowed(positions)),
+            Self::Posed { model, pose } => {
+                let deformed = times.measure("deform", || cpu::deform(model, pose, 0.0, None, Threads::all()));
+                Ok(Cow::Owned(deformed?))
+            }
+        }
+    }
 }
 
 impl Input {
@@ -312,7 +322,6 @@ fn open(file: &Path, options: LoadOptions, taken: TakenPolygons) -> Result<(Sour
     }
 }
 
-/// Standard input, by how it begins.
 fn open_stdin(options: LoadOptions, taken: TakenPolygons) -> Result<(Source, Origin), InputError> {
     let bytes = source::read(Path::new("-"))?;
     match begins(&mut Cursor::new(&bytes))? {
@@ -359,7 +368,6 @@ fn open_npz(reader: impl Read + Seek, options: LoadOptions) -> Result<(Source, O
     of_arrays(npz::read(reader, options.memory_limit)?, options, TakenPolygons::Whole)
 }
 
-/// World-space positions, and triangles or polygons.
 fn of_arrays(arrays: npz::Arrays, options: LoadOptions, taken: TakenPolygons) -> Result<(Source, Origin), InputError> {
     let npz::Arrays { positions, mut faces, polygons, origin } = arrays;
     let by_loop =

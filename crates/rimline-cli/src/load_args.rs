@@ -10,7 +10,7 @@ pub(crate) struct LoadArgs {
     /// The largest memory that reading one file, and making its mesh, may take at one time, such as 512MiB, 16GiB or a number
     /// of bytes. A file that states more is refused before its data is read. Small files can need a lot of memory
     #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = bytes)]
-    memory_limit: u64,
+    pub(crate) memory_limit: u64,
 
     /// Allow a glTF file to read buffers outside its folder, through `..`, an absolute path or a symbolic link
     #[arg(long)]
@@ -18,10 +18,6 @@ pub(crate) struct LoadArgs {
 }
 
 impl LoadArgs {
-    pub(crate) fn memory_limit(self) -> u64 {
-        self.memory_limit
-    }
-
     pub(crate) fn options(self, weld: Weld) -> LoadOptions {
         LoadOptions { weld, memory_limit: self.memory_limit, allow_outside: self.allow_outside }
     }

@@ -5,13 +5,9 @@ mod args;
 mod begins;
 mod bench;
 mod chart;
-mod chosen_animations;
-mod claim;
-mod compiling;
 mod coordinates;
 mod device;
 mod devices;
-mod displacement;
 mod draw;
 mod ending;
 mod extract;
@@ -23,22 +19,20 @@ mod image;
 mod info;
 mod input;
 mod input_args;
-mod interrupt;
-mod listed;
 mod load_args;
 mod origin;
 mod output;
-mod overwrite;
 mod page;
 mod parse;
 mod posed_input;
 mod positions;
 mod progress;
 mod query;
-mod quiet;
 mod render;
+mod report;
 mod shadow;
 mod shown;
+mod signals;
 mod source;
 mod spec;
 mod target;
@@ -65,17 +59,40 @@ fn main() -> ExitCode {
             level => writeln!(to, "[{level:<5} {}] {}", record.target(), Text(record.args())),
         })
         .init();
+    #[cfg(all(unix, not(target_vendor = "apple")))]
+    keep_wayland_quiet();
     let cli = parse::parse(std::env::args_os()).unwrap_or_else(|error| refuse(&error));
-    quiet::run_again_quietly(&cli.command);
     // Before anything is read: the code of a signal does not depend on when it comes.
-    output::heed_signals();
+    signals::heed_signals();
     match run(&cli.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             output::note(&format!("error: {failure}"));
-            failure.exit_code()
+            failure.code().into()
         }
     }
+}
+
+/// Runs the command again in this same process, with `XDG_RUNTIME_DIR`, if that is no absolute path. Mesa's Vulkan layer asks
+/// Wayland for the screen's GPU each time that adapters are listed, and libwayland then prints an error without the variable,
+/// although nothing is wrong; a process cannot safely change its own environment. Where that fails, the command goes on as it
+/// is: the message is all that it costs.
+#[cfg(all(unix, not(target_vendor = "apple")))]
+fn keep_wayland_quiet() {
+    use std::os::unix::process::CommandExt as _;
+    const VARIABLE: &str = "XDG_RUNTIME_DIR";
+    if std::env::var_os(VARIABLE).is_some_and(|folder| std::path::Path::new(&folder).is_absolute()) {
+        return;
+    }
+    let Ok(program) = std::env::current_exe() else { return };
+    let mut arguments = std::env::args_os();
+    let mut again = std::process::Command::new(program);
+    if let Some(name) = arguments.next() {
+        again.arg0(name);
+    }
+    // Nobody can make a file below it, so Wayland finds no socket and says nothing.
+    let error = again.args(arguments).env(VARIABLE, "/dev/null").exec();
+    log::debug!("cannot run again with {VARIABLE}: {error}");
 }
 
 /// Prints what the parser says, help too, and ends. It cites arguments as they are, and a shell puts names of files there.

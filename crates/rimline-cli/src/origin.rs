@@ -11,7 +11,6 @@ use crate::shown::Line;
 /// The share of a model's size that rounding may move a vertex by without a warning.
 const UNSEEN: f64 = 1e-4;
 
-/// Where a file's model is.
 #[derive(Clone, Copy, Debug)]
 struct Extent {
     /// The lowest and the highest corner of its box; of arrays relative to their origin.
@@ -46,7 +45,6 @@ pub(crate) fn settle(inputs: &mut [Input], animations: &[Vec<usize>], time_s: f3
 }
 
 impl Extent {
-    /// The largest side of its box.
     fn size(self) -> f64 {
         let [low, high] = self.bounds;
         low.iter().zip(high).map(|(low, high)| high - low).fold(0.0, f64::max)

@@ -4,14 +4,14 @@ use std::path::Path;
 
 use rimline::{Displacement, Light};
 
-use crate::chosen_animations;
 use crate::device::{self, Device, Wanted};
-use crate::displacement;
-use crate::failure::{Failure, UsageError};
-use crate::input::{Input, Scene};
-use crate::input_args::{ModelArgs, MomentArgs};
-use crate::origin;
+use crate::failure::{Failure, InputError, UsageError};
+use crate::input::{Input, Scene, Source};
+use crate::input_args::{ModelArgs, MomentArgs, PoseArgs};
+use crate::output::note;
+use crate::shown::listed_animations;
 use crate::spec::LightSpec;
+use crate::{origin, source};
 
 pub(crate) struct PosedInput<'a> {
     args: &'a MomentArgs,
@@ -21,17 +21,16 @@ pub(crate) struct PosedInput<'a> {
 }
 
 impl<'a> PosedInput<'a> {
-    /// Reads the model and the displacement.
     pub(crate) fn read(args: &'a MomentArgs, model: &ModelArgs) -> Result<Self, Failure> {
         if Wanted::parse(&args.device.device) == Wanted::Cpu && args.displace.is_some() {
             return Err(UsageError::DisplaceOnCpu.into());
         }
-        let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
+        let displacement = args.displace.as_deref().map(read_displacement).transpose()?;
         let mut input = Input::open(model)?;
-        let chosen = chosen_animations::animations(std::slice::from_ref(&input), &args.pose)?;
+        let chosen = animations(std::slice::from_ref(&input), &args.pose)?;
         origin::settle(std::slice::from_mut(&mut input), &chosen, args.pose.time)?;
         let animations = chosen.concat();
-        displacement::note_idle_time(&args.pose, &animations, displacement.as_ref());
+        note_idle_time(&args.pose, &animations, displacement.as_ref());
         Ok(Self { args, input, animations, displacement })
     }
 
@@ -70,5 +69,67 @@ impl<'a> PosedInput<'a> {
             Device::Gpu(gpu) => gpu.cpu_would_do = false,
         }
         Ok(device)
+    }
+}
+
+/// The animations of each file that `--animation` names. Every name must be that of an animation in one of the files.
+pub(crate) fn animations(inputs: &[Input], args: &PoseArgs) -> Result<Vec<Vec<usize>>, Failure> {
+    let mut chosen = vec![Vec::new(); inputs.len()];
+    for wanted in &args.animations {
+        let found: Vec<_> = inputs.iter().map(|input| named(input, wanted)).collect();
+        let is_there = found.iter().any(Result::is_ok);
+        for (chosen, found) in chosen.iter_mut().zip(found) {
+            match found {
+                Ok(found) => chosen.extend(found),
+                Err(missing) if !is_there => return Err(missing),
+                Err(_) => {}
+            }
+        }
+    }
+    inputs.iter().zip(&chosen).try_for_each(|(input, chosen)| check(input, chosen))?;
+    Ok(chosen)
+}
+
+/// The animations of a file that one `--animation` names, by their numbers: one, or all.
+fn named(input: &Input, wanted: &str) -> Result<Vec<usize>, Failure> {
+    let (found, there) = match &input.source {
+        Source::Gltf(asset) if wanted == "all" => (0..asset.animations().len(), listed_animations(asset)),
+        Source::Gltf(asset) => {
+            let found = asset.animation_index(wanted).map_or(0..0, |index| index..index + 1);
+            (found, listed_animations(asset))
+        }
+        Source::World { .. } => (0..0, "the file has none".to_owned()),
+    };
+    if found.is_empty() {
+        return Err(UsageError::Animation { wanted: wanted.to_owned(), there }.into());
+    }
+    Ok(found.collect())
+}
+
+fn check(input: &Input, animations: &[usize]) -> Result<(), Failure> {
+    match &input.source {
+        // An error at one time occurs at all times.
+        Source::Gltf(asset) if !animations.is_empty() => {
+            asset.each_light(animations.iter().copied(), 0.0).map(drop).map_err(|error| input.not_posed(error))
+        }
+        _ => Ok(()),
+    }
+}
+
+pub(crate) fn read_displacement(file: &Path) -> Result<Displacement, Failure> {
+    let read = || -> Result<Displacement, InputError> {
+        let displacement = Displacement::new(&source::read_text(file)?)?;
+        if displacement.uses_resources() {
+            return Err(InputError::DisplacementResources);
+        }
+        Ok(displacement)
+    };
+    read().map_err(Failure::input(file))
+}
+
+/// Tells whoever gives a time that nothing moves with it.
+pub(crate) fn note_idle_time(pose: &PoseArgs, animations: &[usize], displacement: Option<&Displacement>) {
+    if pose.time != 0.0 && animations.is_empty() && displacement.is_none() {
+        note("warning: --time has no effect without --animation or --displace");
     }
 }

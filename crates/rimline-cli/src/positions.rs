@@ -1,6 +1,6 @@
 //! Positions on the GPU, whether the file has them or a pose makes them.
 
-use rimline::gpu::{Deformer, DeformerOptions, DeviceError, PositionBuffer, StageTimer, read_back_vec};
+use rimline::gpu::{Deformer, DeformerOptions, DeviceError, PositionBuffer, StageTimer};
 use rimline::{Displacement, wgpu};
 
 use crate::device::Gpu;
@@ -23,12 +23,7 @@ impl Positions {
                     let label = "positions";
                     return Err(DeviceError::BufferTooLarge { label, bytes: size, limit }.into());
                 }
-                let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                    label: Some("positions"),
-                    size: size.max(16),
-                    usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-                    mapped_at_creation: false,
-                });
+                let buffer = gpu.buffer("positions", size, wgpu::BufferUsages::STORAGE);
                 gpu.queue.write_buffer(&buffer, 0, bytes);
                 Ok(Self::Uploaded(buffer))
             }
@@ -59,7 +54,6 @@ impl Positions {
         }
     }
 
-    /// The positions of one instance.
     pub(crate) fn of_instance(&self, instance: usize) -> Option<PositionBuffer<'_>> {
         match self {
             Self::Uploaded(_) => (instance == 0).then(|| self.buffer()),
@@ -67,8 +61,8 @@ impl Positions {
         }
     }
 
-    pub(crate) fn read(&self, gpu: &Gpu, vertices: usize) -> Result<Vec<[f32; 3]>, DeviceError> {
-        let mut positions = read_back_vec(&gpu.device, &gpu.queue, self.buffer().buffer)?;
+    pub(crate) fn read(&self, gpu: &Gpu, vertices: usize) -> Result<Vec<[f32; 3]>, GpuError> {
+        let mut positions = gpu.read(self.buffer().buffer)?;
         positions.truncate(vertices);
         Ok(positions)
     }

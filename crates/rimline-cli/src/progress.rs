@@ -16,7 +16,6 @@ impl Progress {
         Self::with(ProgressBar::new_spinner(), "{spinner} {msg} {elapsed}")
     }
 
-    /// A bar for so many rows.
     pub(crate) fn rows(count: usize) -> Self {
         Self::with(ProgressBar::new(count as u64), "{wide_bar} {pos}/{len}, {eta} left: {msg}")
     }
@@ -31,17 +30,14 @@ impl Progress {
         Self(bar)
     }
 
-    /// A bar of so many pictures.
     pub(crate) fn pictures(count: u64) -> Self {
         Self::with(ProgressBar::new(count), "{wide_bar} {pos}/{len} pictures, {eta} left")
     }
 
-    /// One of them is done.
     pub(crate) fn picture_done(&self) {
         self.0.inc(1);
     }
 
-    /// Says what is done from now on.
     pub(crate) fn step(&self, what: impl Into<Cow<'static, str>>) {
         self.0.set_message(Line(what.into()).to_string());
     }

@@ -25,7 +25,6 @@ pub(crate) fn check_bounds(bounds: &Bounds) -> Result<(), InputError> {
     if extent(bounds).is_finite() { Ok(()) } else { Err(InputError::Boundless) }
 }
 
-/// The middle of the bounds.
 pub(crate) fn centre(bounds: &Bounds) -> [f32; 3] {
     std::array::from_fn(|axis| bounds.min[axis] + 0.5 * (bounds.max[axis] - bounds.min[axis]))
 }
@@ -44,7 +43,6 @@ fn fitting([width, height]: [u32; 2], pixels: u64) -> [u32; 2] {
     [width, height].map(|side| ((f64::from(side) * part) as u32).max(1))
 }
 
-/// Refuses pictures that the device cannot draw.
 pub(crate) fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), UsageError> {
     let limit = gpu.device.limits().max_texture_dimension_2d;
     if width.max(height) > limit {

@@ -1,64 +1,50 @@
 //! `rimline shadow`: models with their shadows.
 
 pub(crate) mod args;
-pub(crate) mod cast_inputs;
 pub(crate) mod casters;
-pub(crate) mod counts;
 mod covered;
-mod depth;
-mod depth_overlay;
+pub(crate) mod depth;
 mod depth_shadows;
-mod extracted;
-mod found;
 pub(crate) mod frame;
 pub(crate) mod from_depth;
-mod given_lights;
-mod given_map;
-pub(crate) mod given_map_error;
+pub(crate) mod given_map;
 mod layers;
 mod light_depths;
 mod light_maps;
-mod masks;
-mod part;
+mod overlay;
 pub(crate) mod pictures;
 pub(crate) mod posed_model;
-mod receiver;
 pub(crate) mod receiver_pipelines;
 pub(crate) mod render_resources;
 mod report;
 mod result_files;
-mod scene_found;
 mod scene_shadows;
 mod shaded_lights;
 pub(crate) mod shadow_scene;
 pub(crate) mod shadows;
-mod shown_maps;
 mod single_casters;
-mod volume_overlay;
 
 use std::time::Instant;
 
 use rimline::gpu::StageTimer;
-use rimline::wgpu;
 
 use crate::device::Gpu;
-use crate::displacement;
 use crate::failure::{Failure, UsageError};
-use crate::gpu_error::GpuError;
+use crate::gpu_error::{GpuError, On as _};
 use crate::image::Picture;
 use crate::output::print;
-use crate::overwrite::Inputs;
+use crate::posed_input::note_idle_time;
 use crate::progress::Progress;
+use crate::target::Inputs;
 use crate::times::Times;
 use crate::warm_up;
 use args::{CountingArg, ShadowArgs, value_name};
 use casters::Casters;
 use covered::CoveredFaces;
+use frame::PARTS;
 use from_depth::FromDepth;
 use given_map::GivenMap;
-use masks::Masks;
-use part::PARTS;
-use pictures::Pictures;
+use pictures::{Masks, Pictures};
 use render_resources::{DrawInputs, RenderResources};
 use report::Report;
 use result_files::ResultFiles;
@@ -77,7 +63,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let mut props = times.measure("load", || ShadowInputs::read(scene))?;
     let origin = times.measure("load", || props.settle(scene.posed.pose.time))?;
     for animations in &props.animations {
-        displacement::note_idle_time(&scene.posed.pose, animations, props.displacement.as_ref());
+        note_idle_time(&scene.posed.pose, animations, props.displacement.as_ref());
     }
     let from_depth = times.measure("load", || args.depth_maps(origin))?;
     let given = from_depth.as_ref().and_then(FromDepth::given);
@@ -86,14 +72,13 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
 
     progress.step("opening the device");
     let gpu = times.measure("device", || shadow_scene::open_gpu(scene))?;
-    let fail = |error: GpuError| error.on(&gpu);
-    let method = ShadowMethod::new(scene.method.counting(), &props.inputs).with_depth_maps(from_depth.clone());
+    let method = ShadowMethod::new(scene.method.counting(), &props.inputs, from_depth.clone());
     let _compiling = method.compile(&gpu);
     progress.step("placing the models");
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(posed_model::PosedModel::points).collect();
     let mut set = ShadowScene::new(scene, bodies, &points, given.map(GivenMap::light))?;
-    given.map_or(Ok(()), |map| given_lights::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
+    given.map_or(Ok(()), |map| given_map::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
     if let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) {
         return Err(UsageError::CoveredPolygons { file: body.input.file.clone() }.into());
     }
@@ -103,25 +88,24 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("drawing");
     let begin = Instant::now();
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let pictures = files
-        .has_picture()
-        .then(|| Pictures::new(&gpu, &resources, &method, scene.mode, scene.volumes, set.is_in_parts()));
-    let pictures = pictures.transpose().map_err(fail)?;
-    let masks = args.mask.is_some().then(|| Masks::new(&gpu, &resources, &method)).transpose().map_err(fail)?;
+    let pictures = args.out.as_ref();
+    let pictures = pictures
+        .map(|_| Pictures::new(&gpu, &resources, &method, scene.mode, scene.volumes, set.is_in_parts()))
+        .transpose()
+        .on(&gpu)?;
+    let masks = args.mask.as_ref().map(|_| Masks::new(&gpu, &resources, &method)).transpose().on(&gpu)?;
     let pipelines = pictures.as_ref().map(|p| &p.pipelines).or(masks.as_ref().map(|m| &m.pipelines));
     let Some(pipelines) = pipelines else { return Ok(()) };
-    let mut casters =
-        Casters::new(&gpu, pipelines, set.samples(), scene.volumes && pictures.is_some()).map_err(fail)?;
+    let mut casters = Casters::new(&gpu, pipelines, set.samples(), scene.volumes && pictures.is_some()).on(&gpu)?;
     times.add("pipelines", begin.elapsed().as_secs_f64() * 1e3);
     times.measure("topology", || casters.place(&gpu, &set.bodies))?;
-    let covered = args
-        .hide_covered
-        .then(|| {
-            progress.step("looking for covered faces");
-            let covered = times.measure("covered", || CoveredFaces::find(&set.bodies, &set.ranged()))?;
-            casters.leave_out(&gpu, &set.bodies, &covered).map(|()| covered)
-        })
-        .transpose()?;
+    let mut covered = None;
+    if args.hide_covered {
+        progress.step("looking for covered faces");
+        let found = times.measure("covered", || CoveredFaces::find(&set.bodies, &set.ranged()))?;
+        casters.leave_out(&gpu, &set.bodies, &found)?;
+        covered = Some(found);
+    }
     progress.step("drawing");
     // Times are for those who ask for them; all others would wait for the work twice.
     if args.json {
@@ -130,36 +114,34 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
         })?;
     }
     let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
-    set.cast(&gpu, &resources, &mut casters, timer.as_mut()).map_err(fail)?;
+    set.cast(&gpu, &resources, &mut casters, timer.as_mut()).on(&gpu)?;
     gpu.wait()?;
     set.count_layers(&gpu, &mut casters)?;
-    if let Some(busy) =
-        casters.shadows.depth_found(&gpu).map_err(|error| fail(error.into()))?.and_then(|found| found.busy())
+    if let Some(maps) = casters.shadows.maps()
+        && let Some(step) = maps.depths_found(&gpu).on(&gpu)?.warn_if_busy(&progress)
     {
-        progress.aside(|| busy.warn());
-        progress.step(busy.step());
+        progress.step(step);
     }
-    let stages = timer.as_ref().map(|timer| timer.read(&gpu.device, &gpu.queue)).transpose();
-    for (stage, milliseconds) in stages.map_err(|error| fail(error.into()))?.into_iter().flatten() {
+    let stages = timer.as_ref().map(|timer| timer.read(&gpu.device, &gpu.queue)).transpose().on(&gpu)?;
+    for (stage, milliseconds) in stages.into_iter().flatten() {
         times.add(stage, milliseconds);
     }
     if args.json {
-        times
-            .measure("compile", || trial(&gpu, &resources, pictures.as_ref(), masks.as_ref(), &set.trial(&casters)))?;
+        let drawn = (pictures.as_ref(), masks.as_ref());
+        times.measure("compile", || trial(&gpu, &resources, drawn, &set.trial(&casters)))?;
     }
     if let Some(pictures) = &pictures {
-        let picture =
-            times.measure("picture", || picture(&gpu, &resources, pictures, &mut set, &mut casters)).map_err(fail)?;
-        files.finish_picture(&gpu, &picture)?;
+        let drawn = || picture(&gpu, &resources, pictures, &mut set, &mut casters);
+        files.finish_picture(&gpu, &times.measure("picture", drawn).on(&gpu)?)?;
     }
     if let Some(masks) = &masks {
         files.finish_masks(&gpu, |light| {
-            let drawn = times.measure("masks", || mask(&gpu, &resources, masks, &set, &casters, set.samples_of(light)));
-            drawn.map_err(fail)
+            let drawn = || mask(&gpu, &resources, masks, &set.subject(&casters), set.samples_of(light));
+            times.measure("masks", drawn).on(&gpu)
         })?;
     }
     files.finish_maps(&gpu, &casters, origin)?;
-    let report = Report::read(&gpu, &set, &casters, covered.as_ref()).map_err(fail)?;
+    let report = Report::read(&gpu, &set, &casters, covered.as_ref()).on(&gpu)?;
     gpu.check()?;
     drop(progress);
     report.bound().warn();
@@ -171,18 +153,17 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
 fn trial(
     gpu: &Gpu,
     resources: &RenderResources<'_>,
-    pictures: Option<&Pictures>,
-    masks: Option<&Masks>,
+    (pictures, masks): (Option<&Pictures>, Option<&Masks>),
     inputs: &DrawInputs<'_>,
 ) -> Result<(), Failure> {
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("trial") });
+    let mut encoder = gpu.encoder("trial");
     if let Some(pictures) = pictures {
-        pictures.record(&mut encoder, resources, inputs, 0).map_err(|error| error.on(gpu))?;
+        pictures.record(&mut encoder, resources, inputs, 0).on(gpu)?;
     }
     if let Some(masks) = masks {
-        masks.record(&mut encoder, resources, inputs, 0).map_err(|error| error.on(gpu))?;
+        masks.record(&mut encoder, resources, inputs, 0).on(gpu)?;
     }
-    gpu.queue.submit([encoder.finish()]);
+    gpu.submit(encoder);
     gpu.wait()
 }
 
@@ -195,26 +176,21 @@ pub(crate) fn picture(
     set: &mut ShadowScene<'_>,
     casters: &mut Casters,
 ) -> Result<Picture, GpuError> {
-    let encoder = || gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
+    let mut encoder = gpu.encoder("picture");
     if set.is_in_parts() {
         for part in 0..PARTS {
             set.take_part(Some(part));
-            let mut encoder = encoder();
             set.encode_lights(gpu, &mut encoder, resources, casters, None)?;
             pictures.record(&mut encoder, resources, &set.subject(casters), part)?;
-            gpu.queue.submit([encoder.finish()]);
+            gpu.submit(std::mem::replace(&mut encoder, gpu.encoder("picture")));
         }
         set.take_part(None);
-        let mut encoder = encoder();
         set.encode_lights(gpu, &mut encoder, resources, casters, None)?;
-        gpu.queue.submit([encoder.finish()]);
-    }
-    let mut encoder = encoder();
-    if !set.is_in_parts() {
+    } else {
         pictures.record(&mut encoder, resources, &set.subject(casters), 0)?;
     }
     let texture = pictures.develop(&mut encoder, resources);
-    gpu.queue.submit([encoder.finish()]);
+    gpu.submit(encoder);
     Picture::read(gpu, texture)
 }
 
@@ -223,28 +199,15 @@ fn mask(
     gpu: &Gpu,
     resources: &RenderResources<'_>,
     masks: &Masks,
-    set: &ShadowScene<'_>,
-    casters: &Casters,
+    subject: &DrawInputs<'_>,
     samples: std::ops::Range<usize>,
 ) -> Result<Picture, GpuError> {
-    let subject = set.subject(casters);
     let mut pictures = Vec::with_capacity(samples.len());
     for light in samples {
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("mask") });
-        let texture = masks.record(&mut encoder, resources, &subject, light)?;
-        gpu.queue.submit([encoder.finish()]);
+        let mut encoder = gpu.encoder("mask");
+        let texture = masks.record(&mut encoder, resources, subject, light)?;
+        gpu.submit(encoder);
         pictures.push(Picture::read(gpu, texture)?);
     }
     Ok(Picture::mean(pictures))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::shadow_scene::numbered;
-    use std::path::Path;
-
-    #[test]
-    fn masks_are_numbered_after_their_prefix() {
-        assert_eq!(numbered(Path::new("a/b.x"), 3, "png"), Path::new("a/b.x.3.png"));
-    }
 }

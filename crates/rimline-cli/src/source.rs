@@ -5,7 +5,6 @@ use std::io::{self, BufReader, Cursor, Read, Seek};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The most that is read from standard input.
 const MAX_STDIN_BYTES: u64 = 1 << 32;
 
 /// A seekable reader, which archives need.
@@ -13,12 +12,10 @@ pub(crate) trait ReadSeek: Read + Seek {}
 
 impl<T: Read + Seek> ReadSeek for T {}
 
-/// Whether this stands for standard input.
 pub(crate) fn is_stdin(file: &Path) -> bool {
     file.as_os_str() == "-"
 }
 
-/// Opens an input.
 pub(crate) fn open(file: &Path) -> io::Result<Box<dyn ReadSeek>> {
     if is_stdin(file) {
         return Ok(Box::new(Cursor::new(stdin()?)));
@@ -26,7 +23,6 @@ pub(crate) fn open(file: &Path) -> io::Result<Box<dyn ReadSeek>> {
     Ok(Box::new(BufReader::with_capacity(1 << 18, regular(file)?)))
 }
 
-/// Reads a whole input.
 pub(crate) fn read(file: &Path) -> io::Result<Vec<u8>> {
     if is_stdin(file) {
         return stdin();
@@ -36,7 +32,6 @@ pub(crate) fn read(file: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reads a whole input that is text.
 pub(crate) fn read_text(file: &Path) -> io::Result<String> {
     String::from_utf8(read(file)?).map_err(|_| io::Error::other("it is not UTF-8 text"))
 }

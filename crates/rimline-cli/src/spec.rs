@@ -143,26 +143,21 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
         begin: None,
         exponent: None,
     };
-    let bounded = |option, value: f32| {
-        let needed = "0 to 1000000000";
-        if (0.0..=MOST_LAMP).contains(&value) { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
+    let lamp = |option, value: f32, is_right: bool, needed| {
+        if is_right { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
     };
-    let at_least_0 = |option, value: f32| {
-        let needed = "0 or more";
-        if value >= 0.0 { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
-    };
+    let bounded = |option, value| lamp(option, value, (0.0..=MOST_LAMP).contains(&value), "0 to 1000000000");
     for option in options {
         let (name, value) = option.split_once('=').unwrap_or((option, ""));
         match name {
             "range" => {
                 let range = number(value)?;
-                if range <= 0.0 {
-                    let needed = "more than 0";
-                    return Err(SpecError::LampValue { option: "range", value: range, needed });
-                }
-                shaded.range = Some(range);
+                shaded.range = Some(lamp("range", range, range > 0.0, "more than 0")?);
             }
-            "begin" => shaded.begin = Some(at_least_0("begin", number(value)?)?),
+            "begin" => {
+                let begin = number(value)?;
+                shaded.begin = Some(lamp("begin", begin, begin >= 0.0, "0 or more")?);
+            }
             "exponent" => shaded.exponent = Some(bounded("exponent", number(value)?)?),
             "intensity" => shaded.intensity = Some(bounded("intensity", number(value)?)?),
             "color" => {
@@ -210,7 +205,6 @@ fn split_options(text: &str) -> (&str, Vec<&str>) {
     (&text[..starts.first().copied().unwrap_or(text.len())], options)
 }
 
-/// The shape of lights with an area.
 pub(crate) fn area(text: &str) -> Result<AreaSpec, SpecError> {
     let given = |shape, sizes: &[f32]| {
         if sizes.iter().all(|&size| size > 0.0 && size <= MOST_AREA_SIZE) {
@@ -256,7 +250,6 @@ const MOST_FPS: f32 = 1e5;
 /// At most so many lights stand for one.
 pub(crate) const MOST_SAMPLES: u32 = 32;
 
-/// Samples of a light with an area.
 pub(crate) fn samples(text: &str) -> Result<usize, SpecError> {
     const LIMIT: u32 = MOST_SAMPLES;
     match text.trim().parse::<u32>() {
@@ -266,24 +259,20 @@ pub(crate) fn samples(text: &str) -> Result<usize, SpecError> {
     }
 }
 
-/// The near plane's distance.
 pub(crate) fn near(text: &str) -> Result<f32, SpecError> {
     let distance = number(text)?;
     if distance > 0.0 { Ok(distance) } else { Err(SpecError::Near) }
 }
 
-/// How far points are lifted.
 pub(crate) fn lift(text: &str) -> Result<f64, SpecError> {
     let distance = coordinate(text)?.double;
     if distance > 0.0 && distance <= MOST_LIFT { Ok(distance) } else { Err(SpecError::Lift(distance)) }
 }
 
-/// A height.
 pub(crate) fn height(text: &str) -> Result<Coordinate, SpecError> {
     coordinate(text)
 }
 
-/// Pictures a second.
 pub(crate) fn pictures_a_second(text: &str) -> Result<f32, SpecError> {
     within(text, LEAST_FPS, MOST_FPS)
 }
@@ -360,18 +349,15 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], SpecError> {
     }
 }
 
-/// A vertical field of view in degrees.
 pub(crate) fn field_of_view(text: &str) -> Result<f32, SpecError> {
     let [degrees] = numbers(text)?;
     if degrees > 0.0 && degrees < 180.0 { Ok(degrees) } else { Err(SpecError::Angle) }
 }
 
-/// A time in seconds.
 pub(crate) fn seconds(text: &str) -> Result<f32, SpecError> {
     within(text, -MOST_SECONDS, MOST_SECONDS)
 }
 
-/// A distance of `--weld-distance`.
 pub(crate) fn weld_distance(text: &str) -> Result<WeldDistance, SpecError> {
     WeldDistance::new(number(text)?).map_err(SpecError::WeldDistance)
 }

@@ -1,26 +1,27 @@
 //! Where a result goes: a regular file, which is replaced, or something else, which is written through.
 
+use std::collections::HashMap;
 use std::fs::{File, Metadata, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A place for a result.
+use crate::failure::UsageError;
+use crate::output;
+use crate::source;
+
 pub(crate) enum Target {
     /// A name for a regular file, with what is there already.
-    Replace { path: PathBuf, existing: Option<Metadata> },
+    Replace(PathBuf, Option<Metadata>),
     /// A pipe, device or open stream; a regular file only where it has no name left, and then it is cut to nothing.
-    Through { file: File, is_cut: bool, is_stdout: bool },
+    Through(File, bool),
 }
-
-/// Links that are followed before they are taken for a loop, as Linux does.
-const MAX_LINKS: usize = 40;
 
 /// Finds it, through links: the link stays, and what it names is written.
 pub(crate) fn find(name: &Path) -> io::Result<Target> {
     if is_stdout(name) {
         let no_stream = || io::Error::other("standard output cannot be written through here; give the name of a file");
-        let file = standard(&io::stdout()).ok_or_else(no_stream)?;
-        return Ok(Target::Through { file, is_cut: false, is_stdout: true });
+        output::hold_result();
+        return Ok(Target::Through(standard(&io::stdout()).ok_or_else(no_stream)?, false));
     }
     if name.to_string_lossy().ends_with(std::path::is_separator) {
         return Err(io::Error::other("it is the name of a folder; give the name of a file"));
@@ -31,22 +32,9 @@ pub(crate) fn find(name: &Path) -> io::Result<Target> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => {
             let path = end_of_links(name)?;
             check_parent(&path)?;
-            Ok(Target::Replace { path, existing: None })
+            Ok(Target::Replace(path, None))
         }
         Err(error) => Err(error),
-    }
-}
-
-/// Whether this stands for standard output.
-fn is_stdout(name: &Path) -> bool {
-    name.as_os_str() == "-"
-}
-
-/// Metadata of the existing file. For the name of standard output, it is the metadata of its stream.
-pub(crate) fn metadata(name: &Path) -> io::Result<Metadata> {
-    match is_stdout(name).then(|| standard(&io::stdout())).flatten() {
-        Some(stream) => stream.metadata(),
-        None => std::fs::metadata(name),
     }
 }
 
@@ -56,7 +44,10 @@ fn existing(name: &Path, there: Metadata) -> io::Result<Target> {
             && !is_character_device(&there)
             && file.metadata().is_ok_and(|open| identity(name, &open) == identity(name, &there))
         {
-            return Ok(Target::Through { file, is_cut: false, is_stdout });
+            if is_stdout {
+                output::hold_result();
+            }
+            return Ok(Target::Through(file, false));
         }
     }
     // Never made here, and not cut before the result is complete. It tells whether the file may be changed at all.
@@ -65,15 +56,49 @@ fn existing(name: &Path, there: Metadata) -> io::Result<Target> {
         && let Ok(path) = name.canonicalize()
         && std::fs::metadata(&path).is_ok_and(|found| identity(&path, &found) == identity(name, &there))
     {
-        return Ok(Target::Replace { path, existing: Some(there) });
+        return Ok(Target::Replace(path, Some(there)));
     }
-    Ok(Target::Through { file, is_cut: there.is_file(), is_stdout: false })
+    Ok(Target::Through(file, there.is_file()))
+}
+
+fn is_stdout(name: &Path) -> bool {
+    name.as_os_str() == "-"
+}
+
+/// The files that a command reads, whatever names they are given by: results must not replace them.
+#[derive(Debug)]
+pub(crate) struct Inputs(HashMap<Identity, PathBuf>);
+
+impl Inputs {
+    pub(crate) fn new<P: AsRef<Path>>(files: impl IntoIterator<Item = P>) -> Self {
+        let place = |file: P| {
+            let file = file.as_ref();
+            // Missing files, pipes and devices have no contents that could be lost.
+            let there = source::metadata(file).ok().filter(std::fs::Metadata::is_file)?;
+            Some((identity(file, &there)?, file.to_owned()))
+        };
+        Self(files.into_iter().filter_map(place).collect())
+    }
+
+    /// Refuses to write a file that is one of them.
+    pub(crate) fn spare(&self, out: &Path) -> Result<(), UsageError> {
+        let there = match is_stdout(out).then(|| standard(&io::stdout())).flatten() {
+            Some(stream) => stream.metadata(),
+            None => std::fs::metadata(out),
+        };
+        let identity = there.ok().and_then(|there| identity(out, &there));
+        match identity.and_then(|identity| self.0.get(&identity)) {
+            Some(input) => Err(UsageError::OutputIsInput { out: out.to_owned(), input: input.clone() }),
+            None => Ok(()),
+        }
+    }
 }
 
 /// The path that a chain of links ends at, which need not exist.
 pub(crate) fn end_of_links(name: &Path) -> io::Result<PathBuf> {
     let mut path = name.to_owned();
-    for _ in 0..MAX_LINKS {
+    // More are taken for a loop, as Linux does.
+    for _ in 0..40 {
         match path.read_link() {
             Ok(next) => path = path.parent().unwrap_or(Path::new("")).join(next),
             Err(_) => return Ok(path),
@@ -84,12 +109,11 @@ pub(crate) fn end_of_links(name: &Path) -> io::Result<PathBuf> {
 
 /// Where a result goes to must be there.
 pub(crate) fn check_parent(target: &Path) -> io::Result<()> {
-    match target.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
-            Err(io::Error::other("its folder does not exist; make it first"))
-        }
-        _ => Ok(()),
-    }
+    if folder_of(target).is_dir() { Ok(()) } else { Err(io::Error::other("its folder does not exist; make it first")) }
+}
+
+pub(crate) fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 #[cfg(unix)]
@@ -114,20 +138,19 @@ fn is_character_device(_: &Metadata) -> bool {
 
 /// Identity of a file, the same for all its names.
 #[cfg(unix)]
-pub(crate) type Identity = (u64, u64);
+type Identity = (u64, u64);
 #[cfg(not(unix))]
-pub(crate) type Identity = PathBuf;
+type Identity = PathBuf;
 
-/// Identity of an existing file.
 #[cfg(unix)]
 #[expect(clippy::unnecessary_wraps, reason = "elsewhere it may not be known")]
-pub(crate) fn identity(_: &Path, there: &Metadata) -> Option<Identity> {
+fn identity(_: &Path, there: &Metadata) -> Option<Identity> {
     use std::os::unix::fs::MetadataExt;
     Some((there.dev(), there.ino()))
 }
 
 #[cfg(not(unix))]
-pub(crate) fn identity(file: &Path, _: &Metadata) -> Option<Identity> {
+fn identity(file: &Path, _: &Metadata) -> Option<Identity> {
     file.canonicalize().ok()
 }
 
@@ -138,8 +161,7 @@ pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
     }
     let place = |path: &Path| {
         let path = end_of_links(path).ok()?;
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Some(folder.canonicalize().ok()?.join(path.file_name()?))
+        Some(folder_of(&path).canonicalize().ok()?.join(path.file_name()?))
     };
     a == b || place(a).is_some_and(|a| Some(a) == place(b))
 }

@@ -19,7 +19,6 @@ impl Times {
         }
     }
 
-    /// Runs a stage and takes its time by the clock.
     pub(crate) fn measure<T>(&mut self, stage: &'static str, run: impl FnOnce() -> T) -> T {
         let begin = Instant::now();
         let result = run();
@@ -27,7 +26,6 @@ impl Times {
         result
     }
 
-    /// All of the set-up, and all of the other stages.
     pub(crate) fn set_up_and_work(&self) -> [f64; 2] {
         let sum = |is_set_up: bool| {
             let stages = self.0.iter().filter(|(stage, _)| SET_UP.contains(stage) == is_set_up);
@@ -36,20 +34,17 @@ impl Times {
         [sum(true), sum(false)]
     }
 
-    /// Set-up and work in a line.
     pub(crate) fn sums(&self) -> String {
         let [set_up, work] = self.set_up_and_work();
         format!("set-up {set_up:.1}, work {work:.1}")
     }
 
-    /// In a line.
     pub(crate) fn text(&self) -> String {
         let times: Vec<String> =
             self.0.iter().map(|(stage, milliseconds)| format!("{stage} {milliseconds:.1}")).collect();
         times.join(", ")
     }
 
-    /// By stage.
     pub(crate) fn json(&self) -> Map<String, Value> {
         self.0.iter().map(|&(stage, milliseconds)| (stage.to_owned(), milliseconds.into())).collect()
     }

@@ -3,18 +3,17 @@
 use std::path::PathBuf;
 
 use rimline::mesh::WeldCounts;
-use rimline::{Geometry, GeometryOptions, Instance, InstancePose, Light, Model, Origin, Pose, ShadowCamera, wgpu};
+use rimline::{Geometry, GeometryOptions, Instance, InstancePose, Light, Model, Origin, Pose, ShadowCamera};
 
 use crate::device::Gpu;
 use crate::failure::Failure;
+use crate::gpu_error::On as _;
 use crate::input::{Input, Scene, Shape, Source};
-use crate::shadow::cast_inputs::CastInputs;
 use crate::shadow::posed_model::PosedModel;
-use crate::shadow::shadows::{Shadows, VolumePipelines};
+use crate::shadow::shadows::{CastInputs, VolumePipelines};
 
 const CORNERS: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
-/// A triangle that is not deformed.
 fn triangle() -> Option<Model> {
     let geometry = Geometry::new(CORNERS.to_vec(), vec![[0, 1, 2]], GeometryOptions::default()).ok()?;
     Model::new(vec![geometry], vec![Instance::new(0, None)]).ok()
@@ -49,12 +48,11 @@ pub(crate) fn shadow_stages(
         origin: Origin::ZERO,
     };
     let body = [PosedModel::new(gpu, &input, &[], 0.0, None)?];
-    let mut shadows = Shadows::new(gpu, pipelines, lights.len()).map_err(|error| error.on(gpu))?;
+    let mut shadows = pipelines.casters(gpu, lights.len()).on(gpu)?;
     shadows.place(gpu, &body)?;
-    let label = Some("warm up");
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
+    let mut encoder = gpu.encoder("warm up");
     let inputs = CastInputs { gpu, bodies: &body, seen, camera, lights };
-    shadows.encode(&mut encoder, inputs, None).map_err(|error| error.on(gpu))?;
-    gpu.queue.submit([encoder.finish()]);
+    shadows.encode(&mut encoder, inputs, None).on(gpu)?;
+    gpu.submit(encoder);
     gpu.wait()
 }

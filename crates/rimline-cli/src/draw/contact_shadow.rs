@@ -3,9 +3,8 @@
 use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BlendComponent, BlendFactor, BlendOperation, BlendState, TextureFormat};
 
-use super::passes::color_pass;
-use super::region::Region;
-use crate::render::pipeline_factory::{Pass, PipelineFactory};
+use super::frame::Region;
+use crate::render::pipeline_factory::{Pass, PipelineFactory, UNIFORM, color_pass, read_texture, view};
 
 /// Pixels along a side of the map.
 pub(super) const SIZE: u32 = 512;
@@ -13,7 +12,6 @@ pub(super) const SIZE: u32 = 512;
 pub(super) const SPREAD: f64 = 12.0 * (1.6 + 0.7) + 2.0;
 const FORMAT: TextureFormat = TextureFormat::R8Unorm;
 
-/// The pipelines that draw the map.
 pub(super) struct ContactShadow {
     /// The layout with which `shadow.wgsl` reads the map, and each blur the map before.
     pub(super) layout: BindGroupLayout,
@@ -24,40 +22,17 @@ pub(super) struct ContactShadow {
 impl ContactShadow {
     /// `geometry` is the layout of the model's group.
     pub(super) fn new(factory: &PipelineFactory<'_>, geometry: &BindGroupLayout) -> Self {
-        let layout = factory.layout(&[
-            wgpu::BindingType::Texture {
-                sample_type: wgpu::TextureSampleType::Float { filterable: true },
-                view_dimension: wgpu::TextureViewDimension::D2,
-                multisampled: false,
-            },
-            wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
-            wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Uniform,
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-        ]);
+        let map = read_texture(wgpu::TextureViewDimension::D2, true);
+        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+        let layout = factory.layout(&[map, sampler, UNIFORM]);
         // Whatever is nearest to the ground counts, in any order.
         let nearest = BlendComponent {
             src_factor: BlendFactor::One,
             dst_factor: BlendFactor::One,
             operation: BlendOperation::Max,
         };
-        let pipeline = |name, source, group, blend| {
-            factory.pipeline(&Pass {
-                name,
-                vertex: name,
-                source,
-                groups: &[group],
-                topology: wgpu::PrimitiveTopology::TriangleList,
-                format: FORMAT,
-                blend,
-                samples: 1,
-                write: wgpu::ColorWrites::ALL,
-                depth: None,
-                constants: &[],
-            })
-        };
+        let pipeline =
+            |name, source, group, blend| factory.pipeline(&Pass { blend, ..Pass::new(name, source, &[group], FORMAT) });
         let nearest = Some(BlendState { color: nearest, alpha: nearest });
         Self {
             below: pipeline("below", include_str!("ground.wgsl"), geometry, nearest),
@@ -75,11 +50,8 @@ impl ContactShadow {
         (geometry, region): (&BindGroup, Region),
         corners: u32,
     ) -> BindGroup {
-        let [first, second] = ["contact map", "blurred contact map"].map(|label| {
-            factory
-                .target(label, [SIZE; 2], FORMAT, 1, wgpu::TextureUsages::TEXTURE_BINDING)
-                .create_view(&wgpu::TextureViewDescriptor::default())
-        });
+        let [first, second] = ["contact map", "blurred contact map"]
+            .map(|label| view(&factory.target(label, [SIZE; 2], FORMAT, 1, wgpu::TextureUsages::TEXTURE_BINDING)));
         {
             let mut pass = color_pass(encoder, "below", &first, None, wgpu::LoadOp::Clear(wgpu::Color::BLACK), None);
             pass.set_pipeline(&self.below);

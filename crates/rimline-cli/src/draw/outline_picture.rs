@@ -7,15 +7,13 @@ use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, PrimitiveTop
 
 use super::contact_shadow::{self, ContactShadow};
 use super::frame::Frame;
-use super::passes::{color_pass, depth_test};
-use super::survey::{SEEN, Survey};
-use super::veils::Veils;
+use super::survey::{SEEN, Survey, Veils};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
-use crate::render::pipeline_factory::{Pass, PipelineFactory};
+use crate::render::pipeline_factory::{Pass, PipelineFactory, READ_ONLY, color_pass, depth_test, read_texture, view};
 
 /// The picture's format: sRGB, so that blending and resolving work on light.
-pub(super) const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
+const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 const SAMPLES: u32 = 4;
 
 /// The pipelines of the first passes: the survey, the contact shadow, the paper and the model.
@@ -30,43 +28,21 @@ pub(super) struct ModelPipelines {
 
 impl ModelPipelines {
     pub(super) fn new(factory: &PipelineFactory<'_>) -> Self {
-        let storage = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: true },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let geometry = factory.layout(&[storage; 3]);
-        let (triangles, strip) = (PrimitiveTopology::TriangleList, PrimitiveTopology::TriangleStrip);
+        let geometry = factory.layout(&[READ_ONLY; 3]);
         let contact = ContactShadow::new(factory, &geometry);
+        let onto_picture = |name, source, groups: &[_], topology, blend, write| {
+            let depth = Some(depth_test(write));
+            let plain = Pass::new(name, source, groups, FORMAT);
+            factory.pipeline(&Pass { topology, blend, samples: SAMPLES, depth, ..plain })
+        };
+        let (triangles, strip) = (PrimitiveTopology::TriangleList, PrimitiveTopology::TriangleStrip);
+        let (backdrop, surface) = (include_str!("backdrop.wgsl"), include_str!("surface.wgsl"));
+        let (shadow, map) = (include_str!("shadow.wgsl"), &contact.layout);
         Self {
             survey: Survey::pipeline(factory, &geometry),
-            backdrop: onto_picture(
-                factory,
-                "backdrop",
-                include_str!("backdrop.wgsl"),
-                &[],
-                triangles,
-                None,
-                Some(false),
-            ),
-            shadow: onto_picture(
-                factory,
-                "shadow",
-                include_str!("shadow.wgsl"),
-                &[&contact.layout],
-                strip,
-                Some(MULTIPLY),
-                Some(false),
-            ),
-            surface: onto_picture(
-                factory,
-                "surface",
-                include_str!("surface.wgsl"),
-                &[&geometry],
-                triangles,
-                None,
-                Some(true),
-            ),
+            backdrop: onto_picture("backdrop", backdrop, &[], triangles, None, false),
+            shadow: onto_picture("shadow", shadow, &[map], strip, Some(MULTIPLY), false),
+            surface: onto_picture("surface", surface, &[&geometry], triangles, None, true),
             contact,
             geometry,
         }
@@ -87,55 +63,27 @@ pub(super) struct LinePipelines {
 
 impl LinePipelines {
     pub(super) fn new(factory: &PipelineFactory<'_>) -> Self {
-        let triangles = PrimitiveTopology::TriangleList;
-        let occlusion_type = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: true },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
         let seen = factory.layout(&[SEEN]);
-        let darkening = factory.layout(&[SEEN, occlusion_type]);
+        let darkening = factory.layout(&[SEEN, read_texture(wgpu::TextureViewDimension::D2, true)]);
         let survey = Survey::layout(factory);
         let results = results_bind_group_layout(factory.device, wgpu::ShaderStages::VERTEX);
         let veils = Veils::new(factory, &survey);
-        Self {
-            occlusion: factory.pipeline(&Pass {
-                name: "occlusion",
-                vertex: "occlusion",
-                source: include_str!("occlusion.wgsl"),
-                groups: &[&seen],
-                topology: triangles,
-                format: TextureFormat::R8Unorm,
-                blend: None,
-                samples: 1,
-                write: wgpu::ColorWrites::ALL,
-                depth: None,
-                constants: &[],
-            }),
-            darken: onto_picture(
-                factory,
-                "darken",
-                include_str!("darken.wgsl"),
-                &[&darkening],
-                triangles,
-                Some(MULTIPLY),
-                None,
-            ),
-            lines: onto_picture(
-                factory,
-                "lines",
-                &format!("{}\n{}", include_wgsl(2), include_str!("lines.wgsl")),
-                &[&survey, &results, &veils.layout],
-                PrimitiveTopology::TriangleStrip,
-                Some(BlendState::ALPHA_BLENDING),
-                None,
-            ),
-            seen,
-            darkening,
-            survey,
-            results,
-            veils,
-        }
+        let (occlusion, darken) = (include_str!("occlusion.wgsl"), include_str!("darken.wgsl"));
+        let occlusion = factory.pipeline(&Pass::new("occlusion", occlusion, &[&seen], TextureFormat::R8Unorm));
+        let darken = factory.pipeline(&Pass {
+            blend: Some(MULTIPLY),
+            samples: SAMPLES,
+            ..Pass::new("darken", darken, &[&darkening], FORMAT)
+        });
+        let lines = format!("{}\n{}", include_wgsl(2), include_str!("lines.wgsl"));
+        let groups = [&survey, &results, &veils.layout];
+        let lines = Pass {
+            topology: PrimitiveTopology::TriangleStrip,
+            blend: Some(BlendState::ALPHA_BLENDING),
+            samples: SAMPLES,
+            ..Pass::new("lines", &lines, &groups, FORMAT)
+        };
+        Self { occlusion, darken, lines: factory.pipeline(&lines), seen, darkening, survey, results, veils }
     }
 }
 
@@ -267,35 +215,6 @@ impl<'a> Canvas<'a> {
         drop(pass);
         Ok(self.finished)
     }
-}
-
-fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
-}
-
-/// A pipeline onto the multisampled picture.
-fn onto_picture(
-    factory: &PipelineFactory<'_>,
-    name: &'static str,
-    source: &str,
-    groups: &[&wgpu::BindGroupLayout],
-    topology: PrimitiveTopology,
-    blend: Option<BlendState>,
-    depth: Option<bool>,
-) -> wgpu::RenderPipeline {
-    factory.pipeline(&Pass {
-        name,
-        vertex: name,
-        source,
-        groups,
-        topology,
-        format: FORMAT,
-        blend,
-        samples: SAMPLES,
-        write: wgpu::ColorWrites::ALL,
-        depth: depth.map(depth_test),
-        constants: &[],
-    })
 }
 
 /// Multiplies the colour of the target by the drawn colour.

@@ -4,8 +4,7 @@
 use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, ShaderStages, TextureFormat, TextureUsages};
 
-use super::passes::{color_pass, depth_test};
-use crate::render::pipeline_factory::{Pass, PipelineFactory};
+use crate::render::pipeline_factory::{Pass, PipelineFactory, READ_ONLY, color_pass, depth_test, plain_texture, view};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba16Uint;
 
@@ -25,7 +24,6 @@ pub(super) fn places([width, height]: [u32; 2], most: u32) -> u32 {
     if is_small { 2 } else { 1 }
 }
 
-/// The survey's targets.
 pub(super) struct Survey {
     pub(super) seen: wgpu::TextureView,
     depth: wgpu::TextureView,
@@ -34,10 +32,8 @@ pub(super) struct Survey {
 impl Survey {
     /// For a picture of this size, with so many places each way a pixel.
     pub(super) fn new(factory: &PipelineFactory<'_>, size: [u32; 2], places: u32) -> Self {
-        let target = |label, format, usage| {
-            let texture = factory.target(label, size.map(|pixels| places * pixels), format, 1, usage);
-            texture.create_view(&wgpu::TextureViewDescriptor::default())
-        };
+        let target =
+            |label, format, usage| view(&factory.target(label, size.map(|pixels| places * pixels), format, 1, usage));
         Self {
             seen: target("survey", FORMAT, TextureUsages::TEXTURE_BINDING),
             depth: target("survey depth", TextureFormat::Depth32Float, TextureUsages::empty()),
@@ -46,22 +42,10 @@ impl Survey {
 
     /// The pipeline that draws it. `geometry` is the layout of the model's group.
     pub(super) fn pipeline(factory: &PipelineFactory<'_>, geometry: &BindGroupLayout) -> wgpu::RenderPipeline {
-        factory.pipeline(&Pass {
-            name: "survey",
-            vertex: "survey",
-            source: include_str!("survey.wgsl"),
-            groups: &[geometry],
-            topology: wgpu::PrimitiveTopology::TriangleList,
-            format: FORMAT,
-            blend: None,
-            samples: 1,
-            write: wgpu::ColorWrites::ALL,
-            depth: Some(depth_test(true)),
-            constants: &[],
-        })
+        let source = include_str!("survey.wgsl");
+        factory.pipeline(&Pass { depth: Some(depth_test(true)), ..Pass::new("survey", source, &[geometry], FORMAT) })
     }
 
-    /// Records the survey of so many corners.
     pub(super) fn record(
         &self,
         factory: &PipelineFactory<'_>,
@@ -81,12 +65,7 @@ impl Survey {
     /// The layout of the survey, positions and drawn faces for `lines.wgsl`. Vertex shaders do not see them: what lists are read
     /// by there leaves no room for more storage buffers.
     pub(super) fn layout(factory: &PipelineFactory<'_>) -> BindGroupLayout {
-        let storage = BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: true },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        factory.layout_for(ShaderStages::FRAGMENT, &[SEEN, storage, storage])
+        factory.layout_for(ShaderStages::FRAGMENT, &[SEEN, READ_ONLY, READ_ONLY])
     }
 
     /// A group of this layout.
@@ -99,5 +78,65 @@ impl Survey {
         let resources =
             [BindingResource::TextureView(&self.seen), positions.as_entire_binding(), faces.as_entire_binding()];
         factory.group(layout, &resources)
+    }
+}
+
+/// Bits of floats, as OpenGL need not draw onto floats.
+const VEIL: TextureFormat = TextureFormat::R32Uint;
+
+/// Places of the survey each way in a square of the finest level; as in `veil.wgsl`.
+const SQUARE: u32 = 8;
+
+pub(super) struct Veils {
+    /// One texture that vertices and fragments see.
+    pub(super) layout: BindGroupLayout,
+    finest: wgpu::RenderPipeline,
+    coarser: wgpu::RenderPipeline,
+}
+
+impl Veils {
+    /// `survey` is the layout of the survey's group, as `lines.wgsl` reads it.
+    pub(super) fn new(factory: &PipelineFactory<'_>, survey: &BindGroupLayout) -> Self {
+        let layout = factory.layout(&[SEEN]);
+        let pipeline = |name, group| factory.pipeline(&Pass::new(name, include_str!("veil.wgsl"), &[group], VEIL));
+        let (finest, coarser) = (pipeline("veil", survey), pipeline("veil_level", &layout));
+        Self { layout, finest, coarser }
+    }
+
+    /// Records the veils of a survey with so many places each way. Returns the group that lines read the veils with.
+    pub(super) fn record(
+        &self,
+        factory: &PipelineFactory<'_>,
+        encoder: &mut wgpu::CommandEncoder,
+        survey: &BindGroup,
+        places: [u32; 2],
+    ) -> BindGroup {
+        // Each level has half of the squares of the finer one, and none is left over.
+        let size = places.map(|places| places.div_ceil(SQUARE).next_power_of_two());
+        let levels = size[0].max(size[1]).ilog2() + 1;
+        let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT;
+        let plain = plain_texture("veils", size, VEIL, usage);
+        let texture = factory.device.create_texture(&wgpu::TextureDescriptor { mip_level_count: levels, ..plain });
+        let level = |level| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                base_mip_level: level,
+                mip_level_count: Some(1),
+                ..Default::default()
+            })
+        };
+        let group = |of: &wgpu::TextureView| factory.group(&self.layout, &[BindingResource::TextureView(of)]);
+        let mut draw = |pipeline: &wgpu::RenderPipeline, target: u32, source: &BindGroup| {
+            let load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+            let mut pass = color_pass(encoder, "veils", &level(target), None, load, None);
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &factory.frame_group, &[]);
+            pass.set_bind_group(1, source, &[]);
+            pass.draw(0..3, 0..1);
+        };
+        draw(&self.finest, 0, survey);
+        for target in 1..levels {
+            draw(&self.coarser, target, &group(&level(target - 1)));
+        }
+        group(&view(&texture))
     }
 }

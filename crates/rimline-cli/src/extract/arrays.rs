@@ -10,9 +10,9 @@ use rimline::{Light, Mesh, Origin};
 use super::Found;
 use crate::npz::{ElementType, NpzWriter, write_origin};
 
-/// The four components of each light.
-pub(crate) fn components(lights: &[Light]) -> Vec<[f32; 4]> {
-    lights.iter().map(|light| light.to_array()).collect()
+pub(crate) fn write_lights(npz: &mut NpzWriter<impl Write + Seek>, lights: &[Light]) -> io::Result<()> {
+    let components: Vec<[f32; 4]> = lights.iter().map(|light| light.to_array()).collect();
+    npz.slice("lights", ElementType::F32, &[lights.len(), 4], &components)
 }
 
 /// Writes all arrays; positions and lights are relative to the origin. Nothing is copied whole: what needs another form is converted piece by piece.
@@ -25,15 +25,15 @@ pub(crate) fn write(
 ) -> io::Result<()> {
     let (faces, edges, words) = (mesh.face_count(), mesh.edges().len(), batches(lights.len()));
     let mut npz = NpzWriter::new(file);
-    npz.array("positions", ElementType::F32, &[found.positions.len(), 3], slice(&found.positions))?;
-    npz.array("faces", ElementType::U32, &[mesh.faces().len(), 3], slice(mesh.faces()))?;
+    npz.slice("positions", ElementType::F32, &[found.positions.len(), 3], &found.positions)?;
+    npz.slice("faces", ElementType::U32, &[mesh.faces().len(), 3], mesh.faces())?;
     if let Some(polygons) = mesh.polygons() {
         let of_triangles = polygons.triangle_polygons();
-        npz.array("triangle_polygons", ElementType::U32, &[of_triangles.len()], slice(&of_triangles))?;
-        let each = || 0..polygons.len();
-        let all_loops = || each().flat_map(|polygon| polygons.loops(polygon));
+        npz.slice("triangle_polygons", ElementType::U32, &[of_triangles.len()], &of_triangles)?;
+        let loops = |polygon| polygons.loops(polygon);
+        let all_loops = || (0..polygons.len()).flat_map(loops);
         npz.array("polygon_loops", ElementType::U32, &[polygons.len()], |to| {
-            pieces(to, each(), |polygon| polygons.loops(polygon).len() as u32)
+            pieces(to, 0..polygons.len(), |polygon| loops(polygon).len() as u32)
         })?;
         npz.array("loop_sizes", ElementType::U32, &[all_loops().count()], |to| {
             pieces(to, all_loops(), |corners| corners.len() as u32)
@@ -43,8 +43,8 @@ pub(crate) fn write(
             pieces(to, all_loops().flatten(), |&corner| corner)
         })?;
     }
-    npz.array("lights", ElementType::F32, &[lights.len(), 4], slice(&components(lights)))?;
-    npz.array("edges", ElementType::U32, &[edges, 2], slice(mesh.edges().vertices()))?;
+    write_lights(&mut npz, lights)?;
+    npz.slice("edges", ElementType::U32, &[edges, 2], mesh.edges().vertices())?;
     npz.array("edge_faces", ElementType::U32, &[edges, 2], |to| {
         // No face 1 is `0xFFFFFFFF` here as in memory; `face_0` has its flag taken off.
         pieces(to, mesh.edges().iter(), |edge| [edge.face_0, edge.face_1.unwrap_or(u32::MAX)])
@@ -66,10 +66,6 @@ pub(crate) fn write(
     npz.array("winding", ElementType::U32, &[edges, words], planes(&found.masks, edges, words, winding))?;
     write_origin(&mut npz, origin)?;
     npz.finish()
-}
-
-fn slice<T: bytemuck::NoUninit>(items: &[T]) -> impl FnOnce(&mut dyn Write) -> io::Result<()> + '_ {
-    |to| to.write_all(bytemuck::cast_slice(items))
 }
 
 /// Items converted and written a few thousand at a time.

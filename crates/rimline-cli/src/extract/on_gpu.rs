@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use rimline::gpu::{DeviceError, Extractor, ExtractorOptions, StageTimer, read_back_vec};
+use rimline::gpu::{Extractor, ExtractorOptions, StageTimer};
 use rimline::mesh::Polygons;
 use rimline::reference::Method;
 use rimline::reference::cpu::FacingStatistics;
@@ -12,13 +12,13 @@ use rimline::{Displacement, Light, Predicate, wgpu};
 use super::Found;
 use crate::device::Gpu;
 use crate::failure::Failure;
-use crate::gpu_error::GpuError;
+use crate::gpu_error::{GpuError, On as _};
 use crate::input::{Scene, Shape};
 use crate::positions::Positions;
 use crate::times::Times;
 use crate::warm_up::with_triangle;
 
-/// One extraction.
+#[derive(Clone, Copy)]
 pub(super) struct Job<'a, 's> {
     pub(super) scene: &'a Scene<'s>,
     pub(super) lights: &'a [Light],
@@ -29,69 +29,25 @@ pub(super) struct Job<'a, 's> {
 }
 
 impl<'s> Job<'_, 's> {
-    /// Compiles the shaders before the stages run and are timed, once it is known that the model fits.
-    pub(super) fn run_warm(&self, gpu: &Gpu, times: &mut Times) -> Result<Found<'s>, Failure> {
-        let is_posed = matches!(self.scene.shape, Shape::Posed { .. });
-        let Self { lights, method, predicate, displacement, time_s, .. } = *self;
-        let warm_up = || {
-            with_triangle(is_posed, |scene| {
-                let job = Job { scene, lights, method, predicate, displacement, time_s };
-                job.run(gpu, &mut Times::default()).map(drop)
-            })
-        };
-        self.run_after(gpu, times, Some(&warm_up))
-    }
-
-    pub(super) fn run(&self, gpu: &Gpu, times: &mut Times) -> Result<Found<'s>, Failure> {
-        self.run_after(gpu, times, None)
-    }
-
-    fn run_after(
-        &self,
-        gpu: &Gpu,
-        times: &mut Times,
-        warm_up: Option<&dyn Fn() -> Result<(), Failure>>,
-    ) -> Result<Found<'s>, Failure> {
+    /// `is_warm` compiles the shaders before the stages run and are timed, once it is known that the model fits.
+    pub(super) fn run(&self, gpu: &Gpu, times: &mut Times, is_warm: bool) -> Result<Found<'s>, Failure> {
         let Gpu { device, queue, .. } = gpu;
-        let fail = |error: GpuError| error.on(gpu);
-        let mesh = &self.scene.mesh;
-        let (placed, mut extractors) = times
-            .measure("prepare", || -> Result<_, GpuError> {
-                let placed = Positions::new(gpu, &self.scene.shape, self.displacement)?;
-                // The per-edge method has no face bits, so the file gets the exact ones, from a face pass of their own.
-                let methods = match self.method {
-                    Method::FaceMask => vec![(Method::FaceMask, self.predicate, true)],
-                    Method::PerEdge => {
-                        vec![(Method::FaceMask, Predicate::Exact, false), (Method::PerEdge, self.predicate, true)]
-                    }
-                };
-                let extractors = methods
-                    .into_iter()
-                    .map(|(method, predicate, masks)| {
-                        let options = ExtractorOptions {
-                            max_lights: self.lights.len(),
-                            method,
-                            predicate,
-                            masks,
-                            lists: None,
-                            ..ExtractorOptions::default()
-                        };
-                        Extractor::new(&gpu.pipelines, mesh, options)
-                    })
-                    .collect::<Result<Vec<_>, _>>()?;
-                Ok((placed, extractors))
-            })
-            .map_err(fail)?;
+        let (placed, mut extractors) = times.measure("prepare", || self.prepare(gpu)).on(gpu)?;
         gpu.check()?;
-        warm_up.map_or(Ok(()), |warm_up| times.measure("compile", warm_up))?;
+        if is_warm {
+            let warm_up = |scene: &Scene<'_>| {
+                let job = Job { scene, ..*self };
+                job.run(gpu, &mut Times::default(), false).map(drop)
+            };
+            let is_posed = matches!(self.scene.shape, Shape::Posed { .. });
+            times.measure("compile", || with_triangle(is_posed, warm_up))?;
+        }
 
         let mut timer = StageTimer::new(device, queue);
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("extract") });
-        placed.encode(&mut encoder, &self.scene.shape, self.time_s, timer.as_mut()).map_err(fail)?;
+        let mut encoder = gpu.encoder("extract");
+        placed.encode(&mut encoder, &self.scene.shape, self.time_s, timer.as_mut()).on(gpu)?;
         for extractor in &mut extractors {
-            extractor
-                .encode(&mut encoder, placed.buffer(), self.lights, timer.as_mut())
-                .map_err(|error| fail(error.into()))?;
+            extractor.encode(&mut encoder, placed.buffer(), self.lights, timer.as_mut()).on(gpu)?;
         }
         if let Some(timer) = &timer {
             timer.resolve(&mut encoder);
@@ -105,15 +61,33 @@ impl<'s> Job<'_, 's> {
             None => times.measure("stages", submitted)?,
             Some(timer) => {
                 submitted()?;
-                let stages = timer.read(device, queue).map_err(|error| fail(error.into()))?;
-                for (stage, milliseconds) in stages {
+                for (stage, milliseconds) in timer.read(device, queue).on(gpu)? {
                     times.add(stage, milliseconds);
                 }
             }
         }
-        let found = times.measure("read", || self.read(gpu, &placed, &extractors)).map_err(fail)?;
+        let found = times.measure("read", || self.read(gpu, &placed, &extractors)).on(gpu)?;
         gpu.check()?;
         Ok(found)
+    }
+
+    fn prepare(&self, gpu: &Gpu) -> Result<(Positions, Vec<Extractor>), GpuError> {
+        let placed = Positions::new(gpu, &self.scene.shape, self.displacement)?;
+        // The per-edge method has no face bits, so the file gets the exact ones, from a face pass of their own.
+        let methods = match self.method {
+            Method::FaceMask => vec![(Method::FaceMask, self.predicate, true)],
+            Method::PerEdge => {
+                vec![(Method::FaceMask, Predicate::Exact, false), (Method::PerEdge, self.predicate, true)]
+            }
+        };
+        let mut extractors = Vec::new();
+        for (method, predicate, masks) in methods {
+            let (max_lights, lists) = (self.lights.len(), None);
+            let options =
+                ExtractorOptions { max_lights, method, predicate, masks, lists, ..ExtractorOptions::default() };
+            extractors.push(Extractor::new(&gpu.pipelines, &self.scene.mesh, options)?);
+        }
+        Ok((placed, extractors))
     }
 
     fn read(&self, gpu: &Gpu, placed: &Positions, extractors: &[Extractor]) -> Result<Found<'s>, GpuError> {
@@ -123,12 +97,8 @@ impl<'s> Job<'_, 's> {
         };
         let mesh = &self.scene.mesh;
         let (first, last) = (&extractors[0], &extractors[extractors.len() - 1]);
-        let statistics: Vec<ExtractionStatistics> = read_back_vec(&gpu.device, &gpu.queue, first.results().statistics)?;
-        let facing_statistics = statistics.first().map(|statistics| FacingStatistics {
-            non_finite_faces: statistics.non_finite_faces,
-            undecided_pairs: statistics.undecided_pairs,
-            exact_zeros: statistics.exact_zeros,
-        });
+        let ExtractionStatistics { non_finite_faces, undecided_pairs, exact_zeros, .. } =
+            gpu.read_first(first.results().statistics)?;
         let triangles = mesh.faces().len();
         let (facing, twisted) = match mesh.polygons() {
             None => (read_planes(gpu, first.results().facing, triangles)?, Vec::new()),
@@ -152,7 +122,7 @@ impl<'s> Job<'_, 's> {
             facing,
             twisted,
             masks: read_planes(gpu, last.results().masks, mesh.edges().len())?,
-            statistics: facing_statistics.unwrap_or_default(),
+            statistics: FacingStatistics { non_finite_faces, undecided_pairs, exact_zeros },
         })
     }
 }
@@ -166,11 +136,11 @@ pub(crate) fn read_planes<T: bytemuck::Pod>(
     gpu: &Gpu,
     buffers: &[wgpu::Buffer],
     items: usize,
-) -> Result<Vec<T>, DeviceError> {
+) -> Result<Vec<T>, GpuError> {
     let mut all = Vec::new();
     for buffer in buffers {
         // A buffer may be longer than what it holds.
-        let mut plane: Vec<T> = read_back_vec(&gpu.device, &gpu.queue, buffer)?;
+        let mut plane: Vec<T> = gpu.read(buffer)?;
         plane.truncate(items);
         if all.is_empty() {
             all = plane;

@@ -13,7 +13,6 @@ use crate::shown::Line;
 /// A light at rest and its name. A damaged one has no more.
 type NamedLight = (Option<String>, Option<SceneLight>);
 
-/// The file's lights at rest.
 pub(super) fn lights(asset: &Asset, input: &Input) -> Result<Vec<NamedLight>, Failure> {
     let lights = asset.each_light(None, 0.0).map_err(|error| Failure::input(&input.file)(error.into()))?;
     let names = asset.light_names().into_iter().map(|name| name.map(str::to_owned));

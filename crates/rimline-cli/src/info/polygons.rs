@@ -6,13 +6,11 @@ use serde_json::{Value, json};
 
 use super::text::Text;
 
-/// Polygons of a mesh, counted.
 #[derive(Debug, Default)]
 pub(super) struct PolygonReport {
     triangles: usize,
     quadrilaterals: usize,
     larger: usize,
-    /// The largest number of corners of a polygon.
     most_corners: usize,
     with_holes: usize,
     nonplanar: usize,

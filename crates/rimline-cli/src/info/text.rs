@@ -8,7 +8,6 @@ use rimline::mesh::{Bounds, EdgeCounts};
 use super::report::{MeshReport, kind_name};
 use crate::coordinates::{self, Point};
 
-/// Lines of a name and a value, aligned.
 pub(super) struct Text(String);
 
 impl Text {

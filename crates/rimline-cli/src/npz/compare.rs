@@ -28,7 +28,6 @@ pub struct Element {
     pub column: usize,
     /// The light of the lowest bit that differs, where the array's bits are lights'.
     pub light: Option<usize>,
-    /// The element's bits.
     pub given: u64,
     pub expected: u64,
 }
@@ -124,7 +123,6 @@ struct Array {
 }
 
 impl Array {
-    /// Reads up to `most` bytes of data.
     fn read(archive: &mut Archive<'_>, index: usize, most: u64) -> Result<Self, NpzError> {
         let entry = names(archive).get(index).cloned().unwrap_or_default();
         let unreadable = |source| NpzError::Unreadable { entry: entry.clone(), source };

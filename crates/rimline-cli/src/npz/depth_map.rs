@@ -8,7 +8,6 @@ use super::header::ElementType;
 use super::read::{Budget, Entry, NpzError, Values, index, is_float, is_integer, is_real, raw, real};
 use super::write::NpzWriter;
 
-/// The most texels of a map across or down.
 pub const MAX_SIDE: u32 = 4096;
 /// Bytes for a value: as read, in its own type, turned into C order, and on its way to the device.
 const VALUE: u64 = 4 * 3 + 12;
@@ -37,7 +36,6 @@ pub enum Depths {
 /// One map, or six of a cube, and what they were drawn with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthMapArrays {
-    /// Texels of a map across and down.
     pub size: [u32; 2],
     /// Map by map, row by row, the first row at the top.
     pub depths: Depths,
@@ -72,30 +70,20 @@ const VIEW_PROJECTION: Entry = Entry {
 };
 const ORIGIN: Entry =
     Entry { array: "origin", shape: "(3,)", limit: 3, row_bytes: 64, wanted: VIEW_PROJECTION.wanted, accepts: is_real };
-const REVERSED: Entry = Entry {
-    array: "reversed",
-    shape: "()",
-    limit: 1,
-    row_bytes: 64,
-    wanted: "a bool is needed: whether near is 1 and far is 0 (NumPy: `reversed=True`)",
-    accepts: |element| is_integer(element) || matches!((element.kind, element.size), ('b', 1)),
-};
-const DEPTH_BITS: Entry = Entry {
-    array: "depth_bits",
-    shape: "()",
-    limit: 1,
-    row_bytes: 64,
-    wanted: "16, 24 or 32 is needed",
-    accepts: is_integer,
-};
-const METRIC: Entry = Entry {
-    array: "metric",
-    shape: "()",
-    limit: 1,
-    row_bytes: 64,
-    wanted: "0, 1 or 2 is needed: device depths, distances along the axis, or distances along rays",
-    accepts: is_integer,
-};
+const fn scalar(array: &'static str, wanted: &'static str, accepts: fn(ElementType) -> bool) -> Entry {
+    Entry { array, shape: "()", limit: 1, row_bytes: 64, wanted, accepts }
+}
+
+const REVERSED: Entry =
+    scalar("reversed", "a bool is needed: whether near is 1 and far is 0 (NumPy: `reversed=True`)", |element| {
+        is_integer(element) || matches!((element.kind, element.size), ('b', 1))
+    });
+const DEPTH_BITS: Entry = scalar("depth_bits", "16, 24 or 32 is needed", is_integer);
+const METRIC: Entry = scalar(
+    "metric",
+    "0, 1 or 2 is needed: device depths, distances along the axis, or distances along rays",
+    is_integer,
+);
 const OBJECTS: Entry = Entry {
     array: "objects",
     shape: "(H, W), as `depth` has it,",
@@ -171,7 +159,6 @@ pub fn read_depth_map(
     Ok(DepthMapArrays { size, depths, view_projections, origin, is_reversed, depth_bits, metric, objects })
 }
 
-/// The only number of an array.
 fn number(entry: &Entry, archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) -> Result<u32, NpzError> {
     let shape = |shape: &[u64]| matches!(*shape, [] | [1]);
     let elements = entry.values(archive, budget, |element, bytes| index(unsigned(element), bytes), shape)?.elements;
@@ -182,9 +169,9 @@ fn number(entry: &Entry, archive: &mut ZipArchive<impl Read + Seek>, budget: &mu
 fn write_real(npz: &mut NpzWriter<impl Write + Seek>, name: &str, shape: &[usize], values: &[f64]) -> io::Result<()> {
     let single: Vec<f32> = values.iter().map(|&value| value as f32).collect();
     if single.iter().zip(values).all(|(&single, value)| f64::from(single).to_bits() == value.to_bits()) {
-        return npz.array(name, ElementType::F32, shape, |to| to.write_all(bytemuck::cast_slice(&single)));
+        return npz.slice(name, ElementType::F32, shape, &single);
     }
-    npz.array(name, ElementType::F64, shape, |to| to.write_all(bytemuck::cast_slice(values)))
+    npz.slice(name, ElementType::F64, shape, values)
 }
 
 /// A bool is a number of a byte.
@@ -205,34 +192,21 @@ impl DepthMapArrays {
         let size = self.size.map(|side| side as usize);
         let shape = [size[1], size[0]];
         match &self.depths {
-            Depths::F32(depths) => {
-                npz.array("depth", ElementType::F32, &of_maps(&shape), |to| {
-                    to.write_all(bytemuck::cast_slice(depths))
-                })?;
-            }
-            Depths::U16(depths) => {
-                npz.array("depth", ElementType::U16, &of_maps(&shape), |to| {
-                    to.write_all(bytemuck::cast_slice(depths))
-                })?;
-            }
+            Depths::F32(depths) => npz.slice("depth", ElementType::F32, &of_maps(&shape), depths)?,
+            Depths::U16(depths) => npz.slice("depth", ElementType::U16, &of_maps(&shape), depths)?,
         }
-        write_real(
-            &mut npz,
-            "view_projection",
-            &of_maps(&[4, 4]),
-            self.view_projections.as_flattened().as_flattened(),
-        )?;
+        let matrices = self.view_projections.as_flattened().as_flattened();
+        write_real(&mut npz, "view_projection", &of_maps(&[4, 4]), matrices)?;
         write_real(&mut npz, "origin", &[3], &self.origin)?;
-        npz.array("reversed", ElementType::BOOL, &[], |to| to.write_all(&[u8::from(self.is_reversed)]))?;
+        npz.slice("reversed", ElementType::BOOL, &[], &[u8::from(self.is_reversed)])?;
         if let Some(bits) = self.depth_bits {
-            npz.array("depth_bits", ElementType::U32, &[], |to| to.write_all(bytemuck::bytes_of(&bits)))?;
+            npz.slice("depth_bits", ElementType::U32, &[], &[bits])?;
         }
         if self.metric != Metric::Device {
-            let metric: u32 = if self.metric == Metric::AlongAxis { 1 } else { 2 };
-            npz.array("metric", ElementType::U32, &[], |to| to.write_all(bytemuck::bytes_of(&metric)))?;
+            npz.slice("metric", ElementType::U32, &[], &[self.metric as u32])?;
         }
         if let Some(objects) = &self.objects {
-            npz.array("objects", ElementType::U32, &shape, |to| to.write_all(bytemuck::cast_slice(objects)))?;
+            npz.slice("objects", ElementType::U32, &shape, objects)?;
         }
         npz.finish()
     }

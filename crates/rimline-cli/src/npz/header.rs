@@ -20,19 +20,14 @@ impl ElementType {
     const fn native(kind: char, size: usize) -> Self {
         Self { kind, size, big_endian: cfg!(target_endian = "big") }
     }
-    /// `u8`.
+
+    // In this machine's byte order.
     pub const U8: Self = Self::native('u', 1);
-    /// `bool`.
     pub const BOOL: Self = Self::native('b', 1);
-    /// `u16`, in this machine's byte order.
     pub const U16: Self = Self::native('u', 2);
-    /// `u32`, in this machine's byte order.
     pub const U32: Self = Self::native('u', 4);
-    /// `i32`, in this machine's byte order.
     pub const I32: Self = Self::native('i', 4);
-    /// `f32`, in this machine's byte order.
     pub const F32: Self = Self::native('f', 4);
-    /// `f64`, in this machine's byte order.
     pub const F64: Self = Self::native('f', 8);
 
     fn parse(descr: &str) -> Option<Self> {
@@ -61,7 +56,6 @@ impl fmt::Display for ElementType {
     }
 }
 
-/// The header of an array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Header {
     /// The type as the file writes it, which may be anything.
@@ -70,9 +64,9 @@ pub(crate) struct Header {
     pub(crate) element: Option<ElementType>,
     pub(crate) fortran_order: bool,
     pub(crate) shape: Vec<u64>,
+    pub(crate) length: u64,
 }
 
-/// Why a header is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum HeaderError {
     #[error("it ends within the header: {0}")]
@@ -101,18 +95,19 @@ impl Header {
             return Err(HeaderError::Magic);
         }
         let mut length = [0; 4];
-        match start[6] {
-            1 => reader.read_exact(&mut length[..2])?,
-            2 | 3 => reader.read_exact(&mut length)?,
+        let digits = match start[6] {
+            1 => 2,
+            2 | 3 => 4,
             version => return Err(HeaderError::Version(version)),
-        }
+        };
+        reader.read_exact(&mut length[..digits])?;
         let length = u32::from_le_bytes(length);
         if length > LONGEST {
             return Err(HeaderError::Length(length));
         }
         let mut text = vec![0; length as usize];
         reader.read_exact(&mut text)?;
-        Self::parse(&text)
+        Ok(Self { length: (start.len() + digits) as u64 + u64::from(length), ..Self::parse(&text)? })
     }
 
     fn parse(text: &[u8]) -> Result<Self, HeaderError> {
@@ -142,6 +137,7 @@ impl Header {
             descr,
             fortran_order: fortran_order.ok_or(HeaderError::Missing("fortran_order"))?,
             shape: shape.ok_or(HeaderError::Missing("shape"))?,
+            length: 0,
         })
     }
 

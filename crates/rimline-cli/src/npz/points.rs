@@ -28,7 +28,6 @@ impl PointArrays {
     }
 }
 
-/// Points as an archive has them.
 #[derive(Debug, PartialEq)]
 pub enum Points {
     /// float32, bit for bit, relative to an origin.

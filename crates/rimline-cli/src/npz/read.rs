@@ -48,7 +48,6 @@ impl PolygonArrays {
     }
 }
 
-/// Why an archive is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum NpzError {
     #[error("it is not a ZIP archive that can be read: {0}")]
@@ -124,7 +123,6 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// Charges what an array is going to take.
     fn take(&mut self, array: &'static str, rows: u64, bytes: u64) -> Result<(), NpzError> {
         let needed = self.used.saturating_add(bytes);
         if needed > self.limit {
@@ -187,14 +185,30 @@ fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) 
     let stated = positions.stated::<3>(archive)?;
     if archive.index_for_name("polygon_loops.npy").is_some() {
         budget.take("positions", stated, stated.saturating_mul(VERTEX))?;
-        let entries = polygon_entries();
-        for entry in &entries {
+        let array = |array: &'static str, shape: &'static str, row_bytes: u64| Entry {
+            array,
+            shape,
+            limit: 3 * rimline::mesh::MAX_FACES as u64,
+            row_bytes,
+            wanted: "an integer type of 8 to 64 bits is needed (NumPy: `.astype('u4')`)",
+            accepts: is_integer,
+        };
+        let polygon_loops = array("polygon_loops", "(P,)", POLYGON);
+        let loop_sizes = array("loop_sizes", "(L,)", LOOP);
+        let loop_corners = array("loop_corners", "(C,)", CORNER);
+        for entry in [&polygon_loops, &loop_sizes, &loop_corners] {
             let rows = entry.stated::<1>(archive)?;
             budget.take(entry.array, rows, rows.saturating_mul(entry.row_bytes))?;
         }
         let positions = positions.rows(archive, budget, float)?;
-        let polygons = Some(read_polygons(archive, entries)?);
-        return Ok(Arrays { positions, faces: Vec::new(), polygons, origin });
+        // They are charged already.
+        let mut rows = |entry| Entry { row_bytes: 0, ..entry }.rows(archive, budget, index);
+        let polygons = PolygonArrays {
+            polygon_loops: rows(polygon_loops)?,
+            loop_sizes: rows(loop_sizes)?,
+            loop_corners: rows(loop_corners)?,
+        };
+        return Ok(Arrays { positions, faces: Vec::new(), polygons: Some(polygons), origin });
     }
     let stated_faces = faces.stated::<3>(archive)?;
     let needed = charge::model(stated, stated_faces);
@@ -211,33 +225,6 @@ fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) 
     Ok(Arrays { positions, faces, polygons: None, origin })
 }
 
-/// The arrays of polygons, in their order.
-fn polygon_entries() -> [Entry; 3] {
-    let array = |array: &'static str, shape: &'static str, row_bytes: u64| Entry {
-        array,
-        shape,
-        limit: 3 * rimline::mesh::MAX_FACES as u64,
-        row_bytes,
-        wanted: "an integer type of 8 to 64 bits is needed (NumPy: `.astype('u4')`)",
-        accepts: is_integer,
-    };
-    [array("polygon_loops", "(P,)", POLYGON), array("loop_sizes", "(L,)", LOOP), array("loop_corners", "(C,)", CORNER)]
-}
-
-/// Reads them; they are charged already.
-fn read_polygons(archive: &mut ZipArchive<impl Read + Seek>, entries: [Entry; 3]) -> Result<PolygonArrays, NpzError> {
-    let mut rows = |entry: Entry| {
-        let mut charged = Budget { limit: u64::MAX, used: 0 };
-        Entry { row_bytes: 0, ..entry }.rows(archive, &mut charged, index)
-    };
-    let [polygon_loops, loop_sizes, loop_corners] = entries;
-    Ok(PolygonArrays {
-        polygon_loops: rows(polygon_loops)?,
-        loop_sizes: rows(loop_sizes)?,
-        loop_corners: rows(loop_corners)?,
-    })
-}
-
 const ORIGIN: Entry = Entry {
     array: "origin",
     shape: "(3,)",
@@ -247,7 +234,6 @@ const ORIGIN: Entry = Entry {
     accepts: is_real,
 };
 
-/// A float of either size.
 pub(super) fn is_real(element: ElementType) -> bool {
     matches!((element.kind, element.size), ('f', 4 | 8))
 }
@@ -281,11 +267,9 @@ pub(super) fn is_integer(element: ElementType) -> bool {
     matches!((element.kind, element.size), ('i' | 'u', 1 | 2 | 4 | 8))
 }
 
-/// Requirements for one of the arrays.
 pub(super) struct Entry {
     pub(super) array: &'static str,
     pub(super) shape: &'static str,
-    /// The most rows.
     pub(super) limit: u64,
     /// Bytes that a row takes of the budget, or a value of an array that is no table.
     pub(super) row_bytes: u64,
@@ -293,7 +277,6 @@ pub(super) struct Entry {
     pub(super) accepts: fn(ElementType) -> bool,
 }
 
-/// How much an array holds.
 struct Extent {
     /// Tuples that are read.
     tuples: u64,
@@ -345,7 +328,6 @@ impl Entry {
         Ok(Values { shape: header.shape, element, elements })
     }
 
-    /// Whether the archive has the array.
     pub(super) fn is_in(&self, archive: &ZipArchive<impl Read + Seek>) -> bool {
         archive.index_for_name(&format!("{}.npy", self.array)).is_some()
     }
@@ -357,13 +339,12 @@ impl Entry {
         decode: fn(ElementType, &[u8]) -> Result<T, i128>,
         extent: impl Fn(&[u64]) -> Option<Extent>,
     ) -> Result<(Header, ElementType, Vec<[T; C]>), NpzError> {
-        let (entry, Head { header, element, tuples, row }) = self.head::<C>(archive, extent)?;
+        let (entry, head) = self.head::<C>(archive, extent)?;
         // A compressed entry may be a thousandth of what it unpacks to.
-        budget.take(self.array, tuples / row, tuples * self.row_bytes)?;
-        let order = if header.fortran_order { Order::Columns } else { Order::Rows };
-        let elements = Elements { array: self.array, rows: tuples as usize, row: row as usize, element, decode };
-        let tuples = elements.read(entry, order)?;
-        Ok((header, element, tuples))
+        budget.take(self.array, head.tuples / head.row, head.tuples * self.row_bytes)?;
+        let elements = Elements { array: self.array, head, decode };
+        let tuples = elements.read(entry)?;
+        Ok((elements.head.header, elements.head.element, tuples))
     }
 
     /// Finds the entry and reads its header, which must fit the entry's length.
@@ -381,8 +362,7 @@ impl Entry {
         }
         let mut entry = archive.by_name(&name).map_err(|source| NpzError::Entry { array, source })?;
         let held = entry.size();
-        let mut counted = CountedReader { inner: &mut entry, count: 0 };
-        let header = Header::read(&mut counted).map_err(|source| NpzError::Header { array, source })?;
+        let header = Header::read(&mut entry).map_err(|source| NpzError::Header { array, source })?;
         let element = header.element.filter(|&element| (self.accepts)(element));
         let element = element.ok_or_else(|| NpzError::Element {
             array,
@@ -397,7 +377,7 @@ impl Entry {
             return Err(NpzError::Rows { array, rows, limit });
         }
         // Known before anything is allocated: tuples are below 2^32, so this cannot overflow.
-        let wanted = counted.count + tuples * (C * element.size) as u64;
+        let wanted = header.length + tuples * (C * element.size) as u64;
         if wanted != held {
             return Err(NpzError::Length { array, wanted, held });
         }
@@ -405,7 +385,6 @@ impl Entry {
     }
 }
 
-/// Contents of the header of an array.
 struct Head {
     header: Header,
     element: ElementType,
@@ -422,94 +401,46 @@ fn table<const C: usize>(shape: &[u64]) -> Option<Extent> {
     }
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Order {
-    Rows,
-    Columns,
-}
-
-/// The elements of one array, about to be read.
 struct Elements<T> {
     array: &'static str,
-    rows: usize,
-    /// How many of them make a row of a message.
-    row: usize,
-    element: ElementType,
+    head: Head,
     decode: fn(ElementType, &[u8]) -> Result<T, i128>,
 }
 
 impl<T: Copy + Default> Elements<T> {
     /// Memory grows with the data that is really there, whatever the header says.
-    fn read<const C: usize>(&self, mut reader: impl Read, order: Order) -> Result<Vec<[T; C]>, NpzError> {
+    fn read<const C: usize>(&self, mut reader: impl Read) -> Result<Vec<[T; C]>, NpzError> {
+        const CHUNK_ROWS: usize = 1 << 12;
+        let Head { header, element, tuples, row: of_row } = &self.head;
+        let (array, rows, of_row) = (self.array, *tuples as usize, *of_row as usize);
+        let failed = |at: usize, source| NpzError::Data { array, row: at / of_row, source };
         let mut all: Vec<[T; C]> = Vec::new();
-        match order {
-            Order::Rows => self.tuples(&mut reader, |row, tuple| self.set(&mut all, row, |to| *to = tuple))?,
-            Order::Columns => {
-                // The same bytes in the same number of tuples, whose elements run down the columns.
-                self.tuples(&mut reader, |at, tuple: [T; C]| {
-                    tuple.into_iter().enumerate().try_for_each(|(i, value)| {
-                        let place = C * at + i;
-                        self.set(&mut all, place % self.rows, |to| to[place / self.rows] = value)
-                    })
-                })?;
+        let mut chunk = vec![0; CHUNK_ROWS * C * element.size];
+        for first in (0..rows).step_by(CHUNK_ROWS) {
+            let bytes = &mut chunk[..CHUNK_ROWS.min(rows - first) * C * element.size];
+            reader.read_exact(bytes).map_err(|source| failed(first, source))?;
+            for (at, bytes) in (C * first..).zip(bytes.chunks_exact(element.size)) {
+                let (row, column) = if header.fortran_order { (at % rows, at / rows) } else { (at / C, at % C) };
+                let index = |index| NpzError::Index { array, row: at / C / of_row, index };
+                let value = (self.decode)(*element, bytes).map_err(index)?;
+                if row >= all.capacity() {
+                    // Twice as many as there are, and no more than the header says.
+                    let more = all.len().max(CHUNK_ROWS).min(rows - all.len());
+                    let memory = |_| NpzError::Memory { array, rows: (rows / of_row) as u64 };
+                    all.try_reserve_exact(more).map_err(memory)?;
+                }
+                if row >= all.len() {
+                    all.resize(row + 1, [T::default(); C]);
+                }
+                all[row][column] = value;
             }
         }
         // One byte past the end: only then does the archive compare checksums.
         match reader.take(1).read_to_end(&mut Vec::new()) {
             Ok(0) => Ok(all),
-            Ok(_) => Err(self.data(self.rows, io::Error::other("its ZIP entry is longer than it says"))),
-            Err(source) => Err(self.data(self.rows, source)),
+            Ok(_) => Err(failed(rows, io::Error::other("its ZIP entry is longer than it says"))),
+            Err(source) => Err(failed(rows, source)),
         }
-    }
-
-    fn data(&self, row: usize, source: io::Error) -> NpzError {
-        let array = self.array;
-        NpzError::Data { array, row: row / self.row, source }
-    }
-
-    fn set<const C: usize>(
-        &self,
-        all: &mut Vec<[T; C]>,
-        row: usize,
-        set: impl FnOnce(&mut [T; C]),
-    ) -> Result<(), NpzError> {
-        if row >= all.capacity() {
-            // Twice as many as there are, and no more than the header says.
-            let more = all.len().max(1 << 12).min(self.rows - all.len());
-            all.try_reserve_exact(more)
-                .map_err(|_| NpzError::Memory { array: self.array, rows: (self.rows / self.row) as u64 })?;
-        }
-        if row >= all.len() {
-            all.resize(row + 1, [T::default(); C]);
-        }
-        set(&mut all[row]);
-        Ok(())
-    }
-
-    fn tuples<const C: usize>(
-        &self,
-        reader: &mut impl Read,
-        mut visit: impl FnMut(usize, [T; C]) -> Result<(), NpzError>,
-    ) -> Result<(), NpzError> {
-        const CHUNK_ROWS: usize = 1 << 12;
-        let size = self.element.size;
-        let mut chunk = vec![0; CHUNK_ROWS * C * size];
-        for first in (0..self.rows).step_by(CHUNK_ROWS) {
-            let bytes = &mut chunk[..CHUNK_ROWS.min(self.rows - first) * C * size];
-            reader.read_exact(bytes).map_err(|source| self.data(first, source))?;
-            for (row, tuple) in (first..).zip(bytes.chunks_exact(C * size)) {
-                let mut values = [T::default(); C];
-                for (value, bytes) in values.iter_mut().zip(tuple.chunks_exact(size)) {
-                    *value = (self.decode)(self.element, bytes).map_err(|index| NpzError::Index {
-                        array: self.array,
-                        row: row / self.row,
-                        index,
-                    })?;
-                }
-                visit(row, values)?;
-            }
-        }
-        Ok(())
     }
 }
 
@@ -549,19 +480,6 @@ pub(super) fn index(element: ElementType, bytes: &[u8]) -> Result<u32, i128> {
     u32::try_from(value).map_err(|_| value)
 }
 
-struct CountedReader<'a, R: Read> {
-    inner: &'a mut R,
-    count: u64,
-}
-
-impl<R: Read> Read for CountedReader<'_, R> {
-    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        let count = self.inner.read(bytes)?;
-        self.count += count as u64;
-        Ok(count)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -591,8 +509,11 @@ mod tests {
     #[test]
     fn columns_become_rows() {
         let bytes: Vec<u8> = vec![1, 4, 2, 5, 3, 6];
-        let elements = Elements { array: "faces", rows: 2, row: 1, element: ElementType::U8, decode: index };
-        let rows = elements.read(bytes.as_slice(), Order::Columns).expect("six bytes are there");
+        let mut header = Header::read(&mut Header::bytes(ElementType::U8, &[2, 3]).as_slice()).expect("it is our own");
+        header.fortran_order = true;
+        let head = Head { header, element: ElementType::U8, tuples: 2, row: 1 };
+        let rows =
+            Elements { array: "faces", head, decode: index }.read(bytes.as_slice()).expect("six bytes are there");
         assert_eq!(rows, [[1, 2, 3], [4, 5, 6]]);
     }
 }

@@ -45,6 +45,17 @@ impl<W: Write + Seek> NpzWriter<W> {
         }
     }
 
+    /// Adds an array whose elements are there.
+    pub fn slice<T: bytemuck::NoUninit>(
+        &mut self,
+        name: &str,
+        element: ElementType,
+        shape: &[usize],
+        items: &[T],
+    ) -> io::Result<()> {
+        self.array(name, element, shape, |to| to.write_all(bytemuck::cast_slice(items)))
+    }
+
     pub fn finish(self) -> io::Result<()> {
         self.zip.finish()?.inner.flush()
     }
@@ -55,7 +66,7 @@ pub fn write_origin(npz: &mut NpzWriter<impl Write + Seek>, origin: Origin) -> i
     if origin.is_zero() {
         return Ok(());
     }
-    npz.array("origin", ElementType::F64, &[3], |to| to.write_all(bytemuck::cast_slice(&origin.to_array())))
+    npz.slice("origin", ElementType::F64, &[3], &origin.to_array())
 }
 
 struct Counted<'a, W: Write> {

@@ -1,19 +1,19 @@
 //! The query on a GPU, a slice of the points at a time.
 
-use rimline::gpu::{PositionBuffer, QueryPoints, ShadowQuery, ShadowQueryOptions, read_back_vec};
+use rimline::gpu::{PositionBuffer, QueryPoints, ShadowQuery, ShadowQueryOptions};
 use rimline::mesh::NO_FACE;
 use rimline::{Displacement, wgpu};
 
-use super::asked::Asked;
+use super::Asked;
 use crate::device::Gpu;
 use crate::failure::Failure;
-use crate::gpu_error::GpuError;
+use crate::gpu_error::{GpuError, On as _};
 use crate::input::{Scene, Shape};
 use crate::positions::Positions;
 use crate::times::Times;
 use crate::warm_up::with_triangle;
 
-/// One query.
+#[derive(Clone, Copy)]
 pub(super) struct Job<'a, 's> {
     pub(super) scene: &'a Scene<'s>,
     pub(super) asked: Asked<'a>,
@@ -23,51 +23,36 @@ pub(super) struct Job<'a, 's> {
 
 impl Job<'_, '_> {
     /// Compiles the shaders before the stages run and are timed.
-    pub(super) fn run_warm(&self, gpu: &Gpu, depths: &mut Vec<i32>, times: &mut Times) -> Result<(), Failure> {
-        let is_posed = matches!(self.scene.shape, Shape::Posed { .. });
-        let Self { asked, displacement, time_s, .. } = *self;
-        times.measure("compile", || {
-            with_triangle(is_posed, |scene| {
-                let asked = Asked { points: &[[0.0; 3]], on_face: asked.on_face.map(|_| &[NO_FACE][..]), ..asked };
-                let job = Job { scene, asked, displacement, time_s };
-                job.run(gpu, &mut Vec::new(), &mut Times::default())
-            })
-        })?;
-        self.run(gpu, depths, times)
+    pub(super) fn warm_up(&self, gpu: &Gpu) -> Result<(), Failure> {
+        with_triangle(matches!(self.scene.shape, Shape::Posed { .. }), |scene| {
+            let on_face = self.asked.on_face.map(|_| &[NO_FACE][..]);
+            let asked = Asked { points: &[[0.0; 3]], on_face, ..self.asked };
+            Job { scene, asked, ..*self }.run(gpu, &mut Vec::new(), &mut Times::default())
+        })
     }
 
     pub(super) fn run(&self, gpu: &Gpu, depths: &mut Vec<i32>, times: &mut Times) -> Result<(), Failure> {
-        let fail = |error: GpuError| error.on(gpu);
         let slice = self.asked.slice(&self.scene.mesh).min(self.asked.points.len());
-        let (placed, mut query, points) = times
-            .measure("prepare", || -> Result<_, GpuError> {
-                let placed = Positions::new(gpu, &self.scene.shape, self.displacement)?;
-                let options = ShadowQueryOptions {
-                    max_points: slice as u32,
-                    max_lights: self.asked.lights_at_once(),
-                    ..ShadowQueryOptions::default()
-                };
-                let query = ShadowQuery::new(&gpu.pipelines, &self.scene.mesh, options)?;
-                let points = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                    label: Some("points"),
-                    size: (slice as u64 * POINT).max(POINT),
-                    usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-                    mapped_at_creation: false,
-                });
-                Ok((placed, query, points))
-            })
-            .map_err(fail)?;
+        let (placed, mut query) = times.measure("prepare", || self.prepare(gpu, slice)).on(gpu)?;
+        let points = gpu.buffer("points", slice as u64 * POINT, wgpu::BufferUsages::STORAGE);
         gpu.check()?;
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("deform") });
-        placed.encode(&mut encoder, &self.scene.shape, self.time_s, None).map_err(fail)?;
-        gpu.queue.submit([encoder.finish()]);
+        let mut encoder = gpu.encoder("deform");
+        placed.encode(&mut encoder, &self.scene.shape, self.time_s, None).on(gpu)?;
+        gpu.submit(encoder);
         times.measure("shadow_depth", || {
             self.asked.each_slice(slice.max(1), depths, |asked| {
-                let found = count(gpu, &mut query, &placed, &points, asked).map_err(fail)?;
+                let found = count(gpu, &mut query, &placed, &points, asked).on(gpu)?;
                 gpu.check()?;
                 Ok(found)
             })
         })
+    }
+
+    fn prepare(&self, gpu: &Gpu, slice: usize) -> Result<(Positions, ShadowQuery), GpuError> {
+        let (max_points, max_lights) = (slice as u32, self.asked.lights_at_once());
+        let options = ShadowQueryOptions { max_points, max_lights, ..ShadowQueryOptions::default() };
+        let placed = Positions::new(gpu, &self.scene.shape, self.displacement)?;
+        Ok((placed, ShadowQuery::new(&gpu.pipelines, &self.scene.mesh, options)?))
     }
 }
 
@@ -88,12 +73,12 @@ fn count(
     };
     let words: Vec<[u32; 4]> = points.iter().enumerate().map(words).collect();
     gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(&words));
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("query") });
+    let mut encoder = gpu.encoder("query");
     let points_at = PositionBuffer { buffer, offset: 0, stride: POINT };
     let bound = QueryPoints { points: points_at, on_face: on_face.map(|_| POINT - 4) };
     query.encode_at(&mut encoder, placed.buffer(), bound, points.len() as u32, lights, None)?;
-    gpu.queue.submit([encoder.finish()]);
-    let mut found = read_back_vec(&gpu.device, &gpu.queue, query.depths())?;
+    gpu.submit(encoder);
+    let mut found = gpu.read(query.depths())?;
     found.truncate(points.len() * lights.len());
     Ok(found)
 }

@@ -4,14 +4,14 @@
 
 mod patches;
 
+pub(crate) use patches::Joined;
+
 use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 
-/// Positions of the corners of a face.
 type Corners = [[f32; 3]; 3];
 
-/// The corners of faces.
 pub(crate) fn corners<'a>(
     positions: &'a [[f32; 3]],
     faces: &'a [[u32; 3]],
@@ -44,25 +44,12 @@ impl Coincident {
         found
     }
 
-    /// Faces with the same corners.
     fn by_corners(faces: impl Iterator<Item = Corners> + Clone) -> Option<Self> {
         // Most faces are alone at their bit, and need no closer look.
-        let bits = (8 * faces.clone().count()).next_power_of_two().max(64);
-        let (mut once, mut twice) = (vec![0_u64; bits / 64], vec![0_u64; bits / 64]);
-        let at = |face: Corners| {
-            let bit = mixed(sorted(face).0.as_flattened()) as usize % bits;
-            (bit / 64, 1 << (bit % 64))
-        };
-        for (word, bit) in faces.clone().map(at) {
-            twice[word] |= once[word] & bit;
-            once[word] |= bit;
-        }
-        let is_near_another = |face: Corners| {
-            let (word, bit) = at(face);
-            twice[word] & bit != 0
-        };
+        let key = |face: Corners| mixed(sorted(face).0.as_flattened());
+        let repeated = Repeated::of(faces.clone().map(key), faces.clone().count());
         let mut by_corners: HashMap<_, [Option<u32>; 2]> = HashMap::new();
-        for (number, face) in (0..).zip(faces.clone()).filter(|&(_, face)| is_near_another(face)) {
+        for (number, face) in (0..).zip(faces.clone()).filter(|&(_, face)| repeated.may_hold(key(face))) {
             let (corners, is_odd) = sorted(face);
             by_corners.entry(corners).or_default()[usize::from(is_odd)].get_or_insert(number);
         }
@@ -109,10 +96,37 @@ fn sorted(face: Corners) -> ([[u32; 3]; 3], bool) {
     ([a, b, c], is_odd)
 }
 
+/// Numbers of which there may be two, by a bit for each number out of eight times as many as there are.
+struct Repeated {
+    once: Vec<u64>,
+    twice: Vec<u64>,
+}
+
+impl Repeated {
+    fn of(numbers: impl Iterator<Item = u64>, count: usize) -> Self {
+        let words = (8 * count).next_power_of_two().max(64) / 64;
+        let mut found = Self { once: vec![0; words], twice: vec![0; words] };
+        for number in numbers {
+            let (word, bit) = found.place(number);
+            found.twice[word] |= found.once[word] & bit;
+            found.once[word] |= bit;
+        }
+        found
+    }
+
+    fn place(&self, number: u64) -> (usize, u64) {
+        ((number / 64) as usize % self.once.len(), 1 << (number % 64))
+    }
+
+    fn may_hold(&self, number: u64) -> bool {
+        let (word, bit) = self.place(number);
+        self.twice[word] & bit != 0
+    }
+}
+
 /// An odd number without a pattern: multiples of it differ in their high bits.
 const ODD: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// A number for these words.
 fn mixed(words: &[u32]) -> u64 {
     words.iter().fold(0, |sum: u64, &word| {
         let mixed = (sum ^ u64::from(word)).wrapping_mul(ODD);

@@ -2,6 +2,47 @@
 
 use rimline::wgpu;
 
+pub(crate) const UNIFORM: wgpu::BindingType = wgpu::BindingType::Buffer {
+    ty: wgpu::BufferBindingType::Uniform,
+    has_dynamic_offset: false,
+    min_binding_size: None,
+};
+
+pub(crate) const READ_ONLY: wgpu::BindingType = wgpu::BindingType::Buffer {
+    ty: wgpu::BufferBindingType::Storage { read_only: true },
+    has_dynamic_offset: false,
+    min_binding_size: None,
+};
+
+pub(crate) fn read_texture(view_dimension: wgpu::TextureViewDimension, filterable: bool) -> wgpu::BindingType {
+    let sample_type = wgpu::TextureSampleType::Float { filterable };
+    wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
+}
+
+/// A texture of one layer, level and sample.
+pub(crate) fn plain_texture(
+    label: &str,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::TextureDescriptor<'_> {
+    wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    }
+}
+
+/// All of a texture.
+pub(crate) fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
 /// Makes pipelines and bind groups; group 0 is always the frame.
 pub(crate) struct PipelineFactory<'a> {
     pub(crate) device: &'a wgpu::Device,
@@ -30,6 +71,20 @@ pub(crate) struct Pass<'a> {
     pub(crate) constants: &'a [(&'a str, f64)],
 }
 
+impl<'a> Pass<'a> {
+    /// Draws triangles of one sample, over what is there.
+    pub(crate) fn new(
+        name: &'static str,
+        source: &'a str,
+        groups: &'a [&'a wgpu::BindGroupLayout],
+        format: wgpu::TextureFormat,
+    ) -> Self {
+        let (topology, write) = (wgpu::PrimitiveTopology::TriangleList, wgpu::ColorWrites::ALL);
+        let (vertex, constants) = (name, &[][..]);
+        Self { name, vertex, source, groups, topology, format, blend: None, samples: 1, write, depth: None, constants }
+    }
+}
+
 impl<'a> PipelineFactory<'a> {
     /// `frame` is the uniform that `prelude` declares as group 0, binding 0.
     pub(crate) fn new(device: &'a wgpu::Device, queue: &wgpu::Queue, prelude: &'static str, frame: &[u8]) -> Self {
@@ -40,12 +95,7 @@ impl<'a> PipelineFactory<'a> {
             mapped_at_creation: false,
         });
         queue.write_buffer(&buffer, 0, frame);
-        let uniform = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let frame_layout = layout(device, wgpu::ShaderStages::VERTEX_FRAGMENT, &[uniform]);
+        let frame_layout = layout(device, wgpu::ShaderStages::VERTEX_FRAGMENT, &[UNIFORM]);
         let frame_group = group(device, &frame_layout, &[buffer.as_entire_binding()]);
         Self { device, prelude, frame_layout, frame_group, frame: buffer }
     }
@@ -100,42 +150,14 @@ impl<'a> PipelineFactory<'a> {
     pub(crate) fn target(
         &self,
         label: &str,
-        [width, height]: [u32; 2],
+        size: [u32; 2],
         format: wgpu::TextureFormat,
         samples: u32,
         usage: wgpu::TextureUsages,
     ) -> wgpu::Texture {
-        self.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(label),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: samples,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        })
-    }
-
-    /// A target of many layers.
-    pub(crate) fn layers(
-        &self,
-        label: &str,
-        [width, height]: [u32; 2],
-        layers: u32,
-        format: wgpu::TextureFormat,
-        usage: wgpu::TextureUsages,
-    ) -> wgpu::Texture {
-        self.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(label),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: layers },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        })
+        let usage = usage | wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let plain = plain_texture(label, size, format, usage);
+        self.device.create_texture(&wgpu::TextureDescriptor { sample_count: samples, ..plain })
     }
 
     pub(crate) fn pipeline(&self, pass: &Pass<'_>) -> wgpu::RenderPipeline {
@@ -197,4 +219,43 @@ fn group(
         .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
         .collect();
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+}
+
+/// The nearest is drawn and written, or whatever comes without being written.
+pub(crate) fn depth_test(write: bool) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: wgpu::TextureFormat::Depth32Float,
+        depth_write_enabled: Some(write),
+        depth_compare: Some(if write { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Always }),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
+}
+
+/// A pass onto one colour target, and a depth buffer that is cleared to the infinitely far.
+pub(crate) fn color_pass<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    label: &str,
+    target: &wgpu::TextureView,
+    resolve_target: Option<&wgpu::TextureView>,
+    load: wgpu::LoadOp<wgpu::Color>,
+    depth: Option<&wgpu::TextureView>,
+) -> wgpu::RenderPass<'e> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: target,
+            depth_slice: None,
+            resolve_target,
+            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+        })],
+        depth_stencil_attachment: depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
+            view,
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+            stencil_ops: None,
+        }),
+        timestamp_writes: None,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    })
 }

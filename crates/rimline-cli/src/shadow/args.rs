@@ -248,7 +248,7 @@ impl ShadowArgs {
         let source = match (self.from_depth, &self.depth) {
             (Some(side), _) => MapSource::Drawn { side },
             (None, Some(file)) => {
-                let limit = self.scene.load.memory_limit();
+                let limit = self.scene.load.memory_limit;
                 MapSource::Given(Arc::new(GivenMap::read(file, method, limit, origin)?))
             }
             (None, None) => return Ok(None),

@@ -4,27 +4,25 @@ use glam::Vec3;
 use rimline::gpu::{Extraction, StageTimer};
 use rimline::wgpu;
 
-use super::cast_inputs::{CastInputs, put};
 use super::covered::CoveredFaces;
-use super::extracted::Extracted;
 use super::posed_model::PosedModel;
-use super::receiver::Receiver;
-use super::shadows::{Shadows, VolumePipelines};
+use super::receiver_pipelines::Receiver;
+use super::shadows::{CastInputs, Shadows, VolumePipelines, put};
+use super::single_casters::Extracted;
 use crate::device::Gpu;
 use crate::failure::Failure;
-use crate::gpu_error::GpuError;
+use crate::gpu_error::{GpuError, On as _};
 use crate::render::check_model;
 use crate::render::pipeline_factory::PipelineFactory;
 
 /// Resources that draw all bodies and make them cast shadows.
 pub(crate) struct Casters {
-    pub(crate) shadows: Shadows,
+    pub(crate) shadows: Box<dyn Shadows>,
     /// A receiver for each body, once it was bound.
     pub(super) receivers: Vec<Receiver>,
-    /// The silhouettes of each body by itself, where volumes are shown.
-    shown: Option<Vec<Extracted>>,
-    /// Or, without covered faces, those of the faces that cast: each with its light and the number of its body.
-    casting: Option<Vec<(usize, usize, Extracted)>>,
+    /// Where volumes are shown, the silhouettes of each body by itself: of all its faces, or without covered faces of those
+    /// that cast for a light. Each with that light and the number of its body.
+    shown: Option<Vec<(Option<usize>, usize, Extracted)>>,
     max_lights: usize,
 }
 
@@ -35,21 +33,21 @@ impl Casters {
         max_lights: usize,
         shows_volumes: bool,
     ) -> Result<Self, GpuError> {
-        let shadows = Shadows::new(gpu, pipelines, max_lights)?;
-        let shown = (shows_volumes && pipelines.has_mesh_volumes()).then(Vec::new);
-        Ok(Self { shadows, receivers: Vec::new(), shown, casting: None, max_lights })
+        let shadows = pipelines.casters(gpu, max_lights)?;
+        let shown = (shows_volumes && !matches!(pipelines, VolumePipelines::Depth(..))).then(Vec::new);
+        Ok(Self { shadows, receivers: Vec::new(), shown, max_lights })
     }
 
     /// Takes the bodies with the faces that they have now.
     pub(crate) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         for body in bodies {
-            check_model(gpu, body.faces.len(), body.world.len()).map_err(|error| error.on(gpu))?;
+            check_model(gpu, body.faces.len(), body.world.len()).on(gpu)?;
         }
         self.shadows.place(gpu, bodies)?;
         let Some(shown) = &mut self.shown else { return Ok(()) };
         for (number, body) in bodies.iter().enumerate() {
-            if !shown.get(number).is_some_and(|old| old.is_of(body)) {
-                put(shown, number, Extracted::new(gpu, body, self.max_lights)?);
+            if !shown.get(number).is_some_and(|(.., old)| old.is_of(body)) {
+                put(shown, number, (None, number, Extracted::new(gpu, &body.mesh()?, body, self.max_lights)?));
             }
         }
         Ok(())
@@ -62,37 +60,29 @@ impl Casters {
         bodies: &[PosedModel<'_>],
         covered: &CoveredFaces,
     ) -> Result<(), Failure> {
-        self.shadows.leave_out(covered).map_err(|error| error.on(gpu))?;
-        if self.shown.take().is_none() {
-            return Ok(());
-        }
-        let mut casting = Vec::new();
+        self.shadows.leave_out(covered).on(gpu)?;
+        let Some(shown) = &mut self.shown else { return Ok(()) };
+        shown.clear();
         for (number, body) in bodies.iter().enumerate() {
             for light in 0..covered.found.len() {
                 if let Some(mesh) = covered.casting(number, body, light)? {
-                    casting.push((light, number, Extracted::of_mesh(gpu, &mesh, body, self.max_lights)?));
+                    shown.push((Some(light), number, Extracted::new(gpu, &mesh, body, self.max_lights)?));
                 }
             }
         }
-        self.casting = Some(casting);
         Ok(())
     }
 
-    /// Records what draws need.
     pub(super) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: CastInputs<'_>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        let CastInputs { bodies, lights, .. } = inputs;
         self.shadows.encode(encoder, inputs, timer)?;
-        for (shown, body) in self.shown.iter_mut().flatten().zip(bodies) {
-            shown.encode(encoder, body, lights, None)?;
-        }
-        for (_, number, casting) in self.casting.iter_mut().flatten() {
-            if let Some(body) = bodies.get(*number) {
-                casting.encode(encoder, body, lights, None)?;
+        for (_, number, shown) in self.shown.iter_mut().flatten() {
+            if let Some(body) = inputs.bodies.get(*number) {
+                shown.encode(encoder, body, inputs.lights, None)?;
             }
         }
         Ok(())
@@ -116,7 +106,7 @@ impl Casters {
 
     /// The silhouettes whose volumes are shown for a light.
     pub(super) fn shown(&self, light: usize) -> impl Iterator<Item = &Extraction> {
-        let casting = self.casting.iter().flatten().filter(move |(of, ..)| *of == light).map(|(.., casting)| casting);
-        self.shown.iter().flatten().chain(casting).filter_map(|shown| shown.extraction.as_ref())
+        let of_light = self.shown.iter().flatten().filter(move |(of, ..)| of.is_none_or(|of| of == light));
+        of_light.filter_map(|(.., shown)| shown.extraction.as_ref())
     }
 }

@@ -30,7 +30,6 @@ struct File {
 }
 
 impl CoveredFaces {
-    /// Searches for each light.
     pub(crate) fn find(bodies: &[PosedModel<'_>], lights: &[Light]) -> Result<Self, Failure> {
         let (mut files, mut first) = (Vec::with_capacity(bodies.len()), 0);
         for body in bodies {

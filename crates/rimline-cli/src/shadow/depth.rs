@@ -1,5 +1,6 @@
-//! Which depth shadows are counted with, and what it can tell apart.
+//! What the depth and the stencil that shadows are counted with can tell apart, and other numbers that stages leave.
 
+use rimline::reference::layout::ShadowStatistics;
 use rimline::wgpu;
 use wgpu::TextureFormat;
 
@@ -15,7 +16,6 @@ pub(crate) fn depth_format(device: &wgpu::Device) -> TextureFormat {
 /// Lengths that the depth format must resolve, in the models' unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seen {
-    /// The near plane's distance.
     pub(crate) near: f32,
     /// Distance of the farthest surface with a shadow.
     pub(crate) farthest: f32,
@@ -49,8 +49,56 @@ impl Seen {
     }
 }
 
+/// The most that the stencil counts to; 256 looks like 0.
+pub(super) const MOST: u32 = 255;
+
+/// A bound on stencil counts. All casters count into one stencil.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct CountBound {
+    /// No count exceeds it, for any light.
+    pub(crate) count_bound: u32,
+    /// Lights, or samples, whose counts may exceed what the stencil holds.
+    pub(crate) may_wrap: u32,
+}
+
+impl From<ShadowStatistics> for CountBound {
+    fn from(ShadowStatistics { count_bound, may_wrap, .. }: ShadowStatistics) -> Self {
+        Self { count_bound, may_wrap }
+    }
+}
+
+impl CountBound {
+    /// The larger of both.
+    pub(crate) fn max(self, other: Self) -> Self {
+        Self { count_bound: self.count_bound.max(other.count_bound), may_wrap: self.may_wrap.max(other.may_wrap) }
+    }
+
+    /// Tells the user where counts may wrap.
+    pub(crate) fn warn(self) {
+        let Self { count_bound, may_wrap } = self;
+        if may_wrap > 0 {
+            note(&format!(
+                "warning: shadows may be wrong where 256 or more faces overlap as seen from the eye: the stencil has 8 bits, and \
+                 the models may overlap up to {count_bound} times. Draw fewer files at once, or models with fewer \
+                 layers; `rimline query` counts without this limit"
+            ));
+        }
+    }
+}
+
+/// Each number of one statistic and the same of the other.
+pub(super) fn sum<T: bytemuck::Pod>(one: T, other: T) -> T {
+    let mut sum = one;
+    let words = bytemuck::cast_slice::<T, u32>(std::slice::from_ref(&other)).iter();
+    let sums = bytemuck::cast_slice_mut::<T, u32>(std::slice::from_mut(&mut sum)).iter_mut();
+    sums.zip(words).for_each(|(sum, word)| *sum = sum.saturating_add(*word));
+    sum
+}
+
 #[cfg(test)]
 mod tests {
+    use bytemuck::Zeroable;
+
     use super::*;
 
     #[test]
@@ -70,5 +118,13 @@ mod tests {
         // Steps are half a pixel there.
         let step = |distance: f32, near: f32| distance * distance / (16_777_216.0 * near);
         assert_eq!(step(10.0, nearest), 0.5 * 10.0 / 1024.0);
+    }
+
+    #[test]
+    fn sums_do_not_wrap() {
+        let found = |count_bound, skipped| ShadowStatistics { count_bound, skipped, ..Zeroable::zeroed() };
+        let both = sum(found(200, 1), found(100, 2));
+        assert_eq!((both.count_bound, both.skipped, both.capped), (300, 3, 0));
+        assert_eq!(sum(found(u32::MAX, 0), found(2, 0)).count_bound, u32::MAX);
     }
 }

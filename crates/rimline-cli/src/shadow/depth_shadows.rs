@@ -3,25 +3,25 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::{DepthMapPipelines, DeviceError, MeshDepth, StageTimer};
-use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
+use rimline::gpu::{DepthMapPipelines, MeshDepth, StageTimer};
+use rimline::reference::layout::ShadowStatistics;
+use rimline::{Counting, DepthDirection, Origin, ShadowCamera, wgpu};
 
-use super::cast_inputs::{CastInputs, parity, put};
-use super::extracted::Extracted;
-use super::found::{FacingMasks, Found};
 use super::from_depth::{DepthsFound, FromDepth, MAP, MapSource, points};
 use super::light_depths::LightMaps;
 use super::light_maps::LightCameras;
+use super::overlay::ShownDepths;
 use super::posed_model::PosedModel;
-use super::shown_maps::ShownDepths;
+use super::shadows::{CastInputs, Choice, FacingMasks, Found, Shadows, VolumePipelines, put};
+use super::single_casters::Extracted;
 use crate::device::Gpu;
 use crate::failure::Failure;
-use crate::gpu_error::GpuError;
+use crate::gpu_error::{GpuError, On as _};
 use crate::npz::DepthMapArrays;
 
 pub(crate) struct DepthShadows {
     pipelines: Arc<DepthMapPipelines>,
-    pub(super) from: FromDepth,
+    from: FromDepth,
     max_lights: usize,
     files: Vec<File>,
     /// Maps of each light, from the first encode on.
@@ -42,22 +42,38 @@ impl DepthShadows {
         Self { pipelines: Arc::clone(pipelines), from: from.clone(), max_lights, files, lights }
     }
 
-    pub(super) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+    pub(super) fn depths_found(&self, gpu: &Gpu) -> Result<DepthsFound, GpuError> {
+        let lights = self.lights.iter().map(|maps| maps.found(gpu)).collect::<Result<_, _>>()?;
+        Ok(DepthsFound { size: self.from.size(), has_walls: self.from.has_walls(), lights })
+    }
+
+    /// Contents of the overlay of a light's maps.
+    pub(super) fn shown(&self, light: usize) -> Option<ShownDepths<'_>> {
+        self.lights.get(light).and_then(LightMaps::shown)
+    }
+
+    /// The maps of a light as they were drawn. Waits for the device.
+    pub(super) fn saved(&self, gpu: &Gpu, light: usize, origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
+        self.lights.get(light).map(|maps| maps.saved(gpu, origin)).transpose()
+    }
+}
+
+impl Shadows for DepthShadows {
+    fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         for (number, body) in bodies.iter().enumerate() {
             if self.files.get(number).is_some_and(|file| file.surface.is_of(body)) {
                 continue;
             }
             let mesh = body.triangles()?.map_or_else(|| body.mesh(), Ok)?;
             let depth = || MeshDepth::new(&gpu.pipelines, &mesh, MAP, DepthDirection::Reversed);
-            let depth = matches!(self.from.source, MapSource::Drawn { .. }).then(depth).transpose();
-            let depth = depth.map_err(|error| GpuError::from(error).on(gpu))?;
-            let surface = Extracted::of_mesh(gpu, &mesh, body, self.max_lights)?;
+            let depth = matches!(self.from.source, MapSource::Drawn { .. }).then(depth).transpose().on(gpu)?;
+            let surface = Extracted::new(gpu, &mesh, body, self.max_lights)?;
             put(&mut self.files, number, File { depth, surface });
         }
         Ok(())
     }
 
-    pub(super) fn encode(
+    fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         CastInputs { gpu, bodies, seen, camera, lights }: CastInputs<'_>,
@@ -90,45 +106,32 @@ impl DepthShadows {
         Ok(())
     }
 
-    pub(super) fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        pipelines: &DepthMapPipelines,
-        light: usize,
-    ) -> Result<(), GpuError> {
-        match self.lights.get(light).and_then(|maps| maps.frame.as_ref()) {
-            Some(frame) => Ok(frame.draw(pass, pipelines)?),
-            None => Ok(()),
-        }
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &VolumePipelines, light: usize) -> Result<(), GpuError> {
+        let VolumePipelines::Depth(own, _) = pipelines else { return Err(pipelines.refuse(Counting::Auto)) };
+        let frame = self.lights.get(light).and_then(|maps| maps.frame.as_ref());
+        Ok(frame.map_or(Ok(()), |frame| frame.draw(pass, own))?)
     }
 
-    pub(super) fn facing(&self, bodies: &[PosedModel<'_>]) -> Vec<FacingMasks> {
-        self.files.iter().zip(bodies).map(|(file, body)| file.surface.facing(body)).collect()
+    fn facing(&self, _: &Gpu, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
+        Ok(self.files.iter().zip(bodies).map(|(file, body)| file.surface.facing(body)).collect())
     }
 
-    /// Results for each file, without volumes. Waits for the device.
-    pub(super) fn found_of_files(&self, gpu: &Gpu) -> Result<Vec<Found>, DeviceError> {
+    fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, GpuError> {
         let of_file = |file: &File| {
             let (silhouettes, extraction) = file.surface.found(gpu, self.max_lights)?;
-            let lights = vec![bytemuck::Zeroable::zeroed(); self.max_lights];
-            Ok(Found { lights, silhouettes, extraction, shadow: parity(), is_whole: true })
+            let lights = vec![Choice { casting: "depth map", counting: "parity" }; self.max_lights];
+            Ok(Found { lights, silhouettes, extraction, shadow: self.statistics(gpu)?, is_whole: true })
         };
         self.files.iter().map(of_file).collect()
     }
 
-    /// Results in the maps of all lights. Waits for the device.
-    pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthsFound, DeviceError> {
-        let lights = self.lights.iter().map(|maps| maps.found(gpu)).collect::<Result<_, _>>()?;
-        Ok(DepthsFound { size: self.from.size(), has_walls: self.from.has_walls(), lights })
+    /// No volume of a mesh, and a count of 0 or 1.
+    fn statistics(&self, _: &Gpu) -> Result<ShadowStatistics, GpuError> {
+        Ok(ShadowStatistics { count_bound: 1, ..bytemuck::Zeroable::zeroed() })
     }
 
-    pub(super) fn shown(&self, light: usize) -> Option<ShownDepths<'_>> {
-        self.lights.get(light).and_then(LightMaps::shown)
-    }
-
-    /// The maps of a light as they were drawn. Waits for the device.
-    pub(super) fn saved(&self, gpu: &Gpu, light: usize, origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
-        self.lights.get(light).map(|maps| maps.saved(gpu, origin)).transpose()
+    fn maps(&self) -> Option<&DepthShadows> {
+        Some(self)
     }
 }
 

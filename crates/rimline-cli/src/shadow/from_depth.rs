@@ -11,6 +11,7 @@ use super::posed_model::PosedModel;
 use crate::failure::UsageError;
 use crate::gpu_error::GpuError;
 use crate::output::note;
+use crate::progress::Progress;
 
 /// Floats tell the same part of any distance apart with reversed depth.
 pub(super) const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -66,7 +67,6 @@ impl FromDepth {
         matches!(self.method, DepthMapMethod::Contours { .. })
     }
 
-    /// Options for reconstruction from the maps.
     pub(super) fn options(&self) -> DepthMapOptions {
         let mut options = DepthMapOptions { method: self.method, ..DepthMapOptions::default() };
         if let MapSource::Given(map) = &self.source {
@@ -80,7 +80,6 @@ impl FromDepth {
         options
     }
 
-    /// Texels of a map across and down.
     pub(super) fn size(&self) -> [u32; 2] {
         match &self.source {
             MapSource::Drawn { side } => [*side; 2],
@@ -108,7 +107,6 @@ pub(super) fn points(bodies: &[PosedModel<'_>]) -> Vec<[f32; 3]> {
     bodies.iter().flat_map(PosedModel::points).collect()
 }
 
-/// Results in the maps of a light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DepthFound {
     /// Maps of the light: 1 or 6.
@@ -128,50 +126,35 @@ impl DepthFound {
 /// Cells with a border of shadow from which on drawing takes long on any device: maps of bodies have some thousands.
 const BUSY: u64 = 1 << 20;
 
-/// Maps that are borders all over, such as noise: each cell bounds a volume as long as the shadow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct BusyMaps {
-    /// Cells, or walls, that are drawn.
-    drawn: u64,
-    /// All cells of the maps.
-    cells: u64,
-}
-
-impl BusyMaps {
-    /// Text for a line of progress.
-    pub(crate) fn step(self) -> String {
-        format!("drawing {} borders of shadow, which takes long", self.drawn)
-    }
-
-    /// Tells the user why it takes long, and what would help.
-    pub(crate) fn warn(self) {
-        let Self { drawn, cells } = self;
-        note(&format!(
-            "warning: {drawn} of the {cells} cells of the depth maps hold a border of the shadow, as if they were noise, and each is \
-             drawn through all of the picture, which may take minutes; a smaller map, a --detector that tells surfaces from noise, \
-             such as differences=T, or a smaller --size takes less"
-        ));
-    }
-}
-
 impl DepthsFound {
-    /// Maps that take long to draw, if there are any.
-    pub(crate) fn busy(&self) -> Option<BusyMaps> {
+    /// Tells the user where maps are borders all over, such as noise: each cell bounds a volume as long as the shadow. Returns
+    /// a line of progress for it.
+    pub(crate) fn warn_if_busy(&self, progress: &Progress) -> Option<String> {
+        let (drawn, cells) = self.busy()?;
+        progress.aside(|| {
+            note(&format!(
+                "warning: {drawn} of the {cells} cells of the depth maps hold a border of the shadow, as if they were noise, and \
+                 each is drawn through all of the picture, which may take minutes; a smaller map, a --detector that tells \
+                 surfaces from noise, such as differences=T, or a smaller --size takes less"
+            ));
+        });
+        Some(format!("drawing {drawn} borders of shadow, which takes long"))
+    }
+
+    /// Cells, or walls, that are drawn, and all cells, where it takes long.
+    fn busy(&self) -> Option<(u64, u64)> {
         // Cells lie between texels, and around the outermost.
         let of_map = self.size.map(|side| u64::from(side) + 1).into_iter().product::<u64>();
         let cells: u64 = self.lights.iter().map(|found| found.maps as u64 * of_map).sum();
-        let drawn = self.lights.iter().map(|found| {
-            // Where the list has no room, every cell is drawn.
-            if found.is_overflowed() { found.maps as u64 * of_map } else { found.listed.into() }
-        });
-        let drawn = drawn.sum();
-        (drawn > BUSY).then_some(BusyMaps { drawn, cells })
+        // Where the list has no room, every cell is drawn.
+        let drawn =
+            |found: &DepthFound| if found.is_overflowed() { found.maps as u64 * of_map } else { found.listed.into() };
+        let drawn = self.lights.iter().map(drawn).sum();
+        (drawn > BUSY).then_some((drawn, cells))
     }
 }
 
-/// Results in the maps of all lights.
 pub(crate) struct DepthsFound {
-    /// Texels of a map across and down.
     pub(crate) size: [u32; 2],
     pub(crate) has_walls: bool,
     pub(crate) lights: Vec<DepthFound>,
@@ -192,7 +175,7 @@ mod tests {
         assert_eq!(found(1000, 500, 512).busy(), None);
         for (listed, capacity, drawn) in [(12_000_000, 16_000_000, 12_000_000), (12_000_000, 500_000, 4097 * 4097)] {
             let busy = found(listed, capacity, 4096).busy();
-            assert_eq!(busy, Some(BusyMaps { drawn, cells: 4097 * 4097 }));
+            assert_eq!(busy, Some((drawn, 4097 * 4097)));
         }
     }
 }

@@ -2,16 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use rimline::gpu::{DepthMapMethod, DepthMetric};
+use glam::Vec3;
+use rimline::gpu::{DepthMapError, DepthMapMethod, DepthMetric};
 use rimline::{CameraError, DepthDirection, Light, Origin, ShadowCamera, wgpu};
+use wgpu::{TextureFormat, TextureUsages};
 
-use super::given_map_error::GivenMapError;
 use super::light_maps::LightCameras;
-use crate::begins;
+use super::shaded_lights::{SceneBounds, ShadedLight};
 use crate::device::Gpu;
-use crate::failure::{Failure, InputError};
+use crate::failure::{Failure, InputError, UsageError};
 use crate::npz::{self, DepthMapArrays, Depths, Metric};
-use crate::source;
+use crate::render::pipeline_factory::{plain_texture, view};
+use crate::{begins, coordinates, source};
 
 /// A map, or six, with what they were drawn with.
 #[derive(Debug)]
@@ -23,7 +25,7 @@ pub(crate) struct GivenMap {
     /// For each texel of one map, if the detector takes them.
     objects: Option<Vec<u32>>,
     /// A format that the depths were rounded to, coarser than their own.
-    pub(super) rounded_to: Option<wgpu::TextureFormat>,
+    pub(super) rounded_to: Option<TextureFormat>,
     /// Meaning of the depths.
     pub(super) metric: DepthMetric,
 }
@@ -81,8 +83,8 @@ impl GivenMap {
             }
         }
         let rounded_to = match (depth_bits, &depths) {
-            (Some(16), Depths::F32(_)) => Some(wgpu::TextureFormat::Depth16Unorm),
-            (Some(24), Depths::F32(_)) => Some(wgpu::TextureFormat::Depth24Plus),
+            (Some(16), Depths::F32(_)) => Some(TextureFormat::Depth16Unorm),
+            (Some(24), Depths::F32(_)) => Some(TextureFormat::Depth24Plus),
             _ => None,
         };
         Ok(Self { file: file.to_owned(), size, cameras, depths, objects, rounded_to, metric })
@@ -91,41 +93,25 @@ impl GivenMap {
     /// Copies the maps into textures, one for each.
     pub(super) fn upload(&self, gpu: &Gpu) -> Vec<wgpu::TextureView> {
         let texels = self.size[0] as usize * self.size[1] as usize;
-        let texture = |format, bytes: &[u8]| self.texture(gpu, format, bytes);
-        match &self.depths {
-            Depths::F32(depths) => depths
-                .chunks(texels)
-                .map(|map| texture(wgpu::TextureFormat::R32Float, bytemuck::cast_slice(map)))
-                .collect(),
-            Depths::U16(depths) => depths
-                .chunks(texels)
-                .map(|map| texture(wgpu::TextureFormat::Depth16Unorm, bytemuck::cast_slice(map)))
-                .collect(),
-        }
+        let (format, bytes, size) = match &self.depths {
+            Depths::F32(depths) => (TextureFormat::R32Float, bytemuck::cast_slice(depths), 4),
+            Depths::U16(depths) => (TextureFormat::Depth16Unorm, bytemuck::cast_slice::<_, u8>(depths), 2),
+        };
+        bytes.chunks(size * texels).map(|map| self.texture(gpu, format, map)).collect()
     }
 
     pub(super) fn upload_objects(&self, gpu: &Gpu) -> Option<wgpu::TextureView> {
         let objects = self.objects.as_ref()?;
-        Some(self.texture(gpu, wgpu::TextureFormat::R32Uint, bytemuck::cast_slice(objects)))
+        Some(self.texture(gpu, TextureFormat::R32Uint, bytemuck::cast_slice(objects)))
     }
 
-    fn texture(&self, gpu: &Gpu, format: wgpu::TextureFormat, bytes: &[u8]) -> wgpu::TextureView {
-        let [width, height] = self.size;
-        let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("given depth map"),
-            size,
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
-        let bytes_per_row = format.block_copy_size(None).map(|texel| texel * width);
+    fn texture(&self, gpu: &Gpu, format: TextureFormat, bytes: &[u8]) -> wgpu::TextureView {
+        let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST;
+        let texture = gpu.device.create_texture(&plain_texture("given depth map", self.size, format, usage));
+        let bytes_per_row = format.block_copy_size(None).map(|texel| texel * self.size[0]);
         let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
-        gpu.queue.write_texture(texture.as_image_copy(), bytes, layout, size);
-        texture.create_view(&wgpu::TextureViewDescriptor::default())
+        gpu.queue.write_texture(texture.as_image_copy(), bytes, layout, texture.size());
+        view(&texture)
     }
 
     /// The light that the map is of.
@@ -142,4 +128,87 @@ fn relative(rows: &[[f64; 4]; 4], origin: [f64; 3], run: Origin) -> ([[f64; 4]; 
     }
     let [ox, oy, oz] = run.to_array();
     (rows.map(|[x, y, z, shift]| [x, y, z, shift + x * ox + y * oy + z * oz]), [0.0; 3])
+}
+
+/// Refuses lights that are not the map's.
+pub(super) fn check_lights(
+    map: &GivenMap,
+    lights: &[ShadedLight],
+    stage: &SceneBounds,
+    origin: Origin,
+) -> Result<(), UsageError> {
+    /// How far a light may be off, as a share of its distance or of the extent of the models.
+    const MOST: f64 = 1e-3;
+    /// Extents that count as any distance beyond them, and as a light at infinity.
+    const FAR: f64 = 1e9;
+    let [shaded] = lights else { return Err(UsageError::DepthLights { count: lights.len() }) };
+    let centre = Vec3::from(stage.centre).as_dvec3();
+    // In extents from the middle of the models.
+    let place = |light: &Light| {
+        let towards = Vec3::from(light.xyz).as_dvec3() - f64::from(light.w) * centre;
+        let distance = if light.w == 0.0 { FAR } else { towards.length() / f64::from(light.w * stage.extent) };
+        towards.normalize_or_zero() * distance.min(FAR)
+    };
+    let (map, given) = (map.light(), shaded.light);
+    let is_near = (place(&map) - place(&given)).length() <= MOST * place(&given).length().max(1.0);
+    if !is_near {
+        return Err(UsageError::DepthLightApart { given: spec(&given, origin), map: spec(&map, origin) });
+    }
+    Ok(())
+}
+
+/// A light as it is given on the command line.
+fn spec(light: &Light, origin: Origin) -> String {
+    let at = |w: f32| coordinates::point(light.xyz, Origin::new(origin.to_array().map(|c| f64::from(w) * c)));
+    match light.w {
+        0.0 => format!("dir:{}", at(0.0)),
+        1.0 => format!("point:{}", at(1.0)),
+        w => format!("hom:{},{w}", at(w)),
+    }
+}
+
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum GivenMapError {
+    #[error(
+        "`view_projection` of map {map}: {error}; its rows make clip space of positions less `origin`, and depth is as \
+         `reversed` says"
+    )]
+    Camera { map: usize, error: CameraError },
+    #[error(
+        "`view_projection` of map {map} makes a mirror image; change the sign of its row of x or of y, whichever runs the wrong \
+         way (clip space has x to the right and y up), and turn the rows of `depth` to match"
+    )]
+    Mirrored { map: usize },
+    #[error("six maps are square, and these have {}×{} texels", .0[0], .0[1])]
+    NotSquare([u32; 2]),
+    #[error("`objects` go with one map, not with six; take another detector")]
+    ObjectsOfCube,
+    #[error(
+        "`depth` is uint16, and `metric` says that it has distances; give distances as float32, in the units of the models"
+    )]
+    DistanceType,
+    #[error(
+        "`depth_bits` is that of a depth buffer, and `metric` says that `depth` has distances; leave one of them out"
+    )]
+    DistanceBits,
+    #[error(
+        "map {map} does not meet the others: {what}; take the views that docs/formats.md states for six maps, or turn all six \
+         together"
+    )]
+    Apart { map: usize, what: &'static str },
+    #[error("it has six maps, and --detector contours takes one; take another detector, or give one map")]
+    ContoursOfCube,
+    #[error(transparent)]
+    Map(DepthMapError),
+}
+
+/// In words of the command: users have a file, and no cameras of the library.
+impl From<DepthMapError> for GivenMapError {
+    fn from(error: DepthMapError) -> Self {
+        match error {
+            DepthMapError::Apart { face, what } => Self::Apart { map: face, what },
+            DepthMapError::CubeContours => Self::ContoursOfCube,
+            other => Self::Map(other),
+        }
+    }
 }

@@ -2,36 +2,31 @@
 
 use rimline::gpu::{
     DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapFrame, DepthMapPipelines,
-    DepthMapVolumes, DepthMetric, DeviceError, StageTimer, read_back_vec,
+    DepthMapVolumes, DepthMetric, StageTimer,
 };
-use rimline::{Origin, ShadowCamera, wgpu};
+use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
+use wgpu::TextureUsages;
 
 use super::from_depth::{DepthFound, FromDepth, MAP, MapSource};
 use super::light_maps::LightCameras;
-use super::shown_maps::{ShownDepths, ShownMaps};
+use super::overlay::{ShownDepths, ShownMaps};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::image::Picture;
 use crate::npz::{DepthMapArrays, Depths, Metric};
+use crate::render::pipeline_factory::{plain_texture, view};
 
 pub(super) struct LightMaps {
     maps: Maps,
     /// For each of the maps.
     pub(super) views: Vec<wgpu::TextureView>,
-    /// Distances that the maps are converted from: one for each map, or none if the maps are depths.
-    distances: Vec<Distances>,
+    /// Distances that maps are converted from, and what converts them: one for each map, or none if the maps are depths.
+    distances: Vec<(wgpu::TextureView, DepthMapConversion, DepthMetric)>,
     objects: Option<wgpu::TextureView>,
     /// Cameras with which the maps were encoded.
     cameras: LightCameras,
     pub(super) frame: Option<DepthMapFrame>,
     shown: ShownMaps,
-}
-
-/// A map of distances, and what makes a map of depths of it.
-struct Distances {
-    given: wgpu::TextureView,
-    conversion: DepthMapConversion,
-    metric: DepthMetric,
 }
 
 enum Maps {
@@ -51,8 +46,10 @@ impl LightMaps {
             LightCameras::One(_) => Maps::One(Box::new(DepthMapVolumes::new(pipelines, size, options)?)),
             LightCameras::Cube(_) => Maps::Cube(Box::new(DepthMapCube::new(pipelines, size[0], options)?)),
         };
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
+        let drawn = |_| view(&gpu.device.create_texture(&plain_texture("depth map", size, MAP, usage)));
         let (mut views, objects): (Vec<_>, _) = match &from.source {
-            MapSource::Drawn { side } => (cameras.all().iter().map(|_| drawn(gpu, *side)).collect(), None),
+            MapSource::Drawn { .. } => (cameras.all().iter().map(drawn).collect(), None),
             MapSource::Given(map) => (map.upload(gpu), map.upload_objects(gpu)),
         };
         let mut distances = Vec::new();
@@ -60,26 +57,16 @@ impl LightMaps {
             for view in &mut views {
                 let conversion = DepthMapConversion::new(&gpu.pipelines, size)?;
                 let given = std::mem::replace(view, conversion.texture().clone());
-                distances.push(Distances { given, conversion, metric: options.metric });
+                distances.push((given, conversion, options.metric));
             }
         }
-        Ok(Self {
-            maps,
-            views,
-            distances,
-            objects,
-            cameras: cameras.clone(),
-            frame: None,
-            shown: ShownMaps::new(gpu, from.has_walls()),
-        })
+        let (cameras, shown) = (cameras.clone(), ShownMaps::new(gpu, from.has_walls()));
+        Ok(Self { maps, views, distances, objects, cameras, frame: None, shown })
     }
 
     /// Whether these are as many maps.
     pub(super) fn fits(&self, cameras: &LightCameras) -> bool {
-        match (&self.maps, cameras) {
-            (Maps::One(_), LightCameras::One(_)) | (Maps::Cube(_), LightCameras::Cube(_)) => true,
-            (Maps::One(_), LightCameras::Cube(_)) | (Maps::Cube(_), LightCameras::One(_)) => false,
-        }
+        matches!(self.maps, Maps::One(_)) == matches!(cameras, LightCameras::One(_))
     }
 
     /// Records how shadows are rebuilt from what is in the maps.
@@ -89,10 +76,9 @@ impl LightMaps {
         encoder: &mut wgpu::CommandEncoder,
         cameras: &LightCameras,
         eye: &ShadowCamera,
-        timer: Option<&mut StageTimer>,
+        mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        let mut timer = timer;
-        for (Distances { given, conversion, metric }, light) in self.distances.iter().zip(cameras.all()) {
+        for ((given, conversion, metric), light) in self.distances.iter().zip(cameras.all()) {
             let map = DepthMap { texture: given, light: *light, objects: None };
             conversion.encode(encoder, &map, *metric, timer.as_deref_mut())?;
         }
@@ -112,39 +98,28 @@ impl LightMaps {
             // The caller asks `fits`.
             _ => return Err(DepthMapError::StaleFrame.into()),
         };
-        self.shown.encode(gpu, encoder, (cameras, size), eye, (frame.draw_arguments(), self.capacity()));
+        let (capacity, ..) = self.rebuilt();
+        self.shown.encode(gpu, encoder, (cameras, size), eye, (frame.draw_arguments(), capacity));
         self.cameras = cameras.clone();
         self.frame = Some(frame);
         Ok(())
     }
 
-    /// Results in the maps. Waits for the device.
-    pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthFound, DeviceError> {
-        let list: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, self.cells())?;
-        let listed = list.first().copied().unwrap_or(0);
-        Ok(DepthFound { maps: self.views.len(), listed, capacity: self.capacity() })
+    pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthFound, GpuError> {
+        let (capacity, cells, _) = self.rebuilt();
+        Ok(DepthFound { maps: self.views.len(), listed: gpu.read_first(cells)?, capacity })
     }
 
-    /// Contents of the overlay of the maps.
     pub(super) fn shown(&self) -> Option<ShownDepths<'_>> {
-        let texture = match &self.maps {
-            Maps::One(_) => self.views.first()?,
-            Maps::Cube(cube) => cube.texture(),
-        };
-        Some(ShownDepths { shown: &self.shown, cells: self.cells(), texture })
+        let (_, cells, texture) = self.rebuilt();
+        Some(ShownDepths { shown: &self.shown, cells, texture: texture? })
     }
 
-    fn capacity(&self) -> u32 {
+    /// The cells that the list has room for, the list, and one map or six in one.
+    fn rebuilt(&self) -> (u32, &wgpu::Buffer, Option<&wgpu::TextureView>) {
         match &self.maps {
-            Maps::One(volumes) => volumes.capacity(),
-            Maps::Cube(cube) => cube.capacity(),
-        }
-    }
-
-    fn cells(&self) -> &wgpu::Buffer {
-        match &self.maps {
-            Maps::One(volumes) => volumes.cells(),
-            Maps::Cube(cube) => cube.cells(),
+            Maps::One(volumes) => (volumes.capacity(), volumes.cells(), self.views.first()),
+            Maps::Cube(cube) => (cube.capacity(), cube.cells(), Some(cube.texture())),
         }
     }
 
@@ -166,27 +141,10 @@ impl LightMaps {
             depths: Depths::F32(depths),
             view_projections: cameras.iter().map(rows).collect(),
             origin: cameras.first().map_or([0.0; 3], |camera| origin.to_world(camera.origin)),
-            is_reversed: cameras.first().is_some_and(|camera| camera.depth == rimline::DepthDirection::Reversed),
+            is_reversed: cameras.first().is_some_and(|camera| camera.depth == DepthDirection::Reversed),
             depth_bits: None,
             metric: Metric::Device,
             objects: None,
         })
     }
-}
-
-/// A map that is drawn into.
-fn drawn(gpu: &Gpu, side: u32) -> wgpu::TextureView {
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("depth map"),
-        size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: MAP,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-            | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }

@@ -4,7 +4,6 @@ use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3};
 use rimline::gpu::{DepthMapCube, DepthMapError};
 use rimline::{DepthDirection, Light, ShadowCamera};
 
-/// How a light sees the casters.
 #[derive(Clone, Debug)]
 pub(super) enum LightCameras {
     One(ShadowCamera),
@@ -71,7 +70,6 @@ impl LightCameras {
         Ok(Self::One(camera(rows, centre)))
     }
 
-    /// The cameras of the maps.
     pub(super) fn all(&self) -> &[ShadowCamera] {
         match self {
             Self::One(camera) => std::slice::from_ref(camera),

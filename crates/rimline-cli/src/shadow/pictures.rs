@@ -1,18 +1,17 @@
-//! The passes of a picture with shadows.
+//! The passes of a picture with shadows, and of masks: whether a light reaches the surface at each pixel centre.
 
 use rimline::wgpu;
-use wgpu::{ColorWrites, CompareFunction, LoadOp, PrimitiveTopology, StencilFaceState, TextureFormat, TextureUsages};
+use wgpu::{ColorWrites, CompareFunction, LoadOp, StencilFaceState, TextureFormat, TextureUsages};
 
 use super::depth::depth_format;
-use super::depth_overlay::DepthOverlay;
-use super::part::{PARTS, Part};
+use super::frame::{PARTS, Part};
+use super::overlay::Overlay;
 use super::receiver_pipelines::{ADD, MULTIPLY, Onto, ReceiverPipelines, Target, depth_state};
 use super::render_resources::{Attachments, DrawInputs, RenderResources};
 use super::shadows::{ShadowMethod, VolumePipelines};
-use super::volume_overlay::VolumeOverlay;
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
-use crate::render::pipeline_factory::Pass;
+use crate::render::pipeline_factory::{Pass, color_pass, plain_texture, read_texture, view};
 use crate::shadow::args::ModeArg;
 
 /// Linear light, before it is exposed.
@@ -20,7 +19,6 @@ const LINEAR: Target = Target { format: TextureFormat::Rgba16Float, samples: 4 }
 /// The same of a part of the picture.
 const PART: Target = Target { format: LINEAR.format, samples: 1 };
 
-/// Draws pictures.
 pub(crate) struct Pictures {
     pub(crate) pipelines: VolumePipelines,
     /// Attachments of the whole picture or of its parts.
@@ -37,22 +35,6 @@ pub(crate) struct Pictures {
     overlay: Option<Overlay>,
 }
 
-/// Draws what bounds the shadows.
-enum Overlay {
-    Volumes(VolumeOverlay),
-    Depths(DepthOverlay),
-}
-
-impl Overlay {
-    fn new(gpu: &Gpu, resources: &RenderResources<'_>, target: Target, method: &ShadowMethod) -> Self {
-        if method.has_depth_maps() {
-            Self::Depths(DepthOverlay::new(gpu, resources, target))
-        } else {
-            Self::Volumes(VolumeOverlay::new(gpu, resources, target))
-        }
-    }
-}
-
 impl Pictures {
     pub(crate) fn new(
         gpu: &Gpu,
@@ -66,37 +48,20 @@ impl Pictures {
         let linear = if in_parts { PART } else { LINEAR };
         let (attachments, light) = if in_parts { parts(resources) } else { whole(resources) };
         let load = if in_parts { include_str!("parts.wgsl") } else { include_str!("whole.wgsl") };
-        let view_dimension =
-            if in_parts { wgpu::TextureViewDimension::D2Array } else { wgpu::TextureViewDimension::D2 };
-        let format = TextureFormat::Rgba8UnormSrgb;
-        let layout = factory.layout(&[wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension,
-            multisampled: false,
-        }]);
-        let cover = |name, source, groups: &[_], target: Target, depth| {
-            let topology = PrimitiveTopology::TriangleList;
-            let Target { format, samples } = target;
-            let write = ColorWrites::ALL;
-            let (vertex, blend, constants) = (name, None, &[][..]);
-            factory.pipeline(&Pass {
-                name,
-                vertex,
-                source,
-                groups,
-                topology,
-                format,
-                blend,
-                samples,
-                write,
-                depth,
-                constants,
-            })
-        };
+        let dimension = if in_parts { wgpu::TextureViewDimension::D2Array } else { wgpu::TextureViewDimension::D2 };
+        let layout = factory.layout(&[read_texture(dimension, false)]);
         let behind =
             depth_state(depth_format(factory.device), false, CompareFunction::Always, StencilFaceState::IGNORE);
+        let backdrop = factory.pipeline(&Pass {
+            samples: linear.samples,
+            depth: Some(behind),
+            ..Pass::new("backdrop", include_str!("backdrop.wgsl"), &[], linear.format)
+        });
+        let format = TextureFormat::Rgba8UnormSrgb;
+        let source = format!("{load}\n{}", include_str!("tone.wgsl"));
+        let tone = factory.pipeline(&Pass::new("tone", &source, &[&layout], format));
         let group = factory.group(&layout, &[wgpu::BindingResource::TextureView(&light)]);
-        let tone = format!("{load}\n{}", include_str!("tone.wgsl"));
+        let all = ColorWrites::ALL;
         let shade = match mode {
             ModeArg::Additive => None,
             ModeArg::Ambient => Some(("ambient", None)),
@@ -107,19 +72,18 @@ impl Pictures {
             pipelines: RenderResources::pipelines(gpu, linear, method)?,
             attachments,
             finished: factory.target("picture", resources.size, format, 1, TextureUsages::COPY_SRC),
-            backdrop: cover("backdrop", include_str!("backdrop.wgsl"), &[], linear, Some(behind)),
-            ambient: resources.receivers(linear, "ambient", Onto::Nearest, None),
-            lit: resources.receivers(linear, "lit", Onto::Lit, ADD),
+            backdrop,
+            ambient: resources.receivers(linear, "ambient", Onto::Nearest, (None, all)),
+            lit: resources.receivers(linear, "lit", Onto::Lit, (ADD, all)),
             shade: shade.map(|(fragment, blend)| {
-                let nothing = ColorWrites::empty();
                 [
-                    ReceiverPipelines::new(factory, &resources.layouts, linear, "averted", Onto::Lit, None, nothing),
-                    resources.receivers(linear, fragment, Onto::Shadowed, blend),
+                    resources.receivers(linear, "averted", Onto::Lit, (None, ColorWrites::empty())),
+                    resources.receivers(linear, fragment, Onto::Shadowed, (blend, all)),
                 ]
             }),
-            tone: (cover("tone", &tone, &[&layout], Target { format, samples: 1 }, None), group),
+            tone: (tone, group),
             resolved: (!in_parts).then_some(light),
-            overlay: volumes.then(|| Overlay::new(gpu, resources, linear, method)),
+            overlay: volumes.then(|| Overlay::new(gpu, resources, linear, method.from_depth.is_some())),
         })
     }
 
@@ -160,12 +124,7 @@ impl Pictures {
             }
         }
         let mut pass = subject.begin(attachments.pass(encoder, "resolve", None, self.resolved.as_ref()));
-        match &self.overlay {
-            Some(Overlay::Volumes(overlay)) => overlay.draw(&mut pass, resources, subject)?,
-            Some(Overlay::Depths(overlay)) => overlay.draw(&mut pass, resources, subject),
-            None => {}
-        }
-        Ok(())
+        self.overlay.as_ref().map_or(Ok(()), |overlay| overlay.draw(&mut pass, resources, subject))
     }
 
     /// Records how the light becomes a picture, and returns its texture.
@@ -174,17 +133,8 @@ impl Pictures {
         encoder: &mut wgpu::CommandEncoder,
         resources: &RenderResources<'_>,
     ) -> &wgpu::Texture {
-        let finished = self.finished.create_view(&wgpu::TextureViewDescriptor::default());
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("tone"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &finished,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
-            })],
-            ..Default::default()
-        });
+        let clear = LoadOp::Clear(wgpu::Color::BLACK);
+        let mut pass = color_pass(encoder, "tone", &view(&self.finished), None, clear, None);
         pass.set_bind_group(0, &resources.factory.frame_group, &[]);
         pass.set_bind_group(1, &self.tone.1, &[]);
         pass.set_pipeline(&self.tone.0);
@@ -202,12 +152,12 @@ fn whole(resources: &RenderResources<'_>) -> (Vec<Attachments>, wgpu::TextureVie
 /// The attachments of a picture's parts and the layers of their light.
 fn parts(resources: &RenderResources<'_>) -> (Vec<Attachments>, wgpu::TextureView) {
     let size = Part::size(resources.size);
-    let none = TextureUsages::empty();
-    let depth = resources
-        .factory
-        .target("depth", size, depth_format(resources.factory.device), 1, none)
-        .create_view(&wgpu::TextureViewDescriptor::default());
-    let layers = resources.factory.layers("light", size, PARTS as u32, PART.format, TextureUsages::TEXTURE_BINDING);
+    let factory = &resources.factory;
+    let depth = view(&factory.target("depth", size, depth_format(factory.device), 1, TextureUsages::empty()));
+    let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT;
+    let plain = plain_texture("light", size, PART.format, usage);
+    let size = wgpu::Extent3d { depth_or_array_layers: PARTS as u32, ..plain.size };
+    let layers = factory.device.create_texture(&wgpu::TextureDescriptor { size, ..plain });
     let attachments = (0..PARTS as u32).map(|layer| {
         let color = layers.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(wgpu::TextureViewDimension::D2),
@@ -217,5 +167,52 @@ fn parts(resources: &RenderResources<'_>) -> (Vec<Attachments>, wgpu::TextureVie
         });
         Attachments { color, depth: depth.clone() }
     });
-    (attachments.collect(), layers.create_view(&wgpu::TextureViewDescriptor::default()))
+    (attachments.collect(), view(&layers))
+}
+
+/// 255 lit, 0 not, 128 nothing there.
+const MASK: Target = Target { format: TextureFormat::R8Unorm, samples: 1 };
+
+/// Draws masks: of one light or sample at a time.
+pub(crate) struct Masks {
+    pub(crate) pipelines: VolumePipelines,
+    attachments: Attachments,
+    finished: wgpu::Texture,
+    dark: ReceiverPipelines,
+    lit: ReceiverPipelines,
+}
+
+impl Masks {
+    pub(crate) fn new(gpu: &Gpu, resources: &RenderResources<'_>, method: &ShadowMethod) -> Result<Self, GpuError> {
+        let finished = resources.factory.target("mask", resources.size, MASK.format, 1, TextureUsages::COPY_SRC);
+        let (color, all) = (view(&finished), ColorWrites::ALL);
+        let depth = resources.target("depth", depth_format(&gpu.device), MASK.samples, TextureUsages::empty());
+        Ok(Self {
+            pipelines: RenderResources::pipelines(gpu, MASK, method)?,
+            attachments: Attachments { color, depth },
+            dark: resources.receivers(MASK, "dark", Onto::Nearest, (None, all)),
+            lit: resources.receivers(MASK, "mask", Onto::Lit, (None, all)),
+            finished,
+        })
+    }
+
+    /// Records a light's mask and returns its texture.
+    pub(crate) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &RenderResources<'_>,
+        subject: &DrawInputs<'_>,
+        light: usize,
+    ) -> Result<&wgpu::Texture, GpuError> {
+        let DrawInputs { casters, has_ground, .. } = *subject;
+        let grey = 128.0 / 255.0;
+        let nothing = wgpu::Color { r: grey, g: grey, b: grey, a: 1.0 };
+        let mut pass = subject.begin(self.attachments.pass(encoder, "mask", Some(nothing), None));
+        resources.select(&mut pass, light);
+        self.dark.paint(&mut pass, casters, light, has_ground);
+        casters.shadows.draw(&mut pass, &self.pipelines, light)?;
+        resources.select(&mut pass, light);
+        self.lit.paint(&mut pass, casters, light, has_ground);
+        Ok(&self.finished)
+    }
 }

@@ -2,11 +2,11 @@
 
 use rimline::mesh::MAX_FACES;
 use rimline::reference::cpu::is_finite;
-use rimline::{Displacement, Geometry, InstancePose, Mesh, MeshError, wgpu};
+use rimline::{Displacement, Geometry, InstancePose, Mesh, MeshError};
 
 use crate::device::Gpu;
 use crate::failure::Failure;
-use crate::gpu_error::GpuError;
+use crate::gpu_error::{GpuError, On as _};
 use crate::input::{Input, Shape};
 use crate::positions::Positions;
 
@@ -18,10 +18,9 @@ pub(crate) struct Topology {
     pub(crate) is_turned: bool,
 }
 
-/// A model and where its vertices are.
 pub(crate) struct PosedModel<'a> {
     pub(crate) input: &'a Input,
-    animations: &'a [usize],
+    pub(super) animations: &'a [usize],
     displaced: bool,
     shape: Shape<'a>,
     pub(crate) positions: Positions,
@@ -45,18 +44,17 @@ impl<'a> PosedModel<'a> {
         let shape = input.shape(animations, time_s, displaced)?;
         let failed = |error: MeshError| Failure::input(&input.file)(input.no_mesh(error));
         check_faces(input.model().placed_geometries()).map_err(failed)?;
-        let positions = Positions::new(gpu, &shape, displacement).map_err(|error| error.on(gpu))?;
+        let positions = Positions::new(gpu, &shape, displacement).on(gpu)?;
         let (topologies, faces, world) = (Vec::new(), Vec::new(), Vec::new());
         let mut body = Self { input, animations, displaced, shape, positions, topologies, faces, world };
-        body.place(gpu, time_s).map_err(|error| error.on(gpu))?;
+        body.place(gpu, time_s).on(gpu)?;
         Ok(body)
     }
 
-    /// Moves to another posed.
     pub(crate) fn pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), Failure> {
         if let Shape::Posed { .. } = self.shape {
             self.shape = self.input.shape(self.animations, time_s, self.displaced)?;
-            self.place(gpu, time_s).map_err(|error| error.on(gpu))?;
+            self.place(gpu, time_s).on(gpu)?;
         }
         Ok(())
     }
@@ -70,9 +68,9 @@ impl<'a> PosedModel<'a> {
         match &self.shape {
             Shape::World(positions) => self.world = positions.to_vec(),
             Shape::Posed { model, .. } => {
-                let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                let mut encoder = gpu.encoder("deform");
                 self.positions.encode(&mut encoder, &self.shape, time_s, None)?;
-                gpu.queue.submit([encoder.finish()]);
+                gpu.submit(encoder);
                 self.world = self.positions.read(gpu, model.vertex_count())?;
             }
         }
@@ -92,7 +90,6 @@ impl<'a> PosedModel<'a> {
             .collect()
     }
 
-    /// The mesh of a topology.
     pub(crate) fn mesh_of(&self, topology: Topology) -> Result<Mesh, Failure> {
         let geometry = &self.input.model().geometries()[topology.geometry];
         let mesh = Mesh::from_faces(geometry.positions().len(), topology.faces(geometry, 0).collect());
@@ -114,10 +111,6 @@ impl<'a> PosedModel<'a> {
         let mesh = || Mesh::from_faces(self.world.len(), self.faces.clone());
         let triangles = self.has_polygons().then(mesh).transpose();
         triangles.map_err(|error| Failure::input(&self.input.file)(error.into()))
-    }
-
-    pub(crate) fn animations(&self) -> &[usize] {
-        self.animations
     }
 
     /// The vertices of the faces that are drawn, those with finite positions; each once.

@@ -12,9 +12,8 @@ use super::shaded_lights::ShadedLightData;
 use super::shadows::{ShadowMethod, VolumePipelines};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
-use crate::render::pipeline_factory::PipelineFactory;
+use crate::render::pipeline_factory::{PipelineFactory, view};
 
-/// Everything that stays from frame to frame.
 pub(crate) struct RenderResources<'a> {
     pub(crate) factory: PipelineFactory<'a>,
     pub(super) layouts: Layouts,
@@ -23,7 +22,6 @@ pub(crate) struct RenderResources<'a> {
     lamp_group: wgpu::BindGroup,
 }
 
-/// Inputs of a picture.
 pub(crate) struct DrawInputs<'a> {
     pub(crate) casters: &'a Casters,
     /// Samples of all lights together.
@@ -77,9 +75,9 @@ impl<'a> RenderResources<'a> {
         target: Target,
         fragment: &'static str,
         onto: Onto,
-        blend: Option<BlendState>,
+        color: (Option<BlendState>, ColorWrites),
     ) -> ReceiverPipelines {
-        ReceiverPipelines::new(&self.factory, &self.layouts, target, fragment, onto, blend, ColorWrites::ALL)
+        ReceiverPipelines::new(&self.factory, &self.layouts, target, (fragment, onto), color)
     }
 
     pub(super) fn target(
@@ -89,9 +87,7 @@ impl<'a> RenderResources<'a> {
         samples: u32,
         usage: TextureUsages,
     ) -> wgpu::TextureView {
-        self.factory
-            .target(label, self.size, format, samples, usage)
-            .create_view(&wgpu::TextureViewDescriptor::default())
+        view(&self.factory.target(label, self.size, format, samples, usage))
     }
 
     pub(super) fn select(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) {
@@ -104,14 +100,13 @@ impl<'a> RenderResources<'a> {
             depth_stencil: depth_format(&gpu.device),
             samples: target.samples,
             colors: vec![Some(target.format)],
-            trim: !method.has_depth_maps() && gpu.clips_wrongly(),
+            trim: method.from_depth.is_none() && gpu.clips_wrongly(),
             ..ShadowFormat::default()
         };
         VolumePipelines::new(gpu, &format, method)
     }
 }
 
-/// A colour target and its depth and stencil.
 pub(super) struct Attachments {
     pub(super) color: wgpu::TextureView,
     pub(super) depth: wgpu::TextureView,

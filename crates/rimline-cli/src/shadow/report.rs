@@ -5,25 +5,24 @@ use std::path::PathBuf;
 
 use rimline::Origin;
 use rimline::cpu::{HiddenFaces, HiddenStatistics};
-use rimline::reference::layout::{ShadowLight, ShadowStatistics};
-use rimline::reference::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
+use rimline::reference::layout::ShadowStatistics;
 use serde_json::{Value, json};
 
 use super::casters::Casters;
-use super::counts::{self, CountBound};
 use super::covered::CoveredFaces;
-use super::found::Found;
+use super::depth::{self, CountBound};
 use super::from_depth::{DepthFound, DepthsFound};
 use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
+use super::shadows::Found;
 use crate::coordinates;
 use crate::device::{Gpu, describe};
 use crate::gpu_error::GpuError;
+use crate::report::{self, Lines};
 use crate::shadow::args::{ShadowSceneArgs, value_name};
 use crate::shown::Line;
 use crate::times::Times;
 
-/// Results and choices of the stages for a file.
 struct File {
     name: String,
     faces: usize,
@@ -41,14 +40,9 @@ pub(super) struct Report {
     samples: usize,
     /// Statistics of occluded faces for each light, if they were asked for.
     covered: Option<Vec<HiddenStatistics>>,
-    /// Covered faces that were left out.
     left_out: usize,
     /// If maps of the lights cast.
     depth: Option<DepthsFound>,
-}
-
-fn casting(light: &ShadowLight) -> &'static str {
-    ["nothing", "averted", "every"].get(light.casting as usize).copied().unwrap_or("unknown")
 }
 
 fn covered_json(covered: &HiddenStatistics) -> Value {
@@ -62,16 +56,6 @@ fn covered_json(covered: &HiddenStatistics) -> Value {
         "sides": sides,
         "sides_left": sides_left,
     })
-}
-
-fn counting(light: &ShadowLight) -> &'static str {
-    match light.counting {
-        COUNT_Z_PASS => "z-pass",
-        COUNT_ZP_PLUS => "zp+",
-        COUNT_Z_FAIL => "z-fail",
-        COUNT_ZP_PLUS_2005 => "zp+paper",
-        _ => "unknown",
-    }
 }
 
 impl Report {
@@ -102,7 +86,7 @@ impl Report {
             samples: samples / set.shaded_lights.len().max(1),
             covered: covered.map(|covered| covered.found.iter().map(HiddenFaces::statistics).collect()),
             left_out: casters.shadows.left_out(),
-            depth: casters.shadows.depth_found(gpu)?,
+            depth: casters.shadows.maps().map(|maps| maps.depths_found(gpu)).transpose()?,
         })
     }
 
@@ -119,8 +103,8 @@ impl Report {
                 let chosen = &found.lights[of.clone()];
                 json!({
                     "file": name,
-                    "casting": per_sample(chosen.iter().map(|light| self.casting(light).into()).collect()),
-                    "counting": per_sample(chosen.iter().map(|light| self.counting(light).into()).collect()),
+                    "casting": per_sample(chosen.iter().map(|light| light.casting.into()).collect()),
+                    "counting": per_sample(chosen.iter().map(|light| light.counting.into()).collect()),
                     "silhouette_edges": per_sample(found.silhouettes[of.clone()].iter().map(|&n| n.into()).collect()),
                 })
             };
@@ -164,7 +148,7 @@ impl Report {
                 "overflowed_lists": extraction.overflowed_lists,
             })
         };
-        let extraction = self.files.iter().map(|file| file.found.extraction).reduce(counts::sum);
+        let extraction = self.files.iter().map(|file| file.found.extraction).reduce(depth::sum);
         let mut totals = json!({
             "skipped": self.all.skipped,
             "every_face": self.all.every_face,
@@ -177,8 +161,7 @@ impl Report {
         if self.covered.is_some() {
             totals["covered_faces"] = self.left_out.into();
         }
-        let [set_up, work] = times.set_up_and_work();
-        let mut report = json!({
+        let report = json!({
             "adapter": self.adapter,
             "method": if self.depth.is_some() { "parity".to_owned() } else { value_name(&args.method) },
             "mode": value_name(&args.mode),
@@ -190,20 +173,8 @@ impl Report {
             "lights": self.lights.iter().enumerate().map(light).collect::<Vec<_>>(),
             "statistics": self.files.iter().map(statistics).collect::<Vec<_>>(),
             "totals": totals,
-            "milliseconds": times.json(),
-            "set_up_milliseconds": set_up,
-            "work_milliseconds": work,
         });
-        coordinates::add_origin(&mut report, self.origin);
-        format!("{report:#}\n")
-    }
-
-    fn casting(&self, light: &ShadowLight) -> &'static str {
-        if self.depth.is_some() { "depth map" } else { casting(light) }
-    }
-
-    fn counting(&self, light: &ShadowLight) -> &'static str {
-        if self.depth.is_some() { "parity" } else { counting(light) }
+        report::json(report, self.origin, times)
     }
 
     /// A bound on all counts.
@@ -213,24 +184,19 @@ impl Report {
 
     /// `pictures` of this size and `archives` were written.
     pub(super) fn text(&self, [pictures, archives]: &[Vec<PathBuf>; 2], size: [u32; 2], times: &Times) -> String {
-        let mut text = String::new();
-        let mut line = |name: &str, value: &str| {
-            let _ = writeln!(text, "{name:<18} {value}");
-        };
-        line("device", &self.adapter);
-        if let Some(origin) = coordinates::origin_text(self.origin) {
-            line("origin", &origin);
-        }
+        let mut lines = Lines::default();
+        lines.line("device", &self.adapter);
+        lines.origin(self.origin);
         for File { name, faces, found: Found { lights, silhouettes, shadow, .. } } in &self.files {
-            line("caster", &format!("{}, {faces} faces", Line(name)));
+            lines.line("caster", format!("{}, {faces} faces", Line(name)));
             let edges: u64 = silhouettes.iter().copied().map(u64::from).sum();
             let sum = if lights.len() == 1 { String::new() } else { format!(" for {} lights", lights.len()) };
-            line("silhouette edges", &format!("{edges}{sum}"));
+            lines.line("silhouette edges", format!("{edges}{sum}"));
             let ShadowStatistics { skipped, capped, .. } = shadow;
             let counted = |count: u32| format!("for {count} of {} lights", lights.len());
-            line("near caps", &if *capped == 0 { "none needed".to_owned() } else { counted(*capped) });
+            lines.line("near caps", if *capped == 0 { "none needed".to_owned() } else { counted(*capped) });
             if *skipped > 0 {
-                line("no shadow", &format!("{}: the shadow is out of range or out of sight", counted(*skipped)));
+                lines.line("no shadow", format!("{}: the shadow is out of range or out of sight", counted(*skipped)));
             }
         }
         let what = match self.depth.as_ref().map(|found| found.has_walls) {
@@ -244,7 +210,7 @@ impl Report {
             if found.is_overflowed() {
                 let _ = write!(value, "; their list has room for {capacity}, so every cell is drawn");
             }
-            line("depth map", &value);
+            lines.line("depth map", value);
         }
         for covered in self.covered.iter().flatten() {
             let HiddenStatistics { tried, hidden, left_out, sides, sides_left, .. } = covered;
@@ -252,16 +218,12 @@ impl Report {
                 "{hidden} of {tried} faces are hidden from the light, {left_out} left out; sides {sides} before, {sides_left} \
                  after"
             );
-            line("covered", &value);
+            lines.line("covered", value);
         }
-        line("milliseconds", &times.sums());
-        line("by stage", &times.text());
-        for file in pictures {
-            let _ = writeln!(text, "{}", crate::image::wrote(file, size));
-        }
-        for file in archives {
-            let _ = writeln!(text, "wrote {}", Line(file.display()));
-        }
-        text
+        lines.times(times);
+        let pictures = pictures.iter().map(|file| crate::image::wrote(file, size));
+        let archives = archives.iter().map(|file| format!("wrote {}", Line(file.display())));
+        let wrote: String = pictures.chain(archives).map(|line| line + "\n").collect();
+        lines.0 + &wrote
     }
 }

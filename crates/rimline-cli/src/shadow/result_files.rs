@@ -6,14 +6,13 @@ use rimline::Origin;
 
 use super::args::ShadowArgs;
 use super::casters::Casters;
-use super::shadow_scene::numbered;
 use crate::device::Gpu;
 use crate::ending::{self, Written};
 use crate::failure::{Failure, UsageError};
+use crate::gpu_error::On as _;
 use crate::image::Picture;
 use crate::output::Output;
-use crate::overwrite::Inputs;
-use crate::target::is_same_file;
+use crate::target::{Inputs, is_same_file};
 
 /// Files in the making. A file that is dropped before it is finished leaves nothing.
 pub(super) struct ResultFiles {
@@ -73,10 +72,6 @@ impl ResultFiles {
         Ok(())
     }
 
-    pub(super) fn has_picture(&self) -> bool {
-        self.picture.is_some()
-    }
-
     pub(super) fn finish_picture(&mut self, gpu: &Gpu, picture: &Picture) -> Result<(), Failure> {
         gpu.check()?;
         self.picture.take().map_or(Ok(()), |output| output.finish(|file| picture.write_png(file)))
@@ -99,12 +94,25 @@ impl ResultFiles {
     /// Writes the depth maps of each light as they were drawn.
     pub(super) fn finish_maps(&mut self, gpu: &Gpu, casters: &Casters, origin: Origin) -> Result<(), Failure> {
         for (light, output) in std::mem::take(&mut self.maps).into_iter().enumerate() {
-            let maps = casters.shadows.saved_maps(gpu, light, origin).map_err(|error| error.on(gpu))?;
+            let maps = casters.shadows.maps().map_or(Ok(None), |maps| maps.saved(gpu, light, origin)).on(gpu)?;
             gpu.check()?;
-            if let Some(maps) = maps {
-                output.finish(|file| maps.write(file))?;
-            }
+            maps.map_or(Ok(()), |maps| output.finish(|file| maps.write(file)))?;
         }
         Ok(())
+    }
+}
+
+/// `PREFIX.<light>.<ending>`.
+fn numbered(prefix: &Path, light: usize, ending: &str) -> PathBuf {
+    let mut name = prefix.as_os_str().to_owned();
+    name.push(format!(".{light}.{ending}"));
+    name.into()
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn masks_are_numbered_after_their_prefix() {
+        assert_eq!(super::numbered("a/b.x".as_ref(), 3, "png"), super::Path::new("a/b.x.3.png"));
     }
 }

@@ -1,43 +1,45 @@
 //! The casters of all files in one scene: a mesh for each geometry of a file, and a caster for each of its instances.
 
-use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rimline::cpu::HiddenFaces;
 use rimline::gpu::{
-    Caster, CasterHandle, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions, ScenePipelines, ShadowError,
-    StageTimer,
+    Caster, CasterHandle, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions, ShadowError, StageTimer,
 };
+use rimline::reference::cpu::{CHOICE_WORDS, SceneTable};
+use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::{Counting, Light, wgpu};
 
-use super::cast_inputs::CastInputs;
 use super::covered::{CoveredFaces, VERSION};
-use super::layers::{BatchPipelines, Layers};
+use super::depth;
+use super::layers::Layers;
 use super::posed_model::{PosedModel, Topology};
+use super::shadows::{CastInputs, Choice, FacingMasks, Found, Shadows, VolumePipelines};
 use crate::device::Gpu;
 use crate::failure::Failure;
-use crate::gpu_error::GpuError;
+use crate::gpu_error::{GpuError, On as _};
 
 /// The scene, and what of it is whose.
-pub(crate) struct SceneShadows {
+pub(super) struct SceneShadows {
     scene: Scene,
-    pub(super) counting: Counting,
+    counting: Counting,
     /// Each light has the bit of its number.
-    pub(super) lights: Vec<LightHandle>,
-    pub(super) files: Vec<File>,
-    /// Frame of the last encode.
+    lights: Vec<LightHandle>,
+    files: Vec<File>,
     frame: Option<SceneFrame>,
     max_lights: usize,
     /// If the bound of the stages leaves it open whether the stencil counts to what lies over each other.
-    pub(super) layers: Option<Layers>,
+    layers: Option<Layers>,
 }
 
-/// Meshes and casters of a file in the scene.
+/// Meshes and casters of a file in the scene. Each file has its own buffer of positions, so no group of casters has those
+/// of two files.
 #[derive(Default)]
-pub(super) struct File {
+struct File {
     meshes: BTreeMap<Topology, MeshHandle>,
     /// For each instance.
-    pub(super) casters: Vec<(Topology, CasterHandle)>,
+    casters: Vec<(Topology, CasterHandle)>,
 }
 
 /// The options of scenes, but for the number of lights.
@@ -45,18 +47,42 @@ pub(super) fn options(counting: Counting) -> SceneOptions {
     SceneOptions { counting, bound_counts: true, ..SceneOptions::default() }
 }
 
+/// Gives a scene these lights: their handles are in order.
+pub(super) fn set_lights(
+    scene: &mut Scene,
+    handles: &mut Vec<LightHandle>,
+    lights: &[Light],
+) -> Result<(), ShadowError> {
+    for (number, &light) in lights.iter().enumerate() {
+        match handles.get(number) {
+            Some(&handle) => scene.set_light(handle, light)?,
+            None => handles.push(scene.add_light(light)?),
+        }
+    }
+    Ok(())
+}
+
 impl SceneShadows {
     pub(super) fn new(gpu: &Gpu, counting: Counting, max_lights: usize) -> Result<Self, GpuError> {
-        let options = SceneOptions { max_lights, ..options(counting) };
-        let scene = Scene::new(&gpu.pipelines, &gpu.queue, options)?;
+        let scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions { max_lights, ..options(counting) })?;
         Ok(Self { scene, counting, lights: Vec::new(), files: Vec::new(), frame: None, max_lights, layers: None })
     }
 
-    /// Adds the instances of all files. An instance that is mirrored anew has other faces, so another caster takes its place.
-    pub(super) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+    fn frame(&self) -> Result<&SceneFrame, ShadowError> {
+        self.frame.as_ref().ok_or(ShadowError::NotEncoded)
+    }
+}
+
+/// The place of a caster in the table, and its group.
+fn place(frame: &SceneFrame, caster: CasterHandle) -> Result<(u32, usize), ShadowError> {
+    frame.place(caster).ok_or(ShadowError::Removed { what: "caster" })
+}
+
+impl Shadows for SceneShadows {
+    /// An instance that is mirrored anew has other faces, so another caster takes its place.
+    fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         self.layers = None;
         let Self { scene, files, .. } = self;
-        let failed = |error: ShadowError| GpuError::from(error).on(gpu);
         files.resize_with(bodies.len(), File::default);
         for (File { meshes, casters }, body) in files.iter_mut().zip(bodies) {
             for (instance, &topology) in body.topologies.iter().enumerate() {
@@ -68,15 +94,15 @@ impl SceneShadows {
                     Entry::Occupied(mesh) => *mesh.get(),
                     Entry::Vacant(place) => {
                         let rest = body.input.model().geometries()[topology.geometry].positions();
-                        *place.insert(scene.add_mesh(&body.mesh_of(topology)?, rest).map_err(failed)?)
+                        *place.insert(scene.add_mesh(&body.mesh_of(topology)?, rest).on(gpu)?)
                     }
                 };
                 let Some(positions) = body.positions.of_instance(instance) else { break };
-                let caster = scene.insert(Caster::in_buffer(mesh, positions)).map_err(failed)?;
+                let caster = scene.insert(Caster::in_buffer(mesh, positions)).on(gpu)?;
                 match old {
                     None => casters.push((topology, caster)),
                     Some((_, old)) => {
-                        scene.remove(old).map_err(failed)?;
+                        scene.remove(old).on(gpu)?;
                         casters[instance] = (topology, caster);
                     }
                 }
@@ -85,52 +111,128 @@ impl SceneShadows {
         Ok(())
     }
 
-    pub(super) fn encode(
+    fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: CastInputs<'_>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        self.set_lights(inputs.lights)?;
+        set_lights(&mut self.scene, &mut self.lights, inputs.lights)?;
         self.frame = Some(self.scene.encode(encoder, &[*inputs.camera], timer)?);
-        if let Some(layers) = &mut self.layers {
-            layers.encode(encoder, &inputs)?;
-        }
-        Ok(())
+        self.layers.as_mut().map_or(Ok(()), |layers| layers.encode(encoder, &inputs))
     }
 
-    /// Where the bound of what was encoded and submitted is above what the stencil counts, looks at the layers for `all` lights that
-    /// are drawn before bodies are placed anew. Waits for the device.
-    pub(super) fn count_layers(&mut self, inputs: CastInputs<'_>, all: &[Light]) -> Result<(), Failure> {
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &VolumePipelines, light: usize) -> Result<(), GpuError> {
+        let VolumePipelines::Scene(own, batches) = pipelines else { return Err(pipelines.refuse(self.counting)) };
+        if let Some(layers) = &self.layers
+            && layers.draw(pass, batches, light)?
+        {
+            return Ok(());
+        }
+        let handle = *self.lights.get(light).ok_or(ShadowError::NotEncoded)?;
+        Ok(self.frame()?.draw(pass, own, 0, handle)?)
+    }
+
+    fn facing(&self, gpu: &Gpu, _: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
+        let frame = self.frame()?;
+        let results = frame.results()?;
+        let table: Vec<[u32; 4]> = gpu.read(results.table)?;
+        let buffers = |group: usize| -> Vec<wgpu::Buffer> {
+            results.groups.iter().filter(|of| of.group == group).map(|of| of.facing.clone()).collect()
+        };
+        let of_file = |File { casters, .. }: &File| {
+            let mut masks = FacingMasks::default();
+            let mut last = None;
+            for &(_, handle) in casters {
+                let (index, group) = place(frame, handle)?;
+                let caster = SceneTable(&table).caster(index);
+                let first = masks.slots.len();
+                masks.slots.extend(caster.first_face_slot..caster.first_face_slot + caster.faces);
+                if let Some([faces, _]) = frame.slot_order(handle) {
+                    for (slot, &face) in (caster.first_face_slot..).zip(faces) {
+                        masks.slots[first + face as usize] = slot;
+                    }
+                }
+                let end = masks.slots.len() as u32;
+                match masks.runs.last_mut().filter(|_| last == Some(group)) {
+                    Some((faces, _)) => faces.end = end,
+                    None => masks.runs.push((end - caster.faces..end, buffers(group))),
+                }
+                last = Some(group);
+            }
+            Ok(masks)
+        };
+        self.files.iter().map(of_file).collect()
+    }
+
+    fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, GpuError> {
+        let frame = self.frame()?;
+        let results = frame.results()?;
+        // For each batch of lights those of all casters. A bit stands for something that costs more, or for faces that
+        // cast: so casters together have the bits of any.
+        let chosen: Vec<u32> = results.choices.map_or(Ok(Vec::new()), |choices| gpu.read(choices))?;
+        let casters: usize = self.files.iter().map(|file| file.casters.len()).sum();
+        let (all, lights) = (self.statistics(gpu)?, self.lights.len());
+        let of_file = |file: &File| {
+            let mut groups = BTreeSet::new();
+            let mut words = vec![0; CHOICE_WORDS * frame.batches()];
+            for &(_, caster) in &file.casters {
+                let (index, group) = place(frame, caster)?;
+                groups.insert(group);
+                for (batch, sum) in words.chunks_exact_mut(CHOICE_WORDS).enumerate() {
+                    let own = chosen.iter().skip(CHOICE_WORDS * (batch * casters + index as usize));
+                    sum.iter_mut().zip(own).for_each(|(sum, word)| *sum |= word);
+                }
+            }
+            let mut silhouettes = vec![0; lights];
+            let mut extraction: ExtractionStatistics = bytemuck::Zeroable::zeroed();
+            for group in results.groups.iter().filter(|of| groups.contains(&of.group)) {
+                let counted = silhouettes.iter_mut().skip(32 * group.batch);
+                counted.zip(first_words(gpu, group.lists, 32)?).for_each(|(sum, count)| *sum += count);
+                let record = first_words(gpu, group.record, size_of::<ExtractionStatistics>() as u64 / 4)?;
+                extraction = depth::sum(extraction, bytemuck::pod_read_unaligned(bytemuck::cast_slice(&record)));
+            }
+            let lights = Choice::all(self.counting, &words, lights);
+            let count = |casting| lights.iter().filter(|light| light.casting == casting).count() as u32;
+            let (skipped, every_face) = (count(Choice::NOTHING), count(Choice::EVERY));
+            // The fourth word has the lights with near caps.
+            let capped = words.iter().skip(3).step_by(CHOICE_WORDS).map(|word| word.count_ones()).sum();
+            let shadow = ShadowStatistics { skipped, every_face, capped, ..all };
+            Ok(Found { lights, silhouettes, extraction, shadow, is_whole: self.files.len() == 1 })
+        };
+        self.files.iter().map(of_file).collect()
+    }
+
+    fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, GpuError> {
+        let buffer = self.frame().ok().and_then(SceneFrame::shadow_statistics);
+        let mut found: ShadowStatistics =
+            buffer.map_or(Ok(bytemuck::Zeroable::zeroed()), |buffer| gpu.read_first(buffer))?;
+        if let Some(Layers::Few(most)) = self.layers {
+            found.count_bound = found.count_bound.min(most);
+        }
+        if let Some(Layers::Few(_) | Layers::Batched(_)) = self.layers {
+            found.may_wrap = 0;
+        }
+        Ok(found)
+    }
+
+    fn count_layers(&mut self, inputs: CastInputs<'_>, all: &[Light]) -> Result<(), Failure> {
         let CastInputs { gpu, bodies, .. } = inputs;
         self.layers = None;
-        let failed = |error: GpuError| error.on(gpu);
-        if self.statistics(gpu).map_err(|error| failed(error.into()))?.may_wrap == 0 {
+        if self.statistics(gpu).on(gpu)?.may_wrap == 0 {
             return Ok(());
         }
         let mut layers = Layers::new(gpu, bodies, self.counting, self.max_lights, all)?;
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("batches") });
-        layers.encode(&mut encoder, &inputs).map_err(|error| failed(error.into()))?;
-        gpu.queue.submit([encoder.finish()]);
+        let mut encoder = gpu.encoder("batches");
+        layers.encode(&mut encoder, &inputs).on(gpu)?;
+        gpu.submit(encoder);
         self.layers = Some(layers);
         Ok(())
     }
 
-    fn set_lights(&mut self, lights: &[Light]) -> Result<(), ShadowError> {
-        let Self { scene, lights: handles, .. } = self;
-        for (number, &light) in lights.iter().enumerate() {
-            match handles.get(number) {
-                Some(&handle) => scene.set_light(handle, light)?,
-                None => handles.push(scene.add_light(light)?),
-            }
-        }
-        Ok(())
-    }
-
-    /// Leaves out covered faces. All files are placed and stay.
-    pub(super) fn leave_out(&mut self, covered: &CoveredFaces) -> Result<(), GpuError> {
+    fn leave_out(&mut self, covered: &CoveredFaces) -> Result<(), GpuError> {
         let lights: Vec<Light> = covered.found.iter().map(HiddenFaces::light).collect();
-        self.set_lights(&lights)?;
+        set_lights(&mut self.scene, &mut self.lights, &lights)?;
         let casters: Vec<CasterHandle> =
             self.files.iter().flat_map(|file| file.casters.iter().map(|&(_, caster)| caster)).collect();
         for &caster in &casters {
@@ -142,23 +244,16 @@ impl SceneShadows {
         Ok(())
     }
 
-    pub(super) fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        (pipelines, batches): (&ScenePipelines, &BatchPipelines),
-        light: usize,
-    ) -> Result<(), GpuError> {
-        if let Some(layers) = &self.layers
-            && layers.draw(pass, batches, light)?
-        {
-            return Ok(());
-        }
-        let handle = *self.lights.get(light).ok_or(ShadowError::NotEncoded)?;
-        Ok(self.frame()?.draw(pass, pipelines, 0, handle)?)
+    fn left_out(&self) -> usize {
+        self.frame().map_or(0, |frame| frame.hidden().faces)
     }
+}
 
-    /// Frame of the last encode.
-    pub(super) fn frame(&self) -> Result<&SceneFrame, ShadowError> {
-        self.frame.as_ref().ok_or(ShadowError::NotEncoded)
-    }
+/// The first words of a buffer whose rest is not needed.
+fn first_words(gpu: &Gpu, buffer: &wgpu::Buffer, words: u64) -> Result<Vec<u32>, GpuError> {
+    let copy = gpu.buffer("first words", 4 * words, wgpu::BufferUsages::COPY_SRC);
+    let mut encoder = gpu.encoder("first words");
+    encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, 4 * words);
+    gpu.submit(encoder);
+    gpu.read(&copy)
 }

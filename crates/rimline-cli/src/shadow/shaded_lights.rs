@@ -16,7 +16,6 @@ use crate::spec::{AreaKind, AreaSpec, ShadedLightSpec, SpecError};
 
 use super::posed_model::PosedModel;
 
-/// A light of the picture.
 #[derive(Clone, Debug)]
 pub(crate) struct ShadedLight {
     pub(crate) light: Light,
@@ -71,7 +70,7 @@ impl ShadedLight {
         let mut chosen = Vec::new();
         for spec in &args.lights {
             let wanted = std::slice::from_ref(&spec.light);
-            let lights = first.input.chosen_lights(wanted, first.animations(), args.posed.pose.time)?;
+            let lights = first.input.chosen_lights(wanted, first.animations, args.posed.pose.time)?;
             check_options(spec, &lights)?;
             chosen.extend(lights.into_iter().map(|light| (spec, light)));
         }
@@ -143,7 +142,6 @@ impl ShadedLight {
         self.area = Some(area);
     }
 
-    /// Takes the samples of one of so many patterns.
     pub(crate) fn take_pattern(&mut self, pattern: usize, patterns: usize) {
         if let Some(area) = &self.area {
             self.samples = area.pattern_samples(self.samples.len(), pattern, patterns);

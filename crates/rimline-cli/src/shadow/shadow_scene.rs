@@ -7,35 +7,31 @@ use rimline::gpu::StageTimer;
 use rimline::mesh::Bounds;
 use rimline::{Displacement, Light, MAX_LIGHTS, Origin, wgpu};
 
-use super::cast_inputs::CastInputs;
 use super::casters::Casters;
 use super::depth::{Seen, depth_format};
-use super::frame::{Frame, part_camera, unit};
-use super::part::{PARTS, Part};
+use super::frame::{Frame, PARTS, Part, part_camera, unit};
 use super::posed_model::PosedModel;
 use super::render_resources::{DrawInputs, RenderResources};
 use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
-use crate::chosen_animations::animations;
+use super::shadows::CastInputs;
 use crate::device::{self, Gpu, Wanted};
-use crate::displacement;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::{Input, Source};
-use crate::listed::{animation_name, listed_animations};
 use crate::origin;
 use crate::output::note;
+use crate::posed_input::{self, animations};
 use crate::render::camera::{Camera, elevation};
 use crate::render::support::outermost;
 use crate::render::{centre, check_bounds, check_size, extent, too_large};
 use crate::shadow::args::{ModeArg, ShadowSceneArgs, value_name};
+use crate::shown::{animation_name, listed_animations};
 
 /// Degrees that the eye is above the models by default: enough to see shadows on the ground.
 const ELEVATION: f64 = 24.0;
 
-/// Inputs that are read before any device is opened.
 pub(crate) struct ShadowInputs {
     pub(crate) inputs: Vec<Input>,
-    /// Animations of each input.
     pub(crate) animations: Vec<Vec<usize>>,
     pub(crate) displacement: Option<Displacement>,
 }
@@ -48,7 +44,7 @@ impl ShadowInputs {
         if let (Some(_), mode @ (ModeArg::Ambient | ModeArg::Black | ModeArg::Composited)) = (args.area, &args.mode) {
             return Err(UsageError::AreaMode(value_name(mode)).into());
         }
-        let displacement = args.posed.displace.as_deref().map(displacement::read).transpose()?;
+        let displacement = args.posed.displace.as_deref().map(posed_input::read_displacement).transpose()?;
         let options = args.load.options(args.weld.weld());
         let open = |file: &std::path::PathBuf| Input::read(file, options, args.polygons.taken());
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
@@ -102,7 +98,6 @@ pub(crate) fn open_gpu(args: &ShadowSceneArgs) -> Result<Gpu, Failure> {
     Ok(gpu)
 }
 
-/// Where everything is.
 pub(crate) struct ShadowScene<'a> {
     args: &'a ShadowSceneArgs,
     pub(crate) bodies: Vec<PosedModel<'a>>,
@@ -167,7 +162,6 @@ impl<'a> ShadowScene<'a> {
         seen.warn(depth_format(&gpu.device));
     }
 
-    /// How large a pixel is at a distance of 1.
     fn pixel(&self) -> f32 {
         2.0 / (self.camera.scale[1] * self.args.view.size[1] as f32)
     }
@@ -233,12 +227,12 @@ impl<'a> ShadowScene<'a> {
         casters: &mut Casters,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cast") });
+        let mut encoder = gpu.encoder("cast");
         self.encode_lights(gpu, &mut encoder, resources, casters, timer.as_deref_mut())?;
         if let Some(timer) = timer {
             timer.resolve(&mut encoder);
         }
-        gpu.queue.submit([encoder.finish()]);
+        gpu.submit(encoder);
         casters.bind(gpu, &resources.factory, resources.geometry_layout(), &self.bodies, self.camera.eye)
     }
 
@@ -316,11 +310,4 @@ fn check_near(near: f32, farthest: f32) -> Result<(), UsageError> {
     // Slopes of depths above 2⁻¹⁰⁴ keep 22 bits.
     let least = farthest * 2.0_f32.powi(-104);
     if near < least { Err(UsageError::Near { near, farthest, least }) } else { Ok(()) }
-}
-
-/// `PREFIX.<light>.<ending>`.
-pub(crate) fn numbered(prefix: &Path, light: usize, ending: &str) -> std::path::PathBuf {
-    let mut name = prefix.as_os_str().to_owned();
-    name.push(format!(".{light}.{ending}"));
-    name.into()
 }

@@ -1,71 +1,171 @@
-//! Casters of shadows, and pipelines that draw them: a scene of all files, or a single caster for each file.
+//! What casts shadows: a scene of all files, a single caster for each file, or depth maps of the lights.
 
+use std::ops::Range;
 use std::sync::Arc;
+use std::thread::{Builder, JoinHandle};
 
-use rimline::gpu::{
-    DepthMapPipelines, DeviceError, ScenePipelines, ShadowError, ShadowFormat, ShadowPipelines, StageTimer, Use,
-};
-use rimline::reference::layout::ShadowStatistics;
-use rimline::{Counting, Light, Origin, wgpu};
+use rimline::gpu::{DepthMapPipelines, ScenePipelines, ShadowError, ShadowFormat, ShadowPipelines, StageTimer, Use};
+use rimline::reference::cpu::CHOICE_WORDS;
+use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
+use rimline::{Counting, Light, ShadowCamera, wgpu};
 
-use super::cast_inputs::{CastInputs, parity};
 use super::covered::CoveredFaces;
 use super::depth_shadows::DepthShadows;
-use super::found::{FacingMasks, Found};
-use super::from_depth::{DepthsFound, FromDepth};
+use super::from_depth::FromDepth;
 use super::layers::BatchPipelines;
 use super::posed_model::PosedModel;
 use super::scene_shadows::{self, SceneShadows};
-use super::shown_maps::ShownDepths;
 use super::single_casters::SingleCasters;
-use crate::compiling::Compiling;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
 use crate::input::Input;
-use crate::npz::DepthMapArrays;
 
-/// Counting that is named for maps, which count no volumes of meshes.
-const NO_COUNTING: Counting = Counting::Auto;
+pub(crate) trait Shadows {
+    /// Takes the bodies with their current faces. Bodies that are there already stay.
+    fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure>;
 
-/// The bit of the stencil that maps turn round. Each light has a stencil of its own.
-const PARITY_BIT: u32 = 0;
+    /// Records extraction and choice for all lights. There are as many as before.
+    fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: CastInputs<'_>,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), GpuError>;
 
-/// How shadows are counted.
+    /// Draws the volumes of a light into the stencil, as they were encoded.
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &VolumePipelines, light: usize) -> Result<(), GpuError>;
+
+    /// Buffers of the facing masks of each file. Encoded commands must have been submitted. Waits for the device.
+    fn facing(&self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError>;
+
+    /// Results and choices for each file. Waits for the device.
+    fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, GpuError>;
+
+    /// The statistics of all files together. Waits for the device.
+    fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, GpuError>;
+
+    /// Where more may lie over each other than the stencil counts, as was encoded and submitted, looks at it for `all`
+    /// lights that are drawn before bodies are placed anew. Waits for the device.
+    fn count_layers(&mut self, _inputs: CastInputs<'_>, _all: &[Light]) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    /// Leaves out covered faces of bodies that are placed and stay. Only a scene does.
+    fn leave_out(&mut self, _covered: &CoveredFaces) -> Result<(), GpuError> {
+        Ok(())
+    }
+
+    /// How many covered faces the last encode left out, summed over lights.
+    fn left_out(&self) -> usize {
+        0
+    }
+
+    /// If maps of the lights cast.
+    fn maps(&self) -> Option<&DepthShadows> {
+        None
+    }
+}
+
+/// The casters of a frame, the viewer's camera, and the lights.
+#[derive(Clone, Copy)]
+pub(crate) struct CastInputs<'a> {
+    pub(crate) gpu: &'a Gpu,
+    pub(crate) bodies: &'a [PosedModel<'a>],
+    /// Bodies that depth maps of the lights must see: `bodies`, or those that they stand in for.
+    pub(crate) seen: &'a [PosedModel<'a>],
+    pub(crate) camera: &'a ShadowCamera,
+    pub(crate) lights: &'a [Light],
+}
+
+pub(crate) struct Found {
+    /// For a file of many casters, the most that any of them needs for each light.
+    pub(super) lights: Vec<Choice>,
+    pub(super) silhouettes: Vec<u32>,
+    pub(super) extraction: ExtractionStatistics,
+    pub(super) shadow: ShadowStatistics,
+    /// Whether the bounds and overflows of `shadow` are the file's own. With several files they are known for all of
+    /// them together.
+    pub(super) is_whole: bool,
+}
+
+/// The faces that cast for a light and how they are counted, in words of the report.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct Choice {
+    pub(super) casting: &'static str,
+    pub(super) counting: &'static str,
+}
+
+impl Choice {
+    pub(super) const NOTHING: &'static str = "nothing";
+    pub(super) const EVERY: &'static str = "every";
+
+    /// The choices for so many lights, from the words of each 32.
+    pub(super) fn all(counting: Counting, words: &[u32], lights: usize) -> Vec<Self> {
+        let of_light = |light: usize| {
+            let word = |kind| words.get(CHOICE_WORDS * (light / 32) + kind).copied().unwrap_or(0);
+            let [casts, every, near] = [0, 1, 2].map(|kind| word(kind) >> (light % 32) & 1 != 0);
+            let counting = match (counting, near) {
+                _ if !casts => "z-pass",
+                (Counting::ZpPlus2005, true) => "zp+paper",
+                (Counting::ZpPlus2005, false) | (Counting::ZFail, _) => "z-fail",
+                (_, true) => "zp+",
+                (_, false) => "z-pass",
+            };
+            let casting = match (casts, every) {
+                (false, _) => Self::NOTHING,
+                (true, false) => "averted",
+                (true, true) => Self::EVERY,
+            };
+            Self { casting, counting }
+        };
+        (0..lights).map(of_light).collect()
+    }
+}
+
+#[derive(Default)]
+pub(crate) struct FacingMasks {
+    /// Faces whose masks lie in one buffer for each batch of 32 lights.
+    pub(super) runs: Vec<(Range<u32>, Vec<wgpu::Buffer>)>,
+    /// The place of each face in its buffer.
+    pub(super) slots: Vec<u32>,
+}
+
 #[derive(Clone, Debug)]
 pub(crate) struct ShadowMethod {
-    pub(crate) counting: Counting,
+    counting: Counting,
     /// Each file is a caster by itself.
     is_single: bool,
     /// Maps of the lights cast instead of meshes.
-    from_depth: Option<FromDepth>,
+    pub(super) from_depth: Option<FromDepth>,
 }
 
 impl ShadowMethod {
-    /// Whether maps of the lights cast instead of meshes.
-    pub(super) fn has_depth_maps(&self) -> bool {
-        self.from_depth.is_some()
-    }
-
     /// Scenes have neither ZP+ as published nor polygons.
-    pub(crate) fn new(counting: Counting, inputs: &[Input]) -> Self {
+    pub(crate) fn new(counting: Counting, inputs: &[Input], from_depth: Option<FromDepth>) -> Self {
         let is_single = counting == Counting::ZpPlus2005 || inputs.iter().any(|input| input.polygons().is_some());
-        Self { counting, is_single, from_depth: None }
+        Self { counting, is_single, from_depth }
     }
 
     /// Begins to make the pipelines of a scene, if there will be one.
     pub(crate) fn compile(&self, gpu: &Gpu) -> Compiling {
-        if self.is_single || self.has_depth_maps() {
-            return Compiling::default();
+        if self.is_single || self.from_depth.is_some() {
+            return Compiling(None);
         }
         let (pipelines, options) = (gpu.pipelines.clone(), scene_shadows::options(self.counting));
-        // A refusal of the device is told where the pipeline is needed.
-        Compiling::begin(move || _ = pipelines.warm_up(&[Use::SceneShadows(&options)]))
+        // A refusal of the device is told where the pipeline is needed, and so is a thread that cannot be started.
+        let make = move || _ = pipelines.warm_up(&[Use::SceneShadows(&options)]);
+        Compiling(Builder::new().name("compiling".into()).spawn(make).ok())
     }
+}
 
-    /// The same, with maps of the lights that cast instead of meshes.
-    pub(crate) fn with_depth_maps(self, from_depth: Option<FromDepth>) -> Self {
-        Self { from_depth, ..self }
+/// A thread that makes pipelines. Dropping it waits for it: a process must not end while a driver compiles.
+pub(crate) struct Compiling(Option<JoinHandle<()>>);
+
+impl Drop for Compiling {
+    fn drop(&mut self) {
+        // Pipelines that it could not make are made where they are needed.
+        let _ = self.0.take().map(JoinHandle::join);
     }
 }
 
@@ -78,18 +178,12 @@ pub(crate) enum VolumePipelines {
     Depth(Arc<DepthMapPipelines>, FromDepth),
 }
 
-/// The casters of all files.
-pub(crate) enum Shadows {
-    Scene(Box<SceneShadows>),
-    Single(SingleCasters),
-    Depth(Box<DepthShadows>),
-}
-
 impl VolumePipelines {
     pub(crate) fn new(gpu: &Gpu, format: &ShadowFormat, method: &ShadowMethod) -> Result<Self, GpuError> {
         let (shared, counting) = (&gpu.pipelines, method.counting);
         if let Some(from) = &method.from_depth {
-            return Ok(Self::Depth(Arc::new(DepthMapPipelines::new(shared, format, PARITY_BIT)?), from.clone()));
+            // The bit of the stencil that maps turn round. Each light has a stencil of its own.
+            return Ok(Self::Depth(Arc::new(DepthMapPipelines::new(shared, format, 0)?), from.clone()));
         }
         Ok(if method.is_single {
             Self::Single(Arc::new(ShadowPipelines::new(shared, format, counting)?))
@@ -99,160 +193,30 @@ impl VolumePipelines {
         })
     }
 
-    fn counting(&self) -> Counting {
-        match self {
-            Self::Scene(pipelines, _) => pipelines.counting(),
-            Self::Single(pipelines) => pipelines.counting(),
-            Self::Depth(..) => NO_COUNTING,
-        }
-    }
-
-    /// Whether there are volumes of meshes.
-    pub(super) fn has_mesh_volumes(&self) -> bool {
-        !matches!(self, Self::Depth(..))
-    }
-}
-
-impl Shadows {
-    pub(crate) fn new(gpu: &Gpu, pipelines: &VolumePipelines, max_lights: usize) -> Result<Self, GpuError> {
-        Ok(match pipelines {
-            VolumePipelines::Scene(pipelines, _) => {
-                Self::Scene(Box::new(SceneShadows::new(gpu, pipelines.counting(), max_lights)?))
-            }
-            VolumePipelines::Single(pipelines) => Self::Single(SingleCasters::new(pipelines, max_lights)),
-            VolumePipelines::Depth(maps, from) => Self::Depth(Box::new(DepthShadows::new(maps, from, max_lights))),
+    /// Casters that are drawn with these.
+    pub(crate) fn casters(&self, gpu: &Gpu, max_lights: usize) -> Result<Box<dyn Shadows>, GpuError> {
+        Ok(match self {
+            Self::Scene(pipelines, _) => Box::new(SceneShadows::new(gpu, pipelines.counting(), max_lights)?),
+            Self::Single(pipelines) => Box::new(SingleCasters::new(pipelines, max_lights)),
+            Self::Depth(maps, from) => Box::new(DepthShadows::new(maps, from, max_lights)),
         })
     }
 
-    /// Takes the bodies with their current faces. Bodies that are there already stay.
-    pub(crate) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
-        match self {
-            Self::Scene(scene) => scene.place(gpu, bodies),
-            Self::Single(single) => single.place(gpu, bodies),
-            Self::Depth(maps) => maps.place(gpu, bodies),
-        }
+    /// Why casters cannot be drawn with these, as they count otherwise.
+    pub(super) fn refuse(&self, volumes: Counting) -> GpuError {
+        let pipelines = match self {
+            Self::Scene(pipelines, _) => pipelines.counting(),
+            Self::Single(pipelines) => pipelines.counting(),
+            Self::Depth(..) => Counting::Auto,
+        };
+        ShadowError::OtherCounting { volumes, pipelines }.into()
     }
+}
 
-    /// Leaves out covered faces of bodies that are placed and stay. Single casters leave out none.
-    pub(super) fn leave_out(&mut self, covered: &CoveredFaces) -> Result<(), GpuError> {
-        match self {
-            Self::Scene(scene) => scene.leave_out(covered),
-            Self::Single(_) | Self::Depth(..) => Ok(()),
-        }
-    }
-
-    /// How many covered faces the last encode left out, summed over lights.
-    pub(super) fn left_out(&self) -> usize {
-        match self {
-            Self::Scene(scene) => scene.frame().map_or(0, |frame| frame.hidden().faces),
-            Self::Single(_) | Self::Depth(..) => 0,
-        }
-    }
-
-    /// Records extraction and choice for all lights. There are as many as before.
-    pub(crate) fn encode(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        inputs: CastInputs<'_>,
-        timer: Option<&mut StageTimer>,
-    ) -> Result<(), GpuError> {
-        match self {
-            Self::Scene(scene) => scene.encode(encoder, inputs, timer),
-            Self::Single(single) => single.encode(encoder, inputs, timer),
-            Self::Depth(maps) => maps.encode(encoder, inputs, timer),
-        }
-    }
-
-    /// Where more may lie over each other than the stencil counts, as was encoded and submitted, looks at it for `all` lights that
-    /// are drawn before bodies are placed anew. Waits for the device.
-    pub(crate) fn count_layers(&mut self, inputs: CastInputs<'_>, all: &[Light]) -> Result<(), Failure> {
-        match self {
-            Self::Scene(scene) => scene.count_layers(inputs, all),
-            Self::Single(_) | Self::Depth(..) => Ok(()),
-        }
-    }
-
-    /// Draws the volumes of a light into the stencil, as they were encoded.
-    pub(crate) fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        pipelines: &VolumePipelines,
-        light: usize,
-    ) -> Result<(), GpuError> {
-        match (self, pipelines) {
-            (Self::Scene(scene), VolumePipelines::Scene(pipelines, batches)) => {
-                scene.draw(pass, (pipelines, batches), light)
-            }
-            (Self::Single(single), VolumePipelines::Single(pipelines)) => Ok(single.draw(pass, pipelines, light)?),
-            (Self::Depth(maps), VolumePipelines::Depth(pipelines, _)) => maps.draw(pass, pipelines, light),
-            (_, pipelines) => {
-                let (volumes, pipelines) = (self.counting(), pipelines.counting());
-                Err(ShadowError::OtherCounting { volumes, pipelines }.into())
-            }
-        }
-    }
-
-    fn counting(&self) -> Counting {
-        match self {
-            Self::Scene(scene) => scene.counting,
-            Self::Single(single) => single.counting(),
-            Self::Depth(_) => NO_COUNTING,
-        }
-    }
-
-    /// Results in maps, if maps cast. Waits for the device.
-    pub(super) fn depth_found(&self, gpu: &Gpu) -> Result<Option<DepthsFound>, DeviceError> {
-        match self {
-            Self::Scene(_) | Self::Single(_) => Ok(None),
-            Self::Depth(maps) => maps.found(gpu).map(Some),
-        }
-    }
-
-    /// Contents of the overlay of a light's maps, if maps cast.
-    pub(super) fn shown_depths(&self, light: usize) -> Option<ShownDepths<'_>> {
-        match self {
-            Self::Scene(_) | Self::Single(_) => None,
-            Self::Depth(maps) => maps.shown(light),
-        }
-    }
-
-    /// The maps of a light as they were drawn, if they cast. Waits for the device.
-    pub(super) fn saved_maps(
-        &self,
-        gpu: &Gpu,
-        light: usize,
-        origin: Origin,
-    ) -> Result<Option<DepthMapArrays>, GpuError> {
-        match self {
-            Self::Scene(_) | Self::Single(_) => Ok(None),
-            Self::Depth(maps) => maps.saved(gpu, light, origin),
-        }
-    }
-
-    /// Buffers of the facing masks of each file. Encoded commands must have been submitted. Waits for the device.
-    pub(crate) fn facing(&self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
-        match self {
-            Self::Scene(scene) => scene.facing(gpu, bodies),
-            Self::Single(single) => Ok(single.facing(bodies)),
-            Self::Depth(maps) => Ok(maps.facing(bodies)),
-        }
-    }
-
-    /// Results and choices for each file. Waits for the device.
-    pub(crate) fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, GpuError> {
-        match self {
-            Self::Scene(scene) => scene.found(gpu),
-            Self::Single(single) => Ok(single.found(gpu)?),
-            Self::Depth(maps) => Ok(maps.found_of_files(gpu)?),
-        }
-    }
-
-    /// The statistics of all files together. Waits for the device.
-    pub(crate) fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, DeviceError> {
-        match self {
-            Self::Scene(scene) => scene.statistics(gpu),
-            Self::Single(single) => single.statistics(gpu),
-            Self::Depth(..) => Ok(parity()),
-        }
+/// Puts `made` in the place of what has this number, or behind the last.
+pub(super) fn put<T>(list: &mut Vec<T>, number: usize, made: T) {
+    match list.get_mut(number) {
+        Some(old) => *old = made,
+        None => list.push(made),
     }
 }

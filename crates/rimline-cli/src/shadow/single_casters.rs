@@ -3,22 +3,66 @@
 use std::sync::Arc;
 
 use rimline::gpu::{
-    DeviceError, ShadowError, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes, StageTimer, read_back_vec,
+    Extraction, Extractor, ExtractorOptions, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes, StageTimer,
 };
-use rimline::reference::cpu;
-use rimline::reference::layout::{SeenLight, ShadowStatistics};
-use rimline::{Counting, wgpu};
+use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
+use rimline::{Light, Mesh, wgpu};
 
-use super::cast_inputs::{CastInputs, put};
-use super::counts;
-use super::extracted::Extracted;
-use super::found::{FacingMasks, Found};
-use super::posed_model::PosedModel;
+use super::depth;
+use super::posed_model::{PosedModel, Topology};
+use super::shadows::{CastInputs, Choice, FacingMasks, Found, Shadows, VolumePipelines, put};
 use crate::device::Gpu;
 use crate::failure::Failure;
-use crate::gpu_error::GpuError;
+use crate::gpu_error::{GpuError, On as _};
 
-pub(crate) struct SingleCasters {
+/// The extractor of a single file's mesh, and what it extracted last.
+pub(super) struct Extracted {
+    pub(super) extractor: Extractor,
+    pub(super) extraction: Option<Extraction>,
+    /// Topologies that its mesh was made of.
+    topologies: Vec<Topology>,
+}
+
+impl Extracted {
+    /// `mesh` has some of the file's faces, over its vertices.
+    pub(super) fn new(gpu: &Gpu, mesh: &Mesh, body: &PosedModel<'_>, max_lights: usize) -> Result<Self, Failure> {
+        let options = ExtractorOptions { max_lights, ..ExtractorOptions::default() };
+        let extractor = Extractor::new(&gpu.pipelines, mesh, options).on(gpu)?;
+        Ok(Self { extractor, extraction: None, topologies: body.topologies.clone() })
+    }
+
+    /// Whether it is of the faces that the body has now: an instance that is mirrored turns its faces.
+    pub(super) fn is_of(&self, body: &PosedModel<'_>) -> bool {
+        self.topologies == body.topologies
+    }
+
+    pub(super) fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        body: &PosedModel<'_>,
+        lights: &[Light],
+        timer: Option<&mut StageTimer>,
+    ) -> Result<&Extraction, GpuError> {
+        let extraction = self.extractor.encode(encoder, body.positions.buffer(), lights, timer)?;
+        Ok(self.extraction.insert(extraction))
+    }
+
+    /// Where the facing masks of the body's faces lie.
+    pub(super) fn facing(&self, body: &PosedModel<'_>) -> FacingMasks {
+        let faces = 0..body.faces.len() as u32;
+        FacingMasks { slots: faces.clone().collect(), runs: vec![(faces, self.extractor.results().facing.to_vec())] }
+    }
+
+    /// The silhouette edges of each light, and the statistics. Waits for the device.
+    pub(super) fn found(&self, gpu: &Gpu, lights: usize) -> Result<(Vec<u32>, ExtractionStatistics), GpuError> {
+        let results = self.extractor.results();
+        let mut silhouettes: Vec<u32> = gpu.read(results.counts)?;
+        silhouettes.truncate(lights);
+        Ok((silhouettes, gpu.read_first(results.statistics)?))
+    }
+}
+
+pub(super) struct SingleCasters {
     pipelines: Arc<ShadowPipelines>,
     max_lights: usize,
     casters: Vec<Caster>,
@@ -39,31 +83,27 @@ impl SingleCasters {
     pub(super) fn new(pipelines: &Arc<ShadowPipelines>, max_lights: usize) -> Self {
         Self { pipelines: Arc::clone(pipelines), max_lights, casters: Vec::new() }
     }
+}
 
-    pub(super) fn counting(&self) -> Counting {
-        self.pipelines.counting()
-    }
-
-    pub(super) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+impl Shadows for SingleCasters {
+    fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         for (number, body) in bodies.iter().enumerate() {
             if self.casters.get(number).is_some_and(|caster| caster.extracted.is_of(body)) {
                 continue;
             }
-            let extracted = Extracted::new(gpu, body, self.max_lights)?;
-            let surface = match body.triangles()? {
-                Some(triangles) => Some(Extracted::of_mesh(gpu, &triangles, body, self.max_lights)?),
-                None => None,
-            };
+            let extracted = Extracted::new(gpu, &body.mesh()?, body, self.max_lights)?;
+            let triangles = body.triangles()?;
+            let surface = triangles.map(|mesh| Extracted::new(gpu, &mesh, body, self.max_lights)).transpose()?;
             let options = ShadowOptions { bound_counts: true, ..ShadowOptions::default() };
             let volumes = ShadowVolumes::new(&self.pipelines, &extracted.extractor, options)
-                .map_err(|error| GpuError::Volumes(error).on(gpu))?;
-            let caster = Caster { extracted, surface, volumes, frame: None };
-            put(&mut self.casters, number, caster);
+                .map_err(GpuError::Volumes)
+                .on(gpu)?;
+            put(&mut self.casters, number, Caster { extracted, surface, volumes, frame: None });
         }
         Ok(())
     }
 
-    pub(super) fn encode(
+    fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         CastInputs { bodies, camera, lights, .. }: CastInputs<'_>,
@@ -80,51 +120,37 @@ impl SingleCasters {
         Ok(())
     }
 
-    pub(super) fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        pipelines: &ShadowPipelines,
-        light: usize,
-    ) -> Result<(), ShadowError> {
-        self.casters
-            .iter()
-            .filter_map(|caster| caster.frame.as_ref())
-            .try_for_each(|frame| frame.draw(pass, pipelines, light))
-    }
-
-    pub(super) fn facing(&self, bodies: &[PosedModel<'_>]) -> Vec<FacingMasks> {
-        let of_file = |(caster, body): (&Caster, &PosedModel<'_>)| {
-            caster.surface.as_ref().unwrap_or(&caster.extracted).facing(body)
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &VolumePipelines, light: usize) -> Result<(), GpuError> {
+        let VolumePipelines::Single(own) = pipelines else {
+            return Err(pipelines.refuse(self.pipelines.counting()));
         };
-        self.casters.iter().zip(bodies).map(of_file).collect()
+        let mut frames = self.casters.iter().filter_map(|caster| caster.frame.as_ref());
+        Ok(frames.try_for_each(|frame| frame.draw(pass, own, light))?)
     }
 
-    pub(super) fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, DeviceError> {
-        let (device, queue) = (&gpu.device, &gpu.queue);
+    fn facing(&self, _: &Gpu, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
+        let drawn = self.casters.iter().map(|caster| caster.surface.as_ref().unwrap_or(&caster.extracted));
+        Ok(drawn.zip(bodies).map(|(drawn, body)| drawn.facing(body)).collect())
+    }
+
+    fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, GpuError> {
         let of_file = |Caster { extracted, volumes, .. }: &Caster| {
             let (silhouettes, extraction) = extracted.found(gpu, self.max_lights)?;
-            let mut seen: Vec<SeenLight> = read_back_vec(device, queue, volumes.seen())?;
-            seen.truncate(self.max_lights);
-            let words: Vec<u32> = read_back_vec(device, queue, volumes.choices())?;
-            Ok(Found {
-                lights: cpu::chosen(&volumes.shape(), &seen, &words),
-                silhouettes,
-                extraction,
-                shadow: counts::read(gpu, volumes.statistics())?,
-                is_whole: true,
-            })
+            let words: Vec<u32> = gpu.read(volumes.choices())?;
+            let lights = Choice::all(self.pipelines.counting(), &words, self.max_lights);
+            Ok(Found { lights, silhouettes, extraction, shadow: gpu.read_first(volumes.statistics())?, is_whole: true })
         };
         self.casters.iter().map(of_file).collect()
     }
 
     /// All casters count into one stencil, so their bounds add up.
-    pub(super) fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, DeviceError> {
+    fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, GpuError> {
         let mut all: ShadowStatistics = bytemuck::Zeroable::zeroed();
         for caster in &self.casters {
-            all = counts::sum(all, counts::read(gpu, caster.volumes.statistics())?);
+            all = depth::sum(all, gpu.read_first(caster.volumes.statistics())?);
         }
         if self.casters.len() > 1 {
-            all.may_wrap = if all.count_bound > counts::MOST { self.max_lights as u32 } else { 0 };
+            all.may_wrap = if all.count_bound > depth::MOST { self.max_lights as u32 } else { 0 };
         }
         Ok(all)
     }

@@ -4,7 +4,6 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{self, Threads};
 use rimline::{Geometry, GeometryOptions, Light, Mesh, Origin};
 use rimline_measure::stress;
 
@@ -19,6 +18,7 @@ use crate::origin;
 use crate::output::{Folder, Output, print};
 use crate::progress::Progress;
 use crate::shown::Line;
+use crate::times::Times;
 
 /// Where in its first animation a model is posed, as a part of the whole.
 const MOMENT: f32 = 0.37;
@@ -100,10 +100,7 @@ struct Maker<'a> {
 impl Maker<'_> {
     fn pose(&self, input: &Input, animations: &[usize], time_s: f32, name: &str) -> Result<(), Failure> {
         let Scene { mesh, shape } = input.scene(animations, time_s, false)?;
-        let positions = match &shape {
-            Shape::World(positions) => positions.to_vec(),
-            Shape::Posed { model, pose } => cpu::deform(model, pose, time_s, None, Threads::all())?,
-        };
+        let positions = shape.on_cpu(&mut Times::default())?;
         let lights = hard_lights(&positions, mesh.faces());
         self.write(name, &positions, mesh, &lights, input.origin)
     }

@@ -11,7 +11,6 @@ use crate::failure::{Failure, NoDevice};
 use crate::npz::Difference;
 use crate::shown::Line;
 
-/// Everything found so far.
 pub(super) struct Report {
     folder: PathBuf,
     devices: Vec<String>,

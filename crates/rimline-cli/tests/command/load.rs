@@ -1,6 +1,5 @@
 //! The options that say what a model file may do: `--memory-limit`, `--allow-outside`.
 
-use std::fs;
 use std::path::Path;
 
 use super::inputs::fed;
@@ -63,8 +62,7 @@ fn limit() -> Outcome {
 
 fn outside() -> Outcome {
     let folder = folder();
-    let inner = folder.path().join("inner");
-    fs::create_dir(&inner).map_err(|error| error.to_string())?;
+    let inner = folder.inner("inner")?;
     write(&folder.path().join("a.bin"), [0; 36])?;
     let model = inner.join("parent.gltf");
     write(&model, triangle("../a.bin"))?;
@@ -85,33 +83,29 @@ fn outside() -> Outcome {
 
 fn everywhere() -> Outcome {
     let folder = folder();
-    let model = folder.path().join("a.gltf");
-    write(&model, triangle("../a.bin"))?;
-    let results = folder.path().join("results");
-    fs::create_dir(&results).map_err(|error| error.to_string())?;
-    let (model, out) = (model.to_string_lossy().into_owned(), results.join("out").to_string_lossy().into_owned());
-    let commands = [
-        vec!["info", &model],
-        vec!["draw", &model, "--out", &out],
-        vec!["extract", &model, "--light", "dir:0,1,0", "--device", "cpu", "--out", &out],
-        vec!["shadow", &model, "--out", &out],
-        vec!["film", &model, "--frames", "1", "--out", &out],
-        vec!["query", &model, "--points", "none.npz", "--light", "dir:0,1,0", "--device", "cpu", "--out", &out],
-    ];
-    for command in commands {
-        let with = |options: &[&str]| rimline(command.iter().chain(options));
-        with(&["--memory-limit", "10"]).expect(1, &["more than the limit of 10 bytes", "--memory-limit"])?;
-        with(&[]).expect(1, &["outside", "--allow-outside"])?;
+    folder.write("a.gltf", triangle("../a.bin"))?;
+    let results = folder.inner("results")?;
+    for command in [
+        "info @a.gltf",
+        "draw @a.gltf --out @results/out",
+        "extract @a.gltf --light dir:0,1,0 --device cpu --out @results/out",
+        "shadow @a.gltf --out @results/out",
+        "film @a.gltf --frames 1 --out @results/out",
+        "query @a.gltf --points none.npz --light dir:0,1,0 --device cpu --out @results/out",
+    ] {
+        let with = |options: &str| folder.run(&format!("{command} {options}"));
+        with("--memory-limit 10").expect(1, &["more than the limit of 10 bytes", "--memory-limit"])?;
+        with("").expect(1, &["outside", "--allow-outside"])?;
         // Allowed, the file is looked for, and it is not there.
-        let run = with(&["--allow-outside"]);
+        let run = with("--allow-outside");
         run.expect(1, &["a.bin"])?;
-        ensure!(!run.stderr.contains("--allow-outside"), "{command:?}: {}", run.stderr);
+        ensure!(!run.stderr.contains("--allow-outside"), "{command}: {}", run.stderr);
     }
     is_empty(&results)?;
-    let made = results.join("bits").to_string_lossy().into_owned();
-    rimline(["verify", &made, "--memory-limit", "10"]).expect(2, &["--make"])?;
-    rimline(["verify", &made, "--allow-outside"]).expect(2, &["--make"])?;
-    rimline(["verify", "--make", &made, &model, "--memory-limit", "10"]).expect(1, &["more than the limit of 10 bytes"])
+    folder.run("verify @results/bits --memory-limit 10").expect(2, &["--make"])?;
+    folder.run("verify @results/bits --allow-outside").expect(2, &["--make"])?;
+    let make = "verify --make @results/bits @a.gltf --memory-limit 10";
+    folder.run(make).expect(1, &["more than the limit of 10 bytes"])
 }
 
 fn wrong_sizes() -> Outcome {

@@ -116,6 +116,13 @@ impl Folder {
         Image::mask(&self.path().join(name))
     }
 
+    /// A folder in it, for results.
+    pub(crate) fn inner(&self, name: &str) -> Result<PathBuf, String> {
+        let path = self.path().join(name);
+        std::fs::create_dir(&path).map_err(|error| error.to_string())?;
+        Ok(path)
+    }
+
     /// Runs `rimline` in words, with paths in the folder where a word begins with `@`.
     pub(crate) fn run(&self, line: &str) -> Run {
         run(self.path(), line)

@@ -19,8 +19,7 @@ pub(crate) const TESTS: &[Test] = &[
 
 fn wrong_options() -> Outcome {
     let folder = with_cube()?;
-    let results = folder.path().join("results");
-    std::fs::create_dir(&results).map_err(|error| error.to_string())?;
+    let results = folder.inner("results")?;
     let cases = [
         ("", "--out"),
         ("--out @results/p.png --method best", "best"),
@@ -100,8 +99,7 @@ fn bad_input() -> Outcome {
     let positions = array("positions", "<f4", "False", "(1, 3)", &[0; 12]);
     write("empty.npz", &write_zip(&[positions, array("faces", "<u4", "False", "(0, 3)", &[])]))?;
     write("noise.glb", &[7; 100])?;
-    let results = folder.path().join("results");
-    std::fs::create_dir(&results).map_err(|error| error.to_string())?;
+    let results = folder.inner("results")?;
     for (files, part) in [
         ("@nan.npz", "finite"),
         ("@empty.npz", "no faces"),

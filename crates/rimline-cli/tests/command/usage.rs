@@ -34,12 +34,8 @@ fn help() -> Outcome {
 
 fn wrong_options() -> Outcome {
     let folder = folder();
-    let model = folder.path().join("model.npz");
-    write_file(&model, tetrahedron())?;
-    let model = model.to_string_lossy().into_owned();
-    let results = folder.path().join("results");
-    std::fs::create_dir(&results).map_err(|error| error.to_string())?;
-    let out = results.join("out").to_string_lossy().into_owned();
+    folder.write("model.npz", tetrahedron())?;
+    let results = folder.inner("results")?;
     let cases = [
         ("extract", "", "--light"),
         ("extract", "--light sun:1,2,3", "sun"),
@@ -67,13 +63,12 @@ fn wrong_options() -> Outcome {
         ("draw", "--eye 1,2,3 --target 1,2,3", "--target"),
     ];
     for (command, options, part) in cases {
-        let line = [command, &model, "--out", &out].into_iter().chain(options.split_whitespace());
-        rimline(line).expect(2, &[part]).map_err(|error| format!("{command} {options}: {error}"))?;
+        let run = folder.run(&format!("{command} @model.npz --out @results/out {options}"));
+        run.expect(2, &[part]).map_err(|error| format!("{command} {options}: {error}"))?;
         is_empty(&results).map_err(|error| format!("{command} {options}: {error}"))?;
     }
     let many = "--light dir:0,1,0 ".repeat(1025);
-    let line = ["extract", &model, "--out", &out].into_iter().chain(many.split_whitespace());
-    rimline(line).expect(2, &["1025", "1024"])
+    folder.run(&format!("extract @model.npz --out @results/out {many}")).expect(2, &["1025", "1024"])
 }
 
 /// Extracts the tetrahedron with further options; the folder is for its files.

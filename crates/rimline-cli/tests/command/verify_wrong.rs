@@ -52,7 +52,7 @@ fn flipped_bits() -> Outcome {
             ensure!(found["array"] == name && found["wrong_bits"] == 1, "{name}: {found:#}");
             ensure!(found["row"] == 5 && found["light"] == 33, "{name}: {found:#}");
         }
-        let run = rimline(["verify".as_ref(), one.as_os_str()]);
+        let run = folder.run("verify @one");
         run.expect(5, &["other bits"])?;
         for part in ["one.npz", "1 BIT", &format!("`{name}` has 1 bit otherwise"), "row 5", "light 33", "NOT all equal"]
         {
@@ -105,7 +105,7 @@ fn other_archives() -> Outcome {
         [(fewer, "its arrays are positions"), (wider, "`edge_kind` is |i1"), (write_zip(&entries), "did not write it")]
     {
         write_file(one.join("one.npz"), archive)?;
-        let run = rimline(["verify".as_ref(), one.as_os_str(), "--device".as_ref(), "cpu".as_ref()]);
+        let run = folder.run("verify @one --device cpu");
         run.expect(5, &["other bits"])?;
         ensure!(run.stdout.contains(message), "the table lacks `{message}`: {}", run.stdout);
     }
@@ -129,7 +129,7 @@ fn broken_files() -> Outcome {
     ] {
         let file = one.join(name);
         write_file(&file, bytes)?;
-        let run = rimline(["verify".as_ref(), one.as_os_str(), "--device".as_ref(), "cpu".as_ref()]);
+        let run = folder.run("verify @one --device cpu");
         run.expect(1, &["could not be done", name, message])?;
         ensure!(run.stdout.contains("cannot be checked") && run.stdout.contains("equal"), "{name}: {}", run.stdout);
         let json = check(&one, &["--device", "cpu"], 1)?;
@@ -146,27 +146,22 @@ fn broken_files() -> Outcome {
 
 fn nothing() -> Outcome {
     let folder = folder();
-    let empty = folder.path().join("empty");
-    std::fs::create_dir(&empty).map_err(text)?;
-    rimline(["verify".as_ref(), empty.as_os_str()]).expect(1, &["empty", "no .npz", "--make"])?;
+    let empty = folder.inner("empty")?;
+    folder.run("verify @empty").expect(1, &["empty", "no .npz", "--make"])?;
     write_file(empty.join(".half.npz.77.part"), b"")?;
     write_file(empty.join(".half.npz"), b"")?;
-    rimline(["verify".as_ref(), empty.as_os_str()]).expect(1, &["no .npz"])?;
-    let missing = folder.path().join("missing");
-    rimline(["verify".as_ref(), missing.as_os_str()]).expect(1, &["missing", "cannot be read"])?;
+    folder.run("verify @empty").expect(1, &["no .npz"])?;
+    folder.run("verify @missing").expect(1, &["missing", "cannot be read"])?;
     folder.write("file", b"")?;
-    rimline(["verify".as_ref(), folder.path().join("file").as_os_str()])
-        .expect(1, &["not a folder", "give the folder"])?;
+    folder.run("verify @file").expect(1, &["not a folder", "give the folder"])?;
     one_file(folder.path(), "one.npz")?;
-    let one = folder.path().join("one");
     for (options, code, message) in [
-        (&["--device", "no such thing"][..], 3, "no such thing"),
-        (&["model.glb"], 2, "--make"),
-        (&["--faces", "7"], 2, "--make"),
-        (&["--make", "--json"], 2, "--json"),
+        ("--device nonesuch", 3, "nonesuch"),
+        ("model.glb", 2, "--make"),
+        ("--faces 7", 2, "--make"),
+        ("--make --json", 2, "--json"),
     ] {
-        let line = ["verify".as_ref(), one.as_os_str()];
-        rimline(line.into_iter().chain(options.iter().map(AsRef::as_ref))).expect(code, &[message])?;
+        folder.run(&format!("verify @one {options}")).expect(code, &[message])?;
     }
     Ok(())
 }

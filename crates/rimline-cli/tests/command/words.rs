@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::npz_input::tetrahedron;
-use super::run::{folder, rimline, rimline_with, write_file};
+use super::run::{folder, rimline_with};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -151,25 +151,21 @@ fn times() -> Outcome {
 
 fn written() -> Outcome {
     let folder = folder();
+    folder.write("m.npz", tetrahedron())?;
+    folder.write("still.wgsl", "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }")?;
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    write_file(at("m.npz"), tetrahedron())?;
-    let (model, wgsl) = (at("m.npz"), at("still.wgsl"));
-    write_file(&wgsl, "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }")?;
-    let (png, npz, film) = (at("a.png"), at("a.npz"), at("film"));
-    let size = ["--size", "64x48"];
-    let cases: [(&[&str], &str, &str); 4] = [
-        (&["draw", &model, "--out", &png], &png, " (64×48)"),
-        (&["shadow", &model, "--light", "point:9,9,9", "--out", &png], &png, " (64×48)"),
-        (&["film", &model, "--displace", &wgsl, "--frames", "2", "--out", &film], "2 pictures", " (64×48)"),
-        (&["extract", &model, "--light", "dir:0,1,0", "--out", &npz], &npz, ""),
-    ];
-    for (line, what, more) in cases {
-        let size = if more.is_empty() { &[][..] } else { &size };
-        let run = rimline(line.iter().chain(size));
+    let film = "film @m.npz --displace @still.wgsl --frames 2 --size 64x48 --out @film";
+    for (line, what, more) in [
+        ("draw @m.npz --size 64x48 --out @a.png", at("a.png"), " (64×48)"),
+        ("shadow @m.npz --light point:9,9,9 --size 64x48 --out @a.png", at("a.png"), " (64×48)"),
+        (film, "2 pictures".into(), " (64×48)"),
+        ("extract @m.npz --light dir:0,1,0 --out @a.npz", at("a.npz"), ""),
+    ] {
+        let run = folder.run(line);
         run.expect(0, &[])?;
         let said = run.stdout.lines().any(|line| line.starts_with(&format!("wrote {what}")) && line.ends_with(more));
-        ensure!(said, "{line:?}: {}", run.stdout);
-        if line[0] == "shadow" {
+        ensure!(said, "{line}: {}", run.stdout);
+        if line.starts_with("shadow") {
             ensure!(run.stdout.contains("near caps          none needed"), "{}", run.stdout);
         }
     }

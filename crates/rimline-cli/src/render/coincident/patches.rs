@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec3};
 
-use super::{Corners, ODD, mixed};
+use super::{Corners, ODD, Repeated, mixed};
 
 /// Faces of a mesh that are looked at. The edges of more would take longer than the picture.
 const MOST_FACES: usize = 1 << 20;
@@ -36,7 +36,7 @@ pub(super) fn turned(faces: impl Iterator<Item = Corners>) -> Vec<[Vec<u32>; 2]>
     }
     let mut sides: Vec<Side> = (0..).zip(&faces).flat_map(|(number, &face)| sides_of(number, face)).collect();
     sides.sort_unstable_by_key(|side| undirected(side.places));
-    let mut patches = Joined((0..faces.len() as u32).collect());
+    let mut patches = Joined::new(faces.len());
     // Whether a side is inside of a patch, and whether the surface folds back onto itself there.
     let (mut is_inner, mut folds) = (vec![false; sides.len()], false);
     let mut first = 0;
@@ -82,14 +82,8 @@ fn may_fold(faces: &[Corners]) -> bool {
             keys.push((from.wrapping_add(to) ^ way.wrapping_mul(ODD)).wrapping_mul(ODD) >> 8);
         }
     }
-    let bits = (8 * keys.len()).next_power_of_two().max(64);
-    let (mut once, mut twice) = (vec![0_u64; bits / 64], vec![0_u64; bits / 64]);
-    let at = |key: u64| ((key as usize % bits) / 64, 1 << (key % 64));
-    for (word, bit) in keys.iter().map(|&key| at(key)) {
-        twice[word] |= once[word] & bit;
-        once[word] |= bit;
-    }
-    keys.retain(|&key| twice[at(key).0] & at(key).1 != 0);
+    let repeated = Repeated::of(keys.iter().copied(), keys.len());
+    keys.retain(|&key| repeated.may_hold(key));
     keys.sort_unstable();
     keys.windows(2).any(|pair| pair[0] == pair[1])
 }
@@ -163,21 +157,26 @@ fn fold(first: Corners, second: Corners, third: [f32; 3]) -> Fold {
     }
 }
 
-/// Sets of faces, each with the lowest as its root.
-struct Joined(Vec<u32>);
+/// Sets of numbers, each with the lowest as its root.
+pub(crate) struct Joined(Vec<u32>);
 
 impl Joined {
-    fn root(&mut self, mut face: u32) -> u32 {
-        while self.0[face as usize] != face {
-            let next = self.0[self.0[face as usize] as usize];
-            self.0[face as usize] = next;
-            face = next;
-        }
-        face
+    /// So many numbers, each by itself.
+    pub(crate) fn new(count: usize) -> Self {
+        Self((0..count as u32).collect())
     }
 
-    fn join(&mut self, one: u32, other: u32) {
-        let [one, other] = [one, other].map(|face| self.root(face));
+    pub(crate) fn root(&mut self, mut number: u32) -> u32 {
+        while self.0[number as usize] != number {
+            let next = self.0[self.0[number as usize] as usize];
+            self.0[number as usize] = next;
+            number = next;
+        }
+        number
+    }
+
+    pub(crate) fn join(&mut self, one: u32, other: u32) {
+        let [one, other] = [one, other].map(|number| self.root(number));
         self.0[one.max(other) as usize] = one.min(other);
     }
 }

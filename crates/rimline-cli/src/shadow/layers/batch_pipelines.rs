@@ -3,8 +3,10 @@
 
 use std::sync::{Arc, OnceLock};
 
-use rimline::gpu::{Pipelines, ScenePipelines, ShadowError, ShadowFormat};
+use rimline::gpu::{Pipelines, ScenePipelines, ShadowFormat};
 use rimline::{Counting, wgpu};
+
+use crate::gpu_error::GpuError;
 
 /// The bits that count.
 pub(super) const COUNT_BITS: u32 = 7;
@@ -39,7 +41,7 @@ impl BatchPipelines {
         Self { pipelines: pipelines.clone(), format, counting, made: Arc::default() }
     }
 
-    pub(super) fn get(&self) -> Result<&Made, ShadowError> {
+    pub(super) fn get(&self) -> Result<&Made, GpuError> {
         if let Some(made) = self.made.get() {
             return Ok(made);
         }

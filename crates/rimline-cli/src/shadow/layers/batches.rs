@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use rimline::Light;
 
 use super::deepest::deepest;
+use crate::render::coincident::Joined;
 
 /// Batches that may be tried.
 const MOST_BATCHES: usize = 1024;
@@ -46,33 +47,21 @@ pub(super) fn batches(
 
 /// Faces that share vertices, directly or by way of others, in the order of the first of each.
 fn components(vertices: usize, faces: &[[u32; 3]]) -> Vec<Vec<u32>> {
-    let mut parents: Vec<u32> = (0..vertices as u32).collect();
+    let mut joined = Joined::new(vertices);
     for &[a, b, c] in faces {
-        for other in [b, c] {
-            let [one, other] = [a, other].map(|vertex| root(&mut parents, vertex));
-            parents[one.max(other) as usize] = one.min(other);
-        }
+        joined.join(a, b);
+        joined.join(a, c);
     }
     let mut numbers = BTreeMap::new();
     let mut components: Vec<Vec<u32>> = Vec::new();
     for (face, &[a, ..]) in (0..).zip(faces) {
-        let number = *numbers.entry(root(&mut parents, a)).or_insert(components.len());
+        let number = *numbers.entry(joined.root(a)).or_insert(components.len());
         if number == components.len() {
             components.push(Vec::new());
         }
         components[number].push(face);
     }
     components
-}
-
-/// The vertex that stands for all that a vertex hangs together with.
-fn root(parents: &mut [u32], mut vertex: u32) -> u32 {
-    while parents[vertex as usize] != vertex {
-        let next = parents[parents[vertex as usize] as usize];
-        parents[vertex as usize] = next;
-        vertex = next;
-    }
-    vertex
 }
 
 #[cfg(test)]

@@ -9,12 +9,13 @@ mod rays;
 use rimline::gpu::{Caster, LightHandle, Scene, SceneFrame, SceneOptions, ShadowError};
 use rimline::{Counting, Light, Mesh, MeshError, ShadowCamera, wgpu};
 
-use super::cast_inputs::CastInputs;
-use super::counts::MOST;
+use super::depth::MOST;
 use super::posed_model::PosedModel;
+use super::scene_shadows::set_lights;
+use super::shadows::CastInputs;
 use crate::device::Gpu;
 use crate::failure::Failure;
-use crate::gpu_error::GpuError;
+use crate::gpu_error::{GpuError, On as _};
 pub(crate) use batch_pipelines::BatchPipelines;
 use batch_pipelines::{COUNT_BITS, MOST_OF_BATCH};
 
@@ -75,7 +76,7 @@ impl Layers {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         CastInputs { camera, lights, .. }: &CastInputs<'_>,
-    ) -> Result<(), ShadowError> {
+    ) -> Result<(), GpuError> {
         match self {
             Self::Batched(batches) => batches.iter_mut().try_for_each(|batch| batch.encode(encoder, camera, lights)),
             Self::Few(_) | Self::Many => Ok(()),
@@ -112,9 +113,8 @@ impl Batch {
         max_lights: usize,
         of: &[u32],
     ) -> Result<Self, Failure> {
-        let failed = |error: ShadowError| GpuError::from(error).on(gpu);
         let options = SceneOptions { max_lights, counting, count_bits: COUNT_BITS, ..SceneOptions::default() };
-        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(failed)?;
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).on(gpu)?;
         let mut of = of.to_vec();
         of.sort_unstable();
         let mut of = of.as_slice();
@@ -136,8 +136,8 @@ impl Batch {
                 };
                 first_vertex += rest.len() as u32;
                 let (Some(mesh), Some(positions)) = (mesh, body.positions.of_instance(instance)) else { continue };
-                let mesh = scene.add_mesh(&mesh, rest).map_err(failed)?;
-                scene.insert(Caster::in_buffer(mesh, positions)).map_err(failed)?;
+                let mesh = scene.add_mesh(&mesh, rest).on(gpu)?;
+                scene.insert(Caster::in_buffer(mesh, positions)).on(gpu)?;
             }
             first_face = end;
         }
@@ -149,13 +149,8 @@ impl Batch {
         encoder: &mut wgpu::CommandEncoder,
         camera: &ShadowCamera,
         lights: &[Light],
-    ) -> Result<(), ShadowError> {
-        for (number, &light) in lights.iter().enumerate() {
-            match self.lights.get(number) {
-                Some(&handle) => self.scene.set_light(handle, light)?,
-                None => self.lights.push(self.scene.add_light(light)?),
-            }
-        }
+    ) -> Result<(), GpuError> {
+        set_lights(&mut self.scene, &mut self.lights, lights)?;
         self.frame = Some(self.scene.encode(encoder, &[*camera], None)?);
         Ok(())
     }

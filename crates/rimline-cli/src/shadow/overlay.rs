@@ -1,10 +1,98 @@
-//! Overlay of a light's depth maps.
+//! What bounds the shadows, translucent: the volumes of meshes, or the boundaries that depth maps have.
 
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
+use rimline::gpu::{include_wgsl, results_bind_group_layout};
 use rimline::{DepthDirection, ShadowCamera, wgpu};
+use wgpu::{BlendState, CompareFunction, DepthBiasState, PrimitiveTopology, StencilFaceState};
 
+use super::depth::depth_format;
 use super::light_maps::LightCameras;
+use super::receiver_pipelines::{Target, depth_state};
+use super::render_resources::{DrawInputs, RenderResources};
 use crate::device::Gpu;
+use crate::gpu_error::GpuError;
+use crate::render::pipeline_factory::{Pass, READ_ONLY, UNIFORM, read_texture};
+
+/// Draws what bounds the shadows.
+pub(super) struct Overlay {
+    layout: wgpu::BindGroupLayout,
+    /// Triangles and lines.
+    passes: [wgpu::RenderPipeline; 2],
+}
+
+impl Overlay {
+    pub(super) fn new(gpu: &Gpu, resources: &RenderResources<'_>, target: Target, of_maps: bool) -> Self {
+        let (source, layout) = if of_maps {
+            let types = [UNIFORM, READ_ONLY, read_texture(wgpu::TextureViewDimension::D2, false)];
+            let layout = resources.factory.layout_for(wgpu::ShaderStages::VERTEX, &types);
+            (include_str!("depth_volumes.wgsl").to_owned(), layout)
+        } else {
+            let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
+            (format!("{}\n{}", include_wgsl(2), include_str!("volumes.wgsl")), layout)
+        };
+        let source = format!("{}\n{source}", include_str!("glass.wgsl"));
+        let groups = [&resources.layouts.shaded, &layout];
+        let pipeline = |name, vertex, topology, bias| {
+            let depth =
+                depth_state(depth_format(&gpu.device), false, CompareFunction::Greater, StencilFaceState::IGNORE);
+            resources.factory.pipeline(&Pass {
+                vertex,
+                topology,
+                blend: Some(BlendState::ALPHA_BLENDING),
+                samples: target.samples,
+                depth: Some(wgpu::DepthStencilState { bias, ..depth }),
+                ..Pass::new(name, &source, &groups, target.format)
+            })
+        };
+        // Where the boundary lies on what casts, it is behind it. Depth falls with the distance.
+        let behind = DepthBiasState { constant: -64, slope_scale: -4.0, clamp: 0.0 };
+        let none = DepthBiasState::default();
+        let passes = if of_maps {
+            let triangles = pipeline("volumes", "depth_volumes", PrimitiveTopology::TriangleList, behind);
+            [triangles, pipeline("edges", "depth_edges", PrimitiveTopology::LineList, none)]
+        } else {
+            let sides = pipeline("volumes", "volumes", PrimitiveTopology::TriangleStrip, none);
+            [sides, pipeline("edges", "edges", PrimitiveTopology::LineStrip, none)]
+        };
+        Self { layout, passes }
+    }
+
+    pub(super) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        resources: &RenderResources<'_>,
+        subject: &DrawInputs<'_>,
+    ) -> Result<(), GpuError> {
+        for light in 0..subject.samples {
+            for extraction in subject.casters.shown(light) {
+                let group = extraction.bind_group(&self.layout, light / 32)?;
+                resources.select(pass, light);
+                pass.set_bind_group(2, &group, &[]);
+                for pipeline in &self.passes {
+                    pass.set_pipeline(pipeline);
+                    extraction.draw(pass, light)?;
+                }
+            }
+            let shown = subject.casters.shadows.maps().and_then(|maps| maps.shown(light));
+            let Some(ShownDepths { shown, cells, texture }) = shown else { continue };
+            let bound = [
+                shown.views.as_entire_binding(),
+                cells.as_entire_binding(),
+                wgpu::BindingResource::TextureView(texture),
+            ];
+            let group = resources.factory.group(&self.layout, &bound);
+            resources.select(pass, light);
+            pass.set_bind_group(2, &group, &[]);
+            for (pipeline, arguments) in self.passes.iter().zip([[0, 32], [16, 48]]) {
+                pass.set_pipeline(pipeline);
+                for at in arguments {
+                    pass.draw_indirect(&shown.draws, at);
+                }
+            }
+        }
+        Ok(())
+    }
+}
 
 /// Instances of the draws of triangles and of lines. A cell has six vertices in each: two triangles, and of the twelve ends of
 /// lines eight, two lines for each triangle.
@@ -44,18 +132,10 @@ pub(super) struct ShownMaps {
 
 impl ShownMaps {
     pub(super) fn new(gpu: &Gpu, has_walls: bool) -> Self {
-        let buffer = |label, size: usize, usage| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: size as u64,
-                usage: usage | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
-        let draws = buffer("draws of shown depth maps", 64, wgpu::BufferUsages::INDIRECT);
+        let draws = gpu.buffer("draws of shown depth maps", 64, wgpu::BufferUsages::INDIRECT);
         let of_each = INSTANCES.map(|instances| [0, instances, 0, 0]);
         gpu.queue.write_buffer(&draws, 0, bytemuck::cast_slice(&[of_each, of_each]));
-        let views = buffer("shown depth maps", size_of::<DepthViews>(), wgpu::BufferUsages::UNIFORM);
+        let views = gpu.buffer("shown depth maps", size_of::<DepthViews>() as u64, wgpu::BufferUsages::UNIFORM);
         Self { views, draws, has_walls }
     }
 
