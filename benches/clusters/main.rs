@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use rimline::reference::clusters::{Arranged, CLUSTER_FACES, Clusters, Whole, clusters};
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Mesh, Predicate};
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{Shape, blob, sphere, torus};
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::{Shape, blob, sphere, torus};
 
 /// Runs of each method. They take turns, so that a slow spell of the machine hits all of them.
 const ROUNDS: usize = 11;

@@ -5,8 +5,8 @@ use rimline::gpu::{
     DepthMapVolumes, Extractor, ExtractorOptions, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
 use rimline::{Counting, Light};
-use rimline_measure::on_gpu::text;
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::shapes::{self, Shape};
 use serde_json::{Value, json};
 
 use crate::shade::Shade;

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use rimline::gpu::DepthMapMethod;
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 
 use crate::scenes::{PAPER, RADIUS, scene};
 use crate::stage::{Bench, DETECTORS, MAP, camera, map_of};

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rimline::ShadowCamera;
 use rimline::gpu::{DepthMapMethod, DepthMapOptions, DepthMapVolumes};
-use rimline_measure::on_gpu::text;
+use rimline_testkit::on_gpu::text;
 
 use crate::scenes::{PAPER, RADIUS, scene};
 use crate::shade::Shade;

@@ -2,8 +2,8 @@
 //! paper has pictures of them, so these are ours: a smooth body, many bars, a tangle of fine rings, a larger smooth body.
 
 use glam::{Mat3, Quat, Vec3};
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::{self, Shape};
 
 /// The paper's numbers of triangles, and its mean numbers of volume triangles with maps of 256² and 512² texels. The
 /// number of A at 256² is not legible in our copy.

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use rimline::gpu::{DepthMap, DepthMapVolumes, StageTimer};
-use rimline_measure::on_gpu::text;
-use rimline_measure::pipelines::TexelKernel;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::pipelines::TexelKernel;
 
 use crate::growth::eye;
 use crate::scenes::{RADIUS, scene};

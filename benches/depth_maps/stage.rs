@@ -8,9 +8,9 @@ use rimline::gpu::{
     ShadowFormat,
 };
 use rimline::{DepthDirection, Mesh, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
-use rimline_measure::shapes::Shape;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::shapes::Shape;
 use wgpu::TextureFormat;
 
 /// 24 bits, as in the paper.

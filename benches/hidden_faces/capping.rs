@@ -8,8 +8,8 @@ use rimline::reference::cpu::near_cap;
 use rimline::reference::layout::ShadowDraws;
 use rimline::reference::shadow;
 use rimline::{Counting, Light};
-use rimline_measure::on_gpu::text;
-use rimline_measure::pipelines::{self, Drawing};
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::pipelines::{self, Drawing};
 
 use crate::casting;
 use crate::frames::{DEPTH, Frames, NEAR, camera};

@@ -12,9 +12,9 @@ use rimline::gpu::{
 };
 use rimline::reference::layout::ShadowDraws;
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
-use rimline_measure::pipelines::{self, Drawing};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::pipelines::{self, Drawing};
 
 use crate::capping::CapDrawer;
 use crate::scenes::{Body, Setting};

@@ -4,8 +4,8 @@ use std::rc::Rc;
 
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh};
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::{self, Shape};
 
 /// A body in world space. Bodies of one shape share their mesh.
 #[derive(Clone)]

@@ -9,7 +9,7 @@ use rimline::gpu::{
     Extractor, ExtractorOptions, Pipelines, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
 use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera, wgpu};
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
 const ROUNDS: usize = 15;
 

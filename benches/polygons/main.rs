@@ -10,8 +10,8 @@ use std::time::Instant;
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{Extraction, Threads};
 use rimline::{Light, Mesh, Predicate};
-use rimline_measure::polygons::{PolygonSet, quad_torus};
-use rimline_measure::random::Random;
+use rimline_testkit::polygons::{PolygonSet, quad_torus};
+use rimline_testkit::random::Random;
 
 /// Runs of each. They take turns, so that a slow spell of the machine hits all of them.
 pub(crate) const ROUNDS: usize = 5;

@@ -5,9 +5,9 @@ use std::time::Instant;
 use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer, StageTimer};
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh, wgpu};
-use rimline_measure::device::Gpu;
-use rimline_measure::polygons::{PolygonSet, quad_torus};
-use rimline_measure::random::Random;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::polygons::{PolygonSet, quad_torus};
+use rimline_testkit::random::Random;
 
 use crate::{ROUNDS, SEED};
 

@@ -6,7 +6,7 @@ use std::time::Instant;
 use rimline::gpu::{PositionBuffer, ShadowQuery, ShadowQueryOptions, read_back_vec};
 use rimline::reference::cpu::{Threads, shadow_depth};
 use rimline::{Light, Mesh, wgpu};
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::shapes::{self, Shape};
 
 const ROUNDS: usize = 5;
 

@@ -56,7 +56,7 @@ mod wall_vertices;
 mod worlds;
 mod zero;
 
-use rimline_measure::harness;
+use rimline_testkit::harness;
 
 fn main() {
     let tests = [

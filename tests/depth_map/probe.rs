@@ -1,6 +1,6 @@
 //! Vertex stages of depth maps, called by a compute shader that writes down what they return.
 
-use rimline_measure::device::Gpu;
+use rimline_testkit::device::Gpu;
 
 /// A module whose entry points are made functions, and a compute shader that evaluates an expression of `input`, a `vec4<f32>`,
 /// and of `index`.

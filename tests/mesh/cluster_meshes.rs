@@ -1,8 +1,8 @@
 //! Meshes and lights that clusters may get wrong.
 
 use rimline::Light;
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::{self, Shape};
 
 /// A mesh, and lights for it.
 pub(crate) struct Case {

@@ -5,11 +5,11 @@ use rimline::gpu::{SceneError, SceneFrame, SceneOptions};
 use rimline::reference::cpu::{self, may_be_in_cone};
 use rimline::reference::layout::LightCone;
 use rimline::{Cone, Light, LightError, Matrix3x4};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail, same};
 
 use crate::random_scene::{Content, Own, Placed, RandomScene};
 

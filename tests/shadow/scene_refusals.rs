@@ -8,9 +8,9 @@ use rimline::{CameraError, Counting, DepthDirection, Light, LightError, ShadowCa
 use crate::scene::Eye;
 use crate::trials::Test;
 use glam::DVec3;
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
-use rimline_measure::{same, shapes};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::{same, shapes};
 
 pub(crate) const TESTS: &[Test] = &[
     ("scenes_refuse_cameras_lights_and_faces", recording),

@@ -7,7 +7,7 @@ use crate::process;
 
 /// Dependencies that only the command may have.
 const OF_THE_COMMAND: [&str; 8] =
-    ["clap", "epaint_default_fonts", "indicatif", "num-bigint", "png", "resvg", "rimline-measure", "zip"];
+    ["clap", "epaint_default_fonts", "indicatif", "num-bigint", "png", "resvg", "rimline-testkit", "zip"];
 
 /// All choices of the library's features that are on by default.
 const FEATURES: [&str; 4] = ["", "gltf", "gpu", "gltf,gpu"];

@@ -5,10 +5,10 @@ use rimline::reference::clusters::{ClusterBound, Clusters, LEAST, PRODUCT, WIDEN
 use rimline::reference::cpu::Threads;
 use rimline::reference::layout::LightBatch;
 use rimline::{Light, Mesh};
-use rimline_measure::band::{facing_bound, gamma};
-use rimline_measure::oracle::ExactFace;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail};
+use rimline_testkit::band::{facing_bound, gamma};
+use rimline_testkit::oracle::ExactFace;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail};
 
 use super::pairs;
 use super::rounding_models::RoundingModels;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use rimline_measure::stress;
+use rimline_testkit::stress;
 
 use super::args::{BenchArgs, Number};
 use super::bench_mesh::BenchMesh;

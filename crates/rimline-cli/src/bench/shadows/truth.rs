@@ -3,12 +3,12 @@
 use glam::{DMat4, DVec3, DVec4};
 use rimline::Light;
 use rimline::reference::cpu;
-use rimline_measure::shapes::Shape;
+use rimline_testkit::shapes::Shape;
 
 use super::renderer::Stage;
 use crate::render::camera::Camera;
 use crate::shadow::frame::shadow_camera;
-use rimline_measure::rays::Tracer;
+use rimline_testkit::rays::Tracer;
 
 /// The caster and its room for rays, in one light.
 pub(super) struct Truth {

@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 
 use glam::{Affine3A, Quat, Vec3};
 use rimline::{Geometry, GeometryOptions, Influences, InstancePose, Model, ModelError, Pose};
-use rimline_measure::models::rows;
+use rimline_testkit::models::rows;
 
 /// Metres and steps a second.
 const SPEED: f32 = 1.25;
@@ -142,7 +142,7 @@ fn joints(phase: f32) -> [Affine3A; JOINTS] {
 mod tests {
     use rimline::cpu::Threads;
     use rimline::mesh::Mesh;
-    use rimline_measure::shapes::Shape;
+    use rimline_testkit::shapes::Shape;
 
     use super::super::crowd::{View, setting};
     use super::super::setting::{Casters, Setting};
