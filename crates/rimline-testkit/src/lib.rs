@@ -1,14 +1,12 @@
-//! Measuring code that Rimline's tests, benches and command share. Nothing here is part of the library.
+//! What Rimline's tests share. Nothing here is part of the library, and it is not published.
 //!
-//! * [`shapes`], [`polygons`], [`cases`], [`models`]: meshes and models made by code;
-//! * [`stress`]: scenes that are hard on floating-point arithmetic; [`error_metrics`]: how wrong a method is on them;
+//! * [`polygons`], [`cases`], [`models`]: meshes and models made by code;
+//! * of `rimline_bench`: [`shapes`], [`stress`], [`error_metrics`], [`rays`], [`random`], [`slivers`], [`pipelines`];
 //! * [`oracle`], [`shadow_oracle`], [`polygon_oracle`], [`band`]: brute force in big integers, and the error bounds of
 //!   docs/numerics in `f64`;
 //! * [`predicates`], [`scenes`], [`shadow_cases`]: hard pairs of face and light, cameras with casters, queries;
 //! * [`poser`]: where a posed model's vertices are, in `f64`, from the glTF 2.0 specification;
-//! * [`rays`]: triangles and rays in `f64`;
-//! * [`slivers`]: whether a driver rasterises triangles that leave the picture rightly;
-//! * [`pipelines`], [`dispatch`]: short ways to pipelines; [`turns`]: how many turns the loops of a shader have;
+//! * [`dispatch`]: a short way to pipelines; [`turns`]: how many turns the loops of a shader have;
 //! * [`device`], `harness`: the device that GPU tests run on, and how they are run.
 #![allow(clippy::missing_errors_doc, clippy::missing_panics_doc, reason = "comparators fail and panic by design")]
 #![allow(missing_docs, reason = "fields of fixtures say by their names what they are")]
@@ -17,27 +15,22 @@ pub mod band;
 pub mod cases;
 pub mod device;
 pub mod dispatch;
-pub mod error_metrics;
 pub mod files;
 #[cfg(feature = "harness")]
 pub mod harness;
 pub mod models;
 pub mod on_gpu;
 pub mod oracle;
-pub mod pipelines;
 pub mod polygon_oracle;
 pub mod polygons;
 pub mod poser;
 pub mod predicates;
-pub mod random;
-pub mod rays;
 pub mod scenes;
 pub mod shadow_cases;
 pub mod shadow_oracle;
-pub mod shapes;
-pub mod slivers;
-pub mod stress;
 pub mod turns;
+
+pub use rimline_bench::{error_metrics, pipelines, random, rays, shapes, slivers, stress};
 
 use std::path::PathBuf;
 

@@ -2,8 +2,8 @@
 
 use rimline::Light;
 use rimline::mesh::{Mesh, MeshError};
-use rimline_testkit::shapes::{self, Shape};
-use rimline_testkit::stress;
+use rimline_bench::shapes::{self, Shape};
+use rimline_bench::stress;
 
 /// The class of the meshes that are not hard.
 pub(crate) const ORDINARY: &str = "ordinary";

@@ -11,7 +11,7 @@ use std::cell::RefCell;
 
 use rimline::gpu::{Caster, CasterHandle};
 use rimline::wgpu;
-use rimline_testkit::shapes;
+use rimline_bench::shapes;
 
 use super::measure::{Contender, Rounds, interleave};
 use crate::device::Gpu;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use rimline_testkit::stress;
+use rimline_bench::stress;
 
 use super::args::{BenchArgs, Number};
 use super::bench_mesh::BenchMesh;

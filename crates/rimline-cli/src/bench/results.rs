@@ -1,6 +1,6 @@
 //! Results of measurements, and their JSON.
 
-use rimline_testkit::error_metrics::Score;
+use rimline_bench::error_metrics::Score;
 use serde_json::{Value, json};
 
 use super::casters::results::CastersResults;

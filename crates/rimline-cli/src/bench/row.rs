@@ -1,7 +1,7 @@
 //! One row: a mesh, some lights, every method by turns.
 
 use rimline::reference::cpu;
-use rimline_testkit::error_metrics::{Candidate, Score};
+use rimline_bench::error_metrics::{Candidate, Score};
 
 use super::bench_mesh::Case;
 use super::measure::{Contender, Rounds, interleave};

@@ -106,7 +106,7 @@ fn measure_row(
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
-    use rimline_testkit::shapes::Shape;
+    use rimline_bench::shapes::Shape;
 
     /// Positive where faces are counter-clockwise seen from outside.
     pub(super) fn volume(shape: &Shape) -> f64 {

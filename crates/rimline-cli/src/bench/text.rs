@@ -85,7 +85,7 @@ pub(crate) fn row(row: &Row) -> String {
 
 #[cfg(test)]
 mod tests {
-    use rimline_testkit::error_metrics::Score;
+    use rimline_bench::error_metrics::Score;
 
     use super::super::measure::Sample;
     use super::super::method::{CONTESTANTS, GPU_EXACT};

@@ -7,7 +7,7 @@ use rimline::mesh::EdgeCounts;
 use rimline::reference::Method;
 use rimline::reference::cpu::FacingStatistics;
 use rimline::{Light, Mesh, Origin, Predicate};
-use rimline_testkit::error_metrics::light_counts;
+use rimline_bench::error_metrics::light_counts;
 use serde_json::json;
 
 use super::Found;

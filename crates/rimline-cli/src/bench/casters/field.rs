@@ -5,8 +5,8 @@
 
 use glam::Vec3;
 use rimline::{Light, Matrix3x4, ShadowCamera};
-use rimline_testkit::random::Random;
-use rimline_testkit::shapes::{self, Shape};
+use rimline_bench::random::Random;
+use rimline_bench::shapes::{self, Shape};
 
 use crate::render::camera::Camera;
 use crate::shadow::frame::shadow_camera;

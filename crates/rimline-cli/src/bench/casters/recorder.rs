@@ -6,7 +6,7 @@ use rimline::gpu::{
     ShadowVolumes, StageTimer, read_back_vec,
 };
 use rimline::{Counting, Light, MeshError, ShadowCamera, wgpu};
-use rimline_testkit::shapes::Shape;
+use rimline_bench::shapes::Shape;
 
 use super::field::{Field, LIGHTS};
 use crate::device::Gpu;

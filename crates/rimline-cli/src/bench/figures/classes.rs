@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn every_class_is_explained_in_the_order_of_the_scenes() {
         let mut there = vec![ORDINARY];
-        there.extend(rimline_testkit::stress::scenes(1).map(|scene| scene.class));
+        there.extend(rimline_bench::stress::scenes(1).map(|scene| scene.class));
         there.dedup();
         assert_eq!(CLASSES.map(|(class, _)| class).as_slice(), there);
     }

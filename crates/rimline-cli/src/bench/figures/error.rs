@@ -1,6 +1,6 @@
 //! Run time against error.
 
-use rimline_testkit::error_metrics::Score;
+use rimline_bench::error_metrics::Score;
 
 use super::super::bench_mesh::ORDINARY;
 use super::super::method::{CPU_EXACT, Contestant, GPU_EXACT};

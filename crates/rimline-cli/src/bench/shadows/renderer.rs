@@ -8,7 +8,7 @@ use rimline::gpu::{
     ShadowVolumes, StageTimer, read_back_vec,
 };
 use rimline::{Light, Mesh, wgpu};
-use rimline_testkit::shapes::Shape;
+use rimline_bench::shapes::Shape;
 use wgpu::{ColorWrites, LoadOp, PrimitiveTopology, TextureAspect, TextureFormat, TextureUsages};
 
 use super::method::ShadowMethod;

@@ -5,7 +5,7 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 use rimline::Light;
-use rimline_testkit::shapes::{self, Shape};
+use rimline_bench::shapes::{self, Shape};
 
 use crate::render::camera::Camera;
 

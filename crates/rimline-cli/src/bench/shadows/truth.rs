@@ -3,12 +3,12 @@
 use glam::{DMat4, DVec3, DVec4};
 use rimline::Light;
 use rimline::reference::cpu;
-use rimline_testkit::shapes::Shape;
+use rimline_bench::shapes::Shape;
 
 use super::renderer::Stage;
 use crate::render::camera::Camera;
 use crate::shadow::frame::shadow_camera;
-use rimline_testkit::rays::Tracer;
+use rimline_bench::rays::Tracer;
 
 /// The caster and its room for rays, in one light.
 pub(super) struct Truth {

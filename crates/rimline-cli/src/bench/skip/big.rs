@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use rimline::Light;
-use rimline_testkit::shapes;
+use rimline_bench::shapes;
 
 use super::setting::{Casters, Setting};
 use crate::render::camera::Camera;

@@ -4,8 +4,8 @@ use std::f32::consts::TAU;
 
 use glam::{Quat, Vec3};
 use rimline::{Light, Matrix3x4};
-use rimline_testkit::random::Random;
-use rimline_testkit::shapes::Shape;
+use rimline_bench::random::Random;
+use rimline_bench::shapes::Shape;
 
 use super::setting::{Casters, Setting};
 use crate::render::camera::Camera;

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 use rimline::{Instance, Light, Model, ModelError};
-use rimline_testkit::random::Random;
+use rimline_bench::random::Random;
 
 use super::setting::{Casters, Setting};
 use super::walk::{MIDDLE, RADIUS, Walk, Walker, figure};

@@ -5,7 +5,7 @@
 
 use rimline::gpu::read_back_vec;
 use rimline::wgpu;
-use rimline_testkit::pipelines::{self, Drawing};
+use rimline_bench::pipelines::{self, Drawing};
 use wgpu::{BufferUsages, LoadOp};
 
 use super::super::casters::measure::{DEPTH, Stopwatch, stencil_pass};

@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 use rimline::Light;
-use rimline_testkit::shapes;
+use rimline_bench::shapes;
 
 use super::super::casters::field::CasterMesh;
 use super::setting::{Casters, Setting};

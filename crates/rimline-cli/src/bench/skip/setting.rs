@@ -1,7 +1,7 @@
 //! Setting of a scene of skipping: casters, lights, a camera, and the ground.
 
 use rimline::{Light, Matrix3x4, ShadowCamera};
-use rimline_testkit::shapes::Shape;
+use rimline_bench::shapes::Shape;
 
 use super::walk::Walk;
 

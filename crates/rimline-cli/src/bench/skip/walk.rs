@@ -3,8 +3,7 @@
 use std::f32::consts::TAU;
 
 use glam::{Affine3A, Quat, Vec3};
-use rimline::{Geometry, GeometryOptions, Influences, InstancePose, Model, ModelError, Pose};
-use rimline_testkit::models::rows;
+use rimline::{Geometry, GeometryOptions, Influences, InstancePose, Matrix3x4, Model, ModelError, Pose};
 
 /// Metres and steps a second.
 const SPEED: f32 = 1.25;
@@ -39,6 +38,12 @@ impl Walk {
         };
         Ok(Pose::new(self.figures.iter().map(pose).collect::<Result<_, _>>()?))
     }
+}
+
+/// The row-major rows of a transform.
+fn rows(transform: Affine3A) -> Matrix3x4 {
+    let (m, t) = (transform.matrix3.transpose(), transform.translation);
+    [m.x_axis.extend(t.x), m.y_axis.extend(t.y), m.z_axis.extend(t.z)].map(|row| row.to_array())
 }
 
 /// A ball around this holds a figure that walks.
@@ -142,7 +147,7 @@ fn joints(phase: f32) -> [Affine3A; JOINTS] {
 mod tests {
     use rimline::cpu::Threads;
     use rimline::mesh::Mesh;
-    use rimline_testkit::shapes::Shape;
+    use rimline_bench::shapes::Shape;
 
     use super::super::crowd::{View, setting};
     use super::super::setting::{Casters, Setting};

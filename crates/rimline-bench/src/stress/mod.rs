@@ -2,7 +2,7 @@
 //! Tests, benches and the report of run time against error go through them.
 //!
 //! ```
-//! let scene = rimline_testkit::stress::scene("translation-1e6", 2000).expect("a name of `stress::names`");
+//! let scene = rimline_bench::stress::scene("translation-1e6", 2000).expect("a name of `stress::names`");
 //! let (mesh, lights) = (scene.mesh()?, scene.lights(8));
 //! # Ok::<(), rimline::MeshError>(())
 //! ```

@@ -1,7 +1,7 @@
 //! Generated shapes are what their documentation says: counts, closedness, Euler characteristic, orientation.
 
 use rimline::mesh::EdgeCounts;
-use rimline_testkit::shapes::{self, Shape};
+use rimline_bench::shapes::{self, Shape};
 
 /// The signed volume, by the divergence theorem: positive where faces are counter-clockwise outside.
 fn volume(shape: &Shape) -> f64 {

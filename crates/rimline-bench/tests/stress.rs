@@ -6,8 +6,8 @@ use rimline::MAX_LIGHTS;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::light::check_lights;
 use rimline::{Light, Mesh, Predicate};
-use rimline_testkit::error_metrics::{Candidate, Score, ScoreError, light_counts};
-use rimline_testkit::stress::{self, Scene};
+use rimline_bench::error_metrics::{Candidate, Score, ScoreError, light_counts};
+use rimline_bench::stress::{self, Scene};
 
 const FACES: usize = 1500;
 
