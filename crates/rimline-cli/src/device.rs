@@ -316,6 +316,13 @@ impl Gpu {
         }
     }
 
+    /// Tells the first error that the device reported, also when the device has been cloned.
+    #[cfg(feature = "bench")]
+    pub(crate) fn reported(&self) -> impl Fn() -> Option<String> + use<> {
+        let failure = Arc::clone(&self.failure);
+        move || failure.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
     /// How many pixels of slivers that leave the picture the driver counts wrongly: 0 of one that clips them rightly. Or why
     /// that cannot be tried. The first call draws them.
     pub(crate) fn wrong_slivers(&self) -> &Result<usize, String> {

@@ -3,8 +3,9 @@
 
 mod args;
 mod begins;
+#[cfg(feature = "bench")]
 mod bench;
-mod chart;
+mod bench_args;
 mod chosen_animations;
 mod claim;
 mod compiling;
@@ -29,7 +30,6 @@ mod load_args;
 mod origin;
 mod output;
 mod overwrite;
-mod page;
 mod parse;
 mod posed_input;
 mod positions;
@@ -108,6 +108,9 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Film(args) => film::run(args),
         Command::Query(args) => query::run(args),
         Command::Verify(args) => verify::run(args),
+        #[cfg(feature = "bench")]
         Command::Bench(args) => bench::run(args),
+        #[cfg(not(feature = "bench"))]
+        Command::Bench(_) => Err(failure::UsageError::WithoutBench.into()),
     }
 }
