@@ -346,12 +346,12 @@ impl Chart {
             root.present()
         };
         draw(&mut svg).map_err(io::Error::other)?;
-        // The page scales it.
-        let (from, to) = (
-            format!("<svg width=\"{}\" height=\"{}\" ", size.0, size.1),
-            if let Target::File { .. } = target { None } else { Some("<svg ") },
-        );
-        Ok(to.map_or_else(|| svg.clone(), |to| svg.replacen(&from, to, 1)))
+        if let Target::File { .. } = target {
+            return Ok(svg);
+        }
+        // The page scales it, and knows what it is.
+        let sized = format!("<svg width=\"{}\" height=\"{}\" ", size.0, size.1);
+        Ok(svg.replacen(&sized, "<svg ", 1).replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1))
     }
 
     fn keys(&self) -> Vec<(String, Mark)> {
@@ -384,7 +384,8 @@ fn plane(
             x.coordinate(across as i32 - left - 60, |tick| width(tick) + 20, false),
             y.coordinate(down as i32 - 120, |_| 52, has_zero),
         )?;
-    mesh(&mut chart, [&x.title, &y.title])?;
+    mesh(&mut chart, &y.title)?;
+    title(area, &x.title, left + 30, 30)?;
     let place = |point: &Point| (x.place(point.x), y.place(point.y));
     if let Some(level) = level {
         let ends = [x.low, x.high].map(|end| (x.place(end), y.place(level)));
@@ -419,10 +420,15 @@ fn relative(area: &Area<'_>, at: (i32, i32)) -> (i32, i32) {
     (at.0 - x, at.1 - y)
 }
 
-fn mesh<'a>(
-    chart: &mut ChartContext<'a, SVGBackend<'a>, Cartesian2d<Coordinate, Coordinate>>,
-    [x, y]: [&str; 2],
-) -> Drawn {
+/// The title of a horizontal axis: below its middle, as far as there is room.
+fn title(area: &Area<'_>, title: &str, left: i32, right: i32) -> Drawn {
+    let (across, down) = area.dim_in_pixel();
+    let half = width(title) / 2;
+    let middle = i32::midpoint(left, across as i32 - right).min(across as i32 - half).max(half);
+    text(area, (middle, down as i32 - 24), title, HPos::Center, TEXT)
+}
+
+fn mesh<'a>(chart: &mut ChartContext<'a, SVGBackend<'a>, Cartesian2d<Coordinate, Coordinate>>, y: &str) -> Drawn {
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
@@ -430,7 +436,6 @@ fn mesh<'a>(
         .axis_style(MUTED.stroke_width(2))
         .label_style(style(MUTED))
         .axis_desc_style(style(TEXT))
-        .x_desc(x)
         .y_desc(y)
         .draw()
 }
@@ -444,8 +449,10 @@ fn bars(
     level: Option<f64>,
 ) -> Drawn {
     let (across, _) = area.dim_in_pixel();
-    let names = rows.iter().map(|row| width(&row.name)).max().unwrap_or(0) + 30;
-    let left = names.min(across as i32 / 2);
+    let is_narrow = across < 1000;
+    // On a phone headings lie across the bars.
+    let names = rows.iter().filter(|row| !(is_narrow && row.is_heading)).map(|row| width(&row.name)).max().unwrap_or(0);
+    let left = (names + 30).min(across as i32 * 5 / 8);
     let right = rows.iter().map(|row| width(&row.remark)).max().unwrap_or(0) + 40;
     let count = rows.len() as f64;
     let mut chart = ChartBuilder::on(area)
@@ -457,7 +464,8 @@ fn bars(
             axis.coordinate(across as i32 - left - right, |tick| width(tick) + 20, false),
             Coordinate::rows(rows.len()),
         )?;
-    mesh(&mut chart, [&axis.title, ""])?;
+    mesh(&mut chart, "")?;
+    title(area, &axis.title, left, right)?;
     let at = |value: f64, y: f64| (axis.place(value), y);
     if let Some(level) = level {
         let ends = [0.0, count].map(|y| at(level, y));
@@ -466,8 +474,11 @@ fn bars(
     for (row, Bar { name, is_heading, values, remark }) in (0..).map(f64::from).zip(rows) {
         let middle = row + 0.5;
         let (x, y) = relative(area, chart.backend_coord(&at(axis.low, middle)));
-        let ink = if *is_heading { MUTED } else { TEXT };
-        text(area, (x - 16, y), name, HPos::Right, ink)?;
+        match (is_heading, is_narrow) {
+            (true, true) => text(area, (8, y), name, HPos::Left, MUTED)?,
+            (true, false) => text(area, (x - 16, y), name, HPos::Right, MUTED)?,
+            (false, _) => text(area, (x - 16, y), name, HPos::Right, TEXT)?,
+        }
         let mut end = 0.0;
         for ((_, mark), value) in keys.iter().zip(values) {
             let Some((length, quartiles)) = value else { continue };

@@ -152,8 +152,7 @@ fn time_against_error(rows: &[&Row], lights: usize) -> Figure {
         }
         series.push(Series { name: variant.name.clone(), mark: variant.mark, points });
     }
-    let axes =
-        ["run time: nanoseconds a face and light (further left is faster)", "wrong silhouette bits in a million"];
+    let axes = ["nanoseconds a face and light (left is faster)", "wrong silhouette bits in a million"];
     Figure {
         id: "time_against_error",
         title: format!("Run time against error, {}", lights_text(lights)),

@@ -41,7 +41,7 @@ fn time_against_error(rows: &[&Row]) -> Figure {
         }
         series.push(Series { name: variant.name.clone(), mark: variant.mark, points });
     }
-    let axes = ["stencil pass: milliseconds a frame (further left is faster)", "wrong pixels a frame"];
+    let axes = ["stencil pass: ms a frame (left is faster)", "wrong pixels a frame"];
     Figure {
         id: "shadow_time_against_error",
         title: "Shadows: run time against error".to_owned(),

@@ -49,7 +49,7 @@ fn work(rows: &[&Row]) -> Figure {
             parts.push([&row.title, &entry.variant.name], &amounts, unit);
         }
     }
-    let (chart, table) = parts.finish("time of the GPU, percent of that with all levels off");
+    let (chart, table) = parts.finish("GPU time, percent of all levels off");
     Figure {
         id: "skipping_work",
         title: "Where a frame's work goes".to_owned(),
