@@ -131,14 +131,17 @@ impl Gpu {
     }
 }
 
+/// Milliseconds of each pass, and from the first one's beginning to the last one's end.
+type Passes = (Vec<(&'static str, f64)>, f64);
+
 /// Times of a frame that was recorded and run.
 pub struct Timed {
     /// Milliseconds of the CPU for recording.
     pub recording_ms: f64,
     /// By the clock, from the submission on.
     pub clock_ms: f64,
-    /// Milliseconds of each pass, and from the first one's beginning to the last one's end. `None` without a timer.
-    pub passes: Option<(Vec<(&'static str, f64)>, f64)>,
+    /// `None` without a timer.
+    pub passes: Option<Passes>,
 }
 
 impl Timed {
@@ -213,7 +216,7 @@ impl<'a> Stopwatch<'a> {
     }
 
     /// `None` without a timer, and from the first timestamps on that mean nothing.
-    fn read(&mut self) -> Result<Option<(Vec<(&'static str, f64)>, f64)>, Error> {
+    fn read(&mut self) -> Result<Option<Passes>, Error> {
         let Some(timer) = &self.timer else { return Ok(None) };
         let Gpu { device, queue, .. } = self.gpu;
         match timer.read(device, queue).and_then(|passes| Ok((passes, timer.read_span(device, queue)?))) {

@@ -122,7 +122,7 @@ impl Plan {
         let (models, usual_frames, size) = if quick { (1, 6, 256) } else { (3, 16, 512) };
         let frames = if cpu_only { 0 } else { options.frames.unwrap_or(usual_frames) };
         // A round draws whole paths.
-        let shadows = Frames { frames, size, rounds: Rounds { least: most.min(3), ..rounds } };
+        let shadows = Frames { count: frames, size, rounds: Rounds { least: most.min(3), ..rounds } };
         let numbers = casters.clone().unwrap_or_else(|| usual(&NUMBERS_OF_CASTERS, &QUICK_NUMBERS_OF_CASTERS));
         let numbers = if names.has_casters && !cpu_only { numbers } else { Vec::new() };
         let one_mesh = if numbers.is_empty() { Vec::new() } else { usual(&ONE_CASTER, &QUICK_ONE_CASTER) };
@@ -150,7 +150,7 @@ impl Plan {
     fn shadow_rows(&self) -> usize {
         use crate::shadows::scene::{MODELS, PATHS};
         let models = if self.own.is_some() { 1 } else { self.models.min(MODELS.len()) };
-        if self.shadows.frames == 0 { 0 } else { models * PATHS.len() }
+        if self.shadows.count == 0 { 0 } else { models * PATHS.len() }
     }
 }
 

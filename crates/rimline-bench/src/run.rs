@@ -46,7 +46,7 @@ impl Results {
         let Some(Opened { gpu, another, .. }) = opened else { return Ok(()) };
         let frames = plan.shadows;
         let casters: Vec<(String, Shape)> = match &plan.own {
-            _ if frames.frames == 0 => Vec::new(),
+            _ if frames.count == 0 => Vec::new(),
             Some(model) => vec![(model.name.clone(), fitted(&model.positions, model.mesh.faces()))],
             None => MODELS.iter().take(plan.models).map(|model| (model.name.to_owned(), model.make())).collect(),
         };

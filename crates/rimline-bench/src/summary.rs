@@ -27,8 +27,8 @@ pub(crate) fn summary(rows: &[Row]) -> String {
     lines.extend(errors(&extraction));
     lines.extend(shadows(&of(Section::Shadows)));
     lines.extend(casters(&of(Section::Casters)));
-    lines.extend(of(Section::Skipping).into_iter().filter_map(skipping));
-    lines.extend(of(Section::DepthMaps).last().and_then(|row| depth_maps(row)));
+    lines.extend(of(Section::Skipping).into_iter().map(skipping));
+    lines.extend(of(Section::DepthMaps).last().map(|row| depth_maps(row)));
     let width = lines.iter().map(|(question, _)| question.chars().count()).max().unwrap_or(0);
     let line = |(question, answer): (String, String)| {
         let pad = width - question.chars().count();
@@ -159,20 +159,20 @@ fn casters(rows: &[&Row]) -> Vec<Line> {
 }
 
 /// What does skipping save?
-fn skipping(row: &Row) -> Option<Line> {
+fn skipping(row: &Row) -> Line {
     let ratio = |metric| Some(times(row.ratio(metric, "all-off", "all-on")?.median));
     let answers = [("stages", Metric::Time("compute")), ("frame", FRAME)];
     let answers = answers.into_iter().filter_map(|(name, metric)| Some(format!("{name} {}", ratio(metric)?)));
-    Some((format!("Without skipping, {}: time", row.title), answers.collect::<Vec<_>>().join(", ")))
+    (format!("Without skipping, {}: time", row.title), answers.collect::<Vec<_>>().join(", "))
 }
 
-fn depth_maps(row: &Row) -> Option<Line> {
+fn depth_maps(row: &Row) -> Line {
     let answers = row
         .entries
         .iter()
         .filter(|entry| !entry.variant.name.contains("not counted"))
         .filter_map(|entry| Some(format!("{} ms {}", figures(entry.median(FRAME)?), entry.variant.name)));
-    Some((format!("Shadows of a sphere of {}", row.title), answers.collect::<Vec<_>>().join(", ")))
+    (format!("Shadows of a sphere of {}", row.title), answers.collect::<Vec<_>>().join(", "))
 }
 
 #[cfg(test)]

@@ -67,9 +67,9 @@ impl Subject {
             Self::Own(model) => {
                 let Model { name, positions, mesh, lights } = (**model).clone();
                 let ([x, y, z], size) = extent(&positions);
-                let lights = move |count| match lights.is_empty() {
-                    true => (0..count).map(|index| around([x, y, z], size, index)).collect(),
-                    false => lights.clone(),
+                let lights = move |count| {
+                    let all_around = |count| (0..count).map(|index| around([x, y, z], size, index)).collect();
+                    if lights.is_empty() { all_around(count) } else { lights.clone() }
                 };
                 Ok(Made { name, class: OWN, mesh, positions, lights: Box::new(lights) })
             }

@@ -14,7 +14,7 @@ use crate::shapes::Shape;
 
 /// Meshes whose positions are in world space.
 pub struct Meshes<'a> {
-    meshes: Vec<Recorded>,
+    all: Vec<Recorded>,
     /// `None`: nothing is drawn.
     pipelines: Option<&'a ShadowPipelines>,
     pub lights: Vec<Light>,
@@ -32,7 +32,7 @@ struct Recorded {
 
 impl<'a> Meshes<'a> {
     pub fn new(pipelines: Option<&'a ShadowPipelines>, lights: &[Light], camera: Option<ShadowCamera>) -> Self {
-        Self { meshes: Vec::new(), pipelines, lights: lights.to_vec(), camera }
+        Self { all: Vec::new(), pipelines, lights: lights.to_vec(), camera }
     }
 
     /// Adds a mesh.
@@ -49,7 +49,7 @@ impl<'a> Meshes<'a> {
             |pipelines: &&ShadowPipelines| ShadowVolumes::new(pipelines, &extractor, ShadowOptions::default());
         let volumes = self.pipelines.as_ref().map(volumes).transpose()?;
         let positions = gpu.buffer(BufferUsages::STORAGE, positions);
-        self.meshes.push(Recorded { positions, extractor, volumes, extraction: None, frame: None });
+        self.all.push(Recorded { positions, extractor, volumes, extraction: None, frame: None });
         Ok(())
     }
 
@@ -61,13 +61,13 @@ impl<'a> Meshes<'a> {
 
     /// The first mesh's extractor.
     pub fn extractor(&self) -> Option<&Extractor> {
-        self.meshes.first().map(|mesh| &mesh.extractor)
+        self.all.first().map(|mesh| &mesh.extractor)
     }
 
     /// The number of silhouette edges of each light, of the last encode.
     pub fn silhouette_edges(&self, gpu: &Gpu) -> Result<Vec<u64>, Error> {
         let mut edges = vec![0; self.lights.len()];
-        for extraction in self.meshes.iter().filter_map(|mesh| mesh.extraction.as_ref()) {
+        for extraction in self.all.iter().filter_map(|mesh| mesh.extraction.as_ref()) {
             let counts: Vec<u32> = gpu.read(extraction.results()?.counts)?;
             edges.iter_mut().zip(counts).for_each(|(sum, count)| *sum += u64::from(count));
         }
@@ -82,7 +82,7 @@ impl Recorder for Meshes<'_> {
         until: Until,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), Error> {
-        for Recorded { positions, extractor, volumes, extraction, frame } in &mut self.meshes {
+        for Recorded { positions, extractor, volumes, extraction, frame } in &mut self.all {
             let positions = PositionBuffer { buffer: positions, offset: 0, stride: 12 };
             let found = extractor.encode(encoder, positions, &self.lights, timer.as_deref_mut())?;
             if let (Until::Volumes, Some(volumes), Some(camera)) = (until, volumes, &self.camera) {
@@ -94,7 +94,7 @@ impl Recorder for Meshes<'_> {
     }
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), Error> {
-        for frame in self.meshes.iter().filter_map(|mesh| mesh.frame.as_ref()) {
+        for frame in self.all.iter().filter_map(|mesh| mesh.frame.as_ref()) {
             if let Some(pipelines) = self.pipelines {
                 frame.draw(pass, pipelines, light)?;
             }

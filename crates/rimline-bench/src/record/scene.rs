@@ -63,6 +63,9 @@ pub struct Counted {
     pub shadows: ShadowStatistics,
 }
 
+/// A mesh with its positions at rest.
+type Given<'a> = (Mesh, &'a [[f32; 3]]);
+
 pub struct SceneRecorder<'a> {
     setting: &'a Setting,
     deforming: &'a Deforming<'a>,
@@ -92,7 +95,7 @@ impl<'a> SceneRecorder<'a> {
     ) -> Result<Self, Error> {
         let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options)?;
         let (mut casters, mut bounds) = (Vec::new(), None);
-        let given: Result<Vec<(Mesh, &[[f32; 3]])>, MeshError> = match &setting.casters {
+        let given: Result<Vec<Given<'_>>, MeshError> = match &setting.casters {
             Casters::Rigid { shapes, .. } => {
                 shapes.iter().map(|shape| Ok((shape.mesh()?, &shape.positions[..]))).collect()
             }

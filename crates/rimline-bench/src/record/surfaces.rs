@@ -64,7 +64,7 @@ pub struct Surfaces {
     pipelines: [wgpu::RenderPipeline; 2],
     /// `None`: depths alone are drawn.
     color: Option<wgpu::TextureView>,
-    surfaces: Vec<Surface>,
+    all: Vec<Surface>,
 }
 
 impl Surfaces {
@@ -93,7 +93,7 @@ impl Surfaces {
         let has_color = lit.is_some();
         let pipelines = [Pass::Depth, Pass::Light].map(|pass| pipeline(device, &layout, pass, has_color));
         let color = lit.map(|size| gpu.texture(size, COLOR).create_view(&wgpu::TextureViewDescriptor::default()));
-        Self { frame, group, pipelines, color, surfaces }
+        Self { frame, group, pipelines, color, all: surfaces }
     }
 
     /// What the eye sees of a setting. `deformed` are the positions of casters that walk.
@@ -165,7 +165,7 @@ impl Surfaces {
         });
         pass.set_pipeline(&self.pipelines[usize::from(!is_first)]);
         pass.set_bind_group(0, &self.group, &[]);
-        for Surface { positions, faces, corners, matrices, times, stride } in &self.surfaces {
+        for Surface { positions, faces, corners, matrices, times, stride } in &self.all {
             pass.set_vertex_buffer(0, positions.slice(..));
             pass.set_vertex_buffer(1, matrices.slice(..));
             pass.set_index_buffer(faces.slice(..), wgpu::IndexFormat::Uint32);

@@ -43,15 +43,15 @@ pub(crate) struct Stage {
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frames {
-    /// Frames of each path; 0 leaves all out.
-    pub(crate) frames: usize,
+    /// Of each path; 0 leaves all out.
+    pub(crate) count: usize,
     pub(crate) size: u32,
     pub(crate) rounds: Rounds,
 }
 
 impl Frames {
     fn camera(self, path: Path, frame: usize) -> Camera {
-        path.camera(frame as f32 / self.frames.saturating_sub(1).max(1) as f32)
+        path.camera(frame as f32 / self.count.saturating_sub(1).max(1) as f32)
     }
 }
 
@@ -72,7 +72,7 @@ pub(crate) fn measure(
     let mut wrong = vec![Vec::new(); METHODS.len()];
     let truth = Truth::new(&stage, light);
     // About four of each path are held against rays.
-    for frame in (0..plan.frames).step_by(plan.frames.div_ceil(4).max(1)) {
+    for frame in (0..plan.count).step_by(plan.count.div_ceil(4).max(1)) {
         if host.is_stopped() {
             return Err(Error::Stopped);
         }
@@ -85,9 +85,9 @@ pub(crate) fn measure(
     let contenders = drawn.iter_mut().map(|drawn| -> Contender<'_> {
         Box::new(move || {
             let mut sums = [0.0; 2];
-            for frame in 0..plan.frames {
+            for frame in 0..plan.count {
                 let times = drawn.frame(&plan.camera(path, frame))?;
-                sums.iter_mut().zip(times).for_each(|(sum, ms)| *sum += ms / plan.frames as f64);
+                sums.iter_mut().zip(times).for_each(|(sum, ms)| *sum += ms / plan.count as f64);
             }
             Ok(Sample::from([(Metric::Time("stencil"), sums[0]), (Metric::Time("frame"), sums[1])]))
         })
@@ -105,7 +105,7 @@ pub(crate) fn measure(
             ("faces", json!(faces)),
             ("lights", json!(1)),
             ("size", json!(plan.size)),
-            ("frames", json!(plan.frames)),
+            ("frames", json!(plan.count)),
         ],
         entries: entries.collect(),
     })

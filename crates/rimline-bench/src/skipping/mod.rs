@@ -96,14 +96,14 @@ pub(crate) fn measure(
         })
     });
     let samples = interleave(rounds, contenders.collect(), host)?;
-    let entry =
-        |((variant, samples), (counted, fragments)): ((&levels::Variant, Vec<Sample>), &(Counted, Option<u64>))| {
-            let named = Named::new(&variant.id(), &variant.name(), 4, 0);
-            let counted = COUNTERS
-                .iter()
-                .fold(Entry::new(named, &samples), |entry, (name, of)| entry.with_count(name, of(counted) as usize));
-            fragments.iter().fold(counted, |entry, &fragments| entry.with_count("fragments", fragments as usize))
-        };
+    let mut entries = Vec::new();
+    for ((variant, samples), (counted, fragments)) in variants.iter().zip(samples).zip(&counts) {
+        let mut entry = Entry::new(Named::new(&variant.id(), &variant.name(), 4, 0), &samples);
+        for (name, of) in COUNTERS {
+            entry = entry.with_count(name, of(counted) as usize);
+        }
+        entries.push(fragments.iter().fold(entry, |entry, &found| entry.with_count("fragments", found as usize)));
+    }
     Ok(Row {
         section: Section::Skipping,
         scene: scene.name().to_owned(),
@@ -117,7 +117,7 @@ pub(crate) fn measure(
             ("pairs_in_range", json!(setting.pairs_in_range)),
             ("size", json!(size)),
         ],
-        entries: variants.iter().zip(samples).zip(&counts).map(entry).collect(),
+        entries,
     })
 }
 
