@@ -11,7 +11,7 @@ use crate::stage::{AUTOMATIC, Bench, CONTOURS, MAP, camera, map_of};
 const SEED: u64 = 16;
 const SIDES: [u32; 2] = [256, 512];
 const DISTANCE: f64 = 8.0;
-/// Of a ball around everything.
+/// The radius of a ball around everything.
 const RADIUS: f64 = 2.3;
 /// Rings and segments of tori, with as many triangles as the paper's scenes A, C and D, and its ratio.
 const SCENES: [(&str, [u32; 2], usize, &str); 3] =

@@ -45,7 +45,7 @@ pub(crate) fn axes(forward: DVec3, up: DVec3) -> [DVec3; 3] {
 
 pub(crate) struct Bench {
     pub(crate) gpu: Gpu,
-    /// Of the adapter.
+    /// The adapter's.
     pub(crate) name: String,
     /// Into an attachment without color.
     pub(crate) pipelines: DepthMapPipelines,

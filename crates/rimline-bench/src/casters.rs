@@ -136,7 +136,7 @@ fn merged<'a>(gpu: &Gpu, pipelines: &'a ShadowPipelines, setting: &Setting) -> R
     Ok(meshes)
 }
 
-/// What is compared, as figures and data have it.
+/// The variants, as figures and data have them.
 fn variant(id: &str) -> Variant {
     let (name, colour, shape) = match id {
         "scene" => ("scene", 4, 0),
@@ -240,7 +240,7 @@ pub(crate) fn measure_one_mesh(
     Ok(Row { section: Section::OneMesh, scene: name.clone(), title, group: name, facts, entries: entries.into() })
 }
 
-/// What is known of a scene. `edges` are silhouette edges of each light: in the scene, and in what it is held against.
+/// Facts of a scene. `edges` are silhouette edges of each light: in the scene, and in what it is held against.
 fn facts(setting: &Setting, faces: usize, [scene, other]: &[Vec<u64>; 2]) -> Vec<(&'static str, Value)> {
     vec![
         ("faces", json!(faces)),

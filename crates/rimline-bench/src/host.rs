@@ -7,7 +7,7 @@ pub trait Host {
         false
     }
 
-    /// What is done from now on.
+    /// Hears the name of the work that begins.
     fn step(&self, _what: &str) {}
 
     /// A row is done.

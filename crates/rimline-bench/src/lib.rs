@@ -1,4 +1,4 @@
-//! What `rimline bench` measures with. There is no promise of stability: anything may change in any release.
+//! The measurements of `rimline bench`. There is no promise of stability: anything may change in any release.
 //!
 //! * [`shapes`], [`stress`]: meshes made by code, smooth ones and those that are hard on floating-point arithmetic;
 //! * [`error_metrics`]: how wrong a method is on them;

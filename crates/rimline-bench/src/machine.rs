@@ -25,7 +25,7 @@ pub struct Adapter {
     pub kind: String,
     pub driver: String,
     pub has_timestamps: bool,
-    /// Of a copy, bytes read and written both counted.
+    /// Speed of a copy, bytes read and written both counted.
     pub copy_gb_per_s: f64,
 }
 

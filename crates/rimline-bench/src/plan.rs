@@ -9,7 +9,7 @@ use crate::shadows::Frames;
 use crate::skipping::scenes::SkipScene;
 use crate::stress;
 
-/// What to measure. An empty list is nothing, `None` what is usual.
+/// A choice of measurements. An empty list is nothing, `None` what is usual.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Less of everything.

@@ -43,7 +43,7 @@ impl Results {
         self.machine.is_optimised
     }
 
-    /// What is measured on what: lines above the summary.
+    /// The machine and its device: lines above the summary.
     pub fn heading(&self) -> String {
         let gpu = match &self.adapter {
             None => "only the CPU is measured".to_owned(),

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::engine::{Metric, Sample, Summary};
 
-/// What a row is about.
+/// The subject of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
     Extraction,
@@ -138,7 +138,7 @@ pub struct Row {
     pub title: String,
     /// Scenes of one kind.
     pub group: String,
-    /// What is known of the scene, by names of the data.
+    /// Facts of the scene, by names of the data.
     pub facts: Vec<(&'static str, Value)>,
     pub entries: Vec<Entry>,
 }

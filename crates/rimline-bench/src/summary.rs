@@ -1,4 +1,4 @@
-//! What a person wants to know of a run: one line a question.
+//! The summary of a run: one line for each question that a person has.
 
 use crate::engine::Metric;
 use crate::extraction::method::{CPU_EXACT, CPU_FAST, GPU_EXACT, GPU_FAST, PER_EDGE};
@@ -63,7 +63,7 @@ fn speed(rows: &[&Row], what: &str) -> Option<Line> {
     (!answers.is_empty()).then(|| (question, answers.join(", ")))
 }
 
-/// What does exactness cost?
+/// The price of exactness.
 fn exactness(rows: &[&Row], what: &str) -> Option<Line> {
     let lights = usual_lights(rows);
     let row = largest(rows).into_iter().find(|row| row.lights() == lights)?;
@@ -109,7 +109,7 @@ fn errors(rows: &[&Row]) -> Option<Line> {
     (bits > 0.0).then(|| (format!("Wrong silhouette bits, of {}", grouped(bits as usize)), answers.join(", ")))
 }
 
-/// What do right shadows cost?
+/// The price of right shadows.
 fn shadows(rows: &[&Row]) -> Vec<Line> {
     let mean = |metric: Metric, id: &str| {
         let ratios: Vec<f64> = rows.iter().filter_map(|row| Some(row.ratio(metric, id, Z_PASS)?.median)).collect();
@@ -158,7 +158,7 @@ fn casters(rows: &[&Row]) -> Vec<Line> {
     lines
 }
 
-/// What does skipping save?
+/// The savings by skipping.
 fn skipping(row: &Row) -> Line {
     let ratio = |metric| Some(times(row.ratio(metric, "all-off", "all-on")?.median));
     let answers = [("stages", Metric::Time("compute")), ("frame", FRAME)];

@@ -31,7 +31,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let measured_before = args.depth_maps.as_deref().map(times_of_depth_maps).transpose()?;
     let plan = match Plan::new(options(args, &wanted)?) {
         Ok(plan) => Some(plan),
-        // What was measured before is enough for a report.
+        // Times from before are enough for a report.
         Err(_) if measured_before.is_some() && asks_for_nothing(args) => None,
         Err(error) => return Err(UsageError::Bench(error).into()),
     };

@@ -1,4 +1,4 @@
-//! What Rimline's tests share. Nothing here is part of the library, and it is not published.
+//! Code that Rimline's tests share. Nothing here is part of the library, and it is not published.
 //!
 //! * [`polygons`], [`cases`], [`models`]: meshes and models made by code;
 //! * of `rimline_bench`: [`shapes`], [`stress`], [`error_metrics`], [`rays`], [`random`], [`slivers`], [`pipelines`];

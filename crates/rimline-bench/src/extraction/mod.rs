@@ -23,7 +23,7 @@ use crate::{Error, Host};
 use method::{CONTESTANTS, Contestant, Runs, checked, timed};
 use subject::{Case, Made, Subject};
 
-/// What is the same for all numbers of lights.
+/// A subject with all that its numbers of lights share.
 pub(crate) struct Prepared {
     made: Made,
     topology_ms: f64,

@@ -1,4 +1,4 @@
-//! What is recorded: settings of casters, lights and a camera; their silhouettes and volumes, by scenes and mesh by mesh; the
+//! Recording: settings of casters, lights and a camera; their silhouettes and volumes, by scenes and mesh by mesh; the
 //! surfaces that receive.
 
 mod fragments;

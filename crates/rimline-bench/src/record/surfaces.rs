@@ -96,7 +96,7 @@ impl Surfaces {
         Self { frame, group, pipelines, color, all: surfaces }
     }
 
-    /// What the eye sees of a setting. `deformed` are the positions of casters that walk.
+    /// The surfaces that the eye sees of a setting. `deformed` are the positions of casters that walk.
     pub fn of(gpu: &Gpu, setting: &Setting, deformed: Option<&wgpu::Buffer>) -> Self {
         let mut surfaces = Vec::new();
         match (&setting.casters, deformed) {

@@ -43,7 +43,7 @@ pub(crate) struct Stage {
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frames {
-    /// Of each path; 0 leaves all out.
+    /// The length of each path; 0 leaves all out.
     pub(crate) count: usize,
     pub(crate) size: u32,
     pub(crate) rounds: Rounds,

@@ -29,7 +29,7 @@ const DEFORM: &str = "deform";
 /// clock, and time of the CPU for recording.
 pub(crate) const PARTS: [&str; 5] = ["deform", "compute", "stencil", "frame", "recording"];
 
-/// What stages count, by its name in the data.
+/// A counter of the stages, by its name in the data.
 type Counter = (&'static str, fn(&Counted) -> u32);
 
 pub(crate) const COUNTERS: [Counter; 14] = [
@@ -121,7 +121,7 @@ pub(crate) fn measure(
     })
 }
 
-/// What is seen: depths that volumes are tested against.
+/// Visible surfaces: depths that volumes are tested against.
 struct Seen {
     surfaces: Surfaces,
     depth: wgpu::TextureView,

@@ -294,7 +294,7 @@ fn report() -> Outcome {
     Ok(())
 }
 
-/// What a person sees: the machine, and a line for each question, with all of `parts`.
+/// A person sees the machine, and a line for each question, with all of `parts`.
 fn is_short(stdout: &str, parts: &[&str]) -> Outcome {
     let lines = stdout.lines().count();
     ensure!((5..=25).contains(&lines), "{lines} lines: {stdout}");
