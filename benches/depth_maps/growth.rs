@@ -1,4 +1,4 @@
-//! Table 2 of McCool (2000): how many triangles volumes have, and how many times more where the map's side is doubled.
+//! Table 2 of the paper on shadow volumes from depth maps (2000): how many triangles volumes have, and how many times more where the map's side is doubled.
 
 use glam::{DQuat, DVec3, Vec3};
 use rimline::gpu::DepthMapMethod;
@@ -83,7 +83,7 @@ pub(crate) fn measure(bench: &Bench, rotations: usize) -> Result<(), Error> {
             for _ in 0..rotations {
                 let light = camera(turned(&mut random), DISTANCE, RADIUS, true);
                 bench.clock(|encoder| {
-                    bench.draw_map(encoder, &drawn, &map, &light)?;
+                    Bench::draw_map(encoder, &drawn, &map, &light)?;
                     volumes.iter_mut().try_for_each(|volumes| {
                         Ok(volumes.encode(encoder, &map_of(&map, light), &eye, None).map(drop)?)
                     })

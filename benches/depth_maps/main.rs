@@ -90,12 +90,12 @@ fn measure(bench: &Bench, rounds: usize) -> Result<Vec<Row>, Error> {
             Ok(vec![(depth_maps::FRAME, frame), (depth_maps::STENCIL, stencil)])
         };
         let eyes_depth = || {
-            let ms = bench.clock(|encoder| bench.draw_eye(encoder, &[&sphere, &ground], &target, &eye))?;
+            let ms = bench.clock(|encoder| Bench::draw_eye(encoder, &[&sphere, &ground], &target, &eye))?;
             Ok(vec![(depth_maps::FRAME, ms)])
         };
         let lookup = || {
             let ms = bench.clock(|encoder| {
-                bench.draw_map(encoder, &sphere, &map, &light)?;
+                Bench::draw_map(encoder, &sphere, &map, &light)?;
                 shade.lookup(encoder, &group);
                 Ok(())
             })?;
@@ -111,7 +111,7 @@ fn measure(bench: &Bench, rounds: usize) -> Result<Vec<Row>, Error> {
             let run = move || {
                 let mut drawn = None;
                 let frame = bench.clock(|encoder| {
-                    bench.draw_map(encoder, sphere, map, light)?;
+                    Bench::draw_map(encoder, sphere, map, light)?;
                     let frame = volumes.encode(encoder, &map_of(map, *light), eye, None)?;
                     frame.draw(&mut pass(encoder, &target.all, None, true), &bench.pipelines)?;
                     shade.stencil(encoder, target);

@@ -103,7 +103,6 @@ impl Bench {
 
     /// Draws the depth of a mesh into a map.
     pub(crate) fn draw_map(
-        &self,
         encoder: &mut wgpu::CommandEncoder,
         drawn: &Drawn,
         map: &Target,
@@ -115,7 +114,6 @@ impl Bench {
 
     /// Draws what the eye sees.
     pub(crate) fn draw_eye(
-        &self,
         encoder: &mut wgpu::CommandEncoder,
         drawn: &[&Drawn],
         target: &Target,

@@ -197,7 +197,9 @@ fn frames(
             let mut recorder = recorder.borrow_mut();
             let stages = stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Volumes, None))?;
             let seen = stopwatch.by_clock(|encoder| {
-                surfaces.iter().for_each(|surfaces| surfaces.pass(encoder, depth, Pass::Depth, None));
+                if let Some(surfaces) = surfaces {
+                    surfaces.pass(encoder, depth, Pass::Depth, None);
+                }
                 Ok(())
             })?;
             let volumes = stopwatch.by_clock(|encoder| {

@@ -192,7 +192,7 @@ impl Destination {
 
     fn write(self, results: &Results) -> Result<(), Failure> {
         if let Some(file) = self.json {
-            file.finish(|output| write!(output, "{:#}\n", results.json()))?;
+            file.finish(|output| writeln!(output, "{:#}", results.json()))?;
         }
         let Some((folder, _kept)) = &self.folder else { return Ok(()) };
         // Charts of an earlier report may show results that this one does not have.
