@@ -53,7 +53,10 @@ fn opens_gpu(command: &Command) -> bool {
         Command::Extract(args) => on(&args.posed.device.device),
         Command::Query(args) => on(&args.posed.device.device),
         Command::Verify(args) => on(args.device.as_deref().unwrap_or(if args.make { "cpu" } else { "all" })),
+        #[cfg(feature = "bench")]
         Command::Bench(args) => !args.schema && on(&args.device.device),
+        #[cfg(not(feature = "bench"))]
+        Command::Bench(_) => false,
     }
 }
 
