@@ -7,7 +7,7 @@ mod glb;
 
 use std::process::ExitCode;
 
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::shapes::{self, Shape};
 use serde_json::json;
 
 fn main() -> ExitCode {

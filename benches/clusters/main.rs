@@ -3,22 +3,24 @@
 //! `--large` for up to 16 million faces.
 
 use std::hint::black_box;
-use std::time::{Duration, Instant};
 
 use rimline::reference::clusters::{Arranged, CLUSTER_FACES, Clusters};
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Mesh, Predicate};
-use rimline_measure::clusters::whole;
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{Shape, blob, sphere, torus};
+use rimline_bench::Error;
+use rimline_bench::engine::{Contender, Metric, Rounds, clock, interleave};
+use rimline_bench::random::Random;
+use rimline_bench::row::{Entry, Variant};
+use rimline_bench::shapes::{Shape, blob, sphere, torus};
+use rimline_testkit::clusters::whole;
 
-/// Runs of each method. They take turns, so that a slow spell of the machine hits all of them.
+/// Runs of each method, in turn.
 const ROUNDS: usize = 11;
 /// Lights of each kind.
 const LIGHTS: usize = 32;
 const SEED: u64 = 14;
 
-fn main() {
+fn main() -> Result<(), Error> {
     let has = |wanted: &str| std::env::args().any(|argument| argument == wanted);
     let sizes: &[u32] = match (has("--quick"), has("--large")) {
         (true, _) => &[32, 64],
@@ -26,7 +28,7 @@ fn main() {
         _ => &[90, 181, 362],
     };
     println!(
-        "seed {SEED}; the topology on one thread; least of {ROUNDS} runs, milliseconds; {LIGHTS} lights of each kind"
+        "seed {SEED}; the topology on one thread; median of {ROUNDS} runs, milliseconds; {LIGHTS} lights of each kind"
     );
     println!(
         "| mesh | faces | topology | clusters, one thread | all | ratio | bytes a face | inner edges, % | faces left, %: far | near | at infinity | have to be: far | edges left, %: far |"
@@ -40,26 +42,34 @@ fn main() {
             ("blob, shuffled", blob(size, 0.4, 1).shuffled(1)),
         ];
         for (name, shape) in &shapes {
-            measure(name, shape);
+            measure(name, shape)?;
         }
     }
+    Ok(())
 }
 
-fn measure(name: &str, shape: &Shape) {
-    let (mut topology, mut building) = (Vec::new(), [Vec::new(), Vec::new()]);
-    let mesh = shape.mesh().expect("a mesh");
-    for _ in 0..ROUNDS {
+fn measure(name: &str, shape: &Shape) -> Result<(), Error> {
+    const TIME: Metric = Metric::Time("time");
+    let mesh = shape.mesh()?;
+    let topology = || {
         let faces = shape.faces.clone();
-        topology.push(time(|| Mesh::from_faces(shape.positions.len(), black_box(faces))));
-        for (building, threads) in building.iter_mut().zip([Threads::ONE, Threads::all()]) {
-            building.push(time(|| {
-                let clusters = Clusters::new(black_box(&mesh), &shape.positions, threads);
-                (Arranged::new(&mesh, &clusters, threads), clusters)
-            }));
-        }
-    }
-    let (topology, [alone, building]) = (least(&topology), building.map(|times| least(&times)));
-    let found = Clusters::new(&mesh, &shape.positions, Threads::all());
+        Ok(vec![(TIME, clock(|| drop(black_box(Mesh::from_faces(shape.positions.len(), faces)))))])
+    };
+    let mesh = &mesh;
+    let building = |threads: Threads| -> Contender<'_> {
+        Box::new(move || {
+            let ms = clock(|| {
+                let clusters = Clusters::new(mesh, &shape.positions, threads);
+                drop(black_box((Arranged::new(mesh, &clusters, threads), clusters)));
+            });
+            Ok(vec![(TIME, ms)])
+        })
+    };
+    let contenders = vec![Box::new(topology) as Contender<'_>, building(Threads::ONE), building(Threads::all())];
+    let samples = interleave(Rounds::exactly(ROUNDS), contenders, &())?;
+    let median = |at: usize| Entry::new(Variant::new("", "", 0, 0), &samples[at]).median(TIME).unwrap_or(f64::NAN);
+    let [topology, alone, building] = [0, 1, 2].map(median);
+    let found = Clusters::new(mesh, &shape.positions, Threads::all());
     let inner: usize = (0..found.bounds().len()).map(|cluster| found.edges().inner(cluster).len()).sum();
     let mut random = Random::new(SEED);
     let around = |random: &mut Random, distance: f32| Light::point(random.direction().map(|c| c * distance));
@@ -67,17 +77,18 @@ fn measure(name: &str, shape: &Shape) {
     let near: Vec<Light> = (0..LIGHTS).map(|_| around(&mut random, 1.6)).collect();
     let infinite: Vec<Light> = (0..LIGHTS).map(|_| Light::directional(random.direction())).collect();
     let least = mixed(&found, shape, &far);
-    let [(far, edges), (near, _), (infinite, _)] = [far, near, infinite].map(|lights| left(&found, &mesh, &lights));
+    let [(far, edges), (near, _), (infinite, _)] = [far, near, infinite].map(|lights| left(&found, mesh, &lights));
     println!(
         "| {name} | {} | {:.1} | {:.1} | {:.1} | {:.2} | {:.1} | {:.1} | {far:.2} | {near:.2} | {infinite:.2} | {least:.2} | {edges:.2} |",
         shape.faces.len(),
-        topology.as_secs_f64() * 1e3,
-        alone.as_secs_f64() * 1e3,
-        building.as_secs_f64() * 1e3,
-        building.as_secs_f64() / topology.as_secs_f64(),
+        topology,
+        alone,
+        building,
+        building / topology,
         found.bytes() as f64 / shape.faces.len() as f64,
         100.0 * inner as f64 / mesh.edges().len() as f64,
     );
+    Ok(())
 }
 
 /// The part of the faces and of the edges that are left, in a hundred.
@@ -111,17 +122,4 @@ fn mixed(found: &Clusters, shape: &Shape, lights: &[Light]) -> f64 {
         slots.len() * (all ^ any).count_ones() as usize
     });
     100.0 * mixed.sum::<usize>() as f64 / (lights.len() * shape.faces.len()) as f64
-}
-
-fn time<T>(run: impl FnOnce() -> T) -> Duration {
-    let start = Instant::now();
-    let result = black_box(run());
-    let elapsed = start.elapsed();
-    drop(result);
-    elapsed
-}
-
-/// The least, since others may use the machine at the same time.
-fn least(times: &[Duration]) -> Duration {
-    times.iter().min().copied().unwrap_or_default()
 }

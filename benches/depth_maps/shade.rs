@@ -76,7 +76,7 @@ impl Shade {
             })
         };
         let layout = layout(bench);
-        let color = bench.texture(side, COLOR, wgpu::TextureUsages::RENDER_ATTACHMENT);
+        let color = bench.gpu.texture(side, COLOR);
         Self {
             black: make("black", None, Some(stencil)),
             lookup: make("lookup", Some(&layout), None),
@@ -130,13 +130,7 @@ impl Shade {
     ) -> wgpu::BindGroup {
         let [eye, light] = [eye, light].map(|camera| Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4());
         let matrix = (light * eye.inverse()).as_mat4().to_cols_array();
-        let buffer = bench.gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("to light"),
-            size: 64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        bench.gpu.queue.write_buffer(&buffer, 0, bytemuck::bytes_of(&matrix));
+        let buffer = bench.gpu.buffer(wgpu::BufferUsages::UNIFORM, &matrix);
         let textures = [eye_depth, map].map(|target| wgpu::BindingResource::TextureView(&target.depths));
         let [eye_depth, map] = textures;
         bench.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {

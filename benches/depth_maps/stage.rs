@@ -1,37 +1,22 @@
 //! Parts that all measurements share: the device, cameras, maps, passes, and times of commands.
 
-use std::time::Instant;
-
 use glam::{DMat4, DVec3, DVec4};
 use rimline::gpu::{
     DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, MeshDepth, PositionBuffer,
     ShadowFormat,
 };
-use rimline::{DepthDirection, Mesh, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
-use rimline_measure::shapes::Shape;
+use rimline::{DepthDirection, ShadowCamera};
+use rimline_bench::Error;
+use rimline_bench::gpu::{Gpu, Stopwatch};
+use rimline_bench::shapes::Shape;
 use wgpu::TextureFormat;
 
 /// 24 bits, as in the paper.
 pub(crate) const MAP: TextureFormat = TextureFormat::Depth24Plus;
 pub(crate) const EYE: TextureFormat = TextureFormat::Depth24PlusStencil8;
 
-/// Detectors and their names.
-pub(crate) const DETECTORS: [(&str, DepthMapMethod); 6] = [
-    ("every cell", DepthMapMethod::EveryCell),
-    ("differences 0.0005", DepthMapMethod::Differences { threshold: 0.0005, dangling: None }),
-    ("differences 0.02", DepthMapMethod::Differences { threshold: 0.02, dangling: None }),
-    ("automatic", DepthMapMethod::Automatic { dangling: None }),
-    ("second differences 0.0005, 0.05", DepthMapMethod::SecondDifferences { low: 0.0005, high: 0.05, dangling: None }),
-    ("contours 0.005", DepthMapMethod::Contours { threshold: 0.005, sideways: 0.1, depth: 0.02 }),
-];
-
-/// One of the detectors.
-pub(crate) fn way(wanted: &str) -> Result<DepthMapMethod, String> {
-    let found = DETECTORS.into_iter().find(|(name, _)| *name == wanted);
-    found.map(|(_, way)| way).ok_or_else(|| format!("no detector {wanted}"))
-}
+pub(crate) const AUTOMATIC: DepthMapMethod = DepthMapMethod::Automatic { dangling: None };
+pub(crate) const CONTOURS: DepthMapMethod = DepthMapMethod::Contours { threshold: 0.005, sideways: 0.1, depth: 0.02 };
 
 /// A near plane as in games, where units are metres.
 const NEAR: f64 = 0.1;
@@ -60,13 +45,14 @@ pub(crate) fn axes(forward: DVec3, up: DVec3) -> [DVec3; 3] {
 
 pub(crate) struct Bench {
     pub(crate) gpu: Gpu,
+    /// The adapter's.
+    pub(crate) name: String,
     /// Into an attachment without color.
     pub(crate) pipelines: DepthMapPipelines,
 }
 
-/// A mesh with its positions on the GPU, and what draws its depth into maps and for the eye.
+/// Positions of a mesh on the GPU, and what draws its depth into maps and for the eye.
 pub(crate) struct Drawn {
-    pub(crate) mesh: Mesh,
     pub(crate) positions: wgpu::Buffer,
     pub(crate) into_map: MeshDepth,
     pub(crate) for_eye: MeshDepth,
@@ -85,26 +71,24 @@ pub(crate) struct Target {
 }
 
 impl Bench {
-    pub(crate) fn new() -> Result<Self, String> {
-        let timestamps = Gpu::with(wgpu::Features::TIMESTAMP_QUERY, wgpu::Limits::default());
-        let gpu = timestamps.or_else(|_| Gpu::with_limits(wgpu::Limits::default()))?;
-        let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 0).map_err(text)?;
-        Ok(Self { gpu, pipelines })
+    pub(crate) fn new() -> Result<Self, Error> {
+        let (gpu, name) = Gpu::first()?;
+        let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 0)?;
+        Ok(Self { gpu, name, pipelines })
     }
 
-    pub(crate) fn drawn(&self, shape: &Shape) -> Result<Drawn, String> {
-        let mesh = shape.mesh().map_err(text)?;
-        let depth = |format, depth| MeshDepth::new(&self.gpu.pipelines, &mesh, format, depth).map_err(text);
+    pub(crate) fn drawn(&self, shape: &Shape) -> Result<Drawn, Error> {
+        let mesh = shape.mesh()?;
+        let depth = |format, depth| MeshDepth::new(&self.gpu.pipelines, &mesh, format, depth);
         Ok(Drawn {
             into_map: depth(MAP, DepthDirection::Standard)?,
             for_eye: depth(EYE, DepthDirection::Reversed)?,
-            positions: self.gpu.storage(&shape.positions),
-            mesh,
+            positions: self.gpu.buffer(wgpu::BufferUsages::STORAGE, &shape.positions),
         })
     }
 
     pub(crate) fn target(&self, side: u32, format: TextureFormat) -> Target {
-        let texture = self.texture(side, format, wgpu::TextureUsages::RENDER_ATTACHMENT);
+        let texture = self.gpu.texture(side, format);
         let aspect = wgpu::TextureAspect::DepthOnly;
         Target {
             depths: texture.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() }),
@@ -112,22 +96,9 @@ impl Bench {
         }
     }
 
-    pub(crate) fn texture(&self, side: u32, format: TextureFormat, usage: wgpu::TextureUsages) -> wgpu::Texture {
-        self.gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("bench"),
-            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        })
-    }
-
-    pub(crate) fn volumes(&self, side: u32, method: DepthMapMethod) -> Result<DepthMapVolumes, String> {
+    pub(crate) fn volumes(&self, side: u32, method: DepthMapMethod) -> Result<DepthMapVolumes, Error> {
         let options = DepthMapOptions { method, ..Default::default() };
-        DepthMapVolumes::new(&self.pipelines, [side; 2], options).map_err(text)
+        Ok(DepthMapVolumes::new(&self.pipelines, [side; 2], options)?)
     }
 
     /// Draws the depth of a mesh into a map.
@@ -136,9 +107,9 @@ impl Bench {
         drawn: &Drawn,
         map: &Target,
         light: &ShadowCamera,
-    ) -> Result<(), String> {
+    ) -> Result<(), Error> {
         let mut pass = pass(encoder, &map.all, Some(1.0), false);
-        drawn.into_map.draw(&mut pass, drawn.positions(), light).map_err(text)
+        Ok(drawn.into_map.draw(&mut pass, drawn.positions(), light)?)
     }
 
     /// Draws what the eye sees.
@@ -147,23 +118,17 @@ impl Bench {
         drawn: &[&Drawn],
         target: &Target,
         eye: &ShadowCamera,
-    ) -> Result<(), String> {
+    ) -> Result<(), Error> {
         let mut pass = pass(encoder, &target.all, Some(0.0), true);
-        drawn.iter().try_for_each(|drawn| drawn.for_eye.draw(&mut pass, drawn.positions(), eye).map_err(text))
+        drawn.iter().try_for_each(|drawn| Ok(drawn.for_eye.draw(&mut pass, drawn.positions(), eye)?))
     }
 
-    /// Milliseconds that commands take.
+    /// Milliseconds that commands take, from their submission on.
     pub(crate) fn clock(
         &self,
-        record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<(), String>,
-    ) -> Result<f64, String> {
-        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        record(&mut encoder)?;
-        let commands = encoder.finish();
-        let begin = Instant::now();
-        self.gpu.queue.submit([commands]);
-        self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(text)?;
-        Ok(begin.elapsed().as_secs_f64() * 1e3)
+        record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<(), Error>,
+    ) -> Result<f64, Error> {
+        Ok(Stopwatch::new(&self.gpu).by_clock(record)?[1])
     }
 }
 
@@ -185,14 +150,5 @@ pub(crate) fn pass<'a>(
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops }),
         ..Default::default()
-    })
-}
-
-/// The median of each column of interleaved rounds.
-pub(crate) fn medians<const N: usize>(rounds: &[[f64; N]]) -> [f64; N] {
-    std::array::from_fn(|column| {
-        let mut values: Vec<f64> = rounds.iter().map(|round| round[column]).collect();
-        values.sort_by(f64::total_cmp);
-        values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
     })
 }

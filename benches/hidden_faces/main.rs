@@ -1,48 +1,49 @@
 //! `cargo bench --bench hidden_faces`: faces hidden by faces. How many sides they spare, what they do for a frame, and how long the
 //! search takes. The first scenes are like those of Batagelo and Costa Júnior (1999), each with ten lights. `--counts` uses no
-//! GPU, `--caps` compares caps only. `--obj DIRECTORY` writes the paper's second scene of tetrahedra for `rimline shadow`.
+//! GPU. `--obj DIRECTORY` writes the paper's second scene of tetrahedra for `rimline shadow`.
 
-mod capping;
-mod frames;
 mod scenes;
 
+use std::cell::RefCell;
 use std::ops::ControlFlow;
-use std::rc::Rc;
-use std::time::Instant;
 
-use frames::{Frames, Measured};
 use rimline::cpu::{self, HiddenCaster, HiddenFaces, HiddenOptions, Threads};
-use rimline::{Counting, Light, Mesh, Predicate};
+use rimline::gpu::{Measuring, SceneOptions, ScenePipelines, ShadowFormat};
+use rimline::{Counting, Light, Predicate};
+use rimline_bench::Error;
+use rimline_bench::engine::{Contender, Metric, Rounds, clock, interleave};
+use rimline_bench::gpu::{Gpu, Stopwatch};
+use rimline_bench::record::{
+    DEPTH, Deforming, FragmentCounter, Pass, Recorder as _, SceneRecorder, Setting as Recorded, Surfaces, Until,
+    stencil_pass,
+};
+use rimline_bench::row::{Entry, Variant};
+use rimline_bench::shapes::Shape;
 use scenes::{Body, Setting};
 
-fn main() {
+/// Pixels across and down.
+const SIZE: u32 = 512;
+const ROUNDS: usize = 7;
+/// The parts of a frame.
+const PARTS: [Metric; 3] = [Metric::Time("stages"), Metric::Time("depth"), Metric::Time("volumes")];
+
+fn main() -> Result<(), Error> {
     let arguments: Vec<String> = std::env::args().collect();
     if let Some(at) = arguments.iter().position(|argument| argument == "--obj") {
-        return write(&arguments[at + 1]).expect("files that can be written");
-    }
-    if arguments.iter().any(|argument| argument == "--caps") {
-        return capping::compare(&scenes::in_shadow()).expect("frames");
+        return Ok(write(&arguments[at + 1])?);
     }
     let of_the_paper = scenes::of_the_paper();
     let large = [scenes::city(100_000), scenes::forest(100_000), scenes::building(100_000)];
     counts(of_the_paper.iter().chain(&large));
     times();
     if arguments.iter().any(|argument| argument == "--counts") {
-        return;
+        return Ok(());
     }
-    let frames = Frames::new(Counting::Auto).expect("a device");
-    println!(
-        "\n{}, {}x{} pixels; means of all lights, milliseconds",
-        frames.gpu.name,
-        frames::SIZE[0],
-        frames::SIZE[1]
-    );
-    compare(&frames, &of_the_paper, true);
+    let (gpu, name) = Gpu::first()?;
+    println!("\n{name}, {SIZE}x{SIZE} pixels; medians of {ROUNDS} frames in turn, means of all lights, milliseconds");
+    compare(&gpu, &of_the_paper, true)?;
     println!("\nLarge scenes");
-    compare(&frames, &large, false);
-    drop(frames);
-    println!("\nCaps, from eyes in shadow");
-    capping::compare(&scenes::in_shadow()).expect("frames");
+    compare(&gpu, &large, false)
 }
 
 fn casters(setting: &Setting) -> Vec<HiddenCaster<'_>> {
@@ -100,11 +101,8 @@ fn times() {
             let mut least = [f64::INFINITY; 2];
             for _ in 0..3 {
                 for (threads, least) in [Threads::ONE, Threads::all()].into_iter().zip(&mut least) {
-                    let begin = Instant::now();
-                    let found =
-                        find(setting.lights[0], &casters, HiddenOptions { threads, ..HiddenOptions::default() });
-                    *least = least.min(begin.elapsed().as_secs_f64() * 1e3);
-                    assert_eq!(found.statistics().without_room, 0, "{} of {faces} faces", setting.name);
+                    let options = HiddenOptions { threads, ..HiddenOptions::default() };
+                    *least = least.min(clock(|| drop(find(setting.lights[0], &casters, options))));
                 }
             }
             least.map(|time| format!("{time:.1}")).join(" | ")
@@ -113,59 +111,112 @@ fn times() {
     }
 }
 
-/// Loose faces as a body: each has three sides.
-fn loose(faces: &[[[f32; 3]; 3]]) -> Body {
-    let count = faces.len() as u32;
-    let corners = (0..count).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
-    let mesh = Mesh::from_faces(3 * faces.len(), corners).expect("a mesh");
-    Body { positions: faces.iter().flatten().copied().collect(), mesh: Rc::new(mesh) }
+/// A body as it is recorded.
+fn shape(body: &Body) -> Shape {
+    Shape { positions: body.positions.clone(), faces: body.mesh.faces().to_vec() }
+}
+
+/// Loose faces: each has three sides.
+fn loose(faces: &[[[f32; 3]; 3]]) -> Shape {
+    let corners = (0..faces.len() as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+    Shape { positions: faces.iter().flatten().copied().collect(), faces: corners }
 }
 
 /// Frames with each face's own volume, with silhouettes, and without hidden faces.
-fn compare(frames: &Frames, settings: &[Setting], has_plain: bool) {
+fn compare(gpu: &Gpu, settings: &[Setting], has_plain: bool) -> Result<(), Error> {
     println!(
         "| scene | | search | stages | depth | volumes | frame | fragments | volumes, ratio | frame, ratio | frame and search, ratio |"
     );
     println!("|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
+    let names = ["each face", "silhouettes", "and hidden faces"];
     for setting in settings {
-        let view = frames.view(setting);
-        let [mut plain, mut outline, mut hidden] = [Measured::default(); 3];
-        let mut search = 0.0;
         let casters = casters(setting);
-        let make = |bodies: &[Body]| frames.casting(bodies, setting.lights[0]).expect("a scene");
-        let [mut all, mut less] = [make(&setting.bodies), make(&setting.bodies)];
+        let mut sums = [[0.0; 5]; 3];
         for &light in &setting.lights {
-            all.set_light(light).expect("a light");
-            less.set_light(light).expect("a light");
-            let begin = Instant::now();
-            let found = find(light, &casters, HiddenOptions::default());
-            search += begin.elapsed().as_secs_f64() * 1e3;
-            less.set_hidden(Some(&found)).expect("casters");
-            let [of_all, of_less] = frames.measure(&view, [&mut all, &mut less]).expect("frames");
-            outline.add(&of_all);
-            hidden.add(&of_less);
-            if has_plain {
-                let mut each = make(&[loose(&casting(setting, light))]);
-                each.set_light(light).expect("a light");
-                let [of_each] = frames.measure(&view, [&mut each]).expect("frames");
-                plain.add(&of_each);
+            let mut found = None;
+            let search = clock(|| found = Some(find(light, &casters, HiddenOptions::default())));
+            let bodies: Vec<Shape> = setting.bodies.iter().map(shape).collect();
+            let plain = has_plain.then(|| vec![loose(&casting(setting, light))]);
+            let ways = [plain, Some(bodies.clone()), Some(bodies)];
+            let of_ways = frames(gpu, setting, light, ways, found.as_ref())?;
+            for ((sums, parts), search) in sums.iter_mut().zip(of_ways).zip([0.0, 0.0, search]) {
+                let parts = [search].into_iter().chain(parts);
+                sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part / setting.lights.len() as f64);
             }
         }
-        let base = if has_plain { plain } else { outline };
-        for (name, of, search) in
-            [("each face", plain, 0.0), ("silhouettes", outline, 0.0), ("and hidden faces", hidden, search)]
-        {
-            if !has_plain && name == "each face" {
-                continue;
-            }
-            let count = setting.lights.len() as f64;
-            let parts = [search, of.stages, of.depth, of.stencil, of.frame()].map(|sum| format!("{:.2}", sum / count));
-            let ratios = [base.stencil / of.stencil, base.frame() / of.frame(), base.frame() / (of.frame() + search)];
-            let ratios = ratios.map(|ratio| format!("{ratio:.2}"));
-            let fragments = of.fragments / setting.lights.len() as u64;
-            println!("| {} | {name} | {} | {fragments} | {} |", setting.name, parts.join(" | "), ratios.join(" | "));
+        let frame = |sums: &[f64; 5]| sums[1..4].iter().sum::<f64>();
+        let base = if has_plain { sums[0] } else { sums[1] };
+        for (name, of) in names.into_iter().zip(&sums).filter(|(_, of)| frame(of) > 0.0) {
+            let ratios = [base[3] / of[3], frame(&base) / frame(of), frame(&base) / (frame(of) + of[0])];
+            let [search, stages, depth, volumes, fragments] = of;
+            println!(
+                "| {} | {name} | {search:.2} | {stages:.2} | {depth:.2} | {volumes:.2} | {:.2} | {fragments:.0} | {} |",
+                setting.name,
+                frame(of),
+                ratios.map(|ratio| format!("{ratio:.2}")).join(" | ")
+            );
         }
     }
+    Ok(())
+}
+
+/// Milliseconds of the parts of frames, and fragments, of scenes of these casters; the last one without hidden faces.
+fn frames(
+    gpu: &Gpu,
+    setting: &Setting,
+    light: Light,
+    ways: [Option<Vec<Shape>>; 3],
+    hidden: Option<&HiddenFaces>,
+) -> Result<[[f64; 4]; 3], Error> {
+    let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
+    let pipelines = ScenePipelines::new(&gpu.pipelines, &format, Counting::Auto)?;
+    let depth = gpu.texture(SIZE, DEPTH).create_view(&wgpu::TextureViewDescriptor::default());
+    let counter = FragmentCounter::new(gpu, SIZE, 1)?;
+    let recorded: Vec<Option<Recorded>> = ways.into_iter().map(|way| Some(setting.recorded(way?, light))).collect();
+    let mut deforming = Vec::new();
+    for setting in &recorded {
+        deforming.push(setting.as_ref().map(|setting| Deforming::new(gpu, setting)).transpose()?);
+    }
+    let mut options = SceneOptions { max_lights: 1, ..SceneOptions::default() };
+    options.measuring.set(Measuring::BITS, true);
+    let surfaces = recorded[1].as_ref().map(|setting| Surfaces::of(gpu, setting, None));
+    let mut recorders = Vec::new();
+    for (number, (setting, deforming)) in recorded.iter().zip(&deforming).enumerate() {
+        let (Some(setting), Some(deforming)) = (setting, deforming) else { continue };
+        let mut recorder = SceneRecorder::new(gpu, setting, deforming, Some(&pipelines), options)?;
+        if number == 2 {
+            let (light, casters) = (recorder.lights[0], recorder.casters.clone());
+            recorder.scene.set_hidden_faces(light, &casters, hidden)?;
+        }
+        recorders.push((number, RefCell::new(recorder)));
+    }
+    let stopwatch = Stopwatch::new(gpu);
+    let contenders = recorders.iter().map(|(_, recorder)| -> Contender<'_> {
+        let (stopwatch, surfaces, depth) = (&stopwatch, &surfaces, &depth);
+        Box::new(move || {
+            let mut recorder = recorder.borrow_mut();
+            let stages = stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Volumes, None))?;
+            let seen = stopwatch.by_clock(|encoder| {
+                if let Some(surfaces) = surfaces {
+                    surfaces.pass(encoder, depth, Pass::Depth, None);
+                }
+                Ok(())
+            })?;
+            let volumes = stopwatch.by_clock(|encoder| {
+                recorder.draw(&mut stencil_pass(encoder, depth, wgpu::LoadOp::Load, None, None), 0)
+            })?;
+            Ok(PARTS.into_iter().zip([stages, seen, volumes].map(|[_, ms]| ms)).collect())
+        })
+    });
+    let samples = interleave(Rounds::exactly(ROUNDS), contenders.collect(), &())?;
+    let mut found = [[0.0; 4]; 3];
+    for ((number, recorder), samples) in recorders.iter().zip(samples) {
+        let entry = Entry::new(Variant::new("", "", 0, 0), &samples);
+        let medians = PARTS.map(|part| entry.median(part).unwrap_or(f64::NAN));
+        let fragments = counter.as_ref().map(|counter| counter.count(gpu, |pass, _| recorder.borrow().draw(pass, 0)));
+        found[*number] = [medians[0], medians[1], medians[2], fragments.transpose()?.unwrap_or(0) as f64];
+    }
+    Ok(found)
 }
 
 /// Writes `below.obj`, and `base.obj` with the polygon that covers it. Y is up there.

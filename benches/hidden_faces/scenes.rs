@@ -4,8 +4,9 @@ use std::rc::Rc;
 
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh};
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{self, Shape};
+use rimline_bench::random::Random;
+use rimline_bench::record::{Camera, IDENTITY, Setting as Recorded};
+use rimline_bench::shapes::{self, Shape};
 
 /// A body in world space. Bodies of one shape share their mesh.
 #[derive(Clone)]
@@ -25,13 +26,17 @@ pub(crate) struct Setting {
 }
 
 impl Setting {
-    /// The same with the eye turned about itself, by a part of a turn.
-    pub(crate) fn turned(&self, part: f32) -> Self {
-        let (sine, cosine) = (part * std::f32::consts::TAU).sin_cos();
-        let [x, y, z] = [0, 1, 2].map(|axis| self.target[axis] - self.eye[axis]);
-        let along = [cosine * x - sine * y, sine * x + cosine * y, z];
-        let target = [0, 1, 2].map(|axis| self.eye[axis] + along[axis]);
-        Self { bodies: self.bodies.clone(), lights: self.lights.clone(), target, ..*self }
+    /// Casters of the setting as they are recorded, with Y up.
+    pub(crate) fn recorded(&self, mut shapes: Vec<Shape>, light: Light) -> Recorded {
+        let upright = |[x, y, z]: [f32; 3]| [x, z, -y];
+        for position in shapes.iter_mut().flat_map(|shape| &mut shape.positions) {
+            *position = upright(*position);
+        }
+        let placed = (0..shapes.len()).map(|shape| (shape, IDENTITY)).collect();
+        let [eye, target] = [self.eye, self.target].map(|point| glam::Vec3::from(upright(point)));
+        let camera = Camera::level(eye, target - eye, 2.0, 0.5);
+        let light = Light { xyz: upright(light.xyz), ..light };
+        Recorded { ground: Some(self.ground), ..Recorded::rigid(shapes, placed, vec![light], &camera) }
     }
 }
 
@@ -167,24 +172,6 @@ pub(crate) fn of_the_paper() -> Vec<Setting> {
         ground: -5.0,
     };
     all.into_iter().map(setting).collect()
-}
-
-/// Scenes with the eye in the shadow of many faces.
-pub(crate) fn in_shadow() -> Vec<Setting> {
-    let mut all: Vec<Setting> = of_the_paper()
-        .into_iter()
-        .filter(|setting| ["tetrahedra 1", "tetrahedra 2", "cubes"].contains(&setting.name))
-        .collect();
-    all.extend([city(10_000), forest(10_000)]);
-    for setting in &mut all {
-        [setting.eye, setting.target] = match setting.name {
-            "city" => [[5.0, 3.0, 1.7], [30.0, 40.0, 1.0]],
-            "forest" => [[0.0, 0.5, 0.7], [20.0, 15.0, 0.0]],
-            "cubes" => [[1.0, -1.0, -1.0], [6.0, 8.0, -5.0]],
-            _ => [[0.5, -3.0, -1.0], [4.0, 8.0, -4.0]],
-        };
-    }
-    all
 }
 
 /// Boxes of 12 faces, so many faces in all.

@@ -4,96 +4,56 @@
 
 use std::time::Instant;
 
-use glam::{Mat4, Vec4};
+use glam::Vec3;
 use rimline::gpu::{
     Extractor, ExtractorOptions, Pipelines, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
-use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera, wgpu};
-use rimline_measure::shapes;
+use rimline::{Counting, Light};
+use rimline_bench::engine::{Contender, Metric, Rounds, interleave};
+use rimline_bench::gpu::Gpu;
+use rimline_bench::record::Camera;
+use rimline_bench::row::{Entry, Variant};
+use rimline_bench::{Error, shapes};
 
 const ROUNDS: usize = 15;
+const MAKING: Metric = Metric::Time("making");
+const USING: Metric = Metric::Time("first use");
 
-/// Pipelines that a further mesh finds made.
-#[derive(Clone, Copy, PartialEq)]
-enum Shared {
-    Nothing,
-    Drawing,
-    All,
-}
-
-fn main() {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
-    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
-    let Ok(adapter) = adapter else { return println!("no adapter") };
-    let (device, queue) =
-        pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).expect("default limits");
-    let bench = Bench::new(device, queue);
-    println!("{}; median of {ROUNDS}, milliseconds", adapter.get_info().name);
-    println!("{:<42} {:>8} {:>10}", "", "making", "first use");
-    for (what, shared) in [
-        ("nothing shared", Shared::Nothing),
-        ("one `ShadowPipelines`", Shared::Drawing),
-        ("one `Pipelines`", Shared::All),
-    ] {
-        let all = Pipelines::new(&bench.device);
-        let drawing = Bench::drawing(&all);
-        // The first mesh, which compiles what is shared.
-        bench.run(shared, &all, &drawing);
-        let mut times: Vec<_> = (0..ROUNDS).map(|_| bench.run(shared, &all, &drawing)).collect();
-        let [making, using] = [0, 1].map(|part| {
-            times.sort_by(|a, b| a[part].total_cmp(&b[part]));
-            times[ROUNDS / 2][part]
-        });
-        println!("{what:<42} {making:>8.2} {using:>10.2}");
-    }
-}
-
-struct Bench {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
-    mesh: Mesh,
-    positions: wgpu::Buffer,
-}
-
-impl Bench {
-    fn new(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        // Small, so that pipelines are what takes time.
-        let shape = shapes::torus(24, 16, 1.0, 0.4);
-        let positions = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("positions"),
-            size: size_of_val(&shape.positions[..]) as u64,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        queue.write_buffer(&positions, 0, bytemuck::cast_slice(&shape.positions));
-        Self { device, queue, mesh: shape.mesh().expect("a shape is a mesh"), positions }
-    }
-
-    fn drawing(pipelines: &Pipelines) -> ShadowPipelines {
-        ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::Auto).expect("a format that serves")
-    }
-
-    /// Milliseconds to make an extractor and volumes, and to encode, submit and wait for them once.
-    fn run(&self, shared: Shared, all: &Pipelines, drawing: &ShadowPipelines) -> [f64; 2] {
+fn main() -> Result<(), Error> {
+    let (gpu, name) = Gpu::first()?;
+    // Small, so that pipelines are what takes time.
+    let shape = shapes::torus(24, 16, 1.0, 0.4);
+    let mesh = shape.mesh()?;
+    let positions = gpu.buffer(wgpu::BufferUsages::STORAGE, &shape.positions);
+    let camera = Camera::level(Vec3::Z * 5.0, Vec3::NEG_Z, 1.0, 0.1).shadow();
+    let drawing = |all: &Pipelines| ShadowPipelines::new(all, &ShadowFormat::default(), Counting::Auto);
+    let (shared, shared_drawing) = (Pipelines::new(&gpu.device), drawing(&gpu.pipelines)?);
+    // Makes an extractor and volumes; then encodes, submits and waits for them once.
+    let run = |shares_drawing: bool, shares_all: bool| {
         let begin = Instant::now();
-        let all = if shared == Shared::All { all.clone() } else { Pipelines::new(&self.device) };
-        let own = (shared == Shared::Nothing).then(|| Self::drawing(&all));
-        let mut extractor = Extractor::new(&all, &self.mesh, ExtractorOptions::default()).expect("a small mesh fits");
-        let mut volumes = ShadowVolumes::new(own.as_ref().unwrap_or(drawing), &extractor, ShadowOptions::default())
-            .expect("a small mesh fits");
+        let all = if shares_all { shared.clone() } else { Pipelines::new(&gpu.device) };
+        let own = if shares_drawing { None } else { Some(drawing(&all)?) };
+        let drawing = own.as_ref().unwrap_or(&shared_drawing);
+        let mut extractor = Extractor::new(&all, &mesh, ExtractorOptions::default())?;
+        let mut volumes = ShadowVolumes::new(drawing, &extractor, ShadowOptions::default())?;
         let made = Instant::now();
-        let camera = ShadowCamera {
-            view_projection: Mat4::from_cols(Vec4::X, Vec4::Y, -Vec4::W, Vec4::Z * 0.1).to_cols_array_2d(),
-            origin: [0.0, 0.0, 5.0],
-            depth: DepthDirection::Reversed,
-        };
-        let light = Light::point([0.0, 5.0, 2.0]);
-        let positions = PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 };
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let extraction = extractor.encode(&mut encoder, positions, &[light], None).expect("good input");
-        volumes.encode(&mut encoder, &extraction, &camera, None).expect("good input");
-        self.queue.submit([encoder.finish()]);
-        self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device is there");
-        [made.duration_since(begin), made.elapsed()].map(|time| time.as_secs_f64() * 1e3)
+        let positions = PositionBuffer { buffer: &positions, offset: 0, stride: 12 };
+        let mut encoder = gpu.encoder();
+        let extraction = extractor.encode(&mut encoder, positions, &[Light::point([0.0, 5.0, 2.0])], None)?;
+        volumes.encode(&mut encoder, &extraction, &camera, None)?;
+        gpu.queue.submit([encoder.finish()]);
+        gpu.wait()?;
+        let times = [made.duration_since(begin), made.elapsed()].map(|time| time.as_secs_f64() * 1e3);
+        Ok(vec![(MAKING, times[0]), (USING, times[1])])
+    };
+    let names = ["nothing shared", "one `ShadowPipelines`", "one `Pipelines`"];
+    let contenders: Vec<Contender<'_>> =
+        vec![Box::new(|| run(false, false)), Box::new(|| run(true, false)), Box::new(|| run(true, true))];
+    println!("{name}; median of {ROUNDS}, milliseconds\n{:<26} {:>8} {:>10}", "", "making", "first use");
+    for (name, samples) in names.into_iter().zip(interleave(Rounds::exactly(ROUNDS), contenders, &())?) {
+        let entry = Entry::new(Variant::new(name, name, 0, 0), &samples);
+        let [making, using] = [MAKING, USING].map(|metric| entry.median(metric).unwrap_or(f64::NAN));
+        println!("{name:<26} {making:>8.2} {using:>10.2}");
     }
+    Ok(())
 }

@@ -1,80 +1,90 @@
 //! `cargo bench --bench polygons`: a torus of quadrilaterals beside its triangles. How long the mesh takes to build, how
-//! long the CPU takes to extract silhouettes, and how many faces and records there are. `--quick` for small meshes, `--stages` for the stages on the
-//! GPU, `--gpu` for the GPU alone.
+//! long CPU and GPU take to extract silhouettes, and how many records there are. `--quick` for small meshes.
 
-mod on_gpu;
-
-use std::hint::black_box;
-use std::time::Instant;
-
+use rimline::gpu::ExtractorOptions;
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{Extraction, Threads};
 use rimline::{Light, Mesh, Predicate};
-use rimline_measure::polygons::{PolygonSet, quad_torus};
-use rimline_measure::random::Random;
+use rimline_bench::Error;
+use rimline_bench::engine::{Contender, Metric, Rounds, clock, interleave};
+use rimline_bench::gpu::{Gpu, Stopwatch};
+use rimline_bench::record::{Meshes, Recorder as _, Until};
+use rimline_bench::row::{Entry, Variant};
+use rimline_testkit::polygons::{PolygonSet, quad_torus};
+use rimline_testkit::random::Random;
 
-/// Runs of each. They take turns, so that a slow spell of the machine hits all of them.
-pub(crate) const ROUNDS: usize = 5;
-pub(crate) const SEED: u64 = 15;
+const ROUNDS: usize = 9;
+const SEED: u64 = 15;
+const TIME: Metric = Metric::Time("time");
 
-fn main() {
+fn main() -> Result<(), Error> {
     let is_quick = std::env::args().any(|argument| argument == "--quick");
     let sizes: &[u32] = if is_quick { &[32, 64] } else { &[128, 707] };
-    if std::env::args().any(|argument| argument == "--gpu") {
-        return on_gpu::measure(sizes).expect("a GPU");
-    }
-    println!("seed {SEED}; one thread; least of {ROUNDS} runs, milliseconds");
-    println!(
-        "| quadrilaterals | bump | records | of triangles | build | of triangles | 1 light | of triangles | 8 lights | of triangles | by pairs, % | twisted, % |"
-    );
-    println!("|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
+    let (gpu, name) = Gpu::first()?;
+    println!("{name}; seed {SEED}; CPU on one thread; medians of {ROUNDS} runs in turn, milliseconds");
+    println!("| quadrilaterals | bump | records | of triangles | twisted, % | what | polygons | triangles | ratio |");
+    println!("|---:|---:|---:|---:|---:|---|---:|---:|---:|");
     for &size in sizes {
-        for bump in [0.0, 0.001] {
-            measure(&quad_torus(&mut Random::new(SEED), size, size, bump), bump);
+        for bump in [0.0, 0.0001, 0.001] {
+            measure(&gpu, &quad_torus(&mut Random::new(SEED), size, size, bump), bump)?;
         }
     }
-    on_gpu::measure(sizes).expect("a GPU");
+    Ok(())
 }
 
-fn measure(set: &PolygonSet, bump: f32) {
-    let mesh = set.mesh(Weld::Keep).expect("a mesh");
-    let faces = mesh.faces().to_vec();
-    let triangles = Mesh::new(&set.positions, &faces, Weld::Keep).expect("a mesh");
+fn measure(gpu: &Gpu, set: &PolygonSet, bump: f32) -> Result<(), Error> {
+    let polygons = set.mesh(Weld::Keep)?;
+    let triangles = Mesh::new(&set.positions, polygons.faces(), Weld::Keep)?;
     let mut random = Random::new(SEED);
     let lights: Vec<Light> = (0..8).map(|_| Light::point(random.direction().map(|c| 6.0 * c))).collect();
-    let mut least = [f64::INFINITY; 6];
-    let (mut found, mut of_triangles) = (Extraction::default(), Extraction::default());
-    for _ in 0..ROUNDS {
-        let times = [
-            time(|| drop(black_box(set.mesh(Weld::Keep)))),
-            time(|| drop(black_box(Mesh::new(&set.positions, &faces, Weld::Keep)))),
-            time(|| extract(&mut found, set, &mesh, &lights[..1])),
-            time(|| extract(&mut of_triangles, set, &triangles, &lights[..1])),
-            time(|| extract(&mut found, set, &mesh, &lights)),
-            time(|| extract(&mut of_triangles, set, &triangles, &lights)),
-        ];
-        least.iter_mut().zip(times).for_each(|(least, time)| *least = least.min(time));
-    }
+    let mut found = Extraction::default();
+    found.update(&set.positions, &polygons, &lights, Predicate::Exact, Threads::ONE).expect("good lights");
     let twisted: u32 = found.twisted.iter().map(|mask| mask.count_ones()).sum();
-    let pairs = (8 * mesh.face_count()) as f64;
-    let times: Vec<String> = least.iter().map(|time| format!("{time:.1}")).collect();
-    println!(
-        "| {} | {bump} | {} | {} | {} | {:.2} | {:.2} |",
-        mesh.face_count(),
-        mesh.edges().len(),
-        triangles.edges().len(),
-        times.join(" | "),
-        100.0 * f64::from(found.statistics.undecided_pairs) / pairs,
-        100.0 * f64::from(twisted) / pairs,
+    let twisted = 100.0 * f64::from(twisted) / (8 * polygons.face_count()) as f64;
+    let facts = format!(
+        "{} | {bump} | {} | {} | {twisted:.2}",
+        polygons.face_count(),
+        polygons.edges().len(),
+        triangles.edges().len()
     );
-}
-
-fn extract(found: &mut Extraction, set: &PolygonSet, mesh: &Mesh, lights: &[Light]) {
-    found.update(&set.positions, mesh, lights, Predicate::Exact, Threads::ONE).expect("good lights");
-}
-
-fn time(work: impl FnOnce()) -> f64 {
-    let start = Instant::now();
-    work();
-    start.elapsed().as_secs_f64() * 1e3
+    let mut contenders: Vec<(&str, Contender<'_>)> = vec![
+        ("build", Box::new(|| Ok(vec![(TIME, clock(|| drop(set.mesh(Weld::Keep))))]))),
+        (
+            "build",
+            Box::new(|| Ok(vec![(TIME, clock(|| drop(Mesh::new(&set.positions, polygons.faces(), Weld::Keep))))])),
+        ),
+    ];
+    for (name, lights) in [("1 light", &lights[..1]), ("8 lights", &lights[..])] {
+        for mesh in [&polygons, &triangles] {
+            let mut found = Extraction::default();
+            let update = move || {
+                let ms = clock(|| {
+                    found.update(&set.positions, mesh, lights, Predicate::Exact, Threads::ONE).expect("good lights");
+                });
+                Ok(vec![(TIME, ms)])
+            };
+            contenders.push((name, Box::new(update)));
+        }
+    }
+    for (name, lights) in [("GPU, 1 light", &lights[..1]), ("GPU, 8 lights", &lights[..])] {
+        for mesh in [&polygons, &triangles] {
+            let mut recorder = Meshes::new(None, lights, None);
+            let options = ExtractorOptions { max_lights: lights.len(), ..ExtractorOptions::default() };
+            recorder.push(gpu, options, mesh, &set.positions)?;
+            let stopwatch = Stopwatch::new(gpu);
+            let run = move || {
+                let times = stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Extraction, None))?;
+                Ok(vec![(TIME, times[0] + times[1])])
+            };
+            contenders.push((name, Box::new(run)));
+        }
+    }
+    let (names, contenders): (Vec<_>, Vec<_>) = contenders.into_iter().unzip();
+    let samples = interleave(Rounds::exactly(ROUNDS), contenders, &())?;
+    for (name, pair) in names.chunks(2).zip(samples.chunks(2)) {
+        let [of, to] = [0, 1]
+            .map(|at| Entry::new(Variant::new(name[at], name[at], 0, 0), &pair[at]).median(TIME).unwrap_or(f64::NAN));
+        println!("| {facts} | {} | {of:.2} | {to:.2} | {:.2} |", name[0], of / to);
+    }
+    Ok(())
 }

@@ -1,51 +1,73 @@
 //! `cargo bench --bench shadow_depth`: triples of point, light and face a second, on the GPU and on the CPU, with and
 //! without skipping; points on the mesh and around it. `--quick` for a small mesh, `--large` for one of a million faces.
 
-use std::time::Instant;
-
-use rimline::gpu::{PositionBuffer, ShadowQuery, ShadowQueryOptions, read_back_vec};
+use rimline::Light;
+use rimline::gpu::{PositionBuffer, ShadowQuery, ShadowQueryOptions};
 use rimline::reference::cpu::{Threads, shadow_depth};
-use rimline::{Light, Mesh, wgpu};
-use rimline_measure::shapes::{self, Shape};
+use rimline_bench::Error;
+use rimline_bench::engine::{Contender, Metric, Rounds, clock, interleave};
+use rimline_bench::gpu::{Gpu, Stopwatch};
+use rimline_bench::row::{Entry, Variant};
+use rimline_bench::shapes::{self, Shape};
+use wgpu::BufferUsages;
 
 const ROUNDS: usize = 5;
+const TIME: Metric = Metric::Time("time");
 
-fn main() {
+fn main() -> Result<(), Error> {
     let has = |wanted: &str| std::env::args().any(|argument| argument == wanted);
     let (shape, points) = match (has("--quick"), has("--large")) {
         (true, _) => (shapes::torus(64, 32, 1.0, 0.4), 1 << 12),
         (_, true) => (shapes::torus(1024, 512, 1.0, 0.4), 1 << 20),
         _ => (shapes::torus(256, 128, 1.0, 0.4), 1 << 16),
     };
-    let lights = [Light::point([2.5, 1.5, 3.0])];
-    let gpu = Gpu::new();
-    println!("{} faces, {points} points, 1 light; median of {ROUNDS}", shape.faces.len());
-    println!("adapter: {}", gpu.as_ref().map_or("none", |gpu| &gpu.name));
-    for (what, shape) in [("in order", shape.clone()), ("shuffled", shape.shuffled(1))] {
-        let on_mesh: Vec<_> = (0..points).map(|i| on_face(&shape, i)).collect();
+    let (gpu, name) = Gpu::first()?;
+    println!("{} faces, {points} points, 1 light; median of {ROUNDS}; {name}", shape.faces.len());
+    for (order, shape) in [("in order", shape.clone()), ("shuffled", shape.shuffled(1))] {
+        let on_mesh: Vec<_> = (0..points).map(|index| on_face(&shape, index)).collect();
         let around: Vec<_> = on_mesh.iter().map(|p| p.map(|c| 1.3 * c + 0.01)).collect();
         for (place, points) in [("on the mesh", &on_mesh), ("around it", &around)] {
-            println!("faces {what}, points {place}");
-            // Without skipping, a part of the points is enough.
-            for (skip, part) in [(true, 1), (false, 16)] {
-                let points = &points[..points.len() / if what == "shuffled" { 16 } else { part }];
-                let depths = gpu.as_ref().map(|gpu| gpu.measure(&shape, points, &lights, skip));
-                let name = if skip { "GPU" } else { "GPU, no skipping" };
-                let depths = depths.map(|(seconds, depths)| (print(name, &shape, points.len(), seconds), depths).1);
-                if skip {
-                    let points = &points[..points.len() / 16];
-                    let mut found = Vec::new();
-                    let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).expect("a mesh");
-                    let run = || {
-                        found = shadow_depth(&shape.positions, &mesh, points, &lights, Threads::all())
-                            .expect("good lights");
-                    };
-                    print("CPU", &shape, points.len(), median(run));
-                    assert!(depths.is_none_or(|depths| depths.starts_with(&found)), "GPU and CPU differ");
-                }
-            }
+            println!("faces {order}, points {place}");
+            // A part of the points is enough for what is slow.
+            let of = |part: usize| &points[..points.len() / if order == "shuffled" { 16 } else { part }];
+            compare(&gpu, &shape, [of(1), of(16)])?;
         }
     }
+    Ok(())
+}
+
+/// All points on the GPU, few without skipping and on the CPU.
+fn compare(gpu: &Gpu, shape: &Shape, [points, few]: [&[[f32; 3]]; 2]) -> Result<(), Error> {
+    let (mesh, lights) = (shape.mesh()?, [Light::point([2.5, 1.5, 3.0])]);
+    let on_gpu = |points: &[[f32; 3]], skip_by_boxes| -> Result<Contender<'_>, Error> {
+        let (count, mut stopwatch) = (points.len() as u32, Stopwatch::new(gpu));
+        let options = ShadowQueryOptions { max_points: count, skip_by_boxes, ..Default::default() };
+        let mut query = ShadowQuery::new(&gpu.device, &mesh, options)?;
+        let buffers = [&shape.positions[..], points].map(|points| gpu.buffer(BufferUsages::STORAGE, points));
+        Ok(Box::new(move || {
+            let [positions, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
+            let timed =
+                stopwatch.timed(|encoder, _| Ok(query.encode_at(encoder, positions, points, count, &lights, None)?))?;
+            Ok(vec![(TIME, timed.recording_ms + timed.clock_ms)])
+        }))
+    };
+    let on_cpu = || {
+        let depths = || drop(shadow_depth(&shape.positions, &mesh, few, &lights, Threads::all()).expect("good lights"));
+        Ok(vec![(TIME, clock(depths))])
+    };
+    let contenders: Vec<Contender<'_>> = vec![on_gpu(points, true)?, on_gpu(few, false)?, Box::new(on_cpu)];
+    let counts = [("GPU", points), ("GPU, no skipping", few), ("CPU", few)];
+    for ((name, points), samples) in counts.into_iter().zip(interleave(Rounds::exactly(ROUNDS), contenders, &())?) {
+        let ms = Entry::new(Variant::new(name, name, 0, 0), &samples).median(TIME).unwrap_or(f64::NAN);
+        let (points, seconds) = (points.len() as f64, ms / 1e3);
+        let pairs = points * shape.faces.len() as f64;
+        println!(
+            "  {name:<18} {points:>8} points {ms:>10.2} ms {:>8.2} M points/s {:>9.2} G pairs of point and face/s",
+            points / seconds / 1e6,
+            pairs / seconds / 1e9
+        );
+    }
+    Ok(())
 }
 
 /// A point on a face, spread over the mesh.
@@ -54,82 +76,4 @@ fn on_face(shape: &Shape, index: usize) -> [f32; 3] {
     let [a, b, c] = face.map(|vertex| shape.positions[vertex as usize]);
     let (s, t) = (0.1 + 0.1 * (index % 4) as f32, 0.1 + 0.1 * (index % 5) as f32);
     std::array::from_fn(|axis| a[axis] + s * (b[axis] - a[axis]) + t * (c[axis] - a[axis]))
-}
-
-fn median(mut run: impl FnMut()) -> f64 {
-    run();
-    let mut seconds: Vec<f64> = (0..ROUNDS)
-        .map(|_| {
-            let start = Instant::now();
-            run();
-            start.elapsed().as_secs_f64()
-        })
-        .collect();
-    seconds.sort_by(f64::total_cmp);
-    seconds[ROUNDS / 2]
-}
-
-fn print(name: &str, shape: &Shape, points: usize, seconds: f64) {
-    let pairs = points as f64 * shape.faces.len() as f64;
-    println!(
-        "  {name:<18} {points:>8} points {:>10.2} ms {:>8.2} M points/s {:>9.2} G pairs of point and face/s",
-        seconds * 1e3,
-        points as f64 / seconds / 1e6,
-        pairs / seconds / 1e9
-    );
-}
-
-struct Gpu {
-    name: String,
-    device: wgpu::Device,
-    queue: wgpu::Queue,
-}
-
-impl Gpu {
-    fn new() -> Option<Self> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        let options = wgpu::RequestAdapterOptions {
-            power_preference: wgpu::PowerPreference::HighPerformance,
-            ..Default::default()
-        };
-        let adapter = pollster::block_on(instance.request_adapter(&options)).ok()?;
-        let limits = wgpu::Limits {
-            max_buffer_size: adapter.limits().max_buffer_size,
-            max_storage_buffer_binding_size: adapter.limits().max_storage_buffer_binding_size,
-            ..wgpu::Limits::default()
-        };
-        let (device, queue) = pollster::block_on(
-            adapter.request_device(&wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() }),
-        )
-        .ok()?;
-        Some(Self { name: adapter.get_info().name, device, queue })
-    }
-
-    fn storage(&self, points: &[[f32; 3]]) -> wgpu::Buffer {
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: size_of_val(points) as u64,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        self.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(points));
-        buffer
-    }
-
-    /// Seconds from recording to the end of the work, and the depths.
-    fn measure(&self, shape: &Shape, points: &[[f32; 3]], lights: &[Light], skip: bool) -> (f64, Vec<i32>) {
-        let options = ShadowQueryOptions { max_points: points.len() as u32, skip_by_boxes: skip, ..Default::default() };
-        let mesh = shape.mesh().expect("a shape is a mesh");
-        let mut query = ShadowQuery::new(&self.device, &mesh, options).expect("it fits");
-        let buffers = [&shape.positions[..], points].map(|points| self.storage(points));
-        let [positions, bound] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
-        let seconds = median(|| {
-            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            query.encode_at(&mut encoder, positions, bound, points.len() as u32, lights, None).expect("good input");
-            self.queue.submit([encoder.finish()]);
-            self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device is there");
-        });
-        let depths = read_back_vec(&self.device, &self.queue, query.depths()).expect("the device is there");
-        (seconds, depths)
-    }
 }

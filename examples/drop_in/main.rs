@@ -6,7 +6,7 @@ mod support;
 
 use rimline::gpu::{self, Extractor, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::{Light, Mesh, mesh::Weld, wgpu};
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Yours: a device, and a buffer in any layout that has three floats a vertex; here they are 16 bytes apart.

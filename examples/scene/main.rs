@@ -19,7 +19,7 @@ use rimline::gpu::{
 };
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Mesh, ShadowCamera, wgpu};
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 use stage::{Body, COLOR, Camera, DEPTH_STENCIL, Stage};
 use support::Canvas;
 

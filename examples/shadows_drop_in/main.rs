@@ -11,7 +11,7 @@ use rimline::gpu::{
     Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
 use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera, mesh::Weld, wgpu};
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

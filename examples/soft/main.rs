@@ -14,7 +14,7 @@ use rimline::gpu::{
     Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
 use rimline::{AreaLight, AreaShape, Counting, DepthDirection, Light, Mesh, ShadowCamera, mesh::Weld, wgpu};
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, PARTS, Stage};
 use support::Canvas;
 

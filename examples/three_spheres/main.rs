@@ -14,7 +14,7 @@ use rimline::{
     Counting, DepthDirection, Displacement, Geometry, GeometryOptions, Instance, InstancePose, Light, Model, Pose,
     ShadowCamera, wgpu,
 };
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
 
 /// Where the spheres are; `noise.wgsl` knows it, too.

@@ -6,8 +6,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use rimline_measure::harness::Test;
-use rimline_measure::{must_fail, same};
+use rimline_testkit::harness::Test;
+use rimline_testkit::{must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[("goldens_notice_each_changed_bit", hash)];
 

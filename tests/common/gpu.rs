@@ -8,7 +8,7 @@ mod slivers;
 mod warm_up;
 mod watched;
 
-use rimline_measure::harness;
+use rimline_testkit::harness;
 
 fn main() {
     let tests =

@@ -5,11 +5,11 @@ use rimline::gpu::{
     ShadowQuery, ShadowQueryOptions, ShadowVolumes, StageTimer, read_back_vec, results_bind_group_layout,
 };
 use rimline::{Counting, Mesh};
-use rimline_measure::harness::Test;
-use rimline_measure::models::{random_model, random_pose};
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
+use rimline_testkit::harness::Test;
+use rimline_testkit::models::{random_model, random_pose};
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 
 use crate::watched::{LIGHT, Watched, camera, caster, depth_stencil, extractor, packed};
 

@@ -8,16 +8,16 @@ use rimline::gpu::{
 };
 use rimline::reference::Method;
 use rimline::{Counting, Displacement, Light, Mesh, Predicate};
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::models::random_model;
-use rimline_measure::on_gpu::interleaved;
-use rimline_measure::on_gpu::{Found, read};
-use rimline_measure::on_gpu::{compare, limited, repeated_torus, text};
-use rimline_measure::random::Random;
-use rimline_measure::{lights, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::models::random_model;
+use rimline_testkit::on_gpu::interleaved;
+use rimline_testkit::on_gpu::{Found, read};
+use rimline_testkit::on_gpu::{compare, limited, repeated_torus, text};
+use rimline_testkit::random::Random;
+use rimline_testkit::{lights, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("each_shared_pipeline_is_made_once", once),

@@ -9,10 +9,10 @@ use rimline::gpu::{
     DeviceError, Extractor, ExtractorOptions, StageTimer, read_back, read_back_async, read_back_vec,
     read_back_vec_async,
 };
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{must_fail, same};
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{must_fail, same};
 
 use crate::watched::{LIGHT, Watched, caster, packed};
 

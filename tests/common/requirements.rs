@@ -7,11 +7,11 @@ use rimline::gpu::{
 };
 use rimline::reference::Method;
 use rimline::{Counting, Light};
-use rimline_measure::harness::Test;
-use rimline_measure::models::{random_model, random_pose};
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{must_fail, same};
+use rimline_testkit::harness::Test;
+use rimline_testkit::models::{random_model, random_pose};
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{must_fail, same};
 
 use crate::watched::{Watched, camera, caster, depth_stencil, packed};
 

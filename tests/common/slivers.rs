@@ -1,9 +1,9 @@
 //! Closed surfaces of plain triangles that leave the picture, without any stage of Rimline: whether this driver covers each
 //! pixel by as many fronts as backs. Where it does not, the tests prove why, and what helps.
 
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::slivers::{End, SIZE, Triangle, cut, tube, unbalanced, wrong_pixels};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::slivers::{End, SIZE, Triangle, cut, tube, unbalanced, wrong_pixels};
 
 pub(crate) const TESTS: &[Test] = &[
     ("slivers_within_the_picture_are_watertight", within),

@@ -3,7 +3,7 @@
 use rimline::gpu::include_wgsl;
 use rimline::reference::stages::{DEFORM, DRAWN, EXACT_FACING, SCENE_EXACT_FACING, STAGES, Stage};
 use rimline::reference::turns::{EXACT_ITEMS, MOST_TURNS, TURNS, limits, scene_exact_items};
-use rimline_measure::turns::turns;
+use rimline_testkit::turns::turns;
 
 use crate::Outcome;
 

@@ -5,10 +5,10 @@ use rimline::gpu::{
     ScenePipelines, ShadowFormat, Use,
 };
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::{must_fail, same, shapes};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::{must_fail, same, shapes};
 
 pub(crate) const TESTS: &[Test] =
     &[("frames_make_what_they_need_and_no_more", frames), ("a_warm_up_leaves_nothing_to_be_made", warm_up)];

@@ -7,9 +7,9 @@ use glam::camera::rh::proj::directx::perspective_infinite_reverse;
 use glam::camera::rh::view::look_at_mat4;
 use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer, ShadowFormat};
 use rimline::{DepthDirection, Light, Mesh, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::shapes::{self, Shape};
 
 /// A device, and what went to its handler of uncaptured errors.
 pub(crate) struct Watched {

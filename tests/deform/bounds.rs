@@ -5,9 +5,9 @@ use rimline::model::Box3;
 use rimline::{
     Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelBounds, ModelError, Pose,
 };
-use rimline_measure::models::{bending_tube, random_geometry, random_matrix, random_model, random_pose};
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, poser};
+use rimline_testkit::models::{bending_tube, random_geometry, random_matrix, random_model, random_pose};
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, poser};
 
 const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 

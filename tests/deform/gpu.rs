@@ -5,7 +5,7 @@ mod poser;
 mod stage;
 mod zero;
 
-use rimline_measure::harness;
+use rimline_testkit::harness;
 
 fn main() {
     let mut trials = harness::gpu_trials([stage::TESTS, poser::TESTS, many_terms::TESTS, zero::TESTS].concat());

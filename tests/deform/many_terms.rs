@@ -5,10 +5,10 @@ use rimline::gpu::{DeformError, Deformer, DeformerOptions};
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Geometry, GeometryOptions, Influences, Instance, InstancePose, Model, Pose};
 
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::deformed;
-use rimline_measure::{must_fail, poser, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::deformed;
+use rimline_testkit::{must_fail, poser, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("many_morph_targets_and_influences_are_all_added", all_are_added),

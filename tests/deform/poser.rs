@@ -10,14 +10,14 @@ use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Model, ModelBounds, Pose};
 
-use rimline_measure::device::Gpu;
-use rimline_measure::files::GOOD_FILES;
-use rimline_measure::harness::Test;
-use rimline_measure::models::{random_model, random_pose};
-use rimline_measure::on_gpu::deformed;
-use rimline_measure::poser::{self, Posed, gltf::File};
-use rimline_measure::random::Random;
-use rimline_measure::{assets, is_long, must_fail};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::files::GOOD_FILES;
+use rimline_testkit::harness::Test;
+use rimline_testkit::models::{random_model, random_pose};
+use rimline_testkit::on_gpu::deformed;
+use rimline_testkit::poser::{self, Posed, gltf::File};
+use rimline_testkit::random::Random;
+use rimline_testkit::{assets, is_long, must_fail};
 
 pub(crate) const TESTS: &[Test] = &[("deform_equals_the_poser_on_random_models", random_models)];
 

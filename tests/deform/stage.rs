@@ -5,12 +5,12 @@ use rimline::reference::cpu::{self, Threads};
 use rimline::wgpu;
 use rimline::{Displacement, Geometry, Instance, InstancePose, MeshError, Model, ModelError, Pose};
 
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::models::{random_model, random_pose};
-use rimline_measure::on_gpu::{check_deform, deformed};
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::models::{random_model, random_pose};
+use rimline_testkit::on_gpu::{check_deform, deformed};
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("deform_equals_its_twin_within_the_bound", random_models),

@@ -4,10 +4,10 @@
 use rimline::gpu::{DeformError, Deformer, DeformerOptions, DeviceError};
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, Pose};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::{deformed, text};
-use rimline_measure::same;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::{deformed, text};
+use rimline_testkit::same;
 
 pub(crate) const TESTS: &[Test] = &[("models_of_nothing_deform_to_nothing", nothing)];
 

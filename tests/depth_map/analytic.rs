@@ -6,10 +6,10 @@ use std::cell::OnceCell;
 use glam::DVec3;
 use rimline::DepthDirection;
 use rimline::gpu::{DepthMapMethod, DepthMapOptions, DepthMetric};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::is_long;
-use rimline_measure::random::Random;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::is_long;
+use rimline_testkit::random::Random;
 use wgpu::TextureFormat;
 
 use crate::maps::Map;

@@ -3,10 +3,10 @@
 
 use num_bigint::BigInt;
 use rimline::reference::stages::DEPTH_CELLS;
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::random::Random;
-use rimline_measure::same;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::random::Random;
+use rimline_testkit::same;
 
 use crate::maps::Map;
 use crate::probe::Probe;

@@ -6,11 +6,11 @@ use std::collections::BTreeMap;
 use glam::{DVec2, DVec3};
 use rimline::DepthDirection;
 use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::is_long;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::is_long;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
 use wgpu::TextureFormat;
 
 use crate::maps::Map;

@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3};
 use rimline::DepthDirection;
 use rimline::gpu::{DepthMapMethod, DepthMapOptions};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
 use wgpu::TextureFormat;
 
 use crate::boundary::Boundary;

@@ -4,11 +4,11 @@
 use glam::DVec2;
 use rimline::DepthDirection;
 use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::is_long;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::is_long;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
 use wgpu::TextureFormat;
 
 use crate::boundary::Boundary;
@@ -265,8 +265,8 @@ fn maps() -> Result<(), String> {
         };
         let plain = picture(TextureFormat::Depth32Float, &map)?;
         let beside = picture(TextureFormat::Depth32FloatStencil8, &map)?;
-        rimline_measure::same("depths", &beside.0, &plain.0)?;
-        rimline_measure::same(&format!("round {round}, {method:?}"), &beside.1, &plain.1)?;
+        rimline_testkit::same("depths", &beside.0, &plain.0)?;
+        rimline_testkit::same(&format!("round {round}, {method:?}"), &beside.1, &plain.1)?;
         dark += plain.1.iter().filter(|&&value| value != 0).count();
         // Negative control: the map upside down.
         let turned = Map { depths: map.depths.iter().rev().copied().collect(), ..map.clone() };

@@ -3,12 +3,12 @@
 use glam::DVec4;
 use rimline::reference::depth_map::{Placing, map_view};
 use rimline::reference::stages::DEPTH_WALLS;
-use rimline_measure::device::Gpu;
-use rimline_measure::dispatch::uniform;
-use rimline_measure::harness::Test;
-use rimline_measure::is_long;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::dispatch::uniform;
+use rimline_testkit::harness::Test;
+use rimline_testkit::is_long;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
 use wgpu::TextureFormat;
 
 use crate::contours::{Traced, UNIT};

@@ -55,7 +55,7 @@ mod wall_vertices;
 mod worlds;
 mod zero;
 
-use rimline_measure::{harness, probe};
+use rimline_testkit::{harness, probe};
 
 fn main() {
     let tests = [

@@ -3,10 +3,10 @@
 use glam::{DVec2, DVec3, DVec4, Mat4};
 use rimline::DepthDirection;
 use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::is_long;
-use rimline_measure::on_gpu::text;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::is_long;
+use rimline_testkit::on_gpu::text;
 use wgpu::TextureFormat;
 
 use crate::maps::Map;

@@ -1,7 +1,7 @@
 //! Depth maps of tests: random ones, and ones that are hard to take.
 
 use rimline::reference::layout::DepthMapShape;
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 
 /// A map: texels across and down, whether near is 1, and depths.
 #[derive(Clone, Debug)]

@@ -2,11 +2,11 @@
 
 use rimline::DepthDirection;
 use rimline::gpu::{DepthMap, DepthMapError, DepthMapMerge, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::cells::listed;

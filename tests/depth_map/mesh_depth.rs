@@ -4,10 +4,10 @@ use glam::{DVec2, DVec3};
 use rimline::gpu::{DepthMapError, DeviceError, MeshDepth, PositionBuffer};
 use rimline::mesh::Weld;
 use rimline::{DepthDirection, Mesh, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::{rays, shapes};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::{rays, shapes};
 use wgpu::TextureFormat::Depth32Float;
 
 use crate::parity::device_depth;

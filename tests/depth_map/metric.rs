@@ -5,11 +5,11 @@ use glam::{DVec2, DVec3, Mat4};
 use rimline::gpu::{DepthMap, DepthMapConversion, DepthMapError, DepthMapOptions, DepthMetric};
 use rimline::reference::depth_map::{metric_steps, metric_view};
 use rimline::{CameraError, DepthDirection, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::distances::Measured;

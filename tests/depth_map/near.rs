@@ -10,11 +10,11 @@ use rimline::reference::depth_map::DepthMapNearCap;
 use rimline::reference::depth_map::near_box;
 use rimline::reference::layout::DepthNearBox;
 use rimline::{DepthDirection, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, same};
 use wgpu::TextureFormat;
 
 use crate::cells::{cast, rank};

@@ -4,11 +4,11 @@ use glam::{DVec2, DVec3};
 use rimline::reference::depth_map::{Placing, map_view};
 use rimline::reference::layout::DepthMapShape;
 use rimline::reference::stages::DEPTH_SURFACE;
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::is_long;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::is_long;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
 use wgpu::TextureFormat;
 
 use crate::boundary::sample;
@@ -199,7 +199,7 @@ fn covers() -> Result<(), String> {
     let positions = of("depth_near_cap(u32(input.x)).position")?;
     let places = of("vec4<f32>(depth_near_cap(u32(input.x)).place, 0.0, 0.0)")?;
     for (&[x, y, z, w], place) in positions.iter().zip(&places) {
-        rimline_measure::same("vertex", &[x, y, w], &[place[0], place[1], 1.0])?;
+        rimline_testkit::same("vertex", &[x, y, w], &[place[0], place[1], 1.0])?;
         if !(0.0..=1.0).contains(&z) {
             return Err(format!("clipped: {z}"));
         }

@@ -5,11 +5,11 @@
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
 use rimline::gpu::{DepthCubeMaps, DepthMap, DepthMapCube, DepthMapOptions};
 use rimline::{DepthDirection, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::boundary::{Boundary, sample};

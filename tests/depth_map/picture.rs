@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use rimline::gpu::{DepthMap, DepthMapFrame, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
 use rimline::{DepthDirection, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
 use wgpu::TextureFormat;
 
 use crate::textures::{depth_view, texture};

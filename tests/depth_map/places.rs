@@ -1,9 +1,9 @@
 //! Places of contours by `contour_places` against rims that are known exactly.
 
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail};
 use wgpu::TextureFormat;
 
 use crate::contours::{Fit, Traced};

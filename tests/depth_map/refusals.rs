@@ -5,11 +5,11 @@ use rimline::gpu::{
     DeviceError, ShadowError, ShadowFormat,
 };
 use rimline::{CameraError, DepthDirection, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
-use rimline_measure::same;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
+use rimline_testkit::same;
 use wgpu::TextureFormat;
 
 use crate::stages::camera;

@@ -7,12 +7,12 @@ use rimline::gpu::{
 };
 use rimline::mesh::Weld;
 use rimline::{DepthDirection, Light, Matrix3x4, Mesh, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{self, Shape};
-use rimline_measure::{must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::{self, Shape};
+use rimline_testkit::{must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::mesh_depth::{SIDE, wrong};

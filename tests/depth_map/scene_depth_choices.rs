@@ -3,11 +3,11 @@
 use glam::DVec3;
 use rimline::gpu::{Caster, DepthMapError, LightMask, SceneDepth, SceneDepthCasters, SceneDepthCounts, ShadowError};
 use rimline::{CameraError, DepthDirection, Light, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::mesh_depth::SIDE;

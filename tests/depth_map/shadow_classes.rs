@@ -4,12 +4,12 @@ use glam::DVec3;
 use rimline::gpu::{DepthCubeMaps, DepthMap, DepthMapCube, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
 use rimline::reference::depth_map::DepthMapNearCap;
 use rimline::{DepthDirection, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::is_long;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::rays::Tracer;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::is_long;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::rays::Tracer;
 use wgpu::TextureFormat;
 
 use crate::classes::CLASSES;

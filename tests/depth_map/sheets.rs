@@ -7,11 +7,11 @@ use std::collections::HashSet;
 use glam::{DVec2, DVec3, Mat4};
 use rimline::gpu::DepthMapMethod;
 use rimline::{DepthDirection, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::is_long;
-use rimline_measure::random::Random;
-use rimline_measure::rays::Tracer;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::is_long;
+use rimline_testkit::random::Random;
+use rimline_testkit::rays::Tracer;
 use wgpu::TextureFormat;
 
 use crate::boundary::{Boundary, Name, sample};

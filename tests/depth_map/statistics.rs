@@ -3,11 +3,11 @@
 use rimline::gpu::{DepthMap, DepthMapFrame, DepthMapMethod, DepthMapOptions, DepthMapStatistics, DepthMapVolumes};
 use rimline::reference::depth_map::DepthMapNearCap;
 use rimline::{DepthDirection, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::same;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::same;
 use wgpu::TextureFormat;
 
 use crate::cells;

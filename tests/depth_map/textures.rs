@@ -1,7 +1,7 @@
 //! Depth maps as textures of each format, and what a shader reads of them.
 
-use rimline_measure::device::Gpu;
-use rimline_measure::pipelines::TexelKernel;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::pipelines::TexelKernel;
 use wgpu::TextureFormat;
 
 const DEPTHS: &str = "

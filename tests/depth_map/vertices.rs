@@ -9,12 +9,12 @@ use rimline::reference::depth_map::{Placing, map_view};
 use rimline::reference::layout::{DepthMapShape, DepthMapView, MeshDepthCaster, MeshDepthView};
 use rimline::reference::stages::{DEPTH_SURFACE, MESH_DEPTH};
 use rimline::{DepthDirection, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::dispatch::uniform;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::dispatch::uniform;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail};
 use wgpu::TextureFormat;
 
 use crate::cells::{CELL, corners, entries, listed, listed_of_cube};

@@ -3,8 +3,8 @@
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
 use rimline::gpu::DepthMetric;
 use rimline::{DepthDirection, ShadowCamera};
-use rimline_measure::random::Random;
-use rimline_measure::shapes;
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes;
 
 use crate::distances::Measured;
 use crate::parity::device_depth;

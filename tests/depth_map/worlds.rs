@@ -1,8 +1,8 @@
 //! Casters in the tests of shadows: distance fields with analytic forms, and meshes; each on a ground.
 
 use glam::DVec3;
-use rimline_measure::rays;
-use rimline_measure::shapes::Shape;
+use rimline_testkit::rays;
+use rimline_testkit::shapes::Shape;
 
 /// Half the side of the ground, which is a square at height 0.
 const GROUND: f64 = 6.0;

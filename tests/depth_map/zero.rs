@@ -7,10 +7,10 @@ use rimline::gpu::{
 };
 use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{DepthDirection, Mesh};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::{must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::{must_fail, same};
 use wgpu::TextureFormat::{Depth32Float, R32Float};
 
 use crate::picture::stencil_of;

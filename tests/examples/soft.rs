@@ -6,7 +6,7 @@ mod soft;
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
 use rimline::AreaLight;
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
 const SIZE: [usize; 2] = [960, 720];
 /// Pixels of a block, each way.

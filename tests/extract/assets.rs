@@ -11,13 +11,13 @@ use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Threads};
 use rimline::{InstancePose, Light, Mesh, Model, Pose, Predicate};
 
-use rimline_measure::device::Gpu;
-use rimline_measure::files::GOOD_FILES;
-use rimline_measure::on_gpu::read;
-use rimline_measure::on_gpu::{check_deform, deformed};
-use rimline_measure::oracle::{self, unclosed};
-use rimline_measure::random::Random;
-use rimline_measure::{assets, is_long, lights, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::files::GOOD_FILES;
+use rimline_testkit::on_gpu::read;
+use rimline_testkit::on_gpu::{check_deform, deformed};
+use rimline_testkit::oracle::{self, unclosed};
+use rimline_testkit::random::Random;
+use rimline_testkit::{assets, is_long, lights, must_fail, same};
 
 const LIGHT_COUNTS: [usize; 6] = [1, 12, 31, 32, 33, 100];
 /// The number of them for which big integers are asked, too; they are slow.

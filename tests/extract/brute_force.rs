@@ -5,10 +5,10 @@ use rimline::reference::Method;
 use rimline::reference::cpu::{self, CpuError, Threads};
 use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, LightError, Mesh, Predicate};
-use rimline_measure::cases::{self, hard_positions, random_soup, topologies};
-use rimline_measure::random::Random;
-use rimline_measure::shapes;
-use rimline_measure::{band, is_long, lights, must_fail, oracle, same};
+use rimline_testkit::cases::{self, hard_positions, random_soup, topologies};
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes;
+use rimline_testkit::{band, is_long, lights, must_fail, oracle, same};
 
 type Outcome = Result<(), String>;
 

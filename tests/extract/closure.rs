@@ -5,14 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use rimline::gpu::ExtractorOptions;
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Mesh};
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::shapes::{self, Shape};
 
-use rimline_measure::cases::{Case, case, hard_positions, random_soup, topologies};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::{Found, extract};
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, lights, oracle};
+use rimline_testkit::cases::{Case, case, hard_positions, random_soup, topologies};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::{Found, extract};
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, lights, oracle};
 
 pub(crate) const TESTS: &[Test] = &[
     ("every_vertex_closes_for_every_light", closes),

@@ -3,12 +3,12 @@
 use rimline::gpu::{ListOptions, include_wgsl, results_bind_group_layout};
 
 use crate::include::{LIGHTS, Scene, expected};
-use rimline_measure::cases::topologies;
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::read;
-use rimline_measure::random::Random;
-use rimline_measure::{lights, must_fail, same};
+use rimline_testkit::cases::topologies;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::read;
+use rimline_testkit::random::Random;
+use rimline_testkit::{lights, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[("an_indirect_draw_covers_every_silhouette_edge_once", drawn)];
 

@@ -4,15 +4,15 @@ use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer};
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Mesh, Predicate};
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
-use rimline_measure::cases::{case, hard_positions, topologies};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::{extract, read};
-use rimline_measure::predicates::{CLASSES, FACES, LIGHTS, Signs};
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, lights, must_fail, oracle, same};
+use rimline_testkit::cases::{case, hard_positions, topologies};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::{extract, read};
+use rimline_testkit::predicates::{CLASSES, FACES, LIGHTS, Signs};
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, lights, must_fail, oracle, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("exact_facing_is_exact_on_hard_positions", hard),

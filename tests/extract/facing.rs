@@ -6,15 +6,15 @@ use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, Mesh, Predicate};
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
-use rimline_measure::band::{self, Bound, check_facing, check_facing_by};
-use rimline_measure::cases::{case, hard_positions};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::extract;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, lights, must_fail, oracle, same};
+use rimline_testkit::band::{self, Bound, check_facing, check_facing_by};
+use rimline_testkit::cases::{case, hard_positions};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::extract;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, lights, must_fail, oracle, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("facing_is_exact_outside_the_band", hard),

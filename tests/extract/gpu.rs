@@ -14,7 +14,7 @@ mod stages;
 mod stress;
 mod zero;
 
-use rimline_measure::harness;
+use rimline_testkit::harness;
 
 fn main() {
     let tests = [

@@ -9,16 +9,16 @@ use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, Mesh, Predicate};
-use rimline_measure::polygons::quad_torus;
-use rimline_measure::shapes;
+use rimline_testkit::polygons::quad_torus;
+use rimline_testkit::shapes;
 
-use rimline_measure::cases::{Case, case, topologies};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::interleaved;
-use rimline_measure::on_gpu::read;
-use rimline_measure::random::Random;
-use rimline_measure::{lights, must_fail, same};
+use rimline_testkit::cases::{Case, case, topologies};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::interleaved;
+use rimline_testkit::on_gpu::read;
+use rimline_testkit::random::Random;
+use rimline_testkit::{lights, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("the_include_reads_what_the_twin_finds", computed),

@@ -5,14 +5,14 @@ use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, LightError, Mesh, MeshError};
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
-use rimline_measure::cases::{Case, case};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::{Found, extract, read};
-use rimline_measure::random::Random;
-use rimline_measure::{lights, must_fail, same};
+use rimline_testkit::cases::{Case, case};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::{Found, extract, read};
+use rimline_testkit::random::Random;
+use rimline_testkit::{lights, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("fewer_lights_than_room_leave_the_other_draws_empty", fewer),

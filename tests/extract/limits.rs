@@ -3,14 +3,14 @@
 use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::reference::Method;
 use rimline::{Light, Mesh};
-use rimline_measure::shapes::Shape;
+use rimline_testkit::shapes::Shape;
 
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::models::{random_model, random_pose};
-use rimline_measure::on_gpu::{Found, check_deform, compare, interleaved, limited, read, repeated_torus, text};
-use rimline_measure::random::Random;
-use rimline_measure::{lights, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::models::{random_model, random_pose};
+use rimline_testkit::on_gpu::{Found, check_deform, compare, interleaved, limited, read, repeated_torus, text};
+use rimline_testkit::random::Random;
+use rimline_testkit::{lights, same};
 
 pub(crate) const TESTS: &[Test] =
     &[("small_limits_change_nothing", unchanged), ("small_limits_change_no_deformation", deform_unchanged)];
@@ -111,7 +111,7 @@ fn deform_unchanged() -> Result<(), String> {
     let mut random = Random::new(72);
     let model = random_model(&mut random, 2500);
     let pose = random_pose(&mut random, &model);
-    let expected = rimline_measure::on_gpu::deformed(
+    let expected = rimline_testkit::on_gpu::deformed(
         gpu,
         &Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?,
         &model,
@@ -120,7 +120,7 @@ fn deform_unchanged() -> Result<(), String> {
     for (binding, workgroups) in [(32 << 10, 64), (32 << 10, 2), (64 << 10, 1)] {
         let small = limited(binding, 1 << 20, workgroups)?;
         let deformer = Deformer::new(&small.pipelines, &model, DeformerOptions::default()).map_err(text)?;
-        let found = rimline_measure::on_gpu::deformed(&small, &deformer, &model, &pose)?;
+        let found = rimline_testkit::on_gpu::deformed(&small, &deformer, &model, &pose)?;
         check_deform(&found, &model, &pose)?;
         same(&format!("{binding} bytes a binding, {workgroups} workgroups"), &found, &expected)?;
     }

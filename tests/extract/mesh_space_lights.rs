@@ -2,9 +2,9 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use rimline::Light;
-use rimline_measure::random::Random;
-use rimline_measure::shapes;
-use rimline_measure::{must_fail, oracle, same};
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes;
+use rimline_testkit::{must_fail, oracle, same};
 
 /// Positions and lights on a lattice, so that everything below is exact in f32.
 fn lattice(random: &mut Random) -> [f32; 3] {

@@ -3,14 +3,14 @@
 use rimline::Mesh;
 use rimline::gpu::{DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::mesh::Weld;
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
-use rimline_measure::cases::{case, topologies};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::{extract, interleaved, read};
-use rimline_measure::random::Random;
-use rimline_measure::{lights, same};
+use rimline_testkit::cases::{case, topologies};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::{extract, interleaved, read};
+use rimline_testkit::random::Random;
+use rimline_testkit::{lights, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("positions_lie_at_any_offset_and_stride", places),

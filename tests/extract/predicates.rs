@@ -3,9 +3,9 @@
 
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Predicate};
-use rimline_measure::predicates::{Batch, CLASSES, FACES, Signs};
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::predicates::{Batch, CLASSES, FACES, Signs};
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail, same};
 use robust::{Coord3D, orient3d};
 
 type Outcome = Result<(), String>;

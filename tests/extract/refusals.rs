@@ -7,18 +7,18 @@ use rimline::gpu::{
 use rimline::mesh::Weld;
 use rimline::reference::Method;
 use rimline::{Light, Mesh, Predicate};
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::shapes::{self, Shape};
 
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::models::random_model;
-use rimline_measure::on_gpu::extract;
-use rimline_measure::on_gpu::interleaved;
-use rimline_measure::on_gpu::{limited, repeated_torus, text};
-use rimline_measure::polygons::{PolygonSet, quad_box};
-use rimline_measure::random::Random;
-use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
-use rimline_measure::same;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::models::random_model;
+use rimline_testkit::on_gpu::extract;
+use rimline_testkit::on_gpu::interleaved;
+use rimline_testkit::on_gpu::{limited, repeated_torus, text};
+use rimline_testkit::polygons::{PolygonSet, quad_box};
+use rimline_testkit::random::Random;
+use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
+use rimline_testkit::same;
 
 pub(crate) const TESTS: &[Test] = &[
     ("what_does_not_fit_is_a_typed_error", too_large),

@@ -5,13 +5,13 @@ use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::DrawShape;
 
-use rimline_measure::band::check_facing;
-use rimline_measure::cases::topologies;
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::extract;
-use rimline_measure::random::Random;
-use rimline_measure::{lights, must_fail, same};
+use rimline_testkit::band::check_facing;
+use rimline_testkit::cases::topologies;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::extract;
+use rimline_testkit::random::Random;
+use rimline_testkit::{lights, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("edges_equal_their_twin", edges),

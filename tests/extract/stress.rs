@@ -6,13 +6,13 @@ use rimline::gpu::ExtractorOptions;
 use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Mesh, Predicate};
-use rimline_measure::error_metrics::{Candidate, Score};
-use rimline_measure::stress::{self, Scene};
+use rimline_testkit::error_metrics::{Candidate, Score};
+use rimline_testkit::stress::{self, Scene};
 
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::extract;
-use rimline_measure::{is_long, must_fail, oracle, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::extract;
+use rimline_testkit::{is_long, must_fail, oracle, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("exact_facing_is_exact_on_every_stress_scene", exact),

@@ -6,10 +6,10 @@ use rimline::gpu::{
     ShadowFormat, ShadowOptions, ShadowPipelines, ShadowStatistics, ShadowVolumes,
 };
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::{must_fail, same, shapes};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::{must_fail, same, shapes};
 
 pub(crate) const TESTS: &[Test] =
     &[("no_room_is_room_for_one", without_room), ("no_memory_and_no_samples_are_typed_errors", without_memory)];

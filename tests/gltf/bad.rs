@@ -6,7 +6,7 @@ use libtest_mimic::Trial;
 use rimline::MeshError;
 use rimline::gltf::{Asset, SkippedPrimitives};
 use rimline::mesh::Weld;
-use rimline_measure::refusals::{self, refusal};
+use rimline_testkit::refusals::{self, refusal};
 
 use crate::{Outcome, asset_test, assets, ensure};
 

@@ -3,7 +3,7 @@
 use libtest_mimic::Trial;
 use rimline::gltf::{Asset, GltfError, GltfWarning, LoadOptions};
 use rimline::mesh::Weld;
-use rimline_measure::refusals::{self, refusal};
+use rimline_testkit::refusals::{self, refusal};
 use serde_json::{Value, json};
 
 use crate::maker::{F32, Maker, U8, everything};

@@ -4,8 +4,8 @@ use rimline::Light;
 use rimline::Mesh;
 use rimline::cpu::{HiddenOptions, Threads};
 use rimline::mesh::Weld;
-use rimline_measure::random::Random;
-use rimline_measure::shapes;
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes;
 
 use crate::hidden_faces::{check_some, find, lists};
 use crate::static_scenes::{Own, StaticScene};

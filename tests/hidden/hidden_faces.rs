@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use rimline::cpu::{CpuError, HiddenCaster, HiddenFaces, HiddenOptions, Threads};
 use rimline::mesh::Weld;
 use rimline::{Light, LightError, Mesh};
-use rimline_measure::random::Random;
-use rimline_measure::shapes;
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes;
 
 use crate::oracle::{Place, between, corner, hides, light, sign};
 use crate::static_scenes::{Own, StaticScene};
@@ -65,7 +65,7 @@ pub(crate) fn check_some(
 
 /// By the measure's oracle, whose sign convention is that of facing.
 pub(crate) fn faces_light(own: &Own, face: usize, light: Light) -> bool {
-    rimline_measure::oracle::ExactFace::new(&own.positions, own.mesh.faces()[face])
+    rimline_testkit::oracle::ExactFace::new(&own.positions, own.mesh.faces()[face])
         .is_some_and(|face| face.sign(light) > 0)
 }
 

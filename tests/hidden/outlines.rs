@@ -3,8 +3,8 @@
 use rimline::cpu::{HiddenFaces, HiddenOptions};
 use rimline::mesh::{EdgeKind, Weld};
 use rimline::{Light, Mesh};
-use rimline_measure::random::Random;
-use rimline_measure::shapes;
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes;
 
 use crate::hidden_faces::{faces_light, find};
 use crate::least_cut::least;

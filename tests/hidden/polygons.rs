@@ -5,9 +5,9 @@ use std::ops::ControlFlow;
 use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh};
-use rimline_measure::oracle::ExactFace;
-use rimline_measure::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
-use rimline_measure::random::Random;
+use rimline_testkit::oracle::ExactFace;
+use rimline_testkit::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
+use rimline_testkit::random::Random;
 
 use crate::oracle::{Place, between, corner, hides, light, sign};
 

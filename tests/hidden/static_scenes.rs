@@ -3,8 +3,8 @@
 
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh};
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::{self, Shape};
 
 pub(crate) struct Own {
     pub(crate) mesh: Mesh,

@@ -3,9 +3,9 @@
 use rimline::Light;
 use rimline::reference::clusters::{ClusterBound, Clusters};
 use rimline::reference::cpu::Threads;
-use rimline_measure::clusters::whole;
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::clusters::whole;
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::{self, Shape};
 
 /// A mesh, and lights for it.
 pub(crate) struct Case {

@@ -7,11 +7,11 @@ use rimline::reference::clusters::{Arranged, CLUSTER_FACES, ClusterBound, Cluste
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::CHUNK;
 use rimline::{Light, Mesh, Predicate};
-use rimline_measure::clusters::whole;
-use rimline_measure::oracle::ExactFace;
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{self, Shape};
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::clusters::whole;
+use rimline_testkit::oracle::ExactFace;
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::{self, Shape};
+use rimline_testkit::{is_long, must_fail, same};
 
 use crate::cluster_meshes::{Case, case, marginal_lights};
 

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use num_bigint::BigInt;
 use rimline::mesh::{Weld, WeldDistance};
 use rimline::{Geometry, GeometryOptions, Influences, Mesh};
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 
 /// A finite float in multiples of 2⁻¹⁴⁹.
 fn integer(value: f32) -> BigInt {

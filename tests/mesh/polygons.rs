@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use rimline::Mesh;
 use rimline::mesh::{EdgeCounts, EdgeKind, MeshError, PolygonLoops, Weld};
-use rimline_measure::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail};
+use rimline_testkit::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail};
 
 type Outcome = Result<(), String>;
 

@@ -67,7 +67,7 @@ mod oracle {
 
 use rimline::mesh::{Edge, EdgeCounts, EdgeKind, MeshDiagnostics};
 use rimline::{Mesh, MeshError};
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::shapes::{self, Shape};
 
 /// Random numbers for the soups (xorshift64*).
 struct Random(u64);

@@ -6,12 +6,12 @@ use rimline::mesh::Weld;
 use rimline::reference::cpu::{Outline, Piece, PieceEnd, cut_edges};
 use rimline::{Light, Mesh};
 
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::polygons::PolygonSet;
-use rimline_measure::random::Random;
-use rimline_measure::{must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::polygons::PolygonSet;
+use rimline_testkit::random::Random;
+use rimline_testkit::{must_fail, same};
 
 use crate::stages::{Listed, check_closed, check_listed, listed, piece_counts};
 

@@ -2,8 +2,8 @@
 
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh};
-use rimline_measure::polygons::{PolygonSet, random_polygon, random_set};
-use rimline_measure::random::Random;
+use rimline_testkit::polygons::{PolygonSet, random_polygon, random_set};
+use rimline_testkit::random::Random;
 
 use crate::lights::light_for;
 

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use rimline::mesh::{EdgeKind, Weld};
 use rimline::reference::cpu::{self, EdgeMasks, Extraction, Outline, PolygonMasks, Seen, Threads};
 use rimline::{Light, Mesh, Predicate};
-use rimline_measure::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
-use rimline_measure::random::Random;
-use rimline_measure::{must_fail, oracle, same};
+use rimline_testkit::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
+use rimline_testkit::random::Random;
+use rimline_testkit::{must_fail, oracle, same};
 
 use crate::lights::light_for;
 

@@ -8,7 +8,7 @@ mod query_stages;
 mod stages;
 mod zero;
 
-use rimline_measure::harness;
+use rimline_testkit::harness;
 
 fn main() {
     let tests = [stages::TESTS, query_stages::TESTS, zero::TESTS, limits::TESTS, cut_limits::TESTS];

@@ -1,7 +1,7 @@
 //! Lights that are hard on a polygon.
 
 use rimline::Light;
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 
 /// A light with its name: anywhere, in the hull, in planes and on lines through corners, at corners, at infinity.
 pub(crate) fn light_for(random: &mut Random, corners: &[[f32; 3]]) -> (&'static str, Light) {

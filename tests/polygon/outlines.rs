@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use rimline::Light;
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{Outline, Seen, edge_pair, fits_half_space, polygon_turns};
-use rimline_measure::polygons::{PolygonSet, random_polygon};
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail, polygon_oracle};
+use rimline_testkit::polygons::{PolygonSet, random_polygon};
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail, polygon_oracle};
 
 use crate::lights::light_for;
 

@@ -2,9 +2,9 @@
 
 use rimline::Mesh;
 use rimline::reference::cpu::{self, Threads};
-use rimline_measure::random::Random;
-use rimline_measure::shadow_cases::put_on_faces;
-use rimline_measure::{is_long, must_fail, same, shadow_oracle};
+use rimline_testkit::random::Random;
+use rimline_testkit::shadow_cases::put_on_faces;
+use rimline_testkit::{is_long, must_fail, same, shadow_oracle};
 
 use crate::depths::DepthCase;
 

@@ -5,13 +5,13 @@ use rimline::gpu::{DeviceError, PositionBuffer, QueryError, QueryPoints, ShadowQ
 use rimline::mesh::{NO_FACE, Weld};
 use rimline::reference::cpu::{self, Threads};
 
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::{limited, text};
-use rimline_measure::polygons::{PolygonSet, random_polygon, random_set};
-use rimline_measure::random::Random;
-use rimline_measure::shadow_cases::put_on_faces;
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::{limited, text};
+use rimline_testkit::polygons::{PolygonSet, random_polygon, random_set};
+use rimline_testkit::random::Random;
+use rimline_testkit::shadow_cases::put_on_faces;
+use rimline_testkit::{is_long, must_fail, same};
 
 use crate::depths::DepthCase;
 

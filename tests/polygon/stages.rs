@@ -7,12 +7,12 @@ use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Outline, Piece, PieceEnd, PolygonMasks, Seen, Threads, cut_edges};
 use rimline::{Light, Mesh, Predicate};
 
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::{Found, extract, text};
-use rimline_measure::polygons::{PolygonSet, edge_on_polygon, folded_polygon, outline_in_planes, random_set};
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail, polygon_oracle, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::{Found, extract, text};
+use rimline_testkit::polygons::{PolygonSet, edge_on_polygon, folded_polygon, outline_in_planes, random_set};
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail, polygon_oracle, same};
 
 use crate::lights::light_for;
 

@@ -6,9 +6,9 @@ use rimline::gpu::{
 };
 use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
 
 pub(crate) const TESTS: &[Test] =
     &[("meshes_without_a_triangle_are_taken", without_triangles), ("room_for_no_light_is_a_typed_error", no_room)];

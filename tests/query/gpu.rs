@@ -3,7 +3,7 @@
 mod on_faces_gpu;
 mod shadow_query;
 
-use rimline_measure::harness;
+use rimline_testkit::harness;
 
 fn main() {
     harness::run(harness::gpu_trials([shadow_query::TESTS, on_faces_gpu::TESTS].into_iter().flatten().copied()));

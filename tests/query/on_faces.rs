@@ -3,10 +3,10 @@
 use rimline::mesh::NO_FACE;
 use rimline::reference::cpu::{self, CpuError, Threads};
 use rimline::{Light, Mesh};
-use rimline_measure::random::Random;
-use rimline_measure::shadow_cases::{ShadowCase, centre, put_on_faces, shadow_cases};
-use rimline_measure::shapes::{self, Shape};
-use rimline_measure::{is_long, must_fail, same, shadow_oracle};
+use rimline_testkit::random::Random;
+use rimline_testkit::shadow_cases::{ShadowCase, centre, put_on_faces, shadow_cases};
+use rimline_testkit::shapes::{self, Shape};
+use rimline_testkit::{is_long, must_fail, same, shadow_oracle};
 
 fn depths(shape: &Shape, points: &[[f32; 3]], on_face: Option<&[u32]>, lights: &[Light]) -> Vec<i32> {
     let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).expect("a mesh");

@@ -4,13 +4,13 @@ use rimline::gpu::{DeviceError, PositionBuffer, QueryError, QueryPoints, ShadowQ
 use rimline::mesh::NO_FACE;
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Mesh};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::{limited, text};
-use rimline_measure::random::Random;
-use rimline_measure::shadow_cases::{ShadowCase, centre, lattice, put_on_faces, shadow_cases};
-use rimline_measure::shapes::{self, Shape};
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::{limited, text};
+use rimline_testkit::random::Random;
+use rimline_testkit::shadow_cases::{ShadowCase, centre, lattice, put_on_faces, shadow_cases};
+use rimline_testkit::shapes::{self, Shape};
+use rimline_testkit::{is_long, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("half_of_a_sphere_is_lit", sphere),
@@ -109,7 +109,7 @@ fn small_limits() -> Result<(), String> {
     let mut random = Random::new(181);
     let shape = shapes::torus(70, 50, 1.0, 0.4).shuffled(3);
     let points = vec![[0.0; 3]; 300];
-    let lights = rimline_measure::lights(&mut random, 40);
+    let lights = rimline_testkit::lights(&mut random, 40);
     let mut case = ShadowCase { name: "torus".to_owned(), shape, points, lights };
     let on_face = put_on_faces(&mut random, &case.shape.positions, &case.shape.faces, &mut case.points);
     let right = expected(&case, Some(&on_face))?;

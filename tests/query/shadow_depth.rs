@@ -2,10 +2,10 @@
 
 use rimline::reference::cpu::{self, CpuError, Threads};
 use rimline::{Light, LightError, Mesh};
-use rimline_measure::random::Random;
-use rimline_measure::shadow_cases::{ShadowCase, lattice, shadow_cases};
-use rimline_measure::shapes::{self, Shape};
-use rimline_measure::{is_long, must_fail, same, shadow_oracle};
+use rimline_testkit::random::Random;
+use rimline_testkit::shadow_cases::{ShadowCase, lattice, shadow_cases};
+use rimline_testkit::shapes::{self, Shape};
+use rimline_testkit::{is_long, must_fail, same, shadow_oracle};
 
 type Outcome = Result<(), String>;
 

@@ -8,17 +8,17 @@ use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{FaceCluster, FaceRange, LightBatch, PointChunk};
 use rimline::reference::stages::EXACT_SHADOW_DEPTH;
 use rimline::{Light, LightError, Mesh};
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::shapes::{self, Shape};
 
-use rimline_measure::device::Gpu;
-use rimline_measure::dispatch::{Dispatch, uniform};
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::interleaved;
-use rimline_measure::on_gpu::{limited, text};
-use rimline_measure::random::Random;
-use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
-use rimline_measure::shadow_cases::{ShadowCase, lattice, shadow_cases};
-use rimline_measure::{is_long, lights, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::dispatch::{Dispatch, uniform};
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::interleaved;
+use rimline_testkit::on_gpu::{limited, text};
+use rimline_testkit::random::Random;
+use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
+use rimline_testkit::shadow_cases::{ShadowCase, lattice, shadow_cases};
+use rimline_testkit::{is_long, lights, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("shadow_boxes_are_those_of_the_twin", boxes),

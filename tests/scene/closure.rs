@@ -4,10 +4,10 @@ use std::collections::HashMap;
 
 use rimline::ShadowCamera;
 use rimline::reference::cpu::{self, SceneTable};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::{must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::{must_fail, same};
 
 use crate::found::Found;
 use crate::histories::camera;

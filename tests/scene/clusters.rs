@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use rimline::Light;
 use rimline::gpu::{CasterPositions, SceneFrame, SceneOptions};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::is_long;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{same, shapes};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::is_long;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{same, shapes};
 
 use crate::cluster_meshes::{self, Case};
 use crate::found::{Found, check_frame};
@@ -33,7 +33,7 @@ fn options() -> SceneOptions {
 /// A scene with one more mesh, and a caster of it that lies as the mesh does.
 fn with_mesh(gpu: &Gpu, seed: u64, shape: shapes::Shape) -> Result<RandomScene, String> {
     let mut scene = RandomScene::new(gpu, seed, options())?;
-    let case = rimline_measure::cases::case("clusters", shape);
+    let case = rimline_testkit::cases::case("clusters", shape);
     let handle = scene.scene.add_mesh(&case.2, &case.1).map_err(text)?;
     scene.content.meshes.push((Arc::new(case), handle));
     let mesh = scene.content.meshes.len() - 1;

@@ -6,12 +6,12 @@ use rimline::reference::cpu;
 use rimline::reference::layout::LightCone;
 use rimline::reference::stages::NEEDS;
 use rimline::{Cone, Light, LightError, Matrix3x4};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::probe::Probe;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::probe::Probe;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail, same};
 
 use crate::random_scene::{Content, Own, Placed, RandomScene};
 

@@ -6,10 +6,10 @@ use rimline::gpu::{
 };
 use rimline::model::Box3;
 use rimline::{Cone, DepthDirection, Instance, InstancePose, Light, Mesh, Model, ModelBounds, Pose, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::models::bending_tube;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::models::bending_tube;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
 
 /// Half the width of the ground.
 const GROUND: f32 = 30.0;

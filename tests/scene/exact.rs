@@ -3,12 +3,12 @@
 use rimline::gpu::{Caster, LightMask, Measuring, Scene, SceneOptions};
 use rimline::reference::cpu::{self, SceneTable, Threads};
 use rimline::{Light, Mesh, Predicate};
-use rimline_measure::band::check_facing;
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{same, shapes};
+use rimline_testkit::band::check_facing;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{same, shapes};
 
 use crate::found::{Found, check_frame};
 use crate::scenes::{check, roomy, sample};

@@ -4,9 +4,9 @@ use glam::{DMat3, DVec3};
 use rimline::gpu::{ExtractionStatistics, SceneFrame, SceneResults, SceneStatistics};
 use rimline::reference::cpu::{self, SceneTable};
 use rimline::reference::layout::{CHUNK, DrawArguments};
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
-use rimline_measure::same;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::same;
 
 use crate::random_scene::{Content, Expected, Own, Placed};
 

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use rimline::gpu::{SceneFrame, SceneOptions, ShadowError};
 use rimline::reference::cpu::SceneTable;
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::{same, shapes};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::{same, shapes};
 
 use crate::found::{Found, check_frame, sorted_lists};
 use crate::random_scene::{Own, RandomScene};

@@ -26,7 +26,7 @@ mod scenes;
 mod stages;
 mod zero;
 
-use rimline_measure::harness;
+use rimline_testkit::harness;
 
 fn main() {
     let tests = [

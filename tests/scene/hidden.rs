@@ -7,11 +7,11 @@ use rimline::gpu::{
     Caster, CasterHandle, CasterPositions, HiddenCounts, LightHandle, LightMask, Scene, SceneOptions, ShadowError,
 };
 use rimline::{Light, Mesh};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::shapes::{self, Shape};
-use rimline_measure::{must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::shapes::{self, Shape};
+use rimline_testkit::{must_fail, same};
 
 use crate::found::Found;
 use crate::scenes::roomy;

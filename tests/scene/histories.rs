@@ -8,11 +8,11 @@ use rimline::gpu::{
 };
 use rimline::reference::layout::ShadowDraws;
 use rimline::{Counting, DepthDirection, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, same};
 
 use crate::random_scene::{Content, Placed, RandomScene};
 

@@ -9,11 +9,11 @@ use rimline::gpu::{
     CasterHandle, CasterPositions, Measuring, SceneFrame, SceneOptions, SceneStatistics, ShadowError, ShadowStatistics,
 };
 use rimline::reference::cpu;
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{must_fail, same, shapes};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{must_fail, same, shapes};
 
 use crate::found::{Found, check_frame};
 use crate::histories::camera;

@@ -4,9 +4,9 @@
 use rimline::gpu::{SceneFrame, SceneStatistics};
 use rimline::reference::cpu::SceneTable;
 use rimline::reference::layout::{CHUNK, FACE_ENTRY, SceneCaster, SceneDispatch};
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
-use rimline_measure::{must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::{must_fail, same};
 
 /// The numbers of chunks of faces and of edges that a frame listed, and of those of faces that it did not list.
 #[derive(Clone, Copy, Debug, Default)]

@@ -4,11 +4,11 @@ use glam::{DVec3, DVec4};
 use rimline::gpu::{DeformError, LightMask, SceneFrame, SceneNeeds, SceneOptions, SceneStatistics, ShadowError};
 use rimline::model::Box3;
 use rimline::{Cone, Light, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail, same};
 
 use crate::crowd::{Crowd, Figure, Stage, camera, lights, place, sees, walk};
 use crate::histories::{Volumes, buffers, volumes};

@@ -4,12 +4,12 @@ use glam::{DMat3, DVec3};
 use rimline::gpu::{Caster, CasterHandle, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions, ShadowError};
 use rimline::reference::cpu::SceneTable;
 use rimline::{Light, Matrix3x4, Mesh};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{self, Shape};
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::{self, Shape};
+use rimline_testkit::{is_long, must_fail, same};
 
 use crate::found::Found;
 

@@ -8,11 +8,11 @@ use rimline::gpu::{
 };
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Matrix3x4, Mesh, Predicate};
-use rimline_measure::cases::{Case, case, random_soup, topologies};
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::{interleaved, text};
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::cases::{Case, case, random_soup, topologies};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::{interleaved, text};
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::{self, Shape};
 
 /// A caster, as the test knows it.
 #[derive(Clone)]

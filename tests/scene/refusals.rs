@@ -2,12 +2,12 @@
 
 use rimline::gpu::{Caster, CasterPositions, DeviceError, LightMask, Scene, SceneOptions, ShadowError};
 use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::{limited, text};
-use rimline_measure::polygons::quad_box;
-use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
-use rimline_measure::shapes;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::{limited, text};
+use rimline_testkit::polygons::quad_box;
+use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
+use rimline_testkit::shapes;
 
 pub(crate) const TESTS: &[Test] = &[
     ("stale_handles_and_those_of_other_scenes_are_typed_errors", handles),

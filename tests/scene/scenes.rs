@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use rimline::gpu::{SceneFrame, SceneOptions};
 use rimline::reference::cpu::{self, SceneTable};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::{limited, text};
-use rimline_measure::{is_long, must_fail, same, shapes};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::{limited, text};
+use rimline_testkit::{is_long, must_fail, same, shapes};
 
 use crate::found::{Found, Tally, check_frame};
 use crate::random_scene::RandomScene;
@@ -169,7 +169,7 @@ fn growth() -> Result<(), String> {
     scene.add_light()?;
     for step in 0..6 {
         let shape = shapes::torus(40 + 10 * step, 100, 1.0, 0.4);
-        let case = rimline_measure::cases::case("torus", shape);
+        let case = rimline_testkit::cases::case("torus", shape);
         let handle = scene.scene.add_mesh(&case.2, &case.1).map_err(text)?;
         scene.content.meshes.push((Arc::new(case), handle));
         for _ in 0..5 {

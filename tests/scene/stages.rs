@@ -5,11 +5,11 @@ use rimline::gpu::SceneOptions;
 use rimline::mesh::Bounds;
 use rimline::reference::cpu::{self, SceneTable};
 use rimline::reference::layout::SceneCaster;
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{must_fail, same};
 
 use crate::found::{Found, Tally, check_frame};
 use crate::lists::{Listed, listed};

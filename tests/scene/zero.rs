@@ -10,10 +10,10 @@ use rimline::gpu::{
 };
 use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{Counting, DepthDirection, Light, Matrix3x4, Mesh, Model, Pose, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::{must_fail, same, shapes};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::{must_fail, same, shapes};
 
 use crate::histories::{Volumes, buffers, volumes};
 

@@ -10,9 +10,9 @@ use crate::rays::{Tracer, Truth};
 use crate::render::{Counted, Renderer};
 use crate::scene::{Eye, Frame, Placed, Rays};
 use crate::trials::{Tally, Test, Traced, every, seed};
-use rimline_measure::device::Gpu;
-use rimline_measure::is_long;
-use rimline_measure::random::Random;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::is_long;
+use rimline_testkit::random::Random;
 
 pub(crate) const TESTS: &[Test] = &[
     ("standard_depth", standard_depth),

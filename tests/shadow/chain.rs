@@ -14,12 +14,12 @@ use rimline::{Counting, Light, Mesh, Predicate};
 
 use crate::sides;
 use crate::stages::{PLACES, drawn, placed, shape, unreached};
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::{chosen, interleaved};
-use rimline_measure::random::Random;
-use rimline_measure::same;
-use rimline_measure::scenes::{Scene, scene};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::{chosen, interleaved};
+use rimline_testkit::random::Random;
+use rimline_testkit::same;
+use rimline_testkit::scenes::{Scene, scene};
 
 pub(crate) const TESTS: &[Test] =
     &[("shadow_volumes_choose_as_the_twins_in_a_row", chain), ("shadow_volumes_used_again_are_as_good_as_new", again)];

@@ -7,9 +7,9 @@ use rimline::reference::shadow::{
     self, CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_PASS, COUNT_ZP_PLUS,
 };
 use rimline::{DepthDirection, Light, Predicate, ShadowCamera};
-use rimline_measure::is_long;
-use rimline_measure::random::Random;
-use rimline_measure::scenes::{Scene, scene};
+use rimline_testkit::is_long;
+use rimline_testkit::random::Random;
+use rimline_testkit::scenes::{Scene, scene};
 
 type Outcome = Result<(), String>;
 

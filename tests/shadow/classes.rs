@@ -2,11 +2,11 @@
 
 use glam::{DVec3, Vec3};
 use rimline::{DepthDirection, Light};
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::shapes::{self, Shape};
 
 use crate::scene::{Body, Eye, Frame};
 use crate::shells;
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 
 /// A class of frames.
 pub(crate) struct Class {

@@ -9,12 +9,12 @@ use rimline::reference::stages::{CAP_FACES, SIDES};
 
 use crate::sides;
 use crate::stages::{table, with_depth};
-use rimline_measure::device::Gpu;
-use rimline_measure::dispatch::{Dispatch, uniform};
-use rimline_measure::harness::Test;
-use rimline_measure::random::Random;
-use rimline_measure::scenes::{Scene, scene};
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::dispatch::{Dispatch, uniform};
+use rimline_testkit::harness::Test;
+use rimline_testkit::random::Random;
+use rimline_testkit::scenes::{Scene, scene};
+use rimline_testkit::{is_long, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[("clipped_vertices_equal_their_twins", clipped)];
 

@@ -5,10 +5,10 @@ use std::ops::ControlFlow;
 use rimline::Mesh;
 use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
 use rimline::gpu::ShadowOptions;
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{must_fail, same};
 
 use crate::classes::CLASSES;
 use crate::render::{Counted, Placing, Renderer};

@@ -6,15 +6,15 @@ use rimline::reference::cpu::{self, End, Threads};
 use rimline::reference::layout::{ShadowLight, ShadowShape, ShadowView};
 use rimline::reference::shadow::{self, CAST_NOTHING, COUNT_Z_FAIL};
 use rimline::{Light, Predicate};
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
 use crate::clipped::{Cap, Drawn, Twin, bits};
-use rimline_measure::cases::case;
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::random::Random;
-use rimline_measure::scenes::{Pose, Scene, scene};
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::cases::case;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::random::Random;
+use rimline_testkit::scenes::{Pose, Scene, scene};
+use rimline_testkit::{is_long, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[("dark_caps_equal_their_twin", dark)];
 

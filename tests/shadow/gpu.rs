@@ -44,7 +44,7 @@ mod twisted;
 mod zp_plus_2005;
 
 use libtest_mimic::{Failed, Trial};
-use rimline_measure::harness;
+use rimline_testkit::harness;
 
 use crate::classes::CLASSES;
 

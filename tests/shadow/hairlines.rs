@@ -9,8 +9,8 @@ use crate::rays::{Tracer, Truth};
 use crate::render::Renderer;
 use crate::scene::{Frame, Rays, SAMPLES};
 use crate::trials::{Test, Traced, every};
-use rimline_measure::device::Gpu;
-use rimline_measure::oracle;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::oracle;
 
 pub(crate) const TESTS: &[Test] = &[("hairlines_explain_nothing_else", controls)];
 

@@ -4,10 +4,10 @@ use glam::DVec3;
 use rimline::gpu::{Receivers, Scene, SceneOptions, ShadowError, ShadowOptions};
 use rimline::reference::shadow::CAST_NOTHING;
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail, same, shapes};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail, same, shapes};
 
 use crate::classes::CLASSES;
 use crate::rays::Truth;

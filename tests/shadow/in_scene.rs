@@ -14,11 +14,11 @@ use crate::classes::CLASSES;
 use crate::render::{Counted, Placing, Renderer};
 use crate::scene::{Body, Eye, Frame};
 use crate::trials::{RIGHT, Test, Traced, rotated, seed};
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::shapes;
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes;
+use rimline_testkit::{is_long, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("casters_in_a_scene_count_as_each_by_itself", alike),

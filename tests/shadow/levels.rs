@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec3};
 use rimline::Counting;
 use rimline::gpu::{Measuring, SceneOptions, ShadowOptions};
-use rimline_measure::device::Gpu;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail, same, shapes};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail, same, shapes};
 
 use crate::classes::CLASSES;
 use crate::hidden::behind_walls;

@@ -3,11 +3,11 @@
 use glam::DVec3;
 use rimline::gpu::{DepthMap, DepthMapOptions, DepthMapPipelines, ShadowFormat, ShadowOptions};
 use rimline::{Counting, DepthDirection, Light};
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{self, Shape};
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::{self, Shape};
+use rimline_testkit::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::classes::CLASSES;

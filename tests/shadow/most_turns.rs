@@ -9,12 +9,12 @@ use rimline::reference::stages::{
 };
 use rimline::reference::turns::{EXACT_ITEMS, limits};
 use rimline::{DepthDirection, Light, Mesh, Predicate, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::dispatch::{Dispatch, uniform};
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::{must_fail, same, shapes};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::dispatch::{Dispatch, uniform};
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::{must_fail, same, shapes};
 
 use crate::sides;
 use crate::stages::{PLACES, choices, placed, seen, shape, table, with_depth};

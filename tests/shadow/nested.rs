@@ -4,16 +4,16 @@
 
 use glam::DVec3;
 use rimline::{Counting, DepthDirection, Light};
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::shapes::{self, Shape};
 
 use crate::rays::Truth;
 use crate::render::Renderer;
 use crate::scene::{Body, Eye, Frame};
 use crate::shells::{component, joined, nested, somewhere};
 use crate::trials::{RIGHT, Test, Traced};
-use rimline_measure::device::Gpu;
-use rimline_measure::is_long;
-use rimline_measure::random::Random;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::is_long;
+use rimline_testkit::random::Random;
 
 pub(crate) const TESTS: &[Test] = &[
     ("nothing_outside_an_inwards_cube_is_lit_from_within", inwards),

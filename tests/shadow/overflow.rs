@@ -5,7 +5,7 @@ use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::shadow::CAST_NOTHING;
 use rimline::{Counting, Light, Mesh, Predicate};
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::shapes::{self, Shape};
 
 use crate::classes::CLASSES;
 use crate::compare::Compared;
@@ -14,9 +14,9 @@ use crate::render::{Counted, Renderer};
 use crate::scene::{Body, CENTRE, Frame, Placed};
 use crate::sides;
 use crate::trials::{Test, Traced, every, rotated, seed};
-use rimline_measure::device::Gpu;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail};
 
 pub(crate) const TESTS: &[Test] = &[
     ("counts_that_are_multiples_of_256_are_warned_of", multiples),

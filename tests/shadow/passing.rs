@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 use rimline::{DepthDirection, Light};
-use rimline_measure::device::Gpu;
-use rimline_measure::{must_fail, shapes};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::{must_fail, shapes};
 
 use crate::render::{Placing, Renderer};
 use crate::scene::{Body, Eye, Frame};

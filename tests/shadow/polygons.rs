@@ -7,12 +7,12 @@ use glam::{DVec2, DVec3};
 use rimline::gpu::ShadowOptions;
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Light, Mesh};
-use rimline_measure::device::Gpu;
-use rimline_measure::polygons::{PolygonSet, folded_polygon, quad_torus, random_polygon};
-use rimline_measure::random::Random;
-use rimline_measure::rays::Tracer;
-use rimline_measure::shapes::Shape;
-use rimline_measure::{is_long, must_fail};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::polygons::{PolygonSet, folded_polygon, quad_torus, random_polygon};
+use rimline_testkit::random::Random;
+use rimline_testkit::rays::Tracer;
+use rimline_testkit::shapes::Shape;
+use rimline_testkit::{is_long, must_fail};
 
 use crate::hairlines::{HALF_STEP, picture};
 use crate::render::Renderer;

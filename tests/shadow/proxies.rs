@@ -3,10 +3,10 @@
 use glam::DVec3;
 use rimline::gpu::ShadowOptions;
 use rimline::{Counting, DepthDirection, Light};
-use rimline_measure::device::Gpu;
-use rimline_measure::is_long;
-use rimline_measure::random::Random;
-use rimline_measure::shapes;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::is_long;
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes;
 
 use crate::render::{Placing, Renderer};
 use crate::scene::{Body, Eye, Frame};

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Counting, Light, Mesh};
-use rimline_measure::shapes::Shape;
+use rimline_testkit::shapes::Shape;
 
 use crate::classes::CLASSES;
 use crate::compare::{Compared, Wrong};
@@ -11,8 +11,8 @@ use crate::rays::{Between, MOST_CASTERS, Tracer, Triangle, Truth};
 use crate::render::{Counted, Renderer};
 use crate::scene::{Frame, Rays};
 use crate::trials::{Test, Traced, every};
-use rimline_measure::device::Gpu;
-use rimline_measure::{is_long, oracle};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::{is_long, oracle};
 
 pub(crate) const TESTS: &[Test] = &[("stencil_and_shadow_depth_query_agree", agree)];
 

@@ -9,9 +9,9 @@ use crate::rays::{self, Truth};
 use crate::render::{Placing, Renderer};
 use crate::scene::{Body, Frame};
 use crate::trials::{Test, Traced};
-use rimline_measure::device::Gpu;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail};
 
 pub(crate) const TESTS: &[Test] = &[
     ("volumes_end_at_the_range", ended),
@@ -106,7 +106,7 @@ fn just_within() -> Result<(), String> {
     let options = ShadowOptions { end_at_range: true, ..ShadowOptions::default() };
     let class = CLASSES.first().ok_or("no classes")?;
     for (height, floor) in [(1.0_f32, 4.0_f32), (0.5, 6.0), (2.0, 4.5)] {
-        let mut plate = Body::caster(rimline_measure::shapes::cube());
+        let mut plate = Body::caster(rimline_testkit::shapes::cube());
         for position in &mut plate.shape.positions {
             *position = [position[0], 0.05 * position[1] - 0.05 - height, position[2]];
         }
@@ -148,7 +148,7 @@ fn skipped() -> Result<(), String> {
     for (light, distance) in [([3.5, 0.1, -0.2], 3.0_f32), ([-0.1, 4.5, -3.5], 5.0), ([1.5, -2.5, 2.5], 3.0)] {
         for (range, casts) in [(distance * 0.999, false), (distance * 1.001, true), (distance * 1.3, true)] {
             let mut frame: Frame = (class.frame)(&mut Random::new(1));
-            frame.bodies = vec![Body::caster(rimline_measure::shapes::cube()).scaled(0.5), Body::room([0.0; 3], 8.0)];
+            frame.bodies = vec![Body::caster(rimline_testkit::shapes::cube()).scaled(0.5), Body::room([0.0; 3], 8.0)];
             // Another w is the same place.
             for w in [1.0, 0.3] {
                 let [x, y, z] = light;

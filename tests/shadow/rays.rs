@@ -4,12 +4,12 @@ use glam::{DVec2, DVec3};
 use rimline::Light;
 
 use crate::scene::{Frame, Rays};
-use rimline_measure::oracle;
+use rimline_testkit::oracle;
 
-pub(crate) type Triangle = rimline_measure::rays::Triangle<Face>;
+pub(crate) type Triangle = rimline_testkit::rays::Triangle<Face>;
 
 /// The frame's triangles in a tree of boxes.
-pub(crate) struct Tracer(rimline_measure::rays::Tracer<Face>);
+pub(crate) struct Tracer(rimline_testkit::rays::Tracer<Face>);
 
 /// Properties of a triangle.
 pub(crate) struct Face {
@@ -79,7 +79,7 @@ impl Tracer {
                 triangles.push((corners, Face { sides, caster, is_drawn: body.is_drawn }));
             }
         }
-        Self(rimline_measure::rays::Tracer::build(triangles))
+        Self(rimline_testkit::rays::Tracer::build(triangles))
     }
 
     /// Where a ray first meets a triangle, and which.

@@ -7,11 +7,11 @@ use rimline::reference::cpu::CHOICE_WORDS;
 use rimline::reference::layout::ReceiverView;
 use rimline::reference::shadow;
 use rimline::{DepthDirection, Light, ShadowCamera};
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
-use rimline_measure::pipelines::{self, Drawing};
-use rimline_measure::random::Random;
-use rimline_measure::{must_fail, same, shapes};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::pipelines::{self, Drawing};
+use rimline_testkit::random::Random;
+use rimline_testkit::{must_fail, same, shapes};
 
 use crate::scene::Eye;
 use crate::trials::Test;

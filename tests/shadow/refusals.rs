@@ -10,13 +10,13 @@ use rimline::gpu::{
 };
 use rimline::reference::layout::ShadowDraws;
 use rimline::{CameraError, Counting, DepthDirection, Light, ShadowCamera};
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
-use rimline_measure::device::Gpu;
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::{limited, text};
-use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
-use rimline_measure::{must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::{limited, text};
+use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
+use rimline_testkit::{must_fail, same};
 
 use crate::render::{Renderer, attachment};
 

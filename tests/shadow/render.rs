@@ -11,9 +11,9 @@ use rimline::{Counting, DepthDirection, Light, Mesh};
 
 use crate::in_scene::InScene;
 use crate::scene::{Body, Frame, Placed};
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::chosen;
-use rimline_measure::pipelines::Drawing;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::chosen;
+use rimline_testkit::pipelines::Drawing;
 
 /// How the scene's own depth pass computes positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

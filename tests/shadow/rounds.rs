@@ -7,8 +7,8 @@ use rimline::gpu::read_back_vec;
 use rimline::reference::cpu::{far_end, side, to_clip};
 use rimline::reference::shadow;
 use rimline::{DepthDirection, Mesh};
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
 
 use crate::render::{Renderer, attachment};
 use crate::scene::Frame;

@@ -8,8 +8,8 @@ use crate::rays::Truth;
 use crate::render::Renderer;
 use crate::scene::SAMPLES;
 use crate::trials::{Test, Traced, every};
-use rimline_measure::device::Gpu;
-use rimline_measure::is_long;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::is_long;
 
 pub(crate) const TESTS: &[Test] = &[("four_samples_a_pixel", four)];
 

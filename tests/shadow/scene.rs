@@ -2,8 +2,8 @@
 
 use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4, Mat4, Vec3};
 use rimline::{DepthDirection, Light, ShadowCamera};
-use rimline_measure::polygons::PolygonSet;
-use rimline_measure::shapes::Shape;
+use rimline_testkit::polygons::PolygonSet;
+use rimline_testkit::shapes::Shape;
 
 /// Triangles of one caster or receiver.
 #[derive(Clone, Debug, Default)]
@@ -69,7 +69,7 @@ impl Body {
 
     /// A closed room around what casts, seen from inside.
     pub(crate) fn room(centre: [f32; 3], half: f32) -> Self {
-        let mut shape = rimline_measure::shapes::cube();
+        let mut shape = rimline_testkit::shapes::cube();
         for face in &mut shape.faces {
             face.swap(1, 2);
         }

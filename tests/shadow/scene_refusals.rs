@@ -7,10 +7,10 @@ use crate::render::{Renderer, attachment};
 use crate::scene::Eye;
 use crate::trials::Test;
 use glam::DVec3;
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
-use rimline_measure::refusals::{Expected, is, refusal, refused, shows};
-use rimline_measure::shapes;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
+use rimline_testkit::shapes;
 
 pub(crate) const TESTS: &[Test] = &[
     ("scenes_refuse_cameras_lights_and_faces", recording),

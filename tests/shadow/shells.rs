@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use rimline::{DepthDirection, Light};
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::{self, Shape};
 
 use crate::scene::{Body, Eye, Frame};
 

@@ -3,16 +3,16 @@
 use glam::{DVec3, Vec3};
 use rimline::gpu::{Caster, Deformer, DeformerOptions, Scene, SceneOptions};
 use rimline::{Counting, DepthDirection, Instance, InstancePose, Light, Mesh, Model, ModelBounds, Pose};
-use rimline_measure::shapes::Shape;
+use rimline_testkit::shapes::Shape;
 
 use crate::classes::with_caster;
 use crate::render::{Placing, Renderer};
 use crate::scene::{Body, Eye, Frame};
 use crate::trials::{RIGHT, Tally, Test, Traced, every, frames};
-use rimline_measure::device::Gpu;
-use rimline_measure::models::bending_tube;
-use rimline_measure::random::Random;
-use rimline_measure::{must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::models::bending_tube;
+use rimline_testkit::random::Random;
+use rimline_testkit::{must_fail, same};
 
 pub(crate) const TESTS: &[Test] =
     &[("skinned_figure_in_motion", skinned), ("figures_that_are_not_needed_show_nowhere", unneeded)];

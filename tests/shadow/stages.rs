@@ -15,14 +15,14 @@ use rimline::{Light, Mesh, Predicate};
 
 use crate::goldens::golden;
 use crate::sides;
-use rimline_measure::cases::topologies;
-use rimline_measure::device::Gpu;
-use rimline_measure::dispatch::{Dispatch, uniform};
-use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::interleaved;
-use rimline_measure::random::Random;
-use rimline_measure::scenes::{Scene, scene};
-use rimline_measure::{is_long, must_fail, same};
+use rimline_testkit::cases::topologies;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::dispatch::{Dispatch, uniform};
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::interleaved;
+use rimline_testkit::random::Random;
+use rimline_testkit::scenes::{Scene, scene};
+use rimline_testkit::{is_long, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("bounds_equal_their_twin", bounds),

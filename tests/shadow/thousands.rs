@@ -11,11 +11,11 @@ use rimline::{Light, Matrix3x4, Mesh, Predicate, ShadowCamera};
 use crate::scene::Eye;
 use crate::sides;
 use crate::trials::Test;
-use rimline_measure::device::Gpu;
-use rimline_measure::on_gpu::text;
-use rimline_measure::random::Random;
-use rimline_measure::shapes::{self, Shape};
-use rimline_measure::{must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::{self, Shape};
+use rimline_testkit::{must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[("ten_thousand_casters_are_chosen_and_drawn_as_by_the_twins", thousands)];
 

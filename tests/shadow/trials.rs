@@ -9,9 +9,9 @@ use crate::compare::{Compared, Wrong};
 use crate::rays::{self, Truth};
 use crate::render::{Counted, DepthPass, Renderer};
 use crate::scene::{CENTRE, Frame, SAMPLES};
-use rimline_measure::device::Gpu;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail};
 
 /// A test's name and body.
 pub(crate) type Test = (&'static str, fn() -> Result<(), String>);

@@ -7,13 +7,13 @@ use rimline::reference::cpu::{self, CastingBox, Threads};
 use rimline::{
     Counting, DepthDirection, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Mesh, Model, Pose,
 };
-use rimline_measure::device::Gpu;
-use rimline_measure::models::rows;
-use rimline_measure::on_gpu::{read, text};
-use rimline_measure::polygons::PolygonSet;
-use rimline_measure::random::Random;
-use rimline_measure::shapes::Shape;
-use rimline_measure::{must_fail, same};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::models::rows;
+use rimline_testkit::on_gpu::{read, text};
+use rimline_testkit::polygons::PolygonSet;
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::Shape;
+use rimline_testkit::{must_fail, same};
 
 use crate::polygons::{Rig, Truth, compare, frame};
 use crate::render::Renderer;

@@ -8,9 +8,9 @@ use rimline::mesh::EdgeKind;
 use rimline::reference::cpu::{self, Corner, End, Threads};
 use rimline::reference::layout::{ShadowLight, ShadowShape, ShadowView};
 use rimline::reference::shadow::{self, CAST_EVERY, COUNT_ZP_PLUS};
-use rimline_measure::is_long;
-use rimline_measure::random::Random;
-use rimline_measure::scenes::{Scene, scene};
+use rimline_testkit::is_long;
+use rimline_testkit::random::Random;
+use rimline_testkit::scenes::{Scene, scene};
 
 type Outcome = Result<(), String>;
 
@@ -377,5 +377,5 @@ fn vertices_lie_where_exact_clipping_has_them() -> Outcome {
     assert!(stars.count.min(meetings.count).min(turns.count) > 300, "not vacuous");
     assert!(stars.of_bound.min(meetings.of_bound).min(turns.of_bound) > 0.02, "the bounds are near");
     let moved = Worst::default().add("moved", DVec2::ONE, DVec2::splat(0.99), DVec2::splat(1e-3), 1.0);
-    rimline_measure::must_fail("a moved vertex", &moved)
+    rimline_testkit::must_fail("a moved vertex", &moved)
 }

@@ -10,9 +10,9 @@ use crate::classes::CLASSES;
 use crate::render::Renderer;
 use crate::scene::{Frame, Placed};
 use crate::trials::{Test, Traced, every, seed};
-use rimline_measure::device::Gpu;
-use rimline_measure::is_long;
-use rimline_measure::random::Random;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::is_long;
+use rimline_testkit::random::Random;
 
 pub(crate) const TESTS: &[Test] =
     &[("published_zp_plus", published), ("case_d_goes_over_to_z_fail", switches), ("auto_never_takes_published", auto)];

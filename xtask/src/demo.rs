@@ -53,6 +53,8 @@ pub(crate) fn run() -> Result<(), String> {
     vulkan::ensure()?;
     let mut build =
         process::cargo(["build", "--release", "--package", "rimline-cli", "--package", "rimline", "--bin", "rimline"]);
+    // Pictures need no measurements and no charts.
+    build.args(["--no-default-features", "--features", "rimline/gltf,rimline/gpu"]);
     for (_, example, _) in MODELS {
         build.args(["--example", example]);
     }

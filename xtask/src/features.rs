@@ -7,7 +7,7 @@ use crate::process;
 
 /// Dependencies that only the command may have.
 const OF_THE_COMMAND: [&str; 8] =
-    ["clap", "epaint_default_fonts", "indicatif", "num-bigint", "png", "resvg", "rimline-measure", "zip"];
+    ["clap", "epaint_default_fonts", "indicatif", "num-bigint", "png", "resvg", "rimline-bench", "zip"];
 
 /// All choices of the library's features that are on by default.
 const FEATURES: [&str; 4] = ["", "gltf", "gpu", "gltf,gpu"];
@@ -54,6 +54,24 @@ fn naga_has_back_end(tree: &str) -> Result<(), String> {
     let features = naga.split_whitespace().nth(2).unwrap_or_default();
     let is_there = features.split(',').any(|feature| ["glsl-out", "hlsl-out", "msl-out", "spv-out"].contains(&feature));
     if is_there { Ok(()) } else { Err(format!("naga has no back end for {WASM}: its features are `{features}`")) }
+}
+
+/// The command builds without its measurements, as the demo has it.
+pub(crate) fn command_without_bench() -> Result<(), String> {
+    process::run(&mut process::cargo([
+        "check",
+        "--package",
+        "rimline-cli",
+        "--bin",
+        "rimline",
+        "--no-default-features",
+    ]))?;
+    let tree = ["tree", "--package", "rimline-cli", "--edges", "normal", "--prefix", "none", "--format", "{p}"];
+    let found = among(
+        &["plotters", "resvg", "epaint_default_fonts"],
+        &process::output(process::cargo(tree).arg("--no-default-features"))?,
+    );
+    if found.is_empty() { Ok(()) } else { Err(format!("it depends on {}", found.join(", "))) }
 }
 
 pub(crate) fn no_command_dependencies() -> Result<(), String> {

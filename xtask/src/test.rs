@@ -41,5 +41,6 @@ pub(crate) fn add(summary: &mut Summary) {
     summary.check("the library builds with any of its features", features::library_alone());
     summary.check("the library without `gpu` has no GPU library", features::no_gpu_dependencies());
     summary.check("the library compiles for wasm32", features::library_for_wasm());
+    summary.check("the command builds without `bench`, and without its charts", features::command_without_bench());
     summary.check("the library has none of the command's dependencies", features::no_command_dependencies());
 }

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use meshopt::VertexDataAdapter;
 use rimline::Mesh;
 use rimline::mesh::Weld;
-use rimline_measure::shapes::{Shape, torus};
+use rimline_testkit::shapes::{Shape, torus};
 
 use statistics::Samples;
 

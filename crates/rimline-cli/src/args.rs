@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::bench::args::BenchArgs;
+use crate::bench_args::BenchArgs;
 use crate::help::verbatim;
 use crate::input_args::{ModelArgs, MomentArgs, ViewArgs, drawing_device};
 use crate::load_args::LoadArgs;

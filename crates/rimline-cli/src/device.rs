@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rimline::gpu::{Pipelines, read_back_vec};
 use rimline::wgpu;
-use rimline_measure::slivers;
+use rimline_bench::slivers;
 use wgpu::{AdapterInfo, Backend, Backends, DeviceType, Features, Limits};
 
 use crate::failure::{Failure, NoDevice};
@@ -311,6 +311,13 @@ impl Gpu {
             None => Ok(()),
             Some(message) => Err(self.failed(message)),
         }
+    }
+
+    /// Tells the first error that the device reported, also when the device has been cloned.
+    #[cfg(feature = "bench")]
+    pub(crate) fn reported(&self) -> impl Fn() -> Option<String> + use<> {
+        let failure = Arc::clone(&self.failure);
+        move || failure.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// How many pixels of slivers that leave the picture the driver counts wrongly: 0 of one that clips them rightly. Or why

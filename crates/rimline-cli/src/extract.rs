@@ -12,7 +12,7 @@ use rimline::reference::Method;
 use rimline::reference::cpu::{self, Extraction, FacingStatistics, Threads};
 use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, Mesh, Origin, Predicate};
-use rimline_measure::error_metrics::light_counts;
+use rimline_bench::error_metrics::light_counts;
 use serde_json::json;
 
 use crate::args::{ExtractArgs, MethodArg, PredicateArg};

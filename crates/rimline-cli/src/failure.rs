@@ -200,16 +200,15 @@ pub(crate) enum UsageError {
     LampOptions { name: String, problem: SpecError },
     #[error("a film of {frames} pictures is too long; at most {limit} are written")]
     TooManyFrames { frames: u64, limit: u64 },
-    #[error("there is nothing to measure; give --meshes or --scenes a value other than `none`, or --frames on a GPU")]
-    NothingToMeasure,
-    #[error("there is no scene `{wanted}`; there are {there}, `all` and `none`")]
-    Scene { wanted: String, there: String },
+    #[cfg(feature = "bench")]
+    #[error(transparent)]
+    Bench(rimline_bench::PlanError),
+    #[cfg(not(feature = "bench"))]
     #[error(
-        "--casters is for the scenes `casters`, `still`, `city`, `crowd` and `moving`, which --scenes leaves out; add one of \
-         them \
-         to --scenes"
+        "this build of rimline leaves `bench` out; `cargo install rimline-cli` builds one that has it, and so does \
+         `--features bench`"
     )]
-    CastersWithoutScene,
+    WithoutBench,
     #[error("{0}; give another light, or leave out --hide-covered")]
     Covered(rimline::cpu::CpuError),
     #[error(

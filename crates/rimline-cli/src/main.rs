@@ -3,8 +3,9 @@
 
 mod args;
 mod begins;
+#[cfg(feature = "bench")]
 mod bench;
-mod chart;
+mod bench_args;
 mod coordinates;
 mod device;
 mod devices;
@@ -22,7 +23,6 @@ mod input_args;
 mod load_args;
 mod origin;
 mod output;
-mod page;
 mod parse;
 mod posed_input;
 mod positions;
@@ -125,6 +125,9 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Film(args) => film::run(args),
         Command::Query(args) => query::run(args),
         Command::Verify(args) => verify::run(args),
+        #[cfg(feature = "bench")]
         Command::Bench(args) => bench::run(args),
+        #[cfg(not(feature = "bench"))]
+        Command::Bench(_) => Err(failure::UsageError::WithoutBench.into()),
     }
 }

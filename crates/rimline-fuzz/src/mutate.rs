@@ -1,6 +1,6 @@
 //! Mutations of bytes, text and JSON.
 
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 use serde_json::{Value, json};
 
 /// Flips bits, sets bytes, cuts, repeats and moves pieces.

@@ -2,7 +2,7 @@
 
 use std::io::Write as _;
 
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 
 use crate::options::Options;
 use crate::targets::{Input, Seeds};

@@ -4,8 +4,8 @@
 use rimline::Light;
 use rimline::reference::layout::LightBatch;
 use rimline::reference::stages::SHADOW_DEPTH;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail};
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail};
 
 use super::rounding_models::RoundingModels;
 use super::wgsl_constant;

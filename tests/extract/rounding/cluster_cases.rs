@@ -3,7 +3,7 @@
 use rimline::reference::clusters::{ClusterBound, Clusters};
 use rimline::reference::cpu::Threads;
 use rimline::{Light, Mesh};
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 
 use crate::pairs;
 

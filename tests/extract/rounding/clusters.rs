@@ -5,11 +5,11 @@ use rimline::Light;
 use rimline::reference::clusters::{ClusterBound, WIDENING};
 use rimline::reference::layout::LightBatch;
 use rimline::reference::stages::CLUSTERS;
-use rimline_measure::band::{facing_bound, gamma};
-use rimline_measure::clusters::{LEAST, PRODUCT, height_and_spread};
-use rimline_measure::oracle::ExactFace;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail};
+use rimline_testkit::band::{facing_bound, gamma};
+use rimline_testkit::clusters::{LEAST, PRODUCT, height_and_spread};
+use rimline_testkit::oracle::ExactFace;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail};
 
 use super::cluster_cases::{Bounded, bounded};
 use super::rounding_models::RoundingModels;

@@ -10,10 +10,10 @@ mod rounding_models;
 use rimline::Light;
 use rimline::reference::cpu::{RELATIVE, UNDERFLOW};
 use rimline::reference::stages::{EXACT_FACING, FACING, Stage};
-use rimline_measure::band::{Bound, facing_bound, facing_bound_without_q, is_outside, scaled};
-use rimline_measure::oracle::ExactFace;
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail};
+use rimline_testkit::band::{Bound, facing_bound, facing_bound_without_q, is_outside, scaled};
+use rimline_testkit::oracle::ExactFace;
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail};
 use rounding_models::RoundingModels;
 
 type Outcome = Result<(), String>;

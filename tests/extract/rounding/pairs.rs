@@ -2,7 +2,7 @@
 
 use rimline::Light;
 
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 
 pub(crate) type Pair = ([[f32; 3]; 3], Light);
 

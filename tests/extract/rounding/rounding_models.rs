@@ -4,7 +4,7 @@ use rimline::Light;
 
 use rimline::reference::cpu::UNDERFLOW;
 use rimline::reference::layout::LightBatch;
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 
 /// Which neighbour of an exact value is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,12 +4,12 @@ use glam::DVec3;
 use rimline::Light;
 use rimline::reference::layout::ShadowShape;
 use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY, COUNT_AUTO};
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::shapes::{self, Shape};
 
 use crate::view::{Eye, around, chosen, stepped};
-use rimline_measure::is_long;
-use rimline_measure::random::Random;
-use rimline_measure::scenes::{PROJECTIONS, Pose, direction};
+use rimline_testkit::is_long;
+use rimline_testkit::random::Random;
+use rimline_testkit::scenes::{PROJECTIONS, Pose, direction};
 
 const CLOSED: ShadowShape = ShadowShape {
     casters: 1,

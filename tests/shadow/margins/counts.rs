@@ -6,10 +6,10 @@ use rimline::mesh::EdgeKind;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY};
 use rimline::{Light, Mesh, Predicate};
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::shapes::{self, Shape};
 
-use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail};
+use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail};
 
 /// Closed blocks and balls below each other, about a line from the light, in a box that is long.
 fn stack(random: &mut Random, light: DVec3, towards: DVec3) -> Shape {

@@ -7,9 +7,9 @@ use rimline::reference::layout::ShadowShape;
 use rimline::reference::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS};
 
 use crate::view::chosen;
-use rimline_measure::is_long;
-use rimline_measure::random::Random;
-use rimline_measure::scenes::{Pose, direction};
+use rimline_testkit::is_long;
+use rimline_testkit::random::Random;
+use rimline_testkit::scenes::{Pose, direction};
 
 #[test]
 fn volumes_end_beyond_the_range_and_hardly_later() {

@@ -7,9 +7,9 @@ use rimline::reference::layout::{ShadowLight, ShadowShape};
 use rimline::reference::shadow::{self, CAST_EVERY, COUNT_ZP_PLUS};
 
 use crate::view::{Eye, chosen, stepped};
-use rimline_measure::is_long;
-use rimline_measure::random::Random;
-use rimline_measure::scenes::{PROJECTIONS, Pose, direction};
+use rimline_testkit::is_long;
+use rimline_testkit::random::Random;
+use rimline_testkit::scenes::{PROJECTIONS, Pose, direction};
 
 /// A vertex of a side that is behind the near plane by its height is not before it by its depth.
 #[test]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rimline::mesh::Weld;
 use rimline::{Geometry, GeometryOptions, Light, Mesh, Origin};
-use rimline_measure::stress;
+use rimline_bench::stress;
 
 use super::lights::{COUNT as LIGHTS, hard_lights};
 use crate::args::VerifyArgs;

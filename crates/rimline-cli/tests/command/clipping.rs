@@ -2,7 +2,7 @@
 //! installed; `RIMLINE_SWIFTSHADER` names its manifest if it is elsewhere.
 
 use libtest_mimic::{Failed, Trial};
-use rimline_measure::assets;
+use rimline_testkit::assets;
 use serde_json::Value;
 
 use super::run::{folder, is_long, rimline, rimline_with};

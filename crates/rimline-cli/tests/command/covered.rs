@@ -1,6 +1,6 @@
 //! `--hide-covered`: the shadows stay, and the volumes get fewer sides.
 
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
 use super::run::{Folder, folder, write_file};
 use super::shadow::model;

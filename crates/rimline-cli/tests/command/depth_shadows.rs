@@ -1,6 +1,6 @@
 //! `--from-depth`: shadows rebuilt from maps that the lights see, against those of meshes.
 
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
 use super::run::{Folder, folder, write_file};
 use super::shadow::{apart, model};

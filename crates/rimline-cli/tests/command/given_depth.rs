@@ -1,7 +1,7 @@
 //! `--depth`: shadows of a map that some program made, which `--save-depth` is one of.
 
 use glam::{DMat4, DVec3};
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
 use super::archive::{Entry, array, data, read_zip, words, write_zip};
 use super::run::{Folder, folder};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use base64::Engine as _;
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::shapes::{self, Shape};
 use serde_json::{Value, json};
 
 use super::run::{folder, rimline};

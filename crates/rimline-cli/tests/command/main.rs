@@ -5,7 +5,10 @@
 
 mod archive;
 mod bad_input;
+#[cfg(feature = "bench")]
 mod bench;
+#[cfg(not(feature = "bench"))]
+mod bench_left_out;
 mod cases;
 mod clipping;
 mod contract;
@@ -37,12 +40,14 @@ mod outputs;
 mod outputs_unix;
 mod own_gltf;
 mod parts;
+#[cfg(feature = "bench")]
 mod plot_labels;
 mod polygon_shadows;
 mod polygon_surface;
 mod query;
 mod query_on_faces;
 mod run;
+#[cfg(feature = "bench")]
 mod schema;
 mod seams;
 mod shadow;
@@ -92,6 +97,7 @@ fn main() {
         shadow::TESTS,
         shadow_wrong::TESTS,
         film::TESTS,
+        #[cfg(feature = "bench")]
         plot_labels::TESTS,
         polygon_shadows::TESTS,
         polygon_surface::TESTS,
@@ -100,10 +106,14 @@ fn main() {
         query::TESTS,
         query_on_faces::TESTS,
         verify_wrong::TESTS,
+        #[cfg(feature = "bench")]
         schema::TESTS,
         words::TESTS,
         keys::TESTS,
+        #[cfg(feature = "bench")]
         bench::TESTS,
+        #[cfg(not(feature = "bench"))]
+        bench_left_out::TESTS,
         outputs::TESTS,
         inputs::TESTS,
         fallback::TESTS,

@@ -7,7 +7,7 @@ use libtest_mimic::Trial;
 use super::archive::compare;
 use super::run::{folder, is_long, on_asset, read_file, rimline};
 use super::{Outcome, ensure};
-use rimline_measure::files::GOOD_FILES;
+use rimline_testkit::files::GOOD_FILES;
 
 /// In turn: open, of many parts; moved by a skin and morph targets; quantized; moved by a skin, by nodes, by morph targets;
 /// sparse; without sides; a strip of triangles. Files of the same kinds run if long trials are wanted; the library extracts

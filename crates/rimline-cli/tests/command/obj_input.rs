@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 use serde_json::json;
 
 use super::npz_polygons::words;

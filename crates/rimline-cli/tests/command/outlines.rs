@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 use libtest_mimic::{Failed, Trial};
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
 use super::draw::{Picture, draw_with, is_ink};
 use super::run::{is_long, rimline};

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 
 use super::archive::{array, write_zip};
 use super::npz_polygons::words;

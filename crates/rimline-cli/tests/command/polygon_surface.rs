@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use glam::DVec3;
-use rimline_measure::rays::Tracer;
+use rimline_testkit::rays::Tracer;
 
 use super::draw::{is_ink, png};
 use super::npz_polygons::words;

@@ -3,8 +3,8 @@
 use std::ffi::OsStr;
 use std::path::Path;
 
-use rimline_measure::shadow_cases::centre;
-use rimline_measure::shapes::{self, Shape};
+use rimline_testkit::shadow_cases::centre;
+use rimline_testkit::shapes::{self, Shape};
 
 use super::archive::{Entry, array, data, read_zip, words, write_zip};
 use super::run::{Run, folder, rimline, write_file};

@@ -31,7 +31,7 @@ fn is_understood(root: &Value, schema: &Value) -> Outcome {
                 schemas.iter().try_for_each(|schema| is_understood(root, schema))?;
                 true
             }
-            ("items", schema) => is_understood(root, schema).map(|()| true)?,
+            ("items" | "additionalProperties", schema) => is_understood(root, schema).map(|()| true)?,
             ("type", kinds) => kinds_of(kinds)
                 .all(|kind| ["null", "boolean", "integer", "number", "string", "array", "object"].contains(&kind)),
             ("$ref", Value::String(to)) => to.strip_prefix('#').is_some_and(|to| root.pointer(to).is_some()),
@@ -80,6 +80,18 @@ fn part(root: &Value, schema: &Value, data: &Value, at: &str, described: &mut BT
                     described.insert(key.clone());
                     data.get(key).map_or(Ok(()), |value| whole(root, schema, value, &format!("{at}, {key}")))?;
                 }
+                true
+            }
+            "additionalProperties" => {
+                let known = schema["properties"].as_object();
+                let mut others = data.as_object().into_iter().flatten();
+                others.try_for_each(|(key, value)| {
+                    if known.is_some_and(|known| known.contains_key(key)) {
+                        return Ok(());
+                    }
+                    described.insert(key.clone());
+                    whole(root, rule, value, &format!("{at}, {key}"))
+                })?;
                 true
             }
             "items" => {
@@ -140,6 +152,7 @@ fn negative() -> Outcome {
             "day": { "type": "string", "format": "date-time" },
             "any": { "anyOf": [{ "const": "none" }, { "$ref": "#/$defs/n" }] },
             "list": { "type": "array", "items": { "allOf": [{ "$ref": "#/$defs/n" }] } },
+            "more": { "type": "object", "properties": { "p": { "const": 1 } }, "additionalProperties": { "$ref": "#/$defs/n" } },
         },
         "$defs": { "n": { "type": "object", "required": ["n"], "properties": { "n": { "type": "number" } } } },
     });
@@ -148,6 +161,7 @@ fn negative() -> Outcome {
         json!({ "a": null, "b": "y", "list": [{ "n": 0.5 }] }),
         json!({ "a": 2.0, "any": "none", "list": [] }),
         json!({ "a": 1, "any": { "n": 1 }, "list": [] }),
+        json!({ "a": 1, "list": [], "more": { "p": 1, "q": { "n": 1 } } }),
     ] {
         validate(&schema, &good)?;
     }
@@ -168,6 +182,8 @@ fn negative() -> Outcome {
         json!({ "a": 1, "day": "2026-01-02T24:04:05Z", "list": [] }),
         json!({ "a": 1, "any": [0], "list": [] }),
         json!({ "a": 1, "any": { "n": 1, "m": 2 }, "list": [] }),
+        json!({ "a": 1, "list": [], "more": { "q": { "m": 1 } } }),
+        json!({ "a": 1, "list": [], "more": { "p": 2 } }),
     ] {
         ensure!(validate(&schema, &bad).is_err(), "{bad} passed");
     }
@@ -189,12 +205,17 @@ fn bench_negative() -> Outcome {
     let summary = json!({ "median": 2.0, "q1": 1.0, "q3": 3.0, "low": 1.0, "high": 3.0, "runs": 3 });
     let mut ratio = summary.clone();
     ratio["to"] = json!("cpu-f32-all");
-    let result = json!({
-        "method": "cpu-exact-all", "wall_ms": summary, "wall_ms_of_rounds": [2.0, 1.0, 3.0], "gpu_ms": null,
-        "gpu_ms_of_rounds": [], "stages": [{ "stage": "facing", "ms": 1.5 }], "ratios": [ratio],
-        "wrong_facing_bits": 0, "wrong_silhouette_bits": 0, "unclosed_vertices": 0, "undecided_pairs": 7,
+    ratio["time"] = json!("time");
+    let mut time = summary.clone();
+    time["rounds"] = json!([2.0, 1.0, 3.0]);
+    let variant = json!({
+        "variant": "cpu-exact-all", "name": "exact", "times": { "time": time, "wall": time }, "stages": { "facing": summary },
+        "counts": { "wrong_facing_bits": 0, "wrong_pixels": [0.0, 2.0] }, "ratios": [ratio],
     });
-    let row = json!({ "subject": "torus-4", "lights": 1, "facing_bits": 4, "silhouette_bits": 6, "results": [result] });
+    let row = json!({
+        "section": "extraction", "scene": "torus-4", "title": "torus-4", "group": "ordinary", "faces": 4, "lights": 1,
+        "silhouette_bits": 6, "variants": [variant],
+    });
     let mut part = json!({ "part": "extraction", "scene_ms": summary, "merged_ms": summary, "ratio": null });
     let scene = json!({
         "mesh": "box", "faces": 12, "casters": 3, "scene_bytes": 4800, "scene_bytes_per_caster": 1600.0,
@@ -206,35 +227,26 @@ fn bench_negative() -> Outcome {
     part["extractor_ms"] = merged.ok_or("no merged mesh")?;
     part["ratio"] = summary.clone();
     let one_mesh = json!({ "faces": 1024, "gpu": [part], "silhouette_edges": [60, 70], "wrong_lights": 0 });
-    let casters = json!({ "planned_rows": 2, "lights": 2, "size": 256, "rows": [scene], "one_mesh": [one_mesh] });
-    let counters = json!([{ "counter": "faces", "count": 12 }]);
-    let variant = json!({
-        "variant": "all-off", "parts": [{ "part": "compute", "ms": summary, "ratio": null }],
-        "parts_of_frame": summary, "stages": [{ "stage": "facing", "ms": summary }], "counters": counters, "fragments": null,
-        "fragments_ratio": 1.5,
-    });
-    let row_of_skipping = json!({
-        "scene": "city", "view": "oblique", "casters": 1, "faces": 12, "lights": 1, "pairs_in_range": 0, "variants": [variant],
-    });
-    let levels = json!([{ "id": "shadow-reach", "name": "shadow reach" }]);
-    let skipping = json!({ "planned_rows": 1, "size": 256, "levels": levels, "rows": [row_of_skipping] });
+    let casters = json!({ "lights": 2, "size": 256, "rows": [scene], "one_mesh": [one_mesh] });
     let data = json!({
-        "format": "rimline-bench", "version": 1, "complete": true, "rimline": "0.1.0", "date": "2026-01-02T03:04:05Z",
-        "machine": { "os": "Linux", "cpu": "one", "threads": 1, "optimised": true }, "adapter": null, "shadows": null,
-        "casters": casters, "skipping": skipping, "depth_maps": null,
-        "extraction": { "planned_rows": 1, "methods": [], "subjects": [], "rows": [row] },
+        "format": "rimline-bench", "version": 2, "complete": true, "planned_rows": 3, "rimline": "0.1.0",
+        "date": "2026-01-02T03:04:05Z", "machine": { "os": "Linux", "cpu": "one", "threads": 1, "optimised": true },
+        "adapter": null, "rows": [row], "casters": casters,
     });
     validate(&schema, &data)?;
     for (pointer, wrong) in [
         ("/format", json!("other")),
-        ("/depth_maps", json!("none")),
         ("/date", json!("yesterday")),
         ("/machine/threads", json!(0)),
-        ("/extraction/rows/0/lights", json!(1.5)),
-        ("/extraction/rows/0/results/0/gpu_ms", json!({ "median": 1.0 })),
-        ("/extraction/rows/0/results/0/stages/0/ms", json!(-1.0)),
-        ("/extraction/rows/0/results/0/ratios/0/to", json!(3)),
-        ("/extraction/rows/0/results/0/ratios/0/runs", json!(null)),
+        ("/rows/0/section", json!("casters")),
+        ("/rows/0/lights", json!(1.5)),
+        ("/rows/0/variants/0/times/wall", json!({ "median": 1.0 })),
+        ("/rows/0/variants/0/times/wall/rounds/1", json!(-1.0)),
+        ("/rows/0/variants/0/stages/facing", json!(1.0)),
+        ("/rows/0/variants/0/counts/wrong_facing_bits", json!(-1)),
+        ("/rows/0/variants/0/counts/wrong_pixels/0", json!("none")),
+        ("/rows/0/variants/0/ratios/0/to", json!(3)),
+        ("/rows/0/variants/0/ratios/0/runs", json!(null)),
         ("/casters/lights", json!(0)),
         ("/casters/rows/0/mesh", json!("sphere")),
         ("/casters/rows/0/recording/0/method", json!("other")),
@@ -245,30 +257,22 @@ fn bench_negative() -> Outcome {
         ("/casters/rows/0/silhouette_edges/0", json!(0.5)),
         ("/casters/one_mesh/0/gpu", json!(null)),
         ("/casters/one_mesh/0/wrong_lights", json!("none")),
-        ("/skipping/rows/0/scene", json!("casters")),
-        ("/skipping/rows/0/view", json!("above")),
-        ("/skipping/rows/0/casters", json!(0)),
-        ("/skipping/rows/0/variants/0/parts/0/part", json!("light")),
-        ("/skipping/rows/0/variants/0/parts/0/ms", json!(null)),
-        ("/skipping/rows/0/variants/0/stages/0/ms", json!(1.0)),
-        ("/skipping/rows/0/variants/0/counters/0/count", json!(-1)),
-        ("/skipping/rows/0/variants/0/parts_of_frame", json!(1.0)),
-        ("/skipping/rows/0/variants/0/fragments", json!(0.5)),
-        ("/skipping/rows/0/variants/0/fragments_ratio", json!("none")),
-        ("/skipping/levels/0", json!("shadow-reach")),
     ] {
         let mut changed = data.clone();
         *changed.pointer_mut(pointer).ok_or("nothing is there")? = wrong;
         ensure!(validate(&schema, &changed).is_err(), "a wrong {pointer} passed");
     }
-    let places = ["", "/machine", "/extraction/rows/0", "/extraction/rows/0/results/0/ratios/0"];
-    for place in places.into_iter().chain([
+    for place in [
+        "",
+        "/machine",
+        "/rows/0",
+        "/rows/0/variants/0",
+        "/rows/0/variants/0/times",
+        "/rows/0/variants/0/ratios/0",
         "/casters",
         "/casters/rows/0/gpu/0",
         "/casters/one_mesh/0",
-        "/skipping",
-        "/skipping/rows/0/variants/0",
-    ]) {
+    ] {
         let mut changed = data.clone();
         changed.pointer_mut(place).ok_or("nothing is there")?["unheard_of"] = json!(0);
         ensure!(validate(&schema, &changed).is_err(), "a key that is not described passed at `{place}`");

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 use serde_json::Value;
 
 use super::draw::{is_ink, is_orange, png};

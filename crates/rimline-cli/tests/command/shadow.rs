@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use libtest_mimic::Trial;
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
 use super::run::{Folder, folder, is_long, on_asset, rimline};
 use super::{Outcome, Test, ensure};
 use crate::archive::{array, write_zip};
-use rimline_measure::files::GOOD_FILES;
+use rimline_testkit::files::GOOD_FILES;
 
 pub(crate) const TESTS: &[Test] = &[
     ("shadow::masks_of_a_cube_over_the_ground", cube),

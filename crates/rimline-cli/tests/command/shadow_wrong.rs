@@ -1,6 +1,6 @@
 //! `rimline shadow` and `film`: what is refused, and that nothing is left then.
 
-use rimline_measure::shapes;
+use rimline_testkit::shapes;
 
 use super::npz_input::tetrahedron;
 use super::run::{folder, is_empty, rimline};

@@ -11,7 +11,7 @@ use super::archive::compare;
 use super::run::{assets, folder, is_long, rimline, rimline_with, write_file};
 use super::usage::HIDDEN;
 use super::{Outcome, ensure};
-use rimline_measure::files::GOOD_FILES;
+use rimline_testkit::files::GOOD_FILES;
 
 pub(crate) fn trials() -> Vec<Trial> {
     let no_opengl = !has_opengl();
@@ -83,7 +83,7 @@ fn stress_scenes() -> Outcome {
     make(&by_cpu, &["--faces".as_ref(), faces.as_ref()])?;
     make(&by_gpu, &["--faces".as_ref(), faces.as_ref(), "--device".as_ref(), "gpu".as_ref()])?;
     let (cpu, gpu) = (contents(&by_cpu)?, contents(&by_gpu)?);
-    let scenes = rimline_measure::stress::names().len();
+    let scenes = rimline_testkit::stress::names().len();
     ensure!(cpu.len() == scenes && cpu.keys().eq(gpu.keys()), "{:?} and {:?}", cpu.keys(), gpu.keys());
     for (name, bytes) in &cpu {
         compare(bytes, &gpu[name]).map_err(|error| format!("{name}: {error}"))?;
@@ -143,7 +143,7 @@ fn good_files() -> Outcome {
     make(&made, &options)?;
     let files = contents(&made)?.len();
     ensure!(
-        files > GOOD_FILES.len() + rimline_measure::stress::names().len(),
+        files > GOOD_FILES.len() + rimline_testkit::stress::names().len(),
         "some are posed twice, but {files} files"
     );
     let json = check(&made, &[], 0)?;

@@ -175,7 +175,7 @@ fn written_over() -> Outcome {
     make(&made, &options)?;
     let before = contents(&made)?;
     ensure!(
-        before.contains_key("model.npz") && before.len() == rimline_measure::stress::names().len() + 1,
+        before.contains_key("model.npz") && before.len() == rimline_testkit::stress::names().len() + 1,
         "{:?}",
         before.keys()
     );

@@ -37,7 +37,7 @@ fn only_json() -> Outcome {
 /// The light is outside of a small cube, which has one map. It is among what is larger, which would have six.
 fn lights() -> Outcome {
     let folder = with_cube()?;
-    let small = super::shadow::model(&rimline_measure::shapes::cube(), 0.05, [0.0; 3]);
+    let small = super::shadow::model(&rimline_testkit::shapes::cube(), 0.05, [0.0; 3]);
     folder.write("small.npz", small)?;
     let line = "shadow @small.npz --size 64x48 --light point:0.3,0.4,0.2 --from-depth 64 \
         --detector contours=0.01 --mask @m";

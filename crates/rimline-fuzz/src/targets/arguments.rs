@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use rimline_cli::npz::{ElementType, NpzWriter};
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 
 use crate::mutate;
 use crate::options::Options;

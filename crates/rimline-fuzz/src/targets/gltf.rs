@@ -2,7 +2,7 @@
 
 use rimline::gltf::{Asset, LoadOptions};
 use rimline::mesh::Weld;
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 use serde_json::{Value, json};
 
 use crate::mutate;

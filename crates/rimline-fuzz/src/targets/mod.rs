@@ -6,7 +6,7 @@ mod npz;
 mod obj;
 mod wgsl;
 
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 
 use crate::options::Options;
 use crate::target::Target;

@@ -7,7 +7,7 @@ use rimline::cpu::{self, Threads};
 use rimline::mesh::{NO_FACE, PolygonLoops, Weld};
 use rimline::{Light, Mesh, Origin, Predicate};
 use rimline_cli::npz;
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 

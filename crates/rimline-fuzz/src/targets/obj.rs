@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use rimline::mesh::Weld;
 use rimline_cli::obj;
-use rimline_measure::random::Random;
+use rimline_testkit::random::Random;
 
 use super::npz::check_polygons;
 use crate::mutate;

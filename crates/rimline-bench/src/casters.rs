@@ -1,0 +1,459 @@
+//! Scenes of many casters: CPU time of recording a frame, GPU time against the same faces merged into one mesh, memory,
+//! and silhouettes that are not those of the merged mesh.
+//!
+//! Casters of one mesh stand at integer positions in a cube, with lights and a camera outside it. Positions of vertices and
+//! casters have so few digits that their sums are exact. So a caster in the scene has exactly the silhouettes that its part of
+//! the merged mesh has.
+
+use std::cell::RefCell;
+
+use glam::Vec3;
+use rimline::gpu::{Caster, Measuring, SceneOptions, ScenePipelines, ShadowFormat, ShadowPipelines};
+use rimline::{Counting, Light, Matrix3x4};
+use serde_json::{Value, json};
+use wgpu::LoadOp;
+
+use crate::engine::{Contender, Metric, Rounds, Sample, interleave};
+use crate::extraction::subject;
+use crate::gpu::{Gpu, Stopwatch};
+use crate::random::Random;
+use crate::record::{Camera, DEPTH, Deforming, Meshes, Recorder, STENCIL, SceneRecorder, Setting, Until, stencil_pass};
+use crate::row::{Entry, Row, Section, Variant};
+use crate::shapes::{self, Shape};
+use crate::text::grouped;
+use crate::{Error, Host};
+
+/// Lights of each scene.
+pub(crate) const LIGHTS: usize = 5;
+/// The most casters whose volumes are drawn.
+const MOST_DRAWN: usize = 1000;
+/// The most casters that have an extractor each.
+const MOST_EXTRACTORS: usize = 100;
+/// Half the width of the cube that casters stand in.
+const HALF_WIDTH: i16 = 50;
+/// Positions are multiples of its reciprocal.
+const GRID: f32 = 4096.0;
+/// The stages that extract, of a scene and of a single mesh.
+const EXTRACTION: [&str; 6] = ["reach", "chunks", "facing", "exact_facing", "edges", "arguments"];
+
+/// The mesh that all casters of a scene have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CasterMesh {
+    /// 12 faces.
+    Cube,
+    /// A torus of 4,000 faces, about what a skinned character has.
+    Figure,
+}
+
+impl CasterMesh {
+    /// Name in the data.
+    fn id(self) -> &'static str {
+        match self {
+            Self::Cube => "box",
+            Self::Figure => "figure",
+        }
+    }
+
+    /// `1 box`, `200 figures`.
+    pub(crate) fn counted(self, casters: usize) -> String {
+        let many = if self == Self::Cube { "boxes" } else { "figures" };
+        format!("{} {}", grouped(casters), if casters == 1 { self.id() } else { many })
+    }
+
+    pub(crate) fn shape(self) -> Shape {
+        let mut shape = match self {
+            Self::Cube => shapes::cube(),
+            Self::Figure => shapes::torus(50, 40, 1.0, 0.4),
+        };
+        for position in &mut shape.positions {
+            *position = position.map(|c| (c * GRID).round() / GRID);
+        }
+        shape
+    }
+}
+
+/// Casters of a shape in a cube. The same each time.
+pub(crate) fn field(shape: Shape, casters: usize) -> Setting {
+    let mut random = Random::new(1);
+    let mut whole = |from: i16, to: i16| f32::from(from) + random.below((to - from) as usize + 1) as f32;
+    let light = |_| {
+        let at = [whole(-HALF_WIDTH, HALF_WIDTH), whole(70, 90), whole(-HALF_WIDTH, HALF_WIDTH)];
+        Light::point(at)
+    };
+    let lights: Vec<Light> = (0..LIGHTS).map(light).collect();
+    // A single caster is seen.
+    let place = |index| if index == 0 { [0.0; 3] } else { [(); 3].map(|()| whole(-HALF_WIDTH, HALF_WIDTH)) };
+    let placed =
+        (0..casters).map(place).map(|[x, y, z]| (0, [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]));
+    // It sees about half of the cube.
+    let eye = Vec3::new(0.0, 0.0, f32::from(HALF_WIDTH) + 4.0);
+    Setting::rigid(vec![shape], placed.collect(), lights, &Camera::level(eye, Vec3::NEG_Z, 1.5, 0.1))
+}
+
+/// Where casters may move to, turned.
+fn turned(setting: &Setting) -> Vec<Matrix3x4> {
+    let mut random = Random::new(2);
+    let at = setting.casters.placed().into_iter().rev().map(|shape| shape.positions[0]);
+    let turn = |[x, y, z]: [f32; 3]| {
+        let (s, c) = random.between(-3.0, 3.0).sin_cos();
+        [[c, 0.0, s, x], [0.0, 1.0, 0.0, y], [-s, 0.0, c, z]]
+    };
+    at.map(turn).collect()
+}
+
+/// The devices on which frames run, with their pipelines.
+pub(crate) struct Devices<'a> {
+    /// Nothing is drawn on it.
+    pub(crate) stages: Stopwatch<'a>,
+    pub(crate) draws: Stopwatch<'a>,
+    pub(crate) scene: ScenePipelines,
+    volumes: [ShadowPipelines; 2],
+}
+
+impl<'a> Devices<'a> {
+    pub(crate) fn new(stages: &'a Gpu, draws: &'a Gpu) -> Result<Self, Error> {
+        let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
+        let volumes = |gpu: &Gpu| ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto);
+        Ok(Self {
+            scene: ScenePipelines::new(&draws.pipelines, &format, Counting::Auto)?,
+            volumes: [volumes(stages)?, volumes(draws)?],
+            stages: Stopwatch::new(stages),
+            draws: Stopwatch::new(draws),
+        })
+    }
+}
+
+/// Options of a scene that computes everything in each frame, or what changed only.
+fn options(keep_bits: bool) -> SceneOptions {
+    let mut options = SceneOptions::default();
+    options.measuring.set(Measuring::BITS, !keep_bits);
+    options
+}
+
+fn merged<'a>(gpu: &Gpu, pipelines: &'a ShadowPipelines, setting: &Setting) -> Result<Meshes<'a>, Error> {
+    let mut meshes = Meshes::new(Some(pipelines), &setting.lights, Some(setting.camera));
+    meshes.push_all(gpu, [setting.casters.merged()])?;
+    Ok(meshes)
+}
+
+/// The variants, as figures and data have them.
+fn variant(id: &str) -> Variant {
+    let (name, colour, shape) = match id {
+        "scene" => ("scene", 4, 0),
+        "merged" => ("merged mesh", 6, 1),
+        "extractor" => ("extractor", 6, 1),
+        "scene-still" => ("scene, nothing moved", 3, 3),
+        "scene-1-percent-moved" => ("scene, 1 % moved", 4, 0),
+        "scene-all-moved" => ("scene, all moved", 6, 1),
+        "scene-light-moved" => ("scene, a light moved", 1, 4),
+        "scene-new-caster" => ("scene, a new caster", 2, 4),
+        _ => ("an extractor a caster", 0, 2),
+    };
+    Variant::new(id, name, colour, shape)
+}
+
+/// Measures a scene.
+pub(crate) fn measure(
+    rounds: Rounds,
+    devices: &mut Devices<'_>,
+    (mesh, casters): (CasterMesh, usize),
+    size: u32,
+    host: &dyn Host,
+) -> Result<Row, Error> {
+    let setting = field(mesh.shape(), casters);
+    let Compared { scene, still, other, edges } =
+        stages(rounds, &mut devices.stages, &devices.volumes[0], &setting, Until::Volumes, host)?;
+    let Devices { draws: stopwatch, scene: pipelines, volumes: [_, volumes], .. } = devices;
+    let gpu = stopwatch.gpu;
+    let before = gpu.allocated_bytes()?;
+    let deforming = Deforming::new(gpu, &setting)?;
+    let mut recorder = SceneRecorder::new(gpu, &setting, &deforming, Some(pipelines), options(false))?;
+    stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Volumes, None))?;
+    let scene_device_bytes = taken(before, gpu.allocated_bytes()?);
+    let scene_bytes = recorder.bytes()?;
+    let [mut scene, still, mut other] = [("scene", scene), ("scene-still", still), ("merged", other)]
+        .map(|(id, samples)| Entry::new(variant(id), &samples));
+    if casters <= MOST_DRAWN {
+        let depth = gpu.texture(size, DEPTH).create_view(&wgpu::TextureViewDescriptor::default());
+        let mut merged = merged(gpu, volumes, &setting)?;
+        let stopwatch = RefCell::new(&mut *stopwatch);
+        let contenders: Vec<Contender<'_>> = vec![
+            Box::new(|| draws(&mut stopwatch.borrow_mut(), &mut recorder, &depth)),
+            Box::new(|| draws(&mut stopwatch.borrow_mut(), &mut merged, &depth)),
+        ];
+        for (entry, samples) in [&mut scene, &mut other].into_iter().zip(interleave(rounds, contenders, host)?) {
+            let drawn = Entry::new(entry.variant.clone(), &samples);
+            for metric in [Metric::Time("stencil"), Metric::Time("frame")] {
+                *entry = entry.clone().with(metric, drawn.values(metric).to_vec());
+            }
+        }
+    }
+    let mut extractors = None;
+    let mut extractors_device_bytes = None;
+    if casters <= MOST_EXTRACTORS {
+        let before = gpu.allocated_bytes()?;
+        let mut all = Meshes::new(Some(volumes), &setting.lights, Some(setting.camera));
+        all.push_all(gpu, setting.casters.placed())?;
+        stopwatch.by_clock(|encoder| all.encode(encoder, Until::Volumes, None))?;
+        extractors_device_bytes = taken(before, gpu.allocated_bytes()?);
+        extractors = Some(all);
+    }
+    let mut entries = record(rounds, stopwatch, &setting, recorder, extractors, host)?;
+    if let Some(first) = entries.first_mut() {
+        let extraction = still.values(Metric::Time("extraction")).to_vec();
+        *first = first.clone().with(Metric::Time("extraction"), extraction);
+    }
+    entries.extend([scene, other]);
+    let mut facts = facts(&setting, mesh.shape().faces.len(), &edges);
+    facts.extend([
+        ("size", json!(size)),
+        ("scene_bytes", json!(scene_bytes)),
+        ("scene_device_bytes", json!(scene_device_bytes)),
+        ("extractors_device_bytes", json!(extractors_device_bytes)),
+    ]);
+    let title = mesh.counted(casters);
+    Ok(Row {
+        section: Section::Casters,
+        scene: mesh.id().to_owned(),
+        title,
+        group: mesh.id().to_owned(),
+        facts,
+        entries,
+    })
+}
+
+/// Measures a scene of one caster of about so many faces against an extractor.
+pub(crate) fn measure_one_mesh(
+    rounds: Rounds,
+    devices: &mut Devices<'_>,
+    faces: usize,
+    host: &dyn Host,
+) -> Result<Row, Error> {
+    let setting = field(subject::torus(faces), 1);
+    let Compared { scene, other, edges, .. } =
+        stages(rounds, &mut devices.stages, &devices.volumes[0], &setting, Until::Extraction, host)?;
+    let entries = [("scene", scene), ("extractor", other)].map(|(id, samples)| Entry::new(variant(id), &samples));
+    let faces = setting.casters.faces();
+    let facts = facts(&setting, faces, &edges);
+    let title = format!("{} faces", grouped(faces));
+    let name = "one-mesh".to_owned();
+    Ok(Row { section: Section::OneMesh, scene: name.clone(), title, group: name, facts, entries: entries.into() })
+}
+
+/// Facts of a scene. `edges` are silhouette edges of each light: in the scene, and in what it is held against.
+fn facts(setting: &Setting, faces: usize, [scene, other]: &[Vec<u64>; 2]) -> Vec<(&'static str, Value)> {
+    vec![
+        ("faces", json!(faces)),
+        ("casters", json!(setting.casters.count())),
+        ("lights", json!(setting.lights.len())),
+        ("silhouette_edges", json!(scene)),
+        ("wrong_lights", json!(wrong_lights(scene, other))),
+    ]
+}
+
+/// Lights whose silhouette edges are not as many as they should be.
+fn wrong_lights(scene: &[u64], other: &[u64]) -> usize {
+    scene.iter().zip(other).filter(|(scene, other)| scene != other).count()
+}
+
+/// Bytes allocated meanwhile.
+fn taken(before: Option<u64>, after: Option<u64>) -> Option<u64> {
+    Some(after?.saturating_sub(before?))
+}
+
+/// Times by the rounds: of a scene that computes everything, of one in which nothing changed, of its faces as one mesh.
+struct Compared {
+    scene: Vec<Sample>,
+    still: Vec<Sample>,
+    other: Vec<Sample>,
+    /// In the scene, in the merged mesh.
+    edges: [Vec<u64>; 2],
+}
+
+/// GPU times of the stages of a scene and of its faces as one mesh, in turn, and the silhouette edges of both.
+fn stages(
+    rounds: Rounds,
+    stopwatch: &mut Stopwatch<'_>,
+    pipelines: &ShadowPipelines,
+    setting: &Setting,
+    until: Until,
+    host: &dyn Host,
+) -> Result<Compared, Error> {
+    let gpu = stopwatch.gpu;
+    let deforming = Deforming::new(gpu, setting)?;
+    let [mut scene, mut still] = [
+        SceneRecorder::new(gpu, setting, &deforming, None, options(false))?,
+        SceneRecorder::new(gpu, setting, &deforming, None, options(true))?,
+    ];
+    let mut other = merged(gpu, pipelines, setting)?;
+    stopwatch.by_clock(|encoder| scene.encode(encoder, Until::Extraction, None))?;
+    stopwatch.by_clock(|encoder| other.encode(encoder, Until::Extraction, None))?;
+    let edges = [scene.silhouette_edges(gpu)?, other.silhouette_edges(gpu)?];
+    let stopwatch = RefCell::new(stopwatch);
+    let contenders: Vec<Contender<'_>> = vec![
+        Box::new(|| timed_stages(&mut stopwatch.borrow_mut(), &mut scene, until)),
+        Box::new(|| timed_stages(&mut stopwatch.borrow_mut(), &mut still, until)),
+        Box::new(|| timed_stages(&mut stopwatch.borrow_mut(), &mut other, until)),
+    ];
+    let mut samples = interleave(rounds, contenders, host)?.into_iter();
+    let [scene, still, other] = std::array::from_fn(|_| samples.next().unwrap_or_default());
+    Ok(Compared { scene, still, other, edges })
+}
+
+/// Times of extraction, and of all stages if volumes are prepared.
+fn timed_stages(stopwatch: &mut Stopwatch<'_>, recorder: &mut dyn Recorder, until: Until) -> Result<Sample, Error> {
+    let by_clock = |stopwatch: &Stopwatch<'_>, recorder: &mut dyn Recorder, until| {
+        stopwatch.by_clock(|encoder| recorder.encode(encoder, until, None)).map(|[_, ms]| ms)
+    };
+    let timed = stopwatch.has_timer().then(|| stopwatch.timed(|encoder, timer| recorder.encode(encoder, until, timer)));
+    let [extraction, all] = match timed.transpose()?.filter(|timed| timed.passes.is_some()) {
+        Some(timed) => [timed.of(|name| EXTRACTION.contains(&name)), timed.of(|_| true)],
+        None => [by_clock(stopwatch, recorder, Until::Extraction)?, by_clock(stopwatch, recorder, until)?],
+    };
+    let mut sample = vec![(Metric::Time("extraction"), extraction)];
+    if until == Until::Volumes {
+        sample.push((Metric::Time("stages"), all));
+    }
+    Ok(sample)
+}
+
+/// Times of a frame with the stencil passes of all lights.
+fn draws(
+    stopwatch: &mut Stopwatch<'_>,
+    recorder: &mut dyn Recorder,
+    depth: &wgpu::TextureView,
+) -> Result<Sample, Error> {
+    let stages_ms = if stopwatch.has_timer() {
+        0.0
+    } else {
+        stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Volumes, None))?[1]
+    };
+    let timed = stopwatch.timed(|encoder, mut timer| {
+        recorder.encode(encoder, Until::Volumes, timer.as_deref_mut())?;
+        for light in 0..LIGHTS {
+            // Depth is reversed: 0 is farthest.
+            let mut pass = stencil_pass(encoder, depth, LoadOp::Clear(0.0), timer.as_deref_mut(), None);
+            recorder.draw(&mut pass, light)?;
+        }
+        Ok(())
+    })?;
+    let (stencil, frame) = match timed.passes {
+        None => ((timed.clock_ms - stages_ms).max(0.0), timed.clock_ms),
+        Some((_, span)) => {
+            (timed.of(|name| name == STENCIL), if stopwatch.is_software() { timed.clock_ms } else { span })
+        }
+    };
+    Ok(vec![(Metric::Time("stencil"), stencil), (Metric::Time("frame"), frame)])
+}
+
+/// CPU times of recording a frame after each kind of change, and of the alternative to a scene.
+fn record(
+    rounds: Rounds,
+    stopwatch: &Stopwatch<'_>,
+    setting: &Setting,
+    scene: SceneRecorder<'_>,
+    extractors: Option<Meshes<'_>>,
+    host: &dyn Host,
+) -> Result<Vec<Entry>, Error> {
+    let (lights, mesh, handles) = (scene.lights.clone(), scene.meshes[0], scene.casters.clone());
+    let (turned, casters) = (turned(setting), handles.len());
+    let scene = RefCell::new(scene);
+    let recorded = |change: &mut dyn FnMut(&mut SceneRecorder<'_>) -> Result<(), Error>| {
+        let mut scene = scene.borrow_mut();
+        let [ms, _] = stopwatch.by_clock(|encoder| {
+            change(&mut scene)?;
+            scene.encode(encoder, Until::Volumes, None)
+        })?;
+        Ok(vec![(Metric::Time("recording"), ms)])
+    };
+    // Casters of each round's change follow those of the round before, so that memory is read where it was not read last.
+    let moving = |count: usize| -> Contender<'_> {
+        let (recorded, turned, handles) = (&recorded, &turned, &handles);
+        let (mut next, mut round) = (0, 0);
+        Box::new(move || {
+            round += 1;
+            recorded(&mut |recorder| {
+                for _ in 0..count {
+                    next = (next + 97) % casters;
+                    recorder.scene.set_transform(handles[next], turned[(next + round) % casters])?;
+                }
+                Ok(())
+            })
+        })
+    };
+    let (mut round, mut last) = (0, None);
+    let light = || {
+        round += 1;
+        recorded(&mut |recorder| Ok(recorder.scene.set_light(lights[0], setting.lights[round % LIGHTS])?))
+    };
+    let new_caster = || {
+        recorded(&mut |recorder| {
+            if let Some(last) = last.take() {
+                recorder.scene.remove(last)?;
+            }
+            last = Some(recorder.scene.insert(Caster::rigid(mesh, turned[0]))?);
+            Ok(())
+        })
+    };
+    let mut contenders: Vec<(&str, Contender<'_>)> = vec![
+        ("scene-still", moving(0)),
+        ("scene-1-percent-moved", moving(casters.div_ceil(100))),
+        ("scene-all-moved", moving(casters)),
+        ("scene-light-moved", Box::new(light)),
+        ("scene-new-caster", Box::new(new_caster)),
+    ];
+    if let Some(mut extractors) = extractors {
+        let run = move || {
+            let [ms, _] = stopwatch.by_clock(|encoder| extractors.encode(encoder, Until::Volumes, None))?;
+            Ok(vec![(Metric::Time("recording"), ms)])
+        };
+        contenders.push(("extractors", Box::new(run)));
+    }
+    let (ids, contenders): (Vec<_>, Vec<_>) = contenders.into_iter().unzip();
+    let samples = interleave(rounds, contenders, host)?;
+    Ok(ids.into_iter().zip(samples).map(|(id, samples)| Entry::new(variant(id), &samples)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_exact_and_about_half_of_them_are_seen() {
+        let setting = field(CasterMesh::Figure.shape(), 1000);
+        let shape = CasterMesh::Figure.shape();
+        let placed = setting.casters.placed();
+        for world in placed.iter().step_by(50) {
+            let place: [f64; 3] =
+                std::array::from_fn(|axis| f64::from(world.positions[0][axis]) - f64::from(shape.positions[0][axis]));
+            for (own, world) in shape.positions.iter().zip(&world.positions) {
+                let sum: [f64; 3] = std::array::from_fn(|axis| f64::from(own[axis]) + place[axis]);
+                assert_eq!(world.map(f64::from), sum);
+            }
+        }
+        let (columns, origin) = (setting.camera.view_projection, setting.camera.origin);
+        let seen = placed.iter().filter(|shape| {
+            let at: [f32; 3] = std::array::from_fn(|axis| shape.positions[0][axis] - origin[axis]);
+            let clip = (0..3)
+                .fold(columns[3], |clip, axis| std::array::from_fn(|row| clip[row] + columns[axis][row] * at[axis]));
+            clip[0].abs() < clip[3] && clip[1].abs() < clip[3]
+        });
+        let seen = seen.count();
+        assert!((400..650).contains(&seen), "{seen}");
+    }
+
+    #[test]
+    fn faces_of_casters_stay_apart_when_merged() {
+        let mesh = field(CasterMesh::Cube.shape(), 7).casters.merged().mesh().expect("boxes are a mesh");
+        assert_eq!([mesh.faces().len(), mesh.edges().len()], [7 * 12, 7 * 18]);
+        assert!(mesh.is_closed());
+    }
+
+    #[test]
+    fn a_wrong_light_is_counted_and_the_stages_of_extraction_are_stages() {
+        assert_eq!((wrong_lights(&[7, 8, 9], &[7, 8, 9]), wrong_lights(&[7, 8, 9], &[7, 9, 9])), (0, 1));
+        for name in EXTRACTION {
+            assert!(rimline::reference::stages::STAGES.iter().any(|stage| stage.name == name), "{name}");
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! The one way to measure: all contenders run in turn, round by round, so that a drift of the machine's speed hits all alike.
+
+use std::time::{Duration, Instant};
+
+use crate::{Error, Host};
+
+/// Something of a contender that has a number in each round.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Metric {
+    /// Milliseconds of a whole, by the name of the whole.
+    Time(&'static str),
+    /// Milliseconds of a stage or pass.
+    Stage(&'static str),
+    /// A number of things.
+    Count(&'static str),
+}
+
+/// All that one run of a contender found.
+pub type Sample = Vec<(Metric, f64)>;
+
+/// Work that runs once a round.
+pub type Contender<'a> = Box<dyn FnMut() -> Result<Sample, Error> + 'a>;
+
+/// How often a row is measured: as often as fits into its time, within bounds.
+#[derive(Clone, Copy, Debug)]
+pub struct Rounds {
+    pub least: usize,
+    pub most: usize,
+    pub time: Duration,
+}
+
+impl Rounds {
+    pub fn exactly(count: usize) -> Self {
+        Self { least: count, most: count, time: Duration::ZERO }
+    }
+}
+
+/// Runs all contenders in turn, up to three times to warm up and then counted, every other round backwards, so that none
+/// always follows the same. Returns the samples of each.
+///
+/// # Errors
+/// [`Error::Stopped`] when the host says so before the last round is over.
+pub fn interleave(
+    rounds: Rounds,
+    mut contenders: Vec<Contender<'_>>,
+    host: &dyn Host,
+) -> Result<Vec<Vec<Sample>>, Error> {
+    let count = contenders.len();
+    let mut samples: Vec<Vec<Sample>> = vec![Vec::new(); count];
+    let mut run = |index: usize| if host.is_stopped() { Err(Error::Stopped) } else { contenders[index]() };
+    let mut round_time = Duration::ZERO;
+    for index in 0..count {
+        // The first run compiles and allocates; a later one is what a round will take.
+        let mut last = Duration::ZERO;
+        for _ in 0..3 {
+            let begin = Instant::now();
+            run(index)?;
+            last = begin.elapsed();
+            // A run this long needs no further warm-up.
+            if last > rounds.time / 8 {
+                break;
+            }
+        }
+        round_time += last;
+    }
+    let fitting = rounds.time.as_secs_f64() / round_time.as_secs_f64().max(1e-9);
+    for round in 0..(fitting as usize).clamp(rounds.least, rounds.most) {
+        for at in 0..count {
+            let index = if round % 2 == 0 { at } else { count - 1 - at };
+            samples[index].push(run(index)?);
+        }
+    }
+    Ok(samples)
+}
+
+/// Milliseconds of some work.
+pub fn clock(work: impl FnOnce()) -> f64 {
+    let begin = Instant::now();
+    work();
+    begin.elapsed().as_secs_f64() * 1e3
+}
+
+/// Order statistics of some values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    pub median: f64,
+    /// First and third quartile.
+    pub quartiles: [f64; 2],
+    /// Lowest and highest.
+    pub range: [f64; 2],
+    pub count: usize,
+}
+
+impl Summary {
+    /// `None` of no values.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let mut sorted: Vec<f64> = values.into_iter().collect();
+        sorted.sort_by(f64::total_cmp);
+        let (&low, &high) = (sorted.first()?, sorted.last()?);
+        let quantile = |q: f64| {
+            let place = q * (sorted.len() - 1) as f64;
+            let [below, above] = [place.floor(), place.ceil()].map(|index| sorted[index as usize]);
+            below + (above - below) * place.fract()
+        };
+        let quartiles = [quantile(0.25), quantile(0.75)];
+        Some(Self { median: quantile(0.5), quartiles, range: [low, high], count: sorted.len() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::{Cell, RefCell};
+
+    use super::*;
+
+    #[test]
+    fn quantiles_lie_where_they_should() {
+        let summary = Summary::of([5.0, 1.0, 3.0, 2.0, 4.0]).expect("there are values");
+        assert_eq!((summary.median, summary.quartiles, summary.range), (3.0, [2.0, 4.0], [1.0, 5.0]));
+        assert_eq!(Summary::of([1.0, 2.0]).map(|summary| summary.median), Some(1.5));
+        assert_eq!(Summary::of([]), None);
+    }
+
+    struct StopsAt(Cell<usize>);
+
+    impl Host for StopsAt {
+        fn is_stopped(&self) -> bool {
+            self.0.replace(self.0.get().wrapping_sub(1)) == 0
+        }
+    }
+
+    #[test]
+    fn contenders_take_turns_and_stop() {
+        let order = RefCell::new(String::new());
+        let contender = |name: char| -> Contender<'_> {
+            let order = &order;
+            Box::new(move || {
+                order.borrow_mut().push(name);
+                Ok(Sample::new())
+            })
+        };
+        let rounds = Rounds { least: 3, most: 3, time: Duration::from_secs(3600) };
+        let samples = interleave(rounds, vec![contender('a'), contender('b')], &()).expect("none fails");
+        assert_eq!(samples.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3]);
+        assert_eq!(order.take(), "aaabbbabbaab");
+        let host = StopsAt(Cell::new(7));
+        let stopped = interleave(rounds, vec![contender('a'), contender('b')], &host);
+        assert!(matches!(stopped, Err(Error::Stopped)));
+        assert_eq!(order.take(), "aaabbba");
+    }
+}

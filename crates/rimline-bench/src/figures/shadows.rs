@@ -1,0 +1,87 @@
+//! The report's section on shadows.
+
+use super::{Quotient, cloud, ratios};
+use crate::chart::{Point, Series};
+use crate::engine::Metric;
+use crate::page::{Figure, Section as Part, Table};
+use crate::row::{Mark, Row};
+use crate::shadows::Z_PASS;
+use crate::text::{figures, grouped};
+
+pub(super) fn section(rows: &[&Row]) -> Part {
+    let [size, frames] = ["size", "frames"].map(|fact| rows[0].number(fact));
+    Part {
+        title: "Shadow volumes".to_owned(),
+        lead: format!(
+            "One caster in the middle of a closed room, one point light, {size} × {size} pixels, paths of {frames} cameras, \
+             after Hornus and others, ZP+: correct z-pass stencil shadows (2005). The stencil pass counts volumes; the whole \
+             frame also extracts silhouettes, chooses, and draws depth and light. All methods of a path ran in turn, round \
+             by round."
+        ),
+        figures: vec![time_against_error(rows), costs(rows, "stencil"), costs(rows, "frame")],
+    }
+}
+
+/// One point a method and path.
+fn time_against_error(rows: &[&Row]) -> Figure {
+    let mut table =
+        Table::new(["Method, model, path", "stencil ms a frame", "wrong pixels a frame", "frames looked at"]);
+    let mut series = Vec::new();
+    for (index, first) in rows[0].entries.iter().enumerate() {
+        let variant = &first.variant;
+        let mut points = Vec::new();
+        for row in rows {
+            let entry = &row.entries[index];
+            let wrong = entry.values(Metric::Count("wrong_pixels"));
+            let share = entry.count("wrong_pixels") / wrong.len().max(1) as f64;
+            let ms = entry.median(Metric::Time("stencil")).unwrap_or(f64::NAN);
+            points.push(Point { x: ms, y: share, quartiles: [share; 2] });
+            let name = format!("{}: {}, {}", variant.name, row.group, row.title);
+            table.rows.push(vec![name, figures(ms), figures(share), grouped(wrong.len())]);
+        }
+        series.push(Series { name: variant.name.clone(), mark: variant.mark, points });
+    }
+    let axes = ["stencil pass: ms a frame (left is faster)", "wrong pixels a frame"];
+    Figure {
+        id: "shadow_time_against_error",
+        title: "Shadows: run time against error".to_owned(),
+        lead: format!(
+            "One mark for each method, model and path. Wrong is a pixel that is lit or shadowed otherwise than by rays in double \
+             precision, more than a pixel from the shadow's edge; of {} pixels. Where the camera stands in the shadow z-pass is \
+             wrong nearly everywhere. The one pixel in a few frames that is wrong by every method has an edge within the \
+             rasteriser's grid of its centre (docs/numerics/rasterisers.md, Hairlines).",
+            grouped(rows[0].number("size").powi(2) as usize)
+        ),
+        chart: Some(cloud(axes, series)),
+        table,
+    }
+}
+
+/// Time ÷ time of z-pass, a line a model and path.
+fn costs(rows: &[&Row], part: &'static str) -> Figure {
+    let what = if part == "stencil" { "stencil pass" } else { "whole frame" };
+    let quotient = |name: &str, of, colour, shape| Quotient {
+        name: name.to_owned(),
+        of,
+        to: Z_PASS,
+        mark: Mark { colour, shape, hollow: false },
+    };
+    let quotients = [
+        quotient("z-fail", "z-fail", 0, 1),
+        quotient("ZP+ as published", "zp+paper", 1, 4),
+        quotient("ZP+ clipped", "zp+", 2, 3),
+        quotient("auto", "auto", 4, 0),
+    ];
+    let (chart, table) =
+        ratios(&format!("time of the {what} ÷ time with z-pass"), rows, Metric::Time(part), &quotients);
+    Figure {
+        id: if part == "stencil" { "shadow_stencil" } else { "shadow_frame" },
+        title: format!("Cost of counting: the {what} against z-pass"),
+        lead: format!(
+            "Time of the {what} over the path ÷ the same with z-pass, in the same run; on the dashed line it costs what \
+             z-pass costs, which is wrong where the camera stands in a shadow. The last line is the mean of those above."
+        ),
+        chart: Some(chart),
+        table,
+    }
+}

@@ -1,0 +1,235 @@
+//! A device, and the one way in which frames are timed on it.
+
+use std::time::Instant;
+
+use bytemuck::Pod;
+use rimline::gpu::{DeviceError, Pipelines, StageTimer, read_back_vec};
+use wgpu::BufferUsages;
+
+use crate::Error;
+use crate::engine::{Metric, Sample, Summary};
+
+/// An opened device. What it is of is cheap to clone.
+pub struct Gpu {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    /// Shared by all that is made on the device.
+    pub pipelines: Pipelines,
+    /// The first error that the device reported by itself, if any.
+    pub reported: Box<dyn Fn() -> Option<String>>,
+}
+
+impl Gpu {
+    /// The device that wgpu takes first, with timestamps where it has them, for benches. Returns the name of the adapter, too.
+    pub fn first() -> Result<(Self, String), Error> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
+        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
+            .map_err(|error| Error::Device(error.to_string()))?;
+        let offered = adapter.limits();
+        let descriptor = wgpu::DeviceDescriptor {
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_limits: wgpu::Limits {
+                max_buffer_size: offered.max_buffer_size,
+                max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
+                ..wgpu::Limits::default()
+            },
+            ..wgpu::DeviceDescriptor::default()
+        };
+        let opened = pollster::block_on(adapter.request_device(&descriptor));
+        let (device, queue) = opened.map_err(|error| Error::Device(error.to_string()))?;
+        let pipelines = Pipelines::new(&device);
+        Ok((Self { device, queue, pipelines, reported: Box::new(|| None) }, adapter.get_info().name))
+    }
+
+    /// Waits until everything submitted is done.
+    pub fn wait(&self) -> Result<(), Error> {
+        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
+        self.check()?;
+        polled.map(drop).map_err(|error| Error::Device(error.to_string()))
+    }
+
+    /// Fails if the device reported an error.
+    pub fn check(&self) -> Result<(), Error> {
+        (self.reported)().map_or(Ok(()), |error| Err(Error::Device(error)))
+    }
+
+    pub fn encoder(&self) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+
+    /// A buffer with these contents.
+    pub fn buffer<T: Pod>(&self, usage: BufferUsages, contents: &[T]) -> wgpu::Buffer {
+        let bytes = bytemuck::cast_slice(contents);
+        let buffer = self.empty(usage | BufferUsages::COPY_DST, bytes.len() as u64);
+        self.queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+
+    pub fn empty(&self, usage: BufferUsages, bytes: u64) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("bench"),
+            size: bytes.next_multiple_of(4).max(16),
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
+    pub fn read<T: Pod>(&self, buffer: &wgpu::Buffer) -> Result<Vec<T>, DeviceError> {
+        read_back_vec(&self.device, &self.queue, buffer)
+    }
+
+    /// The planes of some masks, one after the other.
+    pub fn read_planes<T: Pod>(&self, buffers: &[wgpu::Buffer], items: usize) -> Result<Vec<T>, DeviceError> {
+        let mut all = Vec::new();
+        for buffer in buffers {
+            // A buffer may be longer than what it holds.
+            all.extend(self.read::<T>(buffer)?.into_iter().take(items));
+        }
+        Ok(all)
+    }
+
+    /// A texture to draw to and to read.
+    pub fn texture(&self, size: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
+        use wgpu::TextureUsages;
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("bench"),
+            size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
+            view_formats: &[],
+        })
+    }
+
+    /// Bytes that the device has allocated in buffers and textures, where its backend tells.
+    pub fn allocated_bytes(&self) -> Result<Option<u64>, Error> {
+        // Waiting frees the resources that were dropped.
+        self.wait()?;
+        Ok(self.device.generate_allocator_report().map(|report| report.total_allocated_bytes))
+    }
+
+    /// GB/s of a copy from buffer to buffer, bytes read and written both counted.
+    pub fn copy_bandwidth(&self) -> Result<f64, Error> {
+        const BYTES: u64 = 64 << 20;
+        let [from, to] = [BufferUsages::COPY_SRC, BufferUsages::COPY_DST].map(|usage| self.empty(usage, BYTES));
+        let mut times = Vec::new();
+        for _ in 0..=5 {
+            let begin = Instant::now();
+            let mut encoder = self.encoder();
+            // Several, so that handing over the commands weighs little.
+            for _ in 0..8 {
+                encoder.copy_buffer_to_buffer(&from, 0, &to, 0, BYTES);
+            }
+            self.queue.submit([encoder.finish()]);
+            self.wait()?;
+            times.push(begin.elapsed().as_secs_f64());
+        }
+        let median = Summary::of(times.drain(1..)).map_or(f64::NAN, |summary| summary.median);
+        Ok(8.0 * 2.0 * BYTES as f64 / median / 1e9)
+    }
+}
+
+/// Milliseconds of each pass, and from the first one's beginning to the last one's end.
+type Passes = (Vec<(&'static str, f64)>, f64);
+
+/// Times of a frame that was recorded and run.
+pub struct Timed {
+    /// Milliseconds of the CPU for recording.
+    pub recording_ms: f64,
+    /// By the clock, from the submission on.
+    pub clock_ms: f64,
+    /// `None` without a timer.
+    pub passes: Option<Passes>,
+}
+
+impl Timed {
+    /// The time of the passes whose name is chosen.
+    pub fn of(&self, chosen: impl Fn(&str) -> bool) -> f64 {
+        let passes = self.passes.iter().flat_map(|(passes, _)| passes);
+        passes.filter(|(name, _)| chosen(name)).map(|(_, ms)| ms).sum()
+    }
+
+    /// Each pass as a metric.
+    pub fn stages(&self) -> Sample {
+        let passes = self.passes.iter().flat_map(|(passes, _)| passes);
+        passes.map(|&(name, ms)| (Metric::Stage(name), ms)).collect()
+    }
+}
+
+/// Records frames and runs them on one device.
+///
+/// On Mesa's software device the timestamps of compute passes mean nothing once the device has drawn anything: each is
+/// taken when the next one is asked for. So stages are timed on a device of their own, on which nothing is drawn.
+pub struct Stopwatch<'a> {
+    pub gpu: &'a Gpu,
+    /// `None`: times are by the clock.
+    timer: Option<StageTimer>,
+}
+
+impl<'a> Stopwatch<'a> {
+    pub fn new(gpu: &'a Gpu) -> Self {
+        Self { gpu, timer: StageTimer::new(&gpu.device, &gpu.queue) }
+    }
+
+    /// Whether passes have times of their own.
+    pub fn has_timer(&self) -> bool {
+        self.timer.is_some()
+    }
+
+    /// Whether whole frames are by the clock, since the device is software.
+    pub fn is_software(&self) -> bool {
+        self.timer.as_ref().is_none_or(StageTimer::is_software)
+    }
+
+    /// Runs what `record` records, and waits for it.
+    pub fn timed(
+        &mut self,
+        record: impl FnOnce(&mut wgpu::CommandEncoder, Option<&mut StageTimer>) -> Result<(), Error>,
+    ) -> Result<Timed, Error> {
+        let begin = Instant::now();
+        let mut encoder = self.gpu.encoder();
+        if let Some(timer) = &mut self.timer {
+            timer.clear();
+        }
+        record(&mut encoder, self.timer.as_mut())?;
+        if let Some(timer) = &self.timer {
+            timer.resolve(&mut encoder);
+        }
+        let commands = encoder.finish();
+        let recorded = Instant::now();
+        self.gpu.queue.submit([commands]);
+        self.gpu.wait()?;
+        let clock_ms = recorded.elapsed().as_secs_f64() * 1e3;
+        let recording_ms = (recorded - begin).as_secs_f64() * 1e3;
+        Ok(Timed { recording_ms, clock_ms, passes: self.read()? })
+    }
+
+    /// The same without timestamps. Returns milliseconds of the CPU for recording, and by the clock from the submission on.
+    pub fn by_clock(
+        &self,
+        record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<(), Error>,
+    ) -> Result<[f64; 2], Error> {
+        let timed = Stopwatch { gpu: self.gpu, timer: None }.timed(|encoder, _| record(encoder))?;
+        Ok([timed.recording_ms, timed.clock_ms])
+    }
+
+    /// `None` without a timer, and from the first timestamps on that mean nothing.
+    fn read(&mut self) -> Result<Option<Passes>, Error> {
+        let Some(timer) = &self.timer else { return Ok(None) };
+        let Gpu { device, queue, .. } = self.gpu;
+        match timer.read(device, queue).and_then(|passes| Ok((passes, timer.read_span(device, queue)?))) {
+            Ok(times) => Ok(Some(times)),
+            Err(
+                DeviceError::TimestampPeriod { .. }
+                | DeviceError::ClockStill { .. }
+                | DeviceError::ClockBackwards { .. },
+            ) => {
+                self.timer = None;
+                Ok(None)
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+}

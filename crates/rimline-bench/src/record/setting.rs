@@ -1,0 +1,115 @@
+//! Casters, lights, a camera, and the ground.
+
+use glam::{Mat4, Vec3, Vec4};
+use rimline::{DepthDirection, Light, Matrix3x4, Model, ModelError, Pose, ShadowCamera};
+
+use crate::shapes::Shape;
+
+pub const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+/// A right-handed perspective camera with an infinite far plane and reversed depth, `near / distance`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    pub eye: Vec3,
+    pub right: Vec3,
+    pub up: Vec3,
+    pub forward: Vec3,
+    /// Clip units per unit of view space at distance 1, of a picture as high as wide.
+    pub scale: f32,
+    pub near: f32,
+}
+
+impl Camera {
+    /// A camera whose right is level.
+    pub fn level(eye: Vec3, forward: Vec3, scale: f32, near: f32) -> Self {
+        let forward = forward.normalize();
+        let right = forward.cross(Vec3::Y).try_normalize().unwrap_or(Vec3::X);
+        Self { eye, right, up: right.cross(forward), forward, scale, near }
+    }
+
+    pub fn shadow(&self) -> ShadowCamera {
+        let x = (self.scale * self.right).extend(0.0);
+        let y = (self.scale * self.up).extend(0.0);
+        let z = Vec4::new(0.0, 0.0, 0.0, self.near);
+        ShadowCamera {
+            view_projection: Mat4::from_cols(x, y, z, self.forward.extend(0.0)).transpose().to_cols_array_2d(),
+            origin: self.eye.into(),
+            depth: DepthDirection::Reversed,
+        }
+    }
+}
+
+/// Casters, lights and a view. The same each time.
+pub struct Setting {
+    pub casters: Casters,
+    pub lights: Vec<Light>,
+    pub camera: ShadowCamera,
+    /// Height of the ground, a wide plane that receives and does not cast. `None`: there is none.
+    pub ground: Option<f32>,
+    /// By how much lights turn about the y axis from frame to frame, in radians.
+    pub turn: f32,
+    /// How far rigid casters move to and fro from frame to frame. Receivers stay where they are.
+    pub drift: f32,
+    /// Pairs of caster and light of which the light's range reaches the caster, where casters begin.
+    pub pairs_in_range: usize,
+}
+
+impl Setting {
+    /// Rigid casters that stay, all in the range of all lights.
+    pub fn rigid(shapes: Vec<Shape>, placed: Vec<(usize, Matrix3x4)>, lights: Vec<Light>, camera: &Camera) -> Self {
+        let pairs_in_range = placed.len() * lights.len();
+        let casters = Casters::Rigid { shapes, placed };
+        Self { casters, lights, camera: camera.shadow(), ground: None, turn: 0.0, drift: 0.0, pairs_in_range }
+    }
+
+    /// The version of what is seen: casters that do not move look the same in each frame.
+    pub fn still_receivers(&self) -> Option<u64> {
+        (matches!(self.casters, Casters::Rigid { .. }) && self.drift == 0.0).then_some(0)
+    }
+}
+
+pub enum Casters {
+    /// Shapes, and for each caster its shape and where it stands.
+    Rigid { shapes: Vec<Shape>, placed: Vec<(usize, Matrix3x4)> },
+    /// Skinned casters that walk: the model, and its pose after so many frames.
+    Walking { model: Model, pose: Box<dyn Fn(usize) -> Result<Pose, ModelError>> },
+}
+
+impl Casters {
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Rigid { placed, .. } => placed.len(),
+            Self::Walking { model, .. } => model.instances().len(),
+        }
+    }
+
+    /// Faces of all casters together.
+    pub fn faces(&self) -> usize {
+        match self {
+            Self::Rigid { shapes, placed } => placed.iter().map(|(shape, _)| shapes[*shape].faces.len()).sum(),
+            Self::Walking { model, .. } => model.placed_geometries().map(|geometry| geometry.faces().len()).sum(),
+        }
+    }
+
+    /// Rigid casters in world space, a shape each.
+    pub fn placed(&self) -> Vec<Shape> {
+        let Self::Rigid { shapes, placed } = self else { return Vec::new() };
+        let shape = |(shape, matrix): &(usize, Matrix3x4)| {
+            let at = |[x, y, z]: &[f32; 3]| matrix.map(|row| row[0] * x + row[1] * y + row[2] * z + row[3]);
+            let Shape { positions, faces } = &shapes[*shape];
+            Shape { positions: positions.iter().map(at).collect(), faces: faces.clone() }
+        };
+        placed.iter().map(shape).collect()
+    }
+
+    /// Rigid casters as one mesh. Their vertices are not welded.
+    pub fn merged(&self) -> Shape {
+        let mut merged = Shape::default();
+        for shape in self.placed() {
+            let first = merged.positions.len() as u32;
+            merged.positions.extend(shape.positions);
+            merged.faces.extend(shape.faces.iter().map(|face| face.map(|vertex| first + vertex)));
+        }
+        merged
+    }
+}

@@ -1,0 +1,258 @@
+//! The one form of results: a scene, its variants, and of each variant the values of its metrics, round by round.
+
+use serde_json::{Value, json};
+
+use crate::engine::{Metric, Sample, Summary};
+
+/// The subject of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Section {
+    Extraction,
+    Shadows,
+    Casters,
+    /// A scene of one caster against an extractor.
+    OneMesh,
+    Skipping,
+    DepthMaps,
+}
+
+impl Section {
+    /// Name in the data.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Extraction => "extraction",
+            Self::Shadows => "shadows",
+            Self::Casters => "casters",
+            Self::OneMesh => "one-mesh",
+            Self::Skipping => "skipping",
+            Self::DepthMaps => "depth-maps",
+        }
+    }
+
+    /// The variant with which all others are compared, and the whole whose time is compared.
+    fn compared_to(self) -> &'static [&'static str] {
+        match self {
+            Self::Extraction => &["gpu-per-edge-plane", "gpu-mask-local", "cpu-f32-one", "cpu-f32-all"],
+            Self::Shadows => &["z-pass"],
+            Self::Casters => &["merged"],
+            Self::OneMesh => &["extractor"],
+            Self::Skipping => &["all-on"],
+            Self::DepthMaps => &["lookup"],
+        }
+    }
+}
+
+/// Colour by what is done, shape by how, so that colour is never the only difference; hollow on the CPU.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Mark {
+    pub colour: usize,
+    pub shape: usize,
+    pub hollow: bool,
+}
+
+/// One of the ways that are compared.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    /// Name in the data.
+    pub id: String,
+    /// Name for people.
+    pub name: String,
+    pub mark: Mark,
+}
+
+impl Variant {
+    pub fn new(id: &str, name: &str, colour: usize, shape: usize) -> Self {
+        Self { id: id.to_owned(), name: name.to_owned(), mark: Mark { colour, shape, hollow: false } }
+    }
+}
+
+/// A variant with what was measured of it.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    pub variant: Variant,
+    metrics: Vec<(Metric, Vec<f64>)>,
+}
+
+impl Entry {
+    /// The metrics of some rounds. A stage that did not run in a round took no time there.
+    pub fn new(variant: Variant, samples: &[Sample]) -> Self {
+        let mut entry = Self { variant, metrics: Vec::new() };
+        for &(metric, _) in samples.iter().flatten() {
+            if entry.metrics.iter().any(|(known, _)| *known == metric) {
+                continue;
+            }
+            let of = |sample: &Sample| {
+                let mut found = sample.iter().filter(|(other, _)| *other == metric).map(|(_, value)| *value).peekable();
+                let is_there = found.peek().is_some() || matches!(metric, Metric::Stage(_));
+                is_there.then(|| found.sum())
+            };
+            entry.metrics.push((metric, samples.iter().filter_map(of).collect()));
+        }
+        entry
+    }
+
+    /// The same with more values.
+    #[must_use]
+    pub fn with(mut self, metric: Metric, values: impl IntoIterator<Item = f64>) -> Self {
+        self.metrics.push((metric, values.into_iter().collect()));
+        self
+    }
+
+    /// The same with a count.
+    #[must_use]
+    pub fn with_count(self, name: &'static str, count: usize) -> Self {
+        self.with(Metric::Count(name), [count as f64])
+    }
+
+    /// Values round by round; none if it was not measured.
+    pub fn values(&self, metric: Metric) -> &[f64] {
+        self.metrics.iter().find(|(known, _)| *known == metric).map_or(&[], |(_, values)| values)
+    }
+
+    pub fn summary(&self, metric: Metric) -> Option<Summary> {
+        Summary::of(self.values(metric).iter().copied())
+    }
+
+    pub fn median(&self, metric: Metric) -> Option<f64> {
+        self.summary(metric).map(|summary| summary.median)
+    }
+
+    /// The sum of a count over all rounds, or all frames.
+    pub fn count(&self, name: &'static str) -> f64 {
+        self.values(Metric::Count(name)).iter().sum()
+    }
+
+    /// The stages in the order of the frame.
+    pub fn stages(&self) -> impl Iterator<Item = &'static str> {
+        self.metrics.iter().filter_map(|(metric, _)| if let Metric::Stage(name) = metric { Some(*name) } else { None })
+    }
+}
+
+/// A scene, with all variants in turn.
+#[derive(Clone, Debug)]
+pub struct Row {
+    pub section: Section,
+    /// Name in the data.
+    pub scene: String,
+    /// Name for people.
+    pub title: String,
+    /// Scenes of one kind.
+    pub group: String,
+    /// Facts of the scene, by names of the data.
+    pub facts: Vec<(&'static str, Value)>,
+    pub entries: Vec<Entry>,
+}
+
+impl Row {
+    pub fn fact(&self, name: &str) -> Option<&Value> {
+        self.facts.iter().find(|(known, _)| *known == name).map(|(_, value)| value)
+    }
+
+    /// A fact that is a number; 0 if it is none.
+    pub fn number(&self, name: &str) -> f64 {
+        self.fact(name).and_then(Value::as_f64).unwrap_or(0.0)
+    }
+
+    pub fn lights(&self) -> usize {
+        self.number("lights") as usize
+    }
+
+    pub fn faces(&self) -> usize {
+        self.number("faces") as usize
+    }
+
+    pub fn entry(&self, id: &str) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.variant.id == id)
+    }
+
+    /// A metric of one variant divided by that of another, round by round.
+    pub fn ratio(&self, metric: Metric, id: &str, to: &str) -> Option<Summary> {
+        let [own, other] = [self.entry(id)?, self.entry(to)?].map(|entry| entry.values(metric));
+        Summary::of(own.iter().zip(other).map(|(own, other)| own / other).filter(|ratio| ratio.is_finite()))
+    }
+
+    /// JSON, as `bench.schema.json` describes it.
+    pub(crate) fn json(&self) -> Value {
+        let mut row =
+            json!({ "section": self.section.id(), "scene": self.scene, "title": self.title, "group": self.group });
+        for (name, value) in &self.facts {
+            row[*name] = value.clone();
+        }
+        row["variants"] = self.entries.iter().map(|entry| self.entry_json(entry)).collect();
+        row
+    }
+
+    fn entry_json(&self, entry: &Entry) -> Value {
+        let Variant { id, name, .. } = &entry.variant;
+        let mut found = json!({ "variant": id, "name": name, "times": {}, "stages": {}, "counts": {}, "ratios": [] });
+        for (metric, values) in &entry.metrics {
+            match metric {
+                Metric::Time(name) => {
+                    found["times"][name] = with_rounds(values);
+                    let ratios = self.section.compared_to().iter().filter(|to| *to != id).filter_map(|to| {
+                        let mut ratio = summary_json(&self.ratio(*metric, id, to)?);
+                        ratio["to"] = (*to).into();
+                        ratio["time"] = (*name).into();
+                        Some(ratio)
+                    });
+                    found["ratios"].as_array_mut().into_iter().for_each(|all| all.extend(ratios.clone()));
+                }
+                Metric::Stage(name) => found["stages"][name] = optional_json(entry.summary(*metric)),
+                Metric::Count(name) => {
+                    found["counts"][name] = if let [one] = values[..] { whole(one) } else { json!(values) };
+                }
+            }
+        }
+        found
+    }
+}
+
+/// A count is a whole number in the data.
+fn whole(count: f64) -> Value {
+    json!(count as u64)
+}
+
+pub(crate) fn summary_json(summary: &Summary) -> Value {
+    let Summary { median, quartiles: [q1, q3], range: [low, high], count } = summary;
+    json!({ "median": median, "q1": q1, "q3": q3, "low": low, "high": high, "runs": count })
+}
+
+pub(crate) fn optional_json(summary: Option<Summary>) -> Value {
+    summary.as_ref().map_or(Value::Null, summary_json)
+}
+
+/// A summary with the values that it is of.
+fn with_rounds(values: &[f64]) -> Value {
+    let mut json = optional_json(Summary::of(values.iter().copied()));
+    json["rounds"] = json!(values);
+    json
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_are_of_rounds_and_a_stage_that_did_not_run_took_no_time() {
+        let (time, stage) = (Metric::Time("frame"), Metric::Stage("facing"));
+        let entry = |id: &str, times: [f64; 3]| {
+            let sample =
+                |ms: f64| if ms > 5.0 { vec![(time, ms)] } else { vec![(time, ms), (stage, ms), (stage, 1.0)] };
+            Entry::new(Variant::new(id, id, 0, 0), &times.map(sample))
+        };
+        let row = Row {
+            section: Section::Shadows,
+            scene: String::new(),
+            title: String::new(),
+            group: String::new(),
+            facts: vec![("faces", json!(12))],
+            entries: vec![entry("auto", [2.0, 9.0, 6.0]), entry("z-pass", [1.0, 3.0, 1.0])],
+        };
+        assert_eq!(row.ratio(time, "auto", "z-pass").map(|ratio| ratio.median), Some(3.0));
+        assert_eq!(row.ratio(time, "auto", "zp+"), None);
+        assert_eq!(row.entries[0].values(stage), [3.0, 0.0, 0.0]);
+        assert_eq!((row.faces(), row.lights()), (12, 0));
+        let ratio = &row.json()["variants"][0]["ratios"][0];
+        assert_eq!((&ratio["to"], &ratio["median"]), (&json!("z-pass"), &json!(3.0)));
+    }
+}

@@ -1,0 +1,166 @@
+//! Scenes of the shadow bench, after section 6 of Hornus, Hoberock, Lefebvre and Hart (2005). One caster stands in the
+//! middle of a closed room with a point light; cameras follow paths.
+
+use std::f32::consts::TAU;
+
+use glam::Vec3;
+use rimline::Light;
+
+use crate::extraction::subject::extent;
+use crate::record::Camera;
+use crate::shapes::{self, Shape};
+
+/// A caster, not made yet; of about the sizes of the paper's three.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Model {
+    pub(crate) name: &'static str,
+    make: fn() -> Shape,
+}
+
+pub(crate) const MODELS: [Model; 3] = [
+    Model { name: "twisted torus", make: twisted_torus },
+    Model { name: "lumpy sphere", make: || shapes::blob(50, 0.5, 3) },
+    Model { name: "fine lumpy sphere", make: || shapes::blob(102, 0.7, 11) },
+];
+
+impl Model {
+    /// Within 1.6 of the middle.
+    pub(crate) fn make(self) -> Shape {
+        (self.make)()
+    }
+}
+
+/// A torus whose section has four lobes that turn on their way round.
+fn twisted_torus() -> Shape {
+    const RINGS: u32 = 120;
+    const SEGMENTS: u32 = 50;
+    let mut shape = shapes::torus(RINGS, SEGMENTS, 1.0, 0.4);
+    for (vertex, position) in (0..).zip(&mut shape.positions) {
+        let [u, v] =
+            [(vertex / SEGMENTS, RINGS), (vertex % SEGMENTS, SEGMENTS)].map(|(k, n)| TAU * k as f32 / n as f32);
+        let lobes = 1.0 + 0.3 * (4.0 * v + 3.0 * u).cos();
+        let axis = Vec3::new(u.cos(), 0.0, u.sin());
+        *position = (axis + lobes * (Vec3::from(*position) - axis)).to_array();
+    }
+    shape
+}
+
+/// Half the room's width.
+const ROOM: f32 = 24.0;
+
+/// The room's walls, seen from inside.
+pub(crate) fn room() -> Shape {
+    let mut shape = shapes::cube();
+    shape.positions.iter_mut().for_each(|position| *position = position.map(|c| c * ROOM));
+    shape.faces.iter_mut().for_each(|face| face.swap(1, 2));
+    shape
+}
+
+/// Where cameras go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Path {
+    /// In the caster's shadow, away from it.
+    LooksAway,
+    /// In its shadow, towards it.
+    LooksAtOccluder,
+    /// From where the caster is small to where it fills the picture; its shadow falls to the left.
+    Zoom,
+    /// All around, in and out of the shadow.
+    Random,
+}
+
+pub(crate) const PATHS: [Path; 4] = [Path::LooksAway, Path::LooksAtOccluder, Path::Zoom, Path::Random];
+
+const NEAR: f32 = 0.05;
+/// Clip units per unit at distance 1, of a picture as high as wide: 60°.
+const SCALE: f32 = 1.732;
+
+impl Path {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::LooksAway => "in shadow, looks away",
+            Self::LooksAtOccluder => "in shadow, looks at occluder",
+            Self::Zoom => "zoom",
+            Self::Random => "random",
+        }
+    }
+
+    /// Name in the data.
+    pub(crate) fn id(self) -> &'static str {
+        match self {
+            Self::LooksAway => "looks-away",
+            Self::LooksAtOccluder => "looks-at-occluder",
+            Self::Zoom => "zoom",
+            Self::Random => "random",
+        }
+    }
+
+    fn light_at(self) -> Vec3 {
+        match self {
+            Self::LooksAway | Self::LooksAtOccluder => Vec3::new(-5.0, 1.2, 0.6),
+            Self::Zoom => Vec3::new(6.0, 3.0, 2.0),
+            Self::Random => Vec3::new(-3.0, 5.0, 2.0),
+        }
+    }
+
+    pub(crate) fn light(self) -> Light {
+        Light::point(self.light_at().to_array())
+    }
+
+    /// The camera at `t`, from 0 at the path's beginning to 1 at its end.
+    pub(crate) fn camera(self, t: f32) -> Camera {
+        let angle = TAU * t;
+        let behind = -self.light_at().normalize();
+        let in_shadow = behind * (2.0 + 1.5 * t) + 0.05 * Vec3::new(0.0, angle.sin(), angle.cos());
+        let sway = Vec3::new(0.0, 0.25 * (2.0 * angle).sin(), 0.35 * angle.sin());
+        match self {
+            Self::LooksAway => camera(in_shadow, behind + sway),
+            Self::LooksAtOccluder => camera(in_shadow, 0.5 * sway - behind),
+            Self::Zoom => {
+                let distance = 23.0 * (2.0_f32 / 23.0).powf(t);
+                let from = Vec3::new(0.15 * angle.sin(), 0.3, 1.0).normalize();
+                camera(from * distance, -from)
+            }
+            Self::Random => {
+                let wander = |[a, b, c]: [f32; 3]| {
+                    Vec3::new((2.0 * angle + a).sin(), (3.0 * angle + b).sin(), (5.0 * angle + c).cos())
+                };
+                let from = wander([0.0, 1.0, 2.0]).normalize() * (4.0 + 2.0 * (4.0 * angle).sin());
+                camera(from, 1.2 * wander([3.0, 5.0, 1.0]) - from)
+            }
+        }
+    }
+}
+
+/// A shape of the user, as large as the other models.
+pub(crate) fn fitted(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Shape {
+    let (middle, size) = extent(positions);
+    let at = |p: &[f32; 3]| std::array::from_fn(|axis| (p[axis] - middle[axis]) / size);
+    Shape { positions: positions.iter().map(at).collect(), faces: faces.to_vec() }
+}
+
+fn camera(eye: Vec3, forward: Vec3) -> Camera {
+    Camera::level(eye, forward, SCALE, NEAR)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn models_are_closed_and_no_camera_is_in_them_or_outside_the_room() {
+        for model in MODELS {
+            let shape = model.make();
+            let mesh = shape.mesh().expect("shapes are meshes");
+            assert!(mesh.is_closed(), "{}", model.name);
+            let reach = shape.positions.iter().map(|&p| Vec3::from(p).length()).fold(0.0, f32::max);
+            assert!(reach < 1.85, "{}: {reach}", model.name);
+        }
+        for path in PATHS {
+            for step in 0..=1000 {
+                let eye = path.camera(step as f32 / 1000.0).eye;
+                assert!(eye.length() > 1.85 + NEAR && eye.abs().max_element() < ROOM, "{path:?} {step}: {eye}");
+            }
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Skinned figures that walk.
+
+use std::f32::consts::TAU;
+
+use glam::{Affine3A, Quat, Vec3};
+use rimline::{Geometry, GeometryOptions, Influences, InstancePose, Matrix3x4, ModelError, Pose};
+
+/// Metres and steps a second.
+const SPEED: f32 = 1.25;
+const STEPS: f32 = 0.9;
+/// Frames a second.
+const FRAMES: f32 = 30.0;
+
+/// One that walks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Walker {
+    pub(super) at: Vec3,
+    /// About +Y, from +Z.
+    pub(super) heading: f32,
+    /// How far into its cycle it begins.
+    pub(super) phase: f32,
+}
+
+/// All walkers after so many frames.
+pub(super) fn pose(walkers: &[Walker], frame: usize) -> Result<Pose, ModelError> {
+    let seconds = frame as f32 / FRAMES;
+    let pose = |walker: &Walker| {
+        let turn = Quat::from_rotation_y(walker.heading);
+        let at = walker.at + turn * Vec3::Z * SPEED * seconds;
+        let palette = joints(walker.phase + STEPS * seconds);
+        let place = Affine3A::from_rotation_translation(turn, at);
+        InstancePose::new(palette.map(|joint| rows(place * joint)).to_vec(), Vec::new())
+    };
+    Ok(Pose::new(walkers.iter().map(pose).collect::<Result<_, _>>()?))
+}
+
+/// The row-major rows of a transform.
+fn rows(transform: Affine3A) -> Matrix3x4 {
+    let (m, t) = (transform.matrix3.transpose(), transform.translation);
+    [(m.x_axis, t.x), (m.y_axis, t.y), (m.z_axis, t.z)].map(|(row, t)| [row.x, row.y, row.z, t])
+}
+
+/// A ball around this holds a figure that walks.
+pub(super) const MIDDLE: Vec3 = Vec3::new(0.0, 0.9, 0.0);
+pub(super) const RADIUS: f32 = 1.0;
+
+/// A part of the body: a closed tube from end to end. Its first half moves with the first joint, its second half with the
+/// second one.
+struct Tube {
+    ends: [Vec3; 2],
+    radius: f32,
+    joints: [u32; 2],
+}
+
+/// Joints: the trunk, then for each side thigh, shank, upper arm, forearm.
+const JOINTS: usize = 9;
+const HIP: f32 = 0.92;
+const KNEE: f32 = 0.5;
+const SHOULDER: f32 = 1.42;
+const ELBOW: f32 = 1.12;
+/// From the middle to a leg and to an arm.
+const LEG: f32 = 0.11;
+const ARM: f32 = 0.27;
+/// Corners around a tube, and rings along it: six tubes have 4,032 faces.
+const AROUND: u32 = 16;
+const RINGS: u32 = 21;
+
+fn tubes() -> Vec<Tube> {
+    let tube = |x: f32, [high, low]: [f32; 2], radius: f32, joints| Tube {
+        ends: [Vec3::new(x, high, 0.0), Vec3::new(x, low, 0.0)],
+        radius,
+        joints,
+    };
+    let mut tubes = vec![tube(0.0, [1.5, 0.82], 0.19, [0, 0]), tube(0.0, [1.78, 1.48], 0.11, [0, 0])];
+    for (side, first) in [(1.0, 1), (-1.0, 5)] {
+        tubes.push(tube(side * LEG, [HIP + 0.08, 0.02], 0.085, [first, first + 1]));
+        tubes.push(tube(side * ARM, [SHOULDER + 0.06, 0.8], 0.055, [first + 2, first + 3]));
+    }
+    tubes
+}
+
+/// The figure at rest, facing +Z.
+pub(super) fn figure() -> Result<Geometry, ModelError> {
+    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    let (mut offsets, mut joints, mut weights) = (vec![0], Vec::new(), Vec::new());
+    for Tube { ends, radius, joints: [upper, lower] } in tubes() {
+        let first = positions.len() as u32;
+        let mut vertex = |along: f32, turn: f32, radius: f32| {
+            let at = ends[0].lerp(ends[1], along) + radius * Vec3::new(turn.cos(), 0.0, turn.sin());
+            positions.push(at.to_array());
+            // It bends within a fifth of its length.
+            let share = ((along - 0.5) / 0.2 + 0.5).clamp(0.0, 1.0);
+            joints.extend([upper, lower]);
+            weights.extend([1.0 - share, share]);
+            offsets.push(joints.len() as u32);
+        };
+        vertex(0.0, 0.0, 0.0);
+        vertex(1.0, 0.0, 0.0);
+        for ring in 1..=RINGS {
+            let along = ring as f32 / (RINGS + 1) as f32;
+            let round = (1.0 - (2.0 * along - 1.0).abs().powi(5)).sqrt();
+            for corner in 0..AROUND {
+                vertex(along, TAU * corner as f32 / AROUND as f32, radius * round);
+            }
+        }
+        let at = |ring: u32, corner: u32| first + 2 + ring * AROUND + corner % AROUND;
+        for corner in 0..AROUND {
+            faces.push([first, at(0, corner + 1), at(0, corner)]);
+            faces.push([first + 1, at(RINGS - 1, corner), at(RINGS - 1, corner + 1)]);
+            for ring in 0..RINGS - 1 {
+                let [a, b] = [at(ring, corner), at(ring, corner + 1)];
+                let [c, d] = [at(ring + 1, corner), at(ring + 1, corner + 1)];
+                faces.extend([[a, b, d], [a, d, c]]);
+            }
+        }
+    }
+    let influences = Some(Influences::new(offsets, joints, weights)?);
+    Geometry::new(positions, faces, GeometryOptions { influences, ..GeometryOptions::default() })
+}
+
+/// Where the joints take the figure at a part of a cycle.
+fn joints(phase: f32) -> [Affine3A; JOINTS] {
+    let mut joints = [Affine3A::IDENTITY; JOINTS];
+    // A turn about an axis across the body. Forward is a negative angle.
+    let turn = |height: f32, angle: f32| {
+        let at = Vec3::Y * height;
+        Affine3A::from_translation(at) * Affine3A::from_rotation_x(angle) * Affine3A::from_translation(-at)
+    };
+    joints[0] = Affine3A::from_translation(0.02 * (2.0 * TAU * phase).cos() * Vec3::Y);
+    for (first, phase) in [(1, phase), (5, phase + 0.5)] {
+        let swing = (TAU * phase).sin();
+        joints[first] = joints[0] * turn(HIP, -0.45 * swing);
+        joints[first + 1] = joints[first] * turn(KNEE, 0.35 + 0.35 * (TAU * phase).cos());
+        joints[first + 2] = joints[0] * turn(SHOULDER, 0.4 * swing);
+        joints[first + 3] = joints[first + 2] * turn(ELBOW, -0.3);
+    }
+    joints
+}
+
+#[cfg(test)]
+mod tests {
+    use rimline::Instance;
+    use rimline::cpu::Threads;
+    use rimline::mesh::Mesh;
+
+    use super::super::tests::volume;
+    use super::*;
+    use crate::shapes::Shape;
+
+    #[test]
+    fn a_figure_is_closed_and_wound_outwards_however_it_walks() {
+        let figure = figure().expect("a figure");
+        let mesh = Mesh::from_faces(figure.positions().len(), figure.faces().to_vec()).expect("a mesh");
+        assert!(mesh.is_closed());
+        assert_eq!(figure.faces().len(), 4032);
+        let walkers = [0.0, 1.0, 2.0].map(|way| Walker { at: Vec3::X * way, heading: 2.0 * way, phase: 0.3 * way });
+        let model = rimline::Model::new(vec![figure.clone()], vec![Instance::new(0, None); 3]).expect("a model");
+        let begin = pose(&walkers, 0).expect("a pose");
+        for frame in 0..40 {
+            let pose = pose(&walkers, frame).expect("a pose");
+            assert_eq!(begin == pose, frame == 0, "they walk");
+            let deformed = rimline::cpu::deform(&model, &pose, 0.0, None, Threads::default()).expect("it fits");
+            for (number, walker) in walkers.iter().enumerate() {
+                let count = figure.positions().len();
+                let positions = deformed[number * count..][..count].to_vec();
+                let seconds = frame as f32 / FRAMES;
+                let at = walker.at + Quat::from_rotation_y(walker.heading) * Vec3::Z * SPEED * seconds;
+                for &position in &positions {
+                    assert!((Vec3::from(position) - at - MIDDLE).length() < RADIUS, "{position:?} of frame {frame}");
+                }
+                let shape = Shape { positions, faces: figure.faces().to_vec() };
+                assert!(volume(&shape) > 0.1, "{}", volume(&shape));
+            }
+        }
+    }
+}

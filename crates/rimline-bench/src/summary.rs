@@ -1,0 +1,206 @@
+//! The summary of a run: one line for each question that a person has.
+
+use crate::engine::Metric;
+use crate::extraction::method::{CPU_EXACT, CPU_FAST, GPU_EXACT, GPU_FAST, PER_EDGE};
+use crate::extraction::subject::{ORDINARY, OWN};
+use crate::figures::usual_lights;
+use crate::row::{Row, Section};
+use crate::shadows::Z_PASS;
+use crate::text::{figures, grouped, lights_text};
+
+const TIME: Metric = Metric::Time("time");
+const FRAME: Metric = Metric::Time("frame");
+
+/// Lines of a question and its answer.
+pub(crate) fn summary(rows: &[Row]) -> String {
+    let of = |section: Section| rows.iter().filter(|row| row.section == section).collect::<Vec<_>>();
+    let mut lines = Vec::new();
+    let extraction = of(Section::Extraction);
+    for (group, what) in [(OWN, "your model"), (ORDINARY, "a torus")] {
+        let rows: Vec<&Row> = extraction.iter().filter(|row| row.group == group).copied().collect();
+        lines.extend(speed(&rows, what));
+        lines.extend(exactness(&rows, what));
+    }
+    let scenes: Vec<&Row> =
+        extraction.iter().filter(|row| ![OWN, ORDINARY].contains(&row.group.as_str())).copied().collect();
+    lines.extend(hard_scenes(&scenes));
+    lines.extend(errors(&extraction));
+    lines.extend(shadows(&of(Section::Shadows)));
+    lines.extend(casters(&of(Section::Casters)));
+    lines.extend(of(Section::Skipping).into_iter().map(skipping));
+    lines.extend(of(Section::DepthMaps).last().map(|row| depth_maps(row)));
+    let width = lines.iter().map(|(question, _)| question.chars().count()).max().unwrap_or(0);
+    let line = |(question, answer): (String, String)| {
+        let pad = width - question.chars().count();
+        format!("{question}{:pad$}  {answer}\n", "")
+    };
+    lines.into_iter().map(line).collect()
+}
+
+type Line = (String, String);
+
+/// A ratio for people: `1.23×`.
+fn times(ratio: f64) -> String {
+    if ratio < 10.0 { format!("{ratio:.2}×") } else { format!("{}×", figures(ratio)) }
+}
+
+/// The largest mesh's rows, one a number of lights.
+fn largest<'a>(rows: &[&'a Row]) -> Vec<&'a Row> {
+    let faces = rows.iter().map(|row| row.faces()).max();
+    rows.iter().filter(|row| Some(row.faces()) == faces).copied().collect()
+}
+
+/// How much faster than the method of 2003?
+fn speed(rows: &[&Row], what: &str) -> Option<Line> {
+    let rows = largest(rows);
+    let answers = rows.iter().filter_map(|row| {
+        let ratio = row.ratio(TIME, PER_EDGE, GPU_EXACT)?;
+        Some(format!("{} at {}", times(ratio.median), lights_text(row.lights())))
+    });
+    let answers: Vec<String> = answers.collect();
+    let faces = grouped(rows.first()?.faces());
+    let question = format!("Against the method of 2003, {what} of {faces} faces: speed");
+    (!answers.is_empty()).then(|| (question, answers.join(", ")))
+}
+
+/// The price of exactness.
+fn exactness(rows: &[&Row], what: &str) -> Option<Line> {
+    let lights = usual_lights(rows);
+    let row = largest(rows).into_iter().find(|row| row.lights() == lights)?;
+    let pairs = [("GPU", GPU_EXACT, GPU_FAST), ("CPU", CPU_EXACT, CPU_FAST)];
+    let answers = pairs.into_iter().filter_map(|(device, exact, fast)| {
+        Some(format!("{} on the {device}", times(row.ratio(TIME, exact, fast)?.median)))
+    });
+    let question = format!("Price of exactness against f32, {what}, {}: time", lights_text(lights));
+    Some((question, answers.collect::<Vec<_>>().join(", ")))
+}
+
+/// The same of scenes that are hard on floating-point arithmetic.
+fn hard_scenes(rows: &[&Row]) -> Option<Line> {
+    let costs = rows.iter().filter_map(|row| {
+        let gpu = row.ratio(TIME, GPU_EXACT, GPU_FAST).or_else(|| row.ratio(TIME, CPU_EXACT, CPU_FAST));
+        Some((gpu?.median, &row.title))
+    });
+    let mut costs: Vec<_> = costs.collect();
+    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (middle, (worst, name)) = (costs.get(costs.len() / 2)?.0, costs.last()?);
+    let question = format!("Price of exactness, {} scenes hard on floats: time", costs.len());
+    Some((question, format!("{} in the middle, up to {} ({name})", times(middle), times(*worst))))
+}
+
+/// How many bits are wrong?
+fn errors(rows: &[&Row]) -> Option<Line> {
+    let bits: f64 = rows.iter().map(|row| row.number("silhouette_bits")).sum();
+    let wrong = |id: &str| {
+        let entries: Vec<_> = rows.iter().filter_map(|row| row.entry(id)).collect();
+        let sum = entries.iter().map(|entry| entry.count("wrong_silhouette_bits")).sum::<f64>();
+        (!entries.is_empty()).then(|| grouped(sum as usize))
+    };
+    let methods =
+        [("2003", PER_EDGE), ("f32", GPU_FAST), ("f32", CPU_FAST), ("exact", GPU_EXACT), ("exact", CPU_EXACT)];
+    let mut answers: Vec<String> = Vec::new();
+    for (name, id) in methods {
+        if let Some(wrong) = wrong(id)
+            && !answers.iter().any(|answer| answer.ends_with(&format!("by {name}")))
+        {
+            answers.push(format!("{wrong} by {name}"));
+        }
+    }
+    (bits > 0.0).then(|| (format!("Wrong silhouette bits, of {}", grouped(bits as usize)), answers.join(", ")))
+}
+
+/// The price of right shadows.
+fn shadows(rows: &[&Row]) -> Vec<Line> {
+    let mean = |metric: Metric, id: &str| {
+        let ratios: Vec<f64> = rows.iter().filter_map(|row| Some(row.ratio(metric, id, Z_PASS)?.median)).collect();
+        ratios.iter().sum::<f64>() / ratios.len() as f64
+    };
+    if rows.is_empty() {
+        return Vec::new();
+    }
+    let methods = [("auto", "auto"), ("z-fail", "z-fail"), ("zp+paper", "ZP+ of 2005")];
+    let costs = |metric: Metric| methods.map(|(id, name)| format!("{name} {}", times(mean(metric, id)))).join(", ");
+    let wrong = |id: &str| {
+        let entries = rows.iter().filter_map(|row| row.entry(id));
+        let (sum, frames) = entries.fold((0.0, 0), |(sum, frames), entry| {
+            (sum + entry.count("wrong_pixels"), frames + entry.values(Metric::Count("wrong_pixels")).len())
+        });
+        figures(sum / frames.max(1) as f64)
+    };
+    let wrong =
+        [("z-pass", Z_PASS), ("auto", "auto"), ("z-fail", "z-fail")].map(|(name, id)| format!("{name} {}", wrong(id)));
+    vec![
+        ("Shadows against z-pass, stencil pass: time".to_owned(), costs(Metric::Time("stencil"))),
+        ("Shadows against z-pass, whole frame: time".to_owned(), costs(FRAME)),
+        ("Shadows, wrong pixels a frame".to_owned(), wrong.join(", ")),
+    ]
+}
+
+/// How many casters fit a frame?
+fn casters(rows: &[&Row]) -> Vec<Line> {
+    let recording = Metric::Time("recording");
+    let mut lines = Vec::new();
+    for scene in ["box", "figure"] {
+        let of = rows.iter().filter(|row| row.scene == scene);
+        let Some(row) = of.max_by(|a, b| a.number("casters").total_cmp(&b.number("casters"))) else { continue };
+        let ms = |id: &str| Some(format!("{} ms", figures(row.entry(id)?.median(recording)?)));
+        let answers =
+            [("nothing moved", "scene-still"), ("all moved", "scene-all-moved"), ("an extractor each", "extractors")];
+        let answers = answers.into_iter().filter_map(|(name, id)| Some(format!("{} {name}", ms(id)?)));
+        let title = &row.title;
+        lines.push((format!("Recording a frame of {title}: CPU time"), answers.collect::<Vec<_>>().join(", ")));
+        let ratio = |metric: Metric| Some(times(row.ratio(metric, "scene", "merged")?.median));
+        let answers = [("extraction", Metric::Time("extraction")), ("frame", FRAME)];
+        let answers = answers.into_iter().filter_map(|(name, metric)| Some(format!("{name} {}", ratio(metric)?)));
+        let question = format!("Scene of {title} against one merged mesh: GPU time");
+        lines.push((question, answers.collect::<Vec<_>>().join(", ")));
+    }
+    lines
+}
+
+/// The savings by skipping.
+fn skipping(row: &Row) -> Line {
+    let ratio = |metric| Some(times(row.ratio(metric, "all-off", "all-on")?.median));
+    let answers = [("stages", Metric::Time("compute")), ("frame", FRAME)];
+    let answers = answers.into_iter().filter_map(|(name, metric)| Some(format!("{name} {}", ratio(metric)?)));
+    (format!("Without skipping, {}: time", row.title), answers.collect::<Vec<_>>().join(", "))
+}
+
+fn depth_maps(row: &Row) -> Line {
+    let answers = row
+        .entries
+        .iter()
+        .filter(|entry| !entry.variant.name.contains("not counted"))
+        .filter_map(|entry| Some(format!("{} ms {}", figures(entry.median(FRAME)?), entry.variant.name)));
+    (format!("Shadows of a sphere of {}", row.title), answers.collect::<Vec<_>>().join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::row::{Entry, Variant};
+
+    #[test]
+    fn speed_is_larger_where_the_method_is_faster_and_exactness_costs_what_f32_spares() {
+        let entry = |id: &str, ms: f64| {
+            Entry::new(Variant::new(id, id, 0, 0), &[])
+                .with(TIME, [ms; 3])
+                .with_count("wrong_silhouette_bits", ms as usize)
+        };
+        let row = Row {
+            section: Section::Extraction,
+            scene: "torus-4".to_owned(),
+            title: "torus-4".to_owned(),
+            group: ORDINARY.to_owned(),
+            facts: vec![("faces", json!(4)), ("lights", json!(8)), ("silhouette_bits", json!(48))],
+            entries: vec![entry(PER_EDGE, 6.0), entry(GPU_FAST, 2.0), entry(GPU_EXACT, 3.0)],
+        };
+        let text = summary(&[row]);
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[0].ends_with("speed  2.00× at 8 lights"), "{text}");
+        assert!(lines[1].ends_with("1.50× on the GPU"), "{text}");
+        assert!(lines[2].ends_with("6 by 2003, 2 by f32, 3 by exact"), "{text}");
+    }
+}

@@ -1,0 +1,70 @@
+//! Numbers as text.
+
+/// 1048576 as `1,048,576`.
+pub(crate) fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (at, digit) in digits.chars().enumerate() {
+        if at > 0 && (digits.len() - at).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Three figures that count.
+pub(crate) fn figures(number: f64) -> String {
+    match number.abs() {
+        _ if !number.is_finite() => "–".to_owned(),
+        0.0 => "0".to_owned(),
+        size if size >= 99.95 => grouped(number.round() as usize),
+        size if size >= 9.995 => format!("{number:.1}"),
+        size if size >= 0.9995 => format!("{number:.2}"),
+        size if size >= 0.0995 => format!("{number:.3}"),
+        size if size >= 0.001 => format!("{number:.4}"),
+        _ => format!("{number:.1e}"),
+    }
+}
+
+/// A tick of an axis: no more figures than it needs.
+pub(crate) fn tick(value: f64) -> String {
+    match value {
+        v if v >= 1e6 => format!("{} M", short(v / 1e6)),
+        v if v >= 1e4 => format!("{} k", short(v / 1e3)),
+        v if v >= 1e3 => grouped(v.round() as usize),
+        v => short(v),
+    }
+}
+
+fn short(value: f64) -> String {
+    let text = format!("{value:.4}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// A ratio's tick.
+pub(crate) fn times(value: f64) -> String {
+    format!("{}×", short(value))
+}
+
+/// `8 lights`.
+pub(crate) fn lights_text(lights: usize) -> String {
+    if lights == 1 { "1 light".to_owned() } else { format!("{lights} lights") }
+}
+
+/// A dash where there is no number.
+pub(crate) fn or_dash(number: Option<f64>) -> String {
+    number.map_or_else(|| "–".to_owned(), figures)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_grouped() {
+        assert_eq!([grouped(0), grouped(999), grouped(1_048_576)], ["0", "999", "1,048,576"]);
+        assert_eq!([1.0, 0.5, 0.01, 20_000.0, 3e6].map(tick), ["1", "0.5", "0.01", "20 k", "3 M"]);
+        assert_eq!([1234.6, 12.34, 1.2, 0.1234, 0.0].map(figures), ["1,235", "12.3", "1.20", "0.123", "0"]);
+    }
+}

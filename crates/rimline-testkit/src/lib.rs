@@ -1,0 +1,95 @@
+//! Code that Rimline's tests share. Nothing here is part of the library, and it is not published.
+//!
+//! * [`polygons`], [`cases`], [`models`]: meshes and models made by code;
+//! * of `rimline_bench`: [`shapes`], [`stress`], [`error_metrics`], [`rays`], [`random`], [`slivers`], [`pipelines`];
+//! * [`oracle`], [`shadow_oracle`], [`polygon_oracle`], [`band`]: brute force in big integers, and the error bounds of
+//!   docs/numerics in `f64`;
+//! * [`predicates`], [`scenes`], [`shadow_cases`]: hard pairs of face and light, cameras with casters, queries;
+//! * [`poser`]: where a posed model's vertices are, in `f64`, from the glTF 2.0 specification;
+//! * [`clusters`]: what the bound of a cluster decides, in `f64`;
+//! * [`dispatch`]: a short way to pipelines; [`probe`]: functions of shaders, called; [`turns`]: how many turns the loops of a
+//!   shader have;
+//! * [`refusals`]: tables of calls that must be refused;
+//! * [`device`], `harness`: the device that GPU tests run on, and how they are run.
+#![allow(clippy::missing_errors_doc, clippy::missing_panics_doc, reason = "comparators fail and panic by design")]
+#![allow(missing_docs, reason = "fields of fixtures say by their names what they are")]
+
+pub mod band;
+pub mod cases;
+pub mod clusters;
+pub mod device;
+pub mod dispatch;
+pub mod files;
+#[cfg(feature = "harness")]
+pub mod harness;
+pub mod models;
+pub mod on_gpu;
+pub mod oracle;
+pub mod polygon_oracle;
+pub mod polygons;
+pub mod poser;
+pub mod predicates;
+pub mod probe;
+pub mod refusals;
+pub mod scenes;
+pub mod shadow_cases;
+pub mod shadow_oracle;
+pub mod turns;
+
+pub use rimline_bench::{error_metrics, pipelines, random, rays, shapes, slivers, stress};
+
+use std::path::PathBuf;
+
+use rimline::Light;
+
+/// The folder of model files beside the checkout, if it is there.
+pub fn assets() -> Option<PathBuf> {
+    let folder = std::env::var_os("RIMLINE_ASSETS")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/assets"), PathBuf::from);
+    folder.is_dir().then_some(folder)
+}
+
+/// Fails with the first place at which two slices differ, and how many there are.
+pub fn same<T: PartialEq + std::fmt::Debug>(what: &str, got: &[T], expected: &[T]) -> Result<(), String> {
+    if got.len() != expected.len() {
+        return Err(format!("{what}: {} items, expected {}", got.len(), expected.len()));
+    }
+    let mut different = (0..got.len()).filter(|&i| got[i] != expected[i]);
+    match different.next() {
+        None => Ok(()),
+        Some(i) => Err(format!(
+            "{what}: item {i} is {:?}, expected {:?}; {} of {} differ",
+            got[i],
+            expected[i],
+            1 + different.count(),
+            got.len()
+        )),
+    }
+}
+
+/// `count` lights around a mesh of about unit size: points near and far, directions, other weights.
+pub fn lights(random: &mut random::Random, count: usize) -> Vec<Light> {
+    (0..count)
+        .map(|index| {
+            let [x, y, z] = random.direction().map(|c| c * random.between(0.1, 6.0));
+            match index % 4 {
+                0 | 3 => Light::point([x, y, z]),
+                1 => Light::directional([x, y, z]),
+                _ => Light::homogeneous([x, y, z, random.between(0.2, 3.0)]),
+            }
+        })
+        .collect()
+}
+
+/// A negative control: a comparator must not pass what was perturbed.
+pub fn must_fail<T>(what: &str, outcome: &Result<T, String>) -> Result<(), String> {
+    match outcome {
+        Ok(_) => Err(format!("negative control: {what} went unnoticed")),
+        Err(_) => Ok(()),
+    }
+}
+
+/// Whether the heavier counts were asked for, `RIMLINE_LONG=1`.
+pub fn is_long() -> bool {
+    std::env::var_os("RIMLINE_LONG").is_some_and(|value| value == "1")
+}
