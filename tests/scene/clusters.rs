@@ -13,10 +13,10 @@ use rimline_measure::{same, shapes};
 
 use crate::cluster_meshes::{self, Case};
 use crate::found::{Found, check_frame};
-use crate::goldens::golden;
 use crate::lists::{Listed, listed};
 use crate::random_scene::{Placed, RandomScene};
 use crate::scenes::roomy;
+use rimline_measure::goldens::golden;
 
 pub(crate) const TESTS: &[Test] = &[
     ("clusters_change_no_bit", hostile),

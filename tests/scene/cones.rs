@@ -2,12 +2,14 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use rimline::gpu::{SceneError, SceneFrame, SceneOptions};
-use rimline::reference::cpu::{self, may_be_in_cone};
+use rimline::reference::cpu;
 use rimline::reference::layout::LightCone;
+use rimline::reference::stages::NEEDS;
 use rimline::{Cone, Light, LightError, Matrix3x4};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::text;
+use rimline_measure::probe::Probe;
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, same};
 
@@ -30,6 +32,25 @@ fn inside(cone: Cone, apex: DVec3, place: DVec3) -> f64 {
 fn packed(cone: Cone, apex: [f32; 3]) -> LightCone {
     let axis = DVec3::from(cone.axis.map(f64::from)).normalize().as_vec3();
     LightCone { apex: [apex[0], apex[1], apex[2], 1.0], axis: [axis.x, axis.y, axis.z, cone.cosine] }
+}
+
+/// A cone and a box.
+type Case = (LightCone, [[f32; 3]; 2]);
+
+/// Whether the stages keep each box for its cone.
+fn may_be_in_cone(gpu: &Gpu, cases: &[Case]) -> Result<Vec<bool>, String> {
+    let probe = Probe::of(
+        gpu,
+        &NEEDS,
+        [5, 1],
+        "let cone = LightCone(vec4<f32>(place(0u), place(4u).x), vec4<f32>(place(1u), place(4u).y));
+    out[0].x = select(0.0, 1.0, may_be_in_cone(cone, place(2u), place(3u), 0.0));",
+    )?;
+    let input = |(LightCone { apex: [ax, ay, az, has_cone], axis: [x, y, z, cosine] }, [low, high]): &Case| {
+        (0, [[*ax, *ay, *az], [*x, *y, *z], *low, *high, [*has_cone, *cosine, 0.0]])
+    };
+    let inputs: Vec<_> = cases.iter().map(input).collect();
+    Ok(probe.run(gpu, &[], &[], &inputs)?.iter().map(|found| found[0][0] == 1.0).collect())
 }
 
 fn random_cone(random: &mut Random) -> Cone {
@@ -75,7 +96,9 @@ fn box_around(random: &mut Random, place: [f32; 3], size: f32) -> [[f32; 3]; 2] 
 fn touching() -> Result<(), String> {
     let seeds = 4601..if is_long() { 2_004_601 } else { 104_601 };
     println!("seeds {seeds:?}");
+    let gpu = &*Gpu::shared()?;
     let mut on_surface = 0;
+    let mut cases = Vec::new();
     for seed in seeds {
         let mut random = Random::new(seed);
         let cone = random_cone(&mut random);
@@ -92,10 +115,12 @@ fn touching() -> Result<(), String> {
         let is_inside = inside(cone, from, DVec3::from(place.map(f64::from))) >= 0.0;
         if is_inside {
             on_surface += usize::from(angle == half_angle);
-            let [low, high] = box_around(&mut random, place, scale);
-            if !may_be_in_cone(&packed(cone, apex), low, high, 0.0) {
-                return Err(format!("seed {seed}: {cone:?} at {apex:?} has {place:?}, not {low:?} {high:?}"));
-            }
+            cases.push((packed(cone, apex), box_around(&mut random, place, scale)));
+        }
+    }
+    for cases in cases.chunks(1 << 16) {
+        if let Some(at) = may_be_in_cone(gpu, cases)?.iter().position(|&is_kept| !is_kept) {
+            return Err(format!("{:?} has a place of {:?}", cases[at].0, cases[at].1));
         }
     }
     // Exactly on the surface: 3, 4 and 5.
@@ -106,9 +131,9 @@ fn touching() -> Result<(), String> {
         // Away from the cone, with the place at a corner.
         let ends = [corner[1].min(corner[1] + y), corner[1].max(corner[1] + y)];
         let [low, high] = [[corner[0] - 1.0, ends[0], corner[2]], [corner[0], ends[1], corner[2]]];
-        same("on the surface", &[may_be_in_cone(&cone, low, high, 0.0)], &[true])?;
         let apart = [low, high].map(|[x, y, z]| [x - 0.01, y, z]);
-        same("beside it", &[may_be_in_cone(&cone, apart[0], apart[1], 0.0)], &[false])?;
+        let found = may_be_in_cone(gpu, &[(cone, [low, high]), (cone, apart)])?;
+        same("on the surface and beside it", &found, &[true, false])?;
     }
     // No cone, no box, and what is too large or no number.
     let down = packed(Cone { axis: [0.0, -1.0, 0.0], cosine: 0.9 }, [0.0; 3]);
@@ -122,9 +147,8 @@ fn touching() -> Result<(), String> {
         (down, up.map(|c| c.map(|c| 1e25 * c)), true),
         (down, up.map(|c| c.map(|c| 1e-12 * c)), true),
     ];
-    for (cone, [low, high], expected) in cases {
-        same(&format!("{low:?} {high:?}"), &[may_be_in_cone(&cone, low, high, 0.0)], &[expected])?;
-    }
+    let expected = cases.map(|(.., expected)| expected);
+    same("special cases", &may_be_in_cone(gpu, &cases.map(|(cone, ends, _)| (cone, ends)))?, &expected)?;
     println!("{on_surface} places on surfaces");
     if on_surface < 10_000 { Err("too few on surfaces".to_owned()) } else { Ok(()) }
 }
@@ -133,7 +157,7 @@ fn touching() -> Result<(), String> {
 fn beside() -> Result<(), String> {
     let seeds = 4701..24_701;
     println!("seeds {seeds:?}");
-    let mut count = 0;
+    let mut cases = Vec::new();
     for seed in seeds {
         let mut random = Random::new(seed);
         let cone = random_cone(&mut random);
@@ -149,13 +173,12 @@ fn beside() -> Result<(), String> {
         let apex = random.direction();
         let place = DVec3::from(apex.map(f64::from)) + 3.0 * direction(&mut random, cone.axis, angle);
         let place = place.as_vec3().to_array();
-        let [low, high] = [place.map(|c| c - 0.03), place.map(|c| c + 0.03)];
-        if may_be_in_cone(&packed(cone, apex), low, high, 0.0) {
-            return Err(format!("seed {seed}: {cone:?} at {apex:?} keeps {place:?}"));
-        }
-        count += 1;
+        cases.push((packed(cone, apex), [place.map(|c| c - 0.03), place.map(|c| c + 0.03)]));
     }
-    if count < 10_000 { Err(format!("{count} boxes")) } else { Ok(()) }
+    if let Some(at) = may_be_in_cone(&*Gpu::shared()?, &cases)?.iter().position(|&is_kept| is_kept) {
+        return Err(format!("{:?} is kept", cases[at]));
+    }
+    if cases.len() < 10_000 { Err(format!("{} boxes", cases.len())) } else { Ok(()) }
 }
 
 /// Whether some corner of a finite face is inside the light's cone, in `f64`.

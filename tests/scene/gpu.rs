@@ -9,8 +9,6 @@ mod crowd;
 mod exact;
 mod found;
 mod frames;
-#[path = "../common/goldens.rs"]
-mod goldens;
 mod hidden;
 mod histories;
 mod kept;
@@ -41,7 +39,6 @@ fn main() {
         cones::TESTS,
         refusals::TESTS,
         zero::TESTS,
-        goldens::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

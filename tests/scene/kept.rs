@@ -15,11 +15,11 @@ use rimline_measure::random::Random;
 use rimline_measure::{must_fail, same, shapes};
 
 use crate::found::{Found, check_frame};
-use crate::goldens::golden;
 use crate::histories::camera;
 use crate::lists::listed;
 use crate::random_scene::{Content, Placed, RandomScene};
 use crate::scenes::roomy;
+use rimline_measure::goldens::golden;
 
 pub(crate) const TESTS: &[Test] = &[
     ("bits_are_kept_where_nothing_changed", random_frames),

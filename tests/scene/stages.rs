@@ -12,9 +12,9 @@ use rimline_measure::random::Random;
 use rimline_measure::{must_fail, same};
 
 use crate::found::{Found, Tally, check_frame};
-use crate::goldens::golden;
 use crate::lists::{Listed, listed};
 use crate::random_scene::{Content, Own, Placed, RandomScene};
+use rimline_measure::goldens::golden;
 
 pub(crate) const TESTS: &[Test] =
     &[("lights_reach_and_chunks_are_listed", reach), ("the_table_holds_what_casters_are", casters)];

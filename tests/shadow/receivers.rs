@@ -12,9 +12,9 @@ use rimline_measure::pipelines::{self, Drawing};
 use rimline_measure::random::Random;
 use rimline_measure::{must_fail, same, shapes};
 
-use crate::goldens::golden;
 use crate::scene::Eye;
 use crate::trials::Test;
+use rimline_measure::goldens::golden;
 
 pub(crate) const TESTS: &[Test] =
     &[("receivers_are_those_of_their_depths", pyramid), ("lists_for_known_receivers_are_kept", versions)];

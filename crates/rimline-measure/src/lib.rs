@@ -20,6 +20,7 @@ pub mod dispatch;
 pub mod error_metrics;
 pub mod files;
 #[cfg(feature = "harness")]
+pub mod goldens;
 pub mod harness;
 pub mod models;
 pub mod on_gpu;
@@ -29,6 +30,7 @@ pub mod polygon_oracle;
 pub mod polygons;
 pub mod poser;
 pub mod predicates;
+pub mod probe;
 pub mod random;
 pub mod rays;
 pub mod scenes;

@@ -1,6 +1,5 @@
 //! The parts that the twins share: threads, positions, the determinant, its filter, its sign in `f64` and in integers.
 
-pub(crate) mod cone;
 pub(crate) mod determinant;
 pub(crate) mod double_sign;
 pub(crate) mod exact_sign;
