@@ -77,7 +77,7 @@ fn one_large(faces: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
         [0.0, 1.0, 1.0],
         [-2.0, -3.0, -4.0],
         [5.0, 6.0, 7.0],
-        [0.5, f32::MIN_POSITIVE, -0.0],
+        [9.0, f32::MIN_POSITIVE, -8.0],
     ];
     let faces = (1..=faces).map(|face| if face == faces { [3, 4, 5] } else { [0, 1, 2] }).collect();
     (positions, faces)

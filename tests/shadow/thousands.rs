@@ -116,6 +116,13 @@ fn thousands() -> Result<(), String> {
             (0..CASTERS).flat_map(|caster| words[8 * (number * CASTERS + caster)..][..3].iter().copied()).collect();
         golden("shadow", &format!("ten_thousand_casters choices of view {number}"), &choices)?;
     }
+    // The kind of each pencil, for those around an axis which it is, and the faces of casters that it may meet, and of all.
+    let of_pencil = |(pencil, row): (&StencilPencil, &[u32])| {
+        let is_axis = |axis: &usize| pencil.kind == 2 && pencil.forward[*axis] == 0.0 && pencil.aside[*axis] == 0.0;
+        [pencil.kind, (0..3).find(is_axis).unwrap_or(3) as u32, row[1025], row[1026]]
+    };
+    let of_pencils: Vec<u32> = pencils.iter().zip(crossings.chunks(row)).flat_map(of_pencil).collect();
+    golden("shadow", "ten_thousand_casters pencils", &of_pencils)?;
     let kinds = [0, 1, 2].map(|kind| pencils.iter().filter(|pencil| pencil.kind == kind).count());
     let near: u32 = draws.iter().map(|draws| draws.near_front.instance_count + draws.near_back.instance_count).sum();
     println!("{near} near caps, {kinds:?} pencils of each kind");
