@@ -156,10 +156,11 @@ pub mod clusters {
 /// CPU twins of stages. File and function have the name of the stage. Tests compare the two bit for bit. Other stages have none:
 /// `tests/common/wgsl.rs` lists them.
 pub mod cpu {
+    /// The bit of an entry of a list that is set if the edge's winding bit is set.
+    pub const WINDING: u32 = 1 << 31;
+
     pub use crate::cpu::common::filter::{RELATIVE, UNDERFLOW};
     pub use crate::cpu::common::positions::is_finite;
-    pub use crate::cpu::extract::arguments::arguments;
-    pub use crate::cpu::extract::compact::{CompactedList, WINDING, compact};
     pub use crate::cpu::extract::edges::{edges, silhouettes_into};
     pub use crate::cpu::extract::exact_facing::{exact_facing, excluded};
     pub use crate::cpu::extract::extraction::extract_by;
@@ -174,25 +175,10 @@ pub mod cpu {
     pub use crate::cpu::polygon::polygon_masks::{PolygonMasks, polygon_masks};
     pub use crate::cpu::polygon::polygon_turns::polygon_turns;
     pub use crate::cpu::polygon::seen::Seen;
-    pub use crate::cpu::query::depth_arguments::depth_arguments;
     pub use crate::cpu::query::exact_shadow_depth::exactly_between;
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;
     pub use crate::cpu::scene::table::SceneTable;
-    pub use crate::cpu::shadow::bounds::bounds;
-    pub use crate::cpu::shadow::cap_faces::{dark_cap, light_cap, near_cap, seen_light_cap, zp_plus_2005_cap};
-    pub use crate::cpu::shadow::caps::caps;
-    pub use crate::cpu::shadow::casting::{LISTS, casts, far_kind, has_far_caps, near_kind};
-    pub use crate::cpu::shadow::choose::{choose, choose_beside_twisted};
     pub use crate::cpu::shadow::chosen::{CHOICE_WORDS, chosen};
-    pub use crate::cpu::shadow::piece_crossings::piece_crossings;
-    pub use crate::cpu::shadow::shadow::{
-        Corner, corner, direction_to_clip, extrusion, far_end, light_side, on_near_plane, parallel_to_near_plane,
-        project_to_near_plane, to_clip,
-    };
-    pub use crate::cpu::shadow::sides::{End, side, side_clipped, zp_plus_2005_side};
-    pub use crate::cpu::shadow::stencil_bound::{bound_casters, stencil_bound};
-    pub use crate::cpu::shadow::stencil_crossings::{CastingSide, stencil_crossings};
-    pub use crate::cpu::shadow::stencil_pencil::{CastingBox, stencil_pencil};
-    pub use crate::cpu::shadow::zp_plus_2005_cases::zp_plus_2005_cases;
+    pub use crate::cpu::shadow::near_cap::{End, near_cap};
     pub use crate::cpu::*;
 }

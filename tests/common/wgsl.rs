@@ -112,6 +112,9 @@ fn names() -> Outcome {
 
 /// Stages without a twin, and the test that runs them against an oracle or goldens.
 const WITHOUT_TWIN: &[(&str, &str)] = &[
+    ("compact", "tests/extract/stages.rs"),
+    ("arguments", "tests/extract/stages.rs"),
+    ("depth_arguments", "tests/query/shadow_query.rs"),
     ("needs", "tests/scene/needs.rs"),
     ("reach", "tests/scene/stages.rs"),
     ("clusters", "tests/scene/cluster_decisions.rs"),
@@ -119,7 +122,17 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("receiver_depth", "tests/shadow/receivers.rs"),
     ("receiver_pyramid", "tests/shadow/receivers.rs"),
     ("relist", "tests/scene/kept.rs"),
+    ("bounds", "tests/shadow/stages.rs"),
+    ("choose", "tests/shadow/choice.rs"),
+    ("zp_plus_2005_cases", "tests/shadow/zp_plus_2005.rs"),
+    ("caps", "tests/shadow/stages.rs"),
     ("list_sides", "tests/shadow/stages.rs"),
+    ("stencil_pencil", "tests/shadow/margins/counts.rs"),
+    ("stencil_crossings", "tests/shadow/margins/counts.rs"),
+    ("piece_crossings", "tests/shadow/twisted.rs"),
+    ("stencil_bound", "tests/shadow/margins/counts.rs"),
+    ("sides", "tests/shadow/vertices.rs"),
+    ("cap_faces", "tests/shadow/vertices.rs"),
     ("shadow_arguments", "tests/shadow/stages.rs"),
     ("piece_arguments", "tests/shadow/polygons.rs"),
     ("pieces", "tests/shadow/polygons.rs"),

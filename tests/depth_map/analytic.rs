@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 
 use glam::DVec3;
 use rimline::DepthDirection;
-use rimline::gpu::{DepthMapMethod, DepthMapOptions, DepthMetric};
+use rimline::gpu::{DanglingEdges, DepthMapMethod, DepthMapOptions, DepthMetric};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;
@@ -170,6 +170,7 @@ fn trials<const N: usize>(seed: u64, ways: [Way; N], is_taken: fn(&World) -> boo
         let allowed = match way.options.method {
             DepthMapMethod::EveryCell => 0,
             DepthMapMethod::Contours { .. } => pixels / 10_000,
+            DepthMapMethod::SecondDifferences { .. } => 1 + pixels / 100_000,
             _ => pixels / 100_000,
         };
         if wrong > allowed {
@@ -179,10 +180,13 @@ fn trials<const N: usize>(seed: u64, ways: [Way; N], is_taken: fn(&World) -> boo
     Ok(())
 }
 
-/// Each view is drawn with every cell, with cells at differences, and with contours.
+/// Each view is drawn with every cell, with cells that detectors mark, and with contours.
 fn of_methods() -> Result<(), String> {
     let edges = DepthMapMethod::Differences { threshold: 0.0005, dangling: None };
-    let methods = [DepthMapMethod::EveryCell, edges, CONTOURS];
+    let dangling = Some(DanglingEdges::default());
+    let automatic = DepthMapMethod::Automatic { dangling };
+    let second = DepthMapMethod::SecondDifferences { low: 0.0005, high: 0.05, dangling };
+    let methods = [DepthMapMethod::EveryCell, edges, CONTOURS, automatic, second];
     let with = |method| Way { options: DepthMapOptions { method, ..Default::default() }, ..Default::default() };
     trials(1631, methods.map(with), |_| true)
 }

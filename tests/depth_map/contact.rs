@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rimline::DepthDirection;
 use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
 use rimline_testkit::device::Gpu;
@@ -14,7 +14,7 @@ use rimline_testkit::random::Random;
 use wgpu::TextureFormat;
 
 use crate::maps::Map;
-use crate::parity::device_depth;
+use crate::parity::{device_depth, middle};
 use crate::picture::{pipelines, stencil_of};
 use crate::scene::{Eye, Rays};
 use crate::textures::{depth_view, texture};
@@ -103,7 +103,7 @@ fn late(
     let sun = Sun::new(towards, true, light.camera());
     let world = &contact.world;
     let seen = |rays: &Rays, side: u32, at: u32| {
-        let (from, ray) = rays.at(DVec2::new(f64::from(at % side) + 0.5, f64::from(at / side) + 0.5));
+        let (from, ray) = rays.at(middle(at, side));
         world.first(from, ray).map(|(t, normal)| (from + t * ray, normal))
     };
     let rays = Rays::new(&sun.camera, TEXELS);

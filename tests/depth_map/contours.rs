@@ -16,12 +16,12 @@ use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
-use crate::goldens::golden;
 use crate::maps::{Map, further, maps};
 use crate::picture::{Picture, pipelines};
 use crate::stages::{camera, direction, is_short};
 use crate::textures::{depth_view, objects, read, texture};
 use crate::views::{SIDE, View, worlds};
+use rimline_testkit::goldens::golden;
 
 pub(crate) const TESTS: &[Test] = &[
     ("lists_of_walls_are_the_goldens", lists),

@@ -19,7 +19,7 @@ use wgpu::TextureFormat;
 use crate::boundary::Boundary;
 use crate::cells::{self, cast, listed_of_cube};
 use crate::maps::Map;
-use crate::parity::{SIDE, device_depth, mirrored, seen, trials_of, vector};
+use crate::parity::{SIDE, device_depth, middle, mirrored, seen, seen_depths, trials_of, vector};
 use crate::picture::{pipelines, stencil_of};
 use crate::rules;
 use crate::scene::{Eye, Rays};
@@ -100,6 +100,15 @@ pub(crate) fn cube_of(random: &mut Random, side: u32) -> Cube {
     Cube { light, cameras, maps, side }
 }
 
+/// The maps as textures that shaders read.
+pub(crate) fn views(gpu: &Gpu, maps: &[Option<Map>; 6]) -> Result<Vec<Option<wgpu::TextureView>>, String> {
+    let view = |map: &Option<Map>| {
+        let texture = |map: &Map| texture(gpu, map.size, TextureFormat::R32Float, &map.depths);
+        Ok(map.as_ref().map(texture).transpose()?.map(|texture| depth_view(&texture)))
+    };
+    maps.iter().map(view).collect()
+}
+
 /// Cameras whose world is turned, or mirrored.
 fn turned(cameras: &[ShadowCamera; 6], turn: DMat3) -> [ShadowCamera; 6] {
     cameras.map(|camera| {
@@ -138,10 +147,8 @@ fn trial(gpu: &Gpu, random: &mut Random, kind: Kind, tally: &mut Tally) -> Resul
     let eye = mirrored(random, eye);
     let rays = Rays::new(&eye, SIDE);
     let seen = seen(random, &rays);
-    let centres: Vec<_> = (0..SIDE * SIDE)
-        .map(|pixel| DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5))
-        .collect();
-    let depths: Vec<_> = centres.iter().map(|&centre| device_depth(&eye, seen(centre).1)).collect();
+    let centres: Vec<_> = (0..SIDE * SIDE).map(|pixel| middle(pixel, SIDE)).collect();
+    let depths = seen_depths(&eye, SIDE, &seen);
     let threshold = kind.threshold;
     let edges = if threshold < 0.0 {
         DepthMapMethod::EveryCell
@@ -152,11 +159,7 @@ fn trial(gpu: &Gpu, random: &mut Random, kind: Kind, tally: &mut Tally) -> Resul
     let options = DepthMapOptions { method: edges, capacity, slope_bias: 0.0, ..Default::default() };
     let pipelines = pipelines(gpu, depth, 2..3)?;
     let mut volumes = DepthMapCube::new(&pipelines, side, options).map_err(text)?;
-    let mut views = Vec::new();
-    for map in &maps {
-        let texture = |map: &Map| texture(gpu, map.size, TextureFormat::R32Float, &map.depths);
-        views.push(map.as_ref().map(texture).transpose()?.map(|texture| depth_view(&texture)));
-    }
+    let mut views = views(gpu, &maps)?;
     if kind.is_exchanged {
         views.swap(0, 3);
     }
@@ -260,8 +263,7 @@ fn plane() -> Result<(), String> {
         for camera in &cameras {
             let rays = Rays::new(camera, side);
             let map = Map::new([side; 2], is_reversed, |texel| {
-                let at = DVec2::new(f64::from(texel % side) + 0.5, f64::from(texel / side) + 0.5);
-                let ray = rays.at(at).1.normalize();
+                let ray = rays.at(middle(texel, side)).1.normalize();
                 let t = height / -ray.dot(normal);
                 let nothing = if is_reversed { 0.0 } else { 1.0 };
                 if t > 0.0 && t < 1e4 { device_depth(camera, light + t * ray) } else { nothing }
@@ -282,8 +284,7 @@ fn plane() -> Result<(), String> {
         // The move takes at most half of what is left to infinity, which is twice the distance.
         for (behind, expected) in [(0.0, false), (1.2 * height, true)] {
             let points = (0..SIDE * SIDE).map(|pixel| {
-                let centre = DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5);
-                let (near, ray) = rays.at(centre);
+                let (near, ray) = rays.at(middle(pixel, SIDE));
                 let t = -((near - foot).dot(normal) + behind) / ray.dot(normal);
                 let point = near + t * ray;
                 let way = point - light;
@@ -427,10 +428,8 @@ fn lists() -> Result<(), String> {
         let has_objects = round % 3 == 1;
         let numbers: Vec<_> = (0..6 * side * side).map(|_| u32::from(random.below(5) == 0) * 7).collect();
         let numbers: Vec<_> = numbers.chunks((side * side) as usize).collect();
-        let (mut views, mut of_objects) = (Vec::new(), Vec::new());
+        let (views, mut of_objects) = (views(&gpu, &cube.maps)?, Vec::new());
         for (map, numbers) in cube.maps.iter().zip(&numbers) {
-            let texture = |map: &Map| texture(&gpu, map.size, TextureFormat::R32Float, &map.depths);
-            views.push(map.as_ref().map(texture).transpose()?.map(|texture| depth_view(&texture)));
             let objects = objects(&gpu, [side; 2], numbers);
             of_objects.push(map.is_some().then(|| objects.create_view(&wgpu::TextureViewDescriptor::default())));
         }

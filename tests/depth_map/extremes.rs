@@ -9,7 +9,7 @@ use wgpu::TextureFormat;
 
 use crate::boundary::Boundary;
 use crate::maps::Map;
-use crate::parity::device_depth;
+use crate::parity::{device_depth, middle};
 use crate::picture::Picture;
 use crate::scene::{Eye, Rays};
 use crate::textures::texture;
@@ -57,7 +57,7 @@ fn drawn(
         let t = (height - near.y) / ray.y;
         (t > 0.0 && t.is_finite()).then(|| (near, near + t * ray))
     };
-    let centre = |pixel: u32| DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5);
+    let centre = |pixel: u32| middle(pixel, SIDE);
     let depth = |pixel| ground(centre(pixel)).map_or(0.0, |(_, point)| device_depth(&eye, point));
     let depths: Vec<_> = (0..SIDE * SIDE).map(depth).collect();
     let texture = texture(gpu, map.size, TextureFormat::R32Float, &map.depths)?;

@@ -13,7 +13,7 @@ use wgpu::TextureFormat;
 
 use crate::boundary::Boundary;
 use crate::maps::Map;
-use crate::parity::{SIDE, device_depth, light, map, seen, vector};
+use crate::parity::{SIDE, device_depth, light, map, seen, seen_depths, vector};
 use crate::scene::{CENTRE, Eye, Rays, SAMPLES};
 use crate::textures::{depth_view, read, sampled, texture};
 
@@ -246,8 +246,7 @@ fn maps() -> Result<(), String> {
         let eye = eye.camera();
         let rays = Rays::new(&eye, SIDE);
         let seen = seen(&mut random, &rays);
-        let centre = |pixel: u32| DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5);
-        let depths: Vec<_> = (0..SIDE * SIDE).map(|pixel| device_depth(&eye, seen(centre(pixel)).1)).collect();
+        let depths = seen_depths(&eye, SIDE, &seen);
         let method = [
             DepthMapMethod::EveryCell,
             DepthMapMethod::Automatic { dangling: None },

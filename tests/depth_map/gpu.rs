@@ -10,14 +10,11 @@ mod classes;
 mod contact;
 mod contours;
 mod cube;
-mod detectors;
 mod distances;
 mod exact;
 mod extremes;
 mod eye_formats;
 mod flaps;
-#[path = "../common/goldens.rs"]
-mod goldens;
 mod hostile;
 mod large_picture;
 mod lookup;
@@ -67,7 +64,6 @@ fn main() {
         merge::TESTS,
         metric::TESTS,
         cube::TESTS,
-        detectors::TESTS,
         parity::TESTS,
         contours::TESTS,
         extremes::TESTS,
@@ -93,7 +89,6 @@ fn main() {
         zero::TESTS,
         cells::TESTS,
         places::TESTS,
-        goldens::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

@@ -16,7 +16,7 @@ use wgpu::TextureFormat;
 use crate::boundary::Boundary;
 use crate::eye_formats::AROUND;
 use crate::maps::Map;
-use crate::parity::{SIDE, device_depth, map, seen, vector};
+use crate::parity::{SIDE, device_depth, map, middle, seen, vector};
 use crate::picture::{pipelines, stencil_of};
 use crate::scene::{Eye, Rays};
 use crate::textures::{depth_view, texture};
@@ -27,10 +27,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("planes_at_grazing_angles_have_no_specks", grazing),
     ("shadows_of_cubes_are_right_but_for_a_texel", of_cubes),
 ];
-
-fn middle(pixel: u32) -> DVec2 {
-    DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5)
-}
 
 /// The stencil of a picture.
 fn drawn(
@@ -86,14 +82,14 @@ fn beyond() -> Result<(), String> {
             Eye { place, forward, near: near_eye, is_relative: true, depth, far: None, half_width: None }.camera();
         let rays = Rays::new(&eye, SIDE);
         let seen = seen(&mut random, &rays);
-        let depths: Vec<_> = (0..SIDE * SIDE).map(|pixel| device_depth(&eye, seen(middle(pixel)).1)).collect();
+        let depths: Vec<_> = (0..SIDE * SIDE).map(|pixel| device_depth(&eye, seen(middle(pixel, SIDE)).1)).collect();
         let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
         let options = DepthMapOptions { slope_bias: 0.0, ..Default::default() };
         let stencil = drawn(&gpu, &pipelines, (&texture, camera), (&eye, &depths), options)?;
         let boundary = Boundary::new(&map, &camera, at, -1.0);
         for (pixel, &value) in (0..).zip(&stencil).filter(|(pixel, _)| pixel % 3 == 0) {
             let truth = |(x, y, part): (f64, f64, f64)| {
-                let (near, place) = seen(middle(pixel) + DVec2::new(x, y));
+                let (near, place) = seen(middle(pixel, SIDE) + DVec2::new(x, y));
                 let place = near + part * (place - near);
                 (boundary.parity(near, place), boundary.is_dark(near), boundary.is_dark(place))
             };
@@ -102,7 +98,7 @@ fn beyond() -> Result<(), String> {
                 near_borders += 1;
                 continue;
             }
-            let away = distance(&light, seen(middle(pixel)).1);
+            let away = distance(&light, seen(middle(pixel, SIDE)).1);
             let kind = usize::from(away > near) + usize::from(away > far);
             tally[kind][usize::from(!truths[0].0)] += 1;
             tally[kind][2] += usize::from((value != 0) != truths[0].0);
@@ -156,7 +152,7 @@ fn grazing() -> Result<(), String> {
         let rays = Rays::new(&camera, TEXELS);
         let is_reversed = depth == DepthDirection::Reversed;
         let map = Map::new([TEXELS; 2], is_reversed, |at| {
-            let (from, ray) = rays.at(DVec2::new(f64::from(at % TEXELS) + 0.5, f64::from(at / TEXELS) + 0.5));
+            let (from, ray) = rays.at(middle(at, TEXELS));
             let t = -from.dot(normal) / ray.dot(normal);
             if (0.0..18.0).contains(&t) { device_depth(&camera, from + t * ray) } else { f32::from(!is_reversed) }
         });
@@ -181,7 +177,7 @@ fn grazing() -> Result<(), String> {
             let eye = Eye { place, forward: -away, near, is_relative, depth, far, half_width }.camera();
             let eye_rays = Rays::new(&eye, SIDE);
             let seen = |pixel: u32| {
-                let (from, ray) = eye_rays.at(middle(pixel));
+                let (from, ray) = eye_rays.at(middle(pixel, SIDE));
                 from - (from - target).dot(normal) / ray.dot(normal) * ray
             };
             let depths: Vec<_> = (0..SIDE * SIDE).map(|pixel| device_depth(&eye, seen(pixel))).collect();
@@ -254,7 +250,7 @@ fn of_cubes() -> Result<(), String> {
             let mut views = Vec::new();
             for (camera, rays) in cameras.iter().zip(&light_rays) {
                 let map = Map::new([TEXELS; 2], depth == DepthDirection::Reversed, |at| {
-                    let (from, ray) = rays.at(DVec2::new(f64::from(at % TEXELS) + 0.5, f64::from(at / TEXELS) + 0.5));
+                    let (from, ray) = rays.at(middle(at, TEXELS));
                     let hit = world.first(from, ray);
                     let far = f32::from(depth == DepthDirection::Standard);
                     hit.map_or(far, |(t, _)| device_depth(camera, from + t * ray))
@@ -277,7 +273,7 @@ fn of_cubes() -> Result<(), String> {
             cut += usize::from(is_cut);
             let seen: Vec<_> = (0..SIDE * SIDE)
                 .map(|pixel| {
-                    let (from, ray) = rays.at(middle(pixel));
+                    let (from, ray) = rays.at(middle(pixel, SIDE));
                     world.first(from, ray).map(|(t, normal)| (from + t * ray, normal))
                 })
                 .collect();

@@ -10,7 +10,7 @@ use rimline_testkit::on_gpu::text;
 use wgpu::TextureFormat;
 
 use crate::maps::Map;
-use crate::parity::device_depth;
+use crate::parity::{device_depth, middle};
 use crate::picture::{pipelines, stencil_of};
 use crate::scene::{Eye, Rays};
 use crate::textures::{depth_view, texture};
@@ -62,7 +62,7 @@ fn large() -> Result<(), String> {
     let eye = Eye { place, forward: -place, near, is_relative: false, depth, far: None, half_width: None }.camera();
     let eye_rays = Rays::new(&eye, PIXELS);
     let seen = |pixel: u32| {
-        let (from, ray) = eye_rays.at(DVec2::new(f64::from(pixel % PIXELS) + 0.5, f64::from(pixel / PIXELS) + 0.5));
+        let (from, ray) = eye_rays.at(middle(pixel, PIXELS));
         (ray.y < -0.02).then(|| first(from, ray))
     };
     let seen: Vec<_> = (0..PIXELS * PIXELS).map(seen).collect();

@@ -12,6 +12,7 @@ use rimline_testkit::is_long;
 use rimline_testkit::random::Random;
 use wgpu::TextureFormat;
 
+use crate::parity::middle;
 use crate::picture::Picture;
 use crate::textures::{read, texture};
 use crate::views::{MapOf, Near, SIDE, View, worlds};
@@ -74,7 +75,7 @@ fn biased(view: &View<'_>, format: TextureFormat, [constant, slope_scale]: [f64;
     let (far, away) = if is_reversed { (0.0, -1.0) } else { (1.0, 1.0) };
     let depth = |(texel, seen): (u32, &crate::views::Seen)| {
         let Some((point, normal)) = *seen else { return far };
-        let middle = DVec2::new(f64::from(texel % view.side) + 0.5, f64::from(texel / view.side) + 0.5);
+        let middle = middle(texel, view.side);
         // The depth of the surface's tangent plane.
         let on_plane = |place: DVec2| {
             let (from, direction) = view.light_rays.at(place);

@@ -10,7 +10,7 @@ use rimline_testkit::on_gpu::text;
 use rimline_testkit::{rays, shapes};
 use wgpu::TextureFormat::Depth32Float;
 
-use crate::parity::device_depth;
+use crate::parity::{device_depth, middle};
 use crate::scene::{Eye, Rays};
 use crate::textures::{read, texture};
 
@@ -65,7 +65,7 @@ pub(crate) fn wrong(
     };
     let mut counts = [0, 0];
     for (texel, &found) in (0..).zip(depths) {
-        let middle = DVec2::new(f64::from(texel % SIDE) + 0.5, f64::from(texel / SIDE) + 0.5);
+        let middle = middle(texel, SIDE);
         let around = [[0.0, 0.0], [0.05, 0.05], [-0.05, 0.05], [0.05, -0.05], [-0.05, -0.05]];
         let around = around.map(|offset| seen(middle + DVec2::from_array(offset)));
         let low = around.iter().copied().fold(f32::INFINITY, f32::min);

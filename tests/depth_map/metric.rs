@@ -233,7 +233,7 @@ fn dark(gpu: &Gpu, random: &mut Random, number: usize, is_covered: bool) -> Resu
     let measured = Measured::new(&camera);
     let metric = DISTANCES[1];
     let on_ground = |(rays, side): (&Rays, u32), pixel: u32| {
-        let (from, direction) = rays.at(DVec2::new(f64::from(pixel % side) + 0.5, f64::from(pixel / side) + 0.5));
+        let (from, direction) = rays.at(crate::parity::middle(pixel, side));
         from - from.y / direction.y * direction
     };
     let distance = |texel| measured.distance(metric, on_ground((&rays, TEXELS), texel)) as f32;

@@ -16,7 +16,7 @@ use wgpu::TextureFormat;
 use crate::boundary::{Boundary, Name};
 use crate::exact::{Moves, steps};
 use crate::maps::Map;
-use crate::parity::device_depth;
+use crate::parity::{device_depth, middle};
 use crate::picture::{pipelines, stencil_of};
 use crate::scene::{Eye, Rays};
 use crate::textures::{depth_view, read, texture};
@@ -98,7 +98,7 @@ impl Tally {
             if !is_wrong && pixel % share != 0 {
                 continue;
             }
-            let middle = DVec2::new(f64::from(pixel as u32 % SIDE) + 0.5, f64::from(pixel as u32 / SIDE) + 0.5);
+            let middle = middle(pixel as u32, SIDE);
             // Within what a rasterizer rounds places to.
             let around = [(0.0, 0.0), (0.01, 0.01), (-0.01, 0.01), (0.01, -0.01), (-0.01, -0.01)];
             let crossed = around.map(|(x, y)| boundary.crossings(rays.at(middle + DVec2::new(x, y)).0, place));
@@ -192,7 +192,7 @@ fn of_stairs() -> Result<(), String> {
         ((0..STEPS).contains(&column) && place.z.abs() < 2.0).then_some(0.3 + 0.15 * column as f64)
     };
     let map = Map::new([32, 32], true, |texel| {
-        let (from, _) = rays.at(DVec2::new(f64::from(texel % 32) + 0.5, f64::from(texel / 32) + 0.5));
+        let (from, _) = rays.at(middle(texel, 32));
         device_depth(&light, DVec3::new(from.x, plate(from).unwrap_or(0.0), from.z))
     });
     let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
@@ -207,7 +207,7 @@ fn of_stairs() -> Result<(), String> {
         let eye = eye_of(place, DVec3::new(1.0, 0.6, 0.0) - place, None).camera();
         let rays = Rays::new(&eye, SIDE);
         let seen = |pixel: u32| {
-            let (from, ray) = rays.at(DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5));
+            let (from, ray) = rays.at(middle(pixel, SIDE));
             let mut found =
                 [0.0].into_iter().chain((0..STEPS).map(|column| 0.3 + 0.15 * column as f64)).filter_map(|height| {
                     let t = (height - from.y) / ray.y;

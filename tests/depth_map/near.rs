@@ -1,7 +1,7 @@
 //! Near caps that are left out: pictures do not change, and `depth_near` and `depth_near_walls` tell what the samples around the
 //! near rectangle say.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rimline::gpu::{
     DepthCubeMaps, DepthMap, DepthMapCube, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
     ShadowFormat,
@@ -19,9 +19,9 @@ use wgpu::TextureFormat;
 
 use crate::cells::{cast, rank};
 use crate::contours::distance;
-use crate::cube::{Cube, cube_of};
+use crate::cube::{Cube, cube_of, views};
 use crate::maps::Map;
-use crate::parity::{device_depth, light, map, seen, vector};
+use crate::parity::{light, map, seen, seen_depths, vector};
 use crate::picture::stencil_of;
 use crate::scene::{Eye, Rays};
 use crate::textures::{depth_view, read, texture};
@@ -120,9 +120,7 @@ fn look(random: &mut Random, place: f64) -> (ShadowCamera, Vec<f32>) {
     let eye = Eye { place, forward, near, is_relative: random.below(2) == 0, depth, far, half_width }.camera();
     let rays = Rays::new(&eye, SIDE);
     let seen = seen(random, &rays);
-    let pixel = |at: u32| DVec2::new(f64::from(at % SIDE) + 0.5, f64::from(at / SIDE) + 0.5);
-    let depths = (0..SIDE * SIDE).map(|at| device_depth(&eye, seen(pixel(at)).1)).collect();
-    (eye, depths)
+    (eye, seen_depths(&eye, SIDE, &seen))
 }
 
 /// Eyes farther away than any depth of the map. Far is no surface, but a map may clamp to it what is behind: all is drawn.
@@ -230,11 +228,7 @@ fn of_cubes() -> Result<(), String> {
         let Cube { light, cameras, maps, .. } = cube_of(&mut random, CUBE_SIDE);
         let (eye, depths) = look(&mut random, 5.0 + light.length());
         let pipelines = pipelines.get(&gpu, eye.depth, 1)?;
-        let mut views = Vec::new();
-        for map in &maps {
-            let texture = |map: &Map| texture(&gpu, map.size, TextureFormat::R32Float, &map.depths);
-            views.push(map.as_ref().map(texture).transpose()?.map(|texture| depth_view(&texture)));
-        }
+        let views = views(&gpu, &maps)?;
         let mut pictures = Vec::new();
         for skip_near_caps in [true, false] {
             let options = DepthMapOptions { skip_near_caps, ..Default::default() };

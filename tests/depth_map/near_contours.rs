@@ -16,7 +16,7 @@ use wgpu::TextureFormat;
 use crate::contours::{Quad, UNIT, listed};
 use crate::maps::Map;
 use crate::near_rectangles::{eye_at, place};
-use crate::parity::{SIDE, device_depth, light, seen, vector};
+use crate::parity::{self, SIDE, light, seen, seen_depths, vector};
 use crate::picture::stencil_of;
 use crate::scene::{Eye, Rays};
 use crate::textures::{depth_view, texture};
@@ -245,8 +245,7 @@ fn behind_a_rim() -> Result<(), String> {
         let eye = eye_at(&mut random, middle, forward, width);
         let rays = Rays::new(&eye, SIDE);
         let seen = seen(&mut random, &rays);
-        let pixel = |at: u32| DVec2::new(f64::from(at % SIDE) + 0.5, f64::from(at / SIDE) + 0.5);
-        let depths: Vec<_> = (0..SIDE * SIDE).map(|at| device_depth(&eye, seen(pixel(at)).1)).collect();
+        let depths = seen_depths(&eye, SIDE, &seen);
         let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
         let threshold = (leaf.small * 100.0) as f32;
         let options = DepthMapOptions {
@@ -273,13 +272,14 @@ fn behind_a_rim() -> Result<(), String> {
         same("with near caps that are always drawn", &picture(false)?.0, &stencil)?;
         let before = tally.wrong;
         for at in 0..SIDE * SIDE {
-            let (near, place) = seen(pixel(at));
+            let (near, place) = seen(parity::middle(at, SIDE));
             let [from, to] = [near, place].map(|place| leaf.seen_by_light(place));
             if from.w < 0.1 || to.w < 0.1 || leaf.is_between(from, to) {
                 continue;
             }
             let Some(is_dark) = leaf.is_dark(to) else { continue };
-            let among_there = |x: f64, y: f64| among(&quads, leaf.seen_by_light(seen(pixel(at) + DVec2::new(x, y)).0));
+            let among_there =
+                |x: f64, y: f64| among(&quads, leaf.seen_by_light(seen(parity::middle(at, SIDE) + DVec2::new(x, y)).0));
             let own = among_there(0.0, 0.0);
             let around = [(-0.05, 0.0), (0.05, 0.0), (0.0, -0.05), (0.0, 0.05)];
             if around.into_iter().any(|(x, y)| among_there(x, y) != own) {

@@ -13,11 +13,11 @@ use rimline_testkit::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::boundary::{Boundary, sample};
-use crate::cube::{Cube, cube_of};
+use crate::cube::{Cube, cube_of, views};
 use crate::exact::{ROUNDING, steps};
 use crate::eye_formats::{AROUND, Made, device, drawn};
 use crate::maps::Map;
-use crate::parity::{SIDE, device_depth, light, map, seen, vector};
+use crate::parity::{SIDE, light, map, middle, seen, seen_depths, vector};
 use crate::picture::{pipelines, stencil_of};
 use crate::scene::{Eye, Rays};
 use crate::textures::{depth_view, texture};
@@ -88,7 +88,7 @@ impl Tally {
         let (share, wider) = (3, 1.0 + pixels / 0.05);
         let mut behind = [0; 2];
         for pixel in (0..SIDE * SIDE).filter(|pixel| pixel % share == pixel / SIDE % share) {
-            let middle = DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5);
+            let middle = middle(pixel, SIDE);
             let truth = |(x, y, part): (f64, f64, f64)| {
                 let (near, place) = seen(middle + wider * DVec2::new(x, y));
                 let place = near + part * (place - near);
@@ -143,8 +143,7 @@ fn pictures(
     // Its near plane is that of the boundary, which is moved by the steps of the eye's depths.
     let rays = Rays::new(&moved(eye), SIDE);
     let seen = seen(random, &rays);
-    let middle = |pixel: u32| DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5);
-    let depths: Vec<_> = (0..SIDE * SIDE).map(|pixel| device_depth(eye, seen(middle(pixel)).1)).collect();
+    let depths = seen_depths(eye, SIDE, &seen);
     let texture = texture(gpu, map.size, TextureFormat::R32Float, &map.depths)?;
     let given = DepthMap { texture: &depth_view(&texture), light: camera, objects: None };
     let target = (TextureFormat::Depth32FloatStencil8, 1);
@@ -248,14 +247,9 @@ fn across() -> Result<(), String> {
         let eye = Eye { place, forward, near: 0.5, is_relative: true, depth, far: Some(60.0), half_width }.camera();
         let rays = Rays::new(&eye, SIDE);
         let seen = seen(&mut random, &rays);
-        let centre = |pixel: u32| DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5);
-        let depths: Vec<_> = (0..SIDE * SIDE).map(|pixel| device_depth(&eye, seen(centre(pixel)).1)).collect();
+        let depths = seen_depths(&eye, SIDE, &seen);
         let pipelines = pipelines(&gpu, depth, 0..1)?;
-        let mut views = Vec::new();
-        for map in &maps {
-            let texture = |map: &Map| texture(&gpu, map.size, TextureFormat::R32Float, &map.depths);
-            views.push(map.as_ref().map(texture).transpose()?.map(|texture| depth_view(&texture)));
-        }
+        let views = views(&gpu, &maps)?;
         let picture = |skip_near_caps, order: [usize; 6]| {
             let options = DepthMapOptions { slope_bias: 0.0, skip_near_caps, ..Default::default() };
             let mut volumes = DepthMapCube::new(&pipelines, 6, options).map_err(text)?;

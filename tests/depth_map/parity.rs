@@ -90,6 +90,16 @@ pub(crate) fn seen<'a>(random: &mut Random, rays: &'a Rays) -> impl Fn(DVec2) ->
     }
 }
 
+/// The middle of a pixel of a square picture.
+pub(crate) fn middle(pixel: u32, side: u32) -> DVec2 {
+    DVec2::new(f64::from(pixel % side) + 0.5, f64::from(pixel / side) + 0.5)
+}
+
+/// What the pixels of a square picture see at their middles, as device depths.
+pub(crate) fn seen_depths(eye: &ShadowCamera, side: u32, seen: &dyn Fn(DVec2) -> (DVec3, DVec3)) -> Vec<f32> {
+    (0..side * side).map(|pixel| device_depth(eye, seen(middle(pixel, side)).1)).collect()
+}
+
 /// Results of trials: pixels with a dark and a lit truth, pixels too near to a border to decide, and wrong ones.
 #[derive(Debug, Default)]
 struct Tally {
@@ -128,10 +138,8 @@ fn trial(gpu: &Gpu, random: &mut Random, tally: &mut Tally, way: Way<'_>) -> Res
     let eye = mirrored(random, eye);
     let rays = Rays::new(&eye, SIDE);
     let seen = seen(random, &rays);
-    let centres =
-        (0..SIDE * SIDE).map(|pixel| DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5));
-    let centres: Vec<_> = centres.collect();
-    let depths: Vec<_> = centres.iter().map(|&centre| device_depth(&eye, seen(centre).1)).collect();
+    let centres: Vec<_> = (0..SIDE * SIDE).map(|pixel| middle(pixel, SIDE)).collect();
+    let depths = seen_depths(&eye, SIDE, &seen);
     let edges = if threshold < 0.0 {
         DepthMapMethod::EveryCell
     } else {

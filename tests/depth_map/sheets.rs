@@ -18,7 +18,7 @@ use crate::boundary::{Boundary, Name, sample};
 use crate::exact::{Moves, steps};
 use crate::maps::Map;
 use crate::missed::drawn;
-use crate::parity::device_depth;
+use crate::parity::{device_depth, middle};
 use crate::scene::{Eye, Rays};
 use crate::textures::{read, texture};
 
@@ -57,10 +57,6 @@ fn sheet(random: &mut Random) -> Vec<[DVec3; 3]> {
         [[a, b, c], [a, c, d]]
     });
     triangles.collect()
-}
-
-fn middle(at: u32, side: u32) -> DVec2 {
-    DVec2::new(f64::from(at % side) + 0.5, f64::from(at / side) + 0.5)
 }
 
 /// The place where a ray meets the ground, and how far away it is.

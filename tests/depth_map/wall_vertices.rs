@@ -14,11 +14,11 @@ use wgpu::TextureFormat;
 
 use crate::contours::{Fit, Traced, UNIT, distance, is_jump};
 use crate::exact::{Exact, ROUNDING};
-use crate::goldens::golden;
 use crate::maps::Map;
 use crate::parity::light;
 use crate::probe::{Bound, Probe};
 use crate::vertices::{Given, Tally, eye};
+use rimline_testkit::goldens::golden;
 
 pub(crate) const TESTS: &[Test] = &[
     ("vertices_of_walls_are_those_of_f64", vertices),

@@ -222,36 +222,6 @@ fn records_partition_the_faces_of_each_edge() {
 }
 
 #[test]
-fn compaction_is_a_filter_in_order() -> Outcome {
-    let seed = 16;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
-    for _ in 0..50 {
-        let plane: Vec<_> = (0..random.below(400))
-            .map(|_| EdgeMasks { silhouette: random.next_u64() as u32, winding: random.next_u64() as u32 })
-            .collect();
-        let bit = random.below(32) as u32;
-        let mut naive = Vec::new();
-        for (edge, masks) in plane.iter().enumerate() {
-            if masks.silhouette >> bit & 1 == 1 {
-                naive.push(edge as u32 + if masks.winding >> bit & 1 == 1 { 0x8000_0000 } else { 0 });
-            }
-        }
-        for capacity in [0, 1, naive.len() / 2, naive.len(), usize::MAX] {
-            let list = cpu::compact(&plane, bit, capacity);
-            same("entries", &list.entries, &naive[..naive.len().min(capacity)])?;
-            assert_eq!(list.count as usize, naive.len());
-        }
-        if let [.., last] = naive.as_mut_slice() {
-            *last ^= 1 << 31;
-            let list = cpu::compact(&plane, bit, usize::MAX);
-            must_fail("a flipped winding bit", &same("entries", &list.entries, &naive))?;
-        }
-    }
-    Ok(())
-}
-
-#[test]
 fn threads_change_nothing() -> Outcome {
     let (_, positions, mesh) = cases::case("torus", shapes::torus(120, 70, 1.0, 0.4));
     let lights = lights(&mut Random::new(17), 33);

@@ -17,6 +17,7 @@ use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::interleaved;
 use rimline_testkit::on_gpu::read;
+use rimline_testkit::oracle::listed;
 use rimline_testkit::random::Random;
 use rimline_testkit::{lights, must_fail, same};
 
@@ -159,14 +160,14 @@ pub(crate) fn expected(scene: &Scene, facing: &[u32], light: usize) -> Vec<[u32;
 fn expected_of(scene: &Scene, masks: &[EdgeMasks], light: usize) -> Vec<[u32; 8]> {
     let mesh = &scene.mesh;
     let plane = &masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
-    let list = cpu::compact(plane, light as u32 % 32, usize::MAX);
-    let entries = list.entries.iter().map(|entry| {
+    let list = listed(plane, light as u32 % 32);
+    let entries = list.iter().map(|entry| {
         let index = entry & !cpu::WINDING;
         let edge = mesh.edges().get(index as usize).expect("an edge of the mesh");
         let [a, b] = edge.vertices;
         let place = scene.positions[a as usize][0].to_bits() ^ scene.positions[b as usize][1].to_bits();
         let winding = entry >> 31;
-        [1, index, a, b, winding, edge.kind as u32, place, list.count]
+        [1, index, a, b, winding, edge.kind as u32, place, list.len() as u32]
     });
     entries.collect()
 }

@@ -7,6 +7,7 @@ use rimline_testkit::band::check_facing;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::oracle::listed;
 use rimline_testkit::random::Random;
 use rimline_testkit::{same, shapes};
 
@@ -68,7 +69,7 @@ fn fast() -> Result<(), String> {
                 let own = |entry: &&u32| edges.contains(&(**entry & !cpu::WINDING));
                 let list = &results.lists[bit as usize];
                 let list: Vec<u32> = list.iter().filter(own).map(|entry| entry - edges.start).collect();
-                same("list", &list, &cpu::compact(&masks, place, usize::MAX).entries)?;
+                same("list", &list, &listed(&masks, place))?;
                 silhouettes += list.len();
             }
         }

@@ -11,6 +11,7 @@ use rimline::{Light, Matrix3x4, Mesh, Predicate};
 use rimline_testkit::cases::{Case, case, random_soup, topologies};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::{interleaved, text};
+use rimline_testkit::oracle::listed;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
 
@@ -318,7 +319,7 @@ impl Content {
             expected.excluded.push(excluded.into_iter().map(spread).collect());
             for bit in 0..32 {
                 let place = bits.iter().position(|&own| own == bit);
-                let list = place.map(|place| cpu::compact(&found.masks, place as u32, usize::MAX).entries);
+                let list = place.map(|place| listed(&found.masks, place as u32));
                 expected.lists.push(list.unwrap_or_default());
             }
         }

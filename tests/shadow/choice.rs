@@ -1,15 +1,19 @@
 //! Choices for shadow volumes, against truth in `f64`: no cap is missing, and no visible volume is skipped.
 
 use glam::{DMat4, DVec3, DVec4};
-use rimline::reference::cpu::{self, Threads};
+use rimline::reference::cpu;
 use rimline::reference::layout::{ShadowLight, ShadowShape, ShadowView};
-use rimline::reference::shadow::{
-    self, CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_PASS, COUNT_ZP_PLUS,
-};
-use rimline::{DepthDirection, Light, Predicate, ShadowCamera};
+use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_PASS, COUNT_ZP_PLUS};
+use rimline::{DepthDirection, Light, ShadowCamera};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;
 use rimline_testkit::random::Random;
 use rimline_testkit::scenes::{Scene, scene};
+
+use crate::stages::{PLACES, Staged, shape};
+
+pub(crate) const TESTS: &[Test] = &[("a_cap_is_never_missed_and_nothing_seen_is_skipped", never_missed)];
 
 type Outcome = Result<(), String>;
 
@@ -133,6 +137,7 @@ fn is_seen(eye: &Eye, light: DVec4, [a, b, c]: [DVec4; 3]) -> bool {
 }
 
 /// A scene as the stages see it.
+#[derive(Clone)]
 struct Chosen {
     view: ShadowView,
     lights: Vec<ShadowLight>,
@@ -141,31 +146,18 @@ struct Chosen {
     is_closed: bool,
 }
 
-fn choose(scene: &Scene, skip_unseen: bool) -> Chosen {
+fn choose(gpu: &Gpu, scene: &Scene) -> Result<Chosen, String> {
     let (_, positions, mesh) = &scene.caster;
-    let view = shadow::view(&scene.camera).expect("a good camera");
     let counts = mesh.edges().counts();
-    let is_closed = counts.boundary == 0 && counts.inconsistent == 0;
-    let shape = ShadowShape {
-        lights: scene.lights.len() as u32,
-        faces: mesh.faces().len() as u32,
-        averted: u32::from(is_closed),
-        counting: COUNT_AUTO,
-        skip_unseen: u32::from(skip_unseen),
-        skip_unreached: 1,
-        ..bytemuck::Zeroable::zeroed()
-    };
-    let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
     let excluded = cpu::excluded(positions, mesh.faces(), &scene.lights);
     let has_excluded = excluded.iter().any(|&mask| mask != 0);
-    cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), has_excluded, &mut lights);
-    let plain = &scene.lights;
-    let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
-    let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights, true);
-    let caps = caps.into_iter().map(|[near_front, near_back, far_front, far_back]| {
-        [[near_front, far_front].concat(), [near_back, far_back].concat()]
-    });
-    Chosen { view, lights, facing, caps: caps.collect(), is_closed }
+    let shape = ShadowShape { counting: COUNT_AUTO, ..shape(mesh, scene.lights.len()) };
+    let staged = Staged::new(gpu, scene, PLACES[0], shape, excluded)?;
+    let (lights, _) = staged.choose(gpu, u32::from(has_excluded), 0)?;
+    let listed = staged.caps(gpu, &lights, shape.faces)?;
+    let caps = listed.lists.chunks(4).map(|lists| [0, 1].map(|kind| [&lists[kind][..], &lists[kind + 2]].concat()));
+    let is_closed = counts.boundary == 0 && counts.inconsistent == 0;
+    Ok(Chosen { view: staged.view, lights, facing: staged.facing.clone(), caps: caps.collect(), is_closed })
 }
 
 /// How often the tests were right to be cautious.
@@ -297,8 +289,8 @@ fn check_casting(scene: &Scene, chosen: &Chosen) -> Outcome {
     Ok(())
 }
 
-#[test]
-fn a_cap_is_never_missed_and_nothing_seen_is_skipped() -> Outcome {
+fn never_missed() -> Outcome {
+    let gpu = &*Gpu::shared()?;
     let seed = 91;
     println!("seed {seed}");
     let mut random = Random::new(seed);
@@ -307,14 +299,14 @@ fn a_cap_is_never_missed_and_nothing_seen_is_skipped() -> Outcome {
     let (mut control, mut scenes) = (0, 0);
     for number in 0..if is_long() { 3000 } else { 48 } {
         let scene = scene(&mut random, number, 36);
-        let chosen = choose(&scene, true);
+        let chosen = choose(gpu, &scene)?;
         let tally = &mut tallies[number % 4];
         check_skipped(&scene, &chosen, tally)?;
         check_casting(&scene, &chosen)?;
         check_caps(&scene, &chosen, tally)?;
         scenes += 1;
         // Negative controls: a choice of z-pass, and a cap's list short of a face that is needed.
-        let mut wrong = choose(&scene, true);
+        let mut wrong = chosen.clone();
         for (light, lists) in wrong.lights.iter_mut().zip(&mut wrong.caps) {
             light.counting = COUNT_Z_PASS;
             lists.iter_mut().for_each(Vec::clear);

@@ -1,19 +1,19 @@
-//! Shadow volumes on the GPU: pictures against rays, stages against oracles, goldens and twins. Without an adapter these tests
+//! Shadow volumes on the GPU: pictures against rays, stages against oracles and goldens. Without an adapter these tests
 //! fail; they are never passed over.
 
 mod cameras;
 mod chain;
+mod choice;
 mod classes;
 mod clipped;
 mod compare;
 mod covered;
 mod dark_caps;
-#[path = "../common/goldens.rs"]
-mod goldens;
 mod hairlines;
 mod hidden;
 mod in_scene;
 mod levels;
+mod margins;
 mod mixed;
 mod most_turns;
 mod nested;
@@ -41,6 +41,7 @@ mod textures;
 mod thousands;
 mod trials;
 mod twisted;
+mod vertices;
 mod zp_plus_2005;
 
 use libtest_mimic::{Failed, Trial};
@@ -76,10 +77,11 @@ fn main() {
         stages::TESTS,
         most_turns::TESTS,
         chain::TESTS,
-        clipped::TESTS,
+        choice::TESTS,
+        vertices::TESTS,
+        &margins::tests(),
         dark_caps::TESTS,
         refusals::TESTS,
-        goldens::TESTS,
     ];
     all.extend(harness::gpu_trials(tests.concat()));
     // OpenGL reads zeros for the stencil values of several samples.

@@ -1,7 +1,8 @@
-//! Stages of shadow volumes with the maximum of items for an invocation, in one workgroup, against their twins.
+//! Stages of shadow volumes with the maximum of items for an invocation, in one workgroup.
 //! llvmpipe ends an invocation's loops after 65,535 turns without an error. docs/numerics/loops.md.
 
-use rimline::reference::cpu::{self, CastingBox, Threads};
+use bytemuck::Zeroable;
+use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{SceneCaster, ShadowDraw, ShadowLight, ShadowShape, ShadowStatistics, StencilPencil};
 use rimline::reference::shadow::{self, CAST_EVERY, COUNT_Z_PASS, COUNT_ZP_PLUS};
 use rimline::reference::stages::{
@@ -16,8 +17,9 @@ use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::{must_fail, same, shapes};
 
-use crate::sides;
+use crate::sides::{self, box_words};
 use crate::stages::{PLACES, choices, placed, seen, shape, table, with_depth};
+use rimline_testkit::goldens::golden;
 
 pub(crate) const TESTS: &[Test] = &[
     ("most_turns_of_compact_scan", compact_scan),
@@ -75,7 +77,7 @@ fn one_large(faces: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
         [0.0, 1.0, 1.0],
         [-2.0, -3.0, -4.0],
         [5.0, 6.0, 7.0],
-        [0.5, f32::MIN_POSITIVE, -0.0],
+        [9.0, f32::MIN_POSITIVE, -8.0],
     ];
     let faces = (1..=faces).map(|face| if face == faces { [3, 4, 5] } else { [0, 1, 2] }).collect();
     (positions, faces)
@@ -84,7 +86,7 @@ fn one_large(faces: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
 fn bounds() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (positions, faces) = one_large(64 * CHUNK * stated("BOUND_CHUNKS"));
-    let twin = cpu::bounds(&positions, &faces);
+    let expected = box_words(&positions, &faces);
     let mesh = Mesh::from_faces(positions.len(), vec![[0, 1, 2]]).map_err(text)?;
     let shape = uniform(gpu, &ShadowShape { faces: faces.len() as u32, ..shape(&mesh, 1) });
     let (table, nothing) = (gpu.storage(&table(&mesh, PLACES[0], &[], &[])), gpu.storage(&[0_u32; 8]));
@@ -92,8 +94,8 @@ fn bounds() -> Result<(), String> {
     let positions_buffer = placed(gpu, &positions, PLACES[0]);
     let buffers = [&shape, &table, &positions_buffer, &faces_buffer, &found, &nothing, &nothing];
     Dispatch::stage(gpu, &BOUNDS).run(gpu, &buffers, 1)?;
-    same("box", &gpu.read(&found, 7)?, &twin)?;
-    must_fail("without the last face", &same("box", &cpu::bounds(&positions, &faces[..64]), &twin))
+    same("box", &gpu.read(&found, 7)?, &expected)?;
+    must_fail("without the last face", &same("box", &box_words(&positions, &faces[..64]), &expected))
 }
 
 /// Only the last place of choices says that the box is needed, and only the last batch has a light.
@@ -101,7 +103,7 @@ fn bounds_of_many() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let chunks = 64 * stated("BOUND_CHUNKS");
     let (positions, faces) = one_large(chunks * CHUNK);
-    let twin = cpu::bounds(&positions, &faces);
+    let expected = box_words(&positions, &faces);
     let places = stated("BOUND_PLACES");
     let (batches, views) = (32, places / 32);
     let caster = SceneCaster { faces: faces.len() as u32, position_stride: 3, ..bytemuck::Zeroable::zeroed() };
@@ -122,7 +124,7 @@ fn bounds_of_many() -> Result<(), String> {
         stage.run(gpu, &[&shape, &table, &positions, &faces, &found, &choices, &lit], 1)?;
         gpu.read::<u32>(&found, 7)
     };
-    same("box", &run(1, 1)?, &twin)?;
+    same("box", &run(1, 1)?, &expected)?;
     same("a box that is not read", &run(0, 1)?, &[0; 7])?;
     same("a caster without a light", &run(1, 0)?, &[0; 7])
 }
@@ -145,9 +147,8 @@ fn caps() -> Result<(), String> {
     let given: Vec<ShadowLight> = plain.iter().map(|&light| shadow::light(&camera, &view, light)).collect();
     let chosen = |light: &ShadowLight| ShadowLight { casting: CAST_EVERY, counting: COUNT_ZP_PLUS, ..*light };
     let lights: Vec<ShadowLight> = given.iter().map(chosen).collect();
-    let facing = cpu::facing(&plane.positions, mesh.faces(), &plain, Predicate::Exact, Threads::all());
+    let masks = cpu::facing(&plane.positions, mesh.faces(), &plain, Predicate::Exact, Threads::all());
     let none = vec![0; faces];
-    let twin = cpu::caps(&view, &plane.positions, mesh.faces(), &facing, &none, &lights, false);
     let own = ShadowShape { proxies: 1, ..shape(&mesh, 32) };
     let mut list = vec![0_u32; 128];
     list.resize(128 + 64 * faces, u32::MAX);
@@ -156,26 +157,31 @@ fn caps() -> Result<(), String> {
     let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
     let (shape, draw, seen) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&seen(view, &given)));
     let (positions, table) = (placed(gpu, &plane.positions, PLACES[0]), gpu.storage(&table));
-    let (faces_buffer, facing, excluded) = (gpu.storage(mesh.faces()), gpu.storage(&facing), gpu.storage(&none));
+    let (faces_buffer, facing, excluded) = (gpu.storage(mesh.faces()), gpu.storage(&masks), gpu.storage(&none));
     let (choices, list) = (gpu.storage(&choices(&lights, &capped)), gpu.storage(&list));
     let buffers = [&shape, &draw, &seen, &table, &positions, &faces_buffer, &facing, &excluded, &choices, &list];
     Dispatch::stage(gpu, &CAPS).run(gpu, &buffers, 1)?;
     let list: Vec<u32> = gpu.read(&list, usize::MAX)?;
     let (counts, lists) = list.split_at(128);
     let mut near = 0;
-    for (light, (twin, runs)) in twin.iter().zip(lists.chunks(2 * faces)).enumerate() {
-        let lengths = [0, 1, 2, 3].map(|kind| twin[kind].len());
-        same(&format!("light {light}, counts"), &counts[4 * light..][..4], &lengths.map(|length| length as u32))?;
-        for (kind, twin) in twin.iter().enumerate() {
+    let mut all = counts.to_vec();
+    for (number, runs) in lists.chunks(2 * faces).enumerate() {
+        let lengths = [0, 1, 2, 3].map(|kind| counts[4 * number + kind] as usize);
+        let most = sides::caps(&mesh, &plane.positions, (number, &lights[number]), [&masks, &none], false);
+        for (kind, most) in most.iter().enumerate() {
             let run = &runs[kind / 2 * faces..][..faces];
-            let own = if kind % 2 == 0 { &run[..twin.len()] } else { &run[faces - twin.len()..] };
-            let mut own = own.to_vec();
+            let mut own = if kind % 2 == 0 { &run[..lengths[kind]] } else { &run[faces - lengths[kind]..] }.to_vec();
             own.sort_unstable();
-            same(&format!("light {light}, list {kind}"), &own, twin)?;
+            if kind > 1 {
+                same(&format!("light {number}, list {kind}"), &own, most)?;
+            }
+            all.extend(own);
         }
-        same(&format!("light {light}, faces with caps"), &[lengths[2] + lengths[3]], &[faces])?;
+        same(&format!("light {number}, faces with caps"), &[lengths[2] + lengths[3]], &[faces])?;
         near += lengths[0] + lengths[1];
     }
+    // Which faces have near caps: those between light and near rectangle.
+    golden("shadow", "most_turns_of_caps", &all)?;
     println!("{near} near caps");
     if near > 100 { Ok(()) } else { Err("too few near caps".to_owned()) }
 }
@@ -247,17 +253,23 @@ fn stencil_pencil() -> Result<(), String> {
             ..bytemuck::Zeroable::zeroed()
         }
     };
-    let casting = |caster: u32| {
-        let [x, y, z] = place(caster);
-        CastingBox { low: [x - 2.0, y - 2.0, z - 1.0], high: [x + 2.0, y + 2.0, z + 1.0], faces: 1 + caster % 3 }
-    };
     let does_cast = |caster: &u32| caster % 5 != 3;
-    let boxes: Vec<CastingBox> = (0..casters).filter(does_cast).map(casting).collect();
     let camera = camera();
     let view = shadow::view(&camera).map_err(text)?;
     let light = shadow::light(&camera, &view, Light::point([0.0; 3]));
-    let twin = cpu::stencil_pencil(light.light, &boxes);
-    let row = cpu::stencil_crossings(&twin, boxes.iter().map(|own| (*own, Vec::new())));
+    let axis =
+        StencilPencil { kind: 2, forward: [1.0, 0.0, 0.0], aside: [0.0, 1.0, 0.0], scale: 256.0, ..Zeroable::zeroed() };
+    // Faces of casters whose box has a part of the third axis, and of all.
+    let row_of = |casters: std::ops::Range<u32>| {
+        let mut row = vec![0; 1028];
+        for caster in casters.filter(does_cast) {
+            let [x, y, _] = place(caster);
+            row[1025] += if x.abs() <= 2.0 && y.abs() <= 2.0 { 1 + caster % 3 } else { 0 };
+            row[1026] += 1 + caster % 3;
+        }
+        row
+    };
+    let row = row_of(0..casters);
     let all: Vec<SceneCaster> = (0..casters).map(of).collect();
     let mut words: Vec<u32> = bytemuck::cast_slice(&all).to_vec();
     let choices_at = words.len() as u32 / 4;
@@ -270,11 +282,9 @@ fn stencil_pencil() -> Result<(), String> {
     let (pencils, crossings) = (gpu.storage(&[[0_u32; size_of::<StencilPencil>() / 4]]), gpu.storage(&[0_u32; 1028]));
     let buffers = [&shape, &draw, &seen, &table, &boxes_buffer, &pencils, &crossings];
     of_many(gpu, &STENCIL_PENCIL).run(gpu, &buffers, 1)?;
-    same("pencil", &gpu.read::<StencilPencil>(&pencils, 1)?, &[twin])?;
+    same("pencil", &gpu.read::<StencilPencil>(&pencils, 1)?, &[axis])?;
     same("row", &gpu.read::<u32>(&crossings, row.len())?, &row)?;
-    same("a pencil around an axis", &[twin.kind], &[2])?;
-    let fewer = cpu::stencil_pencil(light.light, &boxes[..boxes.len() - 512]);
-    must_fail("without the last casters", &same("pencil", &[fewer], &[twin]))
+    must_fail("without the last casters", &same("row", &row, &row_of(0..casters - 512)))
 }
 
 /// Sides in the middle of bins, around an axis that their caster does not meet: each crosses from a half plane to another, some
@@ -282,19 +292,16 @@ fn stencil_pencil() -> Result<(), String> {
 fn stencil_crossings() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let most = 64 * stated("LISTED_ITEMS");
-    let casters = [[8.0, 8.0, 0.0], [-900.0, -900.0, -900.0]].map(|low: [f32; 3]| CastingBox {
-        low,
-        high: low.map(|c| c + 4.0),
-        faces: 1,
-    });
-    // A light among these two, with its axis at zero.
-    let pencil = cpu::stencil_pencil([0.0, 0.0, 0.0, 1.0], &casters);
+    let pencil =
+        StencilPencil { kind: 2, forward: [0.0, 0.0, 1.0], aside: [1.0, 0.0, 0.0], scale: 256.0, ..Zeroable::zeroed() };
     // |u| + |v| is 512 and u is odd, so that places are whole numbers of bins and a half.
-    let axes = [0, 1, 2].map(|axis| (pencil.forward[axis], pencil.aside[axis]));
+    let place = |number: u32| {
+        let u = 2 * (number % 512) as i32 - 511;
+        [u, (512 - u.abs()) * if number % 1024 < 512 { 1 } else { -1 }]
+    };
     let end = |number: u32| {
-        let u = 2.0 * (number % 512) as f32 - 511.0;
-        let v = (512.0 - u.abs()) * if number % 1024 < 512 { 1.0 } else { -1.0 };
-        axes.map(|(forward, aside): (f32, f32)| forward * u + aside * v)
+        let [u, v] = place(number).map(|c| c as f32);
+        [v, 0.0, u]
     };
     let positions: Vec<[f32; 3]> = (0..1024).map(end).collect();
     let edges = (0..4096_u32).map(|edge| [edge % 1024, (7 * edge + edge / 5) % 1024]);
@@ -308,14 +315,28 @@ fn stencil_crossings() -> Result<(), String> {
     let mut sides = vec![0; 64];
     sides[..2].copy_from_slice(&[plain, most - plain]);
     sides.extend((0..most).map(|entry| named(entry) | if entry % 2 == 0 { cpu::WINDING } else { 0 }));
-    let listed = (0..most).map(|entry| (edges[named(entry) as usize].map(|vertex| positions[vertex as usize]), 1));
-    let twin = cpu::stencil_crossings(&pencil, [(casters[0], listed.collect())]);
+    // Twice the number of bins to the place of an end, once around.
+    let halves = |number: u32| {
+        let [u, v] = place(number);
+        if v >= 0 { 512 - u } else { 1536 + u }
+    };
+    let mut bins = vec![0_u32; 1025];
+    for entry in 0..most {
+        let [p, q] = edges[named(entry) as usize].map(halves);
+        let (first, last) = ((p.min(q) / 2) as usize, (p.max(q) / 2) as usize);
+        // The shorter way.
+        let runs =
+            if (p - q).abs() > 1024 { [Some([0, first]), Some([last, 1023])] } else { [Some([first, last]), None] };
+        for [first, last] in runs.into_iter().flatten() {
+            bins[first] = bins[first].wrapping_add(1);
+            bins[last + 1] = bins[last + 1].wrapping_sub(1);
+        }
+    }
     let light = ShadowLight { casting: CAST_EVERY, counting: COUNT_Z_PASS, ..bytemuck::Zeroable::zeroed() };
     let mut words = table(&mesh, PLACES[0], &[light], &[false]);
     words[std::mem::offset_of!(SceneCaster, edges) / 4] = edges.len() as u32;
-    let ordered = |c: f32| if c.is_sign_negative() { !c.to_bits() } else { c.to_bits() | 0x8000_0000 };
-    let CastingBox { low, high, .. } = casters[0];
-    let boxes = [low.map(|c| !ordered(c)).to_vec(), high.map(ordered).to_vec(), vec![0]].concat();
+    // Of a caster that the axis does not meet.
+    let boxes = box_words(&[[8.0, 0.0, 8.0], [12.0, 4.0, 12.0]], &[[0, 1, 1]]);
     let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
     let (shape, draw, table) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&words));
     let (boxes, positions) = (gpu.storage(&boxes), placed(gpu, &positions, PLACES[0]));
@@ -323,9 +344,9 @@ fn stencil_crossings() -> Result<(), String> {
     let crossings = gpu.storage(&[0_u32; 1028]);
     let buffers = [&shape, &draw, &table, &boxes, &positions, &edges, &sides, &pencils, &crossings];
     Dispatch::stage(gpu, &STENCIL_CROSSINGS).run(gpu, &buffers, 1)?;
-    same("bins", &gpu.read::<u32>(&crossings, 1025)?, &twin[..1025])?;
-    let crossed = twin[..1024].iter().filter(|&&change| change != 0).count();
-    if pencil.kind == 2 && crossed > 500 { Ok(()) } else { Err(format!("{pencil:?}, {crossed} bins")) }
+    same("bins", &gpu.read::<u32>(&crossings, 1025)?, &bins)?;
+    let crossed = bins[..1024].iter().filter(|&&change| change != 0).count();
+    if crossed > 500 { Ok(()) } else { Err(format!("{crossed} bins")) }
 }
 
 /// The maximum of batches of casters that rows of a light have room for.
@@ -337,9 +358,10 @@ fn stencil_bound() -> Result<(), String> {
         return Err(format!("{rows} rows"));
     }
     let mut words = vec![0_u32; rows * ROW];
+    // Some weights that cross the last bins, and more where the row is the last.
+    let weight = |number: usize| if number + 1 == rows { 777 } else { (number % 500) as u32 };
     for (number, row) in words.chunks_mut(ROW).enumerate() {
-        // Some weights that cross the last bins, and more where the row is the last.
-        let weight = if number + 1 == rows { 777 } else { (number % 500) as u32 };
+        let weight = weight(number);
         (row[1000 + number % 23], row[1026]) = (weight, 100_000);
         row[1024] = 0_u32.wrapping_sub(weight);
     }
@@ -349,7 +371,7 @@ fn stencil_bound() -> Result<(), String> {
     let statistics = gpu.storage(&[0_u32; size_of::<ShadowStatistics>() / 4]);
     let (shape, draw, crossings) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&words));
     Dispatch::stage(gpu, &STENCIL_BOUND).run(gpu, &[&shape, &draw, &crossings, &statistics], 1)?;
-    let bounds: Vec<u32> = words.chunks(ROW).map(cpu::stencil_bound).collect();
+    let bounds: Vec<u32> = (0..rows).map(|row| weight(row).div_ceil(2)).collect();
     let most = |bounds: &[u32]| bounds.iter().copied().max().unwrap_or(0);
     let expected = |count_bound| ShadowStatistics { count_bound, may_wrap: 1, ..bytemuck::Zeroable::zeroed() };
     let found = gpu.read::<ShadowStatistics>(&statistics, 1)?;

@@ -4,7 +4,7 @@
 
 use glam::Vec4;
 use rimline::gpu::read_back_vec;
-use rimline::reference::cpu::{far_end, side, to_clip};
+use rimline::reference::layout::{ShadowLight, ShadowView};
 use rimline::reference::shadow;
 use rimline::{DepthDirection, Mesh};
 use rimline_testkit::device::Gpu;
@@ -23,6 +23,20 @@ const ROUND: &str = "
 /// The bit of parity. The others count.
 const PARITY: u32 = 0x80;
 
+/// A place, or a direction with w = 0, in clip space. A surface has the bits of the depth pass.
+fn to_clip(view: &ShadowView, [x, y, z]: [f32; 3], w: f32) -> Vec4 {
+    let [column_x, column_y, column_z, column_w] = view.view_projection.map(Vec4::from);
+    let [dx, dy, dz] = view.placement.map(|row| row[3] * w);
+    let sum = column_x * (x + dx) + column_y * (y + dy) + column_z * (z + dz);
+    if w == 0.0 { sum } else { sum + column_w }
+}
+
+/// The place at infinity, away from the light.
+fn far_end(view: &ShadowView, light: &ShadowLight, place: [f32; 3]) -> Vec4 {
+    let [x, y, z, w] = light.light;
+    to_clip(view, [w * place[0] - x, w * place[1] - y, w * place[2] - z], 0.0)
+}
+
 /// The triangles around a polygon's shadow, in clip space: its surface, its sides, and a fan at infinity.
 fn volume(frame: &Frame, mesh: &Mesh, polygon: usize) -> Result<Vec<Vec4>, String> {
     let polygons = mesh.polygons().ok_or("no polygons")?;
@@ -31,10 +45,11 @@ fn volume(frame: &Frame, mesh: &Mesh, polygon: usize) -> Result<Vec<Vec4>, Strin
     let light = shadow::light(&camera, &view, frame.lights[0]);
     let place = |vertex: u32| frame.bodies[0].shape.positions[vertex as usize];
     let surface = mesh.faces()[polygons.triangles(polygon)].iter().flatten();
-    let mut corners: Vec<Vec4> = surface.map(|&vertex| to_clip(&view, place(vertex))).collect();
+    let mut corners: Vec<Vec4> = surface.map(|&vertex| to_clip(&view, place(vertex), 1.0)).collect();
     let outline = polygons.outline(polygon);
     for &[a, b] in outline {
-        let [near_a, near_b, far_a, far_b] = side(&view, &light, [(a, place(a)), (b, place(b))]);
+        let [near_a, near_b] = [a, b].map(|vertex| to_clip(&view, place(vertex), 1.0));
+        let [far_a, far_b] = [a, b].map(|vertex| far_end(&view, &light, place(vertex)));
         corners.extend([near_a, near_b, far_b, near_a, far_b, far_a]);
         if light.light[3] != 0.0 {
             let middle = far_end(&view, &light, place(outline[0][0]));

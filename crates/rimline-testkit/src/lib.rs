@@ -20,6 +20,7 @@ pub mod clusters;
 pub mod device;
 pub mod dispatch;
 pub mod files;
+pub mod goldens;
 #[cfg(feature = "harness")]
 pub mod harness;
 pub mod models;
@@ -34,6 +35,7 @@ pub mod refusals;
 pub mod scenes;
 pub mod shadow_cases;
 pub mod shadow_oracle;
+pub mod stage_probe;
 pub mod turns;
 
 pub use rimline_bench::{error_metrics, pipelines, random, rays, shapes, slivers, stress};

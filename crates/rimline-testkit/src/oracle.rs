@@ -190,6 +190,12 @@ pub fn record_silhouettes(mesh: &Mesh, edges: &EdgeFaces, masks: &[EdgeMasks], l
         .collect()
 }
 
+/// The list of the light with this bit over one plane of masks: the silhouette edges in edge order, with the winding bit as bit 31.
+pub fn listed(plane: &[EdgeMasks], bit: u32) -> Vec<u32> {
+    let edges = (0..).zip(plane).filter(|(_, masks)| masks.silhouette >> bit & 1 != 0);
+    edges.map(|(edge, masks): (u32, _)| edge | (masks.winding >> bit & 1) << 31).collect()
+}
+
 /// Vertices at which outgoing and incoming multiplicities of a light do not cancel, summed over lights; from the masks,
 /// as they lie in the buffers.
 pub fn unclosed(mesh: &Mesh, masks: &[EdgeMasks], lights: usize) -> usize {

@@ -1,10 +1,6 @@
-//! Twins of the extraction stages: facing, exact facing, edges, lists, draw arguments.
+//! Twins of the extraction stages: facing, exact facing, edges.
 
-#[cfg(feature = "reference")]
-pub(crate) mod arguments;
 pub(crate) mod batch;
-#[cfg(feature = "reference")]
-pub(crate) mod compact;
 pub(crate) mod edges;
 pub(crate) mod exact_facing;
 pub(crate) mod extraction;

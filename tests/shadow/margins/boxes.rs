@@ -2,64 +2,31 @@
 
 use glam::DVec3;
 use rimline::Light;
-use rimline::reference::layout::ShadowShape;
-use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY, COUNT_AUTO};
-use rimline_testkit::shapes::{self, Shape};
-
-use crate::view::{Eye, around, chosen, stepped};
+use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY, COUNT_AUTO, COUNT_ZP_PLUS_2005};
+use rimline::reference::stages::CAP_FACES;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;
 use rimline_testkit::random::Random;
 use rimline_testkit::scenes::{PROJECTIONS, Pose, direction};
 
-const CLOSED: ShadowShape = ShadowShape {
-    casters: 1,
-    lights: 1,
-    batches: 1,
-    faces: 0,
-    edges: 0,
-    capacity: 0,
-    side_capacity: 0,
-    near_capacity: 0,
-    far_capacity: 0,
-    averted: 1,
-    counting: COUNT_AUTO,
-    skip_unseen: 0,
-    skip_unreached: 1,
-    end_at_range: 0,
-    choices_at: 0,
-    measures_at: 0,
-    lights_at: 0,
-    face_chunks_at: 0,
-    edge_chunks_at: 0,
-    views: 1,
-    count_batches: 1,
-    proxies: 0,
-    part: 0,
-    first_caster: 0,
-    lists_at: 0,
-    keeps: 0,
-    needs_boxes: 0,
-    used_lights: 0,
-    has_receivers: 0,
-    most_count: 255,
-};
+use super::view::{Eye, around, chosen, options, stepped};
+use rimline_testkit::stage_probe::Probe;
 
-/// A closed cube's faces with these lowest and highest corners.
-fn block(low: [f32; 3], high: [f32; 3]) -> Shape {
-    let mut shape = shapes::cube();
-    for position in &mut shape.positions {
-        *position = std::array::from_fn(|axis| if position[axis] < 0.0 { low[axis] } else { high[axis] });
-    }
-    shape
-}
+pub(super) const TESTS: &[Test] = &[
+    ("casters_that_touch_the_near_rectangle_cast_with_every_face", touching_near_rectangle),
+    ("lights_in_the_casters_box_make_every_face_cast", lights_in_box),
+    ("the_published_frustum_begins_before_the_caster", published_frustum),
+];
 
 /// Or miss it by a few ulps: what is seen is decided by the rasteriser's near plane, which rounding moves that far.
-#[test]
-fn casters_that_touch_the_near_rectangle_cast_with_every_face() {
+fn touching_near_rectangle() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
     let seed = 201;
     println!("seed {seed}");
     let mut random = Random::new(seed);
     let (mut touching, mut apart) = (0, 0);
+    let (mut cases, mut expected) = (Vec::new(), Vec::new());
     for number in 0..if is_long() { 60_000 } else { 3000 } {
         let scale = [1.0, 0.01, 1e3][number % 3];
         let middle = direction(&mut random) * scale * [0.0, 10.0, 1e3][number / 3 % 3];
@@ -81,27 +48,32 @@ fn casters_that_touch_the_near_rectangle_cast_with_every_face() {
             let [below, _] = around(near_high[axis] + distance);
             (low[axis], high[axis]) = (below, below + size as f32);
         }
-        let Shape { positions, faces } = block(low, high);
         let light = Light::point((near_high + DVec3::splat(10.0 * scale + size)).as_vec3().to_array());
-        let (_, light) = chosen(&camera, light, CLOSED, &positions, &faces);
+        cases.push((camera, light, vec![low, high]));
+        expected.push((touches, [near_low, near_high]));
+    }
+    let found = chosen(gpu, options(COUNT_AUTO, true), &cases)?;
+    for (((_, light), (touches, near)), case) in found.iter().zip(expected).zip(&cases) {
         if touches {
             touching += 1;
-            assert_eq!(light.casting, CAST_EVERY, "{number}: {low:?} to {high:?}, near {near_low} to {near_high}");
+            assert_eq!(light.casting, CAST_EVERY, "{:?}, near {near:?}", case.2);
         } else {
             apart += usize::from(light.casting == CAST_AVERTED);
         }
     }
     println!("{touching} touch; {apart} are apart and cast with their averted faces");
     assert!(touching > 1000 && apart > 500, "not vacuous");
+    Ok(())
 }
 
 /// By products of two `f32`, which `f64` holds exactly.
-#[test]
-fn lights_in_the_casters_box_make_every_face_cast() {
+fn lights_in_box() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
     let seed = 202;
     println!("seed {seed}");
     let mut random = Random::new(seed);
     let (mut within, mut at_the_edge, mut apart) = (0, 0, 0);
+    let (mut cases, mut expected) = (Vec::new(), Vec::new());
     for number in 0..if is_long() { 60_000 } else { 3000 } {
         let scale = [1.0, 1e-3, 1e4][number % 3];
         let middle = direction(&mut random) * f64::from(scale) * [0.0, 1e3][number / 3 % 2];
@@ -130,30 +102,35 @@ fn lights_in_the_casters_box_make_every_face_cast() {
         let xyz = light.xyz.map(f64::from);
         let is_within =
             w > 0.0 && (0..3).all(|axis| product(low[axis]) <= xyz[axis] && xyz[axis] <= product(high[axis]));
-        let Shape { positions, faces } = block(low, high);
-        let (_, light) = chosen(&camera, light, CLOSED, &positions, &faces);
+        cases.push((camera, light, vec![low, high]));
+        expected.push((is_within, is_free));
+    }
+    let found = chosen(gpu, options(COUNT_AUTO, true), &cases)?;
+    for (((_, light), (is_within, is_free)), (_, given, corners)) in found.iter().zip(expected).zip(&cases) {
         if is_within {
             within += 1;
             at_the_edge += usize::from(!is_free);
-            assert_eq!(light.casting, CAST_EVERY, "{number}: {at:?} and {w}, {low:?} to {high:?}");
+            assert_eq!(light.casting, CAST_EVERY, "{given:?}, {corners:?}");
         } else {
             apart += usize::from(light.casting == CAST_AVERTED);
         }
-        if w == 0.0 {
-            assert_eq!(light.casting, CAST_AVERTED, "{number}: a light at infinity is in no box");
+        if given.w == 0.0 {
+            assert_eq!(light.casting, CAST_AVERTED, "a light at infinity is in no box");
         }
     }
     println!("{within} within the box, {at_the_edge} of them at its edge; {apart} apart");
     assert!(at_the_edge > 300 && apart > 500, "not vacuous");
+    Ok(())
 }
 
 /// The published ZP+ clips nothing of the caster: the near end of the light's frustum is before it.
-#[test]
-fn the_published_frustum_begins_before_the_caster() {
+fn published_frustum() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
     let seed = 203;
     println!("seed {seed}");
     let mut random = Random::new(seed);
     let (mut seen, mut near) = (0, 0);
+    let mut cases = Vec::new();
     for number in 0..if is_long() { 60_000 } else { 3000 } {
         let pose = Pose::random(&mut random, DVec3::ZERO, 1.0);
         // Perspective, as the paper has it.
@@ -169,25 +146,29 @@ fn the_published_frustum_begins_before_the_caster() {
         let place = given + (through - given) * part;
         let size = 1e-3 * part;
         let corners = [0, 1, 2].map(|_: i32| (place + direction(&mut random) * size).as_vec3().to_array());
-        let shape = ShadowShape { counting: rimline::reference::shadow::COUNT_ZP_PLUS_2005, averted: 0, ..CLOSED };
-        let ranged = Light::point(light.to_array());
-        let (view, light) = chosen(&camera, ranged, shape, &corners, &[[0, 1, 2]]);
-        let cap =
-            rimline::reference::cpu::zp_plus_2005_cap(&view, &light, [0, 1, 2].map(|at| (at as u32, corners[at])));
-        for (corner, clip) in corners.into_iter().zip(cap) {
-            let ([x, y], part) = eye.seen_from_light(given, DVec3::from(corner.map(f64::from)));
-            if x.abs().max(y.abs()) < 0.999 && part > 0.005 && part < 0.99 {
-                seen += 1;
-                near += usize::from(part < 0.2);
-                let rounding = 1e-4 * clip.w;
-                assert!(
-                    clip.w > 0.0 && clip.z >= -rounding && clip.z <= clip.w + rounding,
-                    "{number}: {clip} at {part} of the way, the frustum begins at {}",
-                    light.frustum_near
-                );
-            }
+        cases.push((camera, Light::point(light.to_array()), corners.to_vec()));
+    }
+    let lights = chosen(gpu, options(COUNT_ZP_PLUS_2005, false), &cases)?;
+    let probe = Probe::of(gpu, &CAP_FACES, [1, 1], "out[0] = frustum_to_clip(own.view, own.light, place(0u));")?;
+    let corners = (0..).zip(&cases).flat_map(|(number, case)| case.2.iter().map(move |&corner| (number, [corner])));
+    let corners: Vec<_> = corners.collect();
+    for ((number, [corner]), clip) in corners.iter().zip(probe.run(gpu, &[], &lights, &corners)?) {
+        let (camera, light, _) = &cases[*number as usize];
+        let given = DVec3::from(light.xyz.map(f64::from));
+        let ([x, y], part) = Eye::new(camera).seen_from_light(given, DVec3::from(corner.map(f64::from)));
+        let [_, _, z, w] = clip[0];
+        if x.abs().max(y.abs()) < 0.999 && part > 0.005 && part < 0.99 {
+            seen += 1;
+            near += usize::from(part < 0.2);
+            let rounding = 1e-4 * w;
+            let begin = lights[*number as usize].1.frustum_near;
+            assert!(
+                w > 0.0 && z >= -rounding && z <= w + rounding,
+                "{number}: {clip:?} at {part} of the way, the frustum begins at {begin}"
+            );
         }
     }
     println!("{seen} corners between light and near rectangle, {near} of them near the light");
     assert!(near > 500, "not vacuous");
+    Ok(())
 }

@@ -2,22 +2,34 @@
 
 use glam::{DVec2, DVec3, DVec4};
 use rimline::Light;
-use rimline::reference::cpu;
-use rimline::reference::layout::{ShadowLight, ShadowShape};
-use rimline::reference::shadow::{self, CAST_EVERY, COUNT_ZP_PLUS};
-
-use crate::view::{Eye, chosen, stepped};
+use rimline::reference::layout::ShadowLight;
+use rimline::reference::shadow;
+use rimline::reference::stages::{CAPS, SIDES};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;
+use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::scenes::{PROJECTIONS, Pose, direction};
 
+use super::view::{Eye, stepped};
+use crate::vertices::OfEdge;
+use rimline_testkit::stage_probe::Probe;
+
+pub(super) const TESTS: &[Test] = &[
+    ("sides_from_vertices_a_few_ulps_behind_the_near_plane_begin_behind_it", sides_begin_behind),
+    ("near_caps_are_as_exact_as_the_better_of_two_forms", exact_near_caps),
+    ("faces_that_graze_the_pyramid_have_their_caps", grazing_faces),
+];
+
 /// A vertex of a side that is behind the near plane by its height is not before it by its depth.
-#[test]
-fn sides_from_vertices_a_few_ulps_behind_the_near_plane_begin_behind_it() {
+fn sides_begin_behind() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
     let seed = 221;
     println!("seed {seed}");
     let mut random = Random::new(seed);
     let (mut near, mut would_be_cut) = (0, 0);
+    let (mut seen, mut edges) = (Vec::new(), Vec::new());
     for number in 0..if is_long() { 200_000 } else { 6000 } {
         let scale = [1.0, 0.1, 1e3][number % 3];
         let middle = direction(&mut random) * scale * [0.0, 30.0][number / 3 % 2];
@@ -32,23 +44,38 @@ fn sides_from_vertices_a_few_ulps_behind_the_near_plane_begin_behind_it() {
         let view = shadow::view(&camera).expect("a good camera");
         let light = Light::point((pose.eye + direction(&mut random) * scale * 5.0).as_vec3().to_array());
         let light = shadow::light(&camera, &view, light);
-        let corner = cpu::corner(&view, &light, first);
-        if corner.height < 0.0 {
+        edges.push((seen.len() as u32, [first, second]));
+        seen.push((view, light));
+    }
+    let of_edges = OfEdge::of(gpu, &seen, &edges)?;
+    // The strip in both directions.
+    let probe = Probe::of(
+        gpu,
+        &SIDES,
+        [2, 10],
+        "for (var vertex = 0u; vertex < 5u; vertex++) {
+      out[vertex] = clipped_side_vertex(own.view, own.light, place(0u), place(1u), true, vertex);
+      out[vertex + 5u] = clipped_side_vertex(own.view, own.light, place(1u), place(0u), false, vertex);
+    }",
+    )?;
+    for (number, (of_edge, strips)) in of_edges.iter().zip(probe.run(gpu, &[], &seen, &edges)?).enumerate() {
+        let (view, _) = seen[number];
+        let (corner, height) = (of_edge.near()[0], of_edge.heights()[0]);
+        if height < 0.0 {
             continue;
         }
         near += 1;
-        let is_before = |z: f32, w: f32| if view.near_z == 0.0 { z < 0.0 } else { z > w };
-        would_be_cut += usize::from(is_before(corner.near.z, corner.near.w));
-        for ends in [[(0, first), (1, second)], [(1, second), (0, first)]] {
-            let polygon = cpu::side_clipped(&view, &light, ends);
-            let is_first =
-                |clip: &&glam::Vec4| (clip.x, clip.y, clip.w) == (corner.near.x, corner.near.y, corner.near.w);
-            let found = polygon.iter().find(is_first).expect("the vertex itself");
-            assert!(!is_before(found.z, found.w), "{number}: {found} for a height of {}", corner.height);
+        let is_before = |[_, _, z, w]: [f32; 4]| if view.near_z == 0.0 { z < 0.0 } else { z > w };
+        would_be_cut += usize::from(is_before(corner));
+        for strip in strips.chunks(5) {
+            let is_first = |clip: &&[f32; 4]| [clip[0], clip[1], clip[3]] == [corner[0], corner[1], corner[3]];
+            let found = strip.iter().find(is_first).expect("the vertex itself");
+            assert!(!is_before(*found), "{number}: {found:?} for a height of {height}");
         }
     }
     println!("{near} vertices, {would_be_cut} of them before the near plane by the depth of `to_clip`");
     assert!(near > 1000 && would_be_cut > 30, "not vacuous");
+    Ok(())
 }
 
 /// Bound on the errors of a vertex that is seen from the light on the near plane, by the terms of `q` or of `d`:
@@ -84,12 +111,13 @@ fn bounds(camera: &rimline::ShadowCamera, plane: [f32; 4], light: &ShadowLight, 
     Bounds { place, by_vertex: by(size(q), height_size), by_light: by(size(d), rise_size) / w }
 }
 
-#[test]
-fn near_caps_are_as_exact_as_the_better_of_two_forms() {
+fn exact_near_caps() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
     let seed = 222;
     println!("seed {seed}");
     let mut random = Random::new(seed);
     let (mut by_vertex, mut by_light) = (0, 0);
+    let (mut seen, mut positions, mut cameras) = (Vec::new(), Vec::new(), Vec::new());
     for number in 0..if is_long() { 200_000 } else { 12_000 } {
         // Positions relative to the eye; light and vertex far from it and near each other, or the vertex near the eye and
         // the light far away.
@@ -107,14 +135,20 @@ fn near_caps_are_as_exact_as_the_better_of_two_forms() {
         let position = (light.as_dvec3() + (at - light.as_dvec3()) * part).as_vec3().to_array();
         let view = shadow::view(&camera).expect("a good camera");
         let light = shadow::light(&camera, &view, Light::point(light.to_array()));
-        let corner = cpu::corner(&view, &light, position);
-        if (corner.height >= 0.0) == (corner.far_height >= 0.0) {
+        positions.push((seen.len() as u32, [position; 2]));
+        seen.push((view, light));
+        cameras.push((camera, far, part));
+    }
+    let of_edges = OfEdge::of(gpu, &seen, &positions)?;
+    for (number, (of_edge, (camera, far, part))) in of_edges.iter().zip(cameras).enumerate() {
+        let ((view, light), (_, [position, _])) = (&seen[number], positions[number]);
+        if (of_edge.heights()[0] >= 0.0) == (of_edge.far_heights()[0] >= 0.0) {
             continue;
         }
-        let Bounds { place, by_vertex: vertex, by_light: nearer } = bounds(&camera, view.near_plane, &light, position);
+        let Bounds { place, by_vertex: vertex, by_light: nearer } = bounds(&camera, view.near_plane, light, position);
         let near_w = f64::from(view.near_w);
-        let star = cpu::project_to_near_plane(&view, &light, &corner).as_dvec4();
-        let found = DVec2::new(star.x, star.y) * (near_w / star.w);
+        let [x, y, _, w] = of_edge.stars()[0].map(f64::from);
+        let found = DVec2::new(x, y) * (near_w / w);
         // The choice is by the largest coordinates, so it may miss the better form by a small factor.
         let bound = 8.0 * vertex.min(nearer);
         if !bound.is_finite() || bound > 0.5 * near_w {
@@ -127,15 +161,17 @@ fn near_caps_are_as_exact_as_the_better_of_two_forms() {
     }
     println!("{by_vertex} where the vertex's own form is much better, {by_light} where the light's is");
     assert!(by_vertex > 100 && by_light > 100, "not vacuous");
+    Ok(())
 }
 
 /// A face that reaches into the pyramid of light and near rectangle by next to nothing has its cap.
-#[test]
-fn faces_that_graze_the_pyramid_have_their_caps() {
+fn grazing_faces() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
     let seed = 223;
     println!("seed {seed}");
     let mut random = Random::new(seed);
     let (mut grazing, mut listed) = (0, [0; 2]);
+    let (mut seen, mut faces, mut expected) = (Vec::new(), Vec::new(), Vec::new());
     for number in 0..if is_long() { 200_000 } else { 12_000 } {
         let scale = [1.0, 1e3][number % 2];
         let middle = direction(&mut random) * scale * [0.0, 20.0][number / 2 % 2];
@@ -160,12 +196,19 @@ fn faces_that_graze_the_pyramid_have_their_caps() {
             let (at, part) = eye.seen_from_light(given, DVec3::from(corners[0].map(f64::from)));
             [at[0].abs().max(at[1].abs()), part]
         };
-        let shape = ShadowShape { counting: COUNT_ZP_PLUS, ..bytemuck::Zeroable::zeroed() };
-        let ranged = Light::point(light.to_array());
-        let (view, light) = chosen(&camera, ranged, shape, &corners, &[[0, 1, 2]]);
-        assert_eq!(light.casting, CAST_EVERY);
-        let lists = &cpu::caps(&view, &corners, &[[0, 1, 2]], &[0], &[0], &[light], true)[0];
-        let is_listed = lists.iter().any(|list| !list.is_empty());
+        let view = shadow::view(&camera).map_err(text)?;
+        faces.push((seen.len() as u32, corners));
+        seen.push((view, shadow::light(&camera, &view, Light::point(light.to_array()))));
+        expected.push((inside, part));
+    }
+    let probe = Probe::of(
+        gpu,
+        &CAPS,
+        [3, 1],
+        "out[0].x = select(1.0, 0.0, misses_pyramid(own.view, own.light, place(0u), place(1u), place(2u)));",
+    )?;
+    for (number, (found, (inside, part))) in probe.run(gpu, &[], &seen, &faces)?.iter().zip(expected).enumerate() {
+        let is_listed = found[0][0] == 1.0;
         if inside < 1.0 - 1e-12 && part > 0.0 && part < 1.0 {
             grazing += 1;
             assert!(is_listed, "{number}: a corner at {inside} of the near rectangle is left out");
@@ -175,4 +218,5 @@ fn faces_that_graze_the_pyramid_have_their_caps() {
     }
     println!("{grazing} faces graze the pyramid; of those beside it {listed:?} are out and listed");
     assert!(grazing > 2000 && listed[0] > 500, "not vacuous");
+    Ok(())
 }

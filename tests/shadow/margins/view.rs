@@ -1,10 +1,17 @@
 //! A camera in `f64`, from the matrix that the stages get: the near rectangle, and what is seen on it from a light.
 
+use bytemuck::Zeroable;
 use glam::{DMat4, DVec3, DVec4};
-use rimline::reference::cpu;
 use rimline::reference::layout::{ShadowLight, ShadowShape, ShadowView};
 use rimline::reference::shadow;
+use rimline::reference::stages::CHOOSE;
 use rimline::{DepthDirection, Light, ShadowCamera};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::dispatch::uniform;
+use rimline_testkit::on_gpu::text;
+
+use crate::sides::box_of;
+use rimline_testkit::stage_probe::Probe;
 
 /// The camera's matrix and near plane, about its origin.
 pub(crate) struct Eye {
@@ -62,19 +69,39 @@ impl Eye {
     }
 }
 
-/// A light as the stages get it, with what is chosen for a caster with these faces.
-pub(crate) fn chosen(
-    camera: &ShadowCamera,
-    light: Light,
-    shape: ShadowShape,
-    positions: &[[f32; 3]],
-    faces: &[[u32; 3]],
-) -> (ShadowView, ShadowLight) {
-    let view = shadow::view(camera).expect("a good camera");
-    let mut lights = [shadow::light(camera, &view, light)];
-    let shape = ShadowShape { lights: 1, faces: faces.len() as u32, ..shape };
-    cpu::choose(&shape, &view, cpu::bounds(positions, faces), false, &mut lights);
-    (view, lights[0])
+/// A camera, a light and the positions of a caster.
+pub(crate) type Case = (ShadowCamera, Light, Vec<[f32; 3]>);
+
+/// Options of a closed caster without light in the plane of a face.
+pub(crate) fn options(counting: u32, is_closed: bool) -> ShadowShape {
+    ShadowShape { averted: u32::from(is_closed), counting, skip_unreached: 1, ..Zeroable::zeroed() }
+}
+
+/// Each light as the stages get it, with what is chosen for the caster.
+pub(crate) fn chosen(gpu: &Gpu, shape: ShadowShape, cases: &[Case]) -> Result<Vec<(ShadowView, ShadowLight)>, String> {
+    let probe = Probe::of(
+        gpu,
+        &CHOOSE,
+        [2, 1],
+        "let light = chosen(own.view, own.light, 1.0, CLOSED, place(0u), place(1u), false, false);
+    out[0] = vec4<f32>(f32(light.casting), f32(light.counting), light.end, light.frustum_near);",
+    )?;
+    let given = |(camera, light, _): &Case| {
+        let view = shadow::view(camera).map_err(text)?;
+        Ok((view, shadow::light(camera, &view, *light)))
+    };
+    let mut seen = cases.iter().map(given).collect::<Result<Vec<_>, String>>()?;
+    let inputs: Vec<_> =
+        (0..).zip(cases).map(|(number, (_, _, positions))| (number, box_of(positions.iter().copied()))).collect();
+    let nothing = [uniform(gpu, &shape), gpu.storage(&[0_u32; 5]), gpu.storage(&[0_u32; 12])];
+    let bound = [(0, &nothing[0]), (4, &nothing[1]), (6, &nothing[2])];
+    let found = probe.run(gpu, &bound, &seen, &inputs)?;
+    for ((_, light), found) in seen.iter_mut().zip(found) {
+        let [casting, counting, end, frustum_near] = found[0];
+        (light.casting, light.counting) = (casting as u32, counting as u32);
+        (light.end, light.frustum_near) = (end, frustum_near);
+    }
+    Ok(seen)
 }
 
 /// The next number above, so many times; below for a negative number.

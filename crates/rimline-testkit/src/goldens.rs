@@ -6,10 +6,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use rimline_testkit::harness::Test;
-use rimline_testkit::{must_fail, same};
-
-pub(crate) const TESTS: &[Test] = &[("goldens_notice_each_changed_bit", hash)];
+use crate::must_fail;
 
 /// FNV-1a with 64 bits, over the bytes of the words, lowest first. It is written out here so that it never changes.
 fn fnv(words: &[u32]) -> u64 {
@@ -21,7 +18,7 @@ fn fnv(words: &[u32]) -> u64 {
 static WRITING: Mutex<()> = Mutex::new(());
 
 fn path(subject: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/goldens").join(format!("{subject}.txt"))
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/goldens").join(format!("{subject}.txt"))
 }
 
 fn read(path: &Path) -> Result<BTreeMap<String, u64>, String> {
@@ -36,7 +33,7 @@ fn read(path: &Path) -> Result<BTreeMap<String, u64>, String> {
 
 /// Fails where the words of a case have another hash than the golden of this name. Results are integers or bits; lists
 /// whose order is free come sorted.
-pub(crate) fn golden(subject: &str, name: &str, words: &[u32]) -> Result<(), String> {
+pub fn golden(subject: &str, name: &str, words: &[u32]) -> Result<(), String> {
     let (path, hash) = (path(subject), fnv(words));
     if let Some(folder) = std::env::var_os("RIMLINE_GOLDENS_SHOW") {
         let name: String = name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
@@ -80,22 +77,29 @@ fn compare(subject: &str, name: &str, words: &[u32], known: u64) -> Result<(), S
     ))
 }
 
-const FOOBARFO: u64 = 0x7396_e6eb_4e20_40df;
+#[cfg(test)]
+mod tests {
+    use super::{compare, fnv};
+    use crate::{must_fail, same};
 
-/// The hash is that of others, and sees order, length and each bit.
-fn hash() -> Result<(), String> {
-    // "foobarfo" by the reference code of Fowler, Noll and Vo.
-    let text = b"foobarfo".chunks(4).map(|bytes| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
-    let words: Vec<u32> = text.collect();
-    same("hashes", &[fnv(&[]), fnv(&words)], &[0xcbf2_9ce4_8422_2325, FOOBARFO])?;
-    let others = [vec![words[1], words[0]], vec![words[0]], vec![words[0], words[1], 0]];
-    let bits = (0..64).map(|bit| {
-        let mut other = words.clone();
-        other[bit / 32] ^= 1 << (bit % 32);
-        other
-    });
-    for other in others.into_iter().chain(bits) {
-        must_fail("other words", &compare("hash", "foobarfo", &other, FOOBARFO))?;
+    const FOOBARFO: u64 = 0x7396_e6eb_4e20_40df;
+
+    /// The hash is that of others, and sees order, length and each bit.
+    #[test]
+    fn goldens_notice_each_changed_bit() -> Result<(), String> {
+        // "foobarfo" by the reference code of Fowler, Noll and Vo.
+        let text = b"foobarfo".chunks(4).map(|bytes| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
+        let words: Vec<u32> = text.collect();
+        same("hashes", &[fnv(&[]), fnv(&words)], &[0xcbf2_9ce4_8422_2325, FOOBARFO])?;
+        let others = [vec![words[1], words[0]], vec![words[0]], vec![words[0], words[1], 0]];
+        let bits = (0..64).map(|bit| {
+            let mut other = words.clone();
+            other[bit / 32] ^= 1 << (bit % 32);
+            other
+        });
+        for other in others.into_iter().chain(bits) {
+            must_fail("other words", &compare("hash", "foobarfo", &other, FOOBARFO))?;
+        }
+        Ok(())
     }
-    Ok(())
 }

@@ -1,24 +1,27 @@
-//! Shadow: what the stages of shadow volumes share. It computes clip space and the forms of a volume's vertex. The WGSL
-//! is `wgsl/shadow/shadow.wgsl`. docs/numerics/shadow-volumes.md.
+//! Near caps on the CPU, which benches compare with the caps of others. The WGSL is `wgsl/shadow/shadow.wgsl` and
+//! `wgsl/shadow/vertices.wgsl`. docs/numerics/shadow-volumes.md.
 
 use glam::{Vec3, Vec4};
 
 use crate::layout::{ShadowLight, ShadowView};
 
+/// An end of an edge: index and position of its vertex.
+pub type End = (u32, [f32; 3]);
+
 /// A vertex of a volume.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Corner {
+#[derive(Clone, Copy)]
+struct Corner {
     /// The vertex in clip space.
-    pub near: Vec4,
+    near: Vec4,
     /// The height over the near plane, positive in front of the camera.
-    pub height: f32,
+    height: f32,
     /// The far vertex: the direction away from the light, times the light's w, in clip space.
-    pub far: Vec4,
+    far: Vec4,
     /// The height of the far vertex over the near plane: the light's w times the height, less the light's height.
-    pub far_height: f32,
+    far_height: f32,
     /// Whether the light is farther from the vertex than the origin of positions is. [`project_to_near_plane`] then
     /// computes with V, else with V − L.
-    pub is_far: bool,
+    is_far: bool,
 }
 
 fn size_3(a: Vec3) -> f32 {
@@ -36,7 +39,7 @@ fn consistent_rise(light: &ShadowLight, height: f32, far_height: f32) -> f32 {
 }
 
 /// Written out, so that all devices compute the same.
-pub(crate) fn dot_3(a: Vec3, b: Vec3) -> f32 {
+fn dot_3(a: Vec3, b: Vec3) -> f32 {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
@@ -45,56 +48,42 @@ fn columns(view: &ShadowView) -> [Vec4; 4] {
 }
 
 /// The normal and the constant of the near plane.
-pub(crate) fn near_plane(view: &ShadowView) -> (Vec3, f32) {
+fn near_plane(view: &ShadowView) -> (Vec3, f32) {
     let [x, y, z, w] = view.near_plane;
     (Vec3::new(x, y, z), w)
 }
 
 /// A direction in the camera's frame.
-pub(crate) fn turned(view: &ShadowView, d: Vec3) -> Vec3 {
+fn turned(view: &ShadowView, d: Vec3) -> Vec3 {
     Vec3::from(view.placement.map(|[x, y, z, _]| dot_3(Vec3::new(x, y, z), d)))
 }
 
 /// A position in the camera's frame.
-pub(crate) fn placed(view: &ShadowView, position: [f32; 3]) -> Vec3 {
+fn placed(view: &ShadowView, position: [f32; 3]) -> Vec3 {
     turned(view, Vec3::from(position)) + Vec3::from(view.placement.map(|[.., w]| w))
 }
 
 /// A position in clip space. A caller's depth pass gets the same bits if it computes positions in this way.
-pub fn to_clip(view: &ShadowView, position: [f32; 3]) -> Vec4 {
+fn to_clip(view: &ShadowView, position: [f32; 3]) -> Vec4 {
     let q = placed(view, position);
     let [x, y, z, w] = columns(view);
     x * q.x + y * q.y + z * q.z + w
 }
 
 /// The vector from the light to a position, times the light's w, in the camera's frame.
-pub fn extrusion(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec3 {
+fn extrusion(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec3 {
     let [x, y, z, w] = light.light;
     turned(view, w * Vec3::from(position) - Vec3::new(x, y, z))
 }
 
 /// A direction in clip space: a point at infinity.
-pub fn direction_to_clip(view: &ShadowView, direction: Vec3) -> Vec4 {
+fn direction_to_clip(view: &ShadowView, direction: Vec3) -> Vec4 {
     let [x, y, z, _] = columns(view);
     x * direction.x + y * direction.y + z * direction.z
 }
 
-/// The far vertex of a position: at infinity, or where the volume ends.
-pub fn far_end(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec4 {
-    let far = direction_to_clip(view, extrusion(view, light, position));
-    if light.light[3] == 0.0 && light.end > 0.0 {
-        return far + light.end * to_clip(view, position);
-    }
-    far + light.end * Vec4::from_array(light.clip)
-}
-
-/// Whether the camera is orthographic: clip w is the same everywhere.
-pub(crate) fn is_orthographic(view: &ShadowView) -> bool {
-    view.view_projection[..3].iter().all(|column| column[3] == 0.0)
-}
-
 /// Computes the values that a volume's vertices are made of.
-pub fn corner(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Corner {
+fn corner(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Corner {
     let d = extrusion(view, light, position);
     let q = placed(view, position);
     let (normal, constant) = near_plane(view);
@@ -109,12 +98,12 @@ pub fn corner(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Cor
 }
 
 /// The light's side of the near plane: −1 in front of the plane, on the eye's side, else 1.
-pub fn light_side(light: &ShadowLight) -> f32 {
+fn light_side(light: &ShadowLight) -> f32 {
     if light.height < 0.0 { -1.0 } else { 1.0 }
 }
 
 /// The vertex, projected from the light onto the near plane.
-pub fn project_to_near_plane(view: &ShadowView, light: &ShadowLight, v: &Corner) -> Vec4 {
+fn project_to_near_plane(view: &ShadowView, light: &ShadowLight, v: &Corner) -> Vec4 {
     let s = light_side(light);
     let [x, y, ..] = light.clip;
     let (at_light, weight) = (glam::Vec2::new(x, y), light.light[3]);
@@ -128,21 +117,38 @@ pub fn project_to_near_plane(view: &ShadowView, light: &ShadowLight, v: &Corner)
 }
 
 /// The intersection of an edge with the near plane. `a` is the vertex of lower index.
-pub fn on_near_plane(view: &ShadowView, a: &Corner, b: &Corner) -> Vec4 {
+fn on_near_plane(view: &ShadowView, a: &Corner, b: &Corner) -> Vec4 {
     let t = a.height / (a.height - b.height);
     let xy = a.near + (b.near - a.near) * t;
     Vec4::new(xy.x, xy.y, view.near_z * view.near_w, view.near_w)
 }
 
 /// The point of an edge whose far direction is parallel to the near plane. `a` is the vertex of lower index.
-pub fn parallel_to_near_plane(a: &Corner, b: &Corner) -> Vec4 {
+fn parallel_to_near_plane(a: &Corner, b: &Corner) -> Vec4 {
     let t = a.far_height / (a.far_height - b.far_height);
     let xy = a.far + (b.far - a.far) * t;
     Vec4::new(xy.x, xy.y, 0.0, 0.0)
 }
 
-/// Corrects a depth that rounding may have put in front of the near plane.
-pub(super) fn behind_near_plane(view: &ShadowView, clip: Vec4) -> Vec4 {
-    let z = if view.near_z == 0.0 { clip.z.max(0.0) } else { clip.z.min(clip.w) };
-    Vec4::new(clip.x, clip.y, z, clip.w)
+/// The part of a face between the light and the near plane, projected from the light onto the near plane, in clip
+/// space. It has up to five vertices, or more only if rounding has moved a light onto the near plane. The shader draws
+/// the first five.
+pub fn near_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Vec<Vec4> {
+    let corners = face.map(|(index, position)| (index, corner(view, light, position)));
+    let [a, b, c] = corners;
+    let mut polygon = Vec::with_capacity(5);
+    for [(a_index, a), (b_index, b)] in [[a, b], [b, c], [c, a]] {
+        let a_above = a.height >= 0.0;
+        let a_rises = a.far_height >= 0.0;
+        let (first, second) = if a_index < b_index { (&a, &b) } else { (&b, &a) };
+        let meeting = (a_above != (b.height >= 0.0)).then(|| on_near_plane(view, first, second));
+        let turning = (a_rises != (b.far_height >= 0.0)).then(|| parallel_to_near_plane(first, second));
+        polygon.extend((a_above != a_rises).then(|| project_to_near_plane(view, light, &a)));
+        if a_above == (light_side(light) > 0.0) {
+            polygon.extend(turning.into_iter().chain(meeting));
+        } else {
+            polygon.extend(meeting.into_iter().chain(turning));
+        }
+    }
+    polygon
 }

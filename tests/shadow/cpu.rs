@@ -1,4 +1,0 @@
-//! Shadow volumes without a device: the twins against `f64`.
-
-mod choice;
-mod vertices;
