@@ -24,7 +24,8 @@ pub use depth_map::{
     DepthMetric, MeshDepth, SceneDepth, SceneDepthCounts,
 };
 pub use extract::errors::{
-    ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, StaleExtraction,
+    ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractionReadError, ExtractorError,
+    StaleExtraction,
 };
 pub use extract::extraction::Extraction;
 pub use extract::extractor::Extractor;

@@ -3,6 +3,7 @@
 use super::options::MAX_OUTLINE_EDGES;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
+use crate::gpu::common::read_error::ReadError;
 use crate::gpu::common::requirements::DeviceError;
 use crate::light::LightError;
 use crate::turns::POLYGON_TRIANGLES;
@@ -119,4 +120,37 @@ pub enum ExtractionIncludeError {
     /// An array needs more than one binding, and the include reads each array from one.
     #[error(transparent)]
     Memory(#[from] MemoryError),
+}
+
+/// Why the silhouette of a light cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExtractionReadError {
+    /// A later encode overwrote the results.
+    #[error(transparent)]
+    Stale(#[from] StaleExtraction),
+    /// The extraction has no light with this index.
+    #[error("light {light} asked for, and {lights} lights were extracted; lights count from 0")]
+    NoSuchLight {
+        /// The light that was asked for.
+        light: usize,
+        /// Lights of the extraction.
+        lights: usize,
+    },
+    /// The mesh is not the one that the extractor was made for.
+    #[error(
+        "the mesh is not the one that was extracted; give the mesh that the extractor was made for, or a clone of it"
+    )]
+    OtherMesh,
+    /// The per-edge method has no facing masks, and the light's list has no room for its edges.
+    #[error("light {light} has {count} silhouette edges, which its list has no room for; set `ListOptions::capacity`")]
+    NoFacing {
+        /// The light.
+        light: usize,
+        /// The number of its silhouette edges; 0 if there are no lists.
+        count: u32,
+    },
+    /// The device did not hand the results back.
+    #[error(transparent)]
+    Read(#[from] ReadError),
 }

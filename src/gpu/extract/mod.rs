@@ -10,4 +10,5 @@ pub(crate) mod options;
 pub(crate) mod polygon_buffers;
 mod polygon_passes;
 pub(crate) mod programs;
+mod read_edges;
 pub(crate) mod results;
