@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::buffers::{Buffers, Shape};
 use super::errors::{ExtractionDrawError, ExtractionIncludeError, StaleExtraction};
+use super::options::ExtractorOptions;
 use super::results::ExtractionResults;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pipelines::Pipelines;
@@ -23,6 +24,8 @@ pub(crate) struct Shared {
     pub(crate) is_closed: bool,
     /// Whether the masks were asked for.
     pub(crate) has_masks: bool,
+    /// Vertices of the draw of each edge; 0 without lists.
+    pub(crate) vertices_per_edge: u32,
     encodes: AtomicU64,
     include_groups: Mutex<Vec<IncludeGroup>>,
 }
@@ -65,7 +68,7 @@ impl Shared {
         shape: Shape,
         buffers: Buffers,
         mesh: &crate::Mesh,
-        has_masks: bool,
+        options: &ExtractorOptions,
     ) -> Self {
         Self {
             pipelines,
@@ -74,7 +77,8 @@ impl Shared {
             buffers,
             mesh: mesh.id(),
             is_closed: mesh.is_closed(),
-            has_masks,
+            has_masks: options.masks,
+            vertices_per_edge: options.lists.map_or(0, |lists| lists.vertices_per_edge),
             encodes: AtomicU64::new(0),
             include_groups: Mutex::default(),
         }

@@ -131,7 +131,7 @@ impl Extractor {
             }
             from_facing.push(binder.arguments(lists.vertices_per_edge));
         }
-        let shared = Arc::new(Shared::new(pipelines, split, shape, buffers, mesh, options.masks));
+        let shared = Arc::new(Shared::new(pipelines, split, shape, buffers, mesh, &options));
         Ok(Self {
             shared,
             light_batches,
