@@ -698,6 +698,38 @@ shared_structs! {
         place: [u32; 4],
     }
 
+    /// Camera and style of outlines.
+    struct OutlineView {
+        /// Columns of the matrix that maps positions less the origin to clip space.
+        columns: [[f32; 4]; 4],
+        /// The point that positions are relative to.
+        origin: [f32; 3],
+        /// Half the width of a line, in pixels.
+        half_width: f32,
+        /// The colour of silhouettes, not premultiplied.
+        silhouette: [f32; 4],
+        /// The colour of boundaries.
+        boundary: [f32; 4],
+        /// The colour of creases.
+        crease: [f32; 4],
+        /// The colour of marked edges.
+        marked: [f32; 4],
+        /// Width and height of the picture, in pixels.
+        size: [f32; 2],
+        /// How far behind what is seen a line may lie, as depth.
+        depth_bias: f32,
+        /// Faces whose normals have a smaller cosine meet at a crease.
+        crease_cosine: f32,
+        /// The light's number in its batch.
+        light: u32,
+        /// The classes that are drawn, a bit each.
+        classes: u32,
+        /// 1 if the larger depth is nearer.
+        is_reversed: u32,
+        /// Not used.
+        reserved: u32,
+    }
+
     /// Casters that are drawn together, and the caller's options for their volumes.
     struct ShadowShape {
         /// Casters in the table.

@@ -11,6 +11,8 @@
 //! * [`gpu::Extractor`]: extracts silhouettes on your device, in your encoder, from your position buffer.
 //! * [`gpu::Pipelines`]: the compiled pipelines, which many meshes on one device share.
 //! * [`gpu::Deformer`]: computes morph targets, skins and your own displacement, from a [`Model`] and a [`Pose`].
+//! * [`gpu::OutlinePipeline`]: draws silhouettes, boundaries, creases and marked edges as lines of a width, hidden behind your depth.
+//! * [`gpu::Extraction::read_edges`]: a light's silhouette as oriented edges and chains, for tools.
 //! * [`gpu::include_wgsl`]: WGSL that reads the results in your own shaders.
 //! * [`gpu::ShadowVolumes`]: stencil shadows in your render pass. The GPU chooses the counting method for each caster
 //!   and light.

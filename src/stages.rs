@@ -112,6 +112,7 @@ stages! {
     DEPTH_SURFACE = depth_map / depth_surface in surface: depth_surface, depth_near_cap;
     DEPTH_WALLS = depth_map / depth_walls;
     MESH_DEPTH = depth_map / mesh_depth: mesh_depth, scene_depth;
+    OUTLINE_EDGES = outline / outline_edges: outline_silhouette, outline_feature;
 }
 
 /// Lists files by their names.
@@ -153,6 +154,7 @@ pub const FILES: &[(&str, &str)] = files![
     "extract/per_edge",
     "extract/results",
     "interface/caster",
+    "outline/outline_edges",
     "polygon/cut_edges",
     "polygon/cuts",
     "polygon/list_pieces",
@@ -207,6 +209,9 @@ pub fn source(name: &str) -> Option<&'static str> {
     FILES.iter().find(|(own, _)| *own == name).map(|&(_, text)| text)
 }
 
+/// [`OUTLINE_EDGES`] for depth that has several samples a pixel.
+pub const OUTLINE_SAMPLES: Stage = Stage { module: "outline_samples", flags: &["SAMPLES"], ..OUTLINE_EDGES };
+
 /// [`DEFORM`] without its `displace`, which a caller gives.
 pub const DISPLACED_DEFORM: Stage = Stage { module: "displaced_deform", flags: &["DISPLACED"], ..DEFORM };
 
@@ -224,7 +229,10 @@ impl Stage {
     /// # Errors
     /// A message names the file that cannot be read or composed.
     pub fn composed_for(&self, further: &str) -> Result<Composed, String> {
-        compose(self.file, self.flags, self.entry_points, further, &source)
+        let mut composed = compose(self.file, self.flags, self.entry_points, further, &source)?;
+        // The include's bind group, where a stage imports the include.
+        composed.wgsl = composed.wgsl.replace("@group(GROUP)", "@group(0)");
+        Ok(composed)
     }
 
     /// The WGSL of the stage's module. Text that cannot be composed, which tests rule out, gives a message that no

@@ -350,6 +350,26 @@ impl<'a> Stage<'a> {
         self.everything(pass, &self.lit, bodies, [slot, slot + 1 + lamp]);
     }
 
+    /// The depth of what was drawn, for shaders to read.
+    pub(crate) fn depth(&self) -> wgpu::TextureView {
+        let aspect = wgpu::TextureAspect::DepthOnly;
+        self.depth.texture().create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() })
+    }
+
+    /// A pass over what was drawn, without depth.
+    pub(crate) fn overlay<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("overlay"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.layer(0),
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: LoadOp::Load, store: StoreOp::Store },
+            })],
+            ..wgpu::RenderPassDescriptor::default()
+        })
+    }
+
     /// Makes the picture of what was drawn.
     pub(crate) fn develop(&self, encoder: &mut wgpu::CommandEncoder) {
         self.canvas.draw(encoder, |pass| {
@@ -386,13 +406,17 @@ impl<'a> Stage<'a> {
         part: usize,
         (color, depth): (LoadOp<wgpu::Color>, LoadOp<f32>),
     ) -> wgpu::RenderPass<'e> {
-        let view = &self.color.create_view(&wgpu::TextureViewDescriptor {
+        begin(encoder, &self.layer(part), &self.depth, (color, depth))
+    }
+
+    /// The colours of a part.
+    fn layer(&self, part: usize) -> wgpu::TextureView {
+        self.color.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(wgpu::TextureViewDimension::D2),
             base_array_layer: part as u32,
             array_layer_count: Some(1),
             ..wgpu::TextureViewDescriptor::default()
-        });
-        begin(encoder, view, &self.depth, (color, depth))
+        })
     }
 }
 

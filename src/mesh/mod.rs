@@ -7,6 +7,7 @@ mod diagnostics;
 mod error;
 mod faces;
 mod polygons;
+mod silhouette;
 mod topology;
 pub(crate) mod weld;
 
@@ -18,6 +19,7 @@ pub use faces::Mesh;
 #[cfg(feature = "gpu")]
 pub(crate) use faces::MeshId;
 pub use polygons::{MAX_POLYGON_CORNERS, PolygonLoops, Polygons};
+pub use silhouette::{Chain, Silhouette, SilhouetteEdge};
 pub(crate) use topology::is_degenerate;
 pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT_BIT, NO_FACE};
 pub use weld::{Weld, WeldCounts, WeldDistance};

@@ -1,5 +1,6 @@
 //! The extraction without a device: the twins against brute force.
 
 mod brute_force;
+mod chains;
 mod mesh_space_lights;
 mod predicates;

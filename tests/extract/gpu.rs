@@ -9,6 +9,7 @@ mod include;
 mod lights;
 mod limits;
 mod positions;
+mod read_edges;
 mod refusals;
 mod stages;
 mod stress;
@@ -28,6 +29,7 @@ fn main() {
         include::TESTS,
         draw::TESTS,
         limits::TESTS,
+        read_edges::TESTS,
         refusals::TESTS,
         zero::TESTS,
     ];

@@ -1,8 +1,8 @@
 // Results: what a caller's own shaders include (by `include_wgsl`) to read what was extracted for a batch of up to 32 lights:
-// silhouette edges by instance of the light's indirect draw, facing bits, positions. No stage imports it. Light numbers count
-// from the first light of the batch. GROUP stands for the number of the bind group that `Extraction::bind_group` makes. If a
-// light's list overflowed, its draw goes over all edges, and `valid` tells the silhouettes. Names and bindings are those that
-// callers and src/gpu/extract/include.rs use: they must stay.
+// silhouette edges by instance of the light's indirect draw, facing bits, positions. The stage `outline_edges` imports it, too.
+// Light numbers count from the first light of the batch. GROUP stands for the number of the bind group that
+// `Extraction::bind_group` makes. If a light's list overflowed, its draw goes over all edges, and `valid` tells the silhouettes.
+// Names and bindings are those that callers and src/gpu/extract/include.rs use: they must stay.
 
 struct RimlineInfo {
   edges: u32,
@@ -67,35 +67,36 @@ fn rimline_silhouettes(light: u32) -> u32 {
   return rimline_counts[rimline_info.first_light + light];
 }
 
-// The silhouette edge of instance `instance` of a light's indirect draw.
-fn rimline_silhouette(light: u32, instance: u32) -> RimlineSilhouette {
-  let overflowed = rimline_silhouettes(light) > rimline_info.capacity;
-  var edge = instance;
-  if (!overflowed) {
-    edge = rimline_list[light * rimline_info.capacity + instance] & 0x7fffffffu;
-  }
+// Edge record `edge` for a light, by the facing bits of its faces. It is a silhouette edge if it is `valid`.
+fn rimline_edge(light: u32, edge: u32) -> RimlineSilhouette {
   let vertices = rimline_edge_vertices[edge];
   let faces = rimline_edge_faces[edge];
   let face_0 = faces.x & 0x7fffffffu;
-  var kind = faces.x >> 31u;
+  let is_boundary = faces.y == 0xffffffffu;
+  let kind = select(faces.x >> 31u, 2u, is_boundary);
+  // `counts_…`: the face exists and is not twisted. `turned_1`: whether face 1, run through as face 0 is, faces the light.
   let counts_0 = !rimline_is_twisted(face_0, light);
   let faces_0 = rimline_faces_light(face_0, light);
-  // `counts_…`: the face exists and is not twisted. `turned_1`: whether face 1, run through as face 0 is, faces the light.
   var counts_1 = false;
   var turned_1 = false;
-  if (faces.y == 0xffffffffu) {
-    kind = 2u;
-  } else if (overflowed) {
+  if (!is_boundary) {
     counts_1 = !rimline_is_twisted(faces.y, light);
     turned_1 = rimline_faces_light(faces.y, light) == (kind == 1u);
   }
+  let valid = counts_0 != counts_1 || (counts_0 && faces_0 == turned_1);
   // The facing of the face that counts, as face 0 would have it.
-  var winding = select(turned_1, faces_0, counts_0);
-  var valid = true;
-  if (overflowed) {
-    valid = counts_0 != counts_1 || (counts_0 && faces_0 == turned_1);
-  } else {
-    winding = rimline_list[light * rimline_info.capacity + instance] >= 0x80000000u;
+  return RimlineSilhouette(valid, edge, vertices.x, vertices.y, select(turned_1, faces_0, counts_0), kind);
+}
+
+// The silhouette edge of instance `instance` of a light's indirect draw.
+fn rimline_silhouette(light: u32, instance: u32) -> RimlineSilhouette {
+  if (rimline_silhouettes(light) > rimline_info.capacity) {
+    return rimline_edge(light, instance);
   }
-  return RimlineSilhouette(valid, edge, vertices.x, vertices.y, winding, kind);
+  let entry = rimline_list[light * rimline_info.capacity + instance];
+  let edge = entry & 0x7fffffffu;
+  let vertices = rimline_edge_vertices[edge];
+  let faces = rimline_edge_faces[edge];
+  let kind = select(faces.x >> 31u, 2u, faces.y == 0xffffffffu);
+  return RimlineSilhouette(true, edge, vertices.x, vertices.y, entry >= 0x80000000u, kind);
 }

@@ -108,6 +108,16 @@ fn edge_masks([face_0, face_1]: [u32; 2], facing: &[u32], live: u32) -> EdgeMask
     EdgeMasks { silhouette, winding }
 }
 
+/// The bits of one edge record, for the lights of `live`.
+#[cfg(feature = "gpu")]
+pub(crate) fn record_masks(faces: [u32; 2], masks: FaceMasks<'_>, live: u32) -> EdgeMasks {
+    if masks.twisted.is_empty() {
+        edge_masks(faces, masks.facing, live)
+    } else {
+        masks_beside_twisted(faces, masks.facing, masks.twisted, live)
+    }
+}
+
 /// The bits of one edge record where faces may be twisted. Twisted faces have the sign 0. A record with one other face is
 /// then the boundary of that face.
 fn masks_beside_twisted([face_0, face_1]: [u32; 2], facing: &[u32], twisted: &[u32], live: u32) -> EdgeMasks {

@@ -10,6 +10,7 @@ use crate::cpu::error::{CpuError, check_positions};
 use crate::cpu::polygon::polygon_facing::polygon_facing;
 use crate::layout::EdgeMasks;
 use crate::light::{MAX_LIGHTS, check_lights};
+use crate::mesh::Silhouette;
 #[cfg(feature = "reference")]
 use crate::method::Method;
 use crate::method::Predicate;
@@ -61,6 +62,15 @@ impl Extraction {
         let faces = FaceMasks { facing: &self.facing, twisted: &self.twisted };
         edges_into(&mut self.masks, mesh.edges(), faces, mesh.face_count(), lights.len(), threads);
         Ok(())
+    }
+
+    /// The silhouette of light number `light` of `mesh`, which is the mesh of the extraction. It is empty for a light that was not
+    /// extracted.
+    pub fn silhouette(&self, mesh: &Mesh, light: usize) -> Silhouette {
+        let (edges, bit) = (mesh.edges().len(), 1 << (light % 32));
+        let plane = self.masks.chunks(edges.max(1)).nth(light / 32).unwrap_or_default();
+        let found = (0..).zip(plane).filter(|(_, masks)| masks.silhouette & bit != 0);
+        Silhouette::new(mesh, found.map(|(record, masks)| (record, masks.winding & bit != 0)))
     }
 
     /// Like [`Self::update`], by any method.

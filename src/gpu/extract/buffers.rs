@@ -129,7 +129,7 @@ pub(crate) struct Buffers<B = wgpu::Buffer> {
     pub(super) draw_shape: B,
     pub(crate) statistics: B,
     /// A buffer for bindings that a stage does not use.
-    pub(super) unused: B,
+    pub(crate) unused: B,
 }
 
 /// The contents of buffers beside those that the mesh has as they are.

@@ -71,4 +71,17 @@ pub enum ExtractorError {
         /// Batches of the extraction.
         batches: usize,
     },
+    /// The mesh is not the one that the extractor was made for.
+    #[error(
+        "the mesh is not the one that was extracted; give the mesh that the extractor was made for, or a clone of it"
+    )]
+    OtherMesh,
+    /// The per-edge method has no facing masks, and the light's list has no room for its edges.
+    #[error("light {light} has {count} silhouette edges, which its list has no room for; set `ListOptions::capacity`")]
+    NoFacing {
+        /// The light.
+        light: usize,
+        /// The number of its silhouette edges; 0 if there are no lists.
+        count: u32,
+    },
 }

@@ -26,6 +26,8 @@ pub(crate) struct Shared {
     pub(crate) is_closed: bool,
     /// Whether the masks were asked for.
     pub(crate) has_masks: bool,
+    /// Vertices of the draw of each edge; 0 without lists.
+    pub(crate) vertices_per_edge: u32,
     pub(super) encodes: AtomicU64,
     pub(super) include_groups: Mutex<Vec<IncludeGroup>>,
 }

@@ -7,5 +7,6 @@ pub(crate) mod extractor;
 pub(crate) mod include;
 pub(crate) mod options;
 pub(crate) mod polygon_buffers;
+mod read_edges;
 pub(crate) mod results;
 pub(crate) mod stages;

@@ -1,0 +1,368 @@
+//! Outlines: edges of an extraction, drawn as lines.
+
+use std::sync::OnceLock;
+
+use super::common::bindings::{READ, UNIFORM, texture, whole};
+use super::common::device_error::DeviceError;
+use super::common::memory::{any_error, filled};
+use super::common::pipelines::{Pipelines, group};
+use super::common::requirements::{Subject, check_same};
+use super::extract::errors::ExtractorError;
+use super::extract::extraction::Extraction;
+use super::extract::include::results_bind_group_layout;
+use crate::layout::OutlineView;
+use crate::shadow::{CameraError, DepthDirection, ShadowCamera};
+use crate::stages::{OUTLINE_EDGES, OUTLINE_SAMPLES};
+
+/// The attachments that an [`OutlinePipeline`] draws into, and the depth that it reads.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutlineFormat {
+    /// The format of the colour attachment. It is one that blends.
+    pub color: wgpu::TextureFormat,
+    /// The format of the depth attachment of the pass, if it has one. Outlines neither test nor write it.
+    pub depth_stencil: Option<wgpu::TextureFormat>,
+    /// Samples a pixel of the attachments.
+    pub samples: u32,
+    /// Whether the depth that hides lines is in a multisampled texture. Sample 0 of each pixel is read.
+    pub is_depth_multisampled: bool,
+}
+
+impl Default for OutlineFormat {
+    /// `Bgra8UnormSrgb`, no depth attachment, one sample each.
+    fn default() -> Self {
+        Self {
+            color: wgpu::TextureFormat::Bgra8UnormSrgb,
+            depth_stencil: None,
+            samples: 1,
+            is_depth_multisampled: false,
+        }
+    }
+}
+
+/// How outlines look. Colours are RGBA from 0 to 1, not premultiplied; in an sRGB target they are linear. A class without a
+/// colour is not drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutlineStyle {
+    /// The width of lines in pixels. Lines of less than a pixel are fainter.
+    pub width: f32,
+    /// The colour of edges between a face that faces the eye and one that does not.
+    pub silhouette: Option<[f32; 4]>,
+    /// The colour of edges with one face.
+    pub boundary: Option<[f32; 4]>,
+    /// The colour of edges between faces that meet at more than [`Self::crease_angle`], if they are no silhouettes.
+    pub crease: Option<[f32; 4]>,
+    /// The largest angle between the normals of two faces that make no crease, in radians.
+    pub crease_angle: f32,
+    /// The colour of the edges of [`OutlineInputs::marked`], if they are nothing else that is drawn.
+    pub marked: Option<[f32; 4]>,
+    /// How far a line may lie behind the depth that was drawn and still be seen, in units of depth. Slopes of surfaces are allowed
+    /// for in any case. It covers the rounding of depth: a few units of its last place.
+    pub depth_bias: f32,
+}
+
+impl Default for OutlineStyle {
+    /// Two pixels, black silhouettes and boundaries, nothing else, creases from 30°, a bias of 1e-6.
+    fn default() -> Self {
+        const BLACK: Option<[f32; 4]> = Some([0.0, 0.0, 0.0, 1.0]);
+        Self {
+            width: 2.0,
+            silhouette: BLACK,
+            boundary: BLACK,
+            crease: None,
+            crease_angle: std::f32::consts::FRAC_PI_6,
+            marked: None,
+            depth_bias: 1e-6,
+        }
+    }
+}
+
+/// The outline to draw.
+#[derive(Clone, Copy, Debug)]
+pub struct OutlineInputs<'a> {
+    /// What was extracted. Its extractor has lists with at least four vertices for each edge, the default.
+    pub extraction: &'a Extraction,
+    /// The number of the light that stands for the eye: for a perspective camera [`Light::point`](crate::Light::point) at the eye,
+    /// for an orthographic one [`Light::directional`](crate::Light::directional) towards it.
+    pub light: usize,
+    /// The camera. It maps the positions of the extraction.
+    pub camera: &'a ShadowCamera,
+    /// The depth of what hides lines, the model itself too, drawn by this camera. It is a view of one layer with the depth aspect
+    /// only, of a texture with usage `TEXTURE_BINDING`. It may be the depth attachment of the pass if that is read-only there. Its
+    /// size is that of the picture.
+    pub depth: &'a wgpu::TextureView,
+    /// How lines look.
+    pub style: OutlineStyle,
+    /// A bit for each edge record of the mesh, least significant first, in 32-bit words: the edges that are drawn as
+    /// [marked](OutlineStyle::marked). A buffer with usage `STORAGE`.
+    pub marked: Option<&'a wgpu::Buffer>,
+}
+
+/// Why outlines cannot be drawn.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OutlineError {
+    /// The device lacks what outlines need, or is lost, or objects of two devices were used together.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// The camera is refused.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// The extraction has no such light, is out of date, or cannot be bound.
+    #[error(transparent)]
+    Extraction(#[from] ExtractorError),
+    /// The extractor's draws have too few vertices.
+    #[error(
+        "the extractor draws {given} vertices for each edge, and outlines need 4; set `ListOptions::vertices_per_edge`"
+    )]
+    Vertices {
+        /// Vertices for each edge.
+        given: u32,
+    },
+    /// The depth texture is not what the pipeline was made for.
+    #[error(
+        "the depth texture has {given} samples a pixel, and the pipeline reads {}; set `OutlineFormat::is_depth_multisampled`",
+        if *.is_depth_multisampled { "several" } else { "one" }
+    )]
+    DepthSamples {
+        /// Samples of the texture.
+        given: u32,
+        /// What the pipeline was made for.
+        is_depth_multisampled: bool,
+    },
+    /// There are too few marks.
+    #[error(
+        "the marks have {given} bytes, and {edges} edge records need {needed}; give a bit for each, in 32-bit words"
+    )]
+    Marks {
+        /// The size of the buffer.
+        given: u64,
+        /// The least size.
+        needed: u64,
+        /// Edge records of the mesh.
+        edges: usize,
+    },
+    /// Width, angle or bias is negative or not finite.
+    #[error("`{field}` of the style is {given}; it must be finite and not negative")]
+    Style {
+        /// The field of [`OutlineStyle`].
+        field: &'static str,
+        /// Its value.
+        given: f32,
+    },
+    /// The device refuses the attachments or a resource.
+    #[error("the device refuses outlines: {message}")]
+    Refused {
+        /// The message of the device.
+        message: String,
+    },
+}
+
+/// Draws edges of extractions as lines of a width in pixels, with round joins, smoothed by coverage, and hidden behind the depth
+/// that the caller drew. Nothing is read back.
+///
+/// ```no_run
+/// # use rimline::gpu::{Extraction, OutlineError, OutlineInputs, OutlinePipeline, OutlineStyle};
+/// # use rimline::{ShadowCamera, wgpu};
+/// # fn outlines(pipeline: &OutlinePipeline, encoder: &mut wgpu::CommandEncoder, extraction: &Extraction, camera: &ShadowCamera,
+/// #     depth: &wgpu::TextureView, pass: &wgpu::RenderPassDescriptor<'_>) -> Result<(), OutlineError> {
+/// let style = OutlineStyle { width: 3.0, crease: Some([0.3, 0.3, 0.3, 1.0]), ..OutlineStyle::default() };
+/// let outline = pipeline.prepare(&OutlineInputs { extraction, light: 0, camera, depth, style, marked: None })?;
+/// outline.draw(&mut encoder.begin_render_pass(pass));
+/// # Ok(()) }
+/// ```
+///
+/// A line is hidden where the depth at the line says so, not at the pixel beside it. It can be up to a pixel too long at what hides
+/// it, and within two pixels of the picture's border parts may be missing. Lines of a translucent colour are darker where they join.
+#[derive(Debug)]
+pub struct OutlinePipeline {
+    shared: Pipelines,
+    format: OutlineFormat,
+    silhouettes: wgpu::RenderPipeline,
+    /// Creases and marked edges. Made when they are first drawn.
+    features: OnceLock<wgpu::RenderPipeline>,
+    layouts: [wgpu::BindGroupLayout; 2],
+}
+
+/// An outline that is ready to be drawn.
+#[derive(Clone, Debug)]
+pub struct Outline {
+    groups: [wgpu::BindGroup; 2],
+    /// The pipeline of silhouettes and boundaries, and the arguments of their draw.
+    silhouettes: Option<(wgpu::RenderPipeline, wgpu::Buffer, u64)>,
+    /// That of creases and marked edges, and the number of edge records.
+    features: Option<(wgpu::RenderPipeline, u32)>,
+}
+
+impl Outline {
+    /// Draws the outline into a pass with the attachments of the pipeline's format. It sets pipelines and bind groups 0 and 1.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        for (number, group) in (0..).zip(&self.groups) {
+            pass.set_bind_group(number, group, &[]);
+        }
+        if let Some((pipeline, edges)) = &self.features {
+            pass.set_pipeline(pipeline);
+            pass.draw(0..4, 0..*edges);
+        }
+        if let Some((pipeline, arguments, offset)) = &self.silhouettes {
+            pass.set_pipeline(pipeline);
+            pass.draw_indirect(arguments, *offset);
+        }
+    }
+}
+
+impl OutlinePipeline {
+    /// Makes the pipeline. `pipelines` is the caller's device, or the [`Pipelines`] of the extractor.
+    ///
+    /// # Errors
+    /// [`OutlineError`] if the device lacks what outlines need, or cannot draw into the attachments.
+    pub fn new(pipelines: impl Into<Pipelines>, format: &OutlineFormat) -> Result<Self, OutlineError> {
+        let shared = pipelines.into();
+        shared.clone().construct(Subject::Shadow, || {
+            let device = shared.device().clone();
+            let made = any_error(&device, || {
+                let results = results_bind_group_layout(&device, wgpu::ShaderStages::VERTEX);
+                let layouts = [results, own_layout(&shared, format.is_depth_multisampled)];
+                let silhouettes = pipeline(&shared, format, &layouts, "outline_silhouette");
+                Self { format: format.clone(), silhouettes, features: OnceLock::new(), layouts, shared }
+            });
+            made.map_err(|message| OutlineError::Refused { message })
+        })
+    }
+
+    /// Makes what a draw of the outline reads. It is right for the camera and the style given here, and until the extractor is
+    /// encoded again.
+    ///
+    /// # Errors
+    /// [`OutlineError`] if an input is refused.
+    pub fn prepare(&self, inputs: &OutlineInputs<'_>) -> Result<Outline, OutlineError> {
+        let OutlineInputs { extraction, light, camera, depth, style, marked } = *inputs;
+        let (device, shared) = (self.shared.device(), &extraction.shared);
+        check_same(["the extraction", "the outline's pipeline"], [shared.device(), device])?;
+        camera.check_any_hand()?;
+        style.check()?;
+        let (arguments, offset) = extraction.draw_arguments(light)?;
+        if let given @ ..4 = shared.vertices_per_edge {
+            return Err(OutlineError::Vertices { given });
+        }
+        let map = depth.texture();
+        let is_depth_multisampled = self.format.is_depth_multisampled;
+        if (map.sample_count() > 1) != is_depth_multisampled {
+            return Err(OutlineError::DepthSamples { given: map.sample_count(), is_depth_multisampled });
+        }
+        let edges = shared.shape.edges;
+        let needed = 4 * edges.div_ceil(32) as u64;
+        if let Some(given) = marked.map(wgpu::Buffer::size).filter(|&given| given < needed) {
+            return Err(OutlineError::Marks { given, needed, edges });
+        }
+        let view = style.view(camera, light, [map.width(), map.height()], marked.is_some());
+        let draws = |classes: u32| view.classes & classes != 0;
+        let features = (draws(0b1100) && edges > 0).then(|| (self.features().clone(), edges as u32));
+        let silhouettes = draws(0b11).then(|| (self.silhouettes.clone(), arguments.clone(), offset));
+        let results = extraction.bind_group(&self.layouts[0], light / 32)?;
+        let own = any_error(device, || {
+            let view = filled(device, "outline view", bytemuck::bytes_of(&view), wgpu::BufferUsages::UNIFORM);
+            let marks = marked.unwrap_or(&shared.buffers.unused);
+            let resources = [whole(&view), texture(depth), whole(&shared.buffers.faces), whole(marks)];
+            group(device, "outline", &self.layouts[1], &resources)
+        });
+        let own = own.map_err(|message| OutlineError::Refused { message })?;
+        Ok(Outline { groups: [results, own], silhouettes, features })
+    }
+
+    fn features(&self) -> &wgpu::RenderPipeline {
+        self.features.get_or_init(|| pipeline(&self.shared, &self.format, &self.layouts, "outline_feature"))
+    }
+}
+
+impl OutlineStyle {
+    fn check(&self) -> Result<(), OutlineError> {
+        let fields = [("width", self.width), ("crease_angle", self.crease_angle), ("depth_bias", self.depth_bias)];
+        match fields.into_iter().find(|(_, given)| !(given.is_finite() && *given >= 0.0)) {
+            Some((field, given)) => Err(OutlineError::Style { field, given }),
+            None => Ok(()),
+        }
+    }
+
+    fn view(&self, camera: &ShadowCamera, light: usize, size: [u32; 2], has_marks: bool) -> OutlineView {
+        let colors = [self.silhouette, self.boundary, self.crease, self.marked.filter(|_| has_marks)];
+        let classes = (0..).zip(colors).fold(0, |bits, (class, color)| bits | u32::from(color.is_some()) << class);
+        // A line of less than a pixel is one of a pixel that is fainter.
+        let fainter = |[red, green, blue, alpha]: [f32; 4]| [red, green, blue, alpha * self.width.min(1.0)];
+        let [silhouette, boundary, crease, marked] = colors.map(|color| color.map_or([0.0; 4], fainter));
+        OutlineView {
+            columns: camera.view_projection,
+            origin: camera.origin,
+            half_width: 0.5 * self.width.max(1.0),
+            silhouette,
+            boundary,
+            crease,
+            marked,
+            size: size.map(|pixels| pixels as f32),
+            depth_bias: self.depth_bias,
+            crease_cosine: self.crease_angle.min(std::f32::consts::PI).cos(),
+            light: (light % 32) as u32,
+            classes,
+            is_reversed: u32::from(camera.depth == DepthDirection::Reversed),
+            reserved: 0,
+        }
+    }
+}
+
+/// The layout of the bind group beside the results.
+fn own_layout(pipelines: &Pipelines, is_depth_multisampled: bool) -> wgpu::BindGroupLayout {
+    let depth = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Depth,
+        view_dimension: wgpu::TextureViewDimension::D2,
+        multisampled: is_depth_multisampled,
+    };
+    let (vertex, fragment) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::FRAGMENT);
+    let types = [(vertex | fragment, UNIFORM), (fragment, depth), (vertex, READ), (vertex, READ)];
+    let entry = |(binding, (visibility, ty))| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    pipelines.layout("outline", (0..).zip(types).map(entry).collect())
+}
+
+fn pipeline(
+    shared: &Pipelines,
+    format: &OutlineFormat,
+    layouts: &[wgpu::BindGroupLayout; 2],
+    entry_point: &str,
+) -> wgpu::RenderPipeline {
+    let device = shared.device();
+    let stage = if format.is_depth_multisampled { &OUTLINE_SAMPLES } else { &OUTLINE_EDGES };
+    let module = &shared.module(stage.module, &stage.wgsl());
+    let (label, options) = (Some(entry_point), wgpu::PipelineCompilationOptions::default());
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label,
+        bind_group_layouts: &layouts.each_ref().map(Some),
+        immediate_size: 0,
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label,
+        layout: Some(&layout),
+        vertex: wgpu::VertexState { module, entry_point: label, compilation_options: options.clone(), buffers: &[] },
+        primitive: wgpu::PrimitiveState {
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            ..wgpu::PrimitiveState::default()
+        },
+        depth_stencil: format.depth_stencil.map(|format| wgpu::DepthStencilState {
+            format,
+            depth_write_enabled: Some(false),
+            depth_compare: Some(wgpu::CompareFunction::Always),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState { count: format.samples, ..Default::default() },
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some("outline_ink"),
+            compilation_options: options,
+            targets: &[Some(wgpu::ColorTargetState {
+                format: format.color,
+                blend: Some(wgpu::BlendState::ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

@@ -1,0 +1,87 @@
+//! Outlines that cannot be drawn are typed errors.
+
+use rimline::gpu::{
+    Extractor, ExtractorOptions, ListOptions, OutlineError, OutlineFormat, OutlineInputs, OutlinePipeline,
+    OutlineStyle, PositionBuffer,
+};
+use rimline::{DepthDirection, Light, ShadowCamera};
+use rimline_testkit::cases::case;
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::shapes;
+
+pub(crate) const TESTS: &[Test] = &[("outlines_that_cannot_be_drawn_are_typed_errors", refused)];
+
+fn depth(gpu: &Gpu, sample_count: u32) -> wgpu::TextureView {
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Depth32Float,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+fn expect(what: &str, found: Result<(), OutlineError>, expected: &str) -> Result<(), String> {
+    let found = found.err().map_or("no error".to_owned(), text);
+    if found.contains(expected) { Ok(()) } else { Err(format!("{what}: {found}, expected {expected}")) }
+}
+
+fn refused() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (_, positions, mesh) = case("torus", shapes::torus(24, 16, 1.0, 0.4));
+    let vertices = gpu.storage(&positions);
+    let place = PositionBuffer { buffer: &vertices, offset: 0, stride: 12 };
+    let encoded = |gpu: &Gpu, vertices_per_edge| {
+        let lists = Some(ListOptions { vertices_per_edge, ..ListOptions::default() });
+        let options = ExtractorOptions { lists, ..ExtractorOptions::default() };
+        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+        let lights = [Light::point([0.0, 0.0, 4.0])];
+        let extraction = gpu.submit(|encoder| extractor.encode(encoder, place, &lights, None).map_err(text))?;
+        Ok::<_, String>((extractor, extraction))
+    };
+    let [(_, two), (mut extractor, four)] = [encoded(gpu, 2)?, encoded(gpu, 4)?];
+    let pipeline = OutlinePipeline::new(&gpu.pipelines, &OutlineFormat::default()).map_err(text)?;
+    let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+    let camera = ShadowCamera { view_projection: identity, origin: [0.0; 3], depth: DepthDirection::Standard };
+    let [one, several] = [1, 4].map(|samples| depth(gpu, samples));
+    let marks = gpu.storage(&[0_u32; 4]);
+    let good = OutlineInputs {
+        extraction: &four,
+        light: 0,
+        camera: &camera,
+        depth: &one,
+        style: OutlineStyle::default(),
+        marked: None,
+    };
+    let singular = ShadowCamera { view_projection: [[0.0; 4]; 4], ..camera };
+    let style = |style| OutlineInputs { style, ..good };
+    let default = OutlineStyle::default();
+    let prepared = |inputs: &OutlineInputs<'_>| pipeline.prepare(inputs).map(drop);
+    prepared(&good).map_err(text)?;
+    for (what, inputs, expected) in [
+        ("lines", OutlineInputs { extraction: &two, ..good }, "draws 2 vertices for each edge, and outlines need 4"),
+        ("no light", OutlineInputs { light: 1, ..good }, "light 1 asked for, and 1 lights were extracted"),
+        ("no camera", OutlineInputs { camera: &singular, ..good }, "singular or not finite"),
+        ("samples", OutlineInputs { depth: &several, ..good }, "has 4 samples a pixel, and the pipeline reads one"),
+        ("marks", OutlineInputs { marked: Some(&marks), ..good }, "16 bytes, and 1152 edge records need 144"),
+        ("width", style(OutlineStyle { width: -1.0, ..default }), "`width` of the style is -1"),
+        ("angle", style(OutlineStyle { crease_angle: f32::NAN, ..default }), "`crease_angle` of the style is NaN"),
+        ("bias", style(OutlineStyle { depth_bias: f32::INFINITY, ..default }), "`depth_bias` of the style is inf"),
+    ] {
+        expect(what, prepared(&inputs), expected)?;
+    }
+    gpu.submit(|encoder| extractor.encode(encoder, place, &[Light::point([4.0; 3])], None).map_err(text).map(drop))?;
+    expect("an old extraction", prepared(&good), "out of date")?;
+    let formats = OutlineFormat { color: wgpu::TextureFormat::Rgba32Uint, ..OutlineFormat::default() };
+    expect("integers", OutlinePipeline::new(&gpu.pipelines, &formats).map(drop), "the device refuses outlines")?;
+    let other = gpu.another(wgpu::Features::empty(), wgpu::Limits::default())?;
+    let theirs = OutlinePipeline::new(&other.pipelines, &OutlineFormat::default()).map_err(text)?;
+    let foreign = theirs.prepare(&good).map(drop);
+    expect("another device", foreign, "the extraction is of another device than the outline's pipeline")
+}
