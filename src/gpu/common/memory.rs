@@ -4,16 +4,8 @@ use std::future::Future;
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
+pub use super::device_error::Allocation;
 use super::device_error::DeviceError;
-
-/// A buffer that is to be made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Allocation {
-    /// The buffer's label.
-    pub label: &'static str,
-    /// Its size in bytes.
-    pub bytes: u64,
-}
 
 /// Checks the sizes of buffers before any is made. Returns their sum.
 pub(crate) fn check(
