@@ -1,5 +1,6 @@
 //! Making pipelines before the first frame.
 
+use super::common::device_error::DeviceError;
 use super::common::pipelines::{Pipelines, Program};
 use super::common::requirements::Subject;
 use super::extract::options::ExtractorOptions;
@@ -9,7 +10,6 @@ use super::scene::stages as scene;
 use super::shadow::ScenePipelines;
 use super::shadow::pipelines::Part;
 use super::shadow::stages as shadow;
-use crate::gpu::common::device_error::DeviceError;
 use crate::stages::{NEEDS, RECEIVER_DEPTH, RECEIVER_PYRAMID, RECEIVER_SAMPLES};
 
 /// A use that [`Pipelines::warm_up`] makes pipelines for.

@@ -1,6 +1,13 @@
 //! Why a device, or a buffer on it, does not do.
 
-use super::memory::Allocation;
+/// A buffer that is to be made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Allocation {
+    /// The buffer's label.
+    pub label: &'static str,
+    /// Its size in bytes.
+    pub bytes: u64,
+}
 
 /// Why a device cannot be used, or buffers cannot be made, bound or read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

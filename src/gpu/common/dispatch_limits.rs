@@ -1,9 +1,9 @@
 //! Cuts work to a device's limits: chunks for arrays that a dispatch walks along, windows for arrays that it gathers
 //! from.
 
-use crate::gpu::common::device_error::DeviceError;
 use std::ops::Range;
 
+use super::device_error::DeviceError;
 use crate::turns::ITEMS;
 
 /// The number of invocations of a workgroup, in every stage that works item by item.

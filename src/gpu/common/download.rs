@@ -1,12 +1,12 @@
 //! Copies a part of a buffer to the CPU, as a future.
 
-use crate::gpu::common::device_error::DeviceError;
 use std::ops::Range;
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::task::{Context, Poll, Wake, Waker};
 use std::thread::{self, Thread};
 
+use super::device_error::DeviceError;
 use super::memory::any_error;
 
 /// State that the callback of the mapping and the future share.

@@ -1,18 +1,11 @@
 //! Buffers. All sizes are summed and checked before the first buffer is made.
 
-use crate::gpu::common::device_error::DeviceError;
 use std::future::Future;
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
-/// A buffer that is to be made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Allocation {
-    /// The buffer's label.
-    pub label: &'static str,
-    /// Its size in bytes.
-    pub bytes: u64,
-}
+pub use super::device_error::Allocation;
+use super::device_error::DeviceError;
 
 /// Checks the sizes of buffers before any is made. Returns their sum.
 pub(crate) fn check(

@@ -1,12 +1,12 @@
 //! Pipelines made from the list of stages, and sharing of pipelines.
 
-use crate::gpu::common::device_error::DeviceError;
 use std::cmp::Reverse;
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
 use super::bindings::{Bindings, READ, Resource, entries, part};
 use super::cache::Cache;
+use super::device_error::DeviceError;
 use super::memory::any_error;
 use super::pass::{Dispatch, Step, Workgroups};
 use super::positions::bound;

@@ -1,9 +1,9 @@
 //! The layout of positions in buffers.
 
 use super::bindings::{Resource, part};
+use super::device_error::DeviceError;
 use super::dispatch_limits::{DispatchLimits, Windows};
 use super::memory::scoped;
-use crate::gpu::common::device_error::DeviceError;
 
 /// Vertex positions in a storage buffer: three consecutive `f32` for each vertex, in the space of the lights. Any
 /// offset and stride that are multiples of 4 bytes will do.

@@ -1,8 +1,8 @@
 //! Reads buffers back, for tools and tests without a window. No stage does.
 
-use crate::gpu::common::device_error::DeviceError;
 use std::ops::Range;
 
+use super::device_error::DeviceError;
 use super::download::{Download, wait};
 
 /// The largest size of one copy, in bytes.

@@ -1,9 +1,9 @@
 //! Compares what the stages need of a device with what the device has.
 
 use super::bindings::{READ, entries};
+use super::device_error::DeviceError;
 use super::memory::{any_error, buffer, mapped, scoped, write_mapped};
 use super::timer::StageTimer;
-use crate::gpu::common::device_error::DeviceError;
 
 /// A group of stages with its own needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

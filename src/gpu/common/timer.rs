@@ -1,7 +1,7 @@
 //! Measures the GPU time of each stage, on devices with timestamp queries.
 
+use super::device_error::DeviceError;
 use super::readback::{read_back_vec, read_back_vec_async};
-use crate::gpu::common::device_error::DeviceError;
 
 /// The number of passes that a timer can hold. A query set has at most 4,096 queries, and a pass takes two.
 const MOST: u32 = 2048;

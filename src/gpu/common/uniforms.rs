@@ -1,8 +1,8 @@
 //! Uniforms: tables of structs. Dispatches select an entry by a dynamic offset.
 
-use crate::gpu::common::device_error::DeviceError;
 use bytemuck::Pod;
 
+use super::device_error::DeviceError;
 use super::memory::{any_error, filled, mapped, write_mapped};
 
 /// The alignment of dynamic offsets of uniforms. It works on every device.

@@ -1,8 +1,8 @@
 //! The planner of buffers.
 
+use super::device_error::DeviceError;
 use super::memory::{Allocation, buffer, filled, padded};
 use super::uniforms::UniformTable;
-use crate::gpu::common::device_error::DeviceError;
 
 /// A buffer that is to be made. All that there is to say about it is said here, once: a subject lists its buffers in a function
 /// that runs twice, first to sum them in an [`Account`], then to make them.

@@ -1,11 +1,11 @@
 //! Deforms a model on the GPU: computes world-space positions of a pose in a storage buffer.
 
-use crate::gpu::common::device_error::DeviceError;
 use wgpu::BufferUsages;
 
 use super::model_data::{ModelData, Plan, PlannedDispatch, PoseLayout};
 use crate::displace::{DISPLACE_GROUP, Displacement};
 use crate::gpu::common::bindings::{part, uniform, whole};
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{buffer, filled, guarded, scoped};
 use crate::gpu::common::pass::{Step, Workgroups, record_with};

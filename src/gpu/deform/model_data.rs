@@ -1,11 +1,11 @@
 //! The geometry of a model as the deform stage reads it, in chunks, and the dispatches that take them. A dispatch takes as
 //! many chunks as its bindings hold, of all instances.
 
-use crate::gpu::common::device_error::DeviceError;
 use std::ops::Range;
 
 use wgpu::BufferUsages;
 
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, check, filled, padded};
 use crate::gpu::common::uniforms::UniformTable;

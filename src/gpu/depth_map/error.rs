@@ -1,9 +1,9 @@
 //! Errors of depth maps.
 
-use crate::gpu::common::device_error::DeviceError;
-use crate::gpu::shadow::errors::ShadowError;
 use std::ops::Range;
 
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::shadow::errors::ShadowError;
 use crate::shadow::{CameraError, DepthDirection};
 
 /// Why depth maps, their volumes or what draws them cannot be made, recorded or drawn.

@@ -1,7 +1,5 @@
 //! Render pipelines that turn a bit of the stencil round at each triangle of the boundary.
 
-use crate::gpu::common::device_error::DeviceError;
-use crate::gpu::shadow::errors::ShadowError;
 use std::ops::Range;
 use std::sync::OnceLock;
 
@@ -9,11 +7,13 @@ use wgpu::{CompareFunction, StencilOperation};
 
 use super::error::DepthMapError;
 use crate::gpu::common::bindings::{FLOAT_TEXTURE, READ, Resource, UINT_TEXTURE, UNIFORM, entries};
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::drawing::Drawn;
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::{Subject, check_sample_shading};
 use crate::gpu::shadow::ShadowFormat;
+use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::format::Casters;
 use crate::gpu::shadow::pipelines::{check, check_count_bits};
 use crate::stages::{DEPTH_SURFACE, DEPTH_WALLS, Stage};

@@ -1,5 +1,6 @@
 //! The buffers of an extraction and their sizes.
 
+use super::errors::ExtractorError;
 use super::options::ExtractorOptions;
 use super::polygon_buffers::{PolygonBuffers, PolygonShape, faces_of_records, outlines};
 use crate::cpu::extract::per_edge::edge_corners;
@@ -8,7 +9,6 @@ use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{check, guarded};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::common::wanted::{Account, Wanted};
-use crate::gpu::extract::errors::ExtractorError;
 use crate::layout::{DrawArguments, DrawShape, EdgeMasks, ExtractionStatistics, LightBatch};
 use crate::method::Predicate;
 use crate::{Mesh, light};

@@ -1,12 +1,12 @@
 //! The result of one encode.
 
-use crate::gpu::common::device_error::DeviceError;
-use crate::gpu::extract::errors::ExtractorError;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::buffers::{Buffers, Shape};
+use super::errors::ExtractorError;
 use super::results::ExtractionResults;
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, Windows};
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::{BoundPositions, PositionBuffer};

@@ -1,16 +1,16 @@
 //! The extraction stages: facing, edges, compaction, draw arguments.
 
-use crate::gpu::common::device_error::DeviceError;
-use crate::gpu::extract::errors::ExtractorError;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex};
 
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
+use super::errors::ExtractorError;
 use super::extraction::{Extraction, Place, Shared};
 use super::options::ExtractorOptions;
 #[cfg(feature = "reference")]
 use super::results::ExtractionResults;
 use super::stages::{Binder, Made, Runs, from_facing, from_positions, made, programs};
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pass::{Step, record};
 use crate::gpu::common::pipelines::{Pipelines, Program};

@@ -1,5 +1,6 @@
 //! The WGSL include, with which a caller's shaders read the results.
 
+use super::errors::ExtractorError;
 use super::extraction::Shared;
 use crate::gpu::common::bindings::{READ, UNIFORM, entries, whole};
 use crate::gpu::common::device_error::DeviceError;
@@ -7,7 +8,6 @@ use crate::gpu::common::pipelines::group;
 use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer};
 use crate::gpu::common::requirements::check_alive;
 use crate::gpu::common::uniforms::UniformTable;
-use crate::gpu::extract::errors::ExtractorError;
 use crate::layout::RimlineInfo;
 use crate::stages::source;
 

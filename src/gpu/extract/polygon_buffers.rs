@@ -1,9 +1,9 @@
 //! The buffers of a mesh of polygons: their outlines, those that are undecided, and the pieces of those that are L-twisted.
 
+use super::errors::ExtractorError;
 use super::options::MAX_OUTLINE_EDGES;
 use crate::Mesh;
 use crate::gpu::common::wanted::Wanted;
-use crate::gpu::extract::errors::ExtractorError;
 use crate::mesh::Polygons;
 use crate::turns::POLYGON_TRIANGLES;
 

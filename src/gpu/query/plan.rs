@@ -1,8 +1,8 @@
 //! Cuts a shadow depth query into dispatches.
 
-use crate::gpu::common::device_error::DeviceError;
 use std::ops::Range;
 
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::layout::{FaceCluster, UndecidedFaces};
 use crate::turns::QUERY_GROUPS;

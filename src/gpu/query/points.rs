@@ -1,7 +1,7 @@
 //! The points of a shadow depth query, and the faces that they are on.
 
+use super::errors::QueryError;
 use crate::gpu::common::positions::PositionBuffer;
-use crate::gpu::query::errors::QueryError;
 
 /// Points of a [`ShadowQuery`](crate::gpu::ShadowQuery). A [`PositionBuffer`] becomes points that name no face.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,8 @@
 //! The shadow depth query: the number of faces strictly between each point and each light.
 
-use crate::gpu::common::device_error::DeviceError;
-use crate::gpu::query::errors::QueryError;
 use std::ops::Range;
 
+use super::errors::QueryError;
 use super::options::ShadowQueryOptions;
 use super::plan::{
     CLUSTER, GROUP, cluster_chunks, cluster_run, most_queries, point_chunks, range_clusters, undecided_bytes,
@@ -12,6 +11,7 @@ use super::plan::{
 use super::points::QueryPoints;
 use crate::cpu::query::shadow_boxes::{self, cluster_count, largest_polygon};
 use crate::gpu::common::bindings::{Resource, part, uniform};
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{check, guarded};
 use crate::gpu::common::pass::{Dispatch, Workgroups, record};

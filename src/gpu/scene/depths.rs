@@ -1,6 +1,5 @@
 //! The casters of a scene as they are drawn into a depth map.
 
-use crate::gpu::shadow::errors::ShadowError;
 use std::collections::HashSet;
 use std::ops::Range;
 
@@ -10,6 +9,7 @@ use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::handles::{CasterHandle, LightHandle};
 use super::scene::Scene;
 use crate::Matrix3x4;
+use crate::gpu::shadow::errors::ShadowError;
 
 /// Which casters of a scene are drawn into a depth map.
 ///

@@ -1,7 +1,5 @@
 //! Encodes of a scene: brings table, buffers and volumes up to date, and records the stages.
 
-use crate::gpu::common::device_error::DeviceError;
-use crate::gpu::shadow::errors::ShadowError;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -16,10 +14,12 @@ use super::stages::steps;
 use super::structure::{Making, Number, Structure};
 use super::table::{Part, Table};
 use super::volumes::Volumes;
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::pass::record;
 use crate::gpu::common::requirements::check_timer;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::upload;
+use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::pipelines::Convention;
 use crate::layout::{SeenLight, ShadowView};
 use crate::light::check_shadow_lights;

@@ -1,9 +1,10 @@
 //! Handles. Each names one thing of one scene, and nothing else after its removal.
 
-use crate::gpu::shadow::errors::ShadowError;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use slotmap::DefaultKey;
+
+use crate::gpu::shadow::errors::ShadowError;
 
 /// The identity of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

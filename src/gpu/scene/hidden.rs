@@ -1,6 +1,5 @@
 //! Faces that other faces hide from a light: whether what was found still holds, and which casters it excludes faces of.
 
-use crate::gpu::shadow::errors::ShadowError;
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -9,6 +8,7 @@ use super::handles::{CasterHandle, LightHandle};
 use super::scene::Scene;
 use crate::Matrix3x4;
 use crate::cpu::HiddenFaces;
+use crate::gpu::shadow::errors::ShadowError;
 
 /// Counts of hidden faces in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

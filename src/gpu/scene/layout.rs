@@ -1,6 +1,5 @@
 //! Lays a scene out: groups, slots, and what lies where in the scene table.
 
-use crate::gpu::common::device_error::DeviceError;
 use std::collections::HashMap;
 #[cfg(feature = "reference")]
 use std::sync::Arc;
@@ -14,6 +13,7 @@ use super::occluders::OccluderPlaces;
 use super::table::{LIGHT_PARTS, Part, Slots, Table};
 #[cfg(feature = "reference")]
 use super::topology::SlotOrder;
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::layout::CHUNK;
 use crate::mesh::EdgeCounts;

@@ -1,10 +1,10 @@
 //! The lights of a scene. Each has a bit that it keeps.
 
-use crate::gpu::shadow::errors::ShadowError;
 use std::sync::Arc;
 
 use super::handles::{LightHandle, SceneId};
 use super::mask::LightMask;
+use crate::gpu::shadow::errors::ShadowError;
 use crate::light::{MAX_LIGHTS, check_lights, check_room};
 use crate::{Cone, Light};
 

@@ -1,6 +1,5 @@
 //! The needs of a frame: which figures must be deformed, found on the GPU before they are.
 
-use crate::gpu::shadow::errors::ShadowError;
 use std::ops::Range;
 
 use bytemuck::Zeroable;
@@ -19,6 +18,7 @@ use crate::gpu::common::requirements::{check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::common::wanted::Wanted;
+use crate::gpu::shadow::errors::ShadowError;
 use crate::layout::{LightCone, NeedsDispatch, SeenLight, ShadowLight, ShadowView};
 use crate::stages::NEEDS;
 use crate::turns::NEEDS_BOXES;

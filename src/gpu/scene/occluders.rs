@@ -1,6 +1,5 @@
 //! Occluders: polygons on casters, behind which other casters need not throw shadows. docs/numerics/scene.md, "Occluders".
 
-use crate::gpu::shadow::errors::ShadowError;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, DVec4};
@@ -10,6 +9,7 @@ use super::caster::{CasterEntry, MeshEntry, Placement, Rigid};
 use super::lights::Lights;
 use super::mask::bits;
 use super::table::{Part, Table};
+use crate::gpu::shadow::errors::ShadowError;
 use crate::layout::ScaledLight;
 
 /// The most corners of an occluder.

@@ -1,11 +1,11 @@
 //! Pools of topology: the faces, edge records, positions and clusters of many meshes in few buffers.
 
-use crate::gpu::common::device_error::DeviceError;
 use std::ops::Range;
 
 use range_alloc::RangeAllocator;
 
 use super::topology::Topology;
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, any_error, check, guarded};
 use crate::gpu::common::wanted::Wanted;

@@ -1,6 +1,5 @@
 //! Receivers: what the shadows of a view may fall on, from the depth that they are drawn against.
 
-use crate::gpu::shadow::errors::ShadowError;
 use glam::Mat4;
 
 use crate::ShadowCamera;
@@ -9,6 +8,7 @@ use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pass::{Step, Workgroups};
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::uniforms::UniformTable;
+use crate::gpu::shadow::errors::ShadowError;
 use crate::layout::{ReceiverView, ShadowView};
 use crate::stages::{RECEIVER_DEPTH, RECEIVER_PYRAMID, RECEIVER_SAMPLES};
 

@@ -1,6 +1,5 @@
 //! The scene: meshes, casters and lights, and their extraction.
 
-use crate::gpu::shadow::errors::ShadowError;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -23,6 +22,7 @@ use crate::gpu::common::pass::Step;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::Subject;
+use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::format::Casters;
 use crate::gpu::shadow::pipelines::check_count_bits;
 use crate::layout::ShadowView;

@@ -1,7 +1,5 @@
 //! Where casters read their positions.
 
-use crate::gpu::common::device_error::DeviceError;
-use crate::gpu::shadow::errors::ShadowError;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -10,9 +8,11 @@ use slotmap::{DefaultKey, SlotMap};
 use super::caster::Placement;
 use super::pages::Page;
 use crate::gpu::common::bindings::{Resource, part, whole};
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
+use crate::gpu::shadow::errors::ShadowError;
 
 /// The key that tells sources apart.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

@@ -1,7 +1,5 @@
 //! The layout, the buffers and the uniforms of a scene. They are made anew only when casters or lights come and go.
 
-use crate::gpu::common::device_error::DeviceError;
-use crate::gpu::shadow::errors::ShadowError;
 use slotmap::{DefaultKey, SlotMap};
 
 use super::buffers::{Buffers, CLUSTER_WORDS, GroupSizes, Sizes, WorkPlace, work_places};
@@ -12,10 +10,12 @@ use super::options::{Measuring, SceneOptions};
 use super::pages::{Page, Pages};
 use super::sources::{Source, Sources};
 use super::table::{Part, Table};
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, check, filled, guarded, mapped, write_mapped};
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::uniforms::UniformTable;
+use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::sizes::choice_bytes;
 use crate::layout::{DrawShape, SceneDispatch};
 

@@ -1,10 +1,10 @@
 //! The result of one encode of shadow volumes: what can be drawn.
 
-use crate::gpu::shadow::errors::ShadowError;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::buffers::SizedBuffers;
+use super::errors::ShadowError;
 use super::pipelines::{Convention, ShadowPipelines};
 use super::stages::VolumeStages;
 use crate::Light;

@@ -1,10 +1,10 @@
 //! Render pipelines that count shadow volumes in a stencil buffer.
 
-use crate::gpu::shadow::errors::ShadowError;
 use std::sync::OnceLock;
 
 use wgpu::{CompareFunction, StencilOperation};
 
+use super::errors::ShadowError;
 use super::format::{Casters, Count, Polygons, ShadowFormat, VolumeKey};
 use crate::gpu::common::bindings::{READ, UNIFORM, entries};
 use crate::gpu::common::drawing;

@@ -1,11 +1,11 @@
 //! Render pipelines that count the shadow volumes of scenes.
 
+use super::errors::ShadowError;
 use super::format::{Casters, ShadowFormat};
 use super::pipelines::ShadowPipelines;
 use crate::gpu::common::drawing::Drawn;
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
-use crate::gpu::shadow::errors::ShadowError;
 use crate::shadow::Counting;
 
 /// A triangle over the whole picture.

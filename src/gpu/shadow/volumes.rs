@@ -1,11 +1,10 @@
 //! The shadow volumes of one caster.
 
-use crate::gpu::common::device_error::DeviceError;
-use crate::gpu::shadow::errors::ShadowError;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use super::buffers::SizedBuffers;
+use super::errors::ShadowError;
 use super::frame::{ShadowFrame, Shared};
 use super::options::ShadowOptions;
 use super::pipelines::{Convention, Part, ShadowPipelines};
@@ -14,6 +13,7 @@ use super::source::{GroupSource, VolumeSource};
 use super::stages::{StagePipelines, VolumeStages};
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{Resource, whole};
+use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::memory::{Allocation, buffer, guarded};
 use crate::gpu::common::positions::{self, BoundPositions};
 use crate::gpu::common::requirements::{Subject, check_same, check_timer};
