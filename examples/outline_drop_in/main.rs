@@ -1,9 +1,6 @@
 //! Outlines in a renderer that has its own passes: lines over its picture of a walking figure, hidden behind its depth.
 //! Writes `outline_drop_in.png`. Run it with `cargo run --release --example outline_drop_in`.
 
-#[path = "../walking_figure/figure/mod.rs"]
-#[allow(dead_code, reason = "only the model's file is taken")]
-mod figure;
 #[path = "../support/stage.rs"]
 mod stage;
 #[path = "../support/mod.rs"]
@@ -13,6 +10,7 @@ use rimline::gltf::{Asset, LoadOptions};
 use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowFormat};
 use rimline::gpu::{OutlineFormat, OutlineInputs, OutlinePipeline, OutlineStyle};
 use rimline::{DepthDirection, Light, ShadowCamera, wgpu};
+use rimline_models::figure;
 use stage::{COLOR, Camera, Lamp, Stage};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -2,9 +2,6 @@
 //! share a mesh and have a matrix each. Writes `scene.png`. Run it with
 //! `cargo run --release --example scene [SECONDS]`.
 
-#[path = "../walking_figure/figure/mod.rs"]
-#[allow(dead_code, reason = "the figure's file is not written here")]
-mod figure;
 pub(crate) mod places;
 #[path = "../support/stage.rs"]
 pub(crate) mod stage;

@@ -8,8 +8,8 @@ use rimline::{
     Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Matrix3x4, Model, ModelError, Pose,
 };
 
-use super::figure::{Figure, walk};
 use super::stage::{Camera, Lamp, Placed};
+use rimline_models::figure::{Figure, walk};
 
 /// Rings of figures: how many, the radius in metres, and the speed in metres a second, counter-clockwise.
 const RINGS: [(usize, f32, f32); 2] = [(16, 3.3, 1.25), (24, 6.2, -1.25)];

@@ -1,14 +1,11 @@
 //! The demo's figure: closed, skinned as glTF asks, a walk that loops, and a file that holds together.
 
-#[path = "../../examples/walking_figure/figure/mod.rs"]
-mod figure;
-
 use std::sync::LazyLock;
 
-use figure::{Figure, glb, skeleton::JOINTS, walk};
 use glam::Vec3;
 use rimline::Mesh;
 use rimline::mesh::Weld;
+use rimline_models::figure::{Figure, glb, skeleton::JOINTS, walk};
 use serde_json::Value;
 
 static FIGURE: LazyLock<Figure> = LazyLock::new(Figure::new);

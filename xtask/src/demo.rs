@@ -5,7 +5,7 @@ use std::process::Command;
 
 use crate::{process, vulkan};
 
-/// Models made by code: the file, and the example with the arguments that writes it.
+/// Models made by code: the file, and the program of `rimline-models` with the arguments that writes it.
 const MODELS: [(&str, &str, &[&str]); 2] =
     [("walking_figure.glb", "walking_figure", &[]), ("blob.glb", "shape", &["blob"])];
 
@@ -51,18 +51,14 @@ const PICTURES: [Picture; 5] = [
 /// Makes the models, draws the pictures, and names them at the end.
 pub(crate) fn run() -> Result<(), String> {
     vulkan::ensure()?;
-    let mut build =
-        process::cargo(["build", "--release", "--package", "rimline-cli", "--package", "rimline", "--bin", "rimline"]);
+    let mut build = process::cargo(["build", "--release", "--package", "rimline-cli", "--package", "rimline-models"]);
     // Pictures need no measurements and no charts.
-    build.args(["--no-default-features", "--features", "rimline/gltf,rimline/gpu"]);
-    for (_, example, _) in MODELS {
-        build.args(["--example", example]);
-    }
+    build.arg("--no-default-features");
     process::run(&mut build)?;
     let demo = process::root().join("demo");
     std::fs::create_dir_all(&demo).map_err(|error| format!("cannot make {}: {error}", demo.display()))?;
-    for (file, example, arguments) in MODELS {
-        process::run(program(&format!("examples/{example}")).args(arguments).arg(demo.join(file)))?;
+    for (file, model, arguments) in MODELS {
+        process::run(program(model).args(arguments).arg(demo.join(file)))?;
     }
     let mut written = Vec::new();
     for picture in PICTURES {

@@ -20,7 +20,7 @@ impl Subject {
     pub(crate) const ALL: [Self; 5] = [Self::Extract, Self::Shadow, Self::Query, Self::Deform, Self::DepthMap];
 
     pub(crate) fn name(self) -> &'static str {
-        ["extraction", "shadow volumes", "the shadow depth query", "deformation", "volumes from depth maps"]
+        ["extraction", "drawing shadow volumes or outlines", "the shadow depth query", "deformation", "volumes from depth maps"]
             [self as usize]
     }
 
@@ -69,7 +69,7 @@ pub(crate) const AT_LEAST: [Need; 19] = [
     need!(max_bind_groups, [1, 2, 1, 1, 1]),
     need!(max_bind_groups_plus_vertex_buffers, [0, 2, 0, 0, 1]),
     need!(max_bindings_per_bind_group, [10, 10, 11, 7, 15]),
-    need!(max_uniform_buffer_binding_size, [1184, 120, 1184, 16, 80]),
+    need!(max_uniform_buffer_binding_size, [1184, 176, 1184, 16, 80]),
     need!(max_storage_buffer_binding_size, [512, 512, 464, 256, 256]),
     need!(max_buffer_size, [1184, 512, 1184, 256, 256]),
 ];

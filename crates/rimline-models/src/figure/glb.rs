@@ -3,9 +3,9 @@
 use glam::{Mat4, Vec3};
 use serde_json::{Value, json};
 
-use super::glb_file::{GlbFile, VERTICES};
 use super::skeleton::{HIPS, JOINTS};
 use super::{Figure, walk};
+use crate::glb_file::{GlbFile, VERTICES};
 
 /// Node 0 holds the mesh, the joints follow.
 const FIRST_JOINT: usize = 1;
@@ -13,7 +13,7 @@ const FIRST_JOINT: usize = 1;
 const BYTES: u32 = 5121;
 
 /// The whole file.
-pub(crate) fn encode(figure: &Figure) -> Vec<u8> {
+pub fn encode(figure: &Figure) -> Vec<u8> {
     let mut file = GlbFile::default();
     let positions: Vec<_> = figure.positions.iter().map(Vec3::to_array).collect();
     let primitive = json!({

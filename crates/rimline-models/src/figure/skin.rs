@@ -15,7 +15,7 @@ const MIDDLE: f32 = 0.03;
 type Row = [f32; JOINTS.len()];
 
 /// Four joints and weights a vertex, by distance to the joints' parts of the body as a fraction of their radius.
-pub(crate) fn bind(parts: &[Part], positions: &[Vec3], faces: &[[u32; 3]]) -> (Vec<[u8; 4]>, Vec<[f32; 4]>) {
+pub(super) fn bind(parts: &[Part], positions: &[Vec3], faces: &[[u32; 3]]) -> (Vec<[u8; 4]>, Vec<[f32; 4]>) {
     let mut rows: Vec<Row> = positions.iter().map(|&point| row(parts, point)).collect();
     for _ in 0..ROUNDS {
         rows = smoothed(&rows, faces);

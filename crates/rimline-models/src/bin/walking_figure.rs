@@ -1,10 +1,10 @@
 //! Writes a walking human figure as a glTF binary: skinned, animated, closed, and made by code alone.
 //!
-//! `cargo run --release --example walking_figure -- OUT.glb`
-
-mod figure;
+//! `cargo run --release --package rimline-models --bin walking_figure -- OUT.glb`
 
 use std::process::ExitCode;
+
+use rimline_models::figure;
 
 fn main() -> ExitCode {
     let arguments: Vec<_> = std::env::args_os().skip(1).collect();

@@ -6,11 +6,11 @@ const WORDS: u32 = 5125;
 const FLOATS: u32 = 5126;
 const INDICES: u32 = 34963;
 /// The target of views of vertex data.
-pub(crate) const VERTICES: u32 = 34962;
+pub const VERTICES: u32 = 34962;
 
 /// The binary chunk and its views and accessors.
 #[derive(Default)]
-pub(crate) struct GlbFile {
+pub struct GlbFile {
     bytes: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
@@ -18,7 +18,7 @@ pub(crate) struct GlbFile {
 
 impl GlbFile {
     /// An accessor with a view of its own; `bytes` are a multiple of 4 long, so views stay aligned.
-    pub(crate) fn accessor(&mut self, shape: &str, component: u32, bytes: &[u8], target: Option<u32>) -> usize {
+    pub fn accessor(&mut self, shape: &str, component: u32, bytes: &[u8], target: Option<u32>) -> usize {
         let components = match shape {
             "SCALAR" => 1,
             "VEC3" => 3,
@@ -42,7 +42,7 @@ impl GlbFile {
     }
 
     /// Scalars, vectors or matrices, by their number of components.
-    pub(crate) fn floats<const N: usize>(
+    pub fn floats<const N: usize>(
         &mut self,
         elements: impl IntoIterator<Item = [f32; N]>,
         target: Option<u32>,
@@ -58,7 +58,7 @@ impl GlbFile {
     }
 
     /// [`Self::floats`] with the bounds that positions and key times must have.
-    pub(crate) fn bounded<const N: usize>(&mut self, elements: &[[f32; N]], target: Option<u32>) -> usize {
+    pub fn bounded<const N: usize>(&mut self, elements: &[[f32; N]], target: Option<u32>) -> usize {
         let accessor = self.floats(elements.iter().copied(), target);
         let bounds = |pick: fn(f32, f32) -> f32, start| {
             let axis = |axis: usize| elements.iter().map(|element| element[axis]).fold(start, pick);
@@ -70,13 +70,13 @@ impl GlbFile {
     }
 
     /// The corners of triangles.
-    pub(crate) fn indices(&mut self, faces: &[[u32; 3]]) -> usize {
+    pub fn indices(&mut self, faces: &[[u32; 3]]) -> usize {
         let bytes: Vec<u8> = faces.as_flattened().iter().flat_map(|v| v.to_le_bytes()).collect();
         self.accessor("SCALAR", WORDS, &bytes, Some(INDICES))
     }
 
     /// The whole file: `document` with what this knows filled in.
-    pub(crate) fn finish(self, mut document: Value) -> Vec<u8> {
+    pub fn finish(self, mut document: Value) -> Vec<u8> {
         document["asset"] = json!({ "version": "2.0", "generator": "rimline's examples" });
         document["buffers"] = json!([{ "byteLength": self.bytes.len() }]);
         document["bufferViews"] = json!(self.views);

@@ -11,15 +11,15 @@ use super::skeleton::{
 };
 
 /// Seconds a cycle.
-pub(crate) const DURATION: f32 = 1.1;
+pub const DURATION: f32 = 1.1;
 /// Poses a cycle in the file, the last like the first.
-pub(crate) const KEYS: usize = 25;
+pub const KEYS: usize = 25;
 
 /// The joints' rotations against their rest, and where the hips are.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Pose {
-    pub(crate) rotations: [Quat; JOINTS.len()],
-    pub(crate) hips: Vec3,
+pub struct Pose {
+    pub rotations: [Quat; JOINTS.len()],
+    pub hips: Vec3,
 }
 
 // Degrees at every tenth of a cycle, which begins as the leg's own heel strikes. The hip's are forward, the knee's
@@ -35,24 +35,24 @@ const ARMS_DOWN: f32 = 31.0;
 const LEAN: f32 = 4.0;
 
 /// The key poses.
-pub(crate) fn keys() -> [Pose; KEYS] {
+pub fn keys() -> [Pose; KEYS] {
     std::array::from_fn(|key| pose(phase(key % (KEYS - 1))))
 }
 
 /// How far a key pose is into the cycle, from 0 to 1.
-pub(crate) fn phase(key: usize) -> f32 {
+pub fn phase(key: usize) -> f32 {
     key as f32 / (KEYS - 1) as f32
 }
 
 /// The pose at `phase` of the cycle, from 0 to 1; the left heel strikes at 0.
-pub(crate) fn pose(phase: f32) -> Pose {
+pub fn pose(phase: f32) -> Pose {
     let mut pose = joints_turned(phase);
     pose.hips.y += ground_offset(phase);
     pose
 }
 
 /// The joints' matrices: from rest, each in the figure's space, to the figure's space as posed.
-pub(crate) fn from_rest(pose: &Pose) -> [Affine3A; JOINTS.len()] {
+pub fn from_rest(pose: &Pose) -> [Affine3A; JOINTS.len()] {
     let mut globals = [Affine3A::IDENTITY; JOINTS.len()];
     for (index, joint) in JOINTS.iter().enumerate() {
         globals[index] = match joint.parent {
@@ -64,7 +64,7 @@ pub(crate) fn from_rest(pose: &Pose) -> [Affine3A; JOINTS.len()] {
 }
 
 /// A joint's place from its parent's at rest.
-pub(crate) fn offset(joint: usize) -> Vec3 {
+pub fn offset(joint: usize) -> Vec3 {
     let Some(parent) = JOINTS[joint].parent else {
         return JOINTS[joint].at;
     };

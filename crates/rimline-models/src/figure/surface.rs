@@ -14,7 +14,7 @@ const POINTS: IVec3 = IVec3::new(109, 149, 37);
 const ROUNDS: usize = 8;
 
 /// Vertices and counter-clockwise triangles around where `field` is negative.
-pub(crate) fn polygonise(field: impl Fn(Vec3) -> f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+pub(super) fn polygonise(field: impl Fn(Vec3) -> f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let grid = Grid::sample(&field);
     let (mut vertices, cell_vertex) = grid.vertices();
     let quads = grid.quads(&cell_vertex);
@@ -26,7 +26,7 @@ pub(crate) fn polygonise(field: impl Fn(Vec3) -> f32) -> (Vec<Vec3>, Vec<[u32; 3
 }
 
 /// The field's direction of ascent.
-pub(crate) fn gradient(field: &impl Fn(Vec3) -> f32, point: Vec3) -> Vec3 {
+pub(super) fn gradient(field: &impl Fn(Vec3) -> f32, point: Vec3) -> Vec3 {
     const STEP: f32 = 1e-3;
     let along = |axis: Vec3| (field(point + axis * STEP) - field(point - axis * STEP)) / (2.0 * STEP);
     Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z))

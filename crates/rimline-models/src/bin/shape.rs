@@ -1,13 +1,11 @@
 //! Writes one of the generated shapes as a glTF binary, to try the command on.
 //!
-//! `cargo run --release --example shape -- blob OUT.glb`
-
-#[path = "support/glb.rs"]
-mod glb;
+//! `cargo run --release --package rimline-models --bin shape -- blob OUT.glb`
 
 use std::process::ExitCode;
 
-use rimline_testkit::shapes::{self, Shape};
+use rimline_bench::shapes::{self, Shape};
+use rimline_models::glb_file as glb;
 use serde_json::json;
 
 fn main() -> ExitCode {

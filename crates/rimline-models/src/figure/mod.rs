@@ -4,33 +4,37 @@
 //! [`surface`] turns it into triangles, [`skin`] ties them to the joints and [`walk`] moves those.
 
 mod body;
-pub(crate) mod glb;
-#[path = "../../support/glb.rs"]
-mod glb_file;
-pub(crate) mod skeleton;
+pub mod glb;
+pub mod skeleton;
 mod skin;
 mod surface;
-pub(crate) mod walk;
+pub mod walk;
 
 use glam::Vec3;
 
 /// The figure at rest; arms and legs a little apart.
-pub(crate) struct Figure {
+pub struct Figure {
     /// Vertex positions in metres.
-    pub(crate) positions: Vec<Vec3>,
+    pub positions: Vec<Vec3>,
     /// Unit normals.
-    pub(crate) normals: Vec<Vec3>,
+    pub normals: Vec<Vec3>,
     /// Counter-clockwise triangles.
-    pub(crate) faces: Vec<[u32; 3]>,
+    pub faces: Vec<[u32; 3]>,
     /// Four indices into [`skeleton::JOINTS`] a vertex.
-    pub(crate) joints: Vec<[u8; 4]>,
+    pub joints: Vec<[u8; 4]>,
     /// Their weights, which sum to 1.
-    pub(crate) weights: Vec<[f32; 4]>,
+    pub weights: Vec<[f32; 4]>,
+}
+
+impl Default for Figure {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Figure {
     /// Makes it.
-    pub(crate) fn new() -> Self {
+    pub fn new() -> Self {
         let parts = body::parts();
         let (positions, faces) = surface::polygonise(|point| body::field(&parts, point));
         let normals = positions

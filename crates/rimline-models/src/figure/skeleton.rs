@@ -3,57 +3,57 @@
 use glam::Vec3;
 
 /// A joint at rest: no rotation of its own, only a place.
-pub(crate) struct Joint {
+pub struct Joint {
     /// The node's name.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// Index of the joint it hangs on, lower than its own.
-    pub(crate) parent: Option<usize>,
+    pub parent: Option<usize>,
     /// Its place in the figure's space.
-    pub(crate) at: Vec3,
+    pub at: Vec3,
 }
 
-pub(crate) const HIPS: usize = 0;
-pub(crate) const SPINE: usize = 1;
-pub(crate) const CHEST: usize = 2;
-pub(crate) const NECK: usize = 3;
-pub(crate) const HEAD: usize = 4;
+pub const HIPS: usize = 0;
+pub const SPINE: usize = 1;
+pub const CHEST: usize = 2;
+pub const NECK: usize = 3;
+pub const HEAD: usize = 4;
 // Bones of the left side; see `on`.
-pub(crate) const UPPER_ARM: usize = 5;
-pub(crate) const LOWER_ARM: usize = 6;
-pub(crate) const HAND: usize = 7;
-pub(crate) const UPPER_LEG: usize = 8;
-pub(crate) const LOWER_LEG: usize = 9;
-pub(crate) const FOOT: usize = 10;
-pub(crate) const TOES: usize = 11;
+pub const UPPER_ARM: usize = 5;
+pub const LOWER_ARM: usize = 6;
+pub const HAND: usize = 7;
+pub const UPPER_LEG: usize = 8;
+pub const LOWER_LEG: usize = 9;
+pub const FOOT: usize = 10;
+pub const TOES: usize = 11;
 
 /// Left is +X: the figure faces +Z.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Side {
+pub enum Side {
     Left,
     Right,
 }
 
 impl Side {
-    pub(crate) const BOTH: [Self; 2] = [Self::Left, Self::Right];
+    pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
     /// +1 left, −1 right.
-    pub(crate) fn sign(self) -> f32 {
+    pub fn sign(self) -> f32 {
         if self == Self::Left { 1.0 } else { -1.0 }
     }
 
     /// A point of the left side, on this side.
-    pub(crate) fn mirror(self, point: Vec3) -> Vec3 {
+    pub fn mirror(self, point: Vec3) -> Vec3 {
         Vec3::new(point.x * self.sign(), point.y, point.z)
     }
 }
 
 /// A joint of the left side, on this side.
-pub(crate) fn on(side: Side, joint: usize) -> usize {
+pub fn on(side: Side, joint: usize) -> usize {
     if side == Side::Left { joint } else { joint + TOES - HEAD }
 }
 
 /// Which side a joint belongs to, if any.
-pub(crate) fn side_of(joint: usize) -> Option<Side> {
+pub fn side_of(joint: usize) -> Option<Side> {
     match joint {
         HIPS..=HEAD => None,
         UPPER_ARM..=TOES => Some(Side::Left),
@@ -66,7 +66,7 @@ const fn joint(name: &'static str, parent: usize, at: [f32; 3]) -> Joint {
 }
 
 /// Every joint, parents first.
-pub(crate) const JOINTS: [Joint; 19] = [
+pub const JOINTS: [Joint; 19] = [
     Joint { name: "hips", parent: None, at: Vec3::new(0.0, 0.95, 0.0) },
     joint("spine", HIPS, [0.0, 1.07, 0.0]),
     joint("chest", SPINE, [0.0, 1.21, -0.01]),

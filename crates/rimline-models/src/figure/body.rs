@@ -7,9 +7,9 @@ use super::skeleton::{
 };
 
 /// A capsule whose radius changes along its axis.
-pub(crate) struct Part {
+pub(super) struct Part {
     /// The joint that it moves with.
-    pub(crate) joint: usize,
+    pub joint: usize,
     ends: [Vec3; 2],
     radii: [f32; 2],
     /// Widths along the axes are the radii times these.
@@ -29,7 +29,7 @@ impl Part {
     }
 
     /// Distance to the axis as a fraction of the radius: 1 on the part's surface.
-    pub(crate) fn relative_distance(&self, point: Vec3) -> f32 {
+    pub(super) fn relative_distance(&self, point: Vec3) -> f32 {
         let (distance, radius) = self.axis(point);
         distance / radius
     }
@@ -41,7 +41,7 @@ impl Part {
 }
 
 /// Negative inside the body, positive outside, about a distance near the surface.
-pub(crate) fn field(parts: &[Part], point: Vec3) -> f32 {
+pub(super) fn field(parts: &[Part], point: Vec3) -> f32 {
     let body = parts.iter().fold(1.0, |distance, part| smooth_minimum(distance, part.distance(point), part.blend));
     // Soles are flat: nothing lies below the ground.
     -smooth_minimum(-body, point.y, 0.012)
@@ -101,7 +101,7 @@ const LIMBS: [Row; 15] = [
 ];
 
 /// All parts of the body.
-pub(crate) fn parts() -> Vec<Part> {
+pub(super) fn parts() -> Vec<Part> {
     let part = |side: Side, joint, &(_, a, from, b, to, widths, blend): &Row| Part {
         joint,
         ends: [a, b].map(|end| side.mirror(Vec3::from_array(end))),
