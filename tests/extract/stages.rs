@@ -1,4 +1,6 @@
 //! Edges against their CPU reference, and all that comes after them against whole numbers.
+//!
+//! It tests the stages `compact` and `arguments`.
 
 use bytemuck::Zeroable;
 use rimline::gpu::{ExtractorOptions, ListOptions};

@@ -1,4 +1,6 @@
 //! Outlines that the GPU draws, against rays and projections in `f64`.
+//!
+//! The stage is `outline_edges`.
 
 mod refusals;
 mod rendered;

@@ -1,4 +1,6 @@
 //! The shadow depth query on the GPU: the twin's integers, however it is cut, and what is refused.
+//!
+//! It tests the stage `depth_arguments`, too.
 
 use rimline::gpu::{
     DeviceError, Extractor, ExtractorError, ExtractorOptions, PositionBuffer, QueryError, ShadowQuery,

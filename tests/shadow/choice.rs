@@ -1,4 +1,6 @@
 //! Choices for shadow volumes, against truth in `f64`: no cap is missing, and no visible volume is skipped.
+//!
+//! The stage is `choose`.
 
 use glam::{DMat4, DVec3, DVec4};
 use rimline::reference::cpu;

@@ -1,4 +1,6 @@
 //! Twisted polygons in motion, and many of them.
+//!
+//! It tests the stage `piece_crossings`, too.
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowOptions};

@@ -1,5 +1,7 @@
 //! Clipped sides, near caps and light caps on the GPU: their surface closes, bit for bit, and their vertices lie where exact
 //! clipping in `f64` has them.
+//!
+//! The stages are `sides` and `cap_faces`.
 
 use std::collections::{BTreeMap, HashMap};
 

@@ -1,4 +1,6 @@
 //! ZP+ as published: right where its authors had no trouble, and how wrong it is elsewhere.
+//!
+//! Its stage is `zp_plus_2005_cases`.
 
 use glam::{DMat4, DVec3, DVec4};
 use rimline::reference::cpu::{self, Threads};

@@ -20,8 +20,13 @@ impl Subject {
     pub(crate) const ALL: [Self; 5] = [Self::Extract, Self::Shadow, Self::Query, Self::Deform, Self::DepthMap];
 
     pub(crate) fn name(self) -> &'static str {
-        ["extraction", "drawing shadow volumes or outlines", "the shadow depth query", "deformation", "volumes from depth maps"]
-            [self as usize]
+        [
+            "extraction",
+            "drawing shadow volumes or outlines",
+            "the shadow depth query",
+            "deformation",
+            "volumes from depth maps",
+        ][self as usize]
     }
 
     /// Whether the GPU computes the workgroup count of a stage, or the results are drawn by an indirect draw.

@@ -1,5 +1,7 @@
 //! The bound on stencil counts: never below a count that is found by trying every face, never below half of what a half
 //! plane of its pencil crosses, and not much above that.
+//!
+//! The stages are `stencil_pencil`, `stencil_crossings` and `stencil_bound`.
 
 use glam::DVec3;
 use rimline::gpu::{Caster, Measuring, Scene, SceneOptions, ShadowStatistics};
