@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+#[cfg(feature = "reference")]
 use super::handles::CasterHandle;
 use super::handles::{LightHandle, SceneId};
 use super::hidden::HiddenCounts;
@@ -10,7 +11,6 @@ use super::structure::Structure;
 use super::volumes::Volumes;
 use crate::Light;
 use crate::gpu::common::requirements::check_same;
-#[cfg(feature = "reference")]
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::pipelines::Convention;
 use crate::gpu::shadow::scene_pipelines::ScenePipelines;
