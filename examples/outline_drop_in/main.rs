@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let style = OutlineStyle { width: 6.0, ..OutlineStyle::default() };
     let depth = &stage.depth();
     let outline = outlines.prepare(&OutlineInputs { extraction, light: 0, camera, depth, style, marked: None })?;
-    outline.draw(&mut stage.overlay(&mut encoder));
+    outline.draw(&mut stage.overlay(&mut encoder))?;
     stage.develop(&mut encoder);
     canvas.save(encoder, "outline_drop_in.png")
 }

@@ -1,5 +1,5 @@
-//! The stages on the GPU. They are recorded into the caller's encoder. Only [`read_back`], its variants and
-//! [`StageTimer::read`] read anything back.
+//! The stages on the GPU. They are recorded into the caller's encoder. Only [`read_back`], its variants,
+//! [`StageTimer::read`] and [`Extraction::read_edges`] read anything back.
 
 mod common;
 mod deform;

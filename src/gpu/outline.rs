@@ -6,7 +6,7 @@ use super::common::bindings::{READ, UNIFORM, texture, whole};
 use super::common::device_error::DeviceError;
 use super::common::memory::{any_error, filled};
 use super::common::pipelines::{Pipelines, group};
-use super::common::requirements::{Subject, check_same};
+use super::common::requirements::{Subject, check_alive, check_same};
 use super::extract::errors::ExtractorError;
 use super::extract::extraction::Extraction;
 use super::extract::include::results_bind_group_layout;
@@ -49,14 +49,15 @@ pub struct OutlineStyle {
     pub silhouette: Option<[f32; 4]>,
     /// The colour of edges with one face.
     pub boundary: Option<[f32; 4]>,
-    /// The colour of edges between faces that meet at more than [`Self::crease_angle`], if they are no silhouettes.
+    /// The colour of edges between faces that meet at more than [`Self::crease_angle`], if they are no silhouettes. A polygon that is
+    /// one face ([`Mesh::from_polygons_by_loop`](crate::Mesh::from_polygons_by_loop)) has the normal of its first triangle.
     pub crease: Option<[f32; 4]>,
     /// The largest angle between the normals of two faces that make no crease, in radians.
     pub crease_angle: f32,
     /// The colour of the edges of [`OutlineInputs::marked`], if they are nothing else that is drawn.
     pub marked: Option<[f32; 4]>,
     /// How far a line may lie behind the depth that was drawn and still be seen, in units of depth. Slopes of surfaces are allowed
-    /// for in any case. It covers the rounding of depth: a few units of its last place.
+    /// for in any case. It covers the rounding of depth: a few units of its last place, so 4e-5 for `Depth16Unorm`.
     pub depth_bias: f32,
 }
 
@@ -86,8 +87,8 @@ pub struct OutlineInputs<'a> {
     pub light: usize,
     /// The camera. It maps the positions of the extraction.
     pub camera: &'a ShadowCamera,
-    /// The depth of what hides lines, the model itself too, drawn by this camera. It is a view of one layer with the depth aspect
-    /// only, of a texture with usage `TEXTURE_BINDING`. It may be the depth attachment of the pass if that is read-only there. Its
+    /// The depth of what hides lines, the model itself too, drawn by this camera. It is a view of level 0 of one layer with the depth
+    /// aspect only, of a texture with usage `TEXTURE_BINDING`. It may be the depth attachment of the pass if that is read-only there. Its
     /// size is that of the picture.
     pub depth: &'a wgpu::TextureView,
     /// How lines look.
@@ -107,9 +108,9 @@ pub enum OutlineError {
     /// The camera is refused.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// The extraction has no such light, is out of date, or cannot be bound.
+    /// The extraction has no such light, is out of date, or lacks what outlines read.
     #[error(transparent)]
-    Extraction(#[from] ExtractorError),
+    Extraction(ExtractorError),
     /// The extractor's draws have too few vertices.
     #[error(
         "the extractor draws {given} vertices for each edge, and outlines need 4; set `ListOptions::vertices_per_edge`"
@@ -117,6 +118,12 @@ pub enum OutlineError {
     Vertices {
         /// Vertices for each edge.
         given: u32,
+    },
+    /// The depth texture has no depth, or shaders may not read it.
+    #[error("the depth texture, of format {format:?}, cannot be read; give one with depth and usage TEXTURE_BINDING")]
+    Depth {
+        /// Its format.
+        format: wgpu::TextureFormat,
     },
     /// The depth texture is not what the pipeline was made for.
     #[error(
@@ -157,6 +164,16 @@ pub enum OutlineError {
     },
 }
 
+impl From<ExtractorError> for OutlineError {
+    /// A device is refused by the same case, whoever finds it.
+    fn from(error: ExtractorError) -> Self {
+        match error {
+            ExtractorError::Device(error) => Self::Device(error),
+            error => Self::Extraction(error),
+        }
+    }
+}
+
 /// Draws edges of extractions as lines of a width in pixels, with round joins, smoothed by coverage, and hidden behind the depth
 /// that the caller drew. Nothing is read back.
 ///
@@ -167,7 +184,7 @@ pub enum OutlineError {
 /// #     depth: &wgpu::TextureView, pass: &wgpu::RenderPassDescriptor<'_>) -> Result<(), OutlineError> {
 /// let style = OutlineStyle { width: 3.0, crease: Some([0.3, 0.3, 0.3, 1.0]), ..OutlineStyle::default() };
 /// let outline = pipeline.prepare(&OutlineInputs { extraction, light: 0, camera, depth, style, marked: None })?;
-/// outline.draw(&mut encoder.begin_render_pass(pass));
+/// outline.draw(&mut encoder.begin_render_pass(pass))?;
 /// # Ok(()) }
 /// ```
 ///
@@ -186,6 +203,7 @@ pub struct OutlinePipeline {
 /// An outline that is ready to be drawn.
 #[derive(Clone, Debug)]
 pub struct Outline {
+    extraction: Extraction,
     groups: [wgpu::BindGroup; 2],
     /// The pipeline of silhouettes and boundaries, and the arguments of their draw.
     silhouettes: Option<(wgpu::RenderPipeline, wgpu::Buffer, u64)>,
@@ -195,7 +213,11 @@ pub struct Outline {
 
 impl Outline {
     /// Draws the outline into a pass with the attachments of the pipeline's format. It sets pipelines and bind groups 0 and 1.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+    ///
+    /// # Errors
+    /// [`ExtractorError::Stale`] if the extractor was encoded again. Nothing is drawn then.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) -> Result<(), OutlineError> {
+        self.extraction.check_current()?;
         for (number, group) in (0..).zip(&self.groups) {
             pass.set_bind_group(number, group, &[]);
         }
@@ -207,6 +229,7 @@ impl Outline {
             pass.set_pipeline(pipeline);
             pass.draw_indirect(arguments, *offset);
         }
+        Ok(())
     }
 }
 
@@ -238,6 +261,7 @@ impl OutlinePipeline {
         let OutlineInputs { extraction, light, camera, depth, style, marked } = *inputs;
         let (device, shared) = (self.shared.device(), &extraction.shared);
         check_same(["the extraction", "the outline's pipeline"], [shared.device(), device])?;
+        check_alive(device)?;
         camera.check_any_hand()?;
         style.check()?;
         let (arguments, offset) = extraction.draw_arguments(light)?;
@@ -245,6 +269,10 @@ impl OutlinePipeline {
             return Err(OutlineError::Vertices { given });
         }
         let map = depth.texture();
+        let format = map.format();
+        if !(format.has_depth_aspect() && map.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING)) {
+            return Err(OutlineError::Depth { format });
+        }
         let is_depth_multisampled = self.format.is_depth_multisampled;
         if (map.sample_count() > 1) != is_depth_multisampled {
             return Err(OutlineError::DepthSamples { given: map.sample_count(), is_depth_multisampled });
@@ -253,6 +281,12 @@ impl OutlinePipeline {
         let needed = 4 * edges.div_ceil(32) as u64;
         if let Some(given) = marked.map(wgpu::Buffer::size).filter(|&given| given < needed) {
             return Err(OutlineError::Marks { given, needed, edges });
+        }
+        let (limit, arrays) = (shared.limits.binding, [("faces", Some(&shared.buffers.faces)), ("marks", marked)]);
+        for (what, bytes) in arrays.into_iter().filter_map(|(what, buffer)| Some((what, buffer?.size()))) {
+            if bytes > limit {
+                return Err(DeviceError::BindingTooLarge { what, bytes, limit }.into());
+            }
         }
         let view = style.view(camera, light, [map.width(), map.height()], marked.is_some());
         let draws = |classes: u32| view.classes & classes != 0;
@@ -266,7 +300,7 @@ impl OutlinePipeline {
             group(device, "outline", &self.layouts[1], &resources)
         });
         let own = own.map_err(|message| OutlineError::Refused { message })?;
-        Ok(Outline { groups: [results, own], silhouettes, features })
+        Ok(Outline { extraction: extraction.clone(), groups: [results, own], silhouettes, features })
     }
 
     fn features(&self) -> &wgpu::RenderPipeline {

@@ -13,7 +13,7 @@ use rimline_testkit::shapes;
 
 pub(crate) const TESTS: &[Test] = &[("outlines_that_cannot_be_drawn_are_typed_errors", refused)];
 
-fn depth(gpu: &Gpu, sample_count: u32) -> wgpu::TextureView {
+fn depth(gpu: &Gpu, sample_count: u32, usage: wgpu::TextureUsages) -> wgpu::TextureView {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: None,
         size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
@@ -21,7 +21,7 @@ fn depth(gpu: &Gpu, sample_count: u32) -> wgpu::TextureView {
         sample_count,
         dimension: wgpu::TextureDimension::D2,
         format: wgpu::TextureFormat::Depth32Float,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
         view_formats: &[],
     });
     texture.create_view(&wgpu::TextureViewDescriptor::default())
@@ -49,7 +49,9 @@ fn refused() -> Result<(), String> {
     let pipeline = OutlinePipeline::new(&gpu.pipelines, &OutlineFormat::default()).map_err(text)?;
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
     let camera = ShadowCamera { view_projection: identity, origin: [0.0; 3], depth: DepthDirection::Standard };
-    let [one, several] = [1, 4].map(|samples| depth(gpu, samples));
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING;
+    let [one, several] = [1, 4].map(|samples| depth(gpu, samples, usage));
+    let unread = depth(gpu, 1, wgpu::TextureUsages::empty());
     let marks = gpu.storage(&[0_u32; 4]);
     let good = OutlineInputs {
         extraction: &four,
@@ -63,12 +65,13 @@ fn refused() -> Result<(), String> {
     let style = |style| OutlineInputs { style, ..good };
     let default = OutlineStyle::default();
     let prepared = |inputs: &OutlineInputs<'_>| pipeline.prepare(inputs).map(drop);
-    prepared(&good).map_err(text)?;
+    let made = pipeline.prepare(&good).map_err(text)?;
     for (what, inputs, expected) in [
         ("lines", OutlineInputs { extraction: &two, ..good }, "draws 2 vertices for each edge, and outlines need 4"),
         ("no light", OutlineInputs { light: 1, ..good }, "light 1 asked for, and 1 lights were extracted"),
         ("no camera", OutlineInputs { camera: &singular, ..good }, "singular or not finite"),
         ("samples", OutlineInputs { depth: &several, ..good }, "has 4 samples a pixel, and the pipeline reads one"),
+        ("unread depth", OutlineInputs { depth: &unread, ..good }, "of format Depth32Float, cannot be read"),
         ("marks", OutlineInputs { marked: Some(&marks), ..good }, "16 bytes, and 1152 edge records need 144"),
         ("width", style(OutlineStyle { width: -1.0, ..default }), "`width` of the style is -1"),
         ("angle", style(OutlineStyle { crease_angle: f32::NAN, ..default }), "`crease_angle` of the style is NaN"),
@@ -78,6 +81,29 @@ fn refused() -> Result<(), String> {
     }
     gpu.submit(|encoder| extractor.encode(encoder, place, &[Light::point([4.0; 3])], None).map_err(text).map(drop))?;
     expect("an old extraction", prepared(&good), "out of date")?;
+    let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: OutlineFormat::default().color,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+    gpu.submit(|encoder| {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations::default(),
+            })],
+            ..Default::default()
+        });
+        expect("an outline of an old extraction", made.draw(&mut pass), "out of date")
+    })?;
     let formats = OutlineFormat { color: wgpu::TextureFormat::Rgba32Uint, ..OutlineFormat::default() };
     expect("integers", OutlinePipeline::new(&gpu.pipelines, &formats).map(drop), "the device refuses outlines")?;
     let other = gpu.another(wgpu::Features::empty(), wgpu::Limits::default())?;

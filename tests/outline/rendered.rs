@@ -163,7 +163,7 @@ pub(crate) fn render(gpu: &Gpu, inputs: &Inputs<'_>) -> Result<Vec<u8>, String> 
             }),
             ..Default::default()
         });
-        outline.draw(&mut pass);
+        outline.draw(&mut pass).map_err(text)?;
         drop(pass);
         encoder.copy_texture_to_buffer(
             target.as_image_copy(),

@@ -142,7 +142,7 @@ fn outline_feature(@builtin(vertex_index) corner: u32, @builtin(instance_index) 
   if (found.valid) {
     return outline_nothing();
   }
-  if ((outline.classes & 4u) != 0u && outline_is_crease(edge, found.kind == 1u)) {
+  if ((outline.classes & 4u) != 0u && found.kind != 2u && outline_is_crease(edge, found.kind == 1u)) {
     return outline_point(corner, found.a, found.b, outline.crease);
   }
   if ((outline.classes & 8u) != 0u && ((outline_marks[edge >> 5u] >> (edge & 31u)) & 1u) != 0u) {

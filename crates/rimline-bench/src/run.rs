@@ -76,14 +76,14 @@ impl Results {
         Ok(())
     }
 
-    /// Adds a row. A scene that does not fit the device is left out.
+    /// Adds a row. A scene that does not fit the device is left out, unless it is the only one.
     fn row(&mut self, title: &str, host: &dyn Host, measure: impl FnOnce() -> Result<Row, Error>) -> Result<(), Error> {
         if host.is_stopped() {
             return Err(Error::Stopped);
         }
         host.step(title);
         match measure() {
-            Err(error) if error.is_too_large() => {
+            Err(error) if error.is_too_large() && self.planned_rows > 1 => {
                 host.note(&format!("without {title}: {error}"));
                 self.planned_rows -= 1;
             }

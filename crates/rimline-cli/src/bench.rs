@@ -10,7 +10,9 @@ use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Threads};
 use rimline::wgpu;
 use rimline_bench::gpu::Gpu as Measured;
-use rimline_bench::{Adapter, CHARTS, Error, Host, Model, Opened, Options, Plan, Results, SCHEMA, TITLE, depth_maps};
+use rimline_bench::{
+    Adapter, CHARTS, Error, Host, Model, Opened, Options, Plan, PlanError, Results, SCHEMA, TITLE, depth_maps,
+};
 
 use crate::bench_args::{BenchArgs, Number};
 use crate::device::{self, Device, Gpu, Wanted};
@@ -32,7 +34,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let plan = match Plan::new(options(args, &wanted)?) {
         Ok(plan) => Some(plan),
         // Times from before are enough for a report.
-        Err(_) if measured_before.is_some() && asks_for_nothing(args) => None,
+        Err(PlanError::Nothing) if measured_before.is_some() => None,
         Err(error) => return Err(UsageError::Bench(error).into()),
     };
     let destination = Destination::new(args)?;
@@ -72,11 +74,6 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     }
     outcome.map_err(|error| failure(error, gpu))?;
     if results.is_complete() { Ok(()) } else { Err(Failure::Interrupted) }
-}
-
-fn asks_for_nothing(args: &BenchArgs) -> bool {
-    let is_none = |numbers: &Option<Vec<Number>>| numbers.as_ref().is_some_and(|all| Number::counts(all).is_empty());
-    is_none(&args.meshes) && args.scenes.as_ref().is_some_and(|names| *names == ["none"])
 }
 
 fn options(args: &BenchArgs, wanted: &Wanted) -> Result<Options, Failure> {

@@ -76,7 +76,7 @@ fn main() -> ExitCode {
 /// Runs the command again in this same process, with `XDG_RUNTIME_DIR`, if that is no absolute path. Mesa's Vulkan layer asks
 /// Wayland for the screen's GPU each time that adapters are listed, and libwayland then prints an error without the variable,
 /// although nothing is wrong; a process cannot safely change its own environment. Where that fails, the command goes on as it
-/// is: the message is all that it costs.
+/// is: the message is all that it costs. It runs again before it looks at its arguments, which takes a millisecond.
 #[cfg(all(unix, not(target_vendor = "apple")))]
 fn keep_wayland_quiet() {
     use std::os::unix::process::CommandExt as _;

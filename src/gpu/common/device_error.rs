@@ -173,7 +173,9 @@ pub enum DeviceError {
         message: String,
     },
     /// The platform is a browser, where no thread may wait for the device.
-    #[error("this platform does not wait for the device; await `read_back_async` or `StageTimer::read_async` instead")]
+    #[error(
+        "this platform does not wait for the device; await `read_back_async`, `StageTimer::read_async` or `Extraction::read_edges_async` instead"
+    )]
     CannotWait,
 
     /// The queue does not say how long a tick is.

@@ -77,11 +77,11 @@ pub enum ExtractorError {
     )]
     OtherMesh,
     /// The per-edge method has no facing masks, and the light's list has no room for its edges.
-    #[error("light {light} has {count} silhouette edges, which its list has no room for; set `ListOptions::capacity`")]
+    #[error(
+        "the list of light {light} does not hold its silhouette edges; set `ExtractorOptions::lists`, and their `capacity`"
+    )]
     NoFacing {
         /// The light.
         light: usize,
-        /// The number of its silhouette edges; 0 if there are no lists.
-        count: u32,
     },
 }

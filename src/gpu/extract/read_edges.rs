@@ -38,8 +38,8 @@ impl Extraction {
         self.silhouette(mesh, light, &source, wait(device, download)?)
     }
 
-    /// Reads the silhouette as [`Self::read_edges`] does, without waiting. [`read_back_async`](crate::gpu::read_back_async) says who
-    /// polls. An encode of the same extractor before the future is ready makes it fail with
+    /// Reads the silhouette as [`Self::read_edges`] does, without waiting, and submits nothing before the first poll.
+    /// [`read_back_async`](crate::gpu::read_back_async) says who polls. An encode of the same extractor before the future is ready makes it fail with
     /// [`ExtractorError::Stale`].
     ///
     /// # Errors
@@ -89,7 +89,7 @@ impl Extraction {
                 (Source::List, list, at..at + 4 * u64::from(count))
             }
             (_, Some(facing)) => (Source::Facing, facing, 0..4 * self.shared.shape.face_words as u64),
-            (_, None) => return Err(ExtractorError::NoFacing { light, count }),
+            (_, None) => return Err(ExtractorError::NoFacing { light }),
         };
         Ok(Some((source, Download::new(device, queue, buffer, range)?)))
     }

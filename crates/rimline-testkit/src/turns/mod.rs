@@ -31,13 +31,6 @@ pub fn turns(source: &str, limits: &Limits<'_>) -> Result<Vec<(String, u64)>, St
         .collect()
 }
 
-/// The entry points of the compute stage among [`turns`], or of the others.
-pub fn is_compute(source: &str, entry_point: &str) -> bool {
-    naga::front::wgsl::parse_str(source).is_ok_and(|module| {
-        module.entry_points.iter().any(|entry| entry.name == entry_point && entry.stage == ShaderStage::Compute)
-    })
-}
-
 /// The integer constants of a module, as far as they follow from numbers and constants above, with the limits.
 fn names(source: &str, limits: &Limits<'_>) -> BTreeMap<String, i64> {
     let mut names: BTreeMap<_, _> = limits.iter().map(|(&name, &value)| (name.to_owned(), value as i64)).collect();
