@@ -80,7 +80,7 @@ impl Default for OutlineStyle {
 /// The outline to draw.
 #[derive(Clone, Copy, Debug)]
 pub struct OutlineInputs<'a> {
-    /// What was extracted. Its extractor has lists with at least four vertices for each edge, the default.
+    /// The extraction. Its extractor has lists with at least four vertices for each edge, the default.
     pub extraction: &'a Extraction,
     /// The number of the light that stands for the eye: for a perspective camera [`Light::point`](crate::Light::point) at the eye,
     /// for an orthographic one [`Light::directional`](crate::Light::directional) towards it.
@@ -133,7 +133,7 @@ pub enum OutlineError {
     DepthSamples {
         /// Samples of the texture.
         given: u32,
-        /// What the pipeline was made for.
+        /// Whether the pipeline was made for several.
         is_depth_multisampled: bool,
     },
     /// There are too few marks.
@@ -207,7 +207,7 @@ pub struct Outline {
     groups: [wgpu::BindGroup; 2],
     /// The pipeline of silhouettes and boundaries, and the arguments of their draw.
     silhouettes: Option<(wgpu::RenderPipeline, wgpu::Buffer, u64)>,
-    /// That of creases and marked edges, and the number of edge records.
+    /// The pipeline of creases and marked edges, and the number of edge records.
     features: Option<(wgpu::RenderPipeline, u32)>,
 }
 

@@ -95,7 +95,7 @@ pub(crate) fn middle(pixel: u32, side: u32) -> DVec2 {
     DVec2::new(f64::from(pixel % side) + 0.5, f64::from(pixel / side) + 0.5)
 }
 
-/// What the pixels of a square picture see at their middles, as device depths.
+/// Depths that the pixels of a square picture see at their middles, as device depths.
 pub(crate) fn seen_depths(eye: &ShadowCamera, side: u32, seen: &dyn Fn(DVec2) -> (DVec3, DVec3)) -> Vec<f32> {
     (0..side * side).map(|pixel| device_depth(eye, seen(middle(pixel, side)).1)).collect()
 }

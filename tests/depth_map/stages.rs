@@ -338,7 +338,7 @@ fn detectors() -> Result<(), String> {
     if cells > 50_000 && continued > 300 && !noticed.contains(&0) { Ok(()) } else { Err("too few".to_owned()) }
 }
 
-/// What the rules are for: a slope has no edges within it, and a step on it has.
+/// The purpose of the rules: a slope has no edges within it, and a step on it has.
 fn slopes() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let pipelines = pipelines(&gpu, DepthDirection::Reversed, 7..8)?;

@@ -69,7 +69,7 @@ fn faces_lie_to_the_left_of_silhouette_edges() {
     assert!(edges > 50_000 && refused > edges * 9 / 10, "{refused} of {edges}");
 }
 
-/// What is wrong with chains.
+/// The first fault of chains.
 fn fault(silhouette: &Silhouette, chains: &[Chain], mesh: &Mesh) -> Option<String> {
     let by_record: BTreeMap<u32, [u32; 2]> =
         silhouette.edges().iter().map(|edge| (edge.record, edge.vertices)).collect();

@@ -136,7 +136,7 @@ fn marks(mesh: &Mesh) -> Vec<u32> {
     words
 }
 
-/// What each pixel has to be.
+/// The ink that each pixel has to have.
 struct Truth {
     /// A line passes through the pixel that nothing hides.
     must: Vec<bool>,

@@ -13,7 +13,7 @@ use rimline_testkit::pipelines::{Drawing, depth};
 /// Pixels along a side of the picture.
 pub(crate) const SIDE: u32 = 256;
 
-/// What is drawn into and read.
+/// Textures that are drawn into and read.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Attachments {
     pub(crate) depth: wgpu::TextureFormat,
@@ -21,7 +21,7 @@ pub(crate) struct Attachments {
     pub(crate) depth_samples: u32,
     /// Whether that depth is attached, read-only, while it is read. Otherwise there is no depth attachment.
     pub(crate) is_attached: bool,
-    /// What its rounding needs.
+    /// The bias that its rounding needs.
     pub(crate) bias: f32,
 }
 

@@ -1,4 +1,4 @@
-//! What a frame lists and keeps, from the lights that reach each caster, the decisions on clusters and what was kept before, all
+//! Lists of a frame, and all that it keeps, from the lights that reach each caster, the decisions on clusters and what was kept before, all
 //! read from the GPU. `reach`, `clusters` and `chunks` find the rest from these by integers.
 
 use rimline::gpu::{SceneFrame, SceneStatistics};
@@ -88,7 +88,7 @@ impl Words {
         let (mut listed, mut sums) = (Listed::default(), [0; 6]);
         for (group, dispatch, clusters) in &self.groups {
             let what = |error: String| format!("group {group}, batch {}: {error}", dispatch.batch);
-            // Of another layout nothing is kept.
+            // Nothing of another layout is kept.
             let before = if before.first() == Some(&dispatch.structure) { before } else { &[] };
             let anew = self.check_pairs(*group, dispatch, before, &mut sums).map_err(what)?;
             self.check_faces(dispatch, before, anew, &mut sums).map_err(what)?;

@@ -335,7 +335,7 @@ fn stencil_crossings() -> Result<(), String> {
     let light = ShadowLight { casting: CAST_EVERY, counting: COUNT_Z_PASS, ..bytemuck::Zeroable::zeroed() };
     let mut words = table(&mesh, PLACES[0], &[light], &[false]);
     words[std::mem::offset_of!(SceneCaster, edges) / 4] = edges.len() as u32;
-    // Of a caster that the axis does not meet.
+    // A caster that the axis does not meet.
     let boxes = box_words(&[[8.0, 0.0, 8.0], [12.0, 4.0, 12.0]], &[[0, 1, 1]]);
     let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
     let (shape, draw, table) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&words));

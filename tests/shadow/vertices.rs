@@ -28,7 +28,7 @@ pub(crate) const TESTS: &[Test] = &[
 
 type Outcome = Result<(), String>;
 
-/// What the ends of an edge, first that of lower index, and the edge have on the near plane of a camera, for a light.
+/// Places that the ends of an edge, first that of lower index, and the edge have on the near plane of a camera, for a light.
 pub(crate) struct OfEdge(Vec<[f32; 4]>);
 
 impl OfEdge {

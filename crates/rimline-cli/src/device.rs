@@ -2,13 +2,12 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use rimline::gpu::{Pipelines, read_back_vec};
+use rimline::gpu::{DeviceError, Pipelines, read_back_vec};
 use rimline::wgpu;
 use rimline_bench::slivers;
 use wgpu::{AdapterInfo, Backend, Backends, DeviceType, Features, Limits};
 
 use crate::failure::{Failure, NoDevice};
-use crate::gpu_error::GpuError;
 use crate::output::note;
 
 /// Features that Rimline uses where a device has them; it needs none of them.
@@ -352,12 +351,12 @@ impl Gpu {
     }
 
     /// Contents of a buffer. Waits for the device.
-    pub(crate) fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer) -> Result<Vec<T>, GpuError> {
-        Ok(read_back_vec(&self.device, &self.queue, buffer)?)
+    pub(crate) fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer) -> Result<Vec<T>, DeviceError> {
+        read_back_vec(&self.device, &self.queue, buffer)
     }
 
     /// The first item of a buffer, or zeros. Waits for the device.
-    pub(crate) fn read_first<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer) -> Result<T, GpuError> {
+    pub(crate) fn read_first<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer) -> Result<T, DeviceError> {
         Ok(self.read(buffer)?.first().copied().unwrap_or(T::zeroed()))
     }
 

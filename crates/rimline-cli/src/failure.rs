@@ -8,7 +8,7 @@ use crate::begins::FormatError;
 use crate::load_args::size;
 use crate::npz::NpzError;
 use crate::obj::ObjError;
-use crate::shadow::given_map::GivenMapError;
+use crate::shadow::given_map_error::GivenMapError;
 use crate::spec::SpecError;
 
 pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {

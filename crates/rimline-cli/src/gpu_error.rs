@@ -10,7 +10,7 @@ use rimline::gpu::{
 use crate::device::{Gpu, describe};
 use crate::failure::{Failure, NoDevice, UsageError};
 use crate::load_args::size;
-use crate::shadow::given_map::GivenMapError;
+use crate::shadow::given_map_error::GivenMapError;
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum GpuError {
@@ -22,10 +22,10 @@ pub(crate) enum GpuError {
     Device(#[from] DeviceError),
     #[error(transparent)]
     Query(#[from] QueryError),
-    /// Of scenes, or of what shadows of any kind have.
+    /// An error of scenes, or of what shadows of any kind have.
     #[error(transparent)]
     Shadow(#[from] ShadowError),
-    /// Of a caster by itself.
+    /// An error of a caster by itself.
     #[error(transparent)]
     Volumes(ShadowError),
     #[error(transparent)]
@@ -112,7 +112,7 @@ impl GpuError {
         }
     }
 
-    /// What does not fit.
+    /// The memory that does not fit.
     fn memory(&self) -> Option<&DeviceError> {
         match self {
             Self::Device(error)

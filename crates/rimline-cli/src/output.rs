@@ -3,30 +3,22 @@
 use std::fs::{File, Metadata};
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use tempfile::TempPath;
 
 use crate::failure::Failure;
 use crate::shown::{Line, Text};
 use crate::signals::{self, make_unfinished, remove_unfinished};
-use crate::target::{Target, check_parent, end_of_links, find, folder_of};
+use crate::target::{self, Target, check_parent, end_of_links, find, folder_of};
 
+#[cfg(feature = "bench")]
 pub(crate) use crate::signals::{finish_at_interrupt, is_interrupted};
-
-/// Whether a result goes to standard output, so that text cannot.
-static HOLDS_RESULT: AtomicBool = AtomicBool::new(false);
-
-/// Keeps text from standard output, as a result goes there.
-pub(crate) fn hold_result() {
-    HOLDS_RESULT.store(true, Ordering::SeqCst);
-}
 
 /// Prints to standard output, or to standard error where a result goes to standard output. A reader that has gone away
 /// (`| head`) is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let text = Text(text).to_string();
-    if HOLDS_RESULT.load(Ordering::SeqCst) {
+    if target::holds_result() {
         let _ = io::stderr().write_all(text.as_bytes());
         return Ok(());
     }

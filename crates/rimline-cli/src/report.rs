@@ -1,4 +1,4 @@
-//! What the reports of `extract`, `query` and `shadow` share.
+//! Parts that the reports of `extract`, `query` and `shadow` share.
 
 use std::fmt::{Display, Write as _};
 

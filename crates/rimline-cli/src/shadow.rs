@@ -2,18 +2,22 @@
 
 pub(crate) mod args;
 pub(crate) mod casters;
+pub(crate) mod casting;
 mod covered;
 pub(crate) mod depth;
 mod depth_shadows;
 pub(crate) mod frame;
 pub(crate) mod from_depth;
+mod given_lights;
 pub(crate) mod given_map;
+pub(crate) mod given_map_error;
 mod layers;
 mod light_depths;
 mod light_maps;
 mod overlay;
 pub(crate) mod pictures;
 pub(crate) mod posed_model;
+mod receiver;
 pub(crate) mod receiver_pipelines;
 pub(crate) mod render_resources;
 mod report;
@@ -22,6 +26,7 @@ mod scene_shadows;
 mod shaded_lights;
 pub(crate) mod shadow_scene;
 pub(crate) mod shadows;
+mod shown_maps;
 mod single_casters;
 
 use std::time::Instant;
@@ -78,7 +83,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(posed_model::PosedModel::points).collect();
     let mut set = ShadowScene::new(scene, bodies, &points, given.map(GivenMap::light))?;
-    given.map_or(Ok(()), |map| given_map::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
+    given.map_or(Ok(()), |map| given_lights::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
     if let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) {
         return Err(UsageError::CoveredPolygons { file: body.input.file.clone() }.into());
     }
@@ -117,8 +122,8 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     set.cast(&gpu, &resources, &mut casters, timer.as_mut()).on(&gpu)?;
     gpu.wait()?;
     set.count_layers(&gpu, &mut casters)?;
-    if let Some(maps) = casters.shadows.maps()
-        && let Some(step) = maps.depths_found(&gpu).on(&gpu)?.warn_if_busy(&progress)
+    if let Some(found) = casters.shadows.depths_found(&gpu).on(&gpu)?
+        && let Some(step) = found.warn_if_busy(&progress)
     {
         progress.step(step);
     }

@@ -4,10 +4,23 @@ use std::collections::HashMap;
 use std::fs::{File, Metadata, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::failure::UsageError;
-use crate::output;
 use crate::source;
+
+/// Whether a result goes to standard output, so that text cannot.
+static HOLDS_RESULT: AtomicBool = AtomicBool::new(false);
+
+/// Keeps text from standard output, as a result goes there.
+fn hold_result() {
+    HOLDS_RESULT.store(true, Ordering::SeqCst);
+}
+
+/// Whether a result goes to standard output.
+pub(crate) fn holds_result() -> bool {
+    HOLDS_RESULT.load(Ordering::SeqCst)
+}
 
 pub(crate) enum Target {
     /// A name for a regular file, with what is there already.
@@ -20,7 +33,7 @@ pub(crate) enum Target {
 pub(crate) fn find(name: &Path) -> io::Result<Target> {
     if is_stdout(name) {
         let no_stream = || io::Error::other("standard output cannot be written through here; give the name of a file");
-        output::hold_result();
+        hold_result();
         return Ok(Target::Through(standard(&io::stdout()).ok_or_else(no_stream)?, false));
     }
     if name.to_string_lossy().ends_with(std::path::is_separator) {
@@ -45,7 +58,7 @@ fn existing(name: &Path, there: Metadata) -> io::Result<Target> {
             && file.metadata().is_ok_and(|open| identity(name, &open) == identity(name, &there))
         {
             if is_stdout {
-                output::hold_result();
+                hold_result();
             }
             return Ok(Target::Through(file, false));
         }

@@ -9,8 +9,10 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::On as _;
 use crate::input::{Input, Scene, Shape, Source};
+use crate::shadow::casters;
+use crate::shadow::casting::CastInputs;
 use crate::shadow::posed_model::PosedModel;
-use crate::shadow::shadows::{CastInputs, VolumePipelines};
+use crate::shadow::shadows::VolumePipelines;
 
 const CORNERS: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
@@ -48,7 +50,7 @@ pub(crate) fn shadow_stages(
         origin: Origin::ZERO,
     };
     let body = [PosedModel::new(gpu, &input, &[], 0.0, None)?];
-    let mut shadows = pipelines.casters(gpu, lights.len()).on(gpu)?;
+    let mut shadows = casters::shadows(gpu, pipelines, lights.len()).on(gpu)?;
     shadows.place(gpu, &body)?;
     let mut encoder = gpu.encoder("warm up");
     let inputs = CastInputs { gpu, bodies: &body, seen, camera, lights };

@@ -1,4 +1,4 @@
-//! What the bound of a cluster decides, in `f64`. docs/numerics/clusters.md, "Bound on planes".
+//! Decisions by the bound of a cluster, in `f64`. docs/numerics/clusters.md, "Bound on planes".
 
 use rimline::Light;
 use rimline::reference::clusters::ClusterBound;

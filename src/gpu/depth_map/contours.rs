@@ -1,10 +1,10 @@
 //! The stages that rebuild a map's boundary as walls over its contours.
 
+use super::bound::Bound;
 use super::edges::lattice;
 use super::error::DepthMapError;
 use super::options::{DepthMapMethod, DepthMapOptions};
 use super::pipelines::DepthMapPipelines;
-use super::recording::Bound;
 use super::stage::ObjectStage;
 use crate::gpu::common::bindings::{Resource, whole};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};

@@ -1,5 +1,6 @@
 //! Volumes from depth maps: the boundary between light and shadow is rebuilt from what a light sees.
 
+mod bound;
 mod contours;
 mod conversion;
 mod cube;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
+use super::bound::Bound;
 use super::error::DepthMapError;
 use super::frame::{DepthMapFrame, DepthMapNearCap};
 use super::jitter::{jitters, reach};
@@ -14,7 +15,7 @@ use super::texture::{check_objects, check_texture};
 use super::view::{Placing, depth_map_view};
 use super::volumes::DepthMapVolumes;
 use crate::ShadowCamera;
-use crate::gpu::common::bindings::{Resource, texture, uniform, whole};
+use crate::gpu::common::bindings::{texture, uniform, whole};
 use crate::gpu::common::dispatch_limits::{WORKGROUP, loops};
 use crate::gpu::common::memory::{any_error, filled};
 use crate::gpu::common::pass::{Step, Workgroups, record};
@@ -22,7 +23,7 @@ use crate::gpu::common::pipelines::{Pipeline, group};
 use crate::gpu::common::requirements::{check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::wanted::Wanted;
-use crate::layout::{ContourShape, DepthMapShape, DepthMapView, DepthNearBox};
+use crate::layout::{DepthMapShape, DepthMapView, DepthNearBox};
 use crate::shadow::DepthDirection;
 
 /// The inputs of an encode: one map, or the six of a cube in one texture.
@@ -33,31 +34,6 @@ pub(super) struct Inputs<'a> {
     /// The formats that the depths of the maps were rounded to.
     pub(super) formats: &'a [wgpu::TextureFormat],
     pub(super) eye: &'a ShadowCamera,
-}
-
-/// The bindings of the map for stages and draws.
-pub(super) struct Bound<'a> {
-    /// The map, and its objects.
-    textures: [&'a wgpu::TextureView; 2],
-    shape: DepthMapShape,
-    map: wgpu::Buffer,
-    contour: Option<wgpu::Buffer>,
-}
-
-impl Bound<'_> {
-    pub(super) fn has_objects(&self) -> bool {
-        self.shape.objects == 1
-    }
-
-    pub(super) fn get(&self, name: &str) -> Option<Resource<'_>> {
-        Some(match name {
-            "depth_map" => uniform::<DepthMapShape>(&self.map, 0),
-            "depth_texture" => texture(self.textures[0]),
-            "object_texture" => texture(self.textures[1]),
-            "contour" => uniform::<ContourShape>(self.contour.as_ref()?, 0),
-            _ => return None,
-        })
-    }
 }
 
 impl DepthMapVolumes {

@@ -11,7 +11,7 @@ use crate::mesh::Silhouette;
 /// The bit of a list's entry that has the winding.
 const WINDING: u32 = 1 << 31;
 
-/// What is read, when the number of silhouette edges is known.
+/// The source of the edges, when their number is known.
 enum Source {
     /// So many entries of the light's list.
     List,

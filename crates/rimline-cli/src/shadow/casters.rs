@@ -4,11 +4,14 @@ use glam::Vec3;
 use rimline::gpu::{Extraction, StageTimer};
 use rimline::wgpu;
 
+use super::casting::{CastInputs, put};
 use super::covered::CoveredFaces;
+use super::depth_shadows::DepthShadows;
 use super::posed_model::PosedModel;
-use super::receiver_pipelines::Receiver;
-use super::shadows::{CastInputs, Shadows, VolumePipelines, put};
-use super::single_casters::Extracted;
+use super::receiver::Receiver;
+use super::scene_shadows::SceneShadows;
+use super::shadows::{Shadows, VolumePipelines};
+use super::single_casters::{Extracted, SingleCasters};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
@@ -26,6 +29,15 @@ pub(crate) struct Casters {
     max_lights: usize,
 }
 
+/// Casters whose shadows are drawn with these pipelines.
+pub(crate) fn shadows(gpu: &Gpu, pipelines: &VolumePipelines, max_lights: usize) -> Result<Box<dyn Shadows>, GpuError> {
+    Ok(match pipelines {
+        VolumePipelines::Scene(pipelines, _) => Box::new(SceneShadows::new(gpu, pipelines.counting(), max_lights)?),
+        VolumePipelines::Single(pipelines) => Box::new(SingleCasters::new(pipelines, max_lights)),
+        VolumePipelines::Depth(maps, from) => Box::new(DepthShadows::new(maps, from, max_lights)),
+    })
+}
+
 impl Casters {
     pub(crate) fn new(
         gpu: &Gpu,
@@ -33,7 +45,7 @@ impl Casters {
         max_lights: usize,
         shows_volumes: bool,
     ) -> Result<Self, GpuError> {
-        let shadows = pipelines.casters(gpu, max_lights)?;
+        let shadows = shadows(gpu, pipelines, max_lights)?;
         let shown = (shows_volumes && !matches!(pipelines, VolumePipelines::Depth(..))).then(Vec::new);
         Ok(Self { shadows, receivers: Vec::new(), shown, max_lights })
     }

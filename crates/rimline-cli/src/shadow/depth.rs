@@ -1,4 +1,4 @@
-//! What the depth and the stencil that shadows are counted with can tell apart, and other numbers that stages leave.
+//! Limits of the depth and the stencil that shadows are counted with, and other numbers that stages leave.
 
 use rimline::reference::layout::ShadowStatistics;
 use rimline::wgpu;

@@ -7,12 +7,13 @@ use rimline::gpu::{DepthMapPipelines, MeshDepth, StageTimer};
 use rimline::reference::layout::ShadowStatistics;
 use rimline::{Counting, DepthDirection, Origin, ShadowCamera, wgpu};
 
+use super::casting::{CastInputs, FacingMasks, put};
 use super::from_depth::{DepthsFound, FromDepth, MAP, MapSource, points};
 use super::light_depths::LightMaps;
 use super::light_maps::LightCameras;
-use super::overlay::ShownDepths;
 use super::posed_model::PosedModel;
-use super::shadows::{CastInputs, Choice, FacingMasks, Found, Shadows, VolumePipelines, put};
+use super::shadows::{Choice, Found, Shadows, VolumePipelines};
+use super::shown_maps::ShownDepths;
 use super::single_casters::Extracted;
 use crate::device::Gpu;
 use crate::failure::Failure;
@@ -40,21 +41,6 @@ impl DepthShadows {
     pub(super) fn new(pipelines: &Arc<DepthMapPipelines>, from: &FromDepth, max_lights: usize) -> Self {
         let (files, lights) = (Vec::new(), Vec::new());
         Self { pipelines: Arc::clone(pipelines), from: from.clone(), max_lights, files, lights }
-    }
-
-    pub(super) fn depths_found(&self, gpu: &Gpu) -> Result<DepthsFound, GpuError> {
-        let lights = self.lights.iter().map(|maps| maps.found(gpu)).collect::<Result<_, _>>()?;
-        Ok(DepthsFound { size: self.from.size(), has_walls: self.from.has_walls(), lights })
-    }
-
-    /// Contents of the overlay of a light's maps.
-    pub(super) fn shown(&self, light: usize) -> Option<ShownDepths<'_>> {
-        self.lights.get(light).and_then(LightMaps::shown)
-    }
-
-    /// The maps of a light as they were drawn. Waits for the device.
-    pub(super) fn saved(&self, gpu: &Gpu, light: usize, origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
-        self.lights.get(light).map(|maps| maps.saved(gpu, origin)).transpose()
     }
 }
 
@@ -130,8 +116,17 @@ impl Shadows for DepthShadows {
         Ok(ShadowStatistics { count_bound: 1, ..bytemuck::Zeroable::zeroed() })
     }
 
-    fn maps(&self) -> Option<&DepthShadows> {
-        Some(self)
+    fn depths_found(&self, gpu: &Gpu) -> Result<Option<DepthsFound>, GpuError> {
+        let lights = self.lights.iter().map(|maps| maps.found(gpu)).collect::<Result<_, _>>()?;
+        Ok(Some(DepthsFound { size: self.from.size(), has_walls: self.from.has_walls(), lights }))
+    }
+
+    fn shown_maps(&self, light: usize) -> Option<ShownDepths<'_>> {
+        self.lights.get(light).and_then(LightMaps::shown)
+    }
+
+    fn saved_maps(&self, gpu: &Gpu, light: usize, origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
+        self.lights.get(light).map(|maps| maps.saved(gpu, origin)).transpose()
     }
 }
 

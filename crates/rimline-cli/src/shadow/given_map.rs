@@ -2,18 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::Vec3;
-use rimline::gpu::{DepthMapError, DepthMapMethod, DepthMetric};
+use rimline::gpu::{DepthMapMethod, DepthMetric};
 use rimline::{CameraError, DepthDirection, Light, Origin, ShadowCamera, wgpu};
 use wgpu::{TextureFormat, TextureUsages};
 
+use super::given_map_error::GivenMapError;
 use super::light_maps::LightCameras;
-use super::shaded_lights::{SceneBounds, ShadedLight};
 use crate::device::Gpu;
-use crate::failure::{Failure, InputError, UsageError};
+use crate::failure::{Failure, InputError};
 use crate::npz::{self, DepthMapArrays, Depths, Metric};
 use crate::render::pipeline_factory::{plain_texture, view};
-use crate::{begins, coordinates, source};
+use crate::{begins, source};
 
 /// A map, or six, with what they were drawn with.
 #[derive(Debug)]
@@ -128,87 +127,4 @@ fn relative(rows: &[[f64; 4]; 4], origin: [f64; 3], run: Origin) -> ([[f64; 4]; 
     }
     let [ox, oy, oz] = run.to_array();
     (rows.map(|[x, y, z, shift]| [x, y, z, shift + x * ox + y * oy + z * oz]), [0.0; 3])
-}
-
-/// Refuses lights that are not the map's.
-pub(super) fn check_lights(
-    map: &GivenMap,
-    lights: &[ShadedLight],
-    stage: &SceneBounds,
-    origin: Origin,
-) -> Result<(), UsageError> {
-    /// How far a light may be off, as a share of its distance or of the extent of the models.
-    const MOST: f64 = 1e-3;
-    /// Extents that count as any distance beyond them, and as a light at infinity.
-    const FAR: f64 = 1e9;
-    let [shaded] = lights else { return Err(UsageError::DepthLights { count: lights.len() }) };
-    let centre = Vec3::from(stage.centre).as_dvec3();
-    // In extents from the middle of the models.
-    let place = |light: &Light| {
-        let towards = Vec3::from(light.xyz).as_dvec3() - f64::from(light.w) * centre;
-        let distance = if light.w == 0.0 { FAR } else { towards.length() / f64::from(light.w * stage.extent) };
-        towards.normalize_or_zero() * distance.min(FAR)
-    };
-    let (map, given) = (map.light(), shaded.light);
-    let is_near = (place(&map) - place(&given)).length() <= MOST * place(&given).length().max(1.0);
-    if !is_near {
-        return Err(UsageError::DepthLightApart { given: spec(&given, origin), map: spec(&map, origin) });
-    }
-    Ok(())
-}
-
-/// A light as it is given on the command line.
-fn spec(light: &Light, origin: Origin) -> String {
-    let at = |w: f32| coordinates::point(light.xyz, Origin::new(origin.to_array().map(|c| f64::from(w) * c)));
-    match light.w {
-        0.0 => format!("dir:{}", at(0.0)),
-        1.0 => format!("point:{}", at(1.0)),
-        w => format!("hom:{},{w}", at(w)),
-    }
-}
-
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum GivenMapError {
-    #[error(
-        "`view_projection` of map {map}: {error}; its rows make clip space of positions less `origin`, and depth is as \
-         `reversed` says"
-    )]
-    Camera { map: usize, error: CameraError },
-    #[error(
-        "`view_projection` of map {map} makes a mirror image; change the sign of its row of x or of y, whichever runs the wrong \
-         way (clip space has x to the right and y up), and turn the rows of `depth` to match"
-    )]
-    Mirrored { map: usize },
-    #[error("six maps are square, and these have {}×{} texels", .0[0], .0[1])]
-    NotSquare([u32; 2]),
-    #[error("`objects` go with one map, not with six; take another detector")]
-    ObjectsOfCube,
-    #[error(
-        "`depth` is uint16, and `metric` says that it has distances; give distances as float32, in the units of the models"
-    )]
-    DistanceType,
-    #[error(
-        "`depth_bits` is that of a depth buffer, and `metric` says that `depth` has distances; leave one of them out"
-    )]
-    DistanceBits,
-    #[error(
-        "map {map} does not meet the others: {what}; take the views that docs/formats.md states for six maps, or turn all six \
-         together"
-    )]
-    Apart { map: usize, what: &'static str },
-    #[error("it has six maps, and --detector contours takes one; take another detector, or give one map")]
-    ContoursOfCube,
-    #[error(transparent)]
-    Map(DepthMapError),
-}
-
-/// In words of the command: users have a file, and no cameras of the library.
-impl From<DepthMapError> for GivenMapError {
-    fn from(error: DepthMapError) -> Self {
-        match error {
-            DepthMapError::Apart { face, what } => Self::Apart { map: face, what },
-            DepthMapError::CubeContours => Self::ContoursOfCube,
-            other => Self::Map(other),
-        }
-    }
 }

@@ -9,7 +9,7 @@ use wgpu::TextureUsages;
 
 use super::from_depth::{DepthFound, FromDepth, MAP, MapSource};
 use super::light_maps::LightCameras;
-use super::overlay::{ShownDepths, ShownMaps};
+use super::shown_maps::{ShownDepths, ShownMaps};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::image::Picture;

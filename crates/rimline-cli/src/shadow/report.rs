@@ -86,7 +86,7 @@ impl Report {
             samples: samples / set.shaded_lights.len().max(1),
             covered: covered.map(|covered| covered.found.iter().map(HiddenFaces::statistics).collect()),
             left_out: casters.shadows.left_out(),
-            depth: casters.shadows.maps().map(|maps| maps.depths_found(gpu)).transpose()?,
+            depth: casters.shadows.depths_found(gpu)?,
         })
     }
 

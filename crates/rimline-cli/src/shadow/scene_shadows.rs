@@ -11,11 +11,12 @@ use rimline::reference::cpu::{CHOICE_WORDS, SceneTable};
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::{Counting, Light, wgpu};
 
+use super::casting::{CastInputs, FacingMasks, set_lights};
 use super::covered::{CoveredFaces, VERSION};
 use super::depth;
 use super::layers::Layers;
 use super::posed_model::{PosedModel, Topology};
-use super::shadows::{CastInputs, Choice, FacingMasks, Found, Shadows, VolumePipelines};
+use super::shadows::{Choice, Found, Shadows, VolumePipelines, scene_options};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
@@ -42,29 +43,9 @@ struct File {
     casters: Vec<(Topology, CasterHandle)>,
 }
 
-/// The options of scenes, but for the number of lights.
-pub(super) fn options(counting: Counting) -> SceneOptions {
-    SceneOptions { counting, bound_counts: true, ..SceneOptions::default() }
-}
-
-/// Gives a scene these lights: their handles are in order.
-pub(super) fn set_lights(
-    scene: &mut Scene,
-    handles: &mut Vec<LightHandle>,
-    lights: &[Light],
-) -> Result<(), ShadowError> {
-    for (number, &light) in lights.iter().enumerate() {
-        match handles.get(number) {
-            Some(&handle) => scene.set_light(handle, light)?,
-            None => handles.push(scene.add_light(light)?),
-        }
-    }
-    Ok(())
-}
-
 impl SceneShadows {
     pub(super) fn new(gpu: &Gpu, counting: Counting, max_lights: usize) -> Result<Self, GpuError> {
-        let scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions { max_lights, ..options(counting) })?;
+        let scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions { max_lights, ..scene_options(counting) })?;
         Ok(Self { scene, counting, lights: Vec::new(), files: Vec::new(), frame: None, max_lights, layers: None })
     }
 
@@ -255,5 +236,5 @@ fn first_words(gpu: &Gpu, buffer: &wgpu::Buffer, words: u64) -> Result<Vec<u32>,
     let mut encoder = gpu.encoder("first words");
     encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, 4 * words);
     gpu.submit(encoder);
-    gpu.read(&copy)
+    Ok(gpu.read(&copy)?)
 }

@@ -8,12 +8,12 @@ use rimline::mesh::Bounds;
 use rimline::{Displacement, Light, MAX_LIGHTS, Origin, wgpu};
 
 use super::casters::Casters;
+use super::casting::CastInputs;
 use super::depth::{Seen, depth_format};
 use super::frame::{Frame, PARTS, Part, part_camera, unit};
 use super::posed_model::PosedModel;
 use super::render_resources::{DrawInputs, RenderResources};
 use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
-use super::shadows::CastInputs;
 use crate::device::{self, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;

@@ -1,25 +1,26 @@
-//! What casts shadows: a scene of all files, a single caster for each file, or depth maps of the lights.
+//! Ways to cast shadows: a scene of all files, a single caster for each file, or depth maps of the lights.
 
-use std::ops::Range;
 use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
-use rimline::gpu::{DepthMapPipelines, ScenePipelines, ShadowError, ShadowFormat, ShadowPipelines, StageTimer, Use};
+use rimline::gpu::{
+    DepthMapPipelines, SceneOptions, ScenePipelines, ShadowError, ShadowFormat, ShadowPipelines, StageTimer, Use,
+};
 use rimline::reference::cpu::CHOICE_WORDS;
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
-use rimline::{Counting, Light, ShadowCamera, wgpu};
+use rimline::{Counting, Light, Origin, wgpu};
 
+use super::casting::{CastInputs, FacingMasks};
 use super::covered::CoveredFaces;
-use super::depth_shadows::DepthShadows;
-use super::from_depth::FromDepth;
+use super::from_depth::{DepthsFound, FromDepth};
 use super::layers::BatchPipelines;
 use super::posed_model::PosedModel;
-use super::scene_shadows::{self, SceneShadows};
-use super::single_casters::SingleCasters;
+use super::shown_maps::ShownDepths;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
 use crate::input::Input;
+use crate::npz::DepthMapArrays;
 
 pub(crate) trait Shadows {
     /// Takes the bodies with their current faces. Bodies that are there already stay.
@@ -61,21 +62,20 @@ pub(crate) trait Shadows {
         0
     }
 
-    /// If maps of the lights cast.
-    fn maps(&self) -> Option<&DepthShadows> {
+    /// Results in maps of the lights, if they cast. Waits for the device.
+    fn depths_found(&self, _gpu: &Gpu) -> Result<Option<DepthsFound>, GpuError> {
+        Ok(None)
+    }
+
+    /// Contents of the overlay of a light's maps, if they cast.
+    fn shown_maps(&self, _light: usize) -> Option<ShownDepths<'_>> {
         None
     }
-}
 
-/// The casters of a frame, the viewer's camera, and the lights.
-#[derive(Clone, Copy)]
-pub(crate) struct CastInputs<'a> {
-    pub(crate) gpu: &'a Gpu,
-    pub(crate) bodies: &'a [PosedModel<'a>],
-    /// Bodies that depth maps of the lights must see: `bodies`, or those that they stand in for.
-    pub(crate) seen: &'a [PosedModel<'a>],
-    pub(crate) camera: &'a ShadowCamera,
-    pub(crate) lights: &'a [Light],
+    /// The maps of a light as they were drawn, if they cast. Waits for the device.
+    fn saved_maps(&self, _gpu: &Gpu, _light: usize, _origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
+        Ok(None)
+    }
 }
 
 pub(crate) struct Found {
@@ -123,12 +123,9 @@ impl Choice {
     }
 }
 
-#[derive(Default)]
-pub(crate) struct FacingMasks {
-    /// Faces whose masks lie in one buffer for each batch of 32 lights.
-    pub(super) runs: Vec<(Range<u32>, Vec<wgpu::Buffer>)>,
-    /// The place of each face in its buffer.
-    pub(super) slots: Vec<u32>,
+/// The options of scenes, but for the number of lights.
+pub(super) fn scene_options(counting: Counting) -> SceneOptions {
+    SceneOptions { counting, bound_counts: true, ..SceneOptions::default() }
 }
 
 #[derive(Clone, Debug)]
@@ -152,7 +149,7 @@ impl ShadowMethod {
         if self.is_single || self.from_depth.is_some() {
             return Compiling(None);
         }
-        let (pipelines, options) = (gpu.pipelines.clone(), scene_shadows::options(self.counting));
+        let (pipelines, options) = (gpu.pipelines.clone(), scene_options(self.counting));
         // A refusal of the device is told where the pipeline is needed, and so is a thread that cannot be started.
         let make = move || _ = pipelines.warm_up(&[Use::SceneShadows(&options)]);
         Compiling(Builder::new().name("compiling".into()).spawn(make).ok())
@@ -193,15 +190,6 @@ impl VolumePipelines {
         })
     }
 
-    /// Casters that are drawn with these.
-    pub(crate) fn casters(&self, gpu: &Gpu, max_lights: usize) -> Result<Box<dyn Shadows>, GpuError> {
-        Ok(match self {
-            Self::Scene(pipelines, _) => Box::new(SceneShadows::new(gpu, pipelines.counting(), max_lights)?),
-            Self::Single(pipelines) => Box::new(SingleCasters::new(pipelines, max_lights)),
-            Self::Depth(maps, from) => Box::new(DepthShadows::new(maps, from, max_lights)),
-        })
-    }
-
     /// Why casters cannot be drawn with these, as they count otherwise.
     pub(super) fn refuse(&self, volumes: Counting) -> GpuError {
         let pipelines = match self {
@@ -210,13 +198,5 @@ impl VolumePipelines {
             Self::Depth(..) => Counting::Auto,
         };
         ShadowError::OtherCounting { volumes, pipelines }.into()
-    }
-}
-
-/// Puts `made` in the place of what has this number, or behind the last.
-pub(super) fn put<T>(list: &mut Vec<T>, number: usize, made: T) {
-    match list.get_mut(number) {
-        Some(old) => *old = made,
-        None => list.push(made),
     }
 }

@@ -8,9 +8,10 @@ use rimline::gpu::{
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::{Light, Mesh, wgpu};
 
+use super::casting::{CastInputs, FacingMasks, put};
 use super::depth;
 use super::posed_model::{PosedModel, Topology};
-use super::shadows::{CastInputs, Choice, FacingMasks, Found, Shadows, VolumePipelines, put};
+use super::shadows::{Choice, Found, Shadows, VolumePipelines};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};

@@ -1,7 +1,7 @@
 //! A stylised human figure, 1.76 m tall, facing +Z with +Y up: a mannequin in one smooth closed surface.
 //!
-//! The body is a smooth union of tapered capsules ([`body`]), each of which belongs to a joint ([`skeleton`]);
-//! [`surface`] turns it into triangles, [`skin`] ties them to the joints and [`walk`] moves those.
+//! The body is a smooth union of tapered capsules (`body`), each of which belongs to a joint ([`skeleton`]);
+//! `surface` turns it into triangles, `skin` ties them to the joints and [`walk`] moves those.
 
 mod body;
 pub mod glb;

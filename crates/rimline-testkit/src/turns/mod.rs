@@ -11,7 +11,7 @@ mod expression;
 
 use std::collections::BTreeMap;
 
-use naga::{Block, Function, Handle, Module, ShaderStage, Span, Statement};
+use naga::{Block, Function, Handle, Module, Span, Statement};
 
 use expression::{head_turns, value};
 

@@ -9,10 +9,9 @@ mod rays;
 use rimline::gpu::{Caster, LightHandle, Scene, SceneFrame, SceneOptions, ShadowError};
 use rimline::{Counting, Light, Mesh, MeshError, ShadowCamera, wgpu};
 
+use super::casting::{CastInputs, set_lights};
 use super::depth::MOST;
 use super::posed_model::PosedModel;
-use super::scene_shadows::set_lights;
-use super::shadows::CastInputs;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
