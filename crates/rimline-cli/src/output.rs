@@ -180,6 +180,7 @@ impl Folder {
         Ok(Self { made: vec![place] })
     }
 
+    #[cfg(feature = "bench")]
     /// With the folders that it is in.
     pub(crate) fn create_all(path: &Path) -> Result<Self, Failure> {
         let mut folder = Self { made: Vec::new() };
@@ -228,6 +229,7 @@ pub(crate) fn remove_unfinished(is_meant: impl Fn(&PathBuf) -> bool) {
 /// Whether a signal is to be noticed instead of obeyed at once, and its number once it came.
 static IS_FINISHING: AtomicBool = AtomicBool::new(false);
 
+#[cfg(feature = "bench")]
 /// From now on the first Ctrl-C only makes [`is_interrupted`] true, and leaves it to the work to end soon and to write
 /// what it has; the second ends the command.
 pub(crate) fn finish_at_interrupt() {
@@ -235,6 +237,7 @@ pub(crate) fn finish_at_interrupt() {
     IS_FINISHING.store(true, Ordering::SeqCst);
 }
 
+#[cfg(feature = "bench")]
 /// Whether Ctrl-C came.
 pub(crate) fn is_interrupted() -> bool {
     interrupt::SIGNAL.load(Ordering::SeqCst) != 0

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+#[cfg(feature = "bench")]
 use crate::output::note;
 use crate::shown::Line;
 
@@ -16,6 +17,7 @@ impl Progress {
         Self::with(ProgressBar::new_spinner(), "{spinner} {msg} {elapsed}")
     }
 
+    #[cfg(feature = "bench")]
     /// A bar for so many rows.
     pub(crate) fn rows(count: usize) -> Self {
         Self::with(ProgressBar::new(count as u64), "{wide_bar} {pos}/{len}, {eta} left: {msg}")
@@ -46,6 +48,7 @@ impl Progress {
         self.0.set_message(Line(what.into()).to_string());
     }
 
+    #[cfg(feature = "bench")]
     /// Counts a row as done; where there is no terminal for a bar, a line says so.
     pub(crate) fn advance(&self, what: &str) {
         self.0.inc(1);
