@@ -14,6 +14,7 @@ const FORMATS: &str = "png apng jpg jpeg jpe jfif gif bmp tif tiff webp avif hei
 pub(crate) enum Written {
     Png,
     Npz,
+    #[cfg(feature = "bench")]
     Json,
 }
 
@@ -23,6 +24,7 @@ impl Written {
         match self {
             Self::Png => ("a PNG picture", "png"),
             Self::Npz => ("a NumPy archive", "npz"),
+            #[cfg(feature = "bench")]
             Self::Json => ("JSON", "json"),
         }
     }
@@ -46,6 +48,7 @@ pub(crate) fn check_folder(out: &Path) -> Result<(), UsageError> {
 }
 
 /// The same of a folder for a report.
+#[cfg(feature = "bench")]
 pub(crate) fn check_report(folder: &Path) -> Result<(), UsageError> {
     if format_of(folder).is_some() && !folder.exists() {
         return Err(UsageError::ReportEnding { folder: folder.to_owned() });
@@ -58,7 +61,7 @@ fn format_of(out: &Path) -> Option<String> {
     FORMATS.split_whitespace().any(|format| format == ending).then_some(ending)
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "bench"))]
 mod tests {
     use super::*;
 

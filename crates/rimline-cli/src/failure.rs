@@ -48,6 +48,7 @@ pub(crate) enum Failure {
     #[error("{count} of the checks could not be done; the first: {first}")]
     Unchecked { count: usize, first: Box<Failure> },
     /// Ctrl-C, after what there was has been written.
+    #[cfg(feature = "bench")]
     #[error("stopped; what was finished is kept")]
     Interrupted,
     /// The result could not be written.
@@ -89,6 +90,7 @@ pub(crate) enum InputError {
     Obj(#[from] ObjError),
     #[error(transparent)]
     DepthMap(#[from] GivenMapError),
+    #[cfg(feature = "bench")]
     #[error("it is not what `cargo bench --bench depth_maps -- casters --json FILE` writes: {what}")]
     DepthMapTimes { what: String },
     #[error(transparent)]
@@ -179,6 +181,7 @@ pub(crate) enum UsageError {
          ffmpeg makes a video of the files)", .out.display()
     )]
     FolderEnding { out: PathBuf },
+    #[cfg(feature = "bench")]
     #[error("{} looks like a file, but --report names a folder; give the name of a folder", .folder.display())]
     ReportEnding { folder: PathBuf },
     #[error(
@@ -191,6 +194,7 @@ pub(crate) enum UsageError {
          remove {})", .folder.display(), .claim.display()
     )]
     FilmInProgress { folder: PathBuf, claim: PathBuf },
+    #[cfg(feature = "bench")]
     #[error(
         "{} has {}, which is not of a report of `rimline bench` and would be replaced; move it away, or choose another folder",
         .folder.display(), .file.display()
@@ -299,6 +303,7 @@ impl Failure {
             Self::Differs { .. } => 5,
             Self::Unchecked { first, .. } => first.code(),
             // 128 and the number of the signal, as shells have it.
+            #[cfg(feature = "bench")]
             Self::Interrupted => crate::signals::interrupted_code(),
         }
     }

@@ -193,6 +193,7 @@ impl Folder {
     }
 
     /// With the folders that it is in.
+    #[cfg(feature = "bench")]
     pub(crate) fn create_all(path: &Path) -> Result<Self, Failure> {
         let mut folder = Self { made: Vec::new() };
         let missing = path.ancestors().skip(1).take_while(|path| !path.as_os_str().is_empty() && !path.exists());

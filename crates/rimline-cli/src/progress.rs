@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+#[cfg(feature = "bench")]
 use crate::output::note;
 use crate::shown::Line;
 
@@ -16,6 +17,7 @@ impl Progress {
         Self::with(ProgressBar::new_spinner(), "{spinner} {msg} {elapsed}")
     }
 
+    #[cfg(feature = "bench")]
     pub(crate) fn rows(count: usize) -> Self {
         Self::with(ProgressBar::new(count as u64), "{wide_bar} {pos}/{len}, {eta} left: {msg}")
     }
@@ -43,6 +45,7 @@ impl Progress {
     }
 
     /// Counts a row as done; where there is no terminal for a bar, a line says so.
+    #[cfg(feature = "bench")]
     pub(crate) fn advance(&self, what: &str) {
         self.0.inc(1);
         if self.0.is_hidden() {
