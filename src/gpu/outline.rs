@@ -88,7 +88,7 @@ pub struct OutlineInputs<'a> {
     /// The camera. It maps the positions of the extraction.
     pub camera: &'a ShadowCamera,
     /// The depth of what hides lines, the model itself too, drawn by this camera. It is a view of level 0 of one layer with the depth
-    /// aspect only, of a texture with usage `TEXTURE_BINDING`. It may be the depth attachment of the pass if that is read-only there. Its
+    /// aspect only, of a texture with usage `TEXTURE_BINDING`. It may be the depth attachment of the pass if that is read-only there; wgpu refuses that on OpenGL. Its
     /// size is that of the picture.
     pub depth: &'a wgpu::TextureView,
     /// How lines look.
@@ -345,7 +345,7 @@ impl OutlineStyle {
 /// The layout of the bind group beside the results.
 fn own_layout(pipelines: &Pipelines, is_depth_multisampled: bool) -> wgpu::BindGroupLayout {
     let depth = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Depth,
+        sample_type: wgpu::TextureSampleType::Float { filterable: false },
         view_dimension: wgpu::TextureViewDimension::D2,
         multisampled: is_depth_multisampled,
     };

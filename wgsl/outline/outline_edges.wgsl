@@ -34,10 +34,11 @@ struct OutlineView {
 }
 
 @group(1) @binding(0) var<uniform> outline: OutlineView;
+// Depth, as floats: OpenGL loads no texels of depth textures.
 #if SAMPLES
-@group(1) @binding(1) var outline_depth: texture_depth_multisampled_2d;
+@group(1) @binding(1) var outline_depth: texture_multisampled_2d<f32>;
 #else
-@group(1) @binding(1) var outline_depth: texture_depth_2d;
+@group(1) @binding(1) var outline_depth: texture_2d<f32>;
 #endif
 // Three vertices a face, and a bit for each edge record. Only `outline_feature` reads them.
 @group(1) @binding(2) var<storage, read> outline_faces: array<u32>;
@@ -154,7 +155,7 @@ fn outline_feature(@builtin(vertex_index) corner: u32, @builtin(instance_index) 
 // The depth of what is seen at a pixel, turned so that the larger one is farther.
 fn outline_seen(pixel: vec2<i32>) -> f32 {
   let last = vec2<i32>(outline.size) - vec2<i32>(1);
-  let depth = textureLoad(outline_depth, clamp(pixel, vec2<i32>(0), last), 0);
+  let depth = textureLoad(outline_depth, clamp(pixel, vec2<i32>(0), last), 0).x;
   return select(depth, -depth, outline.is_reversed == 1u);
 }
 
