@@ -5,7 +5,6 @@ use std::sync::atomic::Ordering;
 
 use super::caster::CasterEntry;
 use super::frame::SceneFrame;
-use super::layout::put_lights;
 use super::needs::SceneNeeds;
 use super::options::Measuring;
 use super::receivers::{self, Receivers, SeenReceivers};
@@ -106,11 +105,13 @@ impl Scene {
         };
         self.renew_views(&views, receivers);
         let seen = volumes.as_ref().map_or_else(Vec::new, |volumes| self.seen(volumes, cameras, &views, receivers));
+        let light_batches = structure.light_batches(&self.meshes, &self.casters, &self.lights);
         let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
         let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
         if !structure.parts.is_empty() {
             uploads.push((&structure.table, bytemuck::cast_slice(uploaded)));
             uploads.extend(volumes.iter().map(|volumes| (&volumes.buffers.of.seen, bytemuck::cast_slice(&seen[..]))));
+            uploads.extend(light_batches.iter().map(|(buffer, batch)| (buffer, bytemuck::bytes_of(batch))));
             upload(self.pipelines.device(), encoder, &uploads)?;
             if let Some(needs) = needs {
                 let [from, to] = [needs.offset(), 4 * u64::from(structure.unneeded_at)];
@@ -324,7 +325,7 @@ impl Scene {
         let Self { pipelines, options, meshes, casters, sources, lights, pages, table, .. } = self;
         let making = Making { pipelines, meshes, sources, pages, lights, options, views, has_receivers };
         let made = Arc::new(Structure::new(&making, casters, table, self.last.as_deref(), number)?);
-        self.steps = steps(&making, &made)?;
+        self.steps = steps(&making, casters, &made)?;
         self.volumes = None;
         self.last = Some(Arc::clone(&made));
         self.structure = Some(Arc::clone(&made));
@@ -340,7 +341,7 @@ impl Scene {
             for &key in &*moved {
                 let Some(caster) = casters.get_mut(key) else { continue };
                 put_change(table, caster, encode);
-                put_lights(table, caster, lights);
+                table.put_lights(caster, lights);
             }
         } else {
             lights.renew(encode);
@@ -352,7 +353,7 @@ impl Scene {
                     put_change(table, caster, encode);
                 }
                 if is_moved || !caster.lights.and(&lights_moved).is_empty() {
-                    put_lights(table, caster, lights);
+                    table.put_lights(caster, lights);
                 }
             }
         }
