@@ -11,8 +11,8 @@ pub(crate) mod support;
 use std::error::Error;
 
 use rimline::gpu::{
-    Caster, CasterHandle, Deformer, DeformerOptions, LightHandle, Pipelines, Scene, SceneOptions, ScenePipelines,
-    ShadowFormat,
+    Caster, CasterHandle, Deformer, DeformerOptions, FrameInputs, LightHandle, Pipelines, Scene, SceneOptions,
+    ScenePipelines, ShadowFormat,
 };
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Mesh, ShadowCamera, wgpu};
@@ -95,7 +95,7 @@ impl<'a> World<'a> {
         // The shadow volumes of all casters and lights, as the camera sees them.
         let Camera { eye, view_projection } = *stage.camera(0);
         let camera = ShadowCamera { view_projection, origin: eye, depth: DepthDirection::Reversed };
-        let shadows = scene.encode(encoder, &[camera], None)?;
+        let shadows = scene.encode(encoder, FrameInputs::new(&[camera.into()]))?;
         // One depth pass, then a pass for each light.
         stage.depth_pass(encoder, 0, bodies);
         for (number, &light) in self.lights.iter().enumerate() {

@@ -46,9 +46,10 @@ pub use scene::mask::LightMask;
 pub use scene::needs::SceneNeeds;
 #[doc(hidden)]
 pub use scene::options::Measuring;
-pub use scene::options::SceneOptions;
+pub use scene::options::{Capacities, SceneOptions, StencilCounts};
 pub use scene::receivers::Receivers;
 pub use scene::scene::Scene;
+pub use scene::view::{FrameInputs, View};
 pub use shadow::errors::ShadowError;
 pub use shadow::{ScenePipelines, ShadowFormat, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes};
 pub use warm_up::Use;

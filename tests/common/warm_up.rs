@@ -1,8 +1,8 @@
 //! Pipelines that are made before the first frame, and which a frame makes.
 
 use rimline::gpu::{
-    Caster, Extractor, ExtractorOptions, Measuring, Pipelines, PositionBuffer, Receivers, Scene, SceneOptions,
-    ScenePipelines, ShadowFormat, Use,
+    Caster, Extractor, ExtractorOptions, FrameInputs, Measuring, Pipelines, PositionBuffer, Receivers, Scene,
+    SceneOptions, ScenePipelines, ShadowFormat, StencilCounts, Use, View,
 };
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
@@ -45,7 +45,11 @@ impl Frame {
             ("a camera", Self::seen(), 13),
             ("not exact", seen(SceneOptions { measuring: Measuring::FAST, clusters_from: None, ..plain }), 12),
             ("z-pass", seen(SceneOptions { counting: Counting::ZPass, ..plain }), 13),
-            ("bounds of counts", seen(SceneOptions { bound_counts: true, ..plain }), 16),
+            (
+                "bounds of counts",
+                seen(SceneOptions { stencil: StencilCounts { bound_counts: true, ..Default::default() }, ..plain }),
+                16,
+            ),
             ("receivers", Self { has_receivers: true, ..Self::seen() }, 15),
             // The dark caps of both lists, and the light caps.
             ("ended volumes", seen(SceneOptions { end_at_range: true, ..plain }), 15),
@@ -89,11 +93,11 @@ impl Frame {
         let columns = [[-1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.1, 0.0]];
         let camera =
             ShadowCamera { view_projection: columns, origin: [0.0, 0.0, -6.0], depth: DepthDirection::Reversed };
-        let receivers = [Some(Receivers { depth: &read, sky_receives: false, version: None })];
-        let cameras = if self.has_camera { &[camera][..] } else { &[] };
-        let receivers = if self.has_receivers { &receivers[..] } else { &[] };
+        let receivers = Receivers { depth: &read, sky_receives: false, version: None };
+        let seen = [View { camera, depth: self.has_receivers.then_some(receivers) }];
+        let views = if self.has_camera { &seen[..] } else { &[] };
         gpu.submit(|encoder| {
-            let frame = scene.encode_for(encoder, cameras, receivers, None).map_err(text)?;
+            let frame = scene.encode(encoder, FrameInputs::new(views)).map_err(text)?;
             let (load, store) = (wgpu::LoadOp::Clear(0), wgpu::StoreOp::Store);
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {

@@ -2,13 +2,14 @@
 
 use glam::{DVec4, Vec3};
 use rimline::gpu::{
-    Caster, CasterHandle, Deformer, DeformerOptions, LightHandle, Scene, SceneFrame, SceneNeeds, SceneOptions,
+    Caster, CasterHandle, Deformer, DeformerOptions, FrameInputs, LightHandle, Scene, SceneFrame, SceneNeeds,
+    SceneOptions,
 };
 use rimline::model::Box3;
 use rimline::{Cone, DepthDirection, Instance, InstancePose, Light, Mesh, Model, ModelBounds, Pose, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::models::bending_tube;
-use rimline_testkit::on_gpu::text;
+use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::random::Random;
 
 /// Half the width of the ground.
@@ -157,7 +158,7 @@ impl Stage {
     ) -> Result<(SceneNeeds, SceneFrame), String> {
         let needs = self.scene.encode_needs(encoder, &self.casters, cameras, None).map_err(text)?;
         self.deformer.encode_needed(encoder, pose, 0.0, None, &needs, None).map_err(text)?;
-        let frame = self.scene.encode_needed(encoder, cameras, &[], &needs, None).map_err(text)?;
+        let frame = self.scene.encode_needed(encoder, FrameInputs::new(&views(cameras)), &needs).map_err(text)?;
         Ok((needs, frame))
     }
 
@@ -169,6 +170,6 @@ impl Stage {
         cameras: &[ShadowCamera],
     ) -> Result<SceneFrame, String> {
         self.deformer.encode(encoder, pose, 0.0, None, None).map_err(text)?;
-        self.scene.encode(encoder, cameras, None).map_err(text)
+        self.scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text)
     }
 }

@@ -1,12 +1,15 @@
 //! Stage `needs`: figures that a frame does not need: they are not deformed, nothing is computed of them, and nothing shows it.
 
 use glam::{DVec3, DVec4};
-use rimline::gpu::{DeformError, LightMask, SceneFrame, SceneNeeds, SceneOptions, SceneStatistics, ShadowError};
+use rimline::gpu::{
+    Capacities, DeformError, FrameInputs, LightMask, Measuring, SceneFrame, SceneNeeds, SceneOptions, SceneStatistics,
+    ShadowError,
+};
 use rimline::model::Box3;
 use rimline::{Cone, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::text;
+use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same};
 
@@ -22,7 +25,10 @@ pub(crate) const TESTS: &[Test] = &[
 ];
 
 fn options() -> SceneOptions {
-    SceneOptions { list_capacity: Some(u32::MAX), cap_capacity: Some(u32::MAX), ..SceneOptions::default() }
+    SceneOptions {
+        capacities: Capacities { lists: Some(u32::MAX), caps: Some(u32::MAX), ..Default::default() },
+        ..SceneOptions::default()
+    }
 }
 
 /// Boxes that an invocation looks at: views times lights and one more. With more, all figures are needed.
@@ -295,19 +301,21 @@ fn off() -> Result<(), String> {
     // Far away and looking farther, and no light.
     let mut away = camera(&mut random);
     away.origin = [0, 1, 2].map(|axis| 1e4 * away.view_projection[axis][3]);
-    for (skip_unneeded, cameras, boxed, expected) in [
+    for (skips, cameras, boxed, expected) in [
         (true, vec![away], true, 9),
         (false, vec![away], true, 0),
         (true, Vec::new(), true, 0),
         (true, vec![away], false, 0),
     ] {
-        let mut stage = Stage::new(gpu, &crowd, &[], SceneOptions { skip_unneeded, ..options() })?;
+        let mut options = options();
+        options.measuring.set(Measuring::UNNEEDED, !skips);
+        let mut stage = Stage::new(gpu, &crowd, &[], options)?;
         if boxed {
             stage.state(&crowd, &pose, &figures)?;
         }
         let (needs, _) = gpu.submit(|encoder| stage.encode_needed(encoder, &pose, &cameras))?;
         let found: u32 = words(gpu, &needs)?.iter().sum();
-        same(&format!("{skip_unneeded}, {} cameras, {boxed}", cameras.len()), &[found], &[expected])?;
+        same(&format!("{skips}, {} cameras, {boxed}", cameras.len()), &[found], &[expected])?;
     }
     Ok(())
 }
@@ -334,7 +342,7 @@ fn refusals() -> Result<(), String> {
     };
     let encode = |stage: &mut Stage, needs: &SceneNeeds, cameras: &[ShadowCamera]| {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        stage.scene.encode_needed(&mut encoder, cameras, &[], needs, None).err()
+        stage.scene.encode_needed(&mut encoder, FrameInputs::new(&views(cameras)), needs).err()
     };
     let stale = [Some(ShadowError::StaleNeeds)];
     let own = needs(&mut stage, &mut encoder)?;

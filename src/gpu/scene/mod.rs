@@ -22,4 +22,5 @@ pub(crate) mod stages;
 pub(crate) mod structure;
 pub(crate) mod table;
 pub(crate) mod topology;
+pub(crate) mod view;
 pub(crate) mod volumes;

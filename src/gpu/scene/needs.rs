@@ -9,6 +9,7 @@ use super::caster::Placement;
 use super::handles::{CasterHandle, SceneId};
 use super::options::Measuring;
 use super::scene::Scene;
+use super::view::View;
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{uniform, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
@@ -76,7 +77,7 @@ impl Scene {
     /// Records the stage that finds which of some `casters` the next encode needs, before their positions are computed. They are
     /// casters with buffers, as a rule those of a [`Deformer`](crate::gpu::Deformer). A caster is needed if a camera may see it,
     /// or its shadow from a light that may reach it, by the box that [`Self::set_bounds`] states. It is needed, too, if it has no
-    /// box, if there is no camera, or with [`SceneOptions::skip_unneeded`](crate::gpu::SceneOptions::skip_unneeded) off.
+    /// box, if there is no camera, or if there are many views and lights.
     ///
     /// `cameras` are all that see the casters or their shadows in the frame. A caller who deforms by shaders of its own reads
     /// [`SceneNeeds::buffer`]. Positions of a caster that isn't needed must show nothing: a `Deformer` makes them a point.
@@ -84,7 +85,7 @@ impl Scene {
     /// In each frame, in one encoder:
     ///
     /// ```no_run
-    /// use rimline::gpu::{CasterHandle, Deformer, Scene, SceneFrame};
+    /// use rimline::gpu::{CasterHandle, Deformer, FrameInputs, Scene, SceneFrame};
     /// use rimline::{ModelBounds, Pose, ShadowCamera, wgpu};
     ///
     /// /// `figures` are the casters of the deformer's instances, in order. `bounds` are those of its model.
@@ -100,7 +101,7 @@ impl Scene {
     ///     let needs = scene.encode_needs(encoder, figures, &[camera], None)?;
     ///     deformer.encode_needed(encoder, pose, 0.0, None, &needs, None)?;
     ///     // Draw the figures, and all else that is seen; then:
-    ///     Ok(scene.encode_needed(encoder, &[camera], &[], &needs, None)?)
+    ///     Ok(scene.encode_needed(encoder, FrameInputs::new(&[camera.into()]), &needs)?)
     /// }
     /// ```
     ///
@@ -114,7 +115,8 @@ impl Scene {
         timer: Option<&mut StageTimer>,
     ) -> Result<SceneNeeds, ShadowError> {
         check_timer(timer.as_deref(), self.pipelines.device())?;
-        let views = self.check_views(cameras)?;
+        let given: Vec<View<'_>> = cameras.iter().map(|&camera| camera.into()).collect();
+        let views = self.check_views(&given)?;
         let keys = self.number_figures(casters)?;
         // Lay out the scene now, so that the encode of the frame does not.
         self.prepare_views(cameras.len())?;
@@ -127,7 +129,7 @@ impl Scene {
             views: views.len() as u32,
             lights: lights as u32,
             parts: figures.len().checked_div(keys.len()).unwrap_or(0) as u32,
-            all: u32::from(!self.options.skip_unneeded || views.is_empty() || !is_short),
+            all: u32::from(self.options.measuring.has(Measuring::UNNEEDED) || views.is_empty() || !is_short),
             skip_unreached: (!self.options.measuring.has(Measuring::UNREACHED)).into(),
             skip_unseen: (!self.options.measuring.has(Measuring::UNSEEN)).into(),
             reserved: 0,

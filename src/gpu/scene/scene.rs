@@ -88,11 +88,12 @@ impl Scene {
         queue: &wgpu::Queue,
         options: SceneOptions,
     ) -> Result<Self, ShadowError> {
-        let options = SceneOptions { count_batches: options.count_batches.max(1), ..options };
+        let mut options = options;
+        options.stencil.count_batches = options.stencil.count_batches.max(1);
         let pipelines: Pipelines = pipelines.into();
         pipelines.construct(Subject::Extract, || Ok::<_, ShadowError>(()))?;
-        let casters = if options.count_batches > 1 { Casters::Batches } else { Casters::Scene };
-        check_count_bits(options.count_bits, casters)?;
+        let casters = if options.stencil.count_batches > 1 { Casters::Batches } else { Casters::Scene };
+        check_count_bits(options.stencil.count_bits, casters)?;
         let id = SceneId::next();
         Ok(Self {
             id,
@@ -106,7 +107,7 @@ impl Scene {
             pages: Pages::new(),
             table: Table {
                 heeds_ranges: !options.measuring.has(Measuring::UNREACHED),
-                heeds_occluders: options.skip_occluded,
+                heeds_occluders: !options.measuring.has(Measuring::OCCLUDED),
                 ..Table::default()
             },
             moved: Vec::new(),
@@ -408,7 +409,7 @@ impl Scene {
     /// Their corners, 3 to 8, go round counter-clockwise as those of the faces do. For example the corners of a face, or of a
     /// wall. They replace those of an earlier call.
     ///
-    /// With [`SceneOptions::skip_occluded`], a caster whose box is wholly behind a polygon, as seen from a light, throws no
+    /// A caster whose box is wholly behind a polygon, as seen from a light, throws no
     /// shadow for this light: what it would darken is in the shadow of the polygon. A polygon hides nothing for lights that its
     /// caster does not throw shadows for, from which it does not look convex, or whose plane they are near. On a closed mesh only
     /// those that are turned away from the light hide: give polygons on all sides. Nor do casters hide of which faces are

@@ -146,7 +146,7 @@ pub enum ShadowError {
     /// The pipelines count in other bits than the volumes were made for, so counts wrap elsewhere.
     #[error(
         "volumes made for counts of {volumes} bits drawn with pipelines of {pipelines}; take a `ShadowFormat` of the same \
-         `count_bits` (for a scene, `SceneOptions::count_bits`)"
+         `count_bits` (for a scene, `SceneOptions::stencil`)"
     )]
     OtherCountBits {
         /// Bits of counts that the volumes were made for.
@@ -283,14 +283,6 @@ pub enum ShadowError {
         /// Why.
         error: CameraError,
     },
-    /// There are more receivers than views.
-    #[error("view {views}: {given} receivers given for {views} cameras; give at most one for each camera")]
-    TooManyReceivers {
-        /// Receivers given.
-        given: usize,
-        /// Cameras given.
-        views: usize,
-    },
     /// The texture of receivers has no depth.
     #[error("view {view}: the receivers have the format {format:?}, which has no depth; give the depth attachment")]
     ReceiversFormat {
@@ -328,7 +320,7 @@ pub enum ShadowError {
     },
     /// The pipelines and the scene do not agree on whether casters are counted in batches.
     #[error(
-        "the scene counts its casters in {count_batches} batches (`SceneOptions::count_batches`); draw several with \
+        "the scene counts its casters in {count_batches} batches (`StencilCounts::count_batches`); draw several with \
          `ScenePipelines::in_batches`, and one with `ScenePipelines::new`"
     )]
     CountBatches {

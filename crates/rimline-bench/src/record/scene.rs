@@ -3,8 +3,9 @@
 use bytemuck::Zeroable as _;
 use glam::{Quat, Vec3};
 use rimline::gpu::{
-    Caster, CasterHandle, DeformError, Deformer, DeformerOptions, LightHandle, MeshHandle, Receivers, Scene,
-    SceneFrame, SceneNeeds, SceneOptions, ScenePipelines, SceneStatistics, ShadowStatistics, StageTimer,
+    Caster, CasterHandle, DeformError, Deformer, DeformerOptions, FrameInputs, LightHandle, Measuring, MeshHandle,
+    Receivers, Scene, SceneFrame, SceneNeeds, SceneOptions, ScenePipelines, SceneStatistics, ShadowStatistics,
+    StageTimer, View,
 };
 use rimline::{Light, Mesh, MeshError, ModelBounds, Pose};
 
@@ -93,6 +94,9 @@ impl<'a> SceneRecorder<'a> {
         pipelines: Option<&'a ScenePipelines>,
         options: SceneOptions,
     ) -> Result<Self, Error> {
+        let mut of_frame = options.measuring;
+        of_frame.set(Measuring::UNNEEDED, true);
+        let skips_unneeded = of_frame != options.measuring;
         let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options)?;
         let (mut casters, mut bounds) = (Vec::new(), None);
         let given: Result<Vec<Given<'_>>, MeshError> = match &setting.casters {
@@ -135,7 +139,7 @@ impl<'a> SceneRecorder<'a> {
             lights,
             casters,
             bounds,
-            skips_unneeded: options.skip_unneeded,
+            skips_unneeded,
             pose: None,
             needs: None,
             frame: None,
@@ -191,11 +195,12 @@ impl<'a> SceneRecorder<'a> {
             }
         }
         let version = self.setting.still_receivers();
-        let receivers = [depth.map(|depth| Receivers { depth, sky_receives: false, version })];
-        let cameras = [self.setting.camera];
+        let depth = depth.map(|depth| Receivers { depth, sky_receives: false, version });
+        let views = [View { camera: self.setting.camera, depth }];
+        let inputs = FrameInputs { views: &views, timer };
         let frame = match &self.needs {
-            Some(needs) => self.scene.encode_needed(encoder, &cameras, &receivers, needs, timer),
-            None => self.scene.encode_for(encoder, &cameras, &receivers, timer),
+            Some(needs) => self.scene.encode_needed(encoder, inputs, needs),
+            None => self.scene.encode(encoder, inputs),
         };
         self.frame = Some(frame?);
         Ok(())
@@ -239,9 +244,9 @@ impl Recorder for SceneRecorder<'_> {
         until: Until,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), Error> {
-        let cameras = [self.setting.camera];
-        let cameras = if until == Until::Volumes { &cameras[..] } else { &[] };
-        self.frame = Some(self.scene.encode(encoder, cameras, timer)?);
+        let views = [View::new(self.setting.camera)];
+        let views = if until == Until::Volumes { &views[..] } else { &[] };
+        self.frame = Some(self.scene.encode(encoder, FrameInputs { views, timer })?);
         Ok(())
     }
 
