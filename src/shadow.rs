@@ -568,7 +568,8 @@ mod tests {
             assert_ne!(found(exchanged * clip).map(|camera| camera.depth), Ok(depth), "{number}");
             let mirrored = found(Mat4::from_scale(Vec3::new(1.0, -1.0, 1.0)) * clip);
             assert_ne!(mirrored.map(|camera| camera.mirrors()), Ok(mirrors), "{number}");
-            assert_eq!(found(clip * -1.0), Err(CameraError::Backwards), "{number}");
+            // The far plane, which here may be taken for the near one, is found with less precision.
+            assert!(matches!(found(clip * -1.0), Err(CameraError::Backwards | CameraError::Oblique)), "{number}");
             for [near, far] in [[near, far], [far, near]] {
                 let matrix = Mat4::from_scale(flip) * orthographic(-2.0, 2.0, -1.0, 1.0, near, far);
                 assert_eq!(found(matrix), Err(CameraError::Orthographic), "{number}");
