@@ -298,6 +298,8 @@ shared_structs! {
         position_stride: u32,
         /// Where the masks of L-twisted polygons lie behind the facing masks. 0: there are none.
         twisted_at: u32,
+        /// Vertices that the draw has for each edge.
+        vertices_per_edge: u32,
     }
 
     /// A caster in the table of casters. Slots are places in the masks of what is drawn together; other places are in the

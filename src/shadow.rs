@@ -83,6 +83,11 @@ pub enum DepthDirection {
 
 /// The camera that shadow volumes are drawn for.
 ///
+/// Its matrix takes positions less [`Self::origin`] to wgpu's clip space: x to the right, y up, and depth from 0 to 1. A matrix
+/// whose y points down, or whose x points to the left, makes a mirror image, for which the pipelines need another
+/// [front face](crate::gpu::ShadowFormat::front_face). [`Self::from_matrix`] finds the depth direction, and
+/// [`ShadowFormat::of_camera`](crate::gpu::ShadowFormat::of_camera) the rest.
+///
 /// ```
 /// use glam::Vec3;
 /// use glam::camera::rh::{proj::directx, view::look_at_mat4};
@@ -93,26 +98,24 @@ pub enum DepthDirection {
 ///
 /// // Depth from 0 to 1 with a far plane, `Mat4::perspective_rh` in older versions of glam:
 /// let projection = directx::perspective(1.0, 16.0 / 9.0, 0.1, 100.0);
-/// let camera = ShadowCamera {
-///     view_projection: (projection * look_at_mat4(eye, target, Vec3::Y)).to_cols_array_2d(),
-///     origin: [0.0; 3],
-///     depth: DepthDirection::Standard,
-/// };
-/// camera.check()?;
-/// // The format of the pipelines must say so; z-fail then needs `Features::DEPTH_CLIP_CONTROL`.
-/// let has_far_plane = camera.has_far_plane();
-/// let format = ShadowFormat { depth: camera.depth, has_far_plane, ..ShadowFormat::default() };
+/// let matrix = projection * look_at_mat4(eye, target, Vec3::Y);
+/// let camera = ShadowCamera::from_matrix(matrix.to_cols_array_2d(), [0.0; 3])?;
+/// assert_eq!(camera.depth, DepthDirection::Standard);
+/// // Pipelines for it. z-fail then needs `Features::DEPTH_CLIP_CONTROL`.
+/// let format = ShadowFormat::of_camera(&camera)?;
 /// assert!(format.has_far_plane);
 ///
 /// // Reversed depth without a far plane, the default of `ShadowFormat`; positions relative to the eye:
 /// let projection = directx::perspective_infinite_reverse(1.0, 16.0 / 9.0, 0.1);
-/// let camera = ShadowCamera {
-///     view_projection: (projection * look_at_mat4(Vec3::ZERO, target - eye, Vec3::Y)).to_cols_array_2d(),
-///     origin: eye.to_array(),
-///     depth: DepthDirection::Reversed,
-/// };
+/// let matrix = projection * look_at_mat4(Vec3::ZERO, target - eye, Vec3::Y);
+/// let camera = ShadowCamera::from_matrix(matrix.to_cols_array_2d(), eye.to_array())?;
+/// assert_eq!(ShadowFormat::of_camera(&camera)?, ShadowFormat::default());
+///
+/// // An orthographic camera must say its depth direction:
+/// let projection = directx::orthographic(-2.0, 2.0, -1.0, 1.0, 0.1, 100.0);
+/// let view_projection = (projection * look_at_mat4(eye, target, Vec3::Y)).to_cols_array_2d();
+/// let camera = ShadowCamera { view_projection, origin: [0.0; 3], depth: DepthDirection::Standard };
 /// camera.check()?;
-/// assert!(!camera.has_far_plane());
 /// # Ok::<(), rimline::CameraError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -138,6 +141,12 @@ pub enum CameraError {
     /// The near plane is not at right angles to the direction in which w grows.
     #[error("the camera's near plane is oblique; clip w must be constant on it")]
     Oblique,
+    /// The depth direction of an orthographic matrix cannot be found: both of its planes could be the near one.
+    #[error(
+        "the camera's matrix is orthographic, and such a matrix does not tell which depth is near; make the `ShadowCamera` \
+         with its `depth`"
+    )]
+    Orthographic,
     /// Near and far are the wrong way round. This cannot be detected for an orthographic camera.
     #[error("the near plane lies behind the camera; is depth reversed, as `depth` says?")]
     Backwards,
@@ -167,6 +176,25 @@ pub enum CameraError {
 const LEAST_NEAR: f64 = f64::from_bits((1023 - 110) << 52);
 
 impl ShadowCamera {
+    /// The camera of a perspective matrix, four columns, for positions less `origin`. The depth direction is that of the matrix.
+    /// It may make a mirror image and may have a far plane.
+    ///
+    /// # Errors
+    /// [`CameraError`] for an orthographic matrix, which does not tell its depth direction, and for one of which no camera is
+    /// made: singular, with an oblique near plane, with a near plane behind the eye, or with one so near that depths leave the
+    /// normal range of `f32`.
+    pub fn from_matrix(view_projection: [[f32; 4]; 4], origin: [f32; 3]) -> Result<Self, CameraError> {
+        let with = |depth| Self { view_projection, origin, depth };
+        let [reversed, standard] = [DepthDirection::Reversed, DepthDirection::Standard].map(with);
+        match (reversed.view(), standard.view()) {
+            (Ok(_), Ok(_)) => Err(CameraError::Orthographic),
+            (Ok(_), Err(_)) => Ok(reversed),
+            (Err(_), Ok(_)) => Ok(standard),
+            // The other direction says nothing about the matrix.
+            (Err(CameraError::Backwards), Err(error)) | (Err(error), Err(_)) => Err(error),
+        }
+    }
+
     /// Whether the far plane is at a finite distance; [`crate::gpu::ShadowFormat::has_far_plane`] takes this value. A
     /// matrix has no far plane only where that plane lies exactly at infinity. The smallest tilt of the plane may clip
     /// points at infinity.
@@ -205,8 +233,10 @@ impl ShadowCamera {
         }
     }
 
-    /// Whether the matrix makes a mirror image. It has a meaning only for cameras that can serve.
-    pub(crate) fn mirrors(&self) -> bool {
+    /// Whether the matrix makes a mirror image, as one does whose y points down: what turns counter-clockwise turns clockwise on
+    /// the screen. It has a meaning only for cameras of which none of the errors of [`Self::check`] but
+    /// [`CameraError::Mirrored`] is true.
+    pub fn mirrors(&self) -> bool {
         let determinant = Mat4::from_cols_array_2d(&self.view_projection).as_dmat4().determinant();
         (determinant > 0.0) != (self.depth == DepthDirection::Reversed)
     }
@@ -339,8 +369,11 @@ pub fn falloff(distance: f32, begin: f32, end: f32, exponent: f32) -> f32 {
 mod tests {
     use super::*;
     use glam::Vec4Swizzles;
-    use glam::camera::rh::proj::directx::{perspective, perspective_infinite, perspective_infinite_reverse};
+    use glam::camera::rh::proj::directx::{
+        orthographic, perspective, perspective_infinite, perspective_infinite_reverse,
+    };
     use glam::camera::rh::view::look_at_mat4;
+    use rimline_testkit::random::Random;
 
     const REVERSED: DepthDirection = DepthDirection::Reversed;
     const STANDARD: DepthDirection = DepthDirection::Standard;
@@ -481,6 +514,65 @@ mod tests {
                 let mirrored = ShadowCamera { view_projection: matrix.to_cols_array_2d(), ..camera };
                 assert_eq!(mirrored.check(), Err(CameraError::Mirrored), "{number}, {flip}");
                 assert_eq!((mirrored.check_hand(true), mirrored.check_any_hand()), (Ok(()), Ok(())), "{number}");
+            }
+        }
+    }
+
+    /// What points and a triangle before the eye say: the depth direction, and whether a matrix mirrors.
+    fn seen(matrix: Mat4, eye: Vec3, view: Mat4) -> (DepthDirection, bool) {
+        let to_world = view.as_dmat4().inverse();
+        let ndc = |x: f64, y: f64, z: f64| {
+            let world = to_world * DVec4::new(x, y, -z, 1.0) - eye.as_dvec3().extend(0.0);
+            let clip = matrix.as_dmat4() * world;
+            clip.truncate() / clip.w
+        };
+        let depth = if ndc(0.0, 0.0, 25.0).z > ndc(0.0, 0.0, 26.0).z { REVERSED } else { STANDARD };
+        let [a, b, c] = [ndc(0.0, 0.0, 25.0), ndc(1.0, 0.0, 25.0), ndc(0.0, 1.0, 25.0)];
+        (depth, (b - a).truncate().perp_dot((c - a).truncate()) < 0.0)
+    }
+
+    #[test]
+    fn cameras_are_found_in_their_matrices() {
+        let mut random = Random::new(91);
+        for number in 0..4000 {
+            let (near, far) = (random.between(0.01, 10.0), random.between(30.0, 1e4));
+            let has_far_plane = number & 1 == 1;
+            let projection = match number & 3 {
+                0 => perspective_infinite(1.0, 1.5, near),
+                1 => perspective(1.0, 1.5, near, far),
+                2 => perspective_infinite_reverse(1.0, 1.5, near),
+                _ => perspective(1.0, 1.5, far, near),
+            };
+            let flip = Vec3::new(1.0 - f32::from(number & 4 != 0) * 2.0, 1.0 - f32::from(number & 8 != 0) * 2.0, 1.0);
+            let scale = 2.0_f32.powi(random.below(20) as i32 - 10);
+            let eye = Vec3::from_array(random.direction()) * random.between(0.0, 100.0);
+            let towards = Vec3::from_array(random.direction());
+            let view = look_at_mat4(eye, eye + towards, towards.any_orthonormal_vector());
+            // Relative to the world's origin, or to the eye.
+            let (place, origin) =
+                if number & 16 == 0 { (view, Vec3::ZERO) } else { (Mat4 { w_axis: Vec4::W, ..view }, eye) };
+            let clip = Mat4::from_scale(flip) * (projection * scale);
+            let found = |clip: Mat4| ShadowCamera::from_matrix((clip * place).to_cols_array_2d(), origin.to_array());
+            let camera = found(clip).unwrap_or_else(|error| panic!("{number}: {error}"));
+            let (depth, mirrors) = seen(clip * place, origin, view);
+            assert_eq!((camera.depth, camera.mirrors()), (depth, mirrors), "{number}");
+            assert_eq!(camera.has_far_plane(), has_far_plane, "{number}");
+            assert_eq!(camera.check(), if mirrors { Err(CameraError::Mirrored) } else { Ok(()) }, "{number}");
+            // The same with near and far exchanged, seen in a mirror, and behind the eye.
+            let exchanged = Mat4::from_cols_array_2d(&[
+                [1.0, 0.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0, 0.0],
+                [0.0, 0.0, -1.0, 0.0],
+                [0.0, 0.0, 1.0, 1.0],
+            ]);
+            assert_ne!(found(exchanged * clip).map(|camera| camera.depth), Ok(depth), "{number}");
+            let mirrored = found(Mat4::from_scale(Vec3::new(1.0, -1.0, 1.0)) * clip);
+            assert_ne!(mirrored.map(|camera| camera.mirrors()), Ok(mirrors), "{number}");
+            // The far plane, which here may be taken for the near one, is found with less precision.
+            assert!(matches!(found(clip * -1.0), Err(CameraError::Backwards | CameraError::Oblique)), "{number}");
+            for [near, far] in [[near, far], [far, near]] {
+                let matrix = Mat4::from_scale(flip) * orthographic(-2.0, 2.0, -1.0, 1.0, near, far);
+                assert_eq!(found(matrix), Err(CameraError::Orthographic), "{number}");
             }
         }
     }

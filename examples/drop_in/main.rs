@@ -4,7 +4,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
-use rimline::gpu::{self, Extractor, ExtractorOptions, ListOptions, PositionBuffer};
+use rimline::gpu::{self, EdgeTopology, Extractor, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::{Light, Mesh, mesh::Weld, wgpu};
 use rimline_testkit::shapes;
 
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Once a mesh: topology, extractor, and what your shader reads the results with.
     let positions = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 16 };
     let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position)?;
-    let lists = Some(ListOptions { vertices_per_edge: 2, ..ListOptions::default() });
+    let lists = Some(ListOptions { topology: EdgeTopology::LineList, ..ListOptions::default() });
     let mut extractor = Extractor::new(device, &mesh, ExtractorOptions { lists, ..ExtractorOptions::default() })?;
     let layout = gpu::results_bind_group_layout(device, wgpu::ShaderStages::VERTEX);
     let pipeline = canvas.line_pipeline(&layout, &(gpu::include_wgsl(0) + include_str!("lines.wgsl")));

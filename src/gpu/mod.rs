@@ -28,7 +28,7 @@ pub use extract::errors::ExtractorError;
 pub use extract::extraction::Extraction;
 pub use extract::extractor::Extractor;
 pub use extract::include::{include_wgsl, results_bind_group_layout};
-pub use extract::options::{ExtractorOptions, ListOptions, MAX_OUTLINE_EDGES};
+pub use extract::options::{EdgeTopology, ExtractorOptions, ListOptions, MAX_OUTLINE_EDGES};
 pub use extract::results::ExtractionResults;
 pub use outline::{Outline, OutlineError, OutlineFormat, OutlineInputs, OutlinePipeline, OutlineStyle};
 pub use query::errors::QueryError;

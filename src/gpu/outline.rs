@@ -80,7 +80,7 @@ impl Default for OutlineStyle {
 /// The outline to draw.
 #[derive(Clone, Copy, Debug)]
 pub struct OutlineInputs<'a> {
-    /// The extraction. Its extractor has lists with at least four vertices for each edge, the default.
+    /// The extraction. Its extractor has lists of quads, the default.
     pub extraction: &'a Extraction,
     /// The number of the light that stands for the eye: for a perspective camera [`Light::point`](crate::Light::point) at the eye,
     /// for an orthographic one [`Light::directional`](crate::Light::directional) towards it.
@@ -113,7 +113,7 @@ pub enum OutlineError {
     Extraction(ExtractorError),
     /// The extractor's draws have too few vertices.
     #[error(
-        "the extractor draws {given} vertices for each edge, and outlines need 4; set `ListOptions::vertices_per_edge`"
+        "the extractor draws {given} vertices for each edge, and outlines need 4; set `ListOptions::topology` to a triangle strip"
     )]
     Vertices {
         /// Vertices for each edge.
@@ -334,7 +334,7 @@ impl OutlineStyle {
             size: size.map(|pixels| pixels as f32),
             depth_bias: self.depth_bias,
             crease_cosine: self.crease_angle.min(std::f32::consts::PI).cos(),
-            light: (light % 32) as u32,
+            light: light as u32,
             classes,
             is_reversed: u32::from(camera.depth == DepthDirection::Reversed),
             reserved: 0,

@@ -31,7 +31,7 @@ pub(crate) const TESTS: &[Test] = &[
 const ROOM: u32 = 100_000;
 
 fn lists(capacity: u32, ordered: bool) -> ListOptions {
-    ListOptions { capacity: Some(capacity), ordered, vertices_per_edge: 4 }
+    ListOptions { capacity: Some(capacity), ordered, ..ListOptions::default() }
 }
 
 /// Options of an extractor, and how many pipelines they need that those before do not.

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::task::{Context, Poll, Wake, Waker};
 
 use rimline::gpu::{
-    DeviceError, Extractor, ExtractorOptions, StageTimer, read_back, read_back_async, read_back_vec,
+    DeviceError, Extractor, ExtractorOptions, ShadowFormat, StageTimer, read_back, read_back_async, read_back_vec,
     read_back_vec_async,
 };
 use rimline_testkit::harness::Test;
@@ -14,7 +14,7 @@ use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::{must_fail, same};
 
-use crate::watched::{LIGHT, Watched, caster, packed};
+use crate::watched::{LIGHT, Watched, caster, depth_stencil, packed};
 
 pub(crate) const TESTS: &[Test] = &[
     ("reading_without_waiting_gives_what_waiting_gives", like_waiting),
@@ -23,6 +23,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("errors_come_without_waiting_too", errors),
     ("stages_are_timed_without_waiting", timed),
     ("a_timer_whose_clock_stands_still_says_so", still),
+    ("times_that_are_taken_late_are_none", late),
 ];
 
 /// Counts how often a task was woken.
@@ -195,4 +196,62 @@ fn still() -> Result<(), String> {
     timer.clear();
     same("nothing timed", &[timer.read(&gpu.device, &gpu.queue)], &[Ok(Vec::new())])?;
     watched.quiet("standing still")
+}
+
+/// On llvmpipe the timestamps of compute passes mean nothing once the device has drawn: then there are no times.
+fn late() -> Result<(), String> {
+    let watched = Watched::new(wgpu::Features::TIMESTAMP_QUERY, wgpu::Limits::default())?;
+    let gpu = &watched.gpu;
+    let (shape, mesh) = caster()?;
+    let positions = gpu.storage(&shape.positions);
+    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
+    let mut timer = StageTimer::new(&gpu.device, &gpu.queue).ok_or("no timer")?;
+    let is_llvmpipe = gpu.name.contains("llvmpipe") && gpu.name.contains("Vulkan");
+    let mut timed = |timer: &mut StageTimer| {
+        timer.clear();
+        gpu.submit(|encoder| {
+            extractor.encode(encoder, packed(&positions), &[LIGHT], Some(timer)).map(drop).map_err(text)?;
+            timer.resolve(encoder);
+            Ok(())
+        })?;
+        let waited = timer.read(&gpu.device, &gpu.queue).map(drop);
+        let found = finish(&watched, timer.read_async(&gpu.device, &gpu.queue))?.map(drop);
+        Ok::<_, String>([waited, found])
+    };
+    same("before", &timed(&mut timer)?, &[Ok(()), Ok(())])?;
+    same("stages", &timer.stages(), &["facing", "exact_facing", "edges", "arguments"])?;
+    // A pass that clears, by itself and timed.
+    let view = depth_stencil(&watched);
+    let cleared = |timer: Option<&mut StageTimer>| {
+        gpu.submit(|encoder| {
+            let depth_ops = Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store });
+            drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    depth_ops,
+                    ..ShadowFormat::attachment(&view)
+                }),
+                timestamp_writes: timer.and_then(|timer| timer.render_pass("clear")),
+                ..Default::default()
+            }));
+            Ok(())
+        })
+    };
+    cleared(None)?;
+    let after = timed(&mut timer)?;
+    println!("{}: {after:?}", gpu.name);
+    let is_late =
+        |found: &Result<(), DeviceError>| matches!(found, Err(DeviceError::ClockLate { ms, .. }) if *ms < 0.1);
+    if !after.iter().all(if is_llvmpipe { is_late } else { |found: &Result<(), DeviceError>| found.is_ok() }) {
+        return Err(format!("after a draw: {after:?}"));
+    }
+    // Render passes have times.
+    timer.clear();
+    cleared(Some(&mut timer))?;
+    gpu.submit(|encoder| {
+        timer.resolve(encoder);
+        Ok(())
+    })?;
+    let found = timer.read(&gpu.device, &gpu.queue).map_err(text)?;
+    same("a render pass", &[found.len()], &[1])?;
+    watched.quiet("timing after a draw")
 }

@@ -1,6 +1,6 @@
 //! A caller's own render pass: indirect draws through the WGSL include.
 
-use rimline::gpu::{ListOptions, include_wgsl, results_bind_group_layout};
+use rimline::gpu::{EdgeTopology, ListOptions, include_wgsl, results_bind_group_layout};
 
 use crate::include::{LIGHTS, Scene, expected};
 use rimline_testkit::cases::topologies;
@@ -12,20 +12,21 @@ use rimline_testkit::{lights, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[("an_indirect_draw_covers_every_silhouette_edge_once", drawn)];
 
-/// Each valid edge colours the pixel of its own number; additive, so that one drawn twice shows.
+/// Each valid edge colours the pixel of its own number, by a quad or a line; additive, so that one drawn twice shows.
 const PAINTER: &str = "
 const SIDE: u32 = 64u;
 override LIGHT: u32 = 0u;
 
 @vertex
 fn place(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
-  let edge = rimline_silhouette(LIGHT, instance);
-  if (!edge.valid) {
-    return vec4<f32>(0.0, 0.0, 0.0, 0.0);
-  }
-  let pixel = vec2<f32>(vec2<u32>(edge.edge % SIDE, edge.edge / SIDE) + vec2<u32>(vertex & 1u, vertex >> 1u));
+  let edge = rimline_silhouette(LIGHT, instance).edge;
+  let corner = vec2<f32>(vec2<u32>(rimline_corner(vertex) & 1u, rimline_corner(vertex) >> 1u));
+  let is_line = rimline_info.vertices_per_edge == 2u;
+  let pixel = vec2<f32>(vec2<u32>(edge % SIDE, edge / SIDE)) + corner + select(0.0, 0.5, is_line);
   let scaled = 2.0 * pixel / f32(SIDE) - vec2<f32>(1.0);
-  return vec4<f32>(scaled.x, -scaled.y, 0.5, 1.0);
+  // A matrix that moves all positions to the pixel.
+  let matrix = mat4x4<f32>(vec4<f32>(), vec4<f32>(), vec4<f32>(), vec4<f32>(scaled.x, -scaled.y, 0.5, 1.0));
+  return matrix * rimline_edge_vertex(LIGHT, instance, vertex);
 }
 
 @fragment
@@ -37,7 +38,12 @@ fn paint() -> @location(0) vec4<f32> {
 const SIDE: u32 = 64;
 
 /// The painter's pipeline for a light, over the results' bind group.
-fn pipeline(device: &wgpu::Device, results: &wgpu::BindGroupLayout, light: usize) -> wgpu::RenderPipeline {
+fn pipeline(
+    device: &wgpu::Device,
+    results: &wgpu::BindGroupLayout,
+    light: usize,
+    topology: wgpu::PrimitiveTopology,
+) -> wgpu::RenderPipeline {
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("painter"),
         source: wgpu::ShaderSource::Wgsl(format!("{}{PAINTER}", include_wgsl(0)).into()),
@@ -52,7 +58,7 @@ fn pipeline(device: &wgpu::Device, results: &wgpu::BindGroupLayout, light: usize
         dst_factor: wgpu::BlendFactor::One,
         operation: wgpu::BlendOperation::Add,
     };
-    let constants = [("LIGHT", (light % 32) as f64)];
+    let constants = [("LIGHT", light as f64)];
     let compilation_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("painter"),
@@ -63,7 +69,7 @@ fn pipeline(device: &wgpu::Device, results: &wgpu::BindGroupLayout, light: usize
             compilation_options: compilation_options.clone(),
             buffers: &[],
         },
-        primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::TriangleStrip, ..Default::default() },
+        primitive: wgpu::PrimitiveState { topology, ..Default::default() },
         depth_stencil: None,
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
@@ -82,10 +88,10 @@ fn pipeline(device: &wgpu::Device, results: &wgpu::BindGroupLayout, light: usize
 }
 
 /// The picture that a light's indirect draw makes, a byte an edge.
-fn draw(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<u8>, String> {
+fn draw(gpu: &Gpu, scene: &Scene, light: usize, topology: EdgeTopology) -> Result<Vec<u8>, String> {
     let device = &gpu.device;
     let results = results_bind_group_layout(device, wgpu::ShaderStages::VERTEX);
-    let pipeline = pipeline(device, &results, light);
+    let pipeline = pipeline(device, &results, light, topology.primitive_topology());
     let size = wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 };
     let target = device.create_texture(&wgpu::TextureDescriptor {
         label: Some("edges"),
@@ -140,18 +146,19 @@ fn drawn() -> Result<(), String> {
         if edges > (SIDE * SIDE) as usize {
             return Err(format!("{}: {edges} edges do not fit the picture", case.0));
         }
-        for capacity in [u32::MAX, 20] {
-            let lists = ListOptions { capacity: Some(capacity), ordered: false, vertices_per_edge: 4 };
+        let topologies = [EdgeTopology::TriangleStrip, EdgeTopology::TriangleList, EdgeTopology::LineList];
+        for (topology, capacity) in topologies.into_iter().flat_map(|topology| [(topology, u32::MAX), (topology, 20)]) {
+            let lists = ListOptions { capacity: Some(capacity), ordered: false, topology };
             let lights = lights(&mut random, LIGHTS);
             let scene = Scene::new(gpu, case.clone(), &lights, lists)?;
             let facing = read(gpu, &scene.extractor, &scene.mesh, LIGHTS)?.facing;
             for light in [3, 36] {
-                let found = draw(gpu, &scene, light)?;
+                let found = draw(gpu, &scene, light, topology)?;
                 let mut expected_pixels = vec![0_u8; (SIDE * SIDE) as usize];
                 for words in expected(&scene, &facing, light) {
                     expected_pixels[words[1] as usize] = 1;
                 }
-                let what = format!("{}, capacity {capacity}, light {light}", case.0);
+                let what = format!("{}, {topology:?}, capacity {capacity}, light {light}", case.0);
                 same(&what, &found, &expected_pixels)?;
                 expected_pixels[random.below(edges)] ^= 1;
                 must_fail("a missing edge", &same(&what, &found, &expected_pixels))?;

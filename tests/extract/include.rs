@@ -43,13 +43,16 @@ override LIGHT: u32 = 0u;
 
 @compute @workgroup_size(64)
 fn reader(@builtin(global_invocation_id) id: vec3<u32>) {
-  if (id.x >= draws[rimline_info.first_light + LIGHT].y) {
+  if (id.x >= draws[LIGHT].y) {
     return;
   }
   let edge = rimline_silhouette(LIGHT, id.x);
-  let place = bitcast<u32>(rimline_position(edge.a).x) ^ bitcast<u32>(rimline_position(edge.b).y);
+  let ends = array<vec4<f32>, 2>(rimline_edge_vertex(LIGHT, id.x, 0u), rimline_edge_vertex(LIGHT, id.x, 1u));
+  let place = bitcast<u32>(ends[0].x) ^ bitcast<u32>(ends[1].y);
+  // 2: the ends are those of a silhouette, and the edge is none, or the other way round.
+  let valid = select(2u, u32(edge.valid), all(vec2<f32>(ends[0].w, ends[1].w) == vec2<f32>(f32(edge.valid))));
   let words = array<u32, 8>(
-    u32(edge.valid), edge.edge, edge.a, edge.b, u32(edge.winding), edge.kind, place, rimline_silhouettes(LIGHT));
+    valid, edge.edge, edge.a, edge.b, u32(edge.winding), edge.kind, place, rimline_silhouettes(LIGHT));
   for (var at = 0u; at < 8u; at++) {
     found[8u * id.x + at] = words[at];
   }
@@ -84,8 +87,8 @@ impl Scene {
     }
 }
 
-/// Entries that the reader found for a light: the valid edges, eight words each, in the order of the edges.
-fn read_light(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<[u32; 8]>, String> {
+/// Entries that the reader found for a light in the results of a batch: the valid edges, eight words each, in the order of the edges.
+fn read_light(gpu: &Gpu, scene: &Scene, light: usize, batch: usize) -> Result<Vec<[u32; 8]>, String> {
     let device = &gpu.device;
     let source = format!("{READER}{}", include_wgsl(1));
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -118,7 +121,7 @@ fn read_light(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<[u32; 8]>, S
         module: &module,
         entry_point: Some("reader"),
         compilation_options: wgpu::PipelineCompilationOptions {
-            constants: &[("LIGHT", (light % 32) as f64)],
+            constants: &[("LIGHT", light as f64)],
             ..Default::default()
         },
         cache: None,
@@ -134,7 +137,7 @@ fn read_light(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<[u32; 8]>, S
             wgpu::BindGroupEntry { binding: 1, resource: found.as_entire_binding() },
         ],
     });
-    let results = scene.group(&results, light / 32)?;
+    let results = scene.group(&results, batch)?;
     gpu.submit(|encoder| {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&pipeline);
@@ -144,7 +147,7 @@ fn read_light(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<[u32; 8]>, S
         Ok(())
     })?;
     let mut valid: Vec<[u32; 8]> = gpu.read(&found, edges)?;
-    valid.retain(|words| words[0] == 1);
+    valid.retain(|words| matches!(words[0], 1 | 2));
     valid.sort_unstable_by_key(|words| words[1]);
     Ok(valid)
 }
@@ -165,8 +168,9 @@ fn expected_of(scene: &Scene, masks: &[EdgeMasks], light: usize) -> Vec<[u32; 8]
         let index = entry & !cpu::WINDING;
         let edge = mesh.edges().get(index as usize).expect("an edge of the mesh");
         let [a, b] = edge.vertices;
-        let place = scene.positions[a as usize][0].to_bits() ^ scene.positions[b as usize][1].to_bits();
         let winding = entry >> 31;
+        let [from, to] = if winding == 1 { [a, b] } else { [b, a] };
+        let place = scene.positions[from as usize][0].to_bits() ^ scene.positions[to as usize][1].to_bits();
         [1, index, a, b, winding, edge.kind as u32, place, list.len() as u32]
     });
     entries.collect()
@@ -179,15 +183,16 @@ fn computed() -> Result<(), String> {
     let mut random = Random::new(seed);
     for case in topologies() {
         for (capacity, ordered) in [(u32::MAX, true), (u32::MAX, false), (20, true), (20, false)] {
-            let lists = ListOptions { capacity: Some(capacity), ordered, vertices_per_edge: 4 };
+            let lists = ListOptions { capacity: Some(capacity), ordered, ..ListOptions::default() };
             let lights = lights(&mut random, LIGHTS);
             let scene = Scene::new(gpu, case.clone(), &lights, lists)?;
             let facing = read(gpu, &scene.extractor, &scene.mesh, LIGHTS)?.facing;
             for light in [0, 5, 31, 32, 39] {
                 let what = format!("{}, capacity {capacity}, light {light}", case.0);
-                let mut found = read_light(gpu, &scene, light)?;
+                let mut found = read_light(gpu, &scene, light, light / 32)?;
                 let expected = expected(&scene, &facing, light);
                 same(&what, &found, &expected)?;
+                same(&format!("{what}, other batch"), &read_light(gpu, &scene, light, 1 - light / 32)?, &[])?;
                 if let Some(first) = found.first_mut() {
                     first[4] ^= 1;
                     must_fail("a flipped winding bit", &same(&what, &found, &expected))?;
@@ -208,14 +213,14 @@ fn polygons() -> Result<(), String> {
     let mesh = set.mesh(Weld::Position).map_err(text)?;
     let mut twisted = 0;
     for capacity in [u32::MAX, 5] {
-        let lists = ListOptions { capacity: Some(capacity), ordered: false, vertices_per_edge: 4 };
+        let lists = ListOptions { capacity: Some(capacity), ordered: false, ..ListOptions::default() };
         let lights = lights(&mut random, LIGHTS);
         let scene = Scene::new(gpu, ("torus".to_owned(), set.positions.clone(), mesh.clone()), &lights, lists)?;
         let found = cpu::extract(&set.positions, &mesh, &lights, Predicate::Exact, Threads::ONE).map_err(text)?;
         twisted += found.twisted.iter().map(|mask| mask.count_ones()).sum::<u32>();
         for light in [0, 5, 31, 32, 39] {
             let what = format!("capacity {capacity}, light {light}");
-            let mut read = read_light(gpu, &scene, light)?;
+            let mut read = read_light(gpu, &scene, light, light / 32)?;
             let expected = expected_of(&scene, &found.masks, light);
             same(&what, &read, &expected)?;
             if let Some(first) = read.first_mut() {

@@ -34,7 +34,7 @@ fn options(max_lights: usize, masks: bool, ordered: bool) -> ExtractorOptions {
     ExtractorOptions {
         max_lights,
         masks,
-        lists: Some(ListOptions { capacity: Some(u32::MAX), ordered, vertices_per_edge: 4 }),
+        lists: Some(ListOptions { capacity: Some(u32::MAX), ordered, ..ListOptions::default() }),
         ..Default::default()
     }
 }

@@ -1,6 +1,6 @@
 //! Devices with less: results equal those of the shared device. Input that does not fit is in `refusals.rs`.
 
-use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions, ListOptions, PositionBuffer};
+use rimline::gpu::{Deformer, DeformerOptions, EdgeTopology, Extractor, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::reference::Method;
 use rimline::{Light, Mesh};
 use rimline_testkit::shapes::Shape;
@@ -77,7 +77,7 @@ fn unchanged() -> Result<(), String> {
                 // Per-edge lists have room for all edges; where a binding does not, only the masks are compared.
                 let list_bytes = 4 * mesh.edges().len() as u64 * count.min(32) as u64;
                 let fits = method == Method::FaceMask || list_bytes <= binding;
-                let lists = ListOptions { capacity: Some(capacity), ordered, vertices_per_edge: 6 };
+                let lists = ListOptions { capacity: Some(capacity), ordered, topology: EdgeTopology::TriangleList };
                 let run = Run {
                     shape: &shape,
                     lights: &lights,

@@ -3,7 +3,7 @@
 //! It tests the stages `compact` and `arguments`.
 
 use bytemuck::Zeroable;
-use rimline::gpu::{ExtractorOptions, ListOptions};
+use rimline::gpu::{EdgeTopology, ExtractorOptions, ListOptions};
 use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::DrawArguments;
@@ -58,7 +58,7 @@ fn edges() -> Result<(), String> {
 }
 
 fn list_options(capacity: Option<u32>, ordered: bool) -> ListOptions {
-    ListOptions { capacity, ordered, vertices_per_edge: 6 }
+    ListOptions { capacity, ordered, topology: EdgeTopology::TriangleList }
 }
 
 fn ordered_lists() -> Result<(), String> {

@@ -2,8 +2,8 @@
 //! for an edge. No room is taken as room for one, of which other tests have pictures.
 
 use rimline::gpu::{
-    DeviceError, DrawArguments, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer, ShadowError,
-    ShadowFormat, ShadowOptions, ShadowPipelines, ShadowStatistics, ShadowVolumes,
+    DeviceError, DrawArguments, EdgeTopology, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer,
+    ShadowError, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowStatistics, ShadowVolumes,
 };
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
@@ -24,14 +24,14 @@ struct Found {
     volumes: Vec<u32>,
 }
 
-fn found(gpu: &Gpu, counting: Counting, room: Option<u32>, vertices_per_edge: u32) -> Result<Found, String> {
+fn found(gpu: &Gpu, counting: Counting, room: Option<u32>, topology: EdgeTopology) -> Result<Found, String> {
     let shape = shapes::torus(12, 8, 1.0, 0.4);
     let mesh = shape.mesh().map_err(text)?;
     let buffer = gpu.storage(&shape.positions);
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     // The second light is in planes of faces.
     let lights = [Light::point([1.0, 5.0, 2.0]), Light::directional([0.0, 1.0, 0.0])];
-    let lists = Some(ListOptions { capacity: room, ordered: room.is_none(), vertices_per_edge });
+    let lists = Some(ListOptions { capacity: room, ordered: room.is_none(), topology });
     let options = ExtractorOptions { max_lights: 2, undecided_capacity: room, lists, ..ExtractorOptions::default() };
     let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
     let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), counting).map_err(text)?;
@@ -58,15 +58,20 @@ fn found(gpu: &Gpu, counting: Counting, room: Option<u32>, vertices_per_edge: u3
 fn without_room() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     for counting in [Counting::Auto, Counting::ZPass, Counting::ZpPlus, Counting::ZFail] {
-        let [none, one, all] = [Some(0), Some(1), None].map(|room| found(gpu, counting, room, 4));
+        let [none, one, all] =
+            [Some(0), Some(1), None].map(|room| found(gpu, counting, room, EdgeTopology::TriangleStrip));
         let (none, one, all) = (none?, one?, all?);
         same(&format!("{counting:?}"), &[&none], &[&one])?;
         same(&format!("{counting:?}, facing"), &none.facing, &all.facing)?;
         must_fail("room for all", &same("one entry", &[&all], &[&one]))?;
     }
-    // Draws of no vertex: that is what was asked for.
-    let drawn = found(gpu, Counting::Auto, None, 0)?;
-    same("vertices", &[drawn.draws[0], drawn.draws[4]], &[0, 0])
+    for (topology, vertices) in
+        [(EdgeTopology::TriangleStrip, 4), (EdgeTopology::TriangleList, 6), (EdgeTopology::LineList, 2)]
+    {
+        let drawn = found(gpu, Counting::Auto, None, topology)?;
+        same("vertices", &[drawn.draws[0], drawn.draws[4]], &[vertices; 2])?;
+    }
+    Ok(())
 }
 
 fn without_memory() -> Result<(), String> {

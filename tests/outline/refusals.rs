@@ -1,8 +1,8 @@
 //! Outlines that cannot be drawn are typed errors.
 
 use rimline::gpu::{
-    Extractor, ExtractorOptions, ListOptions, OutlineError, OutlineFormat, OutlineInputs, OutlinePipeline,
-    OutlineStyle, PositionBuffer,
+    EdgeTopology, Extractor, ExtractorOptions, ListOptions, OutlineError, OutlineFormat, OutlineInputs,
+    OutlinePipeline, OutlineStyle, PositionBuffer,
 };
 use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_testkit::cases::case;
@@ -37,15 +37,16 @@ fn refused() -> Result<(), String> {
     let (_, positions, mesh) = case("torus", shapes::torus(24, 16, 1.0, 0.4));
     let vertices = gpu.storage(&positions);
     let place = PositionBuffer { buffer: &vertices, offset: 0, stride: 12 };
-    let encoded = |gpu: &Gpu, vertices_per_edge| {
-        let lists = Some(ListOptions { vertices_per_edge, ..ListOptions::default() });
+    let encoded = |gpu: &Gpu, topology| {
+        let lists = Some(ListOptions { topology, ..ListOptions::default() });
         let options = ExtractorOptions { lists, ..ExtractorOptions::default() };
         let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
         let lights = [Light::point([0.0, 0.0, 4.0])];
         let extraction = gpu.submit(|encoder| extractor.encode(encoder, place, &lights, None).map_err(text))?;
         Ok::<_, String>((extractor, extraction))
     };
-    let [(_, two), (mut extractor, four)] = [encoded(gpu, 2)?, encoded(gpu, 4)?];
+    let [(_, two), (mut extractor, four)] =
+        [encoded(gpu, EdgeTopology::LineList)?, encoded(gpu, EdgeTopology::TriangleStrip)?];
     let pipeline = OutlinePipeline::new(&gpu.pipelines, &OutlineFormat::default()).map_err(text)?;
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
     let camera = ShadowCamera { view_projection: identity, origin: [0.0; 3], depth: DepthDirection::Standard };

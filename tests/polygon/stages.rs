@@ -68,7 +68,7 @@ fn masks() -> Result<(), String> {
         let mesh = set.mesh(Weld::Position).map_err(|error| error.to_string())?;
         let Some(polygons) = mesh.polygons() else { continue };
         let (masks, statistics) = cpu::polygon_facing(&set.positions, polygons, &lights, Threads::ONE);
-        let lists = ListOptions { capacity: Some(u32::MAX), ordered: random.below(2) == 0, vertices_per_edge: 4 };
+        let lists = ListOptions { capacity: Some(u32::MAX), ordered: random.below(2) == 0, ..ListOptions::default() };
         let options =
             ExtractorOptions { max_lights: count, masks: true, lists: Some(lists), ..ExtractorOptions::default() };
         let found = extract(gpu, &set.positions, &mesh, &lights, options)?;

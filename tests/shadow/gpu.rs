@@ -18,6 +18,7 @@ mod mixed;
 mod most_turns;
 mod nested;
 mod overflow;
+mod passes;
 mod passing;
 mod polygons;
 mod proxies;
@@ -63,6 +64,7 @@ fn main() {
         in_scene::TESTS,
         thousands::TESTS,
         scene_refusals::TESTS,
+        passes::TESTS,
         passing::TESTS,
         proxies::TESTS,
         polygons::TESTS,

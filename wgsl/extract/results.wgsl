@@ -1,7 +1,8 @@
 // Results: what a caller's own shaders include (by `include_wgsl`) to read what was extracted for a batch of up to 32 lights:
 // silhouette edges by instance of the light's indirect draw, facing bits, positions. The stage `outline_edges` imports it, too.
-// Light numbers count from the first light of the batch. GROUP stands for the number of the bind group that
-// `Extraction::bind_group` makes. If a light's list overflowed, its draw goes over all edges, and `valid` tells the silhouettes.
+// A light has its number among all lights of the extraction, as in `Extraction::draw`; one of another batch has no edge. GROUP
+// stands for the number of the bind group that `Extraction::bind_group` makes. If a light's list overflowed, its draw goes over
+// all edges, and `valid` tells the silhouettes. `rimline_edge_vertex` leaves out the others.
 // Names and bindings are those that callers and src/gpu/extract/include.rs use: they must stay.
 
 struct RimlineInfo {
@@ -16,6 +17,8 @@ struct RimlineInfo {
   // Where twisted masks lie behind the facing masks: for each face the lights as seen from which its polygon's outline crosses
   // itself. 0: there are none.
   twisted_at: u32,
+  // Vertices that the draw has for each edge, by `ListOptions::topology`.
+  vertices_per_edge: u32,
 }
 
 // A silhouette edge for one light.
@@ -52,19 +55,30 @@ fn rimline_clip(view_projection: mat4x4<f32>, origin: vec3<f32>, position: vec3<
   return view_projection[0] * q.x + view_projection[1] * q.y + view_projection[2] * q.z + view_projection[3];
 }
 
+// Whether the bound batch has a light.
+fn rimline_has_light(light: u32) -> bool {
+  return light - rimline_info.first_light < rimline_info.lights;
+}
+
+// The bit of a light in the masks of the batch.
+fn rimline_light_bit(light: u32) -> u32 {
+  return 1u << ((light - rimline_info.first_light) & 31u);
+}
+
 // Whether a face faces a light.
 fn rimline_faces_light(face: u32, light: u32) -> bool {
-  return ((rimline_facing[face] >> light) & 1u) != 0u;
+  return rimline_has_light(light) && (rimline_facing[face] & rimline_light_bit(light)) != 0u;
 }
 
 // Whether a face is L-twisted as seen from a light. Such a face counts nowhere: its neighbours' edges to it are boundaries.
 fn rimline_is_twisted(face: u32, light: u32) -> bool {
-  return rimline_info.twisted_at != 0u && ((rimline_facing[rimline_info.twisted_at + face] >> light) & 1u) != 0u;
+  return rimline_info.twisted_at != 0u && rimline_has_light(light)
+    && (rimline_facing[rimline_info.twisted_at + face] & rimline_light_bit(light)) != 0u;
 }
 
 // The number of silhouette edges of a light, including those that its list has no room for.
 fn rimline_silhouettes(light: u32) -> u32 {
-  return rimline_counts[rimline_info.first_light + light];
+  return rimline_counts[light];
 }
 
 // Edge record `edge` for a light, by the facing bits of its faces. It is a silhouette edge if it is `valid`.
@@ -83,20 +97,40 @@ fn rimline_edge(light: u32, edge: u32) -> RimlineSilhouette {
     counts_1 = !rimline_is_twisted(faces.y, light);
     turned_1 = rimline_faces_light(faces.y, light) == (kind == 1u);
   }
-  let valid = counts_0 != counts_1 || (counts_0 && faces_0 == turned_1);
+  let is_silhouette = counts_0 != counts_1 || (counts_0 && faces_0 == turned_1);
+  let valid = rimline_has_light(light) && is_silhouette;
   // The facing of the face that counts, as face 0 would have it.
   return RimlineSilhouette(valid, edge, vertices.x, vertices.y, select(turned_1, faces_0, counts_0), kind);
 }
 
 // The silhouette edge of instance `instance` of a light's indirect draw.
 fn rimline_silhouette(light: u32, instance: u32) -> RimlineSilhouette {
-  if (rimline_silhouettes(light) > rimline_info.capacity) {
+  if (!rimline_has_light(light) || rimline_silhouettes(light) > rimline_info.capacity) {
     return rimline_edge(light, instance);
   }
-  let entry = rimline_list[light * rimline_info.capacity + instance];
+  let entry = rimline_list[(light - rimline_info.first_light) * rimline_info.capacity + instance];
   let edge = entry & 0x7fffffffu;
   let vertices = rimline_edge_vertices[edge];
   let faces = rimline_edge_faces[edge];
   let kind = select(faces.x >> 31u, 2u, faces.y == 0xffffffffu);
   return RimlineSilhouette(true, edge, vertices.x, vertices.y, entry >= 0x80000000u, kind);
+}
+
+// The corner of an edge's quad that vertex `vertex` of the draw is, in the order of a strip: bit 0 tells the end of the edge, and
+// bit 1 the side. A line has the corners 0 and 1.
+fn rimline_corner(vertex: u32) -> u32 {
+  // Two triangles share the corners 1 and 2: a digit for each vertex, the first one last.
+  return select(vertex, (0x312210u >> (4u * vertex)) & 3u, rimline_info.vertices_per_edge == 6u);
+}
+
+// The end of a silhouette edge at vertex `vertex` of the draw: its position, with w = 1. A caller multiplies it by the matrix of
+// its camera. From the first end to the second, the edge's faces lie to its left as seen from the light. Where the instance is no
+// silhouette, all four components are 0, for all its vertices; they stay so under each matrix, and nothing is drawn.
+fn rimline_edge_vertex(light: u32, instance: u32, vertex: u32) -> vec4<f32> {
+  let edge = rimline_silhouette(light, instance);
+  if (!edge.valid) {
+    return vec4<f32>();
+  }
+  let is_second = (rimline_corner(vertex) & 1u) == 1u;
+  return vec4<f32>(rimline_position(select(edge.a, edge.b, is_second == edge.winding)), 1.0);
 }

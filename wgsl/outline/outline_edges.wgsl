@@ -24,7 +24,7 @@ struct OutlineView {
   depth_bias: f32,
   // Faces whose normals have a smaller cosine meet at a crease.
   crease_cosine: f32,
-  // The light's number in its batch.
+  // The light's number.
   light: u32,
   // The classes that are drawn: bits 0 silhouettes, 1 boundaries, 2 creases, 3 marked edges.
   classes: u32,

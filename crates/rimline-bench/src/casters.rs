@@ -15,7 +15,7 @@ use wgpu::LoadOp;
 
 use crate::engine::{Contender, Metric, Rounds, Sample, interleave};
 use crate::extraction::subject;
-use crate::gpu::{Gpu, Stopwatch};
+use crate::gpu::{Gpu, Stopwatch, beside_draws};
 use crate::random::Random;
 use crate::record::{Camera, DEPTH, Deforming, Meshes, Recorder, STENCIL, SceneRecorder, Setting, Until, stencil_pass};
 use crate::row::{Entry, Row, Section, Variant};
@@ -329,7 +329,7 @@ fn draws(
         stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Volumes, None))?[1]
     };
     let timed = stopwatch.timed(|encoder, mut timer| {
-        recorder.encode(encoder, Until::Volumes, timer.as_deref_mut())?;
+        recorder.encode(encoder, Until::Volumes, beside_draws(&mut timer))?;
         for light in 0..LIGHTS {
             // Depth is reversed: 0 is farthest.
             let mut pass = stencil_pass(encoder, depth, LoadOp::Clear(0.0), timer.as_deref_mut(), None);

@@ -158,10 +158,16 @@ impl Timed {
     }
 }
 
+/// The timer of compute stages on a device that draws: none on software.
+pub fn beside_draws<'t>(timer: &'t mut Option<&mut StageTimer>) -> Option<&'t mut StageTimer> {
+    timer.as_deref_mut().filter(|timer| !timer.is_software())
+}
+
 /// Records frames and runs them on one device.
 ///
 /// On Mesa's software device the timestamps of compute passes mean nothing once the device has drawn anything: each is
-/// taken when the next one is asked for. So stages are timed on a device of their own, on which nothing is drawn.
+/// taken when the next one is asked for, and the timer refuses them. So stages are timed on a device of their own, on which
+/// nothing is drawn, and [`beside_draws`] leaves them out elsewhere.
 pub struct Stopwatch<'a> {
     pub gpu: &'a Gpu,
     /// `None`: times are by the clock.
@@ -221,11 +227,7 @@ impl<'a> Stopwatch<'a> {
         let Gpu { device, queue, .. } = self.gpu;
         match timer.read(device, queue).and_then(|passes| Ok((passes, timer.read_span(device, queue)?))) {
             Ok(times) => Ok(Some(times)),
-            Err(
-                DeviceError::TimestampPeriod { .. }
-                | DeviceError::ClockStill { .. }
-                | DeviceError::ClockBackwards { .. },
-            ) => {
+            Err(error) if error.is_clock() => {
                 self.timer = None;
                 Ok(None)
             }

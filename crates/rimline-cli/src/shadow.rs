@@ -119,18 +119,17 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
         })?;
     }
     let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
+    let begin = Instant::now();
     set.cast(&gpu, &resources, &mut casters, timer.as_mut()).on(&gpu)?;
     gpu.wait()?;
+    let all_stages = begin.elapsed().as_secs_f64() * 1e3;
     set.count_layers(&gpu, &mut casters)?;
     if let Some(found) = casters.shadows.depths_found(&gpu).on(&gpu)?
         && let Some(step) = found.warn_if_busy(&progress)
     {
         progress.step(step);
     }
-    let stages = timer.as_ref().map(|timer| timer.read(&gpu.device, &gpu.queue)).transpose().on(&gpu)?;
-    for (stage, milliseconds) in stages.into_iter().flatten() {
-        times.add(stage, milliseconds);
-    }
+    times.add_stages(&gpu, timer.as_ref(), all_stages).on(&gpu)?;
     if args.json {
         let drawn = (pictures.as_ref(), masks.as_ref());
         times.measure("compile", || trial(&gpu, &resources, drawn, &set.trial(&casters)))?;

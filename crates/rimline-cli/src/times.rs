@@ -2,21 +2,48 @@
 
 use std::time::Instant;
 
+use rimline::gpu::{DeviceError, StageTimer};
 use serde_json::{Map, Value};
+
+use crate::device::Gpu;
 
 /// Stages that prepare the device for the others: opening it, buffers, pipelines, compiling shaders.
 const SET_UP: [&str; 4] = ["device", "prepare", "pipelines", "compile"];
 
-/// Milliseconds of each stage, in the order they ran.
+/// All stages of a device that has no timestamps, or none that mean anything.
+const ALL_STAGES: &str = "stages";
+
+/// Milliseconds of each stage, in the order they ran. `None`: only the sum of several is known.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Times(Vec<(&'static str, f64)>);
+pub(crate) struct Times(Vec<(&'static str, Option<f64>)>);
 
 impl Times {
     pub(crate) fn add(&mut self, stage: &'static str, milliseconds: f64) {
         match self.0.iter_mut().find(|(name, _)| *name == stage) {
-            Some((_, sum)) => *sum += milliseconds,
-            None => self.0.push((stage, milliseconds)),
+            Some((_, sum)) => *sum = Some(sum.unwrap_or(0.0) + milliseconds),
+            None => self.0.push((stage, Some(milliseconds))),
         }
+    }
+
+    /// Adds the stages that `timer` timed, once they ran. Where it cannot tell their times, adds `all`: what they took by the clock.
+    pub(crate) fn add_stages(&mut self, gpu: &Gpu, timer: Option<&StageTimer>, all: f64) -> Result<(), DeviceError> {
+        let Some(timer) = timer else {
+            self.add(ALL_STAGES, all);
+            return Ok(());
+        };
+        match timer.read(&gpu.device, &gpu.queue) {
+            Ok(stages) => stages.into_iter().for_each(|(stage, milliseconds)| self.add(stage, milliseconds)),
+            Err(error) if error.is_clock() => {
+                for stage in timer.stages() {
+                    if self.0.iter().all(|(name, _)| *name != stage) {
+                        self.0.push((stage, None));
+                    }
+                }
+                self.add(ALL_STAGES, all);
+            }
+            Err(error) => return Err(error),
+        }
+        Ok(())
     }
 
     pub(crate) fn measure<T>(&mut self, stage: &'static str, run: impl FnOnce() -> T) -> T {
@@ -29,7 +56,7 @@ impl Times {
     pub(crate) fn set_up_and_work(&self) -> [f64; 2] {
         let sum = |is_set_up: bool| {
             let stages = self.0.iter().filter(|(stage, _)| SET_UP.contains(stage) == is_set_up);
-            stages.map(|(_, milliseconds)| milliseconds).sum()
+            stages.filter_map(|(_, milliseconds)| *milliseconds).sum()
         };
         [sum(true), sum(false)]
     }
@@ -41,7 +68,7 @@ impl Times {
 
     pub(crate) fn text(&self) -> String {
         let times: Vec<String> =
-            self.0.iter().map(|(stage, milliseconds)| format!("{stage} {milliseconds:.1}")).collect();
+            self.0.iter().filter_map(|(stage, ms)| ms.map(|ms| format!("{stage} {ms:.1}"))).collect();
         times.join(", ")
     }
 

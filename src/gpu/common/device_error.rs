@@ -193,6 +193,17 @@ pub enum DeviceError {
         /// Passes that were timed.
         passes: usize,
     },
+    /// Timestamps of compute passes are taken too late, as Mesa's llvmpipe does once it has drawn anything.
+    #[error(
+        "a load of at least {least_ms} ms took {ms} ms by the device's timestamps: they do not belong to their passes; measure by a \
+         clock, or on a device that draws nothing"
+    )]
+    ClockLate {
+        /// The time of the load by the timestamps, in milliseconds.
+        ms: f64,
+        /// The time that the load takes at least.
+        least_ms: f64,
+    },
     /// A pass ended before it began, or before the first pass began.
     #[error("pass {pass} ({name}) ended before it began: the device's clock runs backwards; measure by a clock")]
     ClockBackwards {
@@ -204,6 +215,12 @@ pub enum DeviceError {
 }
 
 impl DeviceError {
+    /// Whether the device's timestamps tell no times. A clock on the CPU's side does.
+    pub fn is_clock(&self) -> bool {
+        use DeviceError::{ClockBackwards, ClockLate, ClockStill, TimestampPeriod};
+        matches!(self, TimestampPeriod { .. } | ClockStill { .. } | ClockBackwards { .. } | ClockLate { .. })
+    }
+
     /// Whether something is too large for the device or a memory limit, so that smaller meshes may fit.
     pub fn is_memory(&self) -> bool {
         use DeviceError::{BindingTooLarge, BufferTooLarge, GatheredTooLarge, MemoryLimit, OutOfMemory};

@@ -2,6 +2,7 @@
 
 pub(crate) mod bindings;
 pub(crate) mod cache;
+pub(crate) mod clock_check;
 pub(crate) mod device_error;
 pub(crate) mod dispatch_limits;
 pub(crate) mod download;

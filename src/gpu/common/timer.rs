@@ -1,5 +1,6 @@
 //! Measures the GPU time of each stage, on devices with timestamp queries.
 
+use super::clock_check::{ClockCheck, LEAST_MS, load_ticks};
 use super::device_error::DeviceError;
 use super::readback::{read_back_vec, read_back_vec_async};
 
@@ -18,8 +19,12 @@ pub struct StageTimes {
 
 /// Takes timestamps around the pass of each stage. The device needs `Features::TIMESTAMP_QUERY`.
 ///
-/// On a software device ([`Self::is_software`]) the timestamps are the machine's clock, read by any of its threads.
-/// Reading returns a [`DeviceError`] where the times have no meaning.
+/// On a software device ([`Self::is_software`]) the timestamps are the machine's clock, read by any of its threads. Mesa's
+/// llvmpipe takes those of compute passes too late once the device has drawn anything. So reading runs a load of a few
+/// milliseconds there, and checks its times.
+///
+/// Reading returns a [`DeviceError`] where the times have no meaning; [`DeviceError::is_clock`] tells these. Measure by a clock
+/// then.
 #[derive(Debug)]
 pub struct StageTimer {
     set: wgpu::QuerySet,
@@ -27,12 +32,20 @@ pub struct StageTimer {
     device: wgpu::Device,
     period_ns: f32,
     names: Vec<&'static str>,
+    /// On software devices.
+    check: Option<ClockCheck>,
+    /// Whether a compute pass was timed: the check concerns these.
+    has_compute: bool,
 }
 
 impl StageTimer {
     /// Makes a timer. `None` if the device has no timestamp queries.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Option<Self> {
-        device.features().contains(wgpu::Features::TIMESTAMP_QUERY).then(|| Self {
+        if !device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+            return None;
+        }
+        let check = if is_software(device) { Some(ClockCheck::new(device)?) } else { None };
+        Some(Self {
             set: device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("stages"),
                 ty: wgpu::QueryType::Timestamp,
@@ -47,18 +60,22 @@ impl StageTimer {
             device: device.clone(),
             period_ns: queue.get_timestamp_period(),
             names: Vec::new(),
+            check,
+            has_compute: false,
         })
     }
 
     /// Removes all recorded passes, so that the timer can be used for the next encoder.
     pub fn clear(&mut self) {
         self.names.clear();
+        self.has_compute = false;
     }
 
     /// The timestamps for the next compute pass. It may be a stage's pass or one of the caller's own. `None` if the
     /// timer is full.
     pub fn compute_pass(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         let [begin, end] = self.next(name)?;
+        self.has_compute = true;
         Some(wgpu::ComputePassTimestampWrites {
             query_set: &self.set,
             beginning_of_pass_write_index: begin,
@@ -94,7 +111,18 @@ impl StageTimer {
     /// Whether the device is software. The times are then CPU times: other programs share the CPU, and stages may
     /// overlap. Use them for ratios at most.
     pub fn is_software(&self) -> bool {
-        self.device.adapter_info().device_type == wgpu::DeviceType::Cpu
+        is_software(&self.device)
+    }
+
+    /// The name of each stage, in the order first recorded: those that [`Self::read`] gives times of.
+    pub fn stages(&self) -> Vec<&'static str> {
+        let mut stages = Vec::new();
+        for &name in &self.names {
+            if !stages.contains(&name) {
+                stages.push(name);
+            }
+        }
+        stages
     }
 
     /// The device that it times.
@@ -124,7 +152,16 @@ impl StageTimer {
 
     fn read_times(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<StageTimes, DeviceError> {
         let ticks: Vec<u64> = read_back_vec(device, queue, &self.resolved)?;
-        times(&self.names, &ticks, self.period_ns)
+        let times = times(&self.names, &ticks, self.period_ns)?;
+        if let Some(load) = self.submit_check(queue) {
+            check_load(&read_back_vec(device, queue, load)?, self.period_ns)?;
+        }
+        Ok(times)
+    }
+
+    /// Submits the load that tells whether times of compute passes mean anything, if there are such times.
+    fn submit_check(&self, queue: &wgpu::Queue) -> Option<&wgpu::Buffer> {
+        self.check.as_ref().filter(|_| self.has_compute).map(|check| check.submit(&self.device, queue))
     }
 
     /// The results of [`Self::read`] and [`Self::read_span`], without waiting.
@@ -139,9 +176,26 @@ impl StageTimer {
         queue: &wgpu::Queue,
     ) -> impl Future<Output = Result<StageTimes, DeviceError>> + use<> {
         let ticks = read_back_vec_async::<u64>(device, queue, &self.resolved);
+        let load = self.submit_check(queue).map(|load| read_back_vec_async::<u64>(device, queue, load));
         let (names, period_ns) = (self.names.clone(), self.period_ns);
-        async move { times(&names, &ticks.await?, period_ns) }
+        async move {
+            let times = times(&names, &ticks.await?, period_ns)?;
+            if let Some(load) = load {
+                check_load(&load.await?, period_ns)?;
+            }
+            Ok(times)
+        }
     }
+}
+
+fn is_software(device: &wgpu::Device) -> bool {
+    device.adapter_info().device_type == wgpu::DeviceType::Cpu
+}
+
+/// An error if the load took less time than it can.
+fn check_load(ticks: &[u64], period_ns: f32) -> Result<(), DeviceError> {
+    let ms = load_ticks(ticks) as f64 * f64::from(period_ns) / 1e6;
+    if ms >= LEAST_MS { Ok(()) } else { Err(DeviceError::ClockLate { ms, least_ms: LEAST_MS }) }
 }
 
 /// Stages and span of passes, from the beginning and end of each. An error if they have no meaning.
@@ -193,6 +247,16 @@ mod tests {
             assert_eq!(times(&["a"], &[0, 9], period), Err(DeviceError::TimestampPeriod { period }));
         }
         assert!(matches!(times(&["a"], &[0, 9], f32::NAN), Err(DeviceError::TimestampPeriod { .. })));
+    }
+
+    #[test]
+    fn a_load_that_took_no_time_is_an_error() {
+        // Milliseconds of 1,000 ticks.
+        assert_eq!(check_load(&[1000, 1100, 1100, 1200], 1000.0), Ok(()));
+        for ticks in [[1000, 1099, 1099, 9000], [1000, 9000, 9000, 9000], [9000, 1000, 1000, 9000]] {
+            assert!(matches!(check_load(&ticks, 1000.0), Err(DeviceError::ClockLate { .. })), "{ticks:?}");
+        }
+        assert!(check_load(&[], 1000.0).is_err());
     }
 
     #[test]

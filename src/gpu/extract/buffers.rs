@@ -157,7 +157,7 @@ impl Buffers {
         let mut light_batches = UniformTable::default();
         (0..shape.batches()).for_each(|_| _ = light_batches.push(&LightBatch::new(&[], 0, 3)));
         let (lights, edges) = (shape.max_lights as u32, shape.edges as u32);
-        let vertices_per_edge = options.lists.map_or(0, |lists| lists.vertices_per_edge);
+        let vertices_per_edge = options.lists.map_or(0, |lists| lists.topology.vertices());
         let mut draw_shape = UniformTable::default();
         draw_shape.push(&DrawShape { lights, capacity: shape.capacity, edges, vertices_per_edge });
         let contents = Contents {

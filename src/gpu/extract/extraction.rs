@@ -134,7 +134,7 @@ impl Extraction {
     }
 
     /// Draws the silhouette of light number `light` by an indirect draw. Each edge is an instance.
-    /// [`ListOptions::vertices_per_edge`](crate::gpu::ListOptions::vertices_per_edge) says how many vertices it has.
+    /// [`ListOptions::topology`](crate::gpu::ListOptions::topology) says which vertices it has.
     /// The caller sets pipeline and bind groups; [`Self::bind_group`] makes the one that the include reads.
     ///
     /// # Errors

@@ -101,7 +101,7 @@ impl Extractor {
             mesh: mesh.id(),
             is_closed: mesh.is_closed(),
             has_masks: options.masks,
-            vertices_per_edge: options.lists.map_or(0, |lists| lists.vertices_per_edge),
+            vertices_per_edge: options.lists.map_or(0, |lists| lists.topology.vertices()),
             encodes: AtomicU64::new(0),
             include_groups: Mutex::default(),
         });

@@ -57,6 +57,7 @@ impl Shared {
             position_offset: bound.offset_words,
             position_stride: bound.stride_words,
             twisted_at: if shape.polygons.is_some() { shape.faces as u32 } else { 0 },
+            vertices_per_edge: self.vertices_per_edge,
         });
         let info = table.into_buffer(device, "rimline info");
         let resources = [

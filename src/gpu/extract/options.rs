@@ -75,13 +75,47 @@ pub struct ListOptions {
     /// Whether lists have the order of the edges, which is the same in every run. It costs the memory traffic of the
     /// masks.
     pub ordered: bool,
-    /// The `vertex_count` of the draw arguments: 4 for a quad as a strip, 6 for a quad as two triangles, 2 for a line.
-    pub vertices_per_edge: u32,
+    /// The primitives of each edge in the light's draw.
+    pub topology: EdgeTopology,
+}
+
+/// The primitives that draw an edge: a quad or a line. It sets the `vertex_count` of the draw arguments, and
+/// [`Self::primitive_topology`] is for the pipeline that draws them. The include's `rimline_corner` and `rimline_edge_vertex`
+/// take the vertices of each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EdgeTopology {
+    /// A quad, as a strip of four vertices.
+    #[default]
+    TriangleStrip,
+    /// A quad, as two triangles of six vertices.
+    TriangleList,
+    /// A line of two vertices.
+    LineList,
+}
+
+impl EdgeTopology {
+    /// The vertices of each edge.
+    pub const fn vertices(self) -> u32 {
+        match self {
+            Self::TriangleStrip => 4,
+            Self::TriangleList => 6,
+            Self::LineList => 2,
+        }
+    }
+
+    /// The topology of a pipeline that draws the edges.
+    pub const fn primitive_topology(self) -> wgpu::PrimitiveTopology {
+        match self {
+            Self::TriangleStrip => wgpu::PrimitiveTopology::TriangleStrip,
+            Self::TriangleList => wgpu::PrimitiveTopology::TriangleList,
+            Self::LineList => wgpu::PrimitiveTopology::LineList,
+        }
+    }
 }
 
 impl Default for ListOptions {
-    /// Capacity from the mesh, unordered, 4 vertices for each edge.
+    /// Capacity from the mesh, unordered, a strip of four vertices for each edge.
     fn default() -> Self {
-        Self { capacity: None, ordered: false, vertices_per_edge: 4 }
+        Self { capacity: None, ordered: false, topology: EdgeTopology::TriangleStrip }
     }
 }

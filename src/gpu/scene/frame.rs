@@ -138,7 +138,8 @@ impl SceneFrame {
     ///
     /// Each light has a pass of its own. The pass loads the depths of the depth pass and clears the stencil to 0. After
     /// this draw, the same pass adds the light where the stencil is still 0: with a pipeline of
-    /// [`ShadowFormat::light_pass_depth_stencil`](crate::gpu::ShadowFormat::light_pass_depth_stencil). A light with a range
+    /// [`ShadowFormat::light_pass_depth_stencil`](crate::gpu::ShadowFormat::light_pass_depth_stencil).
+    /// [`ShadowFormat::begin_pass`](crate::gpu::ShadowFormat::begin_pass) begins such a pass. A light with a range
     /// must add nothing beyond it.
     ///
     /// # Errors

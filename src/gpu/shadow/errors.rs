@@ -1,5 +1,6 @@
 //! Why pipelines of shadow volumes, volumes and scenes cannot be made, changed, recorded or drawn.
 
+use super::format::{ShadowFormat, attachments};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::extract::errors::ExtractorError;
 use crate::light::LightError;
@@ -52,6 +53,25 @@ pub enum ShadowError {
         /// The message of the device.
         message: String,
     },
+    /// The pass has no depth-stencil attachment.
+    #[error(
+        "the pass has no depth-stencil attachment, and shadow volumes count there; `ShadowFormat::attachment` makes it"
+    )]
+    NoDepthStencil,
+    /// The pass has other attachments than the pipelines were made for.
+    #[error(
+        "the pass has {}, and the format has {}; make the format of this pass by `ShadowFormat::of_pass`, and pipelines of it",
+        attachments(.pass), attachments(.format)
+    )]
+    OtherAttachments {
+        /// The format that the pass needs.
+        pass: Box<ShadowFormat>,
+        /// The format that was to begin it.
+        format: Box<ShadowFormat>,
+    },
+    /// The pass does not clear its stencil to 0, where counts begin.
+    #[error("the pass does not clear its stencil to 0, where counts begin; take `ShadowFormat::attachment`")]
+    StencilNotCleared,
     /// Counts own no bit of the stencil, or more than it has.
     #[error("`count_bits` is {given}; counts own {least} to 8 bits of the stencil here")]
     CountBits {

@@ -1,8 +1,12 @@
 //! The attachments that volumes are drawn into, and the key of a pipeline of volumes.
 
-use crate::shadow::DepthDirection;
+use super::errors::ShadowError;
+use crate::shadow::{CameraError, DepthDirection, ShadowCamera};
 
-/// The attachments that volumes are drawn into.
+/// The attachments that volumes are drawn into. [`Self::of_pass`] takes them from the descriptor of a pass.
+///
+/// wgpu panics, or reports a validation error, where pipelines draw into a pass of other attachments, and a pass does not tell
+/// its attachments. [`Self::begin_pass`] compares before it begins a pass.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ShadowFormat {
     /// The format of the depth-stencil attachment. It must have both depth and stencil.
@@ -69,6 +73,76 @@ impl Default for ShadowFormat {
 }
 
 impl ShadowFormat {
+    /// The default, for a camera: with its depth direction, its front face, and its far plane.
+    ///
+    /// # Errors
+    /// [`CameraError`] if no shadow volumes can be drawn for the camera.
+    pub fn of_camera(camera: &ShadowCamera) -> Result<Self, CameraError> {
+        camera.check_any_hand()?;
+        let front_face = if camera.mirrors() { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw };
+        Ok(Self { depth: camera.depth, front_face, has_far_plane: camera.has_far_plane(), ..Self::default() })
+    }
+
+    /// The format for passes like this one, and cameras like this one: the formats and samples of its attachments, and what
+    /// [`Self::of_camera`] gives.
+    ///
+    /// Formats are those of the textures. For a view that was made with another format, as an sRGB view of a linear texture is,
+    /// set [`Self::colors`].
+    ///
+    /// # Errors
+    /// [`ShadowError::NoDepthStencil`] if the pass has no depth-stencil attachment, [`ShadowError::Camera`] if no shadow volumes
+    /// can be drawn for the camera.
+    pub fn of_pass(pass: &wgpu::RenderPassDescriptor<'_>, camera: &ShadowCamera) -> Result<Self, ShadowError> {
+        Self::of_camera(camera)?.with_attachments(pass)
+    }
+
+    /// The same with the attachments of a pass.
+    fn with_attachments(self, pass: &wgpu::RenderPassDescriptor<'_>) -> Result<Self, ShadowError> {
+        let depth_stencil = pass.depth_stencil_attachment.as_ref().ok_or(ShadowError::NoDepthStencil)?.view.texture();
+        let colors = pass.color_attachments.iter().map(|color| Some(color.as_ref()?.view.texture().format())).collect();
+        Ok(Self { depth_stencil: depth_stencil.format(), samples: depth_stencil.sample_count(), colors, ..self })
+    }
+
+    /// The same without the difference between linear and sRGB formats.
+    fn without_srgb(&self) -> Self {
+        let colors = self.colors.iter().map(|color| color.map(|color| color.remove_srgb_suffix())).collect();
+        Self { colors, ..self.clone() }
+    }
+
+    /// The depth-stencil attachment of a light's pass: it keeps the depths of the depth pass, and clears the stencil to 0, where
+    /// counts begin.
+    pub fn attachment(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+        let store = wgpu::StoreOp::Store;
+        wgpu::RenderPassDepthStencilAttachment {
+            view,
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store }),
+            stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store }),
+        }
+    }
+
+    /// Begins a pass for the volumes of one light, into which pipelines of this format draw. The pass clears its stencil to 0, as
+    /// [`Self::attachment`] does. Begin a pass that counts on from an earlier one by the encoder.
+    ///
+    /// Colour formats that differ only in sRGB are taken, because a view does not tell its own format. wgpu reports them.
+    ///
+    /// # Errors
+    /// [`ShadowError::OtherAttachments`] if the formats or samples of the attachments differ from those of this format.
+    /// [`ShadowError::StencilNotCleared`] if the pass does not clear the stencil to 0. Nothing is begun then.
+    pub fn begin_pass<'encoder>(
+        &self,
+        encoder: &'encoder mut wgpu::CommandEncoder,
+        pass: &wgpu::RenderPassDescriptor<'_>,
+    ) -> Result<wgpu::RenderPass<'encoder>, ShadowError> {
+        let given = self.clone().with_attachments(pass)?;
+        if given.without_srgb() != self.without_srgb() {
+            return Err(ShadowError::OtherAttachments { pass: Box::new(given), format: Box::new(self.clone()) });
+        }
+        match pass.depth_stencil_attachment.as_ref().and_then(|attachment| attachment.stencil_ops) {
+            Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), .. }) => Ok(encoder.begin_render_pass(pass)),
+            _ => Err(ShadowError::StencilNotCleared),
+        }
+    }
+
     /// The depth comparison that nearer fragments pass.
     pub(crate) fn nearer(&self) -> wgpu::CompareFunction {
         match self.depth {
@@ -83,21 +157,37 @@ impl ShadowFormat {
     }
 
     /// The depth-stencil state of a pipeline that adds a light, for the pass in which that light's volumes were drawn. It
-    /// meets the surfaces that the depth pass left, and lights them where no volume was counted: where the stencil is 0,
+    /// draws the surfaces that the depth pass left, and lights them where no volume was counted: where the stencil is 0,
     /// which is the reference that passes begin with. It writes neither depth nor stencil.
     ///
-    /// The light pass must compute the same depths as the depth pass, bit for bit (`@invariant`). A renderer whose light pass
-    /// draws no surfaces, such as a full-screen triangle, sets `depth_compare` to `Always`.
+    /// The light pass must compute the same depths as the depth pass, bit for bit (`@invariant`). For a light pass that draws no
+    /// surfaces take [`Self::full_screen_depth_stencil`].
     pub fn light_pass_depth_stencil(&self) -> wgpu::DepthStencilState {
+        self.where_lit(wgpu::CompareFunction::Equal)
+    }
+
+    /// The same for a pipeline that adds a light by a triangle over the whole picture, or by a box around the light, at any depth,
+    /// as deferred renderers do. The stencil alone says where there is light. The background is lit, too, where it has no shadow.
+    pub fn full_screen_depth_stencil(&self) -> wgpu::DepthStencilState {
+        self.where_lit(wgpu::CompareFunction::Always)
+    }
+
+    fn where_lit(&self, depth_compare: wgpu::CompareFunction) -> wgpu::DepthStencilState {
         let lit = wgpu::StencilFaceState { compare: wgpu::CompareFunction::Equal, ..wgpu::StencilFaceState::IGNORE };
         wgpu::DepthStencilState {
             format: self.depth_stencil,
             depth_write_enabled: Some(false),
-            depth_compare: Some(wgpu::CompareFunction::Equal),
+            depth_compare: Some(depth_compare),
             stencil: wgpu::StencilState { front: lit, back: lit, read_mask: 0xff, write_mask: 0 },
             bias: wgpu::DepthBiasState::default(),
         }
     }
+}
+
+/// The attachments of a format, for messages.
+pub(super) fn attachments(format: &ShadowFormat) -> String {
+    let ShadowFormat { depth_stencil, samples, colors, .. } = format;
+    format!("{depth_stencil:?}, colours {colors:?} and {samples} samples a pixel")
 }
 
 /// The fragments that count.

@@ -13,7 +13,7 @@ use wgpu::LoadOp;
 
 use crate::casters::Devices;
 use crate::engine::{Contender, Metric, Rounds, Sample, interleave};
-use crate::gpu::{Stopwatch, Timed};
+use crate::gpu::{Stopwatch, Timed, beside_draws};
 use crate::record::{
     Counted, DEPTH, Deforming, FragmentCounter, Pass, Recorder as _, STENCIL, SceneRecorder, Surfaces, stencil_pass,
 };
@@ -155,7 +155,7 @@ fn frame(recorder: &mut SceneRecorder<'_>, seen: &Seen, stopwatch: &mut Stopwatc
         recording_ms += timed.recording_ms;
     };
     if recorder.begin()? {
-        add(&stopwatch.timed(|encoder, timer| recorder.deform(encoder, timer))?);
+        add(&stopwatch.timed(|encoder, mut timer| recorder.deform(encoder, beside_draws(&mut timer)))?);
     }
     let mut encoder = gpu.encoder();
     seen.surfaces.pass(&mut encoder, depth, Pass::Depth, None);
@@ -174,7 +174,7 @@ fn frame(recorder: &mut SceneRecorder<'_>, seen: &Seen, stopwatch: &mut Stopwatc
     // Without timestamps the clock tells the passes from the stages, if they are submitted apart.
     let is_apart = !stopwatch.has_timer();
     let all = stopwatch.timed(|encoder, mut timer| {
-        recorder.encode_seen(encoder, Some(&depths), timer.as_deref_mut())?;
+        recorder.encode_seen(encoder, Some(&depths), beside_draws(&mut timer))?;
         if is_apart { Ok(()) } else { passes(encoder, recorder, timer) }
     })?;
     add(&all);

@@ -1,6 +1,7 @@
 //! The stages on a GPU, and their results read back for the file.
 
 use std::borrow::Cow;
+use std::time::Instant;
 
 use rimline::gpu::{Extractor, ExtractorOptions, StageTimer};
 use rimline::mesh::Polygons;
@@ -53,19 +54,10 @@ impl<'s> Job<'_, 's> {
             timer.resolve(&mut encoder);
         }
         let commands = encoder.finish();
-        let submitted = || {
-            queue.submit([commands]);
-            gpu.wait()
-        };
-        match &timer {
-            None => times.measure("stages", submitted)?,
-            Some(timer) => {
-                submitted()?;
-                for (stage, milliseconds) in timer.read(device, queue).on(gpu)? {
-                    times.add(stage, milliseconds);
-                }
-            }
-        }
+        let begin = Instant::now();
+        queue.submit([commands]);
+        gpu.wait()?;
+        times.add_stages(gpu, timer.as_ref(), begin.elapsed().as_secs_f64() * 1e3).on(gpu)?;
         let found = times.measure("read", || self.read(gpu, &placed, &extractors)).on(gpu)?;
         gpu.check()?;
         Ok(found)

@@ -290,7 +290,7 @@ capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_list
 overflowed_caps are null where there are several files), totals (of all files: skipped, every_face and capped count \
 pairs of instance and light, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those \
 left out), milliseconds \
-(by stage), set_up_milliseconds (opening the device, pipelines, compiling shaders), work_milliseconds (all other \
+(by stage, null where only their sum is known), set_up_milliseconds (opening the device, pipelines, compiling shaders), work_milliseconds (all other \
 stages).";
 
 #[derive(Args, Debug)]

@@ -1,0 +1,254 @@
+//! Passes that volumes are drawn into: formats that are made of them, and those that do not serve.
+
+use rimline::gpu::{
+    Extractor, ExtractorOptions, PositionBuffer, ShadowError, ShadowFormat, ShadowOptions, ShadowPipelines,
+    ShadowVolumes,
+};
+use rimline::{Counting, DepthDirection, Light, ShadowCamera};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
+use rimline_testkit::{same, shapes};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("formats_of_passes_serve_for_them", served),
+    ("other_passes_are_typed_errors", other_passes),
+    ("light_is_added_where_the_stencil_is_0_at_any_depth", full_screen),
+];
+
+const DEPTH_STENCIL: wgpu::TextureFormat = wgpu::TextureFormat::Depth24PlusStencil8;
+
+fn camera() -> ShadowCamera {
+    let view_projection = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, -1.0], [0.0, 0.0, 0.1, 0.0]];
+    ShadowCamera { view_projection, origin: [0.0, 0.0, 4.0], depth: DepthDirection::Reversed }
+}
+
+fn target(gpu: &Gpu, samples: u32, format: wgpu::TextureFormat) -> wgpu::TextureView {
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: 64, height: 64, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: samples,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+fn color(view: &wgpu::TextureView) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
+    Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+}
+
+/// The colour attachments of the passes here: none, one, and several with a gap.
+fn colors() -> [Vec<Option<wgpu::TextureFormat>>; 4] {
+    use wgpu::TextureFormat::{Bgra8UnormSrgb, Rgba8Unorm, Rgba16Float};
+    [vec![], vec![Some(Rgba16Float)], vec![Some(Rgba8Unorm), None, Some(Rgba16Float)], vec![Some(Bgra8UnormSrgb)]]
+}
+
+/// The views of a pass.
+struct Views {
+    depth_stencil: wgpu::TextureView,
+    colors: Vec<Option<wgpu::TextureView>>,
+}
+
+impl Views {
+    fn new(gpu: &Gpu, samples: u32, colors: &[Option<wgpu::TextureFormat>]) -> Self {
+        let colors = colors.iter().map(|format| format.map(|format| target(gpu, samples, format))).collect();
+        Self { depth_stencil: target(gpu, samples, DEPTH_STENCIL), colors }
+    }
+
+    fn attachments(&self) -> Vec<Option<wgpu::RenderPassColorAttachment<'_>>> {
+        self.colors.iter().map(|view| color(view.as_ref()?)).collect()
+    }
+}
+
+/// Draws volumes of a format into a pass that the format begins, or the encoder. Returns what the device says.
+fn drawn(
+    gpu: &Gpu,
+    format: &ShadowFormat,
+    pass: &wgpu::RenderPassDescriptor<'_>,
+    by_encoder: bool,
+) -> Result<Result<Option<wgpu::Error>, ShadowError>, String> {
+    let shape = shapes::torus(16, 8, 1.0, 0.4);
+    let mesh = shape.mesh().map_err(text)?;
+    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
+    let pipelines = ShadowPipelines::new(&gpu.pipelines, format, Counting::Auto).map_err(text)?;
+    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default()).map_err(text)?;
+    let buffer = gpu.storage(&shape.positions);
+    let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let extraction = extractor.encode(&mut encoder, positions, &[Light::point([0.0, 5.0, 2.0])], None).map_err(text)?;
+    let shadows = volumes.encode(&mut encoder, &extraction, &camera(), None).map_err(text)?;
+    let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let begun = if by_encoder { Ok(encoder.begin_render_pass(pass)) } else { format.begin_pass(&mut encoder, pass) };
+    let begun = begun.map(|mut pass| shadows.draw(&mut pass, &pipelines, 0));
+    let finished = encoder.finish();
+    let error = pollster::block_on(scope.pop());
+    if error.is_none() {
+        gpu.queue.submit([finished]);
+    }
+    Ok(match begun {
+        Ok(drawn) => drawn.map(|()| error),
+        Err(error) => Err(error),
+    })
+}
+
+fn served() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    for samples in [1, 4] {
+        for formats in colors() {
+            let views = Views::new(gpu, samples, &formats);
+            let attachments = views.attachments();
+            let pass = wgpu::RenderPassDescriptor {
+                color_attachments: &attachments,
+                depth_stencil_attachment: Some(ShadowFormat::attachment(&views.depth_stencil)),
+                ..Default::default()
+            };
+            let format = ShadowFormat::of_pass(&pass, &camera()).map_err(text)?;
+            let expected = ShadowFormat { samples, colors: formats.clone(), ..ShadowFormat::default() };
+            same("the format", &[&format], &[&expected])?;
+            match drawn(gpu, &format, &pass, false)? {
+                Ok(None) => {}
+                other => return Err(format!("{samples} samples, {formats:?}: {other:?}")),
+            }
+        }
+    }
+    Ok(())
+}
+
+fn other_passes() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut refusals = 0;
+    for (samples, formats) in [1, 4].into_iter().flat_map(|samples| colors().map(|formats| (samples, formats))) {
+        let format = ShadowFormat { samples, colors: formats.clone(), ..ShadowFormat::default() };
+        for (others, other_formats) in [1, 4].into_iter().flat_map(|samples| colors().map(|formats| (samples, formats)))
+        {
+            let views = Views::new(gpu, others, &other_formats);
+            let attachments = views.attachments();
+            let pass = wgpu::RenderPassDescriptor {
+                color_attachments: &attachments,
+                depth_stencil_attachment: Some(ShadowFormat::attachment(&views.depth_stencil)),
+                ..Default::default()
+            };
+            let what = format!("{samples} samples, {formats:?} into {others}, {other_formats:?}");
+            let is_same = samples == others && formats == other_formats;
+            let expected = if is_same { Expected::Taken } else { shows(&["OtherAttachments"]) };
+            refused([refusal(&what, drawn(gpu, &format, &pass, false)?, expected)])?;
+            // What is refused would be an error of wgpu, and by default a panic.
+            let found = drawn(gpu, &format, &pass, true)?.map_err(text)?;
+            if found.is_none() != is_same {
+                return Err(format!("{what}: wgpu says {found:?}"));
+            }
+            refusals += usize::from(!is_same);
+        }
+    }
+    let views = Views::new(gpu, 1, &[]);
+    let of = |stencil_ops| wgpu::RenderPassDescriptor {
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            stencil_ops,
+            ..ShadowFormat::attachment(&views.depth_stencil)
+        }),
+        ..Default::default()
+    };
+    let ops = |load| Some(wgpu::Operations { load, store: wgpu::StoreOp::Store });
+    let format = ShadowFormat::default();
+    let nothing = wgpu::RenderPassDescriptor::default();
+    refused([
+        refusal("no stencil", drawn(gpu, &format, &of(None), false)?, is(ShadowError::StencilNotCleared)),
+        refusal(
+            "loaded",
+            drawn(gpu, &format, &of(ops(wgpu::LoadOp::Load)), false)?,
+            is(ShadowError::StencilNotCleared),
+        ),
+        refusal(
+            "one",
+            drawn(gpu, &format, &of(ops(wgpu::LoadOp::Clear(1))), false)?,
+            is(ShadowError::StencilNotCleared),
+        ),
+        refusal("cleared", drawn(gpu, &format, &of(ops(wgpu::LoadOp::Clear(0))), false)?, Expected::Taken),
+        refusal("no depth", drawn(gpu, &format, &nothing, false)?, is(ShadowError::NoDepthStencil)),
+        refusal("no depth, of it", ShadowFormat::of_pass(&nothing, &camera()), is(ShadowError::NoDepthStencil)),
+    ])?;
+    if refusals == 56 { Ok(()) } else { Err(format!("{refusals} refusals")) }
+}
+
+/// A triangle over the whole picture, at a depth of 0.5.
+const WHOLE: &str = "
+@vertex fn whole(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
+  return vec4<f32>(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.5, 1.0);
+}
+@fragment fn light() -> @location(0) vec4<f32> {
+  return vec4<f32>(1.0);
+}
+";
+
+/// Pixels that the triangle lights, of 4,096, in a pass of these depths and stencil values.
+fn lit(gpu: &Gpu, state: &wgpu::DepthStencilState, depth: f32, stencil: u32) -> Result<usize, String> {
+    let device = &gpu.device;
+    let source = wgpu::ShaderSource::Wgsl(WHOLE.into());
+    let module = &device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let options = wgpu::PipelineCompilationOptions::default();
+    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: None,
+        layout: None,
+        vertex: wgpu::VertexState { module, entry_point: None, compilation_options: options.clone(), buffers: &[] },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(state.clone()),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: None,
+            compilation_options: options,
+            targets: &[Some(format.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    });
+    let (view, depth_stencil) = (target(gpu, 1, format), target(gpu, 1, DEPTH_STENCIL));
+    let copied = gpu.storage(&vec![0_u32; 64 * 64]);
+    gpu.submit(|encoder| {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &depth_stencil,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(depth), store: wgpu::StoreOp::Store }),
+                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(stencil), store: wgpu::StoreOp::Store }),
+            }),
+            ..Default::default()
+        });
+        pass.set_pipeline(&pipeline);
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        let layout = wgpu::TexelCopyBufferLayout { bytes_per_row: Some(4 * 64), ..Default::default() };
+        let copy = wgpu::TexelCopyBufferInfo { buffer: &copied, layout };
+        encoder.copy_texture_to_buffer(view.texture().as_image_copy(), copy, view.texture().size());
+        Ok(())
+    })?;
+    let pixels: Vec<u32> = gpu.read(&copied, 64 * 64)?;
+    Ok(pixels.iter().filter(|pixel| **pixel != 0).count())
+}
+
+fn full_screen() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let format = ShadowFormat::default();
+    let (surfaces, whole) = (format.light_pass_depth_stencil(), format.full_screen_depth_stencil());
+    for (depth, stencil) in [(0.5, 0), (0.5, 1), (0.25, 0), (0.25, 1), (0.75, 0), (0.75, 128)] {
+        let found = [lit(gpu, &surfaces, depth, stencil)?, lit(gpu, &whole, depth, stencil)?];
+        let expected = [depth == 0.5 && stencil == 0, stencil == 0].map(|is_lit| if is_lit { 4096 } else { 0 });
+        same(&format!("depth {depth}, stencil {stencil}"), &found, &expected)?;
+    }
+    Ok(())
+}
