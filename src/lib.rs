@@ -14,9 +14,8 @@
 //! * [`gpu::OutlinePipeline`]: draws silhouettes, boundaries, creases and marked edges as lines of a width, hidden behind your depth.
 //! * [`gpu::Extraction::read_edges`]: a light's silhouette as oriented edges and chains, for tools.
 //! * [`gpu::include_wgsl`]: WGSL that reads the results in your own shaders.
-//! * [`gpu::ShadowVolumes`]: stencil shadows in your render pass. The GPU chooses the counting method for each caster
-//!   and light.
-//! * [`gpu::Scene`]: the same for many casters and lights together.
+//! * [`gpu::Scene`]: stencil shadows of one caster or many in your render pass. The GPU chooses the counting method for each
+//!   caster, light and view.
 //! * [`gpu::DepthMapVolumes`]: stencil shadows of what has no mesh, rebuilt from the depth map of a light. [`gpu::DepthMapCube`]
 //!   takes six maps around a light, [`gpu::DepthMapMerge`] makes two maps one, [`gpu::DepthMapConversion`]
 //!   takes distances, and [`gpu::MeshDepth`] and [`gpu::SceneDepth`] draw a mesh or a scene into a map.

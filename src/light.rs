@@ -24,7 +24,7 @@ pub struct Light {
     pub w: f32,
     /// How far the light reaches, in the unit of the positions: Bergeron's sphere of influence (1986). It must be
     /// positive. Every constructor sets it to infinity, which means no limit. It changes no facing or silhouette bit. A
-    /// caster farther away throws no shadow volume; see also [`crate::gpu::ShadowOptions::end_at_range`]. It has no
+    /// caster farther away throws no shadow volume; see also [`crate::gpu::SceneOptions::end_at_range`]. It has no
     /// meaning where `w` is 0.
     pub range: f32,
     /// The cone of a spot light, whose apex is the light, in world space. Nothing outside of it is lit, so a caster outside

@@ -8,7 +8,7 @@ use std::cell::RefCell;
 use std::ops::ControlFlow;
 
 use rimline::cpu::{self, HiddenCaster, HiddenFaces, HiddenOptions, Threads};
-use rimline::gpu::{Measuring, SceneOptions, ScenePipelines, ShadowFormat};
+use rimline::gpu::{Measuring, SceneOptions, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, Light, Predicate};
 use rimline_bench::Error;
 use rimline_bench::engine::{Contender, Metric, Rounds, clock, interleave};
@@ -169,7 +169,7 @@ fn frames(
     hidden: Option<&HiddenFaces>,
 ) -> Result<[[f64; 4]; 3], Error> {
     let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
-    let pipelines = ScenePipelines::new(&gpu.pipelines, &format, Counting::Auto)?;
+    let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto)?;
     let depth = gpu.texture(SIZE, DEPTH).create_view(&wgpu::TextureViewDescriptor::default());
     let counter = FragmentCounter::new(gpu, SIZE, 1)?;
     let recorded: Vec<Option<Recorded>> = ways.into_iter().map(|way| Some(setting.recorded(way?, light))).collect();

@@ -5,13 +5,11 @@
 use std::time::Instant;
 
 use glam::Vec3;
-use rimline::gpu::{
-    Extractor, ExtractorOptions, Pipelines, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
-};
+use rimline::gpu::{Pipelines, PositionBuffer, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, Light};
 use rimline_bench::engine::{Contender, Metric, Rounds, interleave};
 use rimline_bench::gpu::Gpu;
-use rimline_bench::record::Camera;
+use rimline_bench::record::{Camera, OneCaster, OneCasterOptions};
 use rimline_bench::row::{Entry, Variant};
 use rimline_bench::{Error, shapes};
 
@@ -28,19 +26,18 @@ fn main() -> Result<(), Error> {
     let camera = Camera::level(Vec3::Z * 5.0, Vec3::NEG_Z, 1.0, 0.1).shadow();
     let drawing = |all: &Pipelines| ShadowPipelines::new(all, &ShadowFormat::default(), Counting::Auto);
     let (shared, shared_drawing) = (Pipelines::new(&gpu.device), drawing(&gpu.pipelines)?);
-    // Makes an extractor and volumes; then encodes, submits and waits for them once.
+    // Makes a scene; then encodes, submits and waits for them once.
     let run = |shares_drawing: bool, shares_all: bool| {
         let begin = Instant::now();
         let all = if shares_all { shared.clone() } else { Pipelines::new(&gpu.device) };
         let own = if shares_drawing { None } else { Some(drawing(&all)?) };
         let drawing = own.as_ref().unwrap_or(&shared_drawing);
-        let mut extractor = Extractor::new(&all, &mesh, ExtractorOptions::default())?;
-        let mut volumes = ShadowVolumes::new(drawing, &extractor, ShadowOptions::default())?;
+        let options = OneCasterOptions { counting: drawing.counting(), ..OneCasterOptions::default() };
+        let mut caster = OneCaster::new(&all, &gpu.queue, &mesh, &options)?;
         let made = Instant::now();
         let positions = PositionBuffer { buffer: &positions, offset: 0, stride: 12 };
         let mut encoder = gpu.encoder();
-        let extraction = extractor.encode(&mut encoder, positions, &[Light::point([0.0, 5.0, 2.0])], None)?;
-        volumes.encode(&mut encoder, &extraction, &camera, None)?;
+        caster.encode(&mut encoder, positions, &[Light::point([0.0, 5.0, 2.0])], Some(&camera), None)?;
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
         let times = [made.duration_since(begin), made.elapsed()].map(|time| time.as_secs_f64() * 1e3);

@@ -9,7 +9,7 @@ mod support;
 
 use rimline::gpu::{
     Caster, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, FrameInputs, Pipelines, Scene, SceneOptions,
-    ScenePipelines, ShadowFormat, StencilCounts,
+    ShadowFormat, ShadowPipelines, StencilCounts,
 };
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera, wgpu};
@@ -66,7 +66,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let vertex_buffer = canvas.storage(bytemuck::cast_slice(&boxes.0));
     let bodies = [stage.body(&vertex_buffer, mesh.faces())];
     let shared = Pipelines::new(&canvas.device);
-    let counting = ScenePipelines::new(&shared, &format, Counting::Auto)?;
+    let counting = ShadowPipelines::new(&shared, &format, Counting::Auto)?;
     let stencil = StencilCounts { count_bits: COUNT_BITS, ..Default::default() };
     let mut scene = Scene::new(&shared, &canvas.queue, SceneOptions { stencil, ..Default::default() })?;
     let at_lamp = scene.add_light(light)?;

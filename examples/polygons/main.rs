@@ -7,9 +7,7 @@ mod stage;
 #[path = "../support/mod.rs"]
 mod support;
 
-use rimline::gpu::{
-    Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
-};
+use rimline::gpu::{Caster, FrameInputs, PositionBuffer, Scene, SceneOptions, ShadowFormat, ShadowPipelines};
 use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera, wgpu};
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
@@ -43,7 +41,7 @@ fn ring([x, y, z]: [f32; 3], radius: f32, wave: f32, turns: f32) -> Vec<[f32; 3]
     (0..8).map(corner).collect()
 }
 
-fn scene() -> Polygons {
+fn polygons() -> Polygons {
     let mut scene = Polygons::default();
     // Opposite sides are turned against each other by more than a right angle, so light from above sees them cross.
     scene.push(&[vec![[-2.6, 1.5, 0.8], [-0.9, 0.7, 0.9], [-2.5, 0.9, -0.8], [-0.9, 1.7, -0.7]]]);
@@ -71,7 +69,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let stage = Stage::new(&canvas, &camera, &[lamp], format.light_pass_depth_stencil());
 
     // Equal positions are one vertex, so the cube's sides have common edges.
-    let Polygons { positions, loops, sizes, corners } = scene();
+    let Polygons { positions, loops, sizes, corners } = polygons();
     let given = PolygonLoops { polygon_loops: &loops, loop_sizes: &sizes, loop_corners: &corners };
     let mesh = Mesh::from_polygons_by_loop(&positions, given, Weld::Position)?;
     let vertex_buffer = canvas.storage(bytemuck::cast_slice(&positions));
@@ -79,14 +77,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bodies = [stage.body(&vertex_buffer, mesh.faces())];
 
     let pipelines = ShadowPipelines::new(&canvas.device, &format, Counting::Auto)?;
-    let mut extractor = Extractor::new(&canvas.device, &mesh, ExtractorOptions::default())?;
-    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default())?;
+    let mut scene = Scene::new(&canvas.device, &canvas.queue, SceneOptions::default())?;
+    let mesh = scene.add_mesh(&mesh, &positions)?;
+    scene.insert(Caster::in_buffer(mesh, PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 }))?;
+    let light = scene.add_light(sun)?;
     let mut encoder = canvas.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let place = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
     let view =
         ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
-    let extraction = extractor.encode(&mut encoder, place, &[sun], None)?;
-    let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;
-    stage.draw(&mut encoder, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;
+    let shadows = scene.encode(&mut encoder, FrameInputs::new(&[view.into()]))?;
+    stage.draw(&mut encoder, &bodies, |pass, _| shadows.draw(pass, &pipelines, 0, light))?;
     canvas.save(encoder, "polygons.png")
 }

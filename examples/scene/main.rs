@@ -12,7 +12,7 @@ use std::error::Error;
 
 use rimline::gpu::{
     Caster, CasterHandle, Deformer, DeformerOptions, FrameInputs, LightHandle, Pipelines, Scene, SceneOptions,
-    ScenePipelines, ShadowFormat,
+    ShadowFormat, ShadowPipelines,
 };
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Mesh, ShadowCamera, wgpu};
@@ -40,7 +40,7 @@ pub(crate) struct World<'a> {
     deformer: Deformer,
     /// Throws the shadows.
     scene: Scene,
-    pipelines: ScenePipelines,
+    pipelines: ShadowPipelines,
     lights: Vec<LightHandle>,
     /// The boxes that move.
     floating: Vec<CasterHandle>,
@@ -53,7 +53,7 @@ impl<'a> World<'a> {
         let stage = Stage::new(canvas, &places::camera(), &places::LAMPS, format.light_pass_depth_stencil());
         stage.set_ambient(places::AMBIENT);
         let shared = Pipelines::new(&canvas.device);
-        let pipelines = ScenePipelines::new(&shared, &format, Counting::Auto)?;
+        let pipelines = ShadowPipelines::new(&shared, &format, Counting::Auto)?;
         let mut scene = Scene::new(&shared, &canvas.queue, SceneOptions::default())?;
         let lights = places::LAMPS.iter().map(|lamp| scene.add_light(lamp.light)).collect::<Result<_, _>>()?;
 

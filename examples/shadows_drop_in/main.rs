@@ -7,9 +7,7 @@ mod stage;
 #[path = "../support/mod.rs"]
 mod support;
 
-use rimline::gpu::{
-    Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
-};
+use rimline::gpu::{Caster, FrameInputs, PositionBuffer, Scene, SceneOptions, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera, mesh::Weld, wgpu};
 use rimline_testkit::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
@@ -29,19 +27,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let vertex_buffer = canvas.storage(bytemuck::cast_slice(&vertices));
     let bodies = [stage.body(&vertex_buffer, &shape.faces)];
 
-    // Once: pipelines. Once a mesh: topology, extraction, volumes.
+    // Once: pipelines, and a scene with a mesh, which casts from your vertices, and a light.
     let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
     let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position)?;
-    let mut extractor = Extractor::new(device, &mesh, ExtractorOptions::default())?;
-    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default())?;
+    let mut scene = Scene::new(device, &canvas.queue, SceneOptions::default())?;
+    let mesh = scene.add_mesh(&mesh, &vertices)?;
+    scene.insert(Caster::in_buffer(mesh, PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 }))?;
+    let light = scene.add_light(sun)?;
 
     // Every frame: extract and choose, then draw the volumes where the stencil is wanted. Nothing is read back.
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let positions = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
     let view =
         ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
-    let extraction = extractor.encode(&mut encoder, positions, &[sun], None)?;
-    let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;
-    stage.draw(&mut encoder, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;
+    let shadows = scene.encode(&mut encoder, FrameInputs::new(&[view.into()]))?;
+    stage.draw(&mut encoder, &bodies, |pass, _| shadows.draw(pass, &pipelines, 0, light))?;
     canvas.save(encoder, "shadows_drop_in.png")
 }

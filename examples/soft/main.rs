@@ -10,9 +10,7 @@ pub(crate) mod stage;
 #[path = "../support/mod.rs"]
 pub(crate) mod support;
 
-use rimline::gpu::{
-    Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
-};
+use rimline::gpu::{Caster, FrameInputs, PositionBuffer, Scene, SceneOptions, ShadowFormat, ShadowPipelines};
 use rimline::{AreaLight, AreaShape, Counting, DepthDirection, Light, Mesh, ShadowCamera, mesh::Weld, wgpu};
 use rimline_testkit::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, PARTS, Stage};
@@ -60,18 +58,24 @@ pub(crate) fn picture(canvas: &Canvas, parts: usize) -> Result<wgpu::CommandEnco
 
     let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
     let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position)?;
-    let options = ExtractorOptions { max_lights: SAMPLES, ..ExtractorOptions::default() };
-    let mut extractor = Extractor::new(device, &mesh, options)?;
-    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default())?;
+    let mut scene = Scene::new(device, &canvas.queue, SceneOptions { max_lights: SAMPLES, ..SceneOptions::default() })?;
+    let mesh = scene.add_mesh(&mesh, &vertices)?;
+    scene.insert(Caster::in_buffer(mesh, PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 }))?;
+    let mut handles = Vec::new();
 
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let positions = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
     for (part, lights) in patterns.iter().enumerate() {
         let Camera { eye, view_projection } = *stage.camera(part);
         let view = ShadowCamera { view_projection, origin: eye, depth: DepthDirection::Reversed };
-        let extraction = extractor.encode(&mut encoder, positions, lights, None)?;
-        let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;
-        stage.draw_part(&mut encoder, part, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;
+        for (number, &light) in lights.iter().enumerate() {
+            match handles.get(number) {
+                Some(&handle) => scene.set_light(handle, light)?,
+                None => handles.push(scene.add_light(light)?),
+            }
+        }
+        let shadows = scene.encode(&mut encoder, FrameInputs::new(&[view.into()]))?;
+        stage
+            .draw_part(&mut encoder, part, &bodies, |pass, light| shadows.draw(pass, &pipelines, 0, handles[light]))?;
     }
     stage.develop(&mut encoder);
     Ok(encoder)

@@ -8,7 +8,7 @@ mod stage;
 mod support;
 
 use rimline::gpu::{
-    Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
+    Caster, Deformer, DeformerOptions, FrameInputs, Scene, SceneOptions, ShadowFormat, ShadowPipelines,
 };
 use rimline::{
     Counting, DepthDirection, Displacement, Geometry, GeometryOptions, Instance, InstancePose, Light, Model, Pose,
@@ -49,17 +49,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bodies = [stage.body(deformer.positions().buffer, mesh.faces())];
 
     let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
-    let options = ExtractorOptions { max_lights: lights.len(), ..ExtractorOptions::default() };
-    let mut extractor = Extractor::new(device, &mesh, options)?;
-    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default())?;
+    let mut scene = Scene::new(device, &canvas.queue, SceneOptions::default())?;
+    // Only casters without a buffer read the positions of the mesh.
+    let mesh = scene.add_mesh(&mesh, &vec![[0.0; 3]; mesh.vertex_count() as usize])?;
+    scene.insert(Caster::in_buffer(mesh, deformer.positions()))?;
+    let handles = lights.iter().map(|&light| scene.add_light(light)).collect::<Result<Vec<_>, _>>()?;
 
     // Every frame.
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let view =
         ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
     deformer.encode(&mut encoder, &pose, seconds, None, None)?;
-    let extraction = extractor.encode(&mut encoder, deformer.positions(), &lights, None)?;
-    let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;
-    stage.draw(&mut encoder, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;
+    let shadows = scene.encode(&mut encoder, FrameInputs::new(&[view.into()]))?;
+    stage.draw(&mut encoder, &bodies, |pass, light| shadows.draw(pass, &pipelines, 0, handles[light]))?;
     canvas.save(encoder, "three_spheres.png")
 }

@@ -51,5 +51,5 @@ pub use scene::receivers::Receivers;
 pub use scene::scene::Scene;
 pub use scene::view::{FrameInputs, View};
 pub use shadow::errors::ShadowError;
-pub use shadow::{ScenePipelines, ShadowFormat, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes};
+pub use shadow::{ShadowFormat, ShadowPipelines};
 pub use warm_up::Use;

@@ -7,7 +7,7 @@ use super::extract::options::ExtractorOptions;
 use super::extract::stages as extraction;
 use super::scene::options::SceneOptions;
 use super::scene::stages as scene;
-use super::shadow::ScenePipelines;
+use super::shadow::ShadowPipelines;
 use super::shadow::pipelines::Part;
 use super::shadow::stages as shadow;
 use crate::stages::{NEEDS, RECEIVER_DEPTH, RECEIVER_PYRAMID, RECEIVER_SAMPLES};
@@ -31,10 +31,10 @@ pub enum Use<'a> {
     /// [`Scene::encode_needs`](crate::gpu::Scene::encode_needs).
     SceneNeeds,
     /// Draws of a scene with [`SceneOptions::end_at_range`].
-    EndedVolumes(&'a ScenePipelines),
+    EndedVolumes(&'a ShadowPipelines),
     /// Draws of casters that are not in the depth buffer
     /// ([`Caster::in_depth`](crate::gpu::Caster::in_depth)).
-    Proxies(&'a ScenePipelines),
+    Proxies(&'a ShadowPipelines),
 }
 
 impl Pipelines {
@@ -73,7 +73,7 @@ impl Pipelines {
                 Use::Scene(options) => programs.extend(scene::programs(options.predicate())),
                 Use::SceneShadows(options) => {
                     programs.extend(scene::programs(options.predicate()));
-                    programs.extend(shadow::programs(true, false, options));
+                    programs.extend(shadow::programs(false, options));
                 }
                 Use::Receivers { samples } => {
                     let of_tiles = if samples == 1 { &RECEIVER_DEPTH } else { &RECEIVER_SAMPLES };

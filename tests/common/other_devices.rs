@@ -1,15 +1,16 @@
 //! Samples that no device has, things of two devices, lost devices: typed errors, and no error of the device.
 
 use rimline::gpu::{
-    Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowError, ShadowFormat, ShadowOptions, ShadowPipelines,
-    ShadowQuery, ShadowQueryOptions, ShadowVolumes, StageTimer, read_back_vec, results_bind_group_layout,
+    Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowError, ShadowFormat, ShadowPipelines, ShadowQuery,
+    ShadowQueryOptions, StageTimer, read_back_vec, results_bind_group_layout,
 };
 use rimline::{Counting, Mesh};
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::{random_model, random_pose};
-use rimline_testkit::on_gpu::text;
+use rimline_testkit::on_gpu::{one_caster, text};
 use rimline_testkit::random::Random;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
+use rimline_testkit::{OneCaster, OneCasterOptions};
 
 use crate::watched::{LIGHT, Watched, camera, caster, depth_stencil, extractor, packed};
 
@@ -75,24 +76,20 @@ fn mixed() -> Result<(), String> {
     };
     let [drawing, foreign_drawing] = [make(ours)?, make(theirs)?];
     let mut extractor = extractor(ours, &mesh, 1)?;
-    let volumes = ShadowVolumes::new(&foreign_drawing, &extractor, ShadowOptions::default());
     let mut encoder = ours.encoder();
     let of_theirs = extractor.encode(&mut encoder, packed(&foreign), &[LIGHT], None);
     let mut timer = StageTimer::new(&theirs.gpu.device, &theirs.gpu.queue).ok_or("no timer")?;
     let timed = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], Some(&mut timer));
-    refused([
-        refusal("volumes", volumes, shows(OTHER)),
-        refusal("positions", of_theirs, shows(REFUSED)),
-        refusal("timer", timed, shows(OTHER)),
-    ])?;
+    refused([refusal("positions", of_theirs, shows(REFUSED)), refusal("timer", timed, shows(OTHER))])?;
     quiet("volumes, positions and timer")?;
     // The refused calls changed no state.
     let extraction = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], None).map_err(text)?;
-    let mut volumes = ShadowVolumes::new(&drawing, &extractor, ShadowOptions::default()).map_err(text)?;
-    let timed = volumes.encode(&mut encoder, &extraction, &camera(), Some(&mut timer));
+    let mut volumes = one_caster(&ours.gpu, &drawing, &mesh, OneCasterOptions::default()).map_err(text)?;
+    let mut encode = |timer| volumes.encode(&mut encoder, packed(&positions), &[LIGHT], Some(&camera()), timer);
+    let timed = encode(Some(&mut timer));
     refused([refusal("volumes' timer", timed, shows(OTHER))])?;
     quiet("volumes' timer")?;
-    let shadows = volumes.encode(&mut encoder, &extraction, &camera(), None).map_err(text)?;
+    let shadows = encode(None).map_err(text)?;
     let view = depth_stencil(ours);
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("volumes"),
@@ -138,11 +135,11 @@ fn made_on_lost() -> Result<(), String> {
     watched.gpu.device.destroy();
     let model = random_model(&mut Random::new(93), 50);
     let options = ExtractorOptions::default();
-    let (format, volumes) = (ShadowFormat::default(), ShadowOptions::default());
+    let format = ShadowFormat::default();
     refused([
         refusal("extractor", Extractor::new(pipelines, &mesh, options), shows(LOST)),
         refusal("pipelines", ShadowPipelines::new(pipelines, &format, Counting::ZFail), shows(LOST)),
-        refusal("volumes", ShadowVolumes::new(&drawing, &extractor, volumes), shows(LOST)),
+        refusal("a scene", one_caster(&watched.gpu, &drawing, &mesh, OneCasterOptions::default()), shows(LOST)),
         refusal("query", ShadowQuery::new(pipelines, &mesh, ShadowQueryOptions::default()), shows(LOST)),
         refusal("deformer", Deformer::new(pipelines, &model, DeformerOptions::default()), shows(LOST)),
         // Nor with pipelines of one's own.
@@ -155,7 +152,7 @@ fn made_on_lost() -> Result<(), String> {
 struct Made {
     extractor: Extractor,
     drawing: ShadowPipelines,
-    volumes: ShadowVolumes,
+    volumes: OneCaster,
     query: ShadowQuery,
     timer: StageTimer,
 }
@@ -164,7 +161,7 @@ fn everything(watched: &Watched, mesh: &Mesh) -> Result<Made, String> {
     let extractor = extractor(watched, mesh, 1)?;
     let pipelines = &watched.gpu.pipelines;
     let drawing = ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
-    let volumes = ShadowVolumes::new(&drawing, &extractor, ShadowOptions::default()).map_err(text)?;
+    let volumes = one_caster(&watched.gpu, &drawing, mesh, OneCasterOptions::default()).map_err(text)?;
     let options = ShadowQueryOptions { max_points: 64, ..Default::default() };
     let query = ShadowQuery::new(pipelines, mesh, options).map_err(text)?;
     let timer = StageTimer::new(&watched.gpu.device, &watched.gpu.queue).ok_or("no timer")?;
@@ -192,7 +189,7 @@ fn encoded_on_lost() -> Result<(), String> {
         .gpu
         .submit(|encoder| {
             let extractions = [extract(&mut unused, encoder)?, extract(&mut used, encoder)?];
-            used.volumes.encode(encoder, &extractions[1], &camera(), None).map_err(text)?;
+            used.volumes.encode(encoder, positions, &[LIGHT], Some(&camera()), None).map_err(text)?;
             Ok(extractions)
         })?
         .into_iter();
@@ -209,7 +206,7 @@ fn encoded_on_lost() -> Result<(), String> {
             refusal(what, extraction.bind_group(&layout, 0), shows(LOST)),
         ])?;
         if what == "used" {
-            let encoded = volumes.encode(encoder, &extraction, &camera(), Some(timer));
+            let encoded = volumes.encode(encoder, positions, &[LIGHT], Some(&camera()), Some(timer));
             refused([refusal("used volumes", encoded, shows(LOST))])?;
         }
         timer.resolve(encoder);

@@ -4,12 +4,13 @@ use std::any::Any;
 
 use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, Extractor, ExtractorOptions, ListOptions, Pipelines, PositionBuffer,
-    ShadowError, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryOptions, ShadowVolumes,
+    ShadowError, ShadowFormat, ShadowPipelines, ShadowQuery, ShadowQueryOptions,
 };
 use rimline::reference::Method;
 use rimline::{Counting, Displacement, Light, Mesh, Predicate};
 use rimline_testkit::shapes;
 
+use crate::watched::camera;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::random_model;
@@ -17,7 +18,7 @@ use rimline_testkit::on_gpu::interleaved;
 use rimline_testkit::on_gpu::{Found, read};
 use rimline_testkit::on_gpu::{compare, limited, repeated_torus, text};
 use rimline_testkit::random::Random;
-use rimline_testkit::{lights, must_fail, same};
+use rimline_testkit::{OneCaster, OneCasterOptions, lights, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("each_shared_pipeline_is_made_once", once),
@@ -82,11 +83,14 @@ fn once() -> Result<(), String> {
     let extractor = Extractor::new(&pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
     let plain = ShadowFormat::default();
     let format = ShadowFormat { samples: 4, ..plain.clone() };
-    let bounded = ShadowOptions { bound_counts: true, ..Default::default() };
+    let bounded = OneCasterOptions { bound_counts: true, ..Default::default() };
+    let positions = gpu.storage(&vec![[0.0_f32; 3]; mesh.vertex_count() as usize]);
+    let positions = PositionBuffer { buffer: &positions, offset: 0, stride: 12 };
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     // Drawing pipelines that are new, and computing ones.
     for (counting, format, options, draws, computes) in [
-        (Counting::Auto, &plain, ShadowOptions::default(), 4, 5),
-        (Counting::ZpPlus, &plain, ShadowOptions::default(), 0, 0),
+        (Counting::Auto, &plain, OneCasterOptions::default(), 4, 12),
+        (Counting::ZpPlus, &plain, OneCasterOptions::default(), 0, 0),
         // The three stages that bound counts.
         (Counting::ZPass, &plain, bounded, 0, 3),
         (Counting::ZFail, &plain, bounded, 5, 0),
@@ -97,7 +101,11 @@ fn once() -> Result<(), String> {
             let drawing = ShadowPipelines::new(&pipelines, format, counting).map_err(text)?;
             count.added(&format!("{counting:?}"), new * draws)?;
             for new in [new, 0] {
-                made.push(Box::new(ShadowVolumes::new(&drawing, &extractor, options).map_err(text)?));
+                let options = OneCasterOptions { counting, ..options };
+                let mut caster = OneCaster::new(&pipelines, &gpu.queue, &mesh, &options).map_err(text)?;
+                let lights = [Light::point([0.0, 5.0, 2.0])];
+                caster.encode(&mut encoder, positions, &lights, Some(&camera()), None).map_err(text)?;
+                made.push(Box::new(caster));
                 count.added(&format!("volumes by {counting:?}"), new * computes)?;
             }
             made.push(Box::new(drawing));
@@ -115,7 +123,7 @@ fn once() -> Result<(), String> {
     count.added("an extractor with pipelines of its own", 0)?;
     must_fail("pipelines of its own", &same("live", &[gpu.live_pipelines()?], &[pipelines.len()]))?;
     // Everything goes with the last that holds it.
-    drop((made, extractor, pipelines));
+    drop((encoder, made, extractor, pipelines));
     same("pipelines left", &[gpu.live_pipelines()?], &[0])
 }
 

@@ -3,14 +3,15 @@
 use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, DepthMap, DepthMapError, DepthMapOptions, DepthMapPipelines,
     DepthMapVolumes, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions, Pipelines, QueryError,
-    ShadowError, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryOptions, ShadowVolumes,
+    ShadowError, ShadowFormat, ShadowPipelines, ShadowQuery, ShadowQueryOptions,
 };
 use rimline::reference::Method;
 use rimline::{Counting, Light};
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::{random_model, random_pose};
-use rimline_testkit::on_gpu::text;
+use rimline_testkit::on_gpu::{shadow_statistics, text};
 use rimline_testkit::random::Random;
+use rimline_testkit::{OneCaster, OneCasterOptions};
 use rimline_testkit::{must_fail, same};
 
 use crate::watched::{Watched, camera, caster, depth_stencil, packed};
@@ -223,14 +224,11 @@ fn shadows(watched: &Watched) -> Result<(), String> {
     let view = depth_stencil(watched);
     for counting in [Counting::Auto, Counting::ZPass, Counting::ZpPlus, Counting::ZpPlus2005, Counting::ZFail] {
         let drawing = ShadowPipelines::new(pipelines, &ShadowFormat::default(), counting).map_err(text)?;
-        let options = ExtractorOptions { max_lights: 40, ..Default::default() };
-        let mut extractor = Extractor::new(pipelines, &mesh, options).map_err(text)?;
-        let options = ShadowOptions { bound_counts: true, end_at_range: true, ..Default::default() };
-        let mut volumes = ShadowVolumes::new(&drawing, &extractor, options).map_err(text)?;
-        watched.gpu.submit(|encoder| {
-            let positions = packed(&positions);
-            let extraction = extractor.encode(encoder, positions, &lights(), None).map_err(text)?;
-            let shadows = volumes.encode(encoder, &extraction, &camera(), None).map_err(text)?;
+        let options =
+            OneCasterOptions { counting, max_lights: 40, bound_counts: true, end_at_range: true, ..Default::default() };
+        let mut caster = OneCaster::new(pipelines, &watched.gpu.queue, &mesh, &options).map_err(text)?;
+        let shadows = watched.gpu.submit(|encoder| {
+            let shadows = caster.encode(encoder, packed(&positions), &lights(), Some(&camera()), None).map_err(text)?;
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("volumes"),
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
@@ -240,9 +238,11 @@ fn shadows(watched: &Watched) -> Result<(), String> {
                 }),
                 ..Default::default()
             });
-            (0..40).try_for_each(|light| shadows.draw(&mut pass, &drawing, light)).map_err(text)
+            (0..40).try_for_each(|light| shadows.draw(&mut pass, &drawing, light)).map_err(text)?;
+            drop(pass);
+            Ok(shadows)
         })?;
-        watched.gpu.read::<u32>(volumes.statistics(), 4)?;
+        shadow_statistics(&watched.gpu, &shadows)?;
     }
     watched.quiet("shadow volumes")
 }

@@ -2,7 +2,7 @@
 
 use rimline::gpu::{
     Caster, Extractor, ExtractorOptions, FrameInputs, Measuring, Pipelines, PositionBuffer, Receivers, Scene,
-    SceneOptions, ScenePipelines, ShadowFormat, StencilCounts, Use, View,
+    SceneOptions, ShadowFormat, ShadowPipelines, StencilCounts, Use, View,
 };
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
@@ -34,7 +34,7 @@ impl Frame {
         Self { has_camera: true, ..Self::plain() }
     }
 
-    /// Each kind, and how many pipelines the frame makes after `ScenePipelines`.
+    /// Each kind, and how many pipelines the frame makes after `ShadowPipelines`.
     fn kinds() -> Vec<(&'static str, Self, usize)> {
         let plain = Self::plain().options;
         let seen = |options| Self { options, ..Self::seen() };
@@ -57,11 +57,11 @@ impl Frame {
         ]
     }
 
-    fn pipelines(&self, pipelines: &Pipelines) -> Result<ScenePipelines, String> {
-        ScenePipelines::new(pipelines, &ShadowFormat::default(), self.options.counting).map_err(text)
+    fn pipelines(&self, pipelines: &Pipelines) -> Result<ShadowPipelines, String> {
+        ShadowPipelines::new(pipelines, &ShadowFormat::default(), self.options.counting).map_err(text)
     }
 
-    fn uses<'a>(&'a self, drawing: &'a ScenePipelines) -> Vec<Use<'a>> {
+    fn uses<'a>(&'a self, drawing: &'a ShadowPipelines) -> Vec<Use<'a>> {
         let mut uses = vec![if self.has_camera { Use::SceneShadows(&self.options) } else { Use::Scene(&self.options) }];
         uses.extend(self.has_receivers.then_some(Use::Receivers { samples: 1 }));
         uses.extend(self.options.end_at_range.then_some(Use::EndedVolumes(drawing)));
@@ -70,7 +70,7 @@ impl Frame {
     }
 
     /// Encodes and draws.
-    fn run(&self, gpu: &Gpu, pipelines: &Pipelines, drawing: &ScenePipelines) -> Result<(), String> {
+    fn run(&self, gpu: &Gpu, pipelines: &Pipelines, drawing: &ShadowPipelines) -> Result<(), String> {
         let format = ShadowFormat::default();
         let depth = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("depth"),

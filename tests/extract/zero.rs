@@ -3,12 +3,13 @@
 
 use rimline::gpu::{
     DeviceError, DrawArguments, EdgeTopology, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer,
-    ShadowError, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowStatistics, ShadowVolumes,
+    ShadowError, ShadowFormat, ShadowPipelines,
 };
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
+use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::text;
+use rimline_testkit::on_gpu::{one_caster, shadow_statistics, text};
 use rimline_testkit::{must_fail, same, shapes};
 
 pub(crate) const TESTS: &[Test] =
@@ -35,16 +36,17 @@ fn found(gpu: &Gpu, counting: Counting, room: Option<u32>, topology: EdgeTopolog
     let options = ExtractorOptions { max_lights: 2, undecided_capacity: room, lists, ..ExtractorOptions::default() };
     let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
     let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), counting).map_err(text)?;
-    let options = ShadowOptions { cap_capacity: room, bound_counts: true, ..ShadowOptions::default() };
-    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, options).map_err(text)?;
+    let options =
+        OneCasterOptions { list_capacity: room, cap_capacity: room, bound_counts: true, ..OneCasterOptions::default() };
+    let mut caster = one_caster(gpu, &pipelines, &mesh, options).map_err(text)?;
     let view_projection = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, -1.0], [0.0, 0.0, 0.1, 0.0]];
     let camera = ShadowCamera { view_projection, origin: [0.0, 0.0, 4.0], depth: DepthDirection::Reversed };
-    gpu.submit(|encoder| {
-        let extraction = extractor.encode(encoder, positions, &lights, None).map_err(text)?;
-        volumes.encode(encoder, &extraction, &camera, None).map(drop).map_err(text)
+    let frame = gpu.submit(|encoder| {
+        extractor.encode(encoder, positions, &lights, None).map_err(text)?;
+        caster.encode(encoder, positions, &lights, Some(&camera), None).map_err(text)
     })?;
     let results = extractor.results();
-    let statistics: Vec<ShadowStatistics> = gpu.read(volumes.statistics(), 1)?;
+    let statistics = [shadow_statistics(gpu, &frame)?];
     let draws: Vec<DrawArguments> = gpu.read(results.draw_arguments, 2)?;
     Ok(Found {
         facing: gpu.read(&results.facing[0], mesh.faces().len())?,
@@ -87,10 +89,9 @@ fn without_memory() -> Result<(), String> {
     let Some(ShadowError::Samples { samples: 0, .. }) = refused else {
         return Err(format!("no samples: {refused:?}"));
     };
-    let extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
-    let options = ShadowOptions { memory_limit: Some(0), ..ShadowOptions::default() };
+    let options = OneCasterOptions { memory_limit: Some(0), ..OneCasterOptions::default() };
     let pipelines = made(&ShadowFormat::default()).map_err(text)?;
-    match ShadowVolumes::new(&pipelines, &extractor, options).err() {
+    match one_caster(gpu, &pipelines, &mesh, options).err() {
         Some(ShadowError::Device(DeviceError::MemoryLimit { limit: 0, .. })) => Ok(()),
         other => Err(format!("no memory for volumes: {other:?}")),
     }

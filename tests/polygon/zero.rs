@@ -1,14 +1,15 @@
 //! Zero of anything on the GPU: meshes without a triangle, no lights, no points. Nothing is found, and nothing fails.
 
 use rimline::gpu::{
-    Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer, QueryError, ShadowFormat, ShadowOptions,
-    ShadowPipelines, ShadowQuery, ShadowQueryOptions, ShadowVolumes,
+    Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer, QueryError, ShadowFormat,
+    ShadowPipelines, ShadowQuery, ShadowQueryOptions,
 };
 use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera};
+use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::text;
+use rimline_testkit::on_gpu::{one_caster, text};
 
 pub(crate) const TESTS: &[Test] =
     &[("meshes_without_a_triangle_are_taken", without_triangles), ("room_for_no_light_is_a_typed_error", no_room)];
@@ -47,11 +48,11 @@ fn without_triangles() -> Result<(), String> {
             if lists.is_none() {
                 continue;
             }
-            let options = ShadowOptions { bound_counts: true, ..Default::default() };
-            let mut volumes = ShadowVolumes::new(&pipelines, &extractor, options).map_err(|error| what(&error))?;
+            let options = OneCasterOptions { bound_counts: true, ..Default::default() };
+            let mut caster = one_caster(gpu, &pipelines, mesh, options).map_err(|error| what(&error))?;
             gpu.submit(|encoder| {
-                let extraction = extractor.encode(encoder, positions, &LIGHTS, None).map_err(text)?;
-                volumes.encode(encoder, &extraction, &camera, None).map(drop).map_err(text)
+                extractor.encode(encoder, positions, &LIGHTS, None).map_err(text)?;
+                caster.encode(encoder, positions, &LIGHTS, Some(&camera), None).map(drop).map_err(text)
             })
             .map_err(|error| what(&error))?;
         }

@@ -1,9 +1,6 @@
-//! All that `ShadowVolumes` records, from extraction to draws.
+//! All that a scene of one caster records, from extraction to draws.
 
-use rimline::gpu::{
-    Extractor, ExtractorOptions, ListOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines,
-    ShadowVolumes,
-};
+use rimline::gpu::{PositionBuffer, ShadowFormat, ShadowPipelines};
 use rimline::reference::layout::{DrawArguments, ShadowDraws, ShadowLight, ShadowStatistics};
 use rimline::reference::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_Z_FAIL};
 use rimline::{Counting, Light};
@@ -12,10 +9,11 @@ use crate::stages::{PLACES, instances, placed};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::goldens::golden;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::{chosen, interleaved};
+use rimline_testkit::on_gpu::{chosen, draws, interleaved, one_caster, shadow_statistics};
 use rimline_testkit::random::Random;
 use rimline_testkit::same;
 use rimline_testkit::scenes::{Scene, scene};
+use rimline_testkit::{OneCaster, OneCasterOptions};
 
 pub(crate) const TESTS: &[Test] =
     &[("shadow_volumes_from_extraction_to_draws", chain), ("shadow_volumes_used_again_are_as_good_as_new", again)];
@@ -84,25 +82,24 @@ fn chain() -> Result<(), String> {
                 skip_unseen: number != 4,
                 end_at_range: number % 3 == 2,
                 bound_counts: number % 2 == 1 || number == 0,
-                memory_limit: None,
+                ..OneCasterOptions::default()
             };
-            let mut volumes = ShadowVolumes::new(&pipelines, &extractor, options).map_err(text)?;
+            let mut caster = one_caster(gpu, &pipelines, mesh, options).map_err(text)?;
             let place = PLACES[number % 3];
             let buffer = placed(gpu, positions, place);
             let bound =
                 PositionBuffer { buffer: &buffer, offset: 4 * u64::from(place.0), stride: 4 * u64::from(place.1) };
-            gpu.submit(|encoder| {
-                let extraction = extractor.encode(encoder, bound, &scene.lights, None).map_err(text)?;
-                volumes.encode(encoder, &extraction, &scene.camera, None).map_err(text)
+            let frame = gpu.submit(|encoder| {
+                caster.encode(encoder, bound, &scene.lights, Some(&scene.camera), None).map_err(text)
             })?;
-            let lights = chosen(gpu, &volumes, LIGHTS)?;
-            let draws: Vec<ShadowDraws> = gpu.read(&volumes.draw_arguments()[0], LIGHTS + 10)?;
+            let lights = chosen(gpu, &frame, LIGHTS)?;
+            let draws = draws(gpu, &frame, LIGHTS + 10)?;
             let what = format!("{counting:?}, {name}");
             same(&format!("{what}, lights not in use"), &draws[LIGHTS..], &[bytemuck::Zeroable::zeroed(); 10])?;
             let shaped = |draw: &ShadowDraws| shaped(instances(draw), counting, options.in_depth);
             let expected: Vec<ShadowDraws> = draws[..LIGHTS].iter().map(shaped).collect();
             same(&format!("{what}, draws"), &draws[..LIGHTS], &expected)?;
-            let statistics = gpu.read::<ShadowStatistics>(volumes.statistics(), 1)?[0];
+            let statistics = shadow_statistics(gpu, &frame)?;
             // Distances come from a division and a square root, which WGSL lets be off by some units of the last place.
             let mut words: Vec<u32> =
                 lights.iter().flat_map(|light| [light.casting, light.counting, light.excludes]).collect();
@@ -134,7 +131,7 @@ fn chain() -> Result<(), String> {
 /// Results that a frame prepared: lights, draws and statistics.
 type Prepared = (Vec<ShadowLight>, Vec<ShadowDraws>, ShadowStatistics);
 
-/// One extractor and its volumes for frames of other positions, lights and cameras, all in one buffer, against new ones for
+/// One scene for frames of other positions, lights and cameras, all in one buffer, against new ones for
 /// each frame: nothing of an earlier frame is left.
 fn again() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
@@ -147,12 +144,8 @@ fn again() -> Result<(), String> {
             let base = scene(&mut random, number, LIGHTS);
             let (_, positions, mesh) = &base.caster;
             let pipelines = ShadowPipelines::new(&gpu.pipelines, &format_of(&base), counting).map_err(text)?;
-            let options = ExtractorOptions { max_lights: LIGHTS, ..Default::default() };
-            let make = || -> Result<_, String> {
-                let extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
-                let volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default()).map_err(text)?;
-                Ok((extractor, volumes))
-            };
+            let options = OneCasterOptions { max_lights: LIGHTS, ..OneCasterOptions::default() };
+            let make = || one_caster(gpu, &pipelines, mesh, options).map_err(text);
             // The same body elsewhere, far behind it in the buffer.
             let moved: Vec<[f32; 3]> = positions.iter().map(|&[x, y, z]| [z + 3.0, x - 2.0, y]).collect();
             let mut words = interleaved(positions, 0, 12);
@@ -160,23 +153,16 @@ fn again() -> Result<(), String> {
             words.extend_from_slice(&interleaved(&moved, second, 20)[words.len()..]);
             let buffer = gpu.storage(&words);
             let places = [(0, 12), (second, 20)];
-            let prepare = |(extractor, volumes): &mut (Extractor, ShadowVolumes),
-                           (offset, stride): (u64, u64),
-                           lights: &[Light]|
-             -> Result<Prepared, String> {
-                let bound = PositionBuffer { buffer: &buffer, offset, stride };
-                gpu.submit(|encoder| {
-                    let extraction = extractor.encode(encoder, bound, lights, None).map_err(text)?;
-                    volumes.encode(encoder, &extraction, &base.camera, None).map_err(text)
-                })?;
-                let statistics: Vec<ShadowStatistics> = gpu.read(volumes.statistics(), 1)?;
-                // Lights of an earlier frame are never drawn; what was chosen for them stays.
-                Ok((
-                    chosen(gpu, volumes, lights.len())?,
-                    gpu.read(&volumes.draw_arguments()[0], LIGHTS)?,
-                    statistics[0],
-                ))
-            };
+            let prepare =
+                |caster: &mut OneCaster, (offset, stride): (u64, u64), lights: &[Light]| -> Result<Prepared, String> {
+                    let bound = PositionBuffer { buffer: &buffer, offset, stride };
+                    let frame = gpu.submit(|encoder| {
+                        caster.encode(encoder, bound, lights, Some(&base.camera), None).map_err(text)
+                    })?;
+                    // Lights of an earlier frame are never drawn; what was chosen for them stays.
+                    let statistics = shadow_statistics(gpu, &frame)?;
+                    Ok((chosen(gpu, &frame, lights.len())?, draws(gpu, &frame, lights.len())?, statistics))
+                };
             let mut used = make()?;
             let mut last: Option<Prepared> = None;
             for (frame, (place, count)) in

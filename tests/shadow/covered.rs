@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use rimline::Mesh;
 use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
-use rimline::gpu::ShadowOptions;
+use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
@@ -59,7 +59,7 @@ fn alike() -> Result<(), String> {
             hidden += count;
             for counting in rotated(&RIGHT, index) {
                 for every_face in [false, true] {
-                    let options = ShadowOptions { every_face, ..ShadowOptions::default() };
+                    let options = OneCasterOptions { every_face, ..OneCasterOptions::default() };
                     let draw = |frame: &Frame| {
                         Renderer { placing: Placing::Scene, options, ..Renderer::new(gpu) }.count(frame, counting)
                     };

@@ -1,9 +1,10 @@
 //! Volumes that no receiver can be in: without them every receiver has the same count.
 
 use glam::DVec3;
-use rimline::gpu::{FrameInputs, Receivers, Scene, SceneOptions, ShadowError, ShadowOptions, View};
+use rimline::gpu::{FrameInputs, Receivers, Scene, SceneOptions, ShadowError, View};
 use rimline::reference::shadow::CAST_NOTHING;
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
+use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
@@ -71,7 +72,7 @@ fn classes() -> Result<(), String> {
             frame.bodies.push(front.scaled(half).moved((frame.eye.place + ahead).as_vec3().to_array()));
             let traced = Traced::of(frame, seed(class, number));
             for counting in [Counting::Auto, Counting::ZpPlus, Counting::ZFail] {
-                let options = ShadowOptions { end_at_range: number % 2 == 0, ..ShadowOptions::default() };
+                let options = OneCasterOptions { end_at_range: number % 2 == 0, ..OneCasterOptions::default() };
                 let samples = if number % 2 == 0 { 1 } else { 4 };
                 let placing = if number % 4 < 2 { Placing::Scene } else { Placing::Busy(number) };
                 let renderer = Renderer { placing, options, samples, range: 12.0, ..Renderer::new(gpu) };

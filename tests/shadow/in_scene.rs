@@ -3,13 +3,14 @@
 use glam::{DMat3, DQuat, DVec3};
 use rimline::gpu::{
     Capacities, Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, Measuring, Receivers,
-    Scene, SceneFrame, SceneOptions, ScenePipelines, ShadowError, ShadowFormat, ShadowOptions, StencilCounts, View,
+    Scene, SceneFrame, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, StencilCounts, View,
 };
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{ShadowLight, ShadowStatistics};
 use rimline::reference::shadow::CAST_AVERTED;
 use rimline::{Counting, Light, Matrix3x4, Mesh, Predicate, ShadowCamera};
+use rimline_testkit::OneCasterOptions;
 
 use crate::classes::CLASSES;
 use crate::render::{Counted, Placing, Renderer};
@@ -33,7 +34,7 @@ pub(crate) const TESTS: &[Test] = &[
 /// The casters of a frame in one scene, encoded for the frame's camera.
 pub(crate) struct InScene {
     frame: SceneFrame,
-    pipelines: ScenePipelines,
+    pipelines: ShadowPipelines,
     lights: Vec<LightHandle>,
     casters: Vec<CasterHandle>,
     /// The view that is drawn.
@@ -147,7 +148,7 @@ fn hiding(body: &Body, mesh: &Mesh, own: &[[f32; 3]], positions: &CasterPosition
 
 /// Options of a scene that match those of separate volumes.
 fn scene_options(renderer: &Renderer<'_>, max_lights: usize, counting: Counting) -> SceneOptions {
-    let ShadowOptions { end_at_range, cap_capacity, .. } = renderer.options;
+    let OneCasterOptions { end_at_range, cap_capacity, .. } = renderer.options;
     let mut options = SceneOptions {
         max_lights,
         capacities: Capacities { lists: renderer.list_capacity, caps: cap_capacity, ..Capacities::default() },
@@ -243,7 +244,7 @@ impl InScene {
             casters.push(caster);
         }
         let is_in_batches = renderer.count_batches > 1;
-        let make = if is_in_batches { ScenePipelines::in_batches } else { ScenePipelines::new };
+        let make = if is_in_batches { ShadowPipelines::in_batches } else { ShadowPipelines::new };
         let pipelines = make(&renderer.pipelines, format, counting).map_err(text)?;
         let mut cameras = vec![camera];
         let mut view = 0;
@@ -333,7 +334,7 @@ fn alike() -> Result<(), String> {
             let [x, y, z] = frame.lights[0].xyz;
             frame.lights.push(Light::homogeneous([x + 1.0, y - 0.5, z + 0.25, frame.lights[0].w]));
             for counting in METHODS {
-                let options = ShadowOptions { end_at_range: number % 2 == 1, ..ShadowOptions::default() };
+                let options = OneCasterOptions { end_at_range: number % 2 == 1, ..OneCasterOptions::default() };
                 let renderer = |placing| Renderer { options, range: 12.0, placing, ..Renderer::new(gpu) };
                 let what = format!("{}, seed {seed}, {counting:?}", class.name);
                 let alone = renderer(Placing::Alone).count(&frame, counting)?;
@@ -392,7 +393,7 @@ fn overflow() -> Result<(), String> {
         for counting in rotated(&RIGHT, index) {
             let whole = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) }.count(&frame, counting)?;
             for (list_capacity, cap_capacity) in [(Some(1), None), (Some(40), Some(3)), (None, Some(1))] {
-                let options = ShadowOptions { cap_capacity, ..ShadowOptions::default() };
+                let options = OneCasterOptions { cap_capacity, ..OneCasterOptions::default() };
                 let renderer = Renderer { placing: Placing::Scene, list_capacity, options, ..Renderer::new(gpu) };
                 let counted = renderer.count(&frame, counting)?;
                 let what =
@@ -413,7 +414,7 @@ fn batches() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let dark =
         |counted: &Counted, light: usize| counted.stencils[light].iter().map(|&count| count != 0).collect::<Vec<_>>();
-    let options = ShadowOptions { bound_counts: true, ..ShadowOptions::default() };
+    let options = OneCasterOptions { bound_counts: true, ..OneCasterOptions::default() };
     let renderer = |count_batches| Renderer { placing: Placing::Scene, count_batches, options, ..Renderer::new(gpu) };
     for count in [256, 300] {
         let mut frame = (CLASSES[0].frame)(&mut Random::new(7));
@@ -493,7 +494,7 @@ fn excluded() -> Result<(), String> {
         }
         for counting in rotated(&RIGHT, index) {
             let count = |frame: &Frame, every_face: bool| {
-                let options = ShadowOptions { every_face, ..ShadowOptions::default() };
+                let options = OneCasterOptions { every_face, ..OneCasterOptions::default() };
                 Renderer { placing: Placing::Scene, options, ..Renderer::new(gpu) }.count(frame, counting)
             };
             let what = format!("{}, seed {seed}, {counting:?}", class.name);

@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Vec3};
 use rimline::Counting;
-use rimline::gpu::{Measuring, SceneOptions, ShadowOptions};
+use rimline::gpu::{Measuring, SceneOptions};
+use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same, shapes};
@@ -107,7 +108,7 @@ fn levels() -> Result<(), String> {
             let counting = [Counting::Auto, Counting::ZpPlus, Counting::ZFail][number as usize % 3];
             // Volumes that never end, lists of few entries, and rigid casters, each in some.
             let end_at_range = number % 4 == 0 && counting != Counting::ZpPlus;
-            let options = ShadowOptions { end_at_range, ..ShadowOptions::default() };
+            let options = OneCasterOptions { end_at_range, ..OneCasterOptions::default() };
             let list_capacity = (number % 2 == 1).then_some(2);
             let placing = if number % 2 == 0 { Placing::Moved(traced.seed) } else { Placing::Busy(traced.seed) };
             let of = |levels| Renderer {

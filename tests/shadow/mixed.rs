@@ -1,8 +1,9 @@
 //! Volumes of meshes and of a depth map in one stencil: counts own the low bits, parity the high ones.
 
 use glam::DVec3;
-use rimline::gpu::{DepthMap, DepthMapOptions, DepthMapPipelines, ShadowFormat, ShadowOptions};
+use rimline::gpu::{DepthMap, DepthMapOptions, DepthMapPipelines, ShadowFormat};
 use rimline::{Counting, DepthDirection, Light};
+use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
@@ -156,7 +157,7 @@ fn batches() -> Result<(), String> {
         let pipelines = DepthMapPipelines::antialiased(&gpu.pipelines, &format, count_bits..8).map_err(text)?;
         let options = DepthMapOptions::default();
         let beside = Some(Beside { map, pipelines: &pipelines, options, is_first: true });
-        let bounded = ShadowOptions { bound_counts: true, ..ShadowOptions::default() };
+        let bounded = OneCasterOptions { bound_counts: true, ..OneCasterOptions::default() };
         let renderer = |count_batches| Renderer {
             placing: Placing::Scene,
             count_bits,
@@ -200,9 +201,7 @@ fn batches() -> Result<(), String> {
 }
 
 fn refusals() -> Result<(), String> {
-    use rimline::gpu::{
-        DepthMapError, FrameInputs, Scene, SceneOptions, ScenePipelines, ShadowError, ShadowPipelines, StencilCounts,
-    };
+    use rimline::gpu::{DepthMapError, FrameInputs, Scene, SceneOptions, ShadowError, ShadowPipelines, StencilCounts};
     let gpu = &*Gpu::shared()?;
     let format = |count_bits| ShadowFormat { count_bits, ..Default::default() };
     for given in [0, 9, u32::MAX] {
@@ -217,7 +216,7 @@ fn refusals() -> Result<(), String> {
         same("scene", &[found], &[Some(error)])?;
     }
     let error = ShadowError::CountBits { given: 1, least: 2 };
-    let found = ScenePipelines::in_batches(&gpu.pipelines, &format(1), Counting::Auto).err();
+    let found = ShadowPipelines::in_batches(&gpu.pipelines, &format(1), Counting::Auto).err();
     same("batches", &[found], &[Some(error.clone())])?;
     let stencil = StencilCounts { count_bits: 1, count_batches: 2, ..StencilCounts::default() };
     let options = SceneOptions { stencil, ..SceneOptions::default() };
@@ -228,7 +227,7 @@ fn refusals() -> Result<(), String> {
     // Volumes for counts of other bits.
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
     let light = scene.add_light(Light::point([0.0; 3])).map_err(text)?;
-    let pipelines = ScenePipelines::new(&gpu.pipelines, &format(7), Counting::Auto).map_err(text)?;
+    let pipelines = ShadowPipelines::new(&gpu.pipelines, &format(7), Counting::Auto).map_err(text)?;
     let renderer = Renderer::new(gpu);
     let target = renderer.target(8, 1, TextureFormat::Depth24PlusStencil8);
     let view = target.create_view(&wgpu::TextureViewDescriptor::default());

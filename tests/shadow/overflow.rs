@@ -1,7 +1,7 @@
 //! Counts that 8 bits do not hold, and the bound that tells of them; lists that overflow.
 
-use rimline::gpu::ShadowOptions;
 use rimline::{Counting, Light};
+use rimline_testkit::OneCasterOptions;
 use rimline_testkit::shapes::{self, Shape};
 
 use crate::classes::CLASSES;
@@ -24,7 +24,7 @@ pub(crate) const TESTS: &[Test] = &[
 ];
 
 fn renderer(gpu: &Gpu) -> Renderer<'_> {
-    let options = ShadowOptions { bound_counts: true, ..ShadowOptions::default() };
+    let options = OneCasterOptions { bound_counts: true, ..OneCasterOptions::default() };
     Renderer { options, ..Renderer::new(gpu) }
 }
 
@@ -152,7 +152,7 @@ fn ordinary() -> Result<(), String> {
         frame.lights = (0..8).map(|_| Light::point(random.direction().map(|c| c * 5.0))).collect();
         frame.lights.push(Light::directional(random.direction()));
         frame.size = 16;
-        let options = ShadowOptions { skip_unseen: false, bound_counts: true, ..ShadowOptions::default() };
+        let options = OneCasterOptions { skip_unseen: false, bound_counts: true, ..OneCasterOptions::default() };
         let counted = Renderer { options, ..Renderer::new(&gpu) }.count(&frame, Counting::Auto)?;
         let statistics = counted.statistics[0];
         println!("{name}: bound {}", statistics.count_bound);
@@ -240,7 +240,7 @@ fn shortened() -> Result<(), String> {
         frame.lights.extend((1..32).map(about));
         frame.size = 48;
         for (counting, end_at_range) in [(Counting::ZFail, false), (Counting::ZFail, true), (Counting::Auto, true)] {
-            let options = ShadowOptions { end_at_range, ..ShadowOptions::default() };
+            let options = OneCasterOptions { end_at_range, ..OneCasterOptions::default() };
             let count = |gpu| Renderer { options, range: 12.0, ..Renderer::new(gpu) }.count(&frame, counting);
             let (whole, short) = (count(&gpu)?, count(&small)?);
             let what = format!("{}, seed {seed}, {counting:?}, {end_at_range}", class.name);

@@ -1,13 +1,11 @@
 //! Passes that volumes are drawn into: formats that are made of them, and those that do not serve.
 
-use rimline::gpu::{
-    Extractor, ExtractorOptions, PositionBuffer, ShadowError, ShadowFormat, ShadowOptions, ShadowPipelines,
-    ShadowVolumes,
-};
+use rimline::gpu::{PositionBuffer, ShadowError, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
+use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::text;
+use rimline_testkit::on_gpu::{one_caster, text};
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::{same, shapes};
 
@@ -75,14 +73,13 @@ fn drawn(
 ) -> Result<Result<Option<wgpu::Error>, ShadowError>, String> {
     let shape = shapes::torus(16, 8, 1.0, 0.4);
     let mesh = shape.mesh().map_err(text)?;
-    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
     let pipelines = ShadowPipelines::new(&gpu.pipelines, format, Counting::Auto).map_err(text)?;
-    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default()).map_err(text)?;
+    let mut caster = one_caster(gpu, &pipelines, &mesh, OneCasterOptions::default()).map_err(text)?;
     let buffer = gpu.storage(&shape.positions);
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let extraction = extractor.encode(&mut encoder, positions, &[Light::point([0.0, 5.0, 2.0])], None).map_err(text)?;
-    let shadows = volumes.encode(&mut encoder, &extraction, &camera(), None).map_err(text)?;
+    let lights = [Light::point([0.0, 5.0, 2.0])];
+    let shadows = caster.encode(&mut encoder, positions, &lights, Some(&camera()), None).map_err(text)?;
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let begun = if by_encoder { Ok(encoder.begin_render_pass(pass)) } else { format.begin_pass(&mut encoder, pass) };
     let begun = begun.map(|mut pass| shadows.draw(&mut pass, &pipelines, 0));

@@ -4,9 +4,9 @@
 use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};
-use rimline::gpu::ShadowOptions;
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Light, Mesh};
+use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::polygons::{PolygonSet, folded_polygon, quad_torus, random_polygon};
@@ -236,7 +236,7 @@ fn darken() -> Result<(), String> {
                 failures.push(format!("seed {seed}, {name}, by rounds: {} wrong {wrong:?}", wrong.len()));
             }
             let mut renderer = Renderer::new(&gpu);
-            renderer.options = ShadowOptions { every_face: true, ..renderer.options };
+            renderer.options = OneCasterOptions { every_face: true, ..renderer.options };
             let volumes = renderer.count(&frame, Counting::ZFail)?;
             let is_receiver = |at: &usize| truths[*at] != Truth::NoReceiver;
             let same = (0..rounds.len()).filter(is_receiver);
@@ -264,7 +264,7 @@ pub(crate) fn compare(
     let most = truths.iter().map(|truth| if let Truth::Odd(count) = truth { *count } else { 0 }).max().unwrap_or(0);
     for &counting in methods {
         let mut renderer = Renderer::new(gpu);
-        renderer.options = ShadowOptions { every_face: true, bound_counts: true, ..renderer.options };
+        renderer.options = OneCasterOptions { every_face: true, bound_counts: true, ..renderer.options };
         let counted = renderer.count(frame, counting)?;
         let bound = counted.statistics[0].count_bound;
         if bound < most {
@@ -286,7 +286,7 @@ pub(crate) fn compare(
             let wrong = rig.wrong(truths, &stencil, |count, value| count as u8 == value);
             must_fail("other counts", &if wrong.is_empty() { Ok(()) } else { Err(String::new()) })?;
         }
-        renderer.options = ShadowOptions { every_face: false, ..renderer.options };
+        renderer.options = OneCasterOptions { every_face: false, ..renderer.options };
         let counted = renderer.count(frame, counting)?;
         let wrong = rig.wrong(truths, &counted.stencils[0], |count, value| (count == 0) == (value == 0));
         if !wrong.is_empty() {
@@ -334,10 +334,10 @@ fn alike() -> Result<(), String> {
         let lights = [1, 5, 33][seed as usize % 3];
         let (names, frame) = mixed(&mut random, lights)?;
         for counting in rotated(&METHODS, seed as usize) {
-            let options = ShadowOptions {
+            let options = OneCasterOptions {
                 end_at_range: seed % 2 == 1,
                 cap_capacity: [None, Some(9)][seed as usize / 2 % 2],
-                ..ShadowOptions::default()
+                ..OneCasterOptions::default()
             };
             let list_capacity = [None, None, Some(7)][seed as usize / 3 % 3];
             let renderer = |placing| Renderer { options, list_capacity, range: 12.0, placing, ..Renderer::new(gpu) };

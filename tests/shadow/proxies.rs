@@ -1,8 +1,8 @@
 //! Proxies: casters of a scene that are not in the depth buffer.
 
 use glam::DVec3;
-use rimline::gpu::ShadowOptions;
 use rimline::{Counting, DepthDirection, Light};
+use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::is_long;
 use rimline_testkit::random::Random;
@@ -69,7 +69,7 @@ fn check(first: u64, make: fn(&mut Random) -> Frame) -> Result<(), String> {
         shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
         let placing = if seed % 3 == 0 { Placing::Alone } else { Placing::Scene };
         let (end_at_range, cap_capacity) = (seed % 2 == 0, if seed % 5 == 0 { Some(5) } else { None });
-        let options = ShadowOptions { end_at_range, cap_capacity, ..ShadowOptions::default() };
+        let options = OneCasterOptions { end_at_range, cap_capacity, ..OneCasterOptions::default() };
         // Nothing of the room is out of range.
         let range = if end_at_range { 40.0 } else { f32::INFINITY };
         let renderer = Renderer { options, range, placing, ..Renderer::new(gpu) };

@@ -1,8 +1,8 @@
 //! Lights that reach only so far: casters out of range, and volumes that end there.
 
 use glam::DVec3;
-use rimline::gpu::ShadowOptions;
 use rimline::{Cone, Counting, Light};
+use rimline_testkit::OneCasterOptions;
 
 use crate::classes::{CLASSES, Class};
 use crate::rays::{self, Truth};
@@ -48,7 +48,7 @@ pub(crate) fn in_range(class: &Class, number: u64) -> (Traced, Vec<Vec<Truth>>, 
 /// Within the range all is as ever, by every method; out of it shadows are gone.
 fn ended() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let options = ShadowOptions { end_at_range: true, ..ShadowOptions::default() };
+    let options = OneCasterOptions { end_at_range: true, ..OneCasterOptions::default() };
     let methods = [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZpPlus2005];
     let (mut volumes, mut shadowed, mut gone) = ([0; 4], 0, [0; 4]);
     for class in CLASSES.iter().filter(|class| class.name != "directional lights") {
@@ -83,7 +83,7 @@ fn ended() -> Result<(), String> {
 
 /// A range that is said to be smaller than it is leaves shadows out that the rays see.
 fn control(gpu: &Gpu) -> Result<(), String> {
-    let options = ShadowOptions { end_at_range: true, ..ShadowOptions::default() };
+    let options = OneCasterOptions { end_at_range: true, ..OneCasterOptions::default() };
     let class = CLASSES.iter().find(|class| class.name == "camera outside the shadow").ok_or("no such class")?;
     let traced = Traced::new(class, 50);
     let distance = place(traced.frame.lights[0]).length() as f32;
@@ -103,7 +103,7 @@ fn control(gpu: &Gpu) -> Result<(), String> {
 /// ended early would leave the spot in the middle of the shadow lit.
 fn just_within() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let options = ShadowOptions { end_at_range: true, ..ShadowOptions::default() };
+    let options = OneCasterOptions { end_at_range: true, ..OneCasterOptions::default() };
     let class = CLASSES.first().ok_or("no classes")?;
     for (height, floor) in [(1.0_f32, 4.0_f32), (0.5, 6.0), (2.0, 4.5)] {
         let mut plate = Body::caster(rimline_testkit::shapes::cube());
@@ -153,7 +153,7 @@ fn skipped() -> Result<(), String> {
             for w in [1.0, 0.3] {
                 let [x, y, z] = light;
                 frame.lights = vec![Light::homogeneous([x * w, y * w, z * w, w])];
-                let options = ShadowOptions { skip_unseen: false, ..ShadowOptions::default() };
+                let options = OneCasterOptions { skip_unseen: false, ..OneCasterOptions::default() };
                 let counted = Renderer { options, range, ..Renderer::new(&gpu) }.count(&frame, Counting::Auto)?;
                 let got = (counted.chosen[0][0].casting != 0, counted.statistics[0].skipped == 0);
                 if got != (casts, casts) {

@@ -1,18 +1,19 @@
 //! A frame on the GPU: the depth of everything, then each light's count in the stencil buffer, read back.
 
 use rimline::gpu::{
-    DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, Extractor, ExtractorOptions, ListOptions, Pipelines,
-    PositionBuffer, Receivers, SceneOptions, SceneStatistics, ShadowFormat, ShadowOptions, ShadowPipelines,
-    ShadowVolumes, read_back_vec,
+    DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, Pipelines, PositionBuffer, Receivers, SceneOptions,
+    SceneStatistics, ShadowFormat, ShadowPipelines, read_back_vec,
 };
 use rimline::mesh::Weld;
 use rimline::reference::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
 use rimline::{Counting, DepthDirection, Light, Mesh};
+use rimline_testkit::OneCasterOptions;
 
 use crate::in_scene::InScene;
 use crate::scene::{Body, Frame, Placed};
+use rimline_testkit::OneCaster;
 use rimline_testkit::device::Gpu;
-use rimline_testkit::on_gpu::chosen;
+use rimline_testkit::on_gpu::{chosen, draws, shadow_statistics};
 use rimline_testkit::pipelines::Drawing;
 
 /// How the scene's own depth pass computes positions.
@@ -27,7 +28,7 @@ pub(crate) enum DepthPass {
 /// How casters are given to the library.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Placing {
-    /// Each has an extractor and volumes of its own.
+    /// Each is alone in a scene.
     Alone,
     /// All are in one scene, at positions in world space. Mirrored casters have a matrix.
     Scene,
@@ -91,7 +92,7 @@ pub(crate) struct Renderer<'a> {
     pub(crate) depth_pass: DepthPass,
     /// 1 or 4.
     pub(crate) samples: u32,
-    pub(crate) options: ShadowOptions,
+    pub(crate) options: OneCasterOptions,
     /// Capacity of the lists of silhouette edges.
     pub(crate) list_capacity: Option<u32>,
     /// Range of every light.
@@ -130,7 +131,7 @@ impl<'a> Renderer<'a> {
             format: wgpu::TextureFormat::Depth24PlusStencil8,
             depth_pass: DepthPass::Alike,
             samples: 1,
-            options: ShadowOptions::default(),
+            options: OneCasterOptions::default(),
             list_capacity: None,
             range: f32::INFINITY,
             placing: Placing::Alone,
@@ -210,16 +211,21 @@ impl<'a> Renderer<'a> {
             let mesh = mesh.map_err(|error| text(&error))?;
             let buffer = gpu.storage(&shape.positions);
             let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-            let lists = ListOptions { capacity: self.list_capacity, ..ListOptions::default() };
-            let options = ExtractorOptions { max_lights: lights.len(), lists: Some(lists), ..Default::default() };
-            let mut extractor = Extractor::new(&self.pipelines, &mesh, options).map_err(|error| text(&error))?;
             let lights: Vec<Light> = lights.iter().map(|light| light.with_range(self.range)).collect();
-            let extraction = extractor.encode(&mut encoder, positions, &lights, None).map_err(|error| text(&error))?;
             let pipelines = mirroring.as_ref().filter(|_| body.mirror.is_some()).unwrap_or(&plain);
-            let options = ShadowOptions { in_depth: body.in_depth, ..self.options };
-            let mut volumes = ShadowVolumes::new(pipelines, &extractor, options).map_err(|error| text(&error))?;
-            let shadows = volumes.encode(&mut encoder, &extraction, &camera, None).map_err(|error| text(&error))?;
-            casters.push((volumes, shadows, pipelines));
+            let options = OneCasterOptions {
+                counting,
+                max_lights: lights.len(),
+                in_depth: body.in_depth,
+                list_capacity: self.list_capacity,
+                count_bits: self.count_bits,
+                ..self.options
+            };
+            let caster = OneCaster::new(&self.pipelines, &gpu.queue, &mesh, &options);
+            let shadows = caster
+                .and_then(|mut caster| caster.encode(&mut encoder, positions, &lights, Some(&camera), None))
+                .map_err(|error| text(&error))?;
+            casters.push((shadows, pipelines));
         }
         let mut mapped = None;
         if let Some(Beside { map, pipelines, options, is_first }) = &self.beside {
@@ -243,7 +249,7 @@ impl<'a> Renderer<'a> {
         for light in 0..frame.lights.len() {
             let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Load));
             draw_mapped(&mut pass, true)?;
-            for (_, shadows, pipelines) in &casters {
+            for (shadows, pipelines) in &casters {
                 shadows.draw(&mut pass, pipelines, light).map_err(|error| text(&error))?;
             }
             if let Some(together) = &together {
@@ -262,10 +268,10 @@ impl<'a> Renderer<'a> {
             statistics: Vec::new(),
             scene: None,
         };
-        for (volumes, ..) in &casters {
-            counted.chosen.push(chosen(gpu, volumes, frame.lights.len())?);
-            counted.draws.push(gpu.read(&volumes.draw_arguments()[0], frame.lights.len())?);
-            counted.statistics.extend(gpu.read::<ShadowStatistics>(volumes.statistics(), 1)?);
+        for (shadows, _) in &casters {
+            counted.chosen.push(chosen(gpu, shadows, frame.lights.len())?);
+            counted.draws.push(draws(gpu, shadows, frame.lights.len())?);
+            counted.statistics.push(shadow_statistics(gpu, shadows)?);
         }
         if let Some(together) = &together {
             together.read(gpu, &mut counted)?;

@@ -1,6 +1,6 @@
 //! Errors of a scene when its shadow volumes are recorded or drawn.
 
-use rimline::gpu::{Caster, FrameInputs, Scene, SceneFrame, SceneOptions, ScenePipelines, ShadowError, ShadowFormat};
+use rimline::gpu::{Caster, FrameInputs, Scene, SceneFrame, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines};
 use rimline::{CameraError, Counting, DepthDirection, Light, LightError, ShadowCamera};
 
 use crate::render::{Renderer, attachment};
@@ -82,12 +82,12 @@ fn drawing() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let other_device = &gpu.another(wgpu::Features::empty(), wgpu::Limits::default())?;
     let format = ShadowFormat::default();
-    let made = |counting| ScenePipelines::new(&gpu.pipelines, &format, counting).map_err(text);
+    let made = |counting| ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text);
     let right = made(Counting::Auto)?;
     let standard = ShadowFormat { depth: DepthDirection::Standard, ..ShadowFormat::default() };
-    let standard = ScenePipelines::new(&gpu.pipelines, &standard, Counting::Auto).map_err(text)?;
-    let in_batches = ScenePipelines::in_batches(&gpu.pipelines, &format, Counting::Auto).map_err(text)?;
-    let elsewhere = ScenePipelines::new(&other_device.pipelines, &format, Counting::Auto).map_err(text)?;
+    let standard = ShadowPipelines::new(&gpu.pipelines, &standard, Counting::Auto).map_err(text)?;
+    let in_batches = ShadowPipelines::in_batches(&gpu.pipelines, &format, Counting::Auto).map_err(text)?;
+    let elsewhere = ShadowPipelines::new(&other_device.pipelines, &format, Counting::Auto).map_err(text)?;
     let (mut own, caster) = scene(gpu, SceneOptions::default())?;
     let light = own.add_light(Light::point([1.0, 5.0, 3.0])).map_err(text)?;
     own.insert(caster).map_err(text)?;
@@ -98,7 +98,7 @@ fn drawing() -> Result<(), String> {
     let later = own.add_light(Light::point([2.0, 5.0, 3.0])).map_err(text)?;
     let target = Renderer::new(gpu).target(8, 1, format.depth_stencil);
     let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-    let draw = |frame: &SceneFrame, pipelines: &ScenePipelines, view_number: usize, light| {
+    let draw = |frame: &SceneFrame, pipelines: &ShadowPipelines, view_number: usize, light| {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Clear(0.0)));
         let drawn = frame.draw(&mut pass, pipelines, view_number, light);

@@ -1,8 +1,9 @@
 //! Each class of frames, by every method that claims to be right there; and what must be wrong.
 
 use rimline::Counting;
-use rimline::gpu::{Pipelines, ShadowOptions};
+use rimline::gpu::Pipelines;
 use rimline::reference::layout::ShadowLight;
+use rimline_testkit::OneCasterOptions;
 
 use crate::classes::{CLASSES, Class};
 use crate::compare::{Compared, Wrong};
@@ -204,7 +205,7 @@ fn perturbed() -> Result<(), String> {
 /// Closed casters of which every face casts.
 fn every_face() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let options = ShadowOptions { every_face: true, ..ShadowOptions::default() };
+    let options = OneCasterOptions { every_face: true, ..OneCasterOptions::default() };
     each_class(&Renderer { options, ..Renderer::new(&gpu) }, &[Counting::Auto, Counting::ZFail], |class| {
         !class.name.contains("shadow, light")
     })
@@ -252,7 +253,7 @@ fn float_depth() -> Result<(), String> {
 /// Lists of cap faces with room for one.
 fn overflow() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let options = ShadowOptions { cap_capacity: Some(1), ..ShadowOptions::default() };
+    let options = OneCasterOptions { cap_capacity: Some(1), ..OneCasterOptions::default() };
     let renderer = Renderer { options, ..Renderer::new(&gpu) };
     each_class(&renderer, &[Counting::Auto, Counting::ZFail], |class| class.name.contains("near rectangle"))?;
     let traced = Traced::new(class("near rectangle in shadow, light behind")?, 7);
@@ -264,7 +265,7 @@ fn overflow() -> Result<(), String> {
 /// The same picture with unseen shadows skipped and without.
 fn skipped() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let all = ShadowOptions { skip_unseen: false, ..ShadowOptions::default() };
+    let all = OneCasterOptions { skip_unseen: false, ..OneCasterOptions::default() };
     let mut skipped = 0;
     for class in CLASSES {
         for number in 20..20 + frames().div_ceil(3) {

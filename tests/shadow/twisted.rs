@@ -3,12 +3,13 @@
 //! It tests the stage `piece_crossings`, too.
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
-use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowOptions};
+use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions};
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Threads};
 use rimline::{
     Counting, DepthDirection, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Model, Pose,
 };
+use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::models::rows;
 use rimline_testkit::on_gpu::{read, text};
@@ -151,7 +152,7 @@ fn thousand() -> Result<(), String> {
         println!("{light:?}: up to {most} between");
         for counting in [Counting::Auto, Counting::ZFail] {
             let mut renderer = Renderer::new(gpu);
-            renderer.options = ShadowOptions { bound_counts: true, ..renderer.options };
+            renderer.options = OneCasterOptions { bound_counts: true, ..renderer.options };
             let counted = renderer.count(&frame, counting)?;
             let wrong = rig.wrong(&truths, &counted.stencils[0], |count, value| count as u8 == value);
             let statistics = counted.statistics[0];

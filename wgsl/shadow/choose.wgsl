@@ -2,8 +2,7 @@
 // how the shadow is counted, without a look at its faces: nothing if its shadow cannot be seen; z-pass unless a face may lie
 // between light and near rectangle (what the camera sees of the near plane); averted faces (those that do not face the light)
 // where they suffice. Dispatched after `bounds`, an invocation a caster and light, a row of workgroups a view, for all batches of
-// 32 lights together. It reads boxes and flags of casters and what shadows may fall on; for a single caster the statistics of the
-// extraction, in a scene `lit` and FRESH. It writes choices (shadow/choices.wgsl), for `zp_plus_2005_cases`, `caps` and all
+// 32 lights together. It reads boxes and flags of casters, what shadows may fall on, `lit` and FRESH. It writes choices (shadow/choices.wgsl), for `zp_plus_2005_cases`, `caps` and all
 // stages after them, and statistics. All tests have slack, which must stay above their rounding errors: what is skipped casts
 // nothing that is seen, and where a test leaves it open, every face casts, or near caps are looked for.
 // docs/numerics/casting-faces.md, "Which faces cast", docs/numerics/shadow-volumes.md, "Volumes that end", and
@@ -19,14 +18,12 @@
 @group(0) @binding(1) var<storage, read> seen: array<SeenLight>;
 @group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
-// The words of `ExtractionStatistics`: 3 is how many pairs of face and light have the light in the face's plane, 4 has bits of
-// the lights (modulo 32) for which a polygon is L-twisted: its outline crosses itself as seen from light L. In a scene, constants
-// are bound instead, since facing is not waited for: a light may be in the plane of a face.
-// Behind these there, for each group and batch, the lights of a caster of polygons for which one is twisted.
-@group(0) @binding(4) var<storage, read> extraction_statistics: array<u32>;
+// For each group and batch bits of the lights for which a polygon of its caster is L-twisted: its outline crosses itself as seen
+// from light L. 0 where the casters have triangles only.
+@group(0) @binding(4) var<storage, read> twisted: array<u32>;
 @group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>; // Choices of all casters, then measures.
 @group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;
-// For each batch and caster of a scene the lights that matter. A single caster has none.
+// For each batch and caster the lights that matter.
 @group(0) @binding(7) var<storage, read> lit: array<u32>;
 
 // Whether the box, moved to the camera's frame, meets the box of the near rectangle, with slack.
@@ -70,13 +67,13 @@ fn misses_pyramid(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: ve
 // The near end of the light's frustum in ZP+ as published. Nothing of the caster lies before it. For a point light it
 // is the caster's distance from the light over that of the near rectangle's farthest point. For a light at infinity it
 // is the caster's height.
-fn frustum_near(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> f32 {
+fn frustum_near(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>) -> f32 {
   if (light.light.w > 0.0) {
     let place = placed(view, light.light.xyz / light.light.w);
     let farthest = length_of(max(abs(view.near_min - place), abs(view.near_max - place)));
     // It is below 1 for casters beyond the near rectangle, which have nothing in the frustum. It is above 0 for lights
     // in the box, which the paper does not treat: with 0 or less nothing would be clipped at the near plane.
-    return clamp(distance_below(light, low, high) / farthest, 0.001, 0.99);
+    return clamp(scale * distance_below(light, low, high) / farthest, 0.001, 0.99);
   }
   var highest = 0.0;
   for (var number = 0u; number < 8u; number++) {
@@ -87,14 +84,9 @@ fn frustum_near(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3
   return select(1.0, highest, highest > 0.0);
 }
 
-// Whether a polygon of the caster may be L-twisted for a light, as a light of the same bit has it. Such polygons are excluded, so
-// the caster is not closed.
+// Whether a polygon of the caster is L-twisted for a light. Such polygons are excluded, so the caster is not closed.
 fn is_cut(caster: u32, number: u32) -> bool {
-  var word = 4u;
-  if (MANY) {
-    word = 5u + caster_part(caster, 7u).y * shape.batches + number / 32u;
-  }
-  return ((extraction_statistics[word] >> (number % 32u)) & 1u) != 0u;
+  return ((twisted[caster_part(caster, 7u).y * shape.batches + number / 32u] >> (number % 32u)) & 1u) != 0u;
 }
 
 // The light with the choices for a caster and a view, by the caster's box. A lower bound of the distance to a caster with
@@ -113,7 +105,8 @@ fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec
     return light;
   }
   let light_is_inside = light_meets(light, low, high);
-  light.excludes = select(0u, 1u, has_holes || is_cut || (light_is_inside && extraction_statistics[3] != 0u));
+  // Facing is not waited for: a light that is in the box may be in the plane of a face.
+  light.excludes = select(0u, 1u, has_holes || is_cut || light_is_inside);
   // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster, and the eye does not
   // see into it: docs/numerics/casting-faces.md, "Which faces cast".
   let is_closed = shape.averted != 0u && (flags & CLOSED) != 0u && (flags & PROXY) == 0u;
@@ -121,7 +114,7 @@ fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec
   light.casting = select(CAST_EVERY, CAST_AVERTED, is_closed && !has_holes && !is_cut && is_outside);
   light.counting = shape.counting;
   if (shape.counting == COUNT_ZP_PLUS_2005) {
-    light.frustum_near = frustum_near(view, light, low, high);
+    light.frustum_near = frustum_near(view, light, scale, low, high);
     // The published method knows no excluded faces, and no caster that is not in the depth buffer.
     light.counting = select(COUNT_ZP_PLUS_2005, COUNT_Z_FAIL, light.excludes != 0u || (flags & PROXY) != 0u);
   }
@@ -156,15 +149,15 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   let bit = 1u << (number % 32u);
   let measures = CHOICE_WORDS * shape.views * shape.batches * shape.casters + 2u * measures_of(caster, number, view_number);
   let first = CHOICE_WORDS * choices_of(first_of_group(caster), number / 32u, view_number);
-  let is_fresh = !MANY || (atomicLoad(&choices[first + FRESH]) & bit) != 0u;
+  let is_fresh = (atomicLoad(&choices[first + FRESH]) & bit) != 0u;
   // Earlier choices go. A caster that did not cast has none.
-  if (MANY && is_fresh && (atomicLoad(&choices[at + CASTS]) & bit) != 0u) {
+  if (is_fresh && (atomicLoad(&choices[at + CASTS]) & bit) != 0u) {
     // Turns: 8.
     for (var word = CASTS; word <= EXCLUDES; word++) {
       atomicAnd(&choices[at + word], ~bit);
     }
   }
-  if (MANY && (lit[number / 32u * shape.casters + caster] & bit) == 0u) {
+  if ((lit[number / 32u * shape.casters + caster] & bit) == 0u) {
     return;
   }
   let flags = caster_flags(caster);
@@ -180,7 +173,7 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
     return;
   }
   let view = view_of(caster, seen[entry].view);
-  let scale = select(1.0, bitcast<f32>(caster_part(caster, 3u).w), MANY);
+  let scale = bitcast<f32>(caster_part(caster, 3u).w);
   let receivers_at = seen[entry].version.y;
   var light = light_of(caster, seen[entry].light, number);
   light.casting = CAST_NOTHING;

@@ -1,6 +1,6 @@
 // Cases of ZP+ as published in 2005, for comparison: a compute stage that finds lights for which the near plane cuts both finite
 // edges of a side (the paper's case D). The published method leaves such a caster and light to z-fail, so their bit NEAR is taken
-// from the choices, which `caps` and all later stages read. Dispatched between `choose` and `caps`, for a single caster, each
+// from the choices, which `caps` and all later stages read. Dispatched between `choose` and `caps`, for each group of casters,
 // batch of up to 32 lights and view; a row of workgroups takes the silhouettes of one light, or all edges if its list overflowed.
 
 #import common/extraction
@@ -18,7 +18,6 @@
 @group(0) @binding(6) var<storage, read> silhouettes: array<u32>;
 @group(0) @binding(7) var<storage, read> silhouette_counts: array<u32>;
 @group(0) @binding(8) var<storage, read_write> choices: array<atomic<u32>>;
-var<workgroup> found: atomic<u32>;
 
 // Whether the near plane cuts both finite edges of the side from a to b: the edge itself, and that between the far vertices.
 fn is_case_d(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f32>) -> bool {
@@ -26,6 +25,19 @@ fn is_case_d(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f32>) -
   let a_far = direction_to_clip(view, extrusion(view, light, a));
   let b_far = direction_to_clip(view, extrusion(view, light, b));
   return cuts_edge && is_cut(view, a_far) != is_cut(view, b_far);
+}
+
+// Whether the near plane cuts so the side of the edge in a slot.
+fn is_cut_so(caster: u32, slot: u32, own: SeenLight, number: u32) -> bool {
+  let run = edge_run(caster);
+  let edge = slot - run.x;
+  if (edge >= run.y) {
+    return false;
+  }
+  let ends = edge_vertices[run.z + edge];
+  let view = view_of(caster, own.view);
+  let light = light_of(caster, own.light, number);
+  return is_case_d(view, light, vertex_position(caster, ends.x), vertex_position(caster, ends.y));
 }
 
 @compute @workgroup_size(64)
@@ -37,27 +49,20 @@ fn zp_plus_2005_cases(
   let bit = group.y;
   let number = draw.first_light + bit;
   let own = seen[draw.view * shape.lights + number];
-  let near = CHOICE_WORDS * choices_of(0u, draw.first_light / 32u, draw.view) + NEAR;
-  let count = silhouette_counts[number];
+  let count = silhouette_counts[bit];
   // A list that overflowed does not say which edges are silhouettes, so any edge counts. z-fail is right for it, too.
   let overflowed = count > shape.capacity;
-  var edges = select(count, shape.edges, overflowed);
-  if (((atomicLoad(&choices[near]) >> bit) & 1u) == 0u) {
-    edges = 0u;
-  }
+  let edges = select(count, shape.edges, overflowed);
   // Turns: LISTED_ITEMS.
   for (var entry = group.x * 64u + thread; entry < edges; entry += 64u * groups.x) {
-    var edge = entry;
+    var slot = entry;
     if (!overflowed) {
-      edge = silhouettes[bit * shape.capacity + entry] & ~WINDING;
+      slot = silhouettes[bit * shape.capacity + entry] & ~WINDING;
     }
-    let ends = edge_vertices[edge];
-    if (is_case_d(own.view, own.light, vertex_position(0u, ends.x), vertex_position(0u, ends.y))) {
-      atomicStore(&found, 1u);
+    let caster = caster_of(shape.edge_chunks_at, slot);
+    let near = CHOICE_WORDS * choices_of(caster, draw.first_light / 32u, draw.view) + NEAR;
+    if (((atomicLoad(&choices[near]) >> bit) & 1u) != 0u && is_cut_so(caster, slot, own, number)) {
+      atomicAnd(&choices[near], ~(1u << bit));
     }
-  }
-  workgroupBarrier();
-  if (thread == 0u && atomicLoad(&found) != 0u) {
-    atomicAnd(&choices[near], ~(1u << bit));
   }
 }

@@ -8,7 +8,7 @@
 use std::cell::RefCell;
 
 use glam::Vec3;
-use rimline::gpu::{Caster, Measuring, SceneOptions, ScenePipelines, ShadowFormat, ShadowPipelines};
+use rimline::gpu::{Caster, Measuring, SceneOptions, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, Light, Matrix3x4};
 use serde_json::{Value, json};
 use wgpu::LoadOp;
@@ -106,7 +106,7 @@ pub(crate) struct Devices<'a> {
     /// Nothing is drawn on it.
     pub(crate) stages: Stopwatch<'a>,
     pub(crate) draws: Stopwatch<'a>,
-    pub(crate) scene: ScenePipelines,
+    pub(crate) scene: ShadowPipelines,
     volumes: [ShadowPipelines; 2],
 }
 
@@ -115,7 +115,7 @@ impl<'a> Devices<'a> {
         let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
         let volumes = |gpu: &Gpu| ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto);
         Ok(Self {
-            scene: ScenePipelines::new(&draws.pipelines, &format, Counting::Auto)?,
+            scene: ShadowPipelines::new(&draws.pipelines, &format, Counting::Auto)?,
             volumes: [volumes(stages)?, volumes(draws)?],
             stages: Stopwatch::new(stages),
             draws: Stopwatch::new(draws),
@@ -130,8 +130,8 @@ fn options(keep_bits: bool) -> SceneOptions {
     options
 }
 
-fn merged<'a>(gpu: &Gpu, pipelines: &'a ShadowPipelines, setting: &Setting) -> Result<Meshes<'a>, Error> {
-    let mut meshes = Meshes::new(Some(pipelines), &setting.lights, Some(setting.camera));
+fn merged<'a>(gpu: &Gpu, pipelines: Option<&'a ShadowPipelines>, setting: &Setting) -> Result<Meshes<'a>, Error> {
+    let mut meshes = Meshes::new(pipelines, &setting.lights, Some(setting.camera));
     meshes.push_all(gpu, [setting.casters.merged()])?;
     Ok(meshes)
 }
@@ -175,7 +175,7 @@ pub(crate) fn measure(
         .map(|(id, samples)| Entry::new(variant(id), &samples));
     if casters <= MOST_DRAWN {
         let depth = gpu.texture(size, DEPTH).create_view(&wgpu::TextureViewDescriptor::default());
-        let mut merged = merged(gpu, volumes, &setting)?;
+        let mut merged = merged(gpu, Some(volumes), &setting)?;
         let stopwatch = RefCell::new(&mut *stopwatch);
         let contenders: Vec<Contender<'_>> = vec![
             Box::new(|| draws(&mut stopwatch.borrow_mut(), &mut recorder, &depth)),
@@ -285,7 +285,7 @@ fn stages(
         SceneRecorder::new(gpu, setting, &deforming, None, options(false))?,
         SceneRecorder::new(gpu, setting, &deforming, None, options(true))?,
     ];
-    let mut other = merged(gpu, pipelines, setting)?;
+    let mut other = merged(gpu, Some(pipelines).filter(|_| until == Until::Volumes), setting)?;
     stopwatch.by_clock(|encoder| scene.encode(encoder, Until::Extraction, None))?;
     stopwatch.by_clock(|encoder| other.encode(encoder, Until::Extraction, None))?;
     let edges = [scene.silhouette_edges(gpu)?, other.silhouette_edges(gpu)?];

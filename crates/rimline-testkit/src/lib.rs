@@ -38,6 +38,7 @@ pub mod shadow_oracle;
 pub mod stage_probe;
 pub mod turns;
 
+pub use rimline_bench::record::{OneCaster, OneCasterOptions, OneFrame};
 pub use rimline_bench::{error_metrics, pipelines, random, rays, shapes, slivers, stress};
 
 use std::path::PathBuf;

@@ -1,14 +1,17 @@
 //! Extractions and deformations on the GPU, read back for tests to compare.
 
-use rimline::gpu::{Deformer, Extractor, ExtractorOptions, PositionBuffer, ShadowVolumes, View};
+use rimline::gpu::{Deformer, Extractor, ExtractorOptions, PositionBuffer, ShadowError, ShadowPipelines, View};
 use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::{DrawArguments, EdgeMasks, ExtractionStatistics, SeenLight, ShadowLight};
+use rimline::reference::layout::{
+    DrawArguments, EdgeMasks, ExtractionStatistics, SeenLight, ShadowDraws, ShadowLight, ShadowStatistics,
+};
 use rimline::{Light, Mesh, Model, Pose, ShadowCamera};
 
 use crate::band::deform_bound;
 use crate::device::Gpu;
 use crate::same;
 use crate::shapes::{self, Shape};
+use crate::{OneCaster, OneCasterOptions, OneFrame};
 
 /// Results of one extraction, read back from its buffers.
 pub struct Found {
@@ -83,11 +86,35 @@ pub fn read(gpu: &Gpu, extractor: &Extractor, mesh: &Mesh, max_lights: usize) ->
     Ok(found)
 }
 
-/// The lights of volumes' last encode, with what was chosen for them.
-pub fn chosen(gpu: &Gpu, volumes: &ShadowVolumes, lights: usize) -> Result<Vec<ShadowLight>, String> {
-    let seen: Vec<SeenLight> = gpu.read(volumes.seen(), lights)?;
-    let words: Vec<u32> = gpu.read(volumes.choices(), usize::MAX)?;
-    Ok(cpu::chosen(&volumes.shape(), &seen, &words))
+/// The lights of the only caster of a scene's last encode, with what was chosen for them.
+pub fn chosen(gpu: &Gpu, frame: &OneFrame, lights: usize) -> Result<Vec<ShadowLight>, String> {
+    let results = frame.frame.results().map_err(text)?;
+    let (seen, shape) = results.seen.ok_or("no view")?;
+    let seen: Vec<SeenLight> = gpu.read(seen, lights)?;
+    let words: Vec<u32> = gpu.read(results.choices.ok_or("no view")?, usize::MAX)?;
+    Ok(cpu::chosen(&shape, &seen, &words))
+}
+
+/// Its draws of each light.
+pub fn draws(gpu: &Gpu, frame: &OneFrame, lights: usize) -> Result<Vec<ShadowDraws>, String> {
+    let results = frame.frame.results().map_err(text)?;
+    gpu.read(results.shadow_draws.first().ok_or("no caster")?, lights)
+}
+
+/// The statistics of its volumes.
+pub fn shadow_statistics(gpu: &Gpu, frame: &OneFrame) -> Result<ShadowStatistics, String> {
+    Ok(gpu.read(frame.frame.shadow_statistics().ok_or("no view")?, 1)?[0])
+}
+
+/// A scene of one caster. `pipelines` are those that draw it.
+pub fn one_caster(
+    gpu: &Gpu,
+    pipelines: &ShadowPipelines,
+    mesh: &Mesh,
+    options: OneCasterOptions,
+) -> Result<OneCaster, ShadowError> {
+    let options = OneCasterOptions { counting: pipelines.counting(), ..options };
+    OneCaster::new(&gpu.pipelines, &gpu.queue, mesh, &options)
 }
 
 /// An error in words.

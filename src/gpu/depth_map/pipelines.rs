@@ -113,7 +113,7 @@ impl DepthMapPipelines {
             if format.samples > 1 {
                 check_sample_shading(pipelines.device(), Subject::DepthMap)?;
             }
-            check_count_bits(count_bits, Casters::One)?;
+            check_count_bits(count_bits, Casters::Scene)?;
             if count_bits < 8 && bits.start < count_bits {
                 return Err(DepthMapError::Counted { bit: bits.start, count_bits });
             }

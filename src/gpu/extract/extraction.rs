@@ -6,10 +6,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::buffers::{Buffers, Shape};
 use super::errors::ExtractorError;
 use super::results::ExtractionResults;
-use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, Windows};
 use crate::gpu::common::pipelines::Pipelines;
-use crate::gpu::common::positions::{BoundPositions, PositionBuffer};
+use crate::gpu::common::positions::PositionBuffer;
 use crate::mesh::MeshId;
 use crate::{Light, light};
 
@@ -23,7 +22,6 @@ pub(crate) struct Shared {
     /// The windows of facing masks.
     pub(super) facing: Windows,
     pub(crate) mesh: MeshId,
-    pub(crate) is_closed: bool,
     /// Whether the masks were asked for.
     pub(crate) has_masks: bool,
     /// Vertices of the draw of each edge; 0 without lists.
@@ -194,10 +192,5 @@ impl Extraction {
 
     pub(crate) fn check_current(&self) -> Result<(), ExtractorError> {
         if self.shared.encodes.load(Ordering::Relaxed) == self.encode { Ok(()) } else { Err(ExtractorError::Stale) }
-    }
-
-    /// The positions as stages bind them.
-    pub(crate) fn bound(&self) -> Result<BoundPositions, DeviceError> {
-        self.place.as_buffer().bind(self.shared.shape.vertices, &self.shared.limits)
     }
 }

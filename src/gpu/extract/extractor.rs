@@ -99,7 +99,6 @@ impl Extractor {
             buffers,
             facing,
             mesh: mesh.id(),
-            is_closed: mesh.is_closed(),
             has_masks: options.masks,
             vertices_per_edge: options.lists.map_or(0, |lists| lists.topology.vertices()),
             encodes: AtomicU64::new(0),
@@ -194,11 +193,6 @@ impl Extractor {
     #[cfg(feature = "reference")]
     pub fn piece_capacity(&self) -> u32 {
         self.shared.shape.polygons.map_or(0, |polygons| polygons.pieces)
-    }
-
-    /// The state that extractions share.
-    pub(crate) fn shared(&self) -> &Arc<Shared> {
-        &self.shared
     }
 }
 

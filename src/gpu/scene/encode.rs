@@ -140,9 +140,6 @@ impl Scene {
         if given.is_empty() {
             return Ok(Vec::new());
         }
-        if self.options.counting.is_zp_plus_2005() {
-            return Err(ShadowError::SceneCounting(self.options.counting));
-        }
         // Errors name the bit of a light.
         let none = Light::directional([0.0, 0.0, 1.0]);
         let bits = 0..32 * self.lights.batches() as u32;

@@ -13,9 +13,9 @@ use crate::Light;
 use crate::gpu::common::requirements::check_same;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::pipelines::Convention;
-use crate::gpu::shadow::scene_pipelines::ScenePipelines;
+use crate::gpu::shadow::shadow_pipelines::ShadowPipelines;
 #[cfg(feature = "reference")]
-use crate::layout::SceneDispatch;
+use crate::layout::{SceneDispatch, ShadowShape};
 
 /// The result of one [`Scene::encode`](crate::gpu::Scene::encode): the casters and lights of that moment. A later
 /// encode of the same scene overwrites the results. This value is then refused with [`ShadowError::StaleFrame`].
@@ -88,6 +88,9 @@ pub struct SceneResults<'a> {
     pub kept: &'a wgpu::Buffer,
     /// The counts of listed chunks, then the lists.
     pub work: &'a wgpu::Buffer,
+    /// The lights as each view sees them, [`SeenLight`](crate::layout::SeenLight)s of all bits, and the sizes of the first group
+    /// and batch. `None`: no view.
+    pub seen: Option<(&'a wgpu::Buffer, ShadowShape)>,
     /// The choices: for each view, batch and caster eight words, as `reference::cpu::chosen` reads them. `None`: no view.
     pub choices: Option<&'a wgpu::Buffer>,
     /// For each view, after one word, what its shadows may fall on: so many words as the number says, a
@@ -148,7 +151,7 @@ impl SceneFrame {
     pub fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
-        pipelines: &ScenePipelines,
+        pipelines: &ShadowPipelines,
         view: usize,
         light: LightHandle,
     ) -> Result<(), ShadowError> {
@@ -229,6 +232,7 @@ impl SceneFrame {
             })
         });
         Ok(SceneResults {
+            seen: volumes.map(|volumes| (&volumes.of.seen, volumes.sizes.shape(0))),
             choices: of.map(|of| &of.choices),
             receivers: volumes.map(|volumes| (&volumes.of.receivers, volumes.sizes.receivers)),
             listed: of.map(|of| &of.listed),

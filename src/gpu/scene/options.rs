@@ -8,14 +8,14 @@ use crate::shadow::Counting;
 pub struct SceneOptions {
     /// The largest number of lights at a time, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS).
     pub max_lights: usize,
-    /// How shadow volumes are counted. The [`ScenePipelines`](crate::gpu::ScenePipelines) that draw them must have the same.
+    /// How shadow volumes are counted. The [`ShadowPipelines`](crate::gpu::ShadowPipelines) that draw them must have the same.
     pub counting: Counting,
     /// How counts use the stencil.
     pub stencil: StencilCounts,
     /// The room of lists.
     pub capacities: Capacities,
     /// Volumes end beyond their light's range, instead of at infinity. See
-    /// [`ShadowOptions::end_at_range`](crate::gpu::ShadowOptions::end_at_range).
+    /// docs/numerics/shadow-volumes.md, "Volumes that end".
     pub end_at_range: bool,
     /// Meshes of at least so many faces are put in clusters of 128 faces that lie together. For a rigid caster, a cluster of
     /// which all faces are on one side of a light is decided as a whole. So on a smooth mesh about the root of all faces is
@@ -55,9 +55,9 @@ pub struct StencilCounts {
     /// Casters are counted in so many batches, each of which is then one bit of darkness. 0 is taken as 1. With several, 127
     /// casters of a batch may lie behind each other, instead of 255 in all, before a count wraps and a shadow looks lit; with b
     /// [`Self::count_bits`] these are 2 to the power of b − 1, and of b, less 1. Each batch takes a draw of all lists and a
-    /// full-screen draw. Draw with [`ScenePipelines::in_batches`].
+    /// full-screen draw. Draw with [`ShadowPipelines::in_batches`].
     ///
-    /// [`ScenePipelines::in_batches`]: crate::gpu::ScenePipelines::in_batches
+    /// [`ShadowPipelines::in_batches`]: crate::gpu::ShadowPipelines::in_batches
     pub count_batches: u32,
     /// Compute an upper bound of the stencil counts of all casters together, for
     /// [`ShadowStatistics::count_bound`](crate::gpu::ShadowStatistics::count_bound) and

@@ -81,7 +81,7 @@ pub(crate) fn steps(
     let mut programs = programs(predicate);
     if views > 0 {
         let has_pieces = structure.layout.groups.iter().any(|group| group.polygons.is_some());
-        programs.extend(shadow::stages::programs(true, has_pieces, options));
+        programs.extend(shadow::stages::programs(has_pieces, options));
     }
     pipelines.make_together(&programs);
     let limits = &DispatchLimits::new(&device.limits());

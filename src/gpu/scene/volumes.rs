@@ -40,7 +40,7 @@ impl Volumes {
         let sizes = VolumeSizes { receivers, ..sizes(making, structure, views, &limits) };
         let others = Allocation { label: "the scene without volumes", bytes: others };
         let buffers = SizedBuffers::new(device, sizes, others, &limits)?;
-        let pipelines = StagePipelines::new(making.pipelines, true, buffers.sizes.has_pieces(), making.options);
+        let pipelines = StagePipelines::new(making.pipelines, buffers.sizes.has_pieces(), making.options);
         let source = source(making, structure);
         let stages = bound(device, || VolumeStages::new(&pipelines, &buffers, &source))?;
         Ok(Self { buffers, stages })

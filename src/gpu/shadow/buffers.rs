@@ -25,11 +25,6 @@ pub(crate) struct BoundBuffers<B = wgpu::Buffer> {
     pub(crate) crossings: B,
 }
 
-/// Statistics that say that lights may lie in planes of faces, and that no polygon is twisted.
-const ANY_ZEROS: [u32; 5] = [1, 1, 1, 1, 0];
-/// Bytes of them.
-pub(crate) const ANY_ZEROS_BYTES: u64 = size_of_val(&ANY_ZEROS) as u64;
-
 /// The buffers that stages and draws share.
 #[derive(Debug)]
 pub(crate) struct VolumeBuffers<B = wgpu::Buffer> {
@@ -54,9 +49,8 @@ pub(crate) struct VolumeBuffers<B = wgpu::Buffer> {
     pub(crate) lists: Vec<Vec<Lists<B>>>,
     /// For each group of a caster with polygons [`PieceDraws`] for each view and light.
     pub(crate) piece_draws: Vec<Option<B>>,
-    /// Statistics for casters of a scene, before facing is known: lights may lie in planes of faces. Behind them, for each group
-    /// and batch, the lights for which polygons are twisted.
-    pub(crate) any_zeros: B,
+    /// For each group and batch the lights for which polygons of its caster are twisted.
+    pub(crate) twisted: B,
     pub(crate) statistics: B,
 }
 
@@ -102,28 +96,12 @@ impl SizedBuffers {
         })
     }
 
-    /// The steps before the first stage, and for each batch of lights those that empty its lists. The stage `relist` empties
-    /// the lists of a scene.
-    pub(crate) fn clears(&self, is_scene: bool) -> (Vec<Step>, Vec<Vec<Step>>) {
-        let VolumeBuffers { boxes, choices, statistics, lists, draws, piece_draws, bound, .. } = &self.of;
+    /// The steps before the first stage. The stage `relist` empties lists.
+    pub(crate) fn clears(&self) -> Vec<Step> {
+        let VolumeBuffers { boxes, statistics, draws, piece_draws, bound, .. } = &self.of;
         let crossings = bound.as_ref().map(|bound| &bound.crossings);
-        let cleared =
-            [statistics].into_iter().chain(draws).chain(piece_draws.iter().flatten()).chain([boxes]).chain(crossings);
-        let mut steps: Vec<_> = cleared.map(Step::clear).collect();
-        if is_scene || draws.is_empty() {
-            return (steps, Vec::new());
-        }
-        let [choice_bytes, _] = self.sizes.choice_bytes();
-        steps.push(Step::Clear(choices.clone(), 0..choice_bytes));
-        let of_batch = |batch: usize| {
-            let rooms = self.sizes.rooms.iter().zip(lists).skip(batch).step_by(self.sizes.batches());
-            let lists = rooms.flat_map(|(room, lists)| lists.iter().map(|lists| (room.lists(), lists)));
-            let clears = lists.flat_map(|([(_, side_counts), (_, cap_counts)], Lists { sides, caps })| {
-                [(sides, side_counts), (caps, cap_counts)].map(|(list, counts)| Step::Clear(list.clone(), 0..counts))
-            });
-            clears.collect()
-        };
-        (steps, (0..self.sizes.batches()).map(of_batch).collect())
+        let draws = draws.iter().chain(piece_draws.iter().flatten());
+        [statistics, boxes].into_iter().chain(draws).chain(crossings).map(Step::clear).collect()
     }
 }
 
@@ -136,8 +114,6 @@ impl<B> VolumeBuffers<B> {
         let seen = sizes.seen() as u64;
         let [_, choices] = sizes.choice_bytes();
         let [pencils, crossings] = sizes.bound_bytes();
-        let mut any_zeros = ANY_ZEROS.to_vec();
-        any_zeros.resize(ANY_ZEROS.len() + sizes.rooms.len(), 0);
         let draws = Wanted::new("shadow draws", seen * size_of::<ShadowDraws>() as u64).indirect();
         let piece_draws = Wanted::new("piece draws", seen * size_of::<PieceDraws>() as u64).indirect().free();
         Self {
@@ -168,7 +144,7 @@ impl<B> VolumeBuffers<B> {
             piece_draws: (0..sizes.groups.len())
                 .map(|group| sizes.pieces_of(group).then(|| make(piece_draws)))
                 .collect(),
-            any_zeros: make(Wanted::filled("any zeros", bytemuck::cast_slice(&any_zeros)).free()),
+            twisted: make(Wanted::new("twisted lights", 4 * sizes.rooms.len() as u64).free()),
             statistics: make(Wanted::new("shadow statistics", size_of::<ShadowStatistics>() as u64).free()),
         }
     }

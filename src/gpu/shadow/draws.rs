@@ -1,7 +1,7 @@
 //! The draws of a light's shadow volume.
 
 use super::format::Polygons;
-use super::pipelines::{Part, ShadowPipelines};
+use super::pipelines::{Part, VolumePipelines};
 use crate::layout::DrawArguments;
 
 /// The bind groups of the draws of a light, and where its arguments lie.
@@ -29,7 +29,7 @@ pub(crate) struct LightDraws<'a> {
 
 impl LightDraws<'_> {
     /// Draws the shadow volumes of the light. Which pieces there are is in the arguments.
-    pub(crate) fn draw(self, pass: &mut wgpu::RenderPass<'_>, pipelines: &ShadowPipelines) {
+    pub(crate) fn draw(self, pass: &mut wgpu::RenderPass<'_>, pipelines: &VolumePipelines) {
         let Self { frame, uniform, seen, sides, caps, draws, first, may_end, has_proxies, pieces, first_piece } = self;
         pass.set_bind_group(0, frame, &[uniform, seen]);
         let mut set = None;

@@ -1,4 +1,4 @@
-//! Why pipelines of shadow volumes, volumes and scenes cannot be made, changed, recorded or drawn.
+//! Why pipelines of shadow volumes and scenes cannot be made, changed, recorded or drawn.
 
 use super::format::{ShadowFormat, attachments};
 use crate::gpu::common::device_error::DeviceError;
@@ -6,7 +6,7 @@ use crate::gpu::extract::errors::ExtractorError;
 use crate::light::LightError;
 use crate::shadow::{CameraError, Counting, DepthDirection};
 
-/// Why pipelines of shadow volumes, volumes or a scene cannot be made, changed, recorded or drawn.
+/// Why pipelines of shadow volumes or a scene cannot be made, changed, recorded or drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowError {
@@ -84,51 +84,10 @@ pub enum ShadowError {
     #[error("z-fail with a far plane needs DEPTH_CLIP_CONTROL; use an infinite far plane, or `Counting::Auto`")]
     DepthClip,
 
-    /// The extraction belongs to another extractor. The volumes read the lists of the extractor that they were made
-    /// for.
-    #[error(
-        "these volumes were made for another extractor; encode them with an extraction of the one given to `ShadowVolumes::new`"
-    )]
-    OtherExtractor,
-    /// The depth directions of camera and pipelines differ. Near and far would be exchanged.
-    #[error(
-        "the camera's depth is {camera:?}, and the pipelines that the volumes were made with have {pipelines:?}; set \
-         `ShadowFormat::depth` to the camera's"
-    )]
-    CameraDepth {
-        /// Depth direction of the camera.
-        camera: DepthDirection,
-        /// Depth direction of the pipelines.
-        pipelines: DepthDirection,
-    },
-    /// The camera has a far plane, which would cut off dark caps.
-    #[error(
-        "{counting:?} with a camera that has a far plane needs `ShadowFormat::has_far_plane` (and \
-         `Features::DEPTH_CLIP_CONTROL`); set it, use an infinite far plane, or `Counting::Auto`"
-    )]
-    FarPlane {
-        /// The counting method.
-        counting: Counting,
-    },
-
-    /// A later encode of the volumes overwrote what is drawn.
-    #[error(
-        "this frame is out of date: its volumes were encoded again, which overwrites them; draw the value that the last \
-         encode returned"
-    )]
-    StaleVolumes,
-    /// The frame has no light with this index.
-    #[error("light {light} asked for, and {lights} lights were encoded; lights count from 0")]
-    NoSuchLight {
-        /// The light that was asked for.
-        light: usize,
-        /// Lights of the frame.
-        lights: usize,
-    },
     /// The pipelines have another counting method than the volumes.
     #[error(
         "volumes made for {volumes:?} drawn with pipelines of {pipelines:?}; draw them with pipelines of the counting \
-         method given to `ShadowVolumes::new`"
+         method of `SceneOptions::counting`"
     )]
     OtherCounting {
         /// Counting method of the volumes.
@@ -327,9 +286,6 @@ pub enum ShadowError {
         /// The message of the device.
         message: String,
     },
-    /// The scene's counting method needs what the published method of one caster has.
-    #[error("scenes are not counted by {0:?}, which is for a single caster; take `ShadowVolumes`")]
-    SceneCounting(Counting),
     /// The frame has no view with this number.
     #[error("view {view} asked for, and {views} cameras were encoded; views count from 0")]
     NoSuchView {
@@ -341,7 +297,7 @@ pub enum ShadowError {
     /// The pipelines and the scene do not agree on whether casters are counted in batches.
     #[error(
         "the scene counts its casters in {count_batches} batches (`StencilCounts::count_batches`); draw several with \
-         `ScenePipelines::in_batches`, and one with `ScenePipelines::new`"
+         `ShadowPipelines::in_batches`, and one with `ShadowPipelines::new`"
     )]
     CountBatches {
         /// Batches of the scene.

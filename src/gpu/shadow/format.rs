@@ -39,13 +39,12 @@ pub struct ShadowFormat {
     /// as published use this. They then need `Features::DEPTH_CLIP_CONTROL`.
     pub has_far_plane: bool,
     /// The low bits of the stencil that counts own, 1 to 8; 2 or more for
-    /// [`ScenePipelines::in_batches`](crate::gpu::ScenePipelines::in_batches), which take the highest of them for darkness.
+    /// [`ShadowPipelines::in_batches`](crate::gpu::ShadowPipelines::in_batches), which take the highest of them for darkness.
     /// Volumes of meshes leave the other bits as they are. So the bits above hold parities of depth maps
     /// ([`DepthMapPipelines::beside_meshes`](crate::gpu::DepthMapPipelines::beside_meshes)) or what the caller likes, and a
     /// surface is dark where any bit is set. **With the default, 8, counts own every bit:** a parity beside them would change
-    /// counts. Counts wrap at 2 to the power of this: with 7 bits, a point behind 128 casting faces looks lit, see `bound_counts`
-    /// of [`ShadowOptions`](crate::gpu::ShadowOptions::bound_counts) and
-    /// [`StencilCounts`](crate::gpu::StencilCounts::bound_counts).
+    /// counts. Counts wrap at 2 to the power of this: with 7 bits, a point behind 128 casting faces looks lit, see
+    /// [`StencilCounts::bound_counts`](crate::gpu::StencilCounts::bound_counts).
     pub count_bits: u32,
     /// Whether vertex shaders cut sides and caps at the frustum. Default: false, the device clips them. Set it for a driver
     /// that clips slivers wrongly, such as `SwiftShader`: there shadows have lone wrong pixels where volumes leave the picture.
@@ -212,8 +211,6 @@ pub(crate) enum Polygons {
 /// The casters that pipelines draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Casters {
-    /// One, at the beginning of the table.
-    One,
     /// The casters of a scene.
     Scene,
     /// The casters of a scene, counted in batches: the highest bit of counts tells what earlier batches darken.

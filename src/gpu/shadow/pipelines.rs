@@ -153,11 +153,6 @@ impl Convention {
         if self.mirrors { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw }
     }
 
-    /// Whether dark caps are drawn at infinity, where a far plane would clip them.
-    pub(crate) fn needs_far_end(self) -> bool {
-        self.counting.may_fail() && !self.is_unclipped
-    }
-
     /// Refuses to draw volumes of this convention by pipelines of another.
     pub(crate) fn check_drawn_by(self, pipelines: Self) -> Result<(), ShadowError> {
         if self.counting != pipelines.counting {
@@ -179,10 +174,9 @@ impl Convention {
     }
 }
 
-/// The render pipelines of one counting method for one [`ShadowFormat`](crate::gpu::ShadowFormat). Casters share them,
-/// and with them the compute pipelines that choose.
+/// The render pipelines of one counting method for one [`ShadowFormat`](crate::gpu::ShadowFormat).
 #[derive(Debug)]
-pub struct ShadowPipelines {
+pub(crate) struct VolumePipelines {
     shared: Pipelines,
     pub(crate) convention: Convention,
     /// For each [`Part`] its draws, in order: what they are of, the number of their arguments, and the pipelines. All but the
@@ -192,21 +186,8 @@ pub struct ShadowPipelines {
     casters: Casters,
 }
 
-impl ShadowPipelines {
-    /// Makes the pipelines. `pipelines` is the caller's device, or the [`Pipelines`] that other formats, counting
-    /// methods and extractors share.
-    ///
-    /// # Errors
-    /// [`ShadowError`] if the device lacks what shadow volumes need, or cannot draw into the attachments.
-    pub fn new(
-        pipelines: impl Into<Pipelines>,
-        format: &ShadowFormat,
-        counting: Counting,
-    ) -> Result<Self, ShadowError> {
-        Self::of_casters(pipelines.into(), format, counting, Casters::One)
-    }
-
-    /// The pipelines for one caster or for those of a scene.
+impl VolumePipelines {
+    /// Makes the pipelines.
     pub(crate) fn of_casters(
         pipelines: Pipelines,
         format: &ShadowFormat,
@@ -255,7 +236,7 @@ impl ShadowPipelines {
     }
 
     /// The counting method of these pipelines.
-    pub fn counting(&self) -> Counting {
+    pub(crate) fn counting(&self) -> Counting {
         self.convention.counting
     }
 }
@@ -311,7 +292,7 @@ fn sample_counts(device: &wgpu::Device, format: wgpu::TextureFormat) -> Vec<u32>
     format.guaranteed_format_features(device.features()).flags.supported_sample_counts()
 }
 
-impl ShadowPipelines {
+impl VolumePipelines {
     fn keys(&self, drawn: Drawn) -> Vec<VolumeKey> {
         let Drawn { polygons, entry_point, kind, count, turned, .. } = drawn;
         let parts = if self.format.trim { parts(entry_point) } else { 1 };
@@ -333,7 +314,6 @@ impl ShadowPipelines {
         let unclipped_depth = count == Count::Hidden && format.has_far_plane;
         let switch = |is_on: bool| f64::from(u8::from(is_on));
         let constants = [
-            ("MANY", switch(casters != Casters::One)),
             ("TRIM", switch(format.trim)),
             ("PART", f64::from(part)),
             ("UNCLIPPED", switch(unclipped_depth)),
@@ -350,7 +330,7 @@ impl ShadowPipelines {
             layouts: &[frame, data],
             vertex: (&module, entry_point),
             fragment: Some((&module, "nothing")),
-            constants: if polygons == Polygons::Caps { &constants } else { &constants[..4] },
+            constants: if polygons == Polygons::Caps { &constants } else { &constants[..3] },
             primitive: wgpu::PrimitiveState { topology, front_face, unclipped_depth, ..Default::default() },
             format: format.depth_stencil,
             writes_depth: false,

@@ -37,7 +37,7 @@ pub(crate) fn choice_bytes(
     [choices, choices + measures.next_multiple_of(16)]
 }
 
-/// Casters whose lists are common: those of one page and one source of positions, or a single one.
+/// Casters whose lists are common: those of one page and one source of positions.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct GroupSize {
     /// Slots of faces and edges.
@@ -47,7 +47,7 @@ pub(crate) struct GroupSize {
     pub(crate) first_caster: u32,
     /// Slots of the faces of casters that are not in the depth buffer.
     pub(crate) proxies: u32,
-    /// Where their lights and the casters of their chunks begin in the table, if there are several casters.
+    /// Where their lights and the casters of their chunks begin in the table.
     pub(crate) lights_at: u32,
     pub(crate) face_chunks_at: u32,
     pub(crate) edge_chunks_at: u32,
@@ -58,7 +58,7 @@ pub(crate) struct GroupSize {
 pub(crate) struct Room {
     /// Lights of the batch.
     pub(crate) lights: u32,
-    /// The word of what is kept of the extraction where the encodes are that made its lists. A single caster has none.
+    /// The word of what is kept of the extraction where the encodes are that made its lists.
     pub(crate) lists_at: u32,
     /// Entries of the list of silhouettes.
     pub(crate) silhouettes: u32,
@@ -128,7 +128,6 @@ impl Room {
 /// All sizes of the volumes of some casters.
 #[derive(Clone, Debug)]
 pub(crate) struct VolumeSizes {
-    /// The options of the scene. A single caster is the scene of one.
     pub(crate) options: SceneOptions,
     pub(crate) casters: usize,
     /// Numbers of lights that there is room for. Some may have no light.
@@ -168,11 +167,6 @@ impl VolumeSizes {
     /// Whether any casters have.
     pub(crate) fn has_pieces(&self) -> bool {
         self.rooms.iter().any(|room| room.pieces > 0)
-    }
-
-    /// Whether some casters are not in the depth buffer.
-    pub(crate) fn has_proxies(&self) -> bool {
-        self.groups.iter().any(|group| group.proxies > 0)
     }
 
     /// Pairs of view and light.

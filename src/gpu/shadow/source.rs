@@ -1,4 +1,4 @@
-//! The input of shadow volumes: the results of an extraction, of a scene or of a single mesh.
+//! The input of shadow volumes: the results of a scene's extraction.
 
 use crate::gpu::common::bindings::Resource;
 
@@ -9,8 +9,7 @@ pub(crate) type Named<'a> = Vec<(&'static str, Resource<'a>)>;
 pub(crate) struct VolumeSource<'a> {
     /// Casters, and room for a copy of what is chosen for them.
     pub(crate) table: &'a wgpu::Buffer,
-    /// `lit`: for each batch and caster the lights that matter. `kept`: the inputs of the extraction. A single caster has none
-    /// of both, but `all_statistics`, for all lights.
+    /// `lit`: for each batch and caster the lights that matter. `kept`: the inputs of the extraction.
     pub(crate) named: Named<'a>,
     pub(crate) groups: Vec<GroupSource<'a>>,
 }

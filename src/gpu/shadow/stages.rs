@@ -3,7 +3,7 @@
 
 use wgpu::BindingResource;
 
-use super::buffers::{ANY_ZEROS_BYTES, SizedBuffers, VolumeBuffers};
+use super::buffers::{SizedBuffers, VolumeBuffers};
 use super::draws::LightDraws;
 use super::pipelines::{Layouts, layouts};
 use super::sizes::{GroupSize, Room, VolumeSizes};
@@ -40,52 +40,46 @@ enum Over {
     Lights,
 }
 
-/// The stages in their order, and what they walk along. `is_scene`: invocations share the chunks of casters, instead of taking
-/// turns with the faces of a single one. Those from `list_sides` on read the choices in the table.
-fn stages(is_scene: bool, has_pieces: bool, options: &SceneOptions) -> Vec<(Program, Over)> {
-    let many = [("MANY", 1.0)];
-    let of_casters = |stage, over| (Program::of(stage, if is_scene { &many } else { &[] }), over);
-    let of_lists = |stage, over| (Program::of(stage, &[]), over);
+/// The stages in their order, and what they walk along. Those from `list_sides` on read the choices in the table.
+fn stages(has_pieces: bool, options: &SceneOptions) -> Vec<(Program, Over)> {
+    let of = |stage, over| (Program::of(stage, &[]), over);
     let (pieces, bound) = (has_pieces, options.stencil.bound_counts);
     let stages = [
-        (is_scene, of_lists(&RELIST, Over::One)),
-        (true, of_casters(&BOUNDS, Over::Boxes)),
-        (true, of_casters(&CHOOSE, Over::Pairs)),
-        (options.counting.is_zp_plus_2005(), of_lists(&ZP_PLUS_2005_CASES, Over::Edges)),
-        (true, of_casters(&CAPS, Over::Faces)),
-        (true, of_casters(&LIST_SIDES, Over::Sides)),
-        (true, of_lists(&SHADOW_ARGUMENTS, Over::One)),
-        (pieces, of_casters(&PIECE_ARGUMENTS, Over::OneOfPieces)),
-        (bound, of_casters(&STENCIL_PENCIL, Over::Lights)),
-        (bound, of_casters(&STENCIL_CROSSINGS, Over::Sides)),
-        (bound && pieces, of_casters(&PIECE_CROSSINGS, Over::Pieces)),
-        (bound, of_lists(&STENCIL_BOUND, Over::Lights)),
+        (true, of(&RELIST, Over::One)),
+        (true, of(&BOUNDS, Over::Boxes)),
+        (true, of(&CHOOSE, Over::Pairs)),
+        (options.counting.is_zp_plus_2005(), of(&ZP_PLUS_2005_CASES, Over::Edges)),
+        (true, of(&CAPS, Over::Faces)),
+        (true, of(&LIST_SIDES, Over::Sides)),
+        (true, of(&SHADOW_ARGUMENTS, Over::One)),
+        (pieces, of(&PIECE_ARGUMENTS, Over::OneOfPieces)),
+        (bound, of(&STENCIL_PENCIL, Over::Lights)),
+        (bound, of(&STENCIL_CROSSINGS, Over::Sides)),
+        (bound && pieces, of(&PIECE_CROSSINGS, Over::Pieces)),
+        (bound, of(&STENCIL_BOUND, Over::Lights)),
     ];
     stages.into_iter().filter(|(is_there, _)| *is_there).map(|(_, stage)| stage).collect()
 }
 
 /// The programs of these stages, in their order.
-pub(crate) fn programs(is_scene: bool, has_pieces: bool, options: &SceneOptions) -> Vec<Program> {
-    stages(is_scene, has_pieces, options).into_iter().map(|(program, _)| program).collect()
+pub(crate) fn programs(has_pieces: bool, options: &SceneOptions) -> Vec<Program> {
+    stages(has_pieces, options).into_iter().map(|(program, _)| program).collect()
 }
 
 /// The pipelines of these stages.
 #[derive(Clone, Debug)]
 pub(crate) struct StagePipelines {
     device: wgpu::Device,
-    is_scene: bool,
     layouts: Layouts,
     stages: Vec<(Pipeline, Over)>,
 }
 
 impl StagePipelines {
-    /// The pipelines for the casters of a scene, or for a single caster.
-    pub(crate) fn new(pipelines: &Pipelines, is_scene: bool, has_pieces: bool, options: &SceneOptions) -> Self {
-        let stages = stages(is_scene, has_pieces, options);
-        pipelines.make_together(&programs(is_scene, has_pieces, options));
+    pub(crate) fn new(pipelines: &Pipelines, has_pieces: bool, options: &SceneOptions) -> Self {
+        let stages = stages(has_pieces, options);
+        pipelines.make_together(&programs(has_pieces, options));
         Self {
             device: pipelines.device().clone(),
-            is_scene,
             layouts: layouts(pipelines),
             stages: stages.into_iter().map(|(program, over)| (pipelines.get(&program), over)).collect(),
         }
@@ -107,8 +101,6 @@ struct GroupDraws {
 /// The stages and draws of the volumes of some casters, with everything bound.
 #[derive(Debug)]
 pub(crate) struct VolumeStages {
-    /// Before all, for each batch of lights, and the stages.
-    clears: (Vec<Step>, Vec<Vec<Step>>),
     steps: Vec<Step>,
     groups: Vec<GroupDraws>,
 }
@@ -120,16 +112,17 @@ impl VolumeStages {
         let most = u32::try_from(most).unwrap_or(u32::MAX);
         let SizedBuffers { sizes, of, .. } = buffers;
         let binder = Binder { pipelines, sizes, buffers: of, source, most };
-        Self { clears: buffers.clears(pipelines.is_scene), steps: binder.steps(), groups: binder.draws() }
+        let mut steps = buffers.clears();
+        if !sizes.groups.is_empty() {
+            steps.extend(binder.steps());
+        }
+        Self { steps, groups: binder.draws() }
     }
 
     /// Records the stages for the first `batches` batches of lights, after their extraction.
     pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, batches: usize, timer: Option<&mut StageTimer>) {
-        let (first, of_batches) = &self.clears;
-        let is_there = batches > 0 && !self.groups.is_empty();
-        let stages = self.steps.iter().filter(|_| is_there);
-        let clears = first.iter().chain(of_batches.iter().take(batches).flatten());
-        record(clears.chain(stages), encoder, 0..batches, timer);
+        let steps = self.steps.iter().filter(|_| batches > 0);
+        record(steps, encoder, 0..batches, timer);
     }
 
     /// The draws of a light in a view for a batch of casters, for each group.
@@ -201,6 +194,7 @@ impl<'a> Binder<'a> {
             "seen" => whole(&buffers.seen),
             "table" => whole(source.table),
             "boxes" => whole(&buffers.boxes),
+            "twisted" => whole(&buffers.twisted),
             "choices" => whole(&buffers.choices),
             "receivers" => whole(&buffers.receivers),
             "listed" => whole(&buffers.listed),
@@ -211,23 +205,13 @@ impl<'a> Binder<'a> {
             "piece_draws" => whole(buffers.piece_draws.get(at.group)?.as_ref()?),
             "pencils" => whole(&buffers.bound.as_ref()?.pencils),
             "crossings" => whole(&buffers.bound.as_ref()?.crossings),
-            _ => {
-                let given = [batch, &group.named, &source.named].into_iter().find_map(|of| named(of, name));
-                // Where all lights matter, `lit` is not read.
-                given.or_else(|| (name == "lit").then(|| whole(source.table)))?
-            }
+            _ => [batch, &group.named, &source.named].into_iter().find_map(|of| named(of, name))?,
         })
     }
 
-    fn dispatch(&self, pipeline: &Pipeline, over: Over, at: Place, [x, y]: [u32; 2]) -> Dispatch {
+    fn dispatch(&self, pipeline: &Pipeline, at: Place, [x, y]: [u32; 2]) -> Dispatch {
         let workgroups = Workgroups::Known([x.min(self.most), y]);
-        // Facing is not waited for.
-        let of_all = || named(&self.source.named, "all_statistics").unwrap_or_else(|| whole(&self.buffers.any_zeros));
-        let get = |name: &str| match name {
-            "extraction_statistics" if over == Over::Pairs => Some(of_all()),
-            _ => self.get(name, at),
-        };
-        Dispatch { batch: at.batch, ..pipeline.dispatch(&self.pipelines.device, workgroups, get) }
+        Dispatch { batch: at.batch, ..pipeline.dispatch(&self.pipelines.device, workgroups, |name| self.get(name, at)) }
     }
 
     /// The dispatches of a stage, with their workgroups.
@@ -264,7 +248,7 @@ impl<'a> Binder<'a> {
                 let parts = parts.filter(|((group, _), _)| !is_of_pieces || self.sizes.pieces_of(*group));
                 let parts = parts.flat_map(|(group, rooms)| rooms.iter().enumerate().map(move |room| (group, room)));
                 let places = parts.flat_map(|((group, size), (batch, room))| {
-                    let workgroups = self.of_lists(over, size, room);
+                    let workgroups = self.workgroups_of(over, size, room);
                     (0..*views).map(move |view| (Place { group, batch, view }, workgroups))
                 });
                 places.collect()
@@ -273,16 +257,13 @@ impl<'a> Binder<'a> {
     }
 
     /// The workgroups of a stage for a group, batch and view.
-    fn of_lists(&self, over: Over, size: &GroupSize, room: &Room) -> [u32; 2] {
-        let StagePipelines { device, is_scene, .. } = self.pipelines;
+    fn workgroups_of(&self, over: Over, size: &GroupSize, room: &Room) -> [u32; 2] {
+        let StagePipelines { device, .. } = self.pipelines;
         let is_cpu = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         // All edges take few turns.
         let fewest = size.edges.div_ceil(64 * LISTED_ITEMS);
         match over {
-            Over::Faces => {
-                let items = if *is_scene { size.faces.div_ceil(CHUNK) * LANES } else { size.faces };
-                [loops(device, items), 1]
-            }
+            Over::Faces => [loops(device, size.faces.div_ceil(CHUNK) * LANES), 1],
             Over::Edges => [fewest.max(1), room.lights],
             Over::Sides => {
                 // An invocation takes some sixteen sides of a list that is full.
@@ -305,8 +286,8 @@ impl<'a> Binder<'a> {
             named(batch, "pieces")?;
             let BindingResource::Buffer(statistics) = named(batch, "extraction_statistics")?.bound else { return None };
             let from = statistics.offset + std::mem::offset_of!(ExtractionStatistics, twisted_lights) as u64;
-            let to = ANY_ZEROS_BYTES + 4 * part as u64;
-            Some(Step::Copy([(statistics.buffer.clone(), from), (self.buffers.any_zeros.clone(), to)], 4))
+            let to = 4 * part as u64;
+            Some(Step::Copy([(statistics.buffer.clone(), from), (self.buffers.twisted.clone(), to)], 4))
         };
         parts.filter_map(copy).collect()
     }
@@ -325,7 +306,7 @@ impl<'a> Binder<'a> {
             }
             let dispatches = self.dispatches(*over);
             if !dispatches.is_empty() {
-                let bind = |(at, workgroups)| self.dispatch(pipeline, *over, at, workgroups);
+                let bind = |(at, workgroups)| self.dispatch(pipeline, at, workgroups);
                 steps.push(pipeline.pass(dispatches.into_iter().map(bind)));
             }
         }

@@ -1,12 +1,10 @@
-//! An extractor, with shadow volumes where they are wanted, for each mesh.
+//! For each mesh an extractor, or a scene of its own where volumes are wanted.
 
-use rimline::gpu::{
-    Extraction, Extractor, ExtractorOptions, PositionBuffer, ShadowFrame, ShadowOptions, ShadowPipelines,
-    ShadowVolumes, StageTimer,
-};
+use rimline::gpu::{Extraction, Extractor, ExtractorOptions, PositionBuffer, SceneFrame, ShadowPipelines, StageTimer};
 use rimline::{Light, Mesh, ShadowCamera};
 use wgpu::BufferUsages;
 
+use super::one_caster::{OneCaster, OneCasterOptions, OneFrame};
 use super::{Recorder, Until};
 use crate::Error;
 use crate::gpu::Gpu;
@@ -14,7 +12,7 @@ use crate::shapes::Shape;
 
 /// Meshes whose positions are in world space.
 pub struct Meshes<'a> {
-    all: Vec<Recorded>,
+    all: Vec<(wgpu::Buffer, Recorded)>,
     /// `None`: nothing is drawn.
     pipelines: Option<&'a ShadowPipelines>,
     pub lights: Vec<Light>,
@@ -22,12 +20,9 @@ pub struct Meshes<'a> {
     pub camera: Option<ShadowCamera>,
 }
 
-struct Recorded {
-    positions: wgpu::Buffer,
-    extractor: Extractor,
-    volumes: Option<ShadowVolumes>,
-    extraction: Option<Extraction>,
-    frame: Option<ShadowFrame>,
+enum Recorded {
+    Alone(Box<Extractor>, Option<Extraction>),
+    Casting(Box<OneCaster>, Option<OneFrame>),
 }
 
 impl<'a> Meshes<'a> {
@@ -35,7 +30,7 @@ impl<'a> Meshes<'a> {
         Self { all: Vec::new(), pipelines, lights: lights.to_vec(), camera }
     }
 
-    /// Adds a mesh.
+    /// Adds a mesh. `options` are those of an extractor, where nothing is drawn.
     pub fn push(
         &mut self,
         gpu: &Gpu,
@@ -43,13 +38,17 @@ impl<'a> Meshes<'a> {
         mesh: &Mesh,
         positions: &[[f32; 3]],
     ) -> Result<(), Error> {
-        let extractor = Extractor::new(&gpu.pipelines, mesh, options)?;
+        let recorded = match self.pipelines {
+            None => Recorded::Alone(Box::new(Extractor::new(&gpu.pipelines, mesh, options)?), None),
+            Some(pipelines) => {
+                let max_lights = options.max_lights;
+                let options =
+                    OneCasterOptions { counting: pipelines.counting(), max_lights, ..OneCasterOptions::default() };
+                Recorded::Casting(Box::new(OneCaster::new(&gpu.pipelines, &gpu.queue, mesh, &options)?), None)
+            }
+        };
         gpu.check()?;
-        let volumes =
-            |pipelines: &&ShadowPipelines| ShadowVolumes::new(pipelines, &extractor, ShadowOptions::default());
-        let volumes = self.pipelines.as_ref().map(volumes).transpose()?;
-        let positions = gpu.buffer(BufferUsages::STORAGE, positions);
-        self.all.push(Recorded { positions, extractor, volumes, extraction: None, frame: None });
+        self.all.push((gpu.buffer(BufferUsages::STORAGE, positions), recorded));
         Ok(())
     }
 
@@ -61,18 +60,35 @@ impl<'a> Meshes<'a> {
 
     /// The first mesh's extractor.
     pub fn extractor(&self) -> Option<&Extractor> {
-        self.all.first().map(|mesh| &mesh.extractor)
+        match self.all.first() {
+            Some((_, Recorded::Alone(extractor, _))) => Some(extractor),
+            _ => None,
+        }
     }
 
     /// The number of silhouette edges of each light, of the last encode.
     pub fn silhouette_edges(&self, gpu: &Gpu) -> Result<Vec<u64>, Error> {
         let mut edges = vec![0; self.lights.len()];
-        for extraction in self.all.iter().filter_map(|mesh| mesh.extraction.as_ref()) {
-            let counts: Vec<u32> = gpu.read(extraction.results()?.counts)?;
-            edges.iter_mut().zip(counts).for_each(|(sum, count)| *sum += u64::from(count));
+        for (_, recorded) in &self.all {
+            let counts = match recorded {
+                Recorded::Alone(_, Some(extraction)) => gpu.read(extraction.results()?.counts)?,
+                Recorded::Casting(_, Some(frame)) => counts(gpu, &frame.frame)?,
+                _ => Vec::new(),
+            };
+            edges.iter_mut().zip(counts).for_each(|(sum, count): (_, u32)| *sum += u64::from(count));
         }
         Ok(edges)
     }
+}
+
+/// The silhouette edges of each light of a scene whose only caster has all of them.
+fn counts(gpu: &Gpu, frame: &SceneFrame) -> Result<Vec<u32>, Error> {
+    let mut all = Vec::new();
+    for group in frame.results()?.groups {
+        let words: Vec<u32> = gpu.read(group.lists)?;
+        all.extend_from_slice(&words[..32]);
+    }
+    Ok(all)
 }
 
 impl Recorder for Meshes<'_> {
@@ -82,20 +98,25 @@ impl Recorder for Meshes<'_> {
         until: Until,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), Error> {
-        for Recorded { positions, extractor, volumes, extraction, frame } in &mut self.all {
+        for (positions, recorded) in &mut self.all {
             let positions = PositionBuffer { buffer: positions, offset: 0, stride: 12 };
-            let found = extractor.encode(encoder, positions, &self.lights, timer.as_deref_mut())?;
-            if let (Until::Volumes, Some(volumes), Some(camera)) = (until, volumes, &self.camera) {
-                *frame = Some(volumes.encode(encoder, &found, camera, timer.as_deref_mut())?);
+            let timer = timer.as_deref_mut();
+            match recorded {
+                Recorded::Alone(extractor, found) => {
+                    *found = Some(extractor.encode(encoder, positions, &self.lights, timer)?);
+                }
+                Recorded::Casting(caster, frame) => {
+                    let camera = self.camera.as_ref().filter(|_| until == Until::Volumes);
+                    *frame = Some(caster.encode(encoder, positions, &self.lights, camera, timer)?);
+                }
             }
-            *extraction = Some(found);
         }
         Ok(())
     }
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), Error> {
-        for frame in self.all.iter().filter_map(|mesh| mesh.frame.as_ref()) {
-            if let Some(pipelines) = self.pipelines {
+        for (_, recorded) in &self.all {
+            if let (Recorded::Casting(_, Some(frame)), Some(pipelines)) = (recorded, self.pipelines) {
                 frame.draw(pass, pipelines, light)?;
             }
         }

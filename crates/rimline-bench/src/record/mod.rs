@@ -3,6 +3,7 @@
 
 mod fragments;
 mod meshes;
+mod one_caster;
 mod scene;
 mod setting;
 mod surfaces;
@@ -12,6 +13,7 @@ use wgpu::{LoadOp, Operations, StoreOp, TextureFormat};
 
 pub use fragments::FragmentCounter;
 pub use meshes::Meshes;
+pub use one_caster::{OneCaster, OneCasterOptions, OneFrame};
 pub use scene::{Counted, Deforming, SceneRecorder};
 pub use setting::{Camera, Casters, IDENTITY, Setting};
 pub use surfaces::{Pass, Surface, Surfaces};

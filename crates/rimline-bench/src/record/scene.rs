@@ -4,7 +4,7 @@ use bytemuck::Zeroable as _;
 use glam::{Quat, Vec3};
 use rimline::gpu::{
     Caster, CasterHandle, DeformError, Deformer, DeformerOptions, FrameInputs, LightHandle, Measuring, MeshHandle,
-    Receivers, Scene, SceneFrame, SceneNeeds, SceneOptions, ScenePipelines, SceneStatistics, ShadowStatistics,
+    Receivers, Scene, SceneFrame, SceneNeeds, SceneOptions, SceneStatistics, ShadowPipelines, ShadowStatistics,
     StageTimer, View,
 };
 use rimline::{Light, Mesh, MeshError, ModelBounds, Pose};
@@ -71,7 +71,7 @@ pub struct SceneRecorder<'a> {
     setting: &'a Setting,
     deforming: &'a Deforming<'a>,
     /// `None`: nothing is drawn.
-    pipelines: Option<&'a ScenePipelines>,
+    pipelines: Option<&'a ShadowPipelines>,
     pub scene: Scene,
     pub meshes: Vec<MeshHandle>,
     pub lights: Vec<LightHandle>,
@@ -91,7 +91,7 @@ impl<'a> SceneRecorder<'a> {
         gpu: &Gpu,
         setting: &'a Setting,
         deforming: &'a Deforming<'a>,
-        pipelines: Option<&'a ScenePipelines>,
+        pipelines: Option<&'a ShadowPipelines>,
         options: SceneOptions,
     ) -> Result<Self, Error> {
         let mut of_frame = options.measuring;

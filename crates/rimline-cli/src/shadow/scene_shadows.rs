@@ -233,7 +233,7 @@ impl Shadows for SceneShadows {
 }
 
 /// The first words of a buffer whose rest is not needed.
-fn first_words(gpu: &Gpu, buffer: &wgpu::Buffer, words: u64) -> Result<Vec<u32>, GpuError> {
+pub(super) fn first_words(gpu: &Gpu, buffer: &wgpu::Buffer, words: u64) -> Result<Vec<u32>, GpuError> {
     let copy = gpu.buffer("first words", 4 * words, wgpu::BufferUsages::COPY_SRC);
     let mut encoder = gpu.encoder("first words");
     encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, 4 * words);

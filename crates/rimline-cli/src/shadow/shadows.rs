@@ -4,8 +4,7 @@ use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
 use rimline::gpu::{
-    DepthMapPipelines, SceneOptions, ScenePipelines, ShadowError, ShadowFormat, ShadowPipelines, StageTimer,
-    StencilCounts, Use,
+    DepthMapPipelines, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, StageTimer, StencilCounts, Use,
 };
 use rimline::reference::cpu::CHOICE_WORDS;
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
@@ -171,7 +170,7 @@ impl Drop for Compiling {
 /// Pipelines that draw volumes into attachments of one format.
 #[derive(Clone)]
 pub(crate) enum VolumePipelines {
-    Scene(Arc<ScenePipelines>, BatchPipelines),
+    Scene(Arc<ShadowPipelines>, BatchPipelines),
     Single(Arc<ShadowPipelines>),
     /// Maps of the lights cast.
     Depth(Arc<DepthMapPipelines>, FromDepth),
@@ -188,7 +187,7 @@ impl VolumePipelines {
             Self::Single(Arc::new(ShadowPipelines::new(shared, format, counting)?))
         } else {
             let batches = BatchPipelines::new(shared, format, counting);
-            Self::Scene(Arc::new(ScenePipelines::new(shared, format, counting)?), batches)
+            Self::Scene(Arc::new(ShadowPipelines::new(shared, format, counting)?), batches)
         })
     }
 

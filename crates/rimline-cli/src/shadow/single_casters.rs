@@ -1,17 +1,19 @@
-//! Each file as one caster. ZP+ as published in 2005 and polygons need this: scenes have neither.
+//! Each file as one caster, in a scene of its own: for ZP+ as published in 2005 and for polygons.
 
 use std::sync::Arc;
 
 use rimline::gpu::{
-    Extraction, Extractor, ExtractorOptions, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes, StageTimer,
+    Caster as SceneCaster, Extraction, Extractor, ExtractorOptions, FrameInputs, LightHandle, Measuring, Scene,
+    SceneFrame, SceneOptions, ShadowError, ShadowPipelines, StageTimer,
 };
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::{Light, Mesh, wgpu};
 
-use super::casting::{CastInputs, FacingMasks, put};
+use super::casting::{CastInputs, FacingMasks, put, set_lights};
 use super::depth;
 use super::posed_model::{PosedModel, Topology};
-use super::shadows::{Choice, Found, Shadows, VolumePipelines};
+use super::scene_shadows::first_words;
+use super::shadows::{Choice, Found, Shadows, VolumePipelines, scene_options};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
@@ -71,13 +73,38 @@ pub(super) struct SingleCasters {
 
 /// A file.
 struct Caster {
-    extracted: Extracted,
+    scene: Scene,
+    lights: Vec<LightHandle>,
+    /// Topologies that its mesh was made of.
+    topologies: Vec<Topology>,
     /// Triangles of polygons, which are drawn. A polygon may be front-facing to a light while one of its triangles is
     /// back-facing.
     surface: Option<Extracted>,
-    volumes: ShadowVolumes,
     /// Frame of the last encode, to draw.
-    frame: Option<ShadowFrame>,
+    frame: Option<SceneFrame>,
+}
+
+impl Caster {
+    fn frame(&self) -> Result<&SceneFrame, ShadowError> {
+        self.frame.as_ref().ok_or(ShadowError::NotEncoded)
+    }
+
+    fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, GpuError> {
+        let buffer = self.frame()?.shadow_statistics().ok_or(ShadowError::NotEncoded)?;
+        Ok(gpu.read_first(buffer)?)
+    }
+
+    /// The silhouette edges of each light, and the statistics of the extraction. Waits for the device.
+    fn extracted(&self, gpu: &Gpu) -> Result<(Vec<u32>, ExtractionStatistics), GpuError> {
+        let (mut silhouettes, mut sum) = (Vec::new(), bytemuck::Zeroable::zeroed());
+        for group in self.frame()?.results()?.groups {
+            silhouettes.extend(first_words(gpu, group.lists, 32)?);
+            let record = first_words(gpu, group.record, size_of::<ExtractionStatistics>() as u64 / 4)?;
+            sum = depth::sum(sum, bytemuck::pod_read_unaligned(bytemuck::cast_slice(&record)));
+        }
+        silhouettes.truncate(self.lights.len());
+        Ok((silhouettes, sum))
+    }
 }
 
 impl SingleCasters {
@@ -89,17 +116,20 @@ impl SingleCasters {
 impl Shadows for SingleCasters {
     fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         for (number, body) in bodies.iter().enumerate() {
-            if self.casters.get(number).is_some_and(|caster| caster.extracted.is_of(body)) {
+            if self.casters.get(number).is_some_and(|caster| caster.topologies == body.topologies) {
                 continue;
             }
-            let extracted = Extracted::new(gpu, &body.mesh()?, body, self.max_lights)?;
+            let mut options = SceneOptions { max_lights: self.max_lights, ..scene_options(self.pipelines.counting()) };
+            options.measuring.set(Measuring::LISTS, true);
+            options.clusters_from = None;
+            let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(GpuError::Volumes).on(gpu)?;
+            let mesh = scene.add_mesh(&body.mesh()?, &body.world).map_err(GpuError::Volumes).on(gpu)?;
+            let caster = SceneCaster::in_buffer(mesh, body.positions.buffer());
+            scene.insert(caster).map_err(GpuError::Volumes).on(gpu)?;
             let triangles = body.triangles()?;
             let surface = triangles.map(|mesh| Extracted::new(gpu, &mesh, body, self.max_lights)).transpose()?;
-            let options = ShadowOptions { bound_counts: true, ..ShadowOptions::default() };
-            let volumes = ShadowVolumes::new(&self.pipelines, &extracted.extractor, options)
-                .map_err(GpuError::Volumes)
-                .on(gpu)?;
-            put(&mut self.casters, number, Caster { extracted, surface, volumes, frame: None });
+            let topologies = body.topologies.clone();
+            put(&mut self.casters, number, Caster { scene, lights: Vec::new(), topologies, surface, frame: None });
         }
         Ok(())
     }
@@ -110,13 +140,14 @@ impl Shadows for SingleCasters {
         CastInputs { bodies, camera, lights, .. }: CastInputs<'_>,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        for (Caster { extracted, surface, volumes, frame }, body) in self.casters.iter_mut().zip(bodies) {
-            let extraction = extracted.encode(encoder, body, lights, timer.as_deref_mut())?;
-            if let Some(surface) = surface {
+        for (caster, body) in self.casters.iter_mut().zip(bodies) {
+            if let Some(surface) = &mut caster.surface {
                 surface.encode(encoder, body, lights, timer.as_deref_mut())?;
             }
-            let encoded = volumes.encode(encoder, extraction, camera, timer.as_deref_mut());
-            *frame = Some(encoded.map_err(GpuError::Volumes)?);
+            set_lights(&mut caster.scene, &mut caster.lights, lights)?;
+            let views = [(*camera).into()];
+            let inputs = FrameInputs { timer: timer.as_deref_mut(), ..FrameInputs::new(&views) };
+            caster.frame = Some(caster.scene.encode(encoder, inputs)?);
         }
         Ok(())
     }
@@ -125,21 +156,32 @@ impl Shadows for SingleCasters {
         let VolumePipelines::Single(own) = pipelines else {
             return Err(pipelines.refuse(self.pipelines.counting()));
         };
-        let mut frames = self.casters.iter().filter_map(|caster| caster.frame.as_ref());
-        Ok(frames.try_for_each(|frame| frame.draw(pass, own, light))?)
+        for caster in &self.casters {
+            let light = *caster.lights.get(light).ok_or(ShadowError::NotEncoded)?;
+            caster.frame()?.draw(pass, own, 0, light)?;
+        }
+        Ok(())
     }
 
     fn facing(&self, _: &Gpu, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
-        let drawn = self.casters.iter().map(|caster| caster.surface.as_ref().unwrap_or(&caster.extracted));
-        Ok(drawn.zip(bodies).map(|(drawn, body)| drawn.facing(body)).collect())
+        let of_file = |(caster, body): (&Caster, &PosedModel<'_>)| {
+            if let Some(surface) = &caster.surface {
+                return Ok(surface.facing(body));
+            }
+            let faces = 0..body.faces.len() as u32;
+            let masks = caster.frame()?.results()?.groups.iter().map(|group| group.facing.clone()).collect();
+            Ok(FacingMasks { slots: faces.clone().collect(), runs: vec![(faces, masks)] })
+        };
+        self.casters.iter().zip(bodies).map(of_file).collect()
     }
 
     fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, GpuError> {
-        let of_file = |Caster { extracted, volumes, .. }: &Caster| {
-            let (silhouettes, extraction) = extracted.found(gpu, self.max_lights)?;
-            let words: Vec<u32> = gpu.read(volumes.choices())?;
-            let lights = Choice::all(self.pipelines.counting(), &words, self.max_lights);
-            Ok(Found { lights, silhouettes, extraction, shadow: gpu.read_first(volumes.statistics())?, is_whole: true })
+        let of_file = |caster: &Caster| {
+            let (silhouettes, extraction) = caster.extracted(gpu)?;
+            let choices = caster.frame()?.results()?.choices.ok_or(ShadowError::NotEncoded)?;
+            let words: Vec<u32> = gpu.read(choices)?;
+            let lights = Choice::all(self.pipelines.counting(), &words, caster.lights.len());
+            Ok(Found { lights, silhouettes, extraction, shadow: caster.statistics(gpu)?, is_whole: true })
         };
         self.casters.iter().map(of_file).collect()
     }
@@ -148,7 +190,7 @@ impl Shadows for SingleCasters {
     fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, GpuError> {
         let mut all: ShadowStatistics = bytemuck::Zeroable::zeroed();
         for caster in &self.casters {
-            all = depth::sum(all, gpu.read_first(caster.volumes.statistics())?);
+            all = depth::sum(all, caster.statistics(gpu)?);
         }
         if self.casters.len() > 1 {
             all.may_wrap = if all.count_bound > depth::MOST { self.max_lights as u32 } else { 0 };

@@ -3,7 +3,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use rimline::gpu::{Pipelines, ScenePipelines, ShadowFormat};
+use rimline::gpu::{Pipelines, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, wgpu};
 
 use crate::gpu_error::GpuError;
@@ -31,7 +31,7 @@ pub(crate) struct BatchPipelines {
 }
 
 pub(super) struct Made {
-    pub(super) counting: ScenePipelines,
+    pub(super) counting: ShadowPipelines,
     resolve: wgpu::RenderPipeline,
 }
 
@@ -45,7 +45,7 @@ impl BatchPipelines {
         if let Some(made) = self.made.get() {
             return Ok(made);
         }
-        let counting = ScenePipelines::new(&self.pipelines, &self.format, self.counting)?;
+        let counting = ShadowPipelines::new(&self.pipelines, &self.format, self.counting)?;
         let resolve = resolve(self.pipelines.device(), &self.format);
         Ok(self.made.get_or_init(|| Made { counting, resolve }))
     }

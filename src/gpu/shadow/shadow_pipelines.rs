@@ -2,7 +2,7 @@
 
 use super::errors::ShadowError;
 use super::format::{Casters, ShadowFormat};
-use super::pipelines::ShadowPipelines;
+use super::pipelines::VolumePipelines;
 use crate::gpu::common::drawing::Drawn;
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
@@ -19,8 +19,8 @@ const WHOLE: &str = "
 /// The render pipelines that draw the volumes of a [`Scene`](crate::gpu::Scene), for one counting method and one
 /// [`ShadowFormat`]. Scenes share them.
 #[derive(Debug)]
-pub struct ScenePipelines {
-    pub(crate) volumes: ShadowPipelines,
+pub struct ShadowPipelines {
+    pub(crate) volumes: VolumePipelines,
     /// If casters are counted in batches.
     resolve: Option<Resolve>,
 }
@@ -33,7 +33,7 @@ struct Resolve {
     dark: u32,
 }
 
-impl ScenePipelines {
+impl ShadowPipelines {
     /// Makes the pipelines. `pipelines` is the caller's device, or the [`Pipelines`] that the scenes share. `counting` is
     /// that of the scenes; see [`SceneOptions`](crate::gpu::SceneOptions).
     ///
@@ -44,7 +44,7 @@ impl ScenePipelines {
         format: &ShadowFormat,
         counting: Counting,
     ) -> Result<Self, ShadowError> {
-        let volumes = ShadowPipelines::of_casters(pipelines.into(), format, counting, Casters::Scene)?;
+        let volumes = VolumePipelines::of_casters(pipelines.into(), format, counting, Casters::Scene)?;
         Ok(Self { volumes, resolve: None })
     }
 
@@ -60,7 +60,7 @@ impl ScenePipelines {
         counting: Counting,
     ) -> Result<Self, ShadowError> {
         let pipelines = pipelines.into();
-        let volumes = ShadowPipelines::of_casters(pipelines.clone(), format, counting, Casters::Batches)?;
+        let volumes = VolumePipelines::of_casters(pipelines.clone(), format, counting, Casters::Batches)?;
         let made = any_error(pipelines.device(), || resolve(&pipelines, format));
         let resolve = made.map_err(|message| ShadowError::Refused { message })?;
         Ok(Self { volumes, resolve: Some(resolve) })
