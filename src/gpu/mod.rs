@@ -40,10 +40,10 @@ pub use scene::depths::SceneDepthCasters;
 pub use scene::frame::SceneFrame;
 #[cfg(feature = "reference")]
 pub use scene::frame::{SceneGroupResults, SceneResults};
-pub use scene::handles::{CasterHandle, LightHandle, MeshHandle};
+pub use scene::handles::{CasterHandle, LightHandle, MeshHandle, ModelHandle};
 pub use scene::hidden::HiddenCounts;
 pub use scene::mask::LightMask;
-pub use scene::needs::SceneNeeds;
+pub use scene::models::PoseInputs;
 #[doc(hidden)]
 pub use scene::options::Measuring;
 pub use scene::options::{Capacities, SceneOptions, StencilCounts};
