@@ -49,7 +49,12 @@ impl<'a> SceneRecorder<'a> {
                     meshes.push(scene.add_mesh(&shape.mesh()?, &shape.positions)?);
                 }
                 for &(shape, matrix) in placed {
-                    casters.push(scene.insert(Caster::rigid(meshes[shape], matrix))?);
+                    let caster = scene.insert(Caster::rigid(meshes[shape], matrix))?;
+                    if let Some((_, polygons)) = setting.occluders.as_ref().filter(|(of, _)| *of == shape) {
+                        scene
+                            .set_occluders(caster, &polygons.iter().map(|polygon| &polygon[..]).collect::<Vec<_>>())?;
+                    }
+                    casters.push(caster);
                 }
             }
             Casters::Walking { model: of, pose } => {

@@ -2,6 +2,7 @@
 
 mod city;
 mod crowd;
+mod house;
 pub(crate) mod levels;
 pub(crate) mod scenes;
 mod walk;
