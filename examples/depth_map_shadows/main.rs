@@ -8,8 +8,8 @@ mod stage;
 mod support;
 
 use rimline::gpu::{
-    Caster, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, Pipelines, Scene, SceneOptions,
-    ScenePipelines, ShadowFormat,
+    Caster, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, FrameInputs, Pipelines, Scene, SceneOptions,
+    ScenePipelines, ShadowFormat, StencilCounts,
 };
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera, wgpu};
@@ -67,7 +67,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bodies = [stage.body(&vertex_buffer, mesh.faces())];
     let shared = Pipelines::new(&canvas.device);
     let counting = ScenePipelines::new(&shared, &format, Counting::Auto)?;
-    let mut scene = Scene::new(&shared, &canvas.queue, SceneOptions { count_bits: COUNT_BITS, ..Default::default() })?;
+    let stencil = StencilCounts { count_bits: COUNT_BITS, ..Default::default() };
+    let mut scene = Scene::new(&shared, &canvas.queue, SceneOptions { stencil, ..Default::default() })?;
     let at_lamp = scene.add_light(light)?;
     let mesh = scene.add_mesh(&mesh, &boxes.0)?;
     scene.insert(Caster::rigid(mesh, [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]))?;
@@ -85,7 +86,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut encoder = canvas.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     stage.draw_extras_into(&mut encoder, &lamp_view, &map);
     let eye = seen_by(&camera);
-    let extruded = scene.encode(&mut encoder, &[eye], None)?;
+    let extruded = scene.encode(&mut encoder, FrameInputs::new(&[eye.into()]))?;
     let seen = DepthMap { texture: &depths, light: seen_by(&lamp_view), objects: None };
     let rebuilt = volumes.encode(&mut encoder, &seen, &eye, None)?;
     // Two draws into one stencil: a place is dark where either counts it.

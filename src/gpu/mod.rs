@@ -40,15 +40,16 @@ pub use scene::depths::SceneDepthCasters;
 pub use scene::frame::SceneFrame;
 #[cfg(feature = "reference")]
 pub use scene::frame::{SceneGroupResults, SceneResults};
-pub use scene::handles::{CasterHandle, LightHandle, MeshHandle};
+pub use scene::handles::{CasterHandle, LightHandle, MeshHandle, ModelHandle};
 pub use scene::hidden::HiddenCounts;
 pub use scene::mask::LightMask;
-pub use scene::needs::SceneNeeds;
+pub use scene::models::PoseInputs;
 #[doc(hidden)]
 pub use scene::options::Measuring;
-pub use scene::options::SceneOptions;
+pub use scene::options::{Capacities, SceneOptions, StencilCounts};
 pub use scene::receivers::Receivers;
 pub use scene::scene::Scene;
+pub use scene::view::{FrameInputs, View};
 pub use shadow::errors::ShadowError;
 pub use shadow::{ScenePipelines, ShadowFormat, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes};
 pub use warm_up::Use;

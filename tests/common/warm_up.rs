@@ -1,12 +1,13 @@
 //! Pipelines that are made before the first frame, and which a frame makes.
 
 use rimline::gpu::{
-    Caster, Extractor, ExtractorOptions, Measuring, Pipelines, PositionBuffer, Receivers, Scene, SceneOptions,
-    ScenePipelines, ShadowFormat, Use,
+    Caster, DeformerOptions, Extractor, ExtractorOptions, FrameInputs, Measuring, Pipelines, PositionBuffer, Receivers,
+    Scene, SceneOptions, ScenePipelines, ShadowFormat, StencilCounts, Use, View,
 };
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
+use rimline_testkit::models::bending_tube;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::{must_fail, same, shapes};
 
@@ -17,17 +18,25 @@ const IDENTITY: rimline::Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]
 
 /// The parts of a frame of a scene.
 #[derive(Clone, Copy)]
+#[expect(clippy::struct_excessive_bools, reason = "parts that do not depend on each other")]
 struct Frame {
     options: SceneOptions,
     has_camera: bool,
     has_receivers: bool,
+    has_model: bool,
     /// The caster is in the depth buffer.
     in_depth: bool,
 }
 
 impl Frame {
     fn plain() -> Self {
-        Self { options: SceneOptions::default(), has_camera: false, has_receivers: false, in_depth: true }
+        Self {
+            options: SceneOptions::default(),
+            has_camera: false,
+            has_receivers: false,
+            has_model: false,
+            in_depth: true,
+        }
     }
 
     fn seen() -> Self {
@@ -45,8 +54,14 @@ impl Frame {
             ("a camera", Self::seen(), 13),
             ("not exact", seen(SceneOptions { measuring: Measuring::FAST, clusters_from: None, ..plain }), 12),
             ("z-pass", seen(SceneOptions { counting: Counting::ZPass, ..plain }), 13),
-            ("bounds of counts", seen(SceneOptions { bound_counts: true, ..plain }), 16),
+            (
+                "bounds of counts",
+                seen(SceneOptions { stencil: StencilCounts { bound_counts: true, ..Default::default() }, ..plain }),
+                16,
+            ),
             ("receivers", Self { has_receivers: true, ..Self::seen() }, 15),
+            // Needs and deform.
+            ("a model", Self { has_model: true, ..Self::seen() }, 15),
             // The dark caps of both lists, and the light caps.
             ("ended volumes", seen(SceneOptions { end_at_range: true, ..plain }), 15),
             ("a proxy", Self { in_depth: false, ..Self::seen() }, 15),
@@ -60,6 +75,7 @@ impl Frame {
     fn uses<'a>(&'a self, drawing: &'a ScenePipelines) -> Vec<Use<'a>> {
         let mut uses = vec![if self.has_camera { Use::SceneShadows(&self.options) } else { Use::Scene(&self.options) }];
         uses.extend(self.has_receivers.then_some(Use::Receivers { samples: 1 }));
+        uses.extend(self.has_model.then_some(Use::SceneModels));
         uses.extend(self.options.end_at_range.then_some(Use::EndedVolumes(drawing)));
         uses.extend((!self.in_depth).then_some(Use::Proxies(drawing)));
         uses
@@ -85,15 +101,19 @@ impl Frame {
         let mut scene = Scene::new(pipelines, &gpu.queue, self.options).map_err(text)?;
         let mesh = scene.add_mesh(&shape.mesh().map_err(text)?, &shape.positions).map_err(text)?;
         scene.insert(Caster { in_depth: self.in_depth, ..Caster::rigid(mesh, IDENTITY) }).map_err(text)?;
+        if self.has_model {
+            let (model, pose) = bending_tube();
+            scene.insert_model(&model, &pose(0.0), DeformerOptions::default()).map_err(text)?;
+        }
         let light = scene.add_light(Light::point([0.0, 5.0, 0.0]).with_range(9.0)).map_err(text)?;
         let columns = [[-1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.1, 0.0]];
         let camera =
             ShadowCamera { view_projection: columns, origin: [0.0, 0.0, -6.0], depth: DepthDirection::Reversed };
-        let receivers = [Some(Receivers { depth: &read, sky_receives: false, version: None })];
-        let cameras = if self.has_camera { &[camera][..] } else { &[] };
-        let receivers = if self.has_receivers { &receivers[..] } else { &[] };
+        let receivers = Receivers { depth: &read, sky_receives: false, version: None };
+        let seen = [View { camera, depth: self.has_receivers.then_some(receivers) }];
+        let views = if self.has_camera { &seen[..] } else { &[] };
         gpu.submit(|encoder| {
-            let frame = scene.encode_for(encoder, cameras, receivers, None).map_err(text)?;
+            let frame = scene.encode(encoder, FrameInputs::new(views)).map_err(text)?;
             let (load, store) = (wgpu::LoadOp::Clear(0), wgpu::StoreOp::Store);
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {

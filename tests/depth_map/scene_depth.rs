@@ -2,8 +2,8 @@
 
 use glam::{DAffine3, DVec3, Mat3};
 use rimline::gpu::{
-    Caster, CasterHandle, MeshDepth, PositionBuffer, Scene, SceneDepth, SceneDepthCasters, SceneDepthCounts,
-    SceneOptions,
+    Caster, CasterHandle, FrameInputs, MeshDepth, PositionBuffer, Scene, SceneDepth, SceneDepthCasters,
+    SceneDepthCounts, SceneOptions,
 };
 use rimline::mesh::Weld;
 use rimline::{DepthDirection, Light, Matrix3x4, Mesh, ShadowCamera};
@@ -303,7 +303,7 @@ fn changed() -> Result<(), String> {
             casters.scene.set_transform(caster.handle, caster.rows).map_err(text)?;
         }
         if round % 2 == 0 {
-            gpu.submit(|encoder| casters.scene.encode(encoder, &[], None).map(drop).map_err(text))?;
+            gpu.submit(|encoder| casters.scene.encode(encoder, FrameInputs::default()).map(drop).map_err(text))?;
         }
         let (found, _) = casters.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
         same("depths", &bits(&found), &bits(&casters.one_by_one(&gpu, FORMATS[0], &light, |_| true)?))?;

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use rimline::ShadowCamera;
+use rimline::gpu::FrameInputs;
 use rimline::reference::cpu::{self, SceneTable};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
@@ -78,7 +79,8 @@ fn boundary() -> Result<(), String> {
         let camera: ShadowCamera = camera(&mut scene.random);
         // The second frame keeps what it may.
         for _ in 0..2 {
-            let frame = gpu.submit(|encoder| scene.scene.encode(encoder, &[camera], None).map_err(text))?;
+            let frame =
+                gpu.submit(|encoder| scene.scene.encode(encoder, FrameInputs::new(&[camera.into()])).map_err(text))?;
             let found = Found::read(gpu, &frame)?;
             let results = frame.results().map_err(text)?;
             let words: Vec<u32> = gpu.read(results.choices.ok_or("no view")?, usize::MAX)?;

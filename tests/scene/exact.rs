@@ -1,6 +1,6 @@
 //! Facing of scenes by exact arithmetic and without it, and what is left to it.
 
-use rimline::gpu::{Caster, LightMask, Measuring, Scene, SceneOptions};
+use rimline::gpu::{Capacities, Caster, FrameInputs, LightMask, Measuring, Scene, SceneOptions};
 use rimline::reference::cpu::{self, SceneTable, Threads};
 use rimline::{Light, Mesh, Predicate};
 use rimline_testkit::band::check_facing;
@@ -26,7 +26,7 @@ fn undecided_overflow() -> Result<(), String> {
     let mut undecided = 0;
     for seed in 1801..1811 {
         println!("seed {seed}");
-        let options = SceneOptions { undecided_capacity: Some(1), ..roomy(8) };
+        let options = SceneOptions { capacities: Capacities { undecided: Some(1), ..roomy(8).capacities }, ..roomy(8) };
         let (mut scene, frame, found) = sample(gpu, seed, options)?;
         check_frame(&scene.content, &frame, &found)?;
         undecided += found.groups.iter().map(|group| group.statistics.undecided_pairs).sum::<u32>();
@@ -96,7 +96,7 @@ fn few_undecided() -> Result<(), String> {
             let rows = [[0.6, 0.0, 0.8, x], [0.0, 1.0, 0.0, y], [-0.8, 0.0, 0.6, z]];
             scene.insert(Caster::rigid(torus, rows)).map_err(text)?;
         }
-        let frame = gpu.submit(|encoder| scene.encode(encoder, &[], None).map_err(text))?;
+        let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::default()).map_err(text))?;
         let undecided: u32 = Found::read(gpu, &frame)?.groups.iter().map(|group| group.undecided).sum();
         println!("{lights} lights: {undecided} of {} faces undecided", 20 * mesh.faces().len());
         if undecided as usize * 100 > 20 * mesh.faces().len() {
@@ -130,7 +130,7 @@ fn full_invocations() -> Result<(), String> {
         let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
         let mask = left_out.map_or(LightMask::ALL, |bit: usize| LightMask::ALL.without(handles[bit]));
         scene.insert(Caster { lights: mask, ..Caster::rigid(flat, identity) }).map_err(text)?;
-        let frame = gpu.submit(|encoder| scene.encode(encoder, &[], None).map_err(text))?;
+        let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::default()).map_err(text))?;
         let found = Found::read(gpu, &frame)?;
         let group = found.group(0, 0)?;
         let live = left_out.map_or(u32::MAX, |bit| !(1 << bit));

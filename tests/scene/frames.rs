@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::{SceneFrame, SceneOptions, ShadowError};
+use rimline::gpu::{Capacities, SceneFrame, SceneOptions, ShadowError};
 use rimline::reference::cpu::SceneTable;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
@@ -26,7 +26,11 @@ fn encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
 
 fn scene(gpu: &Gpu, seed: u64) -> Result<RandomScene, String> {
     println!("seed {seed}");
-    let options = SceneOptions { max_lights: 40, list_capacity: Some(u32::MAX), ..Default::default() };
+    let options = SceneOptions {
+        max_lights: 40,
+        capacities: Capacities { lists: Some(u32::MAX), ..Capacities::default() },
+        ..Default::default()
+    };
     let mut scene = RandomScene::new(gpu, seed, options)?;
     for _ in 0..6 {
         scene.add_light()?;
@@ -166,7 +170,14 @@ fn removed_mesh() -> Result<(), String> {
 /// No casters, no lights, neither, and both again.
 fn empty() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut scene = RandomScene::new(gpu, 2401, SceneOptions { list_capacity: Some(u32::MAX), ..Default::default() })?;
+    let mut scene = RandomScene::new(
+        gpu,
+        2401,
+        SceneOptions {
+            capacities: Capacities { lists: Some(u32::MAX), ..Capacities::default() },
+            ..Default::default()
+        },
+    )?;
     let check = |scene: &mut RandomScene| {
         let frame = gpu.submit(|encoder| scene.encode(encoder))?;
         let found = Found::read(gpu, &frame)?;

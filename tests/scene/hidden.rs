@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
 use rimline::gpu::{
-    Caster, CasterHandle, CasterPositions, HiddenCounts, LightHandle, LightMask, Scene, SceneOptions, ShadowError,
+    Caster, CasterHandle, CasterPositions, FrameInputs, HiddenCounts, LightHandle, LightMask, Measuring, Scene,
+    ShadowError,
 };
 use rimline::{Light, Mesh};
 use rimline_testkit::device::Gpu;
@@ -39,8 +40,9 @@ struct Placed {
     casters: Vec<CasterHandle>,
 }
 
-fn casters(gpu: &Gpu, meshes: &[(Shape, Mesh)], skip_hidden_faces: bool) -> Result<Placed, String> {
-    let options = SceneOptions { skip_hidden_faces, ..roomy(40) };
+fn casters(gpu: &Gpu, meshes: &[(Shape, Mesh)], skips: bool) -> Result<Placed, String> {
+    let mut options = roomy(40);
+    options.measuring.set(Measuring::HIDDEN_FACES, !skips);
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     let lights = [scene.add_light(LIGHT).map_err(text)?, scene.add_light(Light::point([9.0; 3])).map_err(text)?];
     let mut casters = Vec::new();
@@ -78,7 +80,7 @@ fn search(meshes: &[(Shape, Mesh)]) -> Result<HiddenFaces, String> {
 type Seen = (Vec<Vec<u32>>, Vec<Vec<Vec<u32>>>, HiddenCounts);
 
 fn seen(gpu: &Gpu, scene: &mut Scene) -> Result<Seen, String> {
-    let frame = gpu.submit(|encoder| scene.encode(encoder, &[], None).map_err(text))?;
+    let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::default()).map_err(text))?;
     let found = Found::read(gpu, &frame)?;
     let excluded = found.groups.iter().map(|group| group.excluded.clone()).collect();
     Ok((excluded, found.groups.into_iter().map(|group| group.lists).collect(), frame.hidden()))

@@ -3,14 +3,14 @@
 
 use glam::Vec3;
 use rimline::gpu::{
-    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Measuring, Scene, SceneFrame, SceneOptions,
-    ShadowStatistics,
+    Capacities, Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, Measuring, Scene,
+    SceneFrame, SceneOptions, ShadowStatistics,
 };
 use rimline::reference::layout::ShadowDraws;
 use rimline::{Counting, DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::text;
+use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, same};
 
@@ -90,7 +90,7 @@ impl Recorded {
         cameras: Vec<ShadowCamera>,
         excluded: &Excluded,
     ) -> Result<Self, String> {
-        let frame = scene.scene.encode(&mut encoder, &cameras, None).map_err(text)?;
+        let frame = scene.scene.encode(&mut encoder, FrameInputs::new(&views(&cameras))).map_err(text)?;
         let (draws, statistics) = buffers(&frame)?;
         let (content, excluded) = (scene.content.clone(), excluded.clone());
         let (views, batches) = (cameras.len(), frame.batches());
@@ -145,7 +145,7 @@ fn fresh(
             }
         }
     }
-    let frame = gpu.submit(|encoder| scene.encode(encoder, cameras, None).map_err(text))?;
+    let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text))?;
     let (draws, statistics) = buffers(&frame)?;
     let bits: Vec<u32> = lights.iter().map(|(_, light)| light.bit()).collect();
     volumes(gpu, (&draws, &statistics), (cameras.len(), frame.batches()), &bits)
@@ -175,8 +175,7 @@ fn histories() -> Result<(), String> {
         let mut random = Random::new(seed);
         let mut options = SceneOptions {
             max_lights: 40,
-            list_capacity: Some(u32::MAX),
-            cap_capacity: Some(u32::MAX),
+            capacities: Capacities { lists: Some(u32::MAX), caps: Some(u32::MAX), ..Capacities::default() },
             counting: [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZPass][random.below(4)],
             end_at_range: random.below(2) == 0,
             ..SceneOptions::default()

@@ -6,12 +6,13 @@ use std::sync::Arc;
 
 use rimline::ShadowCamera;
 use rimline::gpu::{
-    CasterHandle, CasterPositions, Measuring, SceneFrame, SceneOptions, SceneStatistics, ShadowError, ShadowStatistics,
+    CasterHandle, CasterPositions, FrameInputs, Measuring, SceneFrame, SceneOptions, SceneStatistics, ShadowError,
+    ShadowStatistics,
 };
 use rimline::reference::cpu;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::text;
+use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::random::Random;
 use rimline_testkit::{must_fail, same, shapes};
 
@@ -260,7 +261,8 @@ fn lists() -> Result<(), String> {
         let mut cameras = vec![camera(&mut random), camera(&mut random)];
         let mut last = Vec::new();
         let mut frame = |scene: &mut RandomScene, cameras: &[ShadowCamera]| {
-            let frame = gpu.submit(|encoder| scene.scene.encode(encoder, cameras, None).map_err(text))?;
+            let frame =
+                gpu.submit(|encoder| scene.scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text))?;
             let results = frame.results().map_err(text)?;
             let kept: Vec<u32> = gpu.read(results.kept, usize::MAX)?;
             let listed = Listed::read(gpu, &frame)?;

@@ -1,7 +1,9 @@
 //! Casters that occluders hide: only those that are hidden, and all bits are right when they are not hidden any more.
 
 use glam::{DMat3, DVec3};
-use rimline::gpu::{Caster, CasterHandle, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions, ShadowError};
+use rimline::gpu::{
+    Caster, CasterHandle, FrameInputs, LightHandle, Measuring, MeshHandle, Scene, SceneFrame, SceneOptions, ShadowError,
+};
 use rimline::reference::cpu::SceneTable;
 use rimline::{Light, Matrix3x4, Mesh};
 use rimline_testkit::device::Gpu;
@@ -71,7 +73,8 @@ struct Stage {
 
 impl Stage {
     fn new(gpu: &Gpu, owns: &[Own], lights: &[Light], skip_occluded: bool) -> Result<Self, String> {
-        let options = SceneOptions { skip_occluded, max_lights: 40, ..SceneOptions::default() };
+        let mut options = SceneOptions { max_lights: 40, ..SceneOptions::default() };
+        options.measuring.set(Measuring::OCCLUDED, !skip_occluded);
         let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
         let add = |shape: &Shape| {
             let mesh: Mesh = shape.mesh().map_err(text)?;
@@ -91,7 +94,7 @@ impl Stage {
     }
 
     fn encode(&mut self, gpu: &Gpu) -> Result<SceneFrame, String> {
-        gpu.submit(|encoder| self.scene.encode(encoder, &[], None).map_err(text))
+        gpu.submit(|encoder| self.scene.encode(encoder, FrameInputs::default()).map_err(text))
     }
 }
 
@@ -349,7 +352,7 @@ fn most_tried() -> Result<(), String> {
     let flat = |x: f32| [[1.0, 0.0, 0.0, x], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0]];
     let ball = [[0.02, 0.0, 0.0, 0.0], [0.0, 0.02, 0.0, -0.1], [0.0, 0.0, 0.02, 0.0]];
     for (near_misses, expected) in [(MOST_OCCLUDERS - 1, 32), (MOST_OCCLUDERS, 0)] {
-        let options = SceneOptions { skip_occluded: true, ..SceneOptions::default() };
+        let options = SceneOptions::default();
         let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
         let [sheet, sphere] = [sheet(), shapes::sphere(2)].map(|shape| {
             let mesh = shape.mesh().map_err(text)?;
@@ -368,7 +371,7 @@ fn most_tried() -> Result<(), String> {
             let [x, z] = [number % 6, number / 6].map(|step| step as f32 / 40.0 - 0.06);
             scene.add_light(Light::directional([x, 1.0, z])).map_err(text)?;
         }
-        let frame = gpu.submit(|encoder| scene.encode(encoder, &[], None).map_err(text))?;
+        let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::default()).map_err(text))?;
         let found = Found::read(gpu, &frame)?;
         let place = |caster: CasterHandle| frame.place(caster).map(|(index, _)| index).ok_or("no caster");
         let places = casters.iter().map(|&caster| place(caster)).collect::<Result<Vec<_>, _>>()?;

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use rimline::gpu::{
-    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, MeshHandle, Scene, SceneFrame, SceneOptions,
+    Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, MeshHandle, Scene, SceneFrame,
+    SceneOptions,
 };
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Matrix3x4, Mesh, Predicate};
@@ -279,7 +280,7 @@ impl RandomScene {
     }
 
     pub(crate) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<SceneFrame, String> {
-        self.scene.encode(encoder, &[], None).map_err(text)
+        self.scene.encode(encoder, FrameInputs::default()).map_err(text)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Typed errors for input that a scene refuses.
 
-use rimline::gpu::{Caster, CasterPositions, DeviceError, LightMask, Scene, SceneOptions, ShadowError};
+use rimline::gpu::{Caster, CasterPositions, DeviceError, FrameInputs, LightMask, Scene, SceneOptions, ShadowError};
 use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
@@ -123,9 +123,13 @@ fn positions() -> Result<(), String> {
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     refused([
         refusal("a transform", transform, is(ShadowError::NotRigid)),
-        refusal("a destroyed buffer", scene.encode(&mut encoder, &[], None), shows(&["Device(BufferRefused"])),
+        refusal(
+            "a destroyed buffer",
+            scene.encode(&mut encoder, FrameInputs::default()),
+            shows(&["Device(BufferRefused"]),
+        ),
         refusal("its removal", scene.remove(caster), Expected::Taken),
-        refusal("without it", scene.encode(&mut encoder, &[], None), Expected::Taken),
+        refusal("without it", scene.encode(&mut encoder, FrameInputs::default()), Expected::Taken),
     ])
 }
 
@@ -143,12 +147,12 @@ fn memory() -> Result<(), String> {
     scene.add_light(Light::point([1.0, 2.0, 3.0])).map_err(text)?;
     let casters = (0..10_000).map(|_| scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text));
     let casters = casters.collect::<Result<Vec<_>, _>>()?;
-    let encoded = gpu.submit(|encoder| Ok(scene.encode(encoder, &[], None)))?;
+    let encoded = gpu.submit(|encoder| Ok(scene.encode(encoder, FrameInputs::default())))?;
     refused([refusal("results beyond the limit", encoded, shows(&["Device(MemoryLimit", "limit: 2000000"]))])?;
     for caster in &casters[1..] {
         scene.remove(*caster).map_err(text)?;
     }
-    gpu.submit(|encoder| scene.encode(encoder, &[], None).map_err(text))?;
+    gpu.submit(|encoder| scene.encode(encoder, FrameInputs::default()).map_err(text))?;
     // A mesh that one binding does not hold.
     let tight = limited(1 << 16, 1 << 20, 65_535)?;
     let shape = shapes::torus(60, 60, 1.0, 0.4);
@@ -173,7 +177,8 @@ fn views() -> Result<(), String> {
     let cube = scene.add_mesh(&mesh, &positions).map_err(text)?;
     scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text)?;
     scene.add_light(Light::point([1.0, 2.0, 3.0])).map_err(text)?;
-    let mut encode = |views| gpu.submit(|encoder| Ok(scene.encode(encoder, &vec![camera(); views], None)));
+    let mut encode =
+        |views| gpu.submit(|encoder| Ok(scene.encode(encoder, FrameInputs::new(&vec![camera().into(); views]))));
     for (views, error) in [(1000, "Device(MemoryLimit"), (100_000, "Device(BindingTooLarge")] {
         refused([refusal(format!("{views} views"), encode(views)?, shows(&[error]))])?;
         for views in [1, 0, 2] {
@@ -205,7 +210,7 @@ fn grow(memory_limit: Option<u64>, one_by_one: usize, casters: usize) -> Result<
     for number in 1..=casters {
         scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text)?;
         if number + one_by_one >= casters {
-            match gpu.submit(|encoder| Ok(scene.encode(encoder, &[camera()], None)))? {
+            match gpu.submit(|encoder| Ok(scene.encode(encoder, FrameInputs::new(&[camera().into()]))))? {
                 Ok(_) => {}
                 Err(ShadowError::Device(DeviceError::MemoryLimit { .. })) => return Ok(false),
                 Err(error) => return Err(error.to_string()),

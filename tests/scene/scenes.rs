@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::{SceneFrame, SceneOptions};
+use rimline::gpu::{Capacities, SceneFrame, SceneOptions};
 use rimline::reference::cpu::{self, SceneTable};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
@@ -31,7 +31,12 @@ pub(crate) fn check(gpu: &Gpu, scene: &mut RandomScene) -> Result<Tally, String>
 /// Lists that hold every edge, so that nothing overflows.
 pub(crate) fn roomy(max_lights: usize) -> SceneOptions {
     // Some meshes of random scenes are in clusters.
-    SceneOptions { max_lights, list_capacity: Some(u32::MAX), clusters_from: Some(100), ..Default::default() }
+    SceneOptions {
+        max_lights,
+        capacities: Capacities { lists: Some(u32::MAX), ..Capacities::default() },
+        clusters_from: Some(100),
+        ..Default::default()
+    }
 }
 
 fn run(seed: u64, scenes: usize, lights: usize, casters: usize) -> Result<(), String> {
@@ -137,7 +142,7 @@ fn overflow() -> Result<(), String> {
     for seed in 1701..1705 {
         println!("seed {seed}");
         let (_, _, whole) = sample(gpu, seed, roomy(8))?;
-        let small = SceneOptions { list_capacity: Some(1), ..roomy(8) };
+        let small = SceneOptions { capacities: Capacities { lists: Some(1), ..Capacities::default() }, ..roomy(8) };
         let (_, _, found) = sample(gpu, seed, small)?;
         for (found, whole) in found.groups.iter().zip(&whole.groups) {
             same("counts", &found.counts, &whole.counts)?;

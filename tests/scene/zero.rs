@@ -5,14 +5,14 @@ use std::ops::ControlFlow;
 
 use rimline::cpu::{HiddenFaces, HiddenOptions};
 use rimline::gpu::{
-    Caster, CasterHandle, Deformer, DeformerOptions, DeviceError, LightHandle, LightMask, Pipelines, PositionBuffer,
-    Receivers, Scene, SceneFrame, SceneOptions, ShadowError, read_back_vec, read_back_vec_async,
+    Capacities, Caster, CasterHandle, DeformerOptions, DeviceError, FrameInputs, LightHandle, LightMask, Pipelines,
+    PositionBuffer, Scene, SceneFrame, SceneOptions, ShadowError, StencilCounts, read_back_vec, read_back_vec_async,
 };
 use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{Counting, DepthDirection, Light, Matrix3x4, Mesh, Model, Pose, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::text;
+use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::{must_fail, same, shapes};
 
 use crate::histories::{Volumes, buffers, volumes};
@@ -49,7 +49,7 @@ impl Stage {
     }
 
     fn encode(&mut self, gpu: &Gpu, cameras: &[ShadowCamera]) -> Result<SceneFrame, String> {
-        gpu.submit(|encoder| self.scene.encode(encoder, cameras, None).map_err(text))
+        gpu.submit(|encoder| self.scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text))
     }
 
     /// Instances of the draws of a frame, and its statistics.
@@ -85,7 +85,8 @@ fn without_edges() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     for counting in COUNTINGS {
         for clusters_from in [None, Some(0)] {
-            let options = SceneOptions { counting, clusters_from, bound_counts: true, ..SceneOptions::default() };
+            let stencil = StencilCounts { bound_counts: true, ..StencilCounts::default() };
+            let options = SceneOptions { counting, clusters_from, stencil, ..SceneOptions::default() };
             let (mut alone, mut beside) = (Stage::new(gpu, options, false)?, Stage::new(gpu, options, true)?);
             let mut reference = Stage::new(gpu, options, true)?;
             for (mesh, positions) in meshes()? {
@@ -125,10 +126,10 @@ fn without_room() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     for counting in COUNTINGS {
         let found = [Some(0), Some(1), None].map(|room| {
-            let (list_capacity, undecided_capacity, cap_capacity) = (room, room, room);
+            let capacities = Capacities { lists: room, undecided: room, caps: room };
             let (count_batches, clusters_from) = (room.unwrap_or(1), room.or(Some(4096)));
-            let sizes = SceneOptions { list_capacity, undecided_capacity, cap_capacity, ..SceneOptions::default() };
-            let options = SceneOptions { counting, count_batches, clusters_from, bound_counts: true, ..sizes };
+            let stencil = StencilCounts { count_batches, bound_counts: true, ..StencilCounts::default() };
+            let options = SceneOptions { counting, stencil, capacities, clusters_from, ..SceneOptions::default() };
             let mut stage = Stage::new(gpu, options, true)?;
             let frame = stage.encode(gpu, &[eye()])?;
             stage.volumes(gpu, &frame, 1)
@@ -144,7 +145,7 @@ fn without_room() -> Result<(), String> {
 /// Lists of nothing, of casters, views, faces, polygons and lights.
 fn without_lists() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let options = SceneOptions { skip_occluded: true, ..SceneOptions::default() };
+    let options = SceneOptions::default();
     let (mut stage, mut reference) = (Stage::new(gpu, options, true)?, Stage::new(gpu, options, true)?);
     let (caster, light) = (stage.casters[0], stage.lights[0]);
     let go_on = |_, _| ControlFlow::Continue(());
@@ -157,26 +158,24 @@ fn without_lists() -> Result<(), String> {
     scene.set_hidden_faces(light, &[], None).map_err(text)?;
     let polygon = Err(ShadowError::OccluderCorners { number: 0, corners: 0 });
     same("an occluder without corners", &[scene.set_occluders(caster, &[&[]])], &[polygon])?;
-    // No camera, and no receivers of one; no figures, of a model without any.
+    // No camera; no instances, of a model without any.
     let model = Model::new(Vec::new(), Vec::new()).map_err(text)?;
-    let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
+    let pose = Pose::new(Vec::new());
+    let model = stage.scene.insert_model(&model, &pose, DeformerOptions::default()).map_err(text)?;
+    same("instances", &[stage.scene.casters(model).map(<[_]>::len)], &[Ok(0)])?;
     let truth = reference.encode(gpu, &[eye()])?;
     let truth = reference.volumes(gpu, &truth, 1)?;
-    let (one, no_receivers): ([ShadowCamera; 1], [Option<Receivers<'_>>; 1]) = ([eye()], [None]);
-    for (cameras, receivers) in [(0, 0), (1, 0), (1, 1)] {
-        let (cameras, receivers) = (&one[..cameras], &no_receivers[..receivers]);
-        let (needs, frame) = gpu.submit(|encoder| {
-            let needs = stage.scene.encode_needs(encoder, &[], cameras, None).map_err(text)?;
-            deformer.encode_needed(encoder, &Pose::new(Vec::new()), 0.0, None, &needs, None).map_err(text)?;
-            let frame = stage.scene.encode_needed(encoder, cameras, receivers, &needs, None).map_err(text)?;
-            Ok((needs, frame))
+    for cameras in [&[][..], &[eye()]] {
+        stage.scene.set_pose(model, &pose).map_err(text)?;
+        let frame = gpu.submit(|encoder| {
+            stage.scene.deform(encoder, FrameInputs::new(&views(cameras))).map_err(text)?;
+            stage.scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text)
         })?;
-        let part = needs.part(0..0).is_some_and(|part| part.is_empty()) && needs.part(0..1).is_none();
-        same("needs", &[needs.is_empty(), part], &[true, true])?;
         if !cameras.is_empty() {
             same("volumes", &stage.volumes(gpu, &frame, 1)?.instances, &truth.instances)?;
         }
     }
+    stage.scene.remove_model(model).map_err(text)?;
     // Casters for no light, and with no light left.
     for caster in stage.casters.clone() {
         stage.scene.set_lights(caster, LightMask::only([])).map_err(text)?;
@@ -198,7 +197,7 @@ fn without_memory() -> Result<(), String> {
     let shape = shapes::cube();
     let mesh = scene.add_mesh(&shape.mesh().map_err(text)?, &shape.positions).err();
     // Statistics take memory without content, too.
-    let frame = gpu.submit(|encoder| Ok(scene.encode(encoder, &[], None).err()))?;
+    let frame = gpu.submit(|encoder| Ok(scene.encode(encoder, FrameInputs::default()).err()))?;
     for refused in [mesh, frame] {
         if !matches!(refused, Some(ShadowError::Device(DeviceError::MemoryLimit { limit: 0, .. }))) {
             return Err(format!("no memory: {refused:?}"));

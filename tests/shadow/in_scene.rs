@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use rimline::gpu::{
-    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Measuring, Receivers, Scene, SceneFrame,
-    SceneOptions, ScenePipelines, ShadowError, ShadowFormat, ShadowOptions,
+    Capacities, Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, Measuring, Receivers,
+    Scene, SceneFrame, SceneOptions, ScenePipelines, ShadowError, ShadowFormat, ShadowOptions, StencilCounts, View,
 };
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{ShadowLight, ShadowStatistics};
@@ -15,7 +15,7 @@ use crate::render::{Counted, Placing, Renderer};
 use crate::scene::{Body, Eye, Frame};
 use crate::trials::{RIGHT, Test, Traced, rotated, seed};
 use rimline_testkit::device::Gpu;
-use rimline_testkit::on_gpu::text;
+use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes;
 use rimline_testkit::{is_long, must_fail, same};
@@ -116,13 +116,15 @@ impl Past {
                 casters.push(scene.insert(Caster::rigid(mesh, place)).map_err(text)?);
             }
         }
-        renderer.gpu.submit(|encoder| scene.encode(encoder, &[*camera; 2], None).map_err(text))?;
+        renderer
+            .gpu
+            .submit(|encoder| scene.encode(encoder, FrameInputs::new(&[View::new(*camera); 2])).map_err(text))?;
         // Some go, some move.
         scene.remove(casters.swap_remove(random.below(casters.len()))).map_err(text)?;
         scene.remove_light(lights.swap_remove(random.below(lights.len()))).map_err(text)?;
         scene.set_transform(casters[0], rows([2.0, 1.0, 1.0])).map_err(text)?;
         scene.set_light(lights[0], light(random)).map_err(text)?;
-        renderer.gpu.submit(|encoder| scene.encode(encoder, &[*camera], None).map_err(text))?;
+        renderer.gpu.submit(|encoder| scene.encode(encoder, FrameInputs::new(&[(*camera).into()])).map_err(text))?;
         Ok(Self { casters, lights })
     }
 
@@ -146,17 +148,20 @@ fn scene_options(renderer: &Renderer<'_>, max_lights: usize, counting: Counting)
     let ShadowOptions { end_at_range, cap_capacity, .. } = renderer.options;
     let mut options = SceneOptions {
         max_lights,
-        list_capacity: renderer.list_capacity,
+        capacities: Capacities { lists: renderer.list_capacity, caps: cap_capacity, ..Capacities::default() },
         counting,
         end_at_range,
-        cap_capacity,
-        count_batches: renderer.count_batches,
-        count_bits: renderer.count_bits,
-        bound_counts: renderer.options.bound_counts,
+        stencil: StencilCounts {
+            count_bits: renderer.count_bits,
+            count_batches: renderer.count_batches,
+            bound_counts: renderer.options.bound_counts,
+        },
         ..SceneOptions::default()
     };
     options.measuring.set(Measuring::EVERY_FACE, renderer.options.every_face);
     options.measuring.set(Measuring::UNSEEN, !renderer.options.skip_unseen);
+    // Counts of all casters, unless a test asks for dark and lit alone.
+    options.measuring.set(Measuring::OCCLUDED, true);
     (renderer.levels)(&mut options);
     options
 }
@@ -239,7 +244,7 @@ impl InScene {
         if let Some(past) = past {
             // Recorded, but never submitted.
             let mut dropped = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            scene.encode(&mut dropped, &cameras, None).map_err(text)?;
+            scene.encode(&mut dropped, FrameInputs::new(&views(&cameras))).map_err(text)?;
             past.go(&mut scene)?;
             view = random.below(3);
             while cameras.len() <= 2 {
@@ -247,10 +252,10 @@ impl InScene {
                 cameras.insert(place, other_view(frame, &mut random).camera());
             }
             // A later encode into the same encoder overwrites this one.
-            scene.encode(encoder, &cameras[..=random.below(3)], None).map_err(text)?;
+            scene.encode(encoder, FrameInputs::new(&views(&cameras[..=random.below(3)]))).map_err(text)?;
         }
-        let mut of_views = vec![None; cameras.len()];
-        of_views[view] = receivers;
+        let mut of_views = views(&cameras);
+        of_views[view].depth = receivers;
         if !matches!(renderer.placing, Placing::Moved(_)) {
             // All bits and lists of silhouettes are then those of an encode before.
             for &caster in &casters {
@@ -259,9 +264,9 @@ impl InScene {
                     Err(error) => return Err(text(error)),
                 }
             }
-            scene.encode_for(encoder, &cameras, &of_views, None).map_err(text)?;
+            scene.encode(encoder, FrameInputs::new(&of_views)).map_err(text)?;
         }
-        let frame = scene.encode_for(encoder, &cameras, &of_views, None).map_err(text)?;
+        let frame = scene.encode(encoder, FrameInputs::new(&of_views)).map_err(text)?;
         Ok(Self { frame, pipelines, lights, casters, view })
     }
 

@@ -47,7 +47,7 @@ fn all(options: &mut SceneOptions) {
     for (_, switch) in LEVELS {
         switch(options);
     }
-    options.skip_occluded = true;
+    options.measuring.set(Measuring::OCCLUDED, false);
 }
 
 /// None comes first.
@@ -178,7 +178,8 @@ fn occluded() -> Result<(), String> {
         let of = |levels| Renderer { placing: Placing::Scene, levels, ..Renderer::new(gpu) };
         let what = |error: String| format!("seed {seed}, {counting:?}: {error}");
         let without = of(none).count(&frame, counting).map_err(what)?;
-        let with = of(|options| options.skip_occluded = true).count(&frame, counting).map_err(what)?;
+        let with =
+            of(|options| options.measuring.set(Measuring::OCCLUDED, false)).count(&frame, counting).map_err(what)?;
         let is_dark = |counted: &Counted| counted.stencils[0].iter().map(|count| *count != 0).collect::<Vec<_>>();
         let (mut found, expected) = (is_dark(&with), is_dark(&without));
         same("dark pixels", &found, &expected).map_err(what)?;

@@ -200,7 +200,9 @@ fn batches() -> Result<(), String> {
 }
 
 fn refusals() -> Result<(), String> {
-    use rimline::gpu::{DepthMapError, Scene, SceneOptions, ScenePipelines, ShadowError, ShadowPipelines};
+    use rimline::gpu::{
+        DepthMapError, FrameInputs, Scene, SceneOptions, ScenePipelines, ShadowError, ShadowPipelines, StencilCounts,
+    };
     let gpu = &*Gpu::shared()?;
     let format = |count_bits| ShadowFormat { count_bits, ..Default::default() };
     for given in [0, 9, u32::MAX] {
@@ -209,14 +211,16 @@ fn refusals() -> Result<(), String> {
         same("volumes", &[found], &[Some(error.clone())])?;
         let found = DepthMapPipelines::new(&gpu.pipelines, &format(given), 7).err();
         same("maps", &[found], &[Some(DepthMapError::Shadow(error.clone()))])?;
-        let options = SceneOptions { count_bits: given, ..Default::default() };
+        let options =
+            SceneOptions { stencil: StencilCounts { count_bits: given, ..Default::default() }, ..Default::default() };
         let found = Scene::new(&gpu.pipelines, &gpu.queue, options).err();
         same("scene", &[found], &[Some(error)])?;
     }
     let error = ShadowError::CountBits { given: 1, least: 2 };
     let found = ScenePipelines::in_batches(&gpu.pipelines, &format(1), Counting::Auto).err();
     same("batches", &[found], &[Some(error.clone())])?;
-    let options = SceneOptions { count_bits: 1, count_batches: 2, ..Default::default() };
+    let stencil = StencilCounts { count_bits: 1, count_batches: 2, ..StencilCounts::default() };
+    let options = SceneOptions { stencil, ..SceneOptions::default() };
     let found = Scene::new(&gpu.pipelines, &gpu.queue, options).err();
     same("scene in batches", &[found], &[Some(error)])?;
     let found = DepthMapPipelines::antialiased(&gpu.pipelines, &format(6), 5..8).err();
@@ -230,7 +234,7 @@ fn refusals() -> Result<(), String> {
     let view = target.create_view(&wgpu::TextureViewDescriptor::default());
     let camera = shells(1, true).eye.camera();
     let found = gpu.submit(|encoder| {
-        let frame = scene.encode(encoder, &[camera], None).map_err(text)?;
+        let frame = scene.encode(encoder, FrameInputs::new(&[camera.into()])).map_err(text)?;
         let mut pass = encoder.begin_render_pass(&crate::render::attachment(&view, wgpu::LoadOp::Clear(0.0)));
         Ok(frame.draw(&mut pass, &pipelines, 0, light).err())
     })?;

@@ -2,7 +2,7 @@
 //! places that are seen.
 
 use glam::{DMat4, DVec3, DVec4};
-use rimline::gpu::{Receivers, Scene, SceneOptions};
+use rimline::gpu::{FrameInputs, Receivers, Scene, SceneOptions, View};
 use rimline::reference::cpu::CHOICE_WORDS;
 use rimline::reference::layout::ReceiverView;
 use rimline::reference::shadow;
@@ -212,8 +212,9 @@ fn pyramid() -> Result<(), String> {
         scene.insert(rimline::gpu::Caster::rigid(mesh, rows)).map_err(text)?;
         scene.add_light(Light::point([0.0, 5.0, 0.0])).map_err(text)?;
         // The second of three views has them.
-        let receivers = [None, Some(Receivers { depth: &depth, sky_receives, version: None }), None];
-        let frame = gpu.submit(|encoder| scene.encode_for(encoder, &[camera; 3], &receivers, None).map_err(text))?;
+        let mut views = [View::new(camera); 3];
+        views[1].depth = Some(Receivers { depth: &depth, sky_receives, version: None });
+        let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::new(&views)).map_err(text))?;
         let (buffer, count) = frame.results().map_err(text)?.receivers.ok_or("no view")?;
         let all: Vec<u32> = gpu.read(buffer, usize::MAX)?;
         let mut found = all[1 + count as usize..][..count as usize].to_vec();
@@ -287,7 +288,9 @@ fn chosen(
     camera: ShadowCamera,
     receivers: Option<Receivers<'_>>,
 ) -> Result<Chosen, String> {
-    let frame = gpu.submit(|encoder| scene.encode_for(encoder, &[camera], &[receivers], None).map_err(text))?;
+    let frame = gpu.submit(|encoder| {
+        scene.encode(encoder, FrameInputs::new(&[View { camera, depth: receivers }])).map_err(text)
+    })?;
     let results = frame.results().map_err(text)?;
     let mut words: Vec<u32> = gpu.read(results.choices.ok_or("no view")?, 8 * 16)?;
     // The last word of a caster tells which lists are made anew.

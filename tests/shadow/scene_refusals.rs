@@ -1,6 +1,6 @@
 //! Errors of a scene when its shadow volumes are recorded or drawn.
 
-use rimline::gpu::{Caster, Scene, SceneFrame, SceneOptions, ScenePipelines, ShadowError, ShadowFormat};
+use rimline::gpu::{Caster, FrameInputs, Scene, SceneFrame, SceneOptions, ScenePipelines, ShadowError, ShadowFormat};
 use rimline::{CameraError, Counting, DepthDirection, Light, LightError, ShadowCamera};
 
 use crate::render::{Renderer, attachment};
@@ -8,7 +8,7 @@ use crate::scene::Eye;
 use crate::trials::Test;
 use glam::DVec3;
 use rimline_testkit::device::Gpu;
-use rimline_testkit::on_gpu::text;
+use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::shapes;
 
@@ -33,7 +33,7 @@ fn scene(gpu: &Gpu, options: SceneOptions) -> Result<(Scene, Caster), String> {
 
 fn encode(gpu: &Gpu, scene: &mut Scene, cameras: &[ShadowCamera]) -> Result<SceneFrame, ShadowError> {
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let frame = scene.encode(&mut encoder, cameras, None);
+    let frame = scene.encode(&mut encoder, FrameInputs::new(&views(cameras)));
     gpu.queue.submit([encoder.finish()]);
     frame
 }

@@ -1,7 +1,7 @@
 //! Ten thousand casters, thirty-two lights and three views: what is chosen, how much is drawn, and the bound of counts.
 
 use glam::{DQuat, DVec3};
-use rimline::gpu::{Caster, Scene, SceneOptions};
+use rimline::gpu::{Capacities, Caster, FrameInputs, Scene, SceneOptions, StencilCounts};
 use rimline::reference::layout::{ShadowDraws, ShadowStatistics, StencilPencil};
 use rimline::{Light, Matrix3x4, ShadowCamera};
 
@@ -10,7 +10,7 @@ use crate::stages::instances;
 use crate::trials::Test;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::goldens::golden;
-use rimline_testkit::on_gpu::text;
+use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::random::Random;
 use rimline_testkit::{same, shapes};
 
@@ -64,8 +64,9 @@ fn thousands() -> Result<(), String> {
     let mut random = Random::new(seed);
     let models = [shapes::cube(), shapes::plane_grid(2, 2)];
     // Room for every side and cap.
-    let options = SceneOptions { max_lights: LIGHTS, list_capacity: Some(1 << 20), ..SceneOptions::default() };
-    let options = SceneOptions { cap_capacity: Some(1 << 18), bound_counts: true, ..options };
+    let capacities = Capacities { lists: Some(1 << 20), caps: Some(1 << 18), ..Capacities::default() };
+    let stencil = StencilCounts { bound_counts: true, ..StencilCounts::default() };
+    let options = SceneOptions { max_lights: LIGHTS, stencil, capacities, ..SceneOptions::default() };
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     let mut meshes = Vec::new();
     for model in &models {
@@ -81,7 +82,7 @@ fn thousands() -> Result<(), String> {
         scene.add_light(light).map_err(text)?;
     }
     let cameras = [(); 3].map(|()| camera(&mut random));
-    let frame = gpu.submit(|encoder| scene.encode(encoder, &cameras, None).map_err(text))?;
+    let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::new(&views(&cameras))).map_err(text))?;
     let results = frame.results().map_err(text)?;
     let draws: Vec<ShadowDraws> = gpu.read(&results.shadow_draws[0], 3 * LIGHTS)?;
     let words: Vec<u32> = gpu.read(results.choices.ok_or("no view")?, usize::MAX)?;

@@ -1,9 +1,9 @@
 //! Extractions and deformations on the GPU, read back for tests to compare.
 
-use rimline::gpu::{Deformer, Extractor, ExtractorOptions, PositionBuffer, ShadowVolumes};
+use rimline::gpu::{Deformer, Extractor, ExtractorOptions, PositionBuffer, ShadowVolumes, View};
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{DrawArguments, EdgeMasks, ExtractionStatistics, SeenLight, ShadowLight};
-use rimline::{Light, Mesh, Model, Pose};
+use rimline::{Light, Mesh, Model, Pose, ShadowCamera};
 
 use crate::band::deform_bound;
 use crate::device::Gpu;
@@ -23,6 +23,11 @@ pub struct Found {
     pub counts: Vec<u32>,
     pub draws: Vec<DrawArguments>,
     pub statistics: ExtractionStatistics,
+}
+
+/// Views of a scene whose depths are not there yet.
+pub fn views(cameras: &[ShadowCamera]) -> Vec<View<'static>> {
+    cameras.iter().map(|&camera| camera.into()).collect()
 }
 
 /// Extracts on the GPU and reads everything back.

@@ -54,7 +54,7 @@ pub enum DepthMapError {
     /// Volumes of meshes count in the bit.
     #[error(
         "bit {bit} of the stencil is one of the {count_bits} that counts own (`ShadowFormat::count_bits`); take a higher one \
-         for parity, or let counts own fewer, in the format of all pipelines and in `SceneOptions::count_bits`"
+         for parity, or let counts own fewer, in the format of all pipelines and in `SceneOptions::stencil`"
     )]
     Counted {
         /// The lowest bit given.

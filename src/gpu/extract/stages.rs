@@ -9,7 +9,7 @@ use super::polygon_buffers::{
     WORKGROUPS,
 };
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
-use crate::gpu::common::dispatch_limits::{WORKGROUP, Windows};
+use crate::gpu::common::dispatch_limits::{WORKGROUP, Windows, exact_workgroups};
 use crate::gpu::common::pass::{Dispatch, Step, Workgroups};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program};
 use crate::gpu::common::positions::BoundPositions;
@@ -21,16 +21,6 @@ use crate::stages::{
     POLYGON_MASKS, POLYGON_TURNS, Stage,
 };
 use crate::turns::EXACT_ITEMS;
-
-/// The number of invocations in a workgroup of exact facing.
-const EXACT_WORKGROUP: u32 = 64;
-
-/// The number of faces that an invocation of exact facing takes in turn if every face is undecided. See
-/// ARCHITECTURE.md, "Exact facing is a direct dispatch". From 4 on, a dispatch has no more workgroups than one of
-/// facing.
-fn exact_turns(device: &wgpu::Device) -> u32 {
-    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { EXACT_ITEMS } else { 4 }
-}
 
 /// The items that a stage walks along.
 #[derive(Clone, Copy, Debug)]
@@ -267,7 +257,7 @@ impl<'a> Binder<'a> {
         let over = |invocations: u32| Workgroups::Known([(at.items.len() as u32).div_ceil(invocations), 1]);
         let workgroups = match planned.size {
             Size::Items => over(WORKGROUP),
-            Size::Few => over(EXACT_WORKGROUP * exact_turns(self.device)),
+            Size::Few => Workgroups::Known([exact_workgroups(self.device, at.items.len() as u32, EXACT_ITEMS), 1]),
             Size::Lights => self.in_turn(self.shape.batch_lights(at.batch)),
             Size::Written(byte) => match &self.buffers.polygons {
                 Some(polygons) => Workgroups::Written(polygons.arguments.clone(), byte),

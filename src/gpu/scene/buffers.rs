@@ -44,14 +44,14 @@ impl GroupSizes {
     pub(crate) fn new(group: &Group, lights: u32, options: &SceneOptions, limits: &DispatchLimits) -> Self {
         let slots = u64::from(group.face_slots());
         let is_exact = options.predicate() == Predicate::Exact;
-        let undecided = match options.undecided_capacity {
+        let undecided = match options.capacities.undecided {
             _ if !is_exact => 1,
             Some(capacity) => u64::from(capacity.max(1)),
             None => (slots / 4).max(4096),
         };
         let undecided = undecided.min(slots).min((limits.binding - RECORD_HEAD) / 4).max(1);
         let fitting = (limits.binding - LISTS_HEAD) / 4 / u64::from(lights.max(1));
-        let capacity = options.list_capacity.map_or_else(|| default_capacity(group, lights), u64::from);
+        let capacity = options.capacities.lists.map_or_else(|| default_capacity(group, lights), u64::from);
         let capacity = capacity.min(fitting).min(u64::from(group.edge_slots())).max(1);
         Self {
             masks: 4 * slots,

@@ -61,9 +61,8 @@ pub enum CasterPositions {
     Rigid(Matrix3x4),
     /// In a buffer of the caller's, in world space, for each source vertex of the mesh. It is read anew in each encode,
     /// unless [`Scene::set_position_version`](crate::gpu::Scene::set_position_version) says that nothing changed.
-    /// Casters with the same buffer are drawn together, so keep many in one buffer. For example a
-    /// [`Deformer`](crate::gpu::Deformer) writes instance after instance; see
-    /// [`Deformer::instance_positions`](crate::gpu::Deformer::instance_positions).
+    /// Casters with the same buffer are drawn together, so keep many in one buffer. A model with poses is easier by
+    /// [`Scene::insert_model`](crate::gpu::Scene::insert_model).
     Buffer {
         /// The buffer, with usage `STORAGE`.
         buffer: wgpu::Buffer,
@@ -139,7 +138,9 @@ pub(crate) struct CasterEntry {
     pub(crate) bounds: Option<[[f32; 3]; 2]>,
     /// The caller's version of the positions in its buffer. `None`: they may change at any time.
     pub(crate) positions_version: Option<u64>,
-    /// Its number among the figures of the last encode, counted from 1. 0: it is none.
+    /// Whether it is an instance of a model.
+    pub(crate) is_of_model: bool,
+    /// Its number among the instances of all models, counted from 1. 0: it is none.
     pub(crate) figure: u32,
     /// Its place in the table, and where its lights begin there. It is known once the scene is laid out.
     pub(crate) index: u32,

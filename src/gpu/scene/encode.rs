@@ -1,119 +1,91 @@
 //! Encodes of a scene: brings table, buffers and volumes up to date, and records the stages.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::caster::CasterEntry;
 use super::frame::SceneFrame;
 use super::layout::put_lights;
-use super::needs::SceneNeeds;
 use super::options::Measuring;
-use super::receivers::{self, Receivers, SeenReceivers};
+use super::receivers::{self, SeenReceivers};
 use super::scene::Scene;
 use super::stages::steps;
 use super::structure::{Making, Number, Structure};
 use super::table::{Part, Table};
+use super::view::{FrameInputs, View};
 use super::volumes::Volumes;
 use crate::ShadowCamera;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::pass::record;
 use crate::gpu::common::requirements::check_timer;
-use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::upload;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::pipelines::Convention;
 use crate::layout::{SeenLight, ShadowView};
 
 impl Scene {
-    /// Records the extraction of all casters for all lights. One encoder may hold several encodes. Each sees the scene
-    /// of its moment, and overwrites the results of the one before. An encoder may be dropped, or submitted after a
-    /// later one.
+    /// Records the extraction of all casters for all lights, and the shadow volumes of all views. One encoder may hold several
+    /// encodes. Each sees the scene of its moment, and overwrites the results of the one before. An encoder may be dropped, or
+    /// submitted after a later one. Memory is kept for the most views of an encode so far.
     ///
-    /// `cameras` are the views that shadow volumes are prepared for. There may be none. Memory is kept for the most views of
-    /// an encode so far. `timer` takes a timestamp around each stage.
+    /// ```no_run
+    /// use rimline::gpu::{FrameInputs, Scene, SceneFrame, ShadowError, StageTimer};
+    /// use rimline::{ShadowCamera, wgpu};
+    ///
+    /// fn frame(
+    ///     scene: &mut Scene,
+    ///     encoder: &mut wgpu::CommandEncoder,
+    ///     camera: ShadowCamera,
+    ///     timer: &mut StageTimer,
+    /// ) -> Result<SceneFrame, ShadowError> {
+    ///     scene.encode(encoder, FrameInputs { views: &[camera.into()], timer: Some(timer), ..Default::default() })
+    /// }
+    /// ```
     ///
     /// # Errors
-    /// [`ShadowError`] if a camera is refused, the scene does not fit the device or the memory limit, or the device is lost or
-    /// not the timer's. Nothing is recorded then, and the next encode is not affected.
+    /// [`ShadowError`] if a camera or its [`View::depth`] is refused, the scene does not fit the device or the memory limit, or
+    /// the device is lost or not the timer's. Nothing is recorded then, and the next encode is not affected.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        cameras: &[ShadowCamera],
-        timer: Option<&mut StageTimer>,
+        inputs: FrameInputs<'_>,
     ) -> Result<SceneFrame, ShadowError> {
-        self.encode_for(encoder, cameras, &[], timer)
-    }
-
-    /// Like [`Self::encode`], for cameras whose depth is there already. `receivers` are those of the first cameras. A camera
-    /// with receivers has no volume that none of them can be in (receiver culling), which spares the passes that draw. Each
-    /// encode makes its lists anew, since the depth may have changed. It uses cached lists only if [`Receivers::version`]
-    /// says that the depth is the same.
-    ///
-    /// # Errors
-    /// The errors of [`Self::encode`], and those of receivers, such as [`ShadowError::ReceiversFormat`].
-    pub fn encode_for(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        cameras: &[ShadowCamera],
-        receivers: &[Option<Receivers<'_>>],
-        timer: Option<&mut StageTimer>,
-    ) -> Result<SceneFrame, ShadowError> {
-        self.record(encoder, cameras, receivers, None, timer)
-    }
-
-    /// Like [`Self::encode_for`], after figures were deformed as far as `needs` says ([`Self::encode_needs`]). Nothing is
-    /// computed for figures that the frame does not need. `cameras` are the same as there, and the scene has not changed
-    /// since.
-    ///
-    /// # Errors
-    /// The errors of [`Self::encode_for`], and [`ShadowError::StaleNeeds`].
-    pub fn encode_needed(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        cameras: &[ShadowCamera],
-        receivers: &[Option<Receivers<'_>>],
-        needs: &SceneNeeds,
-        timer: Option<&mut StageTimer>,
-    ) -> Result<SceneFrame, ShadowError> {
-        self.record(encoder, cameras, receivers, Some(needs), timer)
-    }
-
-    fn record(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        cameras: &[ShadowCamera],
-        receivers: &[Option<Receivers<'_>>],
-        needs: Option<&SceneNeeds>,
-        mut timer: Option<&mut StageTimer>,
-    ) -> Result<SceneFrame, ShadowError> {
+        let mut timer = inputs.timer;
         check_timer(timer.as_deref(), self.pipelines.device())?;
-        let views = self.check_views(cameras)?;
-        let receivers = self.check_receivers(cameras, receivers)?;
-        let words = receivers.iter().flatten().map(Receivers::words).max().unwrap_or(0);
-        needs.map_or(Ok(()), |needs| self.check_needs(needs, &views))?;
-        self.heed_needs(needs);
-        let (structure, volumes) = self.prepare_receivers(cameras.len(), words)?;
-        self.table.put_encode(self.encode_number(), if needs.is_some() { structure.unneeded_at } else { 0 });
-        self.table.put_origin(cameras.iter().flat_map(|camera| camera.origin).fold(0.0, |size, c| size.max(c.abs())));
+        let views = self.check_views(inputs.views)?;
+        let given = &*self.check_depths(inputs.views)?;
+        let words = given.iter().filter_map(|view| view.depth).map(|depth| depth.words()).max().unwrap_or(0);
+        let deformed = self.take_deformed(&views);
+        let (structure, volumes) = self.prepare_receivers(given.len(), words)?;
+        let needs = if deformed.is_some() { None } else { self.find_needs(given, &views)? };
+        let unneeded_at = if self.figures.is_empty() { 0 } else { structure.unneeded_at };
+        self.table.put_encode(self.encode_number(), unneeded_at);
+        self.table.put_origin(given.iter().flat_map(|view| view.camera.origin).fold(0.0, |size, c| size.max(c.abs())));
         let of_receivers = match volumes.as_ref().filter(|_| !structure.parts.is_empty()) {
             Some(volumes) => {
                 let target = (&volumes.buffers.of.receivers, volumes.buffers.sizes.receivers);
-                receivers::steps(&self.pipelines, cameras, &views, receivers, target)?
+                let seen = given.iter().zip(&views).map(|(given, view)| (&given.camera, view, given.depth.as_ref()));
+                receivers::steps(&self.pipelines, seen, target)?
             }
             None => Vec::new(),
         };
-        self.renew_views(&views, receivers);
-        let seen = volumes.as_ref().map_or_else(Vec::new, |volumes| self.seen(volumes, cameras, &views, receivers));
+        self.renew_views(&views, given);
+        let seen = volumes.as_ref().map_or_else(Vec::new, |volumes| self.seen(volumes, given, &views));
         let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
         let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
+        uploads.extend(needs.iter().flat_map(|needs| self.deform_uploads(needs)));
         if !structure.parts.is_empty() {
             uploads.push((&structure.table, bytemuck::cast_slice(uploaded)));
             uploads.extend(volumes.iter().map(|volumes| (&volumes.buffers.of.seen, bytemuck::cast_slice(&seen[..]))));
+        }
+        if !uploads.is_empty() {
             upload(self.pipelines.device(), encoder, &uploads)?;
-            if let Some(needs) = needs {
-                let [from, to] = [needs.offset(), 4 * u64::from(structure.unneeded_at)];
-                encoder.copy_buffer_to_buffer(&needs.words, from, &structure.buffers.work, to, 4 * needs.len() as u64);
-            }
+        }
+        let unneeded = needs.map(|needs| self.record_needs(encoder, &needs, timer.as_deref_mut())).or(deformed);
+        if let Some(words) = unneeded.filter(|_| !structure.parts.is_empty()) {
+            let (to, bytes) = (4 * u64::from(unneeded_at), 4 * self.figures.len() as u64);
+            encoder.copy_buffer_to_buffer(&words, 0, &structure.buffers.work, to, bytes);
         }
         record(self.steps.iter().chain(&of_receivers), encoder, 0..1, timer.as_deref_mut());
         if let Some(volumes) = &volumes {
@@ -122,8 +94,8 @@ impl Scene {
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         self.pages.reclaim(encode);
         let (encodes, lights) = (Arc::clone(&self.encodes), self.lights.listed());
-        let views = cameras.iter().map(|camera| self.convention(camera)).collect();
-        let count_batches = self.options.count_batches;
+        let views = given.iter().map(|view| self.convention(&view.camera)).collect();
+        let count_batches = self.options.stencil.count_batches;
         let hidden = self.count_hidden();
         let device = self.pipelines.device().clone();
         Ok(SceneFrame {
@@ -141,36 +113,29 @@ impl Scene {
     }
 
     /// The cameras as stages see them.
-    pub(super) fn check_views(&self, cameras: &[ShadowCamera]) -> Result<Vec<ShadowView>, ShadowError> {
-        if cameras.is_empty() {
+    pub(super) fn check_views(&self, given: &[View<'_>]) -> Result<Vec<ShadowView>, ShadowError> {
+        if given.is_empty() {
             return Ok(Vec::new());
         }
         if self.options.counting.is_zp_plus_2005() {
             return Err(ShadowError::SceneCounting(self.options.counting));
         }
-        let view = |(view, camera): (usize, &ShadowCamera)| {
-            camera.view().map_err(|error| ShadowError::ViewCamera { view, error })
+        let view = |(view, given): (usize, &View<'_>)| {
+            given.camera.view().map_err(|error| ShadowError::ViewCamera { view, error })
         };
-        cameras.iter().enumerate().map(view).collect()
+        given.iter().enumerate().map(view).collect()
     }
 
-    /// The receivers that count. There is room for them from here on.
-    fn check_receivers<'a, 'r>(
-        &self,
-        cameras: &[ShadowCamera],
-        receivers: &'a [Option<Receivers<'r>>],
-    ) -> Result<&'a [Option<Receivers<'r>>], ShadowError> {
-        let (given, views) = (receivers.len(), cameras.len());
-        if given > views {
-            return Err(ShadowError::TooManyReceivers { given, views });
+    /// The views with the depths that count.
+    fn check_depths<'a, 'r>(&self, given: &'a [View<'r>]) -> Result<Cow<'a, [View<'r>]>, ShadowError> {
+        for (number, view) in given.iter().enumerate() {
+            view.depth.map_or(Ok(()), |depth| depth.check(number))?;
         }
-        for (view, receivers) in receivers.iter().enumerate() {
-            receivers.as_ref().map_or(Ok(()), |receivers| receivers.check(view))?;
-        }
-        if self.options.measuring.has(Measuring::WITHOUT_RECEIVERS) {
-            return Ok(&[]);
-        }
-        Ok(receivers)
+        Ok(if self.options.measuring.has(Measuring::WITHOUT_RECEIVERS) {
+            given.iter().map(|view| View::new(view.camera)).collect()
+        } else {
+            Cow::Borrowed(given)
+        })
     }
 
     /// Brings everything up to date, with room for so many views and so many words for the receivers of each.
@@ -199,7 +164,7 @@ impl Scene {
     fn convention(&self, camera: &ShadowCamera) -> Convention {
         let counting = self.options.counting;
         let is_unclipped = counting.may_fail() && camera.has_far_plane();
-        let (count_bits, mirrors) = (self.options.count_bits, camera.mirrors());
+        let (count_bits, mirrors) = (self.options.stencil.count_bits, camera.mirrors());
         Convention { counting, depth: camera.depth, is_unclipped, count_bits, mirrors }
     }
 
@@ -208,47 +173,42 @@ impl Scene {
         if let Some(volumes) = &self.volumes {
             return Ok(Arc::clone(volumes));
         }
-        let Self { pipelines, options, meshes, sources, lights, pages, views, receiver_words, .. } = self;
+        let Self { pipelines, options, meshes, sources, lights, pages, views, receiver_words, deformed_bytes, .. } =
+            self;
         let has_receivers = *receiver_words > 0;
-        let making = Making { pipelines, meshes, sources, pages, lights, options, views: *views, has_receivers };
-        let others = pages.bytes + structure.bytes();
+        let others = pages.bytes + *deformed_bytes;
+        let making =
+            Making { pipelines, meshes, sources, pages, others, lights, options, views: *views, has_receivers };
+        let others = others + structure.bytes();
         let made = Arc::new(Volumes::new(&making, structure, *views, *receiver_words, others)?);
         self.volumes = Some(Arc::clone(&made));
         Ok(made)
     }
 
     /// Keeps the versions of cameras that did not change.
-    fn renew_views(&mut self, views: &[ShadowView], receivers: &[Option<Receivers<'_>>]) {
+    fn renew_views(&mut self, views: &[ShadowView], given: &[View<'_>]) {
         let encode = self.encode_number();
         let last = std::mem::take(&mut self.seen_views);
         let mut last = last.into_iter().map(Some).chain(std::iter::repeat(None));
         let bytes = bytemuck::bytes_of::<ShadowView>;
-        let version = |(number, view): (usize, &ShadowView)| {
-            let seen = SeenReceivers::of(receivers.get(number).and_then(Option::as_ref));
+        let version = |(view, given): (&ShadowView, &View<'_>)| {
+            let seen = SeenReceivers::of(given.depth.as_ref());
             let version = match last.next().flatten() {
                 Some((before, version, of)) if bytes(&before) == bytes(view) && of == seen => version,
                 _ => encode,
             };
             (*view, if seen == SeenReceivers::Changing { encode } else { version }, seen)
         };
-        self.seen_views = views.iter().enumerate().map(version).collect();
+        self.seen_views = views.iter().zip(given).map(version).collect();
     }
 
     /// Each light as each camera sees it. Views that are not used are empty, and their lights reach nothing.
-    fn seen(
-        &self,
-        volumes: &Volumes,
-        cameras: &[ShadowCamera],
-        views: &[ShadowView],
-        receivers: &[Option<Receivers<'_>>],
-    ) -> Vec<SeenLight> {
+    fn seen(&self, volumes: &Volumes, given: &[View<'_>], views: &[ShadowView]) -> Vec<SeenLight> {
         let mut seen = Vec::with_capacity(volumes.buffers.sizes.seen());
-        for (number, ((camera, &view), &(_, version, _))) in cameras.iter().zip(views).zip(&self.seen_views).enumerate()
-        {
-            let has_receivers = receivers.get(number).is_some_and(Option::is_some);
-            let at = if has_receivers { receivers::at(number, volumes.buffers.sizes.receivers) } else { 0 };
+        for (number, ((given, &view), &(_, version, _))) in given.iter().zip(views).zip(&self.seen_views).enumerate() {
+            let at = if given.depth.is_some() { receivers::at(number, volumes.buffers.sizes.receivers) } else { 0 };
             for bit in 0..volumes.buffers.sizes.lights as u32 {
-                let light = self.lights.get(bit).map(|light| camera.light(&view, light));
+                let light = self.lights.get(bit).map(|light| given.camera.light(&view, light));
                 let light = light.unwrap_or_else(bytemuck::Zeroable::zeroed);
                 seen.push(SeenLight { view, light, version: [version, at, 0, 0], ..bytemuck::Zeroable::zeroed() });
             }
@@ -314,8 +274,10 @@ impl Scene {
         let number = Number { structure: self.structures, encode: self.encode_number() };
         self.lights.renew(number.encode);
         let (views, has_receivers) = (self.views, self.receiver_words > 0);
+        self.number_figures();
         let Self { pipelines, options, meshes, casters, sources, lights, pages, table, .. } = self;
-        let making = Making { pipelines, meshes, sources, pages, lights, options, views, has_receivers };
+        let others = pages.bytes + self.deformed_bytes;
+        let making = Making { pipelines, meshes, sources, pages, others, lights, options, views, has_receivers };
         let made = Arc::new(Structure::new(&making, casters, table, self.last.as_deref(), number)?);
         self.steps = steps(&making, &made)?;
         self.volumes = None;

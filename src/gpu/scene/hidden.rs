@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::caster::{HiddenOfLight, HiddenSource, Placement};
 use super::handles::{CasterHandle, LightHandle};
+use super::options::Measuring;
 use super::scene::Scene;
 use crate::Matrix3x4;
 use crate::cpu::HiddenFaces;
@@ -15,8 +16,7 @@ use crate::gpu::shadow::errors::ShadowError;
 pub struct HiddenCounts {
     /// Faces left out, summed over lights.
     pub faces: usize,
-    /// Lights whose hidden faces the scene ignored, since the light, a caster or what it casts for had changed, or the options
-    /// switch them off.
+    /// Lights whose hidden faces the scene ignored, since the light, a caster or what it casts for had changed.
     pub ignored: usize,
     /// The faces that would have been left out for these lights, and cast.
     pub ignored_faces: usize,
@@ -38,8 +38,7 @@ impl Scene {
     ///
     /// If one fails, the encode ignores all hidden faces of the light, and
     /// [`SceneFrame::hidden`](crate::gpu::SceneFrame::hidden) counts them. It uses them again once all hold again. A change
-    /// lays the scene out anew. [`SceneOptions::skip_hidden_faces`](crate::gpu::SceneOptions::skip_hidden_faces) switches all
-    /// of it off.
+    /// lays the scene out anew.
     ///
     /// The caller sees to it that the positions are those that were searched: of a rigid caster those of its mesh.
     ///
@@ -120,7 +119,7 @@ impl Scene {
 
     /// Whether the light and all casters are as they were.
     fn holds(&self, of: &HiddenOfLight) -> bool {
-        if !self.options.skip_hidden_faces {
+        if self.options.measuring.has(Measuring::HIDDEN_FACES) {
             return false;
         }
         let light = self.lights.get(of.light.bit);
@@ -128,7 +127,9 @@ impl Scene {
             self.casters.get(source.key).is_some_and(|entry| {
                 let is_placed = match &entry.placement {
                     Placement::Rigid(rigid) => source.version.is_none() && rigid.rows == IDENTITY,
-                    Placement::World { .. } => source.version.is_some() && entry.positions_version == source.version,
+                    Placement::World { .. } => {
+                        !entry.is_of_model && source.version.is_some() && entry.positions_version == source.version
+                    }
                 };
                 is_placed
                     && entry.lights.has(of.light.bit)

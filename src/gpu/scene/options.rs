@@ -3,32 +3,51 @@
 use crate::method::Predicate;
 use crate::shadow::Counting;
 
-/// The room that a [`Scene`](crate::gpu::Scene) has for lights and results.
+/// How a [`Scene`](crate::gpu::Scene) counts shadows, and its room for lights and results.
 #[derive(Clone, Copy, Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub struct SceneOptions {
     /// The largest number of lights at a time, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS).
     pub max_lights: usize,
-    /// Entries that the list of each light has room for, in each group of casters. `None`: room for all boundary and
-    /// inconsistent edges, and for a share of the others. An overflow loses nothing: the draw then goes over all edges.
-    pub list_capacity: Option<u32>,
-    /// Faces that the list of undecided faces has room for, in each group of casters and batch of 32 lights. `None`: a
-    /// quarter of them, and at least 4,096. An overflow loses nothing: every face then goes through the exact stage.
-    pub undecided_capacity: Option<u32>,
     /// How shadow volumes are counted. The [`ScenePipelines`](crate::gpu::ScenePipelines) that draw them must have the same.
     pub counting: Counting,
-    /// Neither deform nor compute anything of a figure that a frame does not need. It takes effect where the caller asks
-    /// ([`Scene::encode_needs`](crate::gpu::Scene::encode_needs)).
-    pub skip_unneeded: bool,
-    /// Skip a caster for a light where its box is proven to be hidden from the light by another caster's occluder
-    /// ([`Scene::set_occluders`](crate::gpu::Scene::set_occluders)). Off by default: without occluders it does nothing, and they
-    /// are promises.
-    pub skip_occluded: bool,
-    /// Leave out faces that other faces hide from a light ([`Scene::set_hidden_faces`](crate::gpu::Scene::set_hidden_faces)).
-    pub skip_hidden_faces: bool,
+    /// How counts use the stencil.
+    pub stencil: StencilCounts,
+    /// The room of lists.
+    pub capacities: Capacities,
     /// Volumes end beyond their light's range, instead of at infinity. See
     /// [`ShadowOptions::end_at_range`](crate::gpu::ShadowOptions::end_at_range).
     pub end_at_range: bool,
+    /// Meshes of at least so many faces are put in clusters of 128 faces that lie together. For a rigid caster, a cluster of
+    /// which all faces are on one side of a light is decided as a whole. So on a smooth mesh about the root of all faces is
+    /// tested. It takes about the time and a half of [`Mesh::new`](crate::Mesh::new) once more to add such a mesh, less than a
+    /// byte a face of the device's memory, and 4 bytes a face of the host's. `None`: no mesh is. Clusters need
+    /// [`Predicate::Exact`].
+    pub clusters_from: Option<u32>,
+    /// The largest device memory for the scene, in bytes. It is checked before anything is allocated. `None`: no limit.
+    pub memory_limit: Option<u64>,
+    /// Work that no picture needs, for measuring.
+    #[doc(hidden)]
+    pub measuring: Measuring,
+}
+
+/// Room for the entries of lists. Too little loses nothing: the work then goes over all edges or faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Capacities {
+    /// Entries that the list of each light has room for, in each group of casters. `None`: room for all boundary and
+    /// inconsistent edges, and for a share of the others. After an overflow the draw goes over all edges.
+    pub lists: Option<u32>,
+    /// Faces that the list of undecided faces has room for, in each group of casters and batch of 32 lights. `None`: a
+    /// quarter of them, and at least 4,096. After an overflow every face goes through the exact stage.
+    pub undecided: Option<u32>,
+    /// Entries that the lists of near caps, and of other caps, of each light have room for, in each group of casters.
+    /// `None`: room for every face where every face may have a cap, else for a share. After an overflow the draw goes over
+    /// all faces.
+    pub caps: Option<u32>,
+}
+
+/// How the counts of a scene's shadow volumes use the stencil.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StencilCounts {
     /// The low bits of the stencil that counts own: [`ShadowFormat::count_bits`](crate::gpu::ShadowFormat::count_bits) of the
     /// pipelines that draw the scene. 1 to 8, and at least 2 with several [`Self::count_batches`]. The bits above are left as
     /// they are.
@@ -45,21 +64,13 @@ pub struct SceneOptions {
     /// [`ShadowStatistics::may_wrap`](crate::gpu::ShadowStatistics::may_wrap). It takes three stages, and 4 KiB for each view,
     /// light and batch of casters.
     pub bound_counts: bool,
-    /// Entries that the lists of near caps, and of other caps, of each light have room for, in each group of casters.
-    /// `None`: room for every face where every face may have a cap, else for a share. An overflow loses nothing: the draw
-    /// then goes over all faces.
-    pub cap_capacity: Option<u32>,
-    /// Meshes of at least so many faces are put in clusters of 128 faces that lie together. For a rigid caster, a cluster of
-    /// which all faces are on one side of a light is decided as a whole. So on a smooth mesh about the root of all faces is
-    /// tested. It takes about the time and a half of [`Mesh::new`](crate::Mesh::new) once more to add such a mesh, less than a
-    /// byte a face of the device's memory, and 4 bytes a face of the host's. `None`: no mesh is. Clusters need
-    /// [`Predicate::Exact`].
-    pub clusters_from: Option<u32>,
-    /// The largest device memory for the scene, in bytes. It is checked before anything is allocated. `None`: no limit.
-    pub memory_limit: Option<u64>,
-    /// Work that no picture needs, for measuring.
-    #[doc(hidden)]
-    pub measuring: Measuring,
+}
+
+impl Default for StencilCounts {
+    /// One batch of casters that is counted in all bits of the stencil, no bound on counts.
+    fn default() -> Self {
+        Self { count_bits: 8, count_batches: 1, bound_counts: false }
+    }
 }
 
 /// Work that a scene does although no picture needs it, and the predicate that it takes: for measuring and tests. It is not
@@ -84,7 +95,14 @@ impl Measuring {
     /// [`Predicate::Fast`] decides. Clusters need the exact one.
     pub const FAST: Self = Self(1 << 6);
 
-    /// All levels of skipping are off.
+    /// Casters that an occluder hides from a light are computed and drawn.
+    pub const OCCLUDED: Self = Self(1 << 7);
+    /// Hidden faces cast.
+    pub const HIDDEN_FACES: Self = Self(1 << 8);
+    /// Deforming casters that no view and no light needs are deformed and computed.
+    pub const UNNEEDED: Self = Self(1 << 9);
+
+    /// The levels of skipping that need nothing of the caller are off.
     pub const SKIP_NOTHING: Self =
         Self(Self::UNREACHED.0 | Self::UNSEEN.0 | Self::WITHOUT_RECEIVERS.0 | Self::BITS.0 | Self::LISTS.0);
 
@@ -106,23 +124,15 @@ impl SceneOptions {
 }
 
 impl Default for SceneOptions {
-    /// Up to 32 lights, capacities from the meshes, z-pass or ZP+ as the GPU chooses, unneeded deforming casters skipped, clusters
-    /// from 4,096 faces on, infinite volumes, one batch of casters that is counted in all bits of the stencil, no bound on counts,
-    /// no memory limit.
+    /// Up to 32 lights, z-pass or ZP+ as the GPU chooses, one batch of casters that is counted in all bits of the stencil,
+    /// capacities from the meshes, infinite volumes, clusters from 4,096 faces on, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,
-            list_capacity: None,
-            undecided_capacity: None,
             counting: Counting::Auto,
-            skip_unneeded: true,
-            skip_occluded: false,
-            skip_hidden_faces: true,
+            stencil: StencilCounts::default(),
+            capacities: Capacities::default(),
             end_at_range: false,
-            count_bits: 8,
-            count_batches: 1,
-            bound_counts: false,
-            cap_capacity: None,
             clusters_from: Some(4096),
             memory_limit: None,
             measuring: Measuring::default(),

@@ -102,17 +102,18 @@ fn receiver_view(camera: &ShadowCamera, view: &ShadowView, receivers: &Receivers
     }
 }
 
+/// A view, as given and as stages see it, and its receivers.
+pub(crate) type SeenDepth<'a> = (&'a ShadowCamera, &'a ShadowView, Option<&'a Receivers<'a>>);
+
 /// The stages of the views that have receivers. `target` has room for `words` words of each view, after the first word.
-pub(crate) fn steps(
+pub(crate) fn steps<'a>(
     pipelines: &Pipelines,
-    cameras: &[ShadowCamera],
-    views: &[ShadowView],
-    receivers: &[Option<Receivers<'_>>],
+    views: impl Iterator<Item = SeenDepth<'a>>,
     (target, words): (&wgpu::Buffer, u64),
 ) -> Result<Vec<Step>, ShadowError> {
     let mut table = UniformTable::default();
     let mut given = Vec::new();
-    for (number, ((camera, view), receivers)) in cameras.iter().zip(views).zip(receivers).enumerate() {
+    for (number, (camera, view, receivers)) in views.enumerate() {
         if let Some(receivers) = receivers {
             let at = at(number, words);
             given.push((number, receivers, table.push(&receiver_view(camera, view, receivers, at))));

@@ -4,7 +4,7 @@ use super::buffers::{Buffers, LISTS_HEAD, WORK_WORDS};
 use super::structure::{GroupBatch, Making, Structure};
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
 use crate::gpu::common::device_error::DeviceError;
-use crate::gpu::common::dispatch_limits::{DispatchLimits, loops_of};
+use crate::gpu::common::dispatch_limits::{DispatchLimits, exact_workgroups, loops_of};
 use crate::gpu::common::pass::{Step, Workgroups};
 use crate::gpu::common::pipelines::Program;
 use crate::gpu::common::positions::bound;
@@ -14,14 +14,8 @@ use crate::method::Predicate;
 use crate::stages::{ARGUMENTS, CHUNKS, CLUSTERS, REACH, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING};
 use crate::turns::{SCENE_ITEMS, scene_exact_items};
 
-/// The number of invocations in a workgroup of `reach` and of exact facing.
+/// The number of invocations in a workgroup of `reach`.
 const SMALL_WORKGROUP: u64 = 64;
-
-/// The number of faces that an invocation of exact facing takes in turn if every face is undecided. See
-/// ARCHITECTURE.md, "Exact facing is a direct dispatch".
-fn exact_turns(device: &wgpu::Device, lights: u32) -> u64 {
-    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { scene_exact_items(lights).into() } else { 4 }
-}
 
 /// The items that a stage walks along, for a group and batch.
 #[derive(Clone, Copy)]
@@ -132,8 +126,7 @@ impl<'a> Binder<'a> {
             Items::Faces => (in_turn(LANES * faces), 1),
             Items::Edges => (in_turn(LANES * edges), 1),
             Items::Undecided => {
-                let turns = exact_turns(self.device, part.lights);
-                (u64::from(CHUNK * faces).div_ceil(SMALL_WORKGROUP * turns), 1)
+                (exact_workgroups(self.device, CHUNK * faces, scene_exact_items(part.lights)).into(), 1)
             }
             Items::One => (1, 1),
         };

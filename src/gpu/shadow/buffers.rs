@@ -143,7 +143,7 @@ impl<B> VolumeBuffers<B> {
             shapes: make(Wanted::uniforms("shadow shapes", shapes)),
             draw_lights: make(Wanted::uniforms("shadow draw lights", draw_lights)),
             draws: sizes.groups.iter().map(|_| make(draws)).collect(),
-            bound: sizes.options.bound_counts.then(|| BoundBuffers {
+            bound: sizes.options.stencil.bound_counts.then(|| BoundBuffers {
                 pencils: make(Wanted::new("stencil pencils", pencils)),
                 crossings: make(Wanted::new("stencil crossings", crossings)),
             }),
@@ -177,7 +177,7 @@ fn shapes(sizes: &VolumeSizes) -> UniformTable {
 
 fn draw_lights(sizes: &VolumeSizes) -> UniformTable {
     let mut draws = UniformTable::default();
-    for count_batch in 0..sizes.options.count_batches {
+    for count_batch in 0..sizes.options.stencil.count_batches {
         for view in 0..sizes.views as u32 {
             for light in 0..sizes.lights as u32 {
                 draws.push(&ShadowDraw { light, first_light: light / 32 * 32, view, count_batch });

@@ -45,7 +45,7 @@ pub struct ShadowFormat {
     /// surface is dark where any bit is set. **With the default, 8, counts own every bit:** a parity beside them would change
     /// counts. Counts wrap at 2 to the power of this: with 7 bits, a point behind 128 casting faces looks lit, see `bound_counts`
     /// of [`ShadowOptions`](crate::gpu::ShadowOptions::bound_counts) and
-    /// [`SceneOptions`](crate::gpu::SceneOptions::bound_counts).
+    /// [`StencilCounts`](crate::gpu::StencilCounts::bound_counts).
     pub count_bits: u32,
     /// Whether vertex shaders cut sides and caps at the frustum. Default: false, the device clips them. Set it for a driver
     /// that clips slivers wrongly, such as `SwiftShader`: there shadows have lone wrong pixels where volumes leave the picture.

@@ -1,7 +1,7 @@
 //! Options of a caster's shadow volumes.
 
 use super::pipelines::Convention;
-use crate::gpu::scene::options::{Measuring, SceneOptions};
+use crate::gpu::scene::options::{Capacities, Measuring, SceneOptions, StencilCounts};
 
 /// Options of a caster's shadow volumes.
 #[derive(Clone, Copy, Debug)]
@@ -66,9 +66,8 @@ impl ShadowOptions {
         SceneOptions {
             counting,
             end_at_range,
-            count_bits,
-            bound_counts,
-            cap_capacity,
+            stencil: StencilCounts { count_bits, bound_counts, ..StencilCounts::default() },
+            capacities: Capacities { caps: cap_capacity, ..Capacities::default() },
             memory_limit,
             measuring,
             ..SceneOptions::default()

@@ -49,7 +49,7 @@ impl ScenePipelines {
     }
 
     /// Makes the pipelines for scenes whose casters are counted in several batches
-    /// ([`SceneOptions::count_batches`](crate::gpu::SceneOptions::count_batches)). The highest of [`ShadowFormat::count_bits`]
+    /// ([`StencilCounts::count_batches`](crate::gpu::StencilCounts::count_batches)). The highest of [`ShadowFormat::count_bits`]
     /// tells what earlier batches darken.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use super::format::Casters;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::scene::options::{Measuring, SceneOptions};
+use crate::gpu::scene::options::{Measuring, SceneOptions, StencilCounts};
 use crate::layout::{ShadowShape, StencilPencil};
 use crate::shadow::Counting;
 
@@ -95,7 +95,7 @@ impl Room {
         let far = if options.counting.may_fail() || options.end_at_range { faces } else { group.proxies.max(1) };
         let sides = silhouettes.min(fitting(SIDE_COUNTS));
         let mut room = Self { lights, lists_at: 0, silhouettes, sides, near, far };
-        if let Some(capacity) = options.cap_capacity {
+        if let Some(capacity) = options.capacities.caps {
             let asked = |default: u32| if default > 1 { capacity.clamp(1, faces) } else { 1 };
             (room.near, room.far) = (asked(near), asked(far));
         } else {
@@ -173,7 +173,10 @@ impl VolumeSizes {
     /// Pencils, and their rows for all batches of casters.
     pub(crate) fn bound_bytes(&self) -> [u64; 2] {
         let pencils = self.seen() as u64;
-        [size_of::<StencilPencil>() as u64 * pencils, CROSSINGS * pencils * u64::from(self.options.count_batches)]
+        [
+            size_of::<StencilPencil>() as u64 * pencils,
+            CROSSINGS * pencils * u64::from(self.options.stencil.count_batches),
+        ]
     }
 
     /// Bytes that tell what the lists for views were made from.
@@ -194,7 +197,7 @@ impl VolumeSizes {
     /// Makes lists of caps as small as the memory limit demands, unless the caller says how large they are. `all` are the bytes
     /// of everything.
     pub(crate) fn fit_memory(&mut self, all: u64) {
-        let (Some(limit), None) = (self.options.memory_limit, self.options.cap_capacity) else { return };
+        let (Some(limit), None) = (self.options.memory_limit, self.options.capacities.caps) else { return };
         let entries: u64 = self.rooms.iter().map(|room| room.cap_entries()).sum();
         let bytes = 4 * self.views as u64;
         let left = limit.saturating_sub(all - bytes * entries) / bytes.max(1);
@@ -211,8 +214,8 @@ impl VolumeSizes {
         let group = self.groups.get(part / self.batches().max(1));
         let (Some(group), Some(room)) = (group, self.rooms.get(part)) else { return bytemuck::Zeroable::zeroed() };
         let [choices, _] = self.choice_bytes();
-        let SceneOptions { counting, end_at_range, bound_counts, count_bits, count_batches, measuring, .. } =
-            self.options;
+        let SceneOptions { counting, end_at_range, stencil, measuring, .. } = self.options;
+        let StencilCounts { count_bits, count_batches, bound_counts } = stencil;
         let does = |skipped: Measuring| u32::from(!measuring.has(skipped));
         let casters = if count_batches > 1 { Casters::Batches } else { Casters::Scene };
         ShadowShape {

@@ -45,7 +45,7 @@ fn stages(is_scene: bool, has_pieces: bool, options: &SceneOptions) -> Vec<(Prog
     let many = [("MANY", 1.0)];
     let of_casters = |stage, over| (Program::of(stage, if is_scene { &many } else { &[] }), over);
     let of_lists = |stage, over| (Program::of(stage, &[]), over);
-    let (pieces, bound) = (has_pieces, options.bound_counts);
+    let (pieces, bound) = (has_pieces, options.stencil.bound_counts);
     let stages = [
         (is_scene, of_lists(&RELIST, Over::One)),
         (true, of_casters(&BOUNDS, Over::Boxes)),

@@ -4,7 +4,7 @@
 //! The stages are `stencil_pencil`, `stencil_crossings` and `stencil_bound`.
 
 use glam::DVec3;
-use rimline::gpu::{Caster, Measuring, Scene, SceneOptions, ShadowStatistics};
+use rimline::gpu::{Capacities, Caster, FrameInputs, Measuring, Scene, SceneOptions, ShadowStatistics, StencilCounts};
 use rimline::mesh::EdgeKind;
 use rimline::reference::cpu::{self, CHOICE_WORDS, Threads};
 use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY};
@@ -203,9 +203,10 @@ impl Case {
 fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool) -> Result<u32, String> {
     let mut measuring = Measuring::UNSEEN;
     measuring.set(Measuring::EVERY_FACE, every_face);
-    let options =
-        SceneOptions { max_lights: 1, bound_counts: true, list_capacity: Some(1 << 14), ..Default::default() };
-    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions { measuring, ..options }).map_err(text)?;
+    let stencil = StencilCounts { bound_counts: true, ..StencilCounts::default() };
+    let capacities = Capacities { lists: Some(1 << 14), ..Capacities::default() };
+    let options = SceneOptions { max_lights: 1, stencil, capacities, measuring, ..SceneOptions::default() };
+    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     let insert = |case: &Case| {
         let mesh = Mesh::from_faces(case.shape.positions.len(), case.shape.faces.clone()).map_err(text)?;
         let mesh = scene.add_mesh(&mesh, &case.shape.positions).map_err(text)?;
@@ -216,7 +217,7 @@ fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool) -> Result<u32, String>
     scene.add_light(cases[0].light).map_err(text)?;
     let (place, depth) = (DVec3::splat(5000.0), DepthDirection::Reversed);
     let eye = Eye { place, forward: place, near: 0.1, is_relative: true, depth, far: None, half_width: None };
-    let frame = gpu.submit(|encoder| scene.encode(encoder, &[eye.camera()], None).map_err(text))?;
+    let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::new(&[eye.camera().into()])).map_err(text))?;
     let words: Vec<u32> = gpu.read(frame.results().map_err(text)?.choices.ok_or("no view")?, usize::MAX)?;
     for (case, caster) in cases.iter_mut().zip(casters) {
         let (index, _) = frame.place(caster).ok_or("the caster is not in the frame")?;

@@ -41,7 +41,11 @@ pub(crate) static LEVELS: &[Level] = &[
         name: "hidden receivers",
         switch: |options, on| options.measuring.set(Measuring::WITHOUT_RECEIVERS, !on),
     },
-    Level { id: "unneeded-figures", name: "unneeded figures", switch: |options, on| options.skip_unneeded = on },
+    Level {
+        id: "unneeded-figures",
+        name: "unneeded figures",
+        switch: |options, on| options.measuring.set(Measuring::UNNEEDED, !on),
+    },
 ];
 
 /// Which levels are on.

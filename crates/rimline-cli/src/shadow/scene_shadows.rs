@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rimline::cpu::HiddenFaces;
 use rimline::gpu::{
-    Caster, CasterHandle, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions, ShadowError, StageTimer,
+    Caster, CasterHandle, FrameInputs, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions, ShadowError,
+    StageTimer,
 };
 use rimline::reference::cpu::{CHOICE_WORDS, SceneTable};
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
@@ -99,7 +100,8 @@ impl Shadows for SceneShadows {
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         set_lights(&mut self.scene, &mut self.lights, inputs.lights)?;
-        self.frame = Some(self.scene.encode(encoder, &[*inputs.camera], timer)?);
+        self.frame =
+            Some(self.scene.encode(encoder, FrameInputs { timer, ..FrameInputs::new(&[(*inputs.camera).into()]) })?);
         self.layers.as_mut().map_or(Ok(()), |layers| layers.encode(encoder, &inputs))
     }
 

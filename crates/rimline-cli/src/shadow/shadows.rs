@@ -4,7 +4,8 @@ use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
 use rimline::gpu::{
-    DepthMapPipelines, SceneOptions, ScenePipelines, ShadowError, ShadowFormat, ShadowPipelines, StageTimer, Use,
+    DepthMapPipelines, SceneOptions, ScenePipelines, ShadowError, ShadowFormat, ShadowPipelines, StageTimer,
+    StencilCounts, Use,
 };
 use rimline::reference::cpu::CHOICE_WORDS;
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
@@ -125,7 +126,8 @@ impl Choice {
 
 /// The options of scenes, but for the number of lights.
 pub(super) fn scene_options(counting: Counting) -> SceneOptions {
-    SceneOptions { counting, bound_counts: true, ..SceneOptions::default() }
+    let stencil = StencilCounts { bound_counts: true, ..StencilCounts::default() };
+    SceneOptions { counting, stencil, ..SceneOptions::default() }
 }
 
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ mod batches;
 mod deepest;
 mod rays;
 
-use rimline::gpu::{Caster, LightHandle, Scene, SceneFrame, SceneOptions, ShadowError};
+use rimline::gpu::{Caster, FrameInputs, LightHandle, Scene, SceneFrame, SceneOptions, ShadowError, StencilCounts};
 use rimline::{Counting, Light, Mesh, MeshError, ShadowCamera, wgpu};
 
 use super::casting::{CastInputs, set_lights};
@@ -112,7 +112,8 @@ impl Batch {
         max_lights: usize,
         of: &[u32],
     ) -> Result<Self, Failure> {
-        let options = SceneOptions { max_lights, counting, count_bits: COUNT_BITS, ..SceneOptions::default() };
+        let stencil = StencilCounts { count_bits: COUNT_BITS, ..StencilCounts::default() };
+        let options = SceneOptions { max_lights, counting, stencil, ..SceneOptions::default() };
         let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).on(gpu)?;
         let mut of = of.to_vec();
         of.sort_unstable();
@@ -150,7 +151,7 @@ impl Batch {
         lights: &[Light],
     ) -> Result<(), GpuError> {
         set_lights(&mut self.scene, &mut self.lights, lights)?;
-        self.frame = Some(self.scene.encode(encoder, &[*camera], None)?);
+        self.frame = Some(self.scene.encode(encoder, FrameInputs::new(&[(*camera).into()]))?);
         Ok(())
     }
 }
