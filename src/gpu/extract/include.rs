@@ -14,7 +14,7 @@ use crate::stages::source;
 /// WGSL that reads the results: structs and functions whose names begin with `rimline_`, on bind group `group`. Put it
 /// before or after your own source.
 ///
-/// A light has its number among all lights of the extraction, as in [`Extraction::draw`](super::extraction::Extraction::draw). One
+/// A light has its number among all lights of the extraction, as in [`Extraction::draw`](crate::gpu::Extraction::draw). One
 /// that the bound batch does not have has no edge. An instance is one of that draw, and a vertex is one of its vertices.
 ///
 /// | function | result |
@@ -39,7 +39,7 @@ use crate::stages::source;
 /// | `kind: u32` | 0 consistent, 1 inconsistent, 2 boundary |
 ///
 /// The bindings, 0 to 6: `rimline_info`, `rimline_positions`, `rimline_edge_vertices`, `rimline_edge_faces`, `rimline_facing`,
-/// `rimline_list`, `rimline_counts`. The last six are storage buffers. [`ExtractionResults`](super::results::ExtractionResults) says
+/// `rimline_list`, `rimline_counts`. The last six are storage buffers. [`ExtractionResults`](crate::gpu::ExtractionResults) says
 /// what they hold. `rimline_info` is a uniform buffer with a `RimlineInfo`:
 ///
 /// | member of `RimlineInfo` | |
@@ -48,7 +48,7 @@ use crate::stages::source;
 /// | `first_light: u32`, `lights: u32` | The lights of the batch |
 /// | `position_offset: u32`, `position_stride: u32` | The word of vertex 0 in `rimline_positions`, and the words from one vertex to the next |
 /// | `twisted_at: u32` | Where twisted masks lie behind the facing masks, or 0 |
-/// | `vertices_per_edge: u32` | Vertices that the draw has for each edge, by [`EdgeTopology`](super::options::EdgeTopology) |
+/// | `vertices_per_edge: u32` | Vertices that the draw has for each edge, by [`EdgeTopology`](crate::gpu::EdgeTopology) |
 ///
 /// ```
 /// let shader = rimline::gpu::include_wgsl(0) + "
