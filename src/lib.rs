@@ -90,7 +90,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(
     not(feature = "reference"),
-    allow(dead_code, unreachable_pub, reason = "twins and layouts that the feature `reference` shows")
+    allow(dead_code, unreachable_pub, reason = "CPU references and layouts that the feature `reference` shows")
 )]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -116,6 +116,7 @@ pub mod reference;
 mod shadow;
 #[cfg(feature = "gpu")]
 mod stages;
+mod transform;
 #[cfg(feature = "gpu")]
 mod turns;
 
@@ -130,6 +131,7 @@ pub use model::{
 };
 pub use origin::Origin;
 pub use shadow::{CameraError, Counting, DepthDirection, ShadowCamera, falloff};
+pub use transform::Transform;
 
 #[cfg(feature = "gpu")]
 pub use wgpu;

@@ -1,4 +1,4 @@
-//! Deform on the GPU against its twin: within the bound that docs/numerics/deform.md derives.
+//! Deform on the GPU against its CPU reference: within the bound that docs/numerics/deform.md derives.
 
 use rimline::gpu::{DeformError, Deformer, DeformerOptions, DeviceError};
 use rimline::reference::cpu::{self, Threads};
@@ -84,7 +84,7 @@ fn displaced() -> Result<(), String> {
         let expected: Vec<_> =
             undisplaced.iter().zip(&sources).map(|(&position, &vertex)| function(position, vertex, time)).collect();
         same(&format!("time {time}"), &found, &expected)?;
-        // The twin hands the closure the same vertex and time.
+        // The CPU reference hands the closure the same vertex and time.
         let twin = cpu::deform(&model, &pose, time, Some(&function), Threads::all()).map_err(text)?;
         for ((got, twin), vertex) in found.iter().zip(&twin).zip(&sources) {
             if vertex % 2 != 0 {

@@ -153,7 +153,7 @@ pub fn deformed(gpu: &Gpu, deformer: &Deformer, model: &Model, pose: &Pose) -> R
     gpu.read(deformer.positions().buffer, model.vertex_count())
 }
 
-/// Fails where a coordinate is further from the twin's than the bound; returns how many differ at all.
+/// Fails where a coordinate is further from the CPU reference's than the bound; returns how many differ at all.
 pub fn check_deform(found: &[[f32; 3]], model: &Model, pose: &Pose) -> Result<usize, String> {
     let twin = cpu::deform(model, pose, 0.0, None, Threads::all()).map_err(text)?;
     if found.len() != twin.len() {

@@ -12,7 +12,7 @@ use super::topology::SlotOrder;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::light::MeshSpace;
 use crate::mesh::{EdgeCounts, is_degenerate};
-use crate::{Matrix3x4, Mesh};
+use crate::{Matrix3x4, Mesh, Transform};
 
 /// A mesh instance that throws shadows, for [`Scene::insert`](crate::gpu::Scene::insert).
 #[derive(Clone, Debug)]
@@ -31,8 +31,8 @@ pub struct Caster {
 
 impl Caster {
     /// A rigid caster in the depth buffer, for all lights.
-    pub fn rigid(mesh: MeshHandle, mesh_to_world: Matrix3x4) -> Self {
-        let positions = CasterPositions::Rigid(mesh_to_world);
+    pub fn rigid(mesh: MeshHandle, mesh_to_world: impl Into<Transform>) -> Self {
+        let positions = CasterPositions::Rigid(mesh_to_world.into().rows());
         Self { mesh, positions, lights: LightMask::ALL, in_depth: true }
     }
 
@@ -52,7 +52,8 @@ impl From<PositionBuffer<'_>> for CasterPositions {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum CasterPositions {
-    /// At the positions that were given with the mesh, placed in world space by this matrix: three rows of four. Lights
+    /// At the positions that were given with the mesh, placed in world space by this matrix: three rows of four
+    /// ([`Transform::rows`]). Lights
     /// are moved to mesh space instead, as [`Light::to_mesh_space`](crate::Light::to_mesh_space) does. A caster with a
     /// singular matrix, or one that is not finite, casts nothing.
     ///

@@ -15,6 +15,7 @@ use super::structure::{Making, Number, Structure};
 use super::table::{Part, Table};
 use super::view::{FrameInputs, View};
 use super::volumes::Volumes;
+use crate::ShadowCamera;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::pass::record;
 use crate::gpu::common::requirements::check_timer;
@@ -22,8 +23,6 @@ use crate::gpu::common::uniforms::upload;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::pipelines::Convention;
 use crate::layout::{SeenLight, ShadowView};
-use crate::light::check_shadow_lights;
-use crate::{Light, ShadowCamera};
 
 impl Scene {
     /// Records the extraction of all casters for all lights, and the shadow volumes of all views. One encoder may hold several
@@ -46,8 +45,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`ShadowError`] if a camera or its [`View::depth`] is refused, the scene does not fit the device or the memory limit, or
-    /// the device is lost or not the timer's. With a view, lights of negative `w` are refused; `index` is the bit of the light
-    /// then. Nothing is recorded then, and the next encode is not affected.
+    /// the device is lost or not the timer's. Nothing is recorded then, and the next encode is not affected.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -122,11 +120,6 @@ impl Scene {
         if self.options.counting.is_zp_plus_2005() {
             return Err(ShadowError::SceneCounting(self.options.counting));
         }
-        // Errors name the bit of a light.
-        let none = Light::directional([0.0, 0.0, 1.0]);
-        let bits = 0..32 * self.lights.batches() as u32;
-        let lights: Vec<Light> = bits.map(|bit| self.lights.get(bit).unwrap_or(none)).collect();
-        check_shadow_lights(&lights, lights.len())?;
         let view = |(view, given): (usize, &View<'_>)| {
             given.camera.view().map_err(|error| ShadowError::ViewCamera { view, error })
         };

@@ -29,7 +29,7 @@ use crate::gpu::shadow::format::Casters;
 use crate::gpu::shadow::pipelines::check_count_bits;
 use crate::layout::ShadowView;
 use crate::method::Predicate;
-use crate::{Light, Matrix3x4, Mesh};
+use crate::{Light, Mesh, Transform};
 
 /// Many casters and lights, whose silhouettes are extracted together. A mesh is stored once, however many casters have
 /// it. The work of recording an encode does not depend on the number of casters, but for those that moved.
@@ -269,7 +269,12 @@ impl Scene {
     ///
     /// # Errors
     /// [`ShadowError::NotRigid`], [`ShadowError::OfModel`], or an error of the handle.
-    pub fn set_transform(&mut self, caster: CasterHandle, mesh_to_world: Matrix3x4) -> Result<(), ShadowError> {
+    pub fn set_transform(
+        &mut self,
+        caster: CasterHandle,
+        mesh_to_world: impl Into<Transform>,
+    ) -> Result<(), ShadowError> {
+        let mesh_to_world = mesh_to_world.into().rows();
         let (key, entry) = self.own_entry(caster)?;
         let Placement::Rigid(rigid) = &mut entry.placement else { return Err(ShadowError::NotRigid) };
         if bytemuck::bytes_of(&rigid.rows) != bytemuck::bytes_of(&mesh_to_world) {
