@@ -54,7 +54,7 @@
 //!     let vertices = PositionBuffer { buffer: position_buffer, offset: 0, stride: 12 };
 //!     let lights = [Light::point([0.0, 5.0, 2.0]), Light::directional([1.0, 1.0, 0.0])];
 //!     // `Extraction::draw` then draws a light's silhouette edges with your pipeline.
-//!     Ok(extractor.encode(encoder, vertices, &lights, None)?)
+//!     Ok(extractor.encode(encoder, vertices, &lights)?)
 //! }
 //! ```
 //!
@@ -83,7 +83,7 @@
 //!     eye: &ShadowCamera,
 //! ) -> Result<DepthMapFrame, Box<dyn std::error::Error>> {
 //!     // `DepthMapFrame::draw` then draws into a pass that has your depth and a stencil of 0.
-//!     Ok(volumes.encode(encoder, map, eye, None)?)
+//!     Ok(volumes.encode(encoder, map, eye)?)
 //! }
 //! ```
 

@@ -18,7 +18,7 @@ pub use common::pipelines::Pipelines;
 pub use common::positions::PositionBuffer;
 pub use common::readback::{read_back, read_back_async, read_back_vec, read_back_vec_async};
 pub use common::timer::{StageTimer, StageTimes};
-pub use deform::deformer::{DeformError, Deformer, DeformerOptions};
+pub use deform::deformer::{DeformError, Deformer, DeformerOptions, PoseInputs};
 pub use depth_map::{
     DanglingEdges, DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapFrame,
     DepthMapMerge, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapStatistics, DepthMapVolumes,
@@ -43,7 +43,6 @@ pub use scene::frame::{SceneGroupResults, SceneResults};
 pub use scene::handles::{CasterHandle, LightHandle, MeshHandle, ModelHandle};
 pub use scene::hidden::HiddenCounts;
 pub use scene::mask::LightMask;
-pub use scene::models::PoseInputs;
 #[doc(hidden)]
 pub use scene::options::Measuring;
 pub use scene::options::{Capacities, SceneOptions, StencilCounts};

@@ -168,7 +168,7 @@ fn warm_up() -> Result<(), String> {
     let buffer = gpu.storage(&shape.positions);
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     let mut extractor = Extractor::new(&pipelines, &mesh, options).map_err(text)?;
-    gpu.submit(|encoder| extractor.encode(encoder, positions, &[Light::point([0.0, 5.0, 0.0])], None).map_err(text))?;
+    gpu.submit(|encoder| extractor.encode(encoder, positions, &[Light::point([0.0, 5.0, 0.0])]).map_err(text))?;
     same("pipelines after the warm-up of extraction", &[pipelines.len()], &[made])?;
     must_fail("nothing made", &same("pipelines", &[made], &[0]))
 }

@@ -71,7 +71,7 @@ impl Extraction {
             Some(extractor) => extractor,
             empty => empty.insert(Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?),
         };
-        gpu.submit(|encoder| extractor.encode(encoder, deformer.positions(), &lights, None).map_err(text))?;
+        gpu.submit(|encoder| extractor.encode(encoder, deformer.positions(), &lights).map_err(text))?;
         let on_gpu = read(gpu, extractor, mesh, count)?;
         let twin = cpu::extract(found, mesh, &lights, Predicate::Exact, Threads::all());
         let twin = twin.map_err(text)?;

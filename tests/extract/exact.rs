@@ -245,7 +245,7 @@ fn every_class() -> Result<(), String> {
             let buffer = gpu.storage(&batch.positions);
             let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
             gpu.submit(|encoder| {
-                extractor.encode(encoder, positions, &batch.lights, None).map_err(|error| error.to_string())
+                extractor.encode(encoder, positions, &batch.lights).map_err(|error| error.to_string())
             })?;
             let mut found = read(gpu, extractor, mesh, LIGHTS)?;
             let twin = cpu::facing(&batch.positions, &batch.faces, &batch.lights, Predicate::Exact, Threads::all());

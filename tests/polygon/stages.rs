@@ -118,7 +118,7 @@ fn extracted(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> Resu
     let buffer = gpu.storage(&set.positions);
     let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-    gpu.submit(|encoder| extractor.encode(encoder, positions, lights, None).map_err(text))?;
+    gpu.submit(|encoder| extractor.encode(encoder, positions, lights).map_err(text))?;
     Ok(extractor)
 }
 

@@ -2,8 +2,8 @@
 
 use glam::{DVec4, Vec3};
 use rimline::gpu::{
-    Caster, CasterHandle, Deformer, DeformerOptions, FrameInputs, LightHandle, ModelHandle, Scene, SceneFrame,
-    SceneOptions,
+    Caster, CasterHandle, Deformer, DeformerOptions, FrameInputs, LightHandle, ModelHandle, PoseInputs, Scene,
+    SceneFrame, SceneOptions,
 };
 use rimline::model::Box3;
 use rimline::{Cone, DepthDirection, Instance, InstancePose, Light, Mesh, Model, ModelBounds, Pose, ShadowCamera};
@@ -202,7 +202,7 @@ impl Apart {
         (pose, time_s): (&Pose, f32),
         cameras: &[ShadowCamera],
     ) -> Result<SceneFrame, String> {
-        self.deformer.encode(encoder, pose, time_s, None, None).map_err(text)?;
+        self.deformer.encode(encoder, PoseInputs { time_s, ..PoseInputs::new(pose) }).map_err(text)?;
         self.scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text)
     }
 

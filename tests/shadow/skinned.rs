@@ -30,7 +30,7 @@ fn skinned() -> Result<(), String> {
     for number in 0..frames() {
         let seed = 9000 + number;
         let pose = pose(number as f32 * 0.4);
-        gpu.submit(|encoder| deformer.encode(encoder, &pose, 0.0, None, None).map_err(|error| text(&error)))?;
+        gpu.submit(|encoder| deformer.encode(encoder, &pose).map_err(|error| text(&error)))?;
         let positions = gpu.read(deformer.positions().buffer, model.vertex_count())?;
         let before = std::mem::replace(&mut shape.positions, positions);
         let traced = Traced::of(with_caster(&mut Random::new(seed), shape.clone()), seed);
@@ -98,7 +98,7 @@ fn unneeded() -> Result<(), String> {
         let inputs = [eye.camera().into()];
         gpu.submit(|encoder| {
             scene.encode(encoder, FrameInputs::new(&inputs)).map_err(|error| text(&error))?;
-            other.encode(encoder, &pose, 0.0, None, None).map_err(|error| text(&error))
+            other.encode(encoder, &pose).map_err(|error| text(&error))
         })?;
         let own = scene.positions(inserted).map_err(|error| text(&error))?.buffer;
         let points: Vec<[f32; 3]> = gpu.read(own, model.vertex_count())?;

@@ -32,6 +32,34 @@ pub struct DeformerOptions<'a> {
     pub memory_limit: Option<u64>,
 }
 
+/// A pose, and what a displacement takes beside it. A `&Pose` is one, too.
+#[derive(Clone, Copy, Debug)]
+pub struct PoseInputs<'a> {
+    /// The pose.
+    pub pose: &'a Pose,
+    /// The time in seconds, for the displacement.
+    pub time_s: f32,
+    /// The displacement's bind group, of the layout that [`DeformerOptions::displacement_layout`] had. What it binds may change
+    /// before each encode, so a scene keeps nothing that was computed from the positions.
+    pub resources: Option<&'a wgpu::BindGroup>,
+    /// The most by which the displacement moves any coordinate of a vertex, for scenes. Infinity, as in [`Self::new`]: nothing
+    /// is known, so every frame needs all instances. It does not matter without a displacement.
+    pub displaced_by: f32,
+}
+
+impl<'a> PoseInputs<'a> {
+    /// A pose at time 0, without resources of a displacement.
+    pub fn new(pose: &'a Pose) -> Self {
+        Self { pose, time_s: 0.0, resources: None, displaced_by: f32::INFINITY }
+    }
+}
+
+impl<'a> From<&'a Pose> for PoseInputs<'a> {
+    fn from(pose: &'a Pose) -> Self {
+        Self::new(pose)
+    }
+}
+
 /// Why a deformer cannot be made, or a pose cannot be recorded.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -225,21 +253,30 @@ impl Deformer {
         Some(PositionBuffer { buffer: &self.positions, offset, stride: 12 })
     }
 
-    /// Records the deformation into `pose`. `time_s` is the time in seconds for the displacement. `resources` is the
-    /// displacement's bind group, of the layout that the deformer was made with. `timer` takes a timestamp around the
-    /// stage.
+    /// Records the deformation into a pose: a `&Pose`, or [`PoseInputs`].
     ///
     /// # Errors
     /// [`DeformError`] if the pose does not fit the model, has too many active morph targets
-    /// ([`DeformError::TooManyTerms`]), or `resources` is missing. Nothing is recorded then.
-    pub fn encode(
+    /// ([`DeformError::TooManyTerms`]), or resources of the displacement are missing. Nothing is recorded then.
+    pub fn encode<'a>(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        pose: &Pose,
-        time_s: f32,
-        resources: Option<&wgpu::BindGroup>,
+        pose: impl Into<PoseInputs<'a>>,
+    ) -> Result<(), DeformError> {
+        self.encode_timed(encoder, pose, None)
+    }
+
+    /// The same with a timestamp around the stage.
+    ///
+    /// # Errors
+    /// The errors of [`Self::encode`], and [`DeformError::Device`] for a timer of another device.
+    pub fn encode_timed<'a>(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pose: impl Into<PoseInputs<'a>>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), DeformError> {
+        let PoseInputs { pose, time_s, resources, .. } = pose.into();
         self.check_resources(resources)?;
         check_timer(timer.as_deref(), &self.device)?;
         let (words, uniforms) = (self.pose_words(pose)?, self.uniforms(time_s));

@@ -11,7 +11,7 @@ pub(crate) mod hidden;
 pub(crate) mod layout;
 pub(crate) mod lights;
 pub(crate) mod mask;
-pub(crate) mod models;
+mod models;
 mod needs;
 pub(crate) mod occluders;
 pub(crate) mod options;

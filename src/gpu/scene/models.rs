@@ -10,37 +10,9 @@ use super::scene::Scene;
 use super::topology::Topology;
 use crate::Mesh;
 use crate::gpu::common::positions::PositionBuffer;
-use crate::gpu::deform::deformer::{DeformError, Deformer, DeformerOptions};
+use crate::gpu::deform::deformer::{DeformError, Deformer, DeformerOptions, PoseInputs};
 use crate::gpu::shadow::errors::ShadowError;
-use crate::model::{Geometry, Instance, InstancePose, Model, ModelBounds, ModelError, Pose};
-
-/// A pose of a model in a scene, for [`Scene::set_pose`](crate::gpu::Scene::set_pose). A `&Pose` is one, too.
-#[derive(Clone, Copy, Debug)]
-pub struct PoseInputs<'a> {
-    /// The pose.
-    pub pose: &'a Pose,
-    /// The time in seconds, for the displacement.
-    pub time_s: f32,
-    /// The displacement's bind group, of the layout that the model was inserted with. What it binds may change before each
-    /// encode, so nothing is kept that was computed from the positions.
-    pub resources: Option<&'a wgpu::BindGroup>,
-    /// The most by which the displacement moves any coordinate of a vertex. Infinity, as in [`Self::new`]: nothing is known,
-    /// so every frame needs all instances. It does not matter without a displacement.
-    pub displaced_by: f32,
-}
-
-impl<'a> PoseInputs<'a> {
-    /// A pose without a displacement, or with one that has no resources, at time 0.
-    pub fn new(pose: &'a Pose) -> Self {
-        Self { pose, time_s: 0.0, resources: None, displaced_by: f32::INFINITY }
-    }
-}
-
-impl<'a> From<&'a Pose> for PoseInputs<'a> {
-    fn from(pose: &'a Pose) -> Self {
-        Self::new(pose)
-    }
-}
+use crate::model::{Geometry, Instance, InstancePose, Model, ModelBounds, ModelError};
 
 /// The scene's record of a model.
 #[derive(Debug)]

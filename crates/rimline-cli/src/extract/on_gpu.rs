@@ -47,7 +47,7 @@ impl<'s> Job<'_, 's> {
         let mut encoder = gpu.encoder("extract");
         placed.encode(&mut encoder, &self.scene.shape, self.time_s, timer.as_mut()).on(gpu)?;
         for extractor in &mut extractors {
-            extractor.encode(&mut encoder, placed.buffer(), self.lights, timer.as_mut()).on(gpu)?;
+            extractor.encode_timed(&mut encoder, placed.buffer(), self.lights, timer.as_mut()).on(gpu)?;
         }
         if let Some(timer) = &timer {
             timer.resolve(&mut encoder);
