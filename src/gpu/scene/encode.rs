@@ -124,7 +124,7 @@ impl Scene {
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         self.pages.reclaim(encode);
         let (encodes, lights) = (Arc::clone(&self.encodes), self.lights.listed());
-        let views = cameras.iter().map(|camera| self.convention(camera)).collect();
+        let views = cameras.iter().map(|camera| (self.convention(camera), *camera)).collect();
         let count_batches = self.options.count_batches;
         let hidden = self.count_hidden();
         let device = self.pipelines.device().clone();
