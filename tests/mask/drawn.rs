@@ -11,16 +11,24 @@ use crate::world::{Encoded, World};
 
 const SURFACE: &str = "
 struct Camera { columns: mat4x4<f32>, origin: vec4<f32> }
-struct Corner { @builtin(position) clip: vec4<f32> }
 @group(0) @binding(0) var<storage, read> camera: Camera;
 @group(0) @binding(1) var<storage, read> corners: array<f32>;
-@vertex fn surface(@builtin(vertex_index) at: u32) -> Corner {
+@vertex fn surface(@builtin(vertex_index) at: u32) -> @builtin(position) vec4<f32> {
   let place = vec3<f32>(corners[3u * at], corners[3u * at + 1u], corners[3u * at + 2u]);
-  return Corner(camera.columns * vec4<f32>(place - camera.origin.xyz, 1.0));
+  return camera.columns * vec4<f32>(place - camera.origin.xyz, 1.0);
 }
 @fragment fn plain() {}
-// Depth as 16 bits have it.
-@fragment fn rounded(in: Corner) -> @builtin(frag_depth) f32 { return round(in.clip.z * 65535.0) / 65535.0; }
+";
+
+/// Copies depth, as `textureLoad` gives it.
+const COPY: &str = "
+@group(0) @binding(0) var map: TEXTURE;
+@vertex fn whole(@builtin(vertex_index) at: u32) -> @builtin(position) vec4<f32> {
+  return vec4<f32>(f32(at & 1u) * 4.0 - 1.0, f32(at >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+@fragment fn copied(@builtin(position) at: vec4<f32>, @builtin(sample_index) sample: u32) -> @builtin(frag_depth) f32 {
+  return textureLoad(map, vec2<i32>(at.xy), sample);
+}
 ";
 
 /// Reads the stencil of each sample of each pixel.
@@ -76,7 +84,7 @@ impl Picture {
         world: &World,
     ) -> Result<wgpu::TextureView, String> {
         let texture = self.texture(gpu, self.depth, self.samples, 1);
-        draw_depth(gpu, encoder, world, &texture, false)?;
+        draw_depth(gpu, encoder, world, &texture)?;
         let aspect = wgpu::TextureAspect::DepthOnly;
         Ok(texture.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() }))
     }
@@ -107,12 +115,16 @@ impl Picture {
         options: &SceneOptions,
         encoder: &mut wgpu::CommandEncoder,
     ) -> Result<Vec<wgpu::Buffer>, String> {
-        let depth_stencil = match self.depth {
-            TextureFormat::Depth24Plus | TextureFormat::Depth24PlusStencil8 => TextureFormat::Depth24PlusStencil8,
-            _ => TextureFormat::Depth32FloatStencil8,
-        };
+        let has_float = gpu.device.features().contains(wgpu::Features::DEPTH32FLOAT_STENCIL8);
+        let depth_stencil =
+            if has_float { TextureFormat::Depth32FloatStencil8 } else { TextureFormat::Depth24PlusStencil8 };
         let texture = self.texture(gpu, depth_stencil, self.samples, 1);
-        draw_depth(gpu, encoder, world, &texture, self.depth == TextureFormat::Depth16Unorm)?;
+        if has_float && !matches!(self.depth, TextureFormat::Depth32Float | TextureFormat::Depth32FloatStencil8) {
+            let drawn = self.depth(gpu, encoder, world)?;
+            copy_depth(gpu, encoder, &drawn, &texture)?;
+        } else {
+            draw_depth(gpu, encoder, world, &texture)?;
+        }
         let format = ShadowFormat {
             depth_stencil,
             depth: world.camera.depth,
@@ -212,24 +224,21 @@ fn begin<'e>(
     })
 }
 
-/// Draws all surfaces. `is_rounded`: to the depths that 16 bits have.
+/// Draws all surfaces.
 fn draw_depth(
     gpu: &Gpu,
     encoder: &mut wgpu::CommandEncoder,
     world: &World,
     texture: &wgpu::Texture,
-    is_rounded: bool,
 ) -> Result<(), String> {
     let ShadowCamera { view_projection, origin: [x, y, z], depth: direction } = world.camera;
     let is_reversed = direction == DepthDirection::Reversed;
     let (nearer, far) =
         if is_reversed { (wgpu::CompareFunction::Greater, 0.0) } else { (wgpu::CompareFunction::Less, 1.0) };
     let (format, samples) = (texture.format(), texture.sample_count());
-    let pipeline = gpu.kept(&format!("surface {format:?} {samples} {is_reversed} {is_rounded}"), || {
-        let entry_points = [Some("surface"), Some(if is_rounded { "rounded" } else { "plain" })];
+    let pipeline = gpu.kept(&format!("surface {format:?} {samples} {is_reversed}"), || {
         let depth_stencil = Some(depth(format, nearer, true));
-        Ok(Drawing { source: SURFACE, entry_points, depth_stencil, samples, ..Drawing::default() }
-            .pipeline(&gpu.device))
+        Ok(Drawing { source: SURFACE, depth_stencil, samples, ..Drawing::default() }.pipeline(&gpu.device))
     })?;
     let corners = world.corners();
     let camera = [view_projection.concat(), vec![x, y, z, 0.0]].concat();
@@ -245,6 +254,34 @@ fn draw_depth(
     pass.set_pipeline(&pipeline);
     pass.set_bind_group(0, &group, &[]);
     pass.draw(0..corners.len() as u32, 0..1);
+    Ok(())
+}
+
+/// Copies the values that `textureLoad` gives of some depth.
+fn copy_depth(
+    gpu: &Gpu,
+    encoder: &mut wgpu::CommandEncoder,
+    from: &wgpu::TextureView,
+    texture: &wgpu::Texture,
+) -> Result<(), String> {
+    let (format, samples) = (texture.format(), texture.sample_count());
+    let pipeline = gpu.kept(&format!("copied {format:?} {samples}"), || {
+        let ty = if samples > 1 { "texture_depth_multisampled_2d" } else { "texture_depth_2d" };
+        let source = COPY.replace("TEXTURE", ty);
+        let depth_stencil = Some(depth(format, wgpu::CompareFunction::Always, true));
+        // Without samples, the index is the level.
+        Ok(Drawing { source: &source, depth_stencil, samples, ..Drawing::default() }.pipeline(&gpu.device))
+    })?;
+    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(from) }],
+    });
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let mut pass = begin(encoder, &view, Some(0.0));
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.draw(0..3, 0..1);
     Ok(())
 }
 

@@ -17,7 +17,6 @@ use crate::world::{SIZE, World, counted_by};
 pub(crate) const TESTS: &[Test] = &[("masks_are_what_rays_see", seen)];
 
 /// What a ray sees, and which lights are in shadow there: `None` on a surface that is turned away from the light.
-#[derive(Clone, PartialEq)]
 pub(crate) struct Seen {
     pub(crate) place: DVec3,
     normal: DVec3,
@@ -69,26 +68,17 @@ impl<'a> Truth<'a> {
         Some(Seen { place: point, normal, dark: self.world.lights.iter().map(dark).collect() })
     }
 
-    /// What is seen in a pixel that has no border near it: for a light the places around are all in shadow, or none is.
-    pub(crate) fn steady(&self, pixel: [u32; 2], light: usize) -> Option<bool> {
-        let middle = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
-        let about = [
-            [0.0, 0.0],
-            [-1.2, -1.2],
-            [1.2, -1.2],
-            [-1.2, 1.2],
-            [1.2, 1.2],
-            [0.0, 1.2],
-            [0.0, -1.2],
-            [1.2, 0.0],
-            [-1.2, 0.0],
-        ];
-        let mut all = about.into_iter().map(|by| self.at(middle + DVec2::from(by)));
-        let first = all.next()??;
+    /// What is seen in a pixel that has no border near it: for a light the places around are all in shadow, or none is. They are a
+    /// grid of so many places each way.
+    pub(crate) fn steady(&self, pixel: [u32; 2], light: usize, places: i32) -> Option<bool> {
+        let middle = DVec2::from(pixel.map(|at| f64::from(at) + 0.5));
+        let first = self.at(middle)?;
         let dark = first.dark[light]?;
+        let step = |at: i32| 2.4 * f64::from(at) / f64::from(places - 1) - 1.2;
+        let mut around = (0..places * places).map(|at| DVec2::new(step(at % places), step(at / places)));
         // A corner of a body may hide between the places; its surfaces have other normals.
         let is_same = |seen: Seen| seen.dark[light] == Some(dark) && seen.normal.dot(first.normal) > 0.7;
-        all.all(|seen| seen.is_some_and(is_same)).then_some(dark)
+        around.all(|by| self.at(middle + by).is_some_and(is_same)).then_some(dark)
     }
 }
 
@@ -98,10 +88,11 @@ fn compare(truth: &Truth<'_>, masks: &[Vec<u8>]) -> Result<[usize; 2], String> {
     let [width, height] = truth.size;
     for (light, mask) in masks.iter().enumerate() {
         for pixel in (0..width * height).step_by(7).map(|at| [at % width, at / width]) {
-            let Some(dark) = truth.steady(pixel, light) else { continue };
+            let Some(dark) = truth.steady(pixel, light, 3) else { continue };
             counts[usize::from(dark)] += 1;
             let found = mask[(pixel[1] * width + pixel[0]) as usize];
-            if found != if dark { 255 } else { 0 } {
+            // A shadow may be as thin as a line, so another value is looked for in a finer grid.
+            if found != if dark { 255 } else { 0 } && truth.steady(pixel, light, 33).is_some() {
                 wrong.push((light, pixel, found));
             }
         }
@@ -120,7 +111,7 @@ fn seen() -> Result<(), String> {
             samples: [1, 4][number / 2 % 2],
             target: [R32Uint, R8Unorm][number / 4 % 2],
         };
-        let world = World::new(1000 + number as u64, number % PROJECTIONS, 3);
+        let world = World::closed(1000 + number as u64, number % PROJECTIONS, 3);
         let options = counted_by([Counting::Auto, Counting::ZpPlus][number / 3 % 2]);
         let [mut found, _] = picture.both(gpu, &world, &options, masks)?;
         let truth = Truth::new(&world, SIZE);

@@ -15,6 +15,7 @@ use crate::world::{SIZE, World, counted_by};
 
 pub(crate) const TESTS: &[Test] = &[
     ("masks_are_what_the_own_stencil_is", alike),
+    ("masks_without_float_depth", without),
     ("masks_of_many_lights", many),
     ("masks_of_casters_in_batches", batches),
 ];
@@ -71,6 +72,20 @@ fn alike() -> Result<(), String> {
     }
     println!("{} samples in shadow, {} not", all[0], all[1]);
     if all.iter().all(|&count| count > 100_000) { Ok(()) } else { Err("too little of a kind".to_owned()) }
+}
+
+/// On a device without the feature, depth of 24 bits is that of a texture with stencil, to the bit below 3/4 (`copied.rs`).
+fn without() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let masks = &mut ShadowMasks::new(&gpu.pipelines).map_err(text)?;
+    for number in 0..8 {
+        let picture = Picture { size: SIZE, depth: Depth24Plus, samples: [1, 4][number % 2], target: R8Unorm };
+        // Reversed depth: nothing is as near as 4/3 of the near plane.
+        let world = World::new(300 + number as u64, 0, 3);
+        let [found, stencils] = picture.both(gpu, &world, &SceneOptions::default(), masks)?;
+        compare(&picture, &found, &stencils)?;
+    }
+    Ok(())
 }
 
 /// More lights than a layer, a channel or a pass of bits holds.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rimline::gpu::{Caster, LightHandle, Scene, SceneFrame, SceneOptions};
 use rimline::{Cone, Counting, Light, Mesh, ShadowCamera, mesh::Weld};
-use rimline_testkit::cases::topologies;
+use rimline_testkit::cases::{Case, topologies};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
@@ -32,9 +32,19 @@ fn moved(positions: &[[f32; 3]], by: f32, to: DVec3) -> Vec<[f32; 3]> {
 impl World {
     /// `projection` is one of [`PROJECTIONS`](rimline_testkit::scenes::PROJECTIONS), whose odd ones have standard depth.
     pub(crate) fn new(seed: u64, projection: usize, lights: usize) -> Self {
+        Self::of(topologies(), seed, projection, lights)
+    }
+
+    /// The same with closed casters only, whose shadows are nowhere as thin as a line.
+    pub(crate) fn closed(seed: u64, projection: usize, lights: usize) -> Self {
+        let mut cases = topologies();
+        cases.retain(|(.., mesh)| mesh.is_closed());
+        Self::of(cases, seed, projection, lights)
+    }
+
+    fn of(mut cases: Vec<Case>, seed: u64, projection: usize, lights: usize) -> Self {
         let random = &mut Random::new(seed);
         let mut casters = vec![shapes::torus(24, 16, 0.8, 0.3)];
-        let mut cases = topologies();
         let (_, positions, mesh) = cases.swap_remove(random.below(cases.len()));
         let positions = moved(&positions, 0.6, direction(random));
         casters.push(Shape { positions, faces: mesh.faces().to_vec() });

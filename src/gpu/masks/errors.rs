@@ -19,7 +19,7 @@ pub enum MaskError {
         /// Its format.
         format: wgpu::TextureFormat,
     },
-    /// The depth has a format that only an optional format with stencil holds.
+    /// Depth of 32 bits needs an optional format with stencil.
     #[error(
         "depth of format {format:?} is tested in Depth32FloatStencil8, which needs {needed:?}; make the device with it, or draw \
          the depth in Depth24Plus"

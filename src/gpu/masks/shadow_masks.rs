@@ -210,16 +210,13 @@ impl Textures {
     }
 }
 
-/// The format that depth is copied to.
-fn depth_stencil(depth: wgpu::TextureFormat, features: wgpu::Features) -> Result<wgpu::TextureFormat, MaskError> {
-    use wgpu::TextureFormat::{Depth16Unorm, Depth24Plus, Depth24PlusStencil8, Depth32Float, Depth32FloatStencil8};
+/// The format that depth is copied to: one that holds every depth as it is loaded, if the device has it.
+fn depth_stencil(format: wgpu::TextureFormat, features: wgpu::Features) -> Result<wgpu::TextureFormat, MaskError> {
     let needed = wgpu::Features::DEPTH32FLOAT_STENCIL8;
-    match depth {
-        Depth24Plus | Depth24PlusStencil8 => Ok(Depth24PlusStencil8),
-        Depth16Unorm if !features.contains(needed) => Ok(Depth24PlusStencil8),
-        Depth16Unorm | Depth32Float | Depth32FloatStencil8 if features.contains(needed) => Ok(Depth32FloatStencil8),
-        format if format.has_depth_aspect() => Err(MaskError::Feature { format, needed }),
-        format => Err(MaskError::Depth { format }),
+    match format {
+        _ if features.contains(needed) => Ok(wgpu::TextureFormat::Depth32FloatStencil8),
+        wgpu::TextureFormat::Depth32Float => Err(MaskError::Feature { format, needed }),
+        _ => Ok(wgpu::TextureFormat::Depth24PlusStencil8),
     }
 }
 
@@ -292,8 +289,10 @@ impl SceneFrame {
     /// of a surface that is turned away from it: nothing is to be lit there. Masks of lights that do not reach the view cost nothing.
     /// Masks that reach a part of the picture are 0 in the rest of it.
     ///
-    /// The value that `textureLoad` gives of the depth is the value that volumes are compared with, but for `Depth16Unorm` on
-    /// devices without [`Features::DEPTH32FLOAT_STENCIL8`](wgpu::Features::DEPTH32FLOAT_STENCIL8): there it is rounded to 24 bits.
+    /// The value that `textureLoad` gives of the depth is the value that volumes are compared with, to the bit, on devices with
+    /// [`Features::DEPTH32FLOAT_STENCIL8`](wgpu::Features::DEPTH32FLOAT_STENCIL8). Without it, depth of 16 and 24 bits is stored in 24 bits
+    /// again, and may be off by one unit of the last place where the device rounds. [`Counting::ZFail`](crate::Counting::ZFail) compares
+    /// caps with surfaces at the same depth, so casters with an open surface need `Depth32Float` for it.
     ///
     /// It records one pass for each 32 lights, and one for each layer of the target. One encoder may hold several calls.
     ///
