@@ -1,7 +1,9 @@
 //! `cargo bench --bench masks`: shadow masks from depth without a stencil, against the stencil of a caller who has one. Milliseconds of
 //! the GPU for what comes after the depth pass: there a pass a light, with its volumes and a draw that adds light where the stencil
-//! is 0; here the masks and one draw that adds all lights. Both must give the same picture. `--quick` takes fewer rounds.
+//! is 0; here the masks and one draw that adds all lights. Both must give the same picture. Then the same without the light.
+//! `--quick` takes fewer rounds.
 
+use std::cell::RefCell;
 use std::time::Duration;
 
 use glam::{Affine3A, Mat4, Vec3};
@@ -42,17 +44,18 @@ const LIGHT: &str = "
 @vertex fn whole(@builtin(vertex_index) at: u32) -> @builtin(position) vec4<f32> {
   return vec4<f32>(f32(at & 1u) * 4.0 - 1.0, f32(at >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
-@fragment fn one() -> @location(0) vec4<f32> { return vec4<f32>(1.0); }
-@group(0) @binding(0) var masks: texture_2d<u32>;
-// All lights whose bit is 0; the first word of `lights` says how many there are.
-@group(0) @binding(1) var<storage, read> lights: array<u32>;
+// White, as the colours of surfaces are read.
+@group(0) @binding(0) var colors: texture_2d<f32>;
+@group(0) @binding(1) var masks: texture_2d<u32>;
+// The first word says how many lights there are.
+@group(0) @binding(2) var<storage, read> lights: array<u32>;
+@fragment fn one(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+  return textureLoad(colors, vec2<i32>(at.xy), 0);
+}
+// All lights whose bit is 0.
 @fragment fn all(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
   let mask = textureLoad(masks, vec2<i32>(at.xy), 0).x;
-  var sum = vec4<f32>();
-  for (var light = 0u; light < lights[0]; light++) {
-    sum += vec4<f32>(f32(1u - (mask >> light & 1u)));
-  }
-  return sum;
+  return f32(lights[0] - countOneBits(mask)) * textureLoad(colors, vec2<i32>(at.xy), 0);
 }
 ";
 
@@ -61,8 +64,10 @@ fn main() -> Result<(), Error> {
     let (gpu, name) = device()?;
     let time = Duration::from_secs(if is_quick { 1 } else { 5 });
     println!("{name}; {} x {} pixels, Depth32Float; medians, milliseconds", SIZE[0], SIZE[1]);
-    println!("| scene | lights | own stencil | masks | ratio | recording, own | masks | ratio |");
-    println!("|---|---:|---:|---:|---:|---:|---:|---:|");
+    println!(
+        "| scene | lights | own stencil | masks | ratio | without light, own | masks | ratio | recording, own | masks | ratio |"
+    );
+    println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
     let (figure, title) = figure()?;
     let scenes = [(title, vec![(figure, vec![IDENTITY])]), ("100 casters".to_owned(), field())];
     for (title, casters) in &scenes {
@@ -123,6 +128,7 @@ struct World<'a> {
     corners: wgpu::Buffer,
     count: u32,
     color: wgpu::Texture,
+    white: wgpu::TextureView,
     /// The scene, whose frame is drawn again and again.
     _scene: Scene,
 }
@@ -136,13 +142,12 @@ fn measure(
 ) -> Result<(), Error> {
     let world = World::new(gpu, casters, lights)?;
     let (own, mut masked) = (Own::new(&world)?, Masked::new(&world)?);
-    // More on a fast device, so that handing over the commands weighs little.
     let stopwatch = Stopwatch::new(gpu);
     let mut pictures = Vec::new();
     let mut last = 0.0;
-    for way in
-        [&mut |encoder: &mut _| own.record(&world, encoder), &mut |encoder: &mut _| masked.record(&world, encoder)]
-            as [&mut dyn FnMut(&mut wgpu::CommandEncoder) -> Result<(), Error>; 2]
+    for way in [&mut |encoder: &mut _| own.record(&world, encoder, true), &mut |encoder: &mut _| {
+        masked.record(&world, encoder, true)
+    }] as [&mut dyn FnMut(&mut wgpu::CommandEncoder) -> Result<(), Error>; 2]
     {
         let pixels =
             gpu.empty(wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC, u64::from(8 * SIZE[0] * SIZE[1]));
@@ -160,26 +165,32 @@ fn measure(
     if pictures[0] != pictures[1] {
         return Err(Error::Device(format!("{title}, {lights} lights: the pictures differ")));
     }
+    // More on a fast device, so that handing over the commands weighs little.
     let repeats = (20.0 / last).clamp(1.0, 30.0) as usize;
-    let sample = |[recording, drawing]: [f64; 2]| {
-        vec![(RECORDING, recording / repeats as f64), (DRAWING, drawing / repeats as f64)]
+    let masked = &RefCell::new(masked);
+    let by = |is_own: bool, is_lit: bool| {
+        let (own, world, stopwatch) = (&own, &world, &stopwatch);
+        let run: Contender<'_> = Box::new(move || {
+            let times = stopwatch.by_clock(|encoder| {
+                (0..repeats).try_for_each(|_| match is_own {
+                    true => own.record(world, encoder, is_lit),
+                    false => masked.borrow_mut().record(world, encoder, is_lit),
+                })
+            })?;
+            let [recording, drawing] = times.map(|time| time / repeats as f64);
+            Ok(vec![(RECORDING, recording), (DRAWING, drawing)])
+        });
+        run
     };
-    let by_own = || {
-        let times = stopwatch.by_clock(|encoder| (0..repeats).try_for_each(|_| own.record(&world, encoder)))?;
-        Ok(sample(times))
-    };
-    let by_masks = || {
-        let times = stopwatch.by_clock(|encoder| (0..repeats).try_for_each(|_| masked.record(&world, encoder)))?;
-        Ok(sample(times))
-    };
-    let contenders: Vec<Contender<'_>> = vec![Box::new(by_own), Box::new(by_masks)];
-    let samples = interleave(rounds, contenders, &())?;
+    let samples = interleave(rounds, vec![by(true, true), by(false, true), by(true, false), by(false, false)], &())?;
     let median = |at: usize, metric| {
         Entry::new(Variant::new("masks", "masks", 0, 0), &samples[at]).median(metric).unwrap_or(f64::NAN)
     };
-    let [drawing, recording] = [DRAWING, RECORDING].map(|metric| [0, 1].map(|at| median(at, metric)));
-    let cells = |[own, masks]: [f64; 2]| format!("{own:.3} | {masks:.3} | {:.2}", masks / own);
-    println!("| {title} | {lights} | {} | {} |", cells(drawing), cells(recording));
+    let cells = [(DRAWING, 0), (DRAWING, 2), (RECORDING, 0)].map(|(metric, first)| {
+        let [own, masks] = [first, first + 1].map(|at| median(at, metric));
+        format!("{own:.3} | {masks:.3} | {:.2}", masks / own)
+    });
+    println!("| {title} | {lights} | {} |", cells.join(" | "));
     Ok(())
 }
 
@@ -214,6 +225,9 @@ impl<'a> World<'a> {
         let camera = ShadowCamera { view_projection: matrix.to_cols_array_2d(), ..level };
         let mut encoder = gpu.encoder();
         let frame = scene.encode(&mut encoder, &[camera], None)?;
+        let white = texture(gpu, TextureFormat::Rgba8Unorm).create_view(&wgpu::TextureViewDescriptor::default());
+        let clear = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
+        drop(pass(&mut encoder, Some((&white, clear)), None, wgpu::LoadOp::Load));
         gpu.queue.submit([encoder.finish()]);
         let words = [camera.view_projection.concat(), [eye.to_array().to_vec(), vec![0.0]].concat()].concat();
         let storage = wgpu::BufferUsages::STORAGE;
@@ -225,6 +239,7 @@ impl<'a> World<'a> {
             count: corners.len() as u32,
             corners: gpu.buffer(storage, &corners),
             color: texture(gpu, COLOR),
+            white,
             _scene: scene,
         })
     }
@@ -254,6 +269,7 @@ impl<'a> World<'a> {
 struct Own {
     volumes: ScenePipelines,
     light: wgpu::RenderPipeline,
+    group: wgpu::BindGroup,
     depth: wgpu::TextureView,
     color: wgpu::TextureView,
 }
@@ -286,16 +302,21 @@ impl Own {
         let texture = texture(world.gpu, TextureFormat::Depth32FloatStencil8);
         world.depth(&texture);
         let depth = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        Ok(Self { volumes, light: light.pipeline(&world.gpu.device), depth, color: world.color() })
+        let light = light.pipeline(&world.gpu.device);
+        let group = group(world.gpu, &light, &[wgpu::BindingResource::TextureView(&world.white)]);
+        Ok(Self { volumes, light, group, depth, color: world.color() })
     }
 
-    fn record(&self, world: &World<'_>, encoder: &mut wgpu::CommandEncoder) -> Result<(), Error> {
+    fn record(&self, world: &World<'_>, encoder: &mut wgpu::CommandEncoder, is_lit: bool) -> Result<(), Error> {
         for (number, &light) in world.lights.iter().enumerate() {
             let load = if number == 0 { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
             let mut pass = pass(encoder, Some((&self.color, load)), Some(&self.depth), wgpu::LoadOp::Load);
             world.frame.draw(&mut pass, &self.volumes, 0, light)?;
-            pass.set_pipeline(&self.light);
-            pass.draw(0..3, 0..1);
+            if is_lit {
+                pass.set_pipeline(&self.light);
+                pass.set_bind_group(0, &self.group, &[]);
+                pass.draw(0..3, 0..1);
+            }
         }
         Ok(())
     }
@@ -325,17 +346,21 @@ impl Masked {
         let light = light.pipeline(&gpu.device);
         let lights = gpu.buffer(wgpu::BufferUsages::STORAGE, &[world.lights.len() as u32]);
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-        let group = group(gpu, &light, &[wgpu::BindingResource::TextureView(&view), lights.as_entire_binding()]);
+        let [white, masks_view] = [&world.white, &view].map(wgpu::BindingResource::TextureView);
+        let group = group(gpu, &light, &[white, masks_view, lights.as_entire_binding()]);
         let texture = texture(gpu, TextureFormat::Depth32Float);
         world.depth(&texture);
         let depth = texture.create_view(&wgpu::TextureViewDescriptor::default());
         Ok(Self { masks, light, group, target, depth, color: world.color() })
     }
 
-    fn record(&mut self, world: &World<'_>, encoder: &mut wgpu::CommandEncoder) -> Result<(), Error> {
+    fn record(&mut self, world: &World<'_>, encoder: &mut wgpu::CommandEncoder, is_lit: bool) -> Result<(), Error> {
         let inputs = MaskInputs { depth: &self.depth, view: 0, lights: &world.lights, target: &self.target };
         let written = world.frame.write_masks(encoder, &mut self.masks, &inputs);
         written.map_err(|error| Error::Device(error.to_string()))?;
+        if !is_lit {
+            return Ok(());
+        }
         let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
         let mut pass = pass(encoder, Some((&self.color, clear)), None, wgpu::LoadOp::Load);
         pass.set_pipeline(&self.light);

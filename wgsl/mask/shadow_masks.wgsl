@@ -2,6 +2,7 @@
 // shader of all of them; three vertices, and the instance is the number that a fragment shader takes.
 // `mask_depth`: copies the depth that the caller drew. Its value is stored as it was loaded, where the format has room for it.
 // `mask_bit`: adds the bit of a light to the bits of the lights, 8 a channel. The caller's pipeline adds, and tests the stencil.
+// `mask_dark_bit`, `mask_dark`: write the bit or the share of the only light to the target at once, with the same test.
 // `mask_byte`, `mask_word`: write 8 or 32 bits to the target, of sample 0. `mask_share`: writes the share of the samples that have
 // a bit.
 // Reads: the depth, or the bits.
@@ -44,6 +45,16 @@ fn mask_depth(in: MaskPoint) -> @builtin(frag_depth) f32 {
 fn mask_bit(in: MaskPoint) -> @location(0) vec4<f32> {
   let bit = f32(1u << (in.number & 7u)) / 255.0;
   return select(vec4<f32>(), vec4<f32>(bit), vec4<u32>(0u, 1u, 2u, 3u) == vec4<u32>(in.number >> 3u));
+}
+
+@fragment
+fn mask_dark_bit() -> @location(0) u32 {
+  return 1u;
+}
+
+@fragment
+fn mask_dark() -> @location(0) f32 {
+  return 1.0;
 }
 
 // The bits of up to 32 lights at a sample of a pixel.

@@ -1,6 +1,7 @@
 //! Why shadow masks cannot be written.
 
 use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::common::requirements::check_alive;
 use crate::gpu::shadow::errors::ShadowError;
 
 /// Why shadow masks cannot be written. Nothing is recorded then.
@@ -95,4 +96,9 @@ impl From<ShadowError> for MaskError {
             error => Self::Shadow(error),
         }
     }
+}
+
+/// What a device refuses, or that it is lost.
+pub(super) fn refused(device: &wgpu::Device, what: &'static str, message: String) -> MaskError {
+    check_alive(device).map_or_else(MaskError::Device, |()| MaskError::Refused { what, message })
 }

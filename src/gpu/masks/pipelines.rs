@@ -1,6 +1,6 @@
 //! The pipelines of masks.
 
-use super::errors::MaskError;
+use super::errors::{MaskError, refused};
 use crate::gpu::common::bindings::entries;
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
@@ -14,7 +14,10 @@ pub(super) struct Setting {
     pub(super) convention: Convention,
     pub(super) is_in_batches: bool,
     pub(super) depth_stencil: wgpu::TextureFormat,
-    pub(super) bits: wgpu::TextureFormat,
+    /// The format of the bits of lights, or of the target.
+    pub(super) color: wgpu::TextureFormat,
+    /// Whether the only light is drawn into the target.
+    pub(super) is_direct: bool,
     pub(super) samples: u32,
     pub(super) trim: bool,
 }
@@ -29,12 +32,12 @@ pub(super) struct Counting {
 
 impl Counting {
     pub(super) fn new(shared: &Pipelines, setting: &Setting) -> Result<Self, MaskError> {
-        let &Setting { convention, is_in_batches, depth_stencil, bits, samples, trim } = setting;
+        let &Setting { convention, is_in_batches, depth_stencil, color, is_direct, samples, trim } = setting;
         let format = ShadowFormat {
             depth_stencil,
             depth: convention.depth,
             samples,
-            colors: vec![Some(bits)],
+            colors: vec![Some(color)],
             front_face: convention.front_face(),
             has_far_plane: convention.is_unclipped,
             count_bits: convention.count_bits,
@@ -61,16 +64,22 @@ impl Counting {
             dst_factor: wgpu::BlendFactor::One,
             operation: wgpu::BlendOperation::Add,
         };
-        let unchanged = wgpu::ColorTargetState { format: bits, blend: None, write_mask: wgpu::ColorWrites::empty() };
-        let added = wgpu::ColorTargetState { blend: Some(wgpu::BlendState { color: sum, alpha: sum }), ..bits.into() };
+        let unchanged = wgpu::ColorTargetState { write_mask: wgpu::ColorWrites::empty(), ..color.into() };
+        let blend = (!is_direct).then_some(wgpu::BlendState { color: sum, alpha: sum });
+        let written = wgpu::ColorTargetState { blend, ..color.into() };
+        let entry_point = match color {
+            _ if !is_direct => "mask_bit",
+            wgpu::TextureFormat::R8Unorm => "mask_dark",
+            _ => "mask_dark_bit",
+        };
         let is_sampled = samples > 1;
         let pipelines = any_error(shared.device(), || {
             let whole = wgpu::StencilState::default();
-            [("mask_depth", unchanged, state(true, whole)), ("mask_bit", added, state(false, stencil))].map(
+            [("mask_depth", unchanged, state(true, whole)), (entry_point, written, state(false, stencil))].map(
                 |(entry_point, target, state)| pipeline(shared, is_sampled, entry_point, target, Some(state), samples),
             )
         });
-        let [depth, bit] = pipelines.map_err(|message| MaskError::Refused { what: "pipelines of masks", message })?;
+        let [depth, bit] = pipelines.map_err(|message| refused(shared.device(), "pipelines of masks", message))?;
         Ok(Self { volumes, depth, bit })
     }
 }

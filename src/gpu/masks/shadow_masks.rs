@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use super::errors::MaskError;
+use super::errors::{MaskError, refused};
+use super::passes::{Attachment, around, begin, draw_into, layer_view, scissor};
 use super::pipelines::{Counting, Setting, layout, pipeline};
 use super::reach::reached;
 use crate::gpu::common::bindings::texture;
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::{Pipelines, group};
-use crate::gpu::common::requirements::{Subject, check_alive, check_same, check_sample_shading};
+use crate::gpu::common::requirements::{Subject, check_same, check_sample_shading};
 use crate::gpu::scene::frame::SceneFrame;
 use crate::gpu::scene::handles::LightHandle;
-use crate::shadow::DepthDirection;
 
 /// Lights whose bits one pass writes.
 const GROUP: usize = 32;
@@ -20,7 +20,7 @@ const GROUP: usize = 32;
 ///
 /// Pipelines are made when they are first needed: by the first call, and by the first with other formats or another camera's depth
 /// direction. Textures are made anew when the size of the picture changes. For pictures of several sizes in turn, take a value for each.
-/// They take 5 to 12 bytes for each sample of each pixel.
+/// They take 5 to 12 bytes for each sample of each pixel. The depth and the target of the last call stay alive.
 ///
 /// ```no_run
 /// # use rimline::gpu::{LightHandle, MaskError, MaskInputs, SceneFrame, ShadowMasks};
@@ -41,7 +41,10 @@ pub struct ShadowMasks {
     counting: Vec<(Setting, Arc<Counting>)>,
     /// Pipelines that write targets: the format, the shader, whether bits have several samples.
     writing: Vec<((wgpu::TextureFormat, &'static str, bool), wgpu::RenderPipeline)>,
-    textures: Option<Textures>,
+    depth_stencil: Option<Attachment>,
+    bits: Option<Attachment>,
+    /// The last depth, and its bind group.
+    depth: Option<(wgpu::TextureView, wgpu::BindGroup)>,
     /// The last target, and its layers.
     target: Option<(wgpu::Texture, Vec<wgpu::TextureView>)>,
 }
@@ -69,18 +72,6 @@ pub struct MaskInputs<'a> {
     pub target: &'a wgpu::Texture,
 }
 
-/// Attachments of a size.
-#[derive(Debug)]
-struct Textures {
-    size: [u32; 2],
-    formats: [wgpu::TextureFormat; 2],
-    samples: u32,
-    depth_stencil: wgpu::TextureView,
-    bits: wgpu::TextureView,
-    /// Reads the bits.
-    group: wgpu::BindGroup,
-}
-
 impl ShadowMasks {
     /// Makes no pipelines yet. `pipelines` is the caller's device, or the [`Pipelines`] of the scenes.
     ///
@@ -89,7 +80,16 @@ impl ShadowMasks {
     pub fn new(pipelines: impl Into<Pipelines>) -> Result<Self, MaskError> {
         let shared = pipelines.into();
         shared.clone().construct(Subject::Shadow, || {
-            Ok(Self { trim: false, shared, counting: Vec::new(), writing: Vec::new(), textures: None, target: None })
+            Ok(Self {
+                trim: false,
+                shared,
+                counting: Vec::new(),
+                writing: Vec::new(),
+                depth_stencil: None,
+                bits: None,
+                depth: None,
+                target: None,
+            })
         })
     }
 
@@ -119,21 +119,23 @@ impl ShadowMasks {
         let Self { shared, writing, .. } = self;
         let make = || pipeline(shared, is_sampled, entry_point, target.into(), None, 1);
         let made = any_error(shared.device(), make)
-            .map_err(|message| MaskError::Refused { what: "pipelines of masks", message })?;
+            .map_err(|message| refused(shared.device(), "pipelines of masks", message))?;
         writing.push((key, made.clone()));
         Ok(made)
     }
 
-    fn textures(&mut self, size: [u32; 2], setting: &Setting) -> Result<&Textures, MaskError> {
-        let (formats, samples) = ([setting.depth_stencil, setting.bits], setting.samples);
-        let is_kept = |own: &Textures| (own.size, own.formats, own.samples) == (size, formats, samples);
-        let kept = self.textures.take().filter(is_kept);
-        let made = match kept {
+    /// The bind group of a depth.
+    fn given(&mut self, depth: &wgpu::TextureView) -> Result<wgpu::BindGroup, MaskError> {
+        let made = match self.depth.take().filter(|(own, _)| own == depth) {
             Some(kept) => kept,
-            None => any_error(self.shared.device(), || Textures::new(&self.shared, size, formats, samples))
-                .map_err(|message| MaskError::Refused { what: "textures of masks", message })?,
+            None => {
+                let (device, is_sampled) = (self.shared.device(), depth.texture().sample_count() > 1);
+                let layout = layout(&self.shared, is_sampled);
+                let made = any_error(device, || group(device, "mask depth", &layout, &[texture(depth)]));
+                (depth.clone(), made.map_err(|message| refused(device, "the depth", message))?)
+            }
         };
-        Ok(self.textures.insert(made))
+        Ok(self.depth.insert(made).1.clone())
     }
 
     /// Views of the first layers of a target that a pass can draw into.
@@ -152,61 +154,11 @@ impl ShadowMasks {
                     drop(tried.finish());
                     (target.clone(), views)
                 });
-                made.map_err(|message| MaskError::Refused { what: "the target", message })?
+                made.map_err(|message| refused(device, "the target", message))?
             }
         };
         let (_, views) = self.target.insert(made);
         Ok(views.iter().take(layers as usize).cloned().collect())
-    }
-}
-
-impl Textures {
-    fn new(shared: &Pipelines, [width, height]: [u32; 2], formats: [wgpu::TextureFormat; 2], samples: u32) -> Self {
-        let device = shared.device();
-        let [depth_stencil, bits] = formats.map(|format| {
-            let read = if format.has_color_aspect() {
-                wgpu::TextureUsages::TEXTURE_BINDING
-            } else {
-                wgpu::TextureUsages::empty()
-            };
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("mask"),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: samples,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | read,
-                view_formats: &[],
-            });
-            texture.create_view(&wgpu::TextureViewDescriptor::default())
-        });
-        let group = group(device, "mask bits", &layout(shared, samples > 1), &[texture(&bits)]);
-        Self { size: [width, height], formats, samples, depth_stencil, bits, group }
-    }
-
-    /// Begins the pass of a group of lights, with bits and stencil at 0, and with the depth of the group before or without any.
-    fn begin<'e>(
-        &self,
-        encoder: &'e mut wgpu::CommandEncoder,
-        depth: DepthDirection,
-        is_copied: bool,
-        is_last: bool,
-    ) -> wgpu::RenderPass<'e> {
-        let far = if depth == DepthDirection::Reversed { 0.0 } else { 1.0 };
-        let load = if is_copied { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(far) };
-        let store = if is_last { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
-        let stencil = wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Discard };
-        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("mask bits"),
-            color_attachments: &[Some(color(&self.bits))],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth_stencil,
-                depth_ops: Some(wgpu::Operations { load, store }),
-                stencil_ops: Some(stencil),
-            }),
-            ..wgpu::RenderPassDescriptor::default()
-        })
     }
 }
 
@@ -218,31 +170,6 @@ fn depth_stencil(format: wgpu::TextureFormat, features: wgpu::Features) -> Resul
         wgpu::TextureFormat::Depth32Float => Err(MaskError::Feature { format, needed }),
         _ => Ok(wgpu::TextureFormat::Depth24PlusStencil8),
     }
-}
-
-fn layer_view(target: &wgpu::Texture, base_array_layer: u32) -> wgpu::TextureView {
-    target.create_view(&wgpu::TextureViewDescriptor {
-        label: Some("mask"),
-        dimension: Some(wgpu::TextureViewDimension::D2),
-        mip_level_count: Some(1),
-        base_array_layer,
-        array_layer_count: Some(1),
-        ..wgpu::TextureViewDescriptor::default()
-    })
-}
-
-/// Begins a pass that writes a layer of the target.
-fn draw_into<'e>(encoder: &'e mut wgpu::CommandEncoder, view: &wgpu::TextureView) -> wgpu::RenderPass<'e> {
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("masks"),
-        color_attachments: &[Some(color(view))],
-        ..wgpu::RenderPassDescriptor::default()
-    })
-}
-
-fn color(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
-    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
-    wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops }
 }
 
 impl MaskInputs<'_> {
@@ -308,60 +235,71 @@ impl SceneFrame {
         let (convention, camera) = self.check_view(view)?;
         let encoded = lights.iter().map(|&light| self.check_light(light)).collect::<Result<Vec<_>, _>>()?;
         check_same(["the masks", "the scene"], [masks.shared.device(), &self.device])?;
-        check_alive(&self.device)?;
         let layers = inputs.check()?;
-        let (map, trim) = (depth.texture(), masks.trim);
+        let map = depth.texture();
         let (size, samples) = ([map.width(), map.height()], map.sample_count());
-        let bits = if lights.len() <= 8 { wgpu::TextureFormat::R8Unorm } else { wgpu::TextureFormat::Rgba8Unorm };
-        let reach: Vec<_> =
-            lights.iter().zip(&encoded).map(|(&light, of)| (light, reached(camera, of, size))).collect();
-        let depth_stencil = depth_stencil(map.format(), self.device.features())?;
-        let is_in_batches = self.count_batches > 1;
-        let setting = Setting { convention, is_in_batches, depth_stencil, bits, samples, trim };
-        let counting = masks.counting(setting.clone())?;
-        let entry_point = match target.format() {
-            wgpu::TextureFormat::R8Unorm => "mask_share",
-            // The other channels of textures with one are no bits.
-            wgpu::TextureFormat::R32Uint if lights.len() > 8 => "mask_word",
-            _ => "mask_byte",
+        let reach = lights.iter().zip(&encoded).map(|(&light, of)| (light, reached(camera, of, size)));
+        let reach: Vec<_> = reach.collect();
+        let mut setting = Setting {
+            convention,
+            is_in_batches: self.count_batches > 1,
+            depth_stencil: depth_stencil(map.format(), self.device.features())?,
+            color: if lights.len() <= 8 { wgpu::TextureFormat::R8Unorm } else { wgpu::TextureFormat::Rgba8Unorm },
+            is_direct: lights.len() == 1 && samples == 1,
+            samples,
+            trim: masks.trim,
         };
-        let writing = masks.writing(target.format(), entry_point, samples > 1)?;
-        let given = any_error(&self.device, || {
-            group(&self.device, "mask depth", &layout(&masks.shared, samples > 1), &[texture(depth)])
-        });
-        let given = given.map_err(|message| MaskError::Refused { what: "the depth", message })?;
+        let mut writing = None;
+        if setting.is_direct {
+            setting.color = target.format();
+        } else {
+            let entry_point = match target.format() {
+                wgpu::TextureFormat::R8Unorm => "mask_share",
+                // The other channels of textures with one are no bits.
+                wgpu::TextureFormat::R32Uint if lights.len() > 8 => "mask_word",
+                _ => "mask_byte",
+            };
+            let bits = Attachment::of(&mut masks.bits, &masks.shared, size, setting.color, samples)?;
+            writing = Some((masks.writing(target.format(), entry_point, samples > 1)?, bits));
+        }
+        let stencil = Attachment::of(&mut masks.depth_stencil, &masks.shared, size, setting.depth_stencil, samples)?;
+        let given = masks.given(depth)?;
         let views = masks.layers(target, layers)?;
-        let textures = masks.textures(size, &setting)?;
+        let counting = masks.counting(setting)?;
 
-        let mut is_copied = false;
-        let (groups, of_layer) = (lights.len().div_ceil(GROUP).max(1), inputs.lights_a_layer()?);
-        for group in 0..groups {
-            let of_group = reach.iter().skip(GROUP * group).take(GROUP);
-            let drawn: Vec<_> = (0..).zip(of_group).filter_map(|(n, (light, at))| Some((n, *light, (*at)?))).collect();
-            if !drawn.is_empty() {
-                let mut pass = textures.begin(encoder, convention.depth, is_copied, group + 1 == groups);
-                pass.set_bind_group(0, &given, &[]);
-                if !is_copied {
-                    pass.set_pipeline(&counting.depth);
-                    pass.draw(0..3, 0..1);
-                    is_copied = true;
-                }
-                for &(number, light, [x, y, width, height]) in &drawn {
-                    pass.set_scissor_rect(x, y, width, height);
-                    self.record(&mut pass, &counting.volumes, view, light);
-                    pass.set_pipeline(&counting.bit);
-                    pass.set_bind_group(0, &given, &[]);
-                    pass.draw(0..3, number..number + 1);
-                }
+        // Elsewhere there is no volume and no bit.
+        let Some(all) = reach.iter().filter_map(|(_, pixels)| *pixels).reduce(around) else {
+            views.iter().for_each(|view| drop(draw_into(encoder, view)));
+            return Ok(());
+        };
+        let of_layer = inputs.lights_a_layer()?;
+        let groups = reach.chunks(GROUP).zip(views.chunks(GROUP / of_layer));
+        let last = groups.len() - 1;
+        for (number, (lights, views)) in groups.enumerate() {
+            let color = writing.as_ref().map(|(_, bits)| &bits.view).or(views.first());
+            let mut pass = begin(encoder, color, &stencil.view, convention.depth, [number == 0, number == last]);
+            pass.set_bind_group(0, &given, &[]);
+            if number == 0 {
+                scissor(&mut pass, all);
+                pass.set_pipeline(&counting.depth);
+                pass.draw(0..3, 0..1);
             }
-            let first = group * GROUP / of_layer;
-            for (number, view) in (0..).zip(views.iter().skip(first).take(GROUP / of_layer)) {
+            for (bit, &(light, pixels)) in (0..).zip(lights) {
+                let Some(pixels) = pixels else { continue };
+                scissor(&mut pass, pixels);
+                self.record(&mut pass, &counting.volumes, view, light);
+                pass.set_pipeline(&counting.bit);
+                pass.set_bind_group(0, &given, &[]);
+                pass.draw(0..3, bit..bit + 1);
+            }
+            drop(pass);
+            let Some((pipeline, bits)) = &writing else { continue };
+            for (layer, view) in (0..).zip(views) {
                 let mut pass = draw_into(encoder, view);
-                if !drawn.is_empty() {
-                    pass.set_pipeline(&writing);
-                    pass.set_bind_group(0, &textures.group, &[]);
-                    pass.draw(0..3, number..number + 1);
-                }
+                scissor(&mut pass, all);
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, bits.group.as_ref(), &[]);
+                pass.draw(0..3, layer..layer + 1);
             }
         }
         Ok(())
