@@ -1,6 +1,6 @@
 //! Masks that cannot be written are typed errors, and nothing of them reaches the caller's encoder.
 
-use rimline::gpu::{MaskError, MaskInputs, SceneOptions, ShadowError, ShadowMasks};
+use rimline::gpu::{DeviceError, MaskError, MaskInputs, SceneOptions, ShadowError, ShadowMasks};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
@@ -185,6 +185,11 @@ fn errors() -> Result<(), String> {
         ),
         refusal("words", write(frame, masks, MaskInputs { target: &texture(R32Uint, 1), ..good }), Expected::Taken),
     ];
+    let lost = other_device.submit(|encoder| world.encode(&other_device, encoder, SceneOptions::default()))?;
+    let lost_inputs = MaskInputs { lights: &lost.lights[..3], depth: &foreign_depth, view: 0, target: &foreign };
+    other_device.device.destroy();
+    let lost = write(&lost.frame, foreign_masks, lost_inputs);
+    rows.push(refusal("a device that is lost", lost, is(MaskError::Device(DeviceError::Lost))));
     rows.push(refusal("all good again", write(frame, masks, good), Expected::Taken));
     refused(rows)
 }

@@ -92,10 +92,21 @@ fn without() -> Result<(), String> {
 fn many() -> Result<(), String> {
     let gpu = &*Gpu::shared_with_depth_features()?;
     let masks = &mut ShadowMasks::new(&gpu.pipelines).map_err(text)?;
-    for (number, (lights, target)) in
-        [(8, R8Uint), (9, R8Uint), (32, R32Uint), (33, R32Uint), (41, R8Uint), (35, R8Unorm), (70, R32Uint)]
-            .into_iter()
-            .enumerate()
+    for (number, (lights, target)) in [
+        (1, R8Uint),
+        (1, R8Unorm),
+        (1, R8Unorm),
+        (1, R32Uint),
+        (8, R8Uint),
+        (9, R8Uint),
+        (32, R32Uint),
+        (33, R32Uint),
+        (41, R8Uint),
+        (35, R8Unorm),
+        (70, R32Uint),
+    ]
+    .into_iter()
+    .enumerate()
     {
         let picture = Picture { size: [64, 40], depth: Depth32Float, samples: [1, 4][number % 2], target };
         let world = World::new(100 + number as u64, number % 2, lights);

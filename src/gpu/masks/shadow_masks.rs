@@ -42,7 +42,8 @@ pub struct ShadowMasks {
     /// Pipelines that write targets: the format, the shader, whether bits have several samples.
     writing: Vec<((wgpu::TextureFormat, &'static str, bool), wgpu::RenderPipeline)>,
     depth_stencil: Option<Attachment>,
-    bits: Option<Attachment>,
+    /// The bits of up to 8 lights, and of more.
+    bits: [Option<Attachment>; 2],
     /// The last depth, and its bind group.
     depth: Option<(wgpu::TextureView, wgpu::BindGroup)>,
     /// The last target, and its layers.
@@ -86,7 +87,7 @@ impl ShadowMasks {
                 counting: Vec::new(),
                 writing: Vec::new(),
                 depth_stencil: None,
-                bits: None,
+                bits: [None, None],
                 depth: None,
                 target: None,
             })
@@ -259,7 +260,9 @@ impl SceneFrame {
                 wgpu::TextureFormat::R32Uint if lights.len() > 8 => "mask_word",
                 _ => "mask_byte",
             };
-            let bits = Attachment::of(&mut masks.bits, &masks.shared, size, setting.color, samples)?;
+            let [few, many] = &mut masks.bits;
+            let bits = if lights.len() <= 8 { few } else { many };
+            let bits = Attachment::of(bits, &masks.shared, size, setting.color, samples)?;
             writing = Some((masks.writing(target.format(), entry_point, samples > 1)?, bits));
         }
         let stencil = Attachment::of(&mut masks.depth_stencil, &masks.shared, size, setting.depth_stencil, samples)?;
