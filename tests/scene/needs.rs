@@ -501,7 +501,7 @@ fn come_and_go() -> Result<(), String> {
     must_fail("one", &same("both", &[sum(&both)], &[sum(&expected)]))
 }
 
-/// What is not done to instances, and poses that do not fit.
+/// Calls that instances do not take, and poses that do not fit.
 fn refusals() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(4501);
