@@ -1,12 +1,12 @@
-//! The one list of stages and of WGSL files. Pipelines, labels, twins and tests use it. The top of each file in `wgsl` says
+//! The one list of stages and of WGSL files. Pipelines, labels, CPU references and tests use it. The top of each file in `wgsl` says
 //! what its stage computes, for whom, and what it promises.
 
 use crate::compose::{Composed, compose};
 
-/// A stage. Its entry points, pipeline labels and CPU twin, if it has one, carry its name.
+/// A stage. Its entry points, pipeline labels and CPU reference, if it has one, carry its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Stage {
-    /// The name, also that of a twin `src/cpu/SUBJECT/NAME.rs`.
+    /// The name, also that of a CPU reference `src/cpu/SUBJECT/NAME.rs`.
     pub name: &'static str,
     /// The name of its module. A stage with one text for a single mesh and for scenes has two modules.
     pub module: &'static str,

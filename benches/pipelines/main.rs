@@ -39,7 +39,7 @@ fn main() -> Result<(), Error> {
         let made = Instant::now();
         let positions = PositionBuffer { buffer: &positions, offset: 0, stride: 12 };
         let mut encoder = gpu.encoder();
-        let extraction = extractor.encode(&mut encoder, positions, &[Light::point([0.0, 5.0, 2.0])], None)?;
+        let extraction = extractor.encode(&mut encoder, positions, &[Light::point([0.0, 5.0, 2.0])])?;
         volumes.encode(&mut encoder, &extraction, &camera, None)?;
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;

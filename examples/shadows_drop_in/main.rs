@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let positions = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
     let view =
         ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
-    let extraction = extractor.encode(&mut encoder, positions, &[sun], None)?;
+    let extraction = extractor.encode(&mut encoder, positions, &[sun])?;
     let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;
     stage.draw(&mut encoder, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;
     canvas.save(encoder, "shadows_drop_in.png")

@@ -69,7 +69,7 @@ pub(crate) fn picture(canvas: &Canvas, parts: usize) -> Result<wgpu::CommandEnco
     for (part, lights) in patterns.iter().enumerate() {
         let Camera { eye, view_projection } = *stage.camera(part);
         let view = ShadowCamera { view_projection, origin: eye, depth: DepthDirection::Reversed };
-        let extraction = extractor.encode(&mut encoder, positions, lights, None)?;
+        let extraction = extractor.encode(&mut encoder, positions, lights)?;
         let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;
         stage.draw_part(&mut encoder, part, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;
     }

@@ -8,7 +8,8 @@ mod stage;
 mod support;
 
 use rimline::gpu::{
-    Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
+    Deformer, DeformerOptions, Extractor, ExtractorOptions, PoseInputs, ShadowFormat, ShadowOptions, ShadowPipelines,
+    ShadowVolumes,
 };
 use rimline::{
     Counting, DepthDirection, Displacement, Geometry, GeometryOptions, Instance, InstancePose, Light, Model, Pose,
@@ -57,8 +58,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let view =
         ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
-    deformer.encode(&mut encoder, &pose, seconds, None, None)?;
-    let extraction = extractor.encode(&mut encoder, deformer.positions(), &lights, None)?;
+    deformer.encode(&mut encoder, PoseInputs { time_s: seconds, ..PoseInputs::new(&pose) })?;
+    let extraction = extractor.encode(&mut encoder, deformer.positions(), &lights)?;
     let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;
     stage.draw(&mut encoder, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;
     canvas.save(encoder, "three_spheres.png")

@@ -18,7 +18,7 @@ pub use common::pipelines::Pipelines;
 pub use common::positions::PositionBuffer;
 pub use common::readback::{read_back, read_back_async, read_back_vec, read_back_vec_async};
 pub use common::timer::{StageTimer, StageTimes};
-pub use deform::deformer::{DeformError, Deformer, DeformerOptions};
+pub use deform::deformer::{DeformError, Deformer, DeformerOptions, PoseInputs};
 pub use depth_map::{
     DanglingEdges, DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapFrame,
     DepthMapMerge, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapStatistics, DepthMapVolumes,
@@ -40,10 +40,9 @@ pub use scene::depths::SceneDepthCasters;
 pub use scene::frame::SceneFrame;
 #[cfg(feature = "reference")]
 pub use scene::frame::{SceneGroupResults, SceneResults};
-pub use scene::handles::{CasterHandle, LightHandle, MeshHandle};
+pub use scene::handles::{CasterHandle, LightHandle, MeshHandle, ModelHandle};
 pub use scene::hidden::HiddenCounts;
 pub use scene::mask::LightMask;
-pub use scene::needs::SceneNeeds;
 #[doc(hidden)]
 pub use scene::options::Measuring;
 pub use scene::options::{Capacities, SceneOptions, StencilCounts};

@@ -1,5 +1,5 @@
-//! Every good model file at several times of each of its animations: deformation within its bound of the twin,
-//! extraction equal to the twin's bit for bit at the same positions, facing to big integers', and closed at every vertex
+//! Every good model file at several times of each of its animations: deformation within its bound of the CPU reference,
+//! extraction equal to the CPU's bit for bit at the same positions, facing to big integers', and closed at every vertex
 //! for every light.
 
 use std::path::Path;
@@ -61,7 +61,7 @@ impl Extraction {
         Ok(Self { turned: turned(pose), mesh, extractors: [const { None }; LIGHT_COUNTS.len()] })
     }
 
-    /// Extracts at the deformer's positions and compares everything with the twin, and some of it with big integers.
+    /// Extracts at the deformer's positions and compares everything with the CPU reference, and some of it with big integers.
     fn check(&mut self, gpu: &Gpu, deformer: &Deformer, found: &[[f32; 3]], index: usize) -> Result<(), String> {
         let Self { mesh, extractors, .. } = self;
         let count = LIGHT_COUNTS[index];
@@ -71,7 +71,7 @@ impl Extraction {
             Some(extractor) => extractor,
             empty => empty.insert(Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?),
         };
-        gpu.submit(|encoder| extractor.encode(encoder, deformer.positions(), &lights, None).map_err(text))?;
+        gpu.submit(|encoder| extractor.encode(encoder, deformer.positions(), &lights).map_err(text))?;
         let on_gpu = read(gpu, extractor, mesh, count)?;
         let twin = cpu::extract(found, mesh, &lights, Predicate::Exact, Threads::all());
         let twin = twin.map_err(text)?;

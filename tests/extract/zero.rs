@@ -40,7 +40,7 @@ fn found(gpu: &Gpu, counting: Counting, room: Option<u32>, topology: EdgeTopolog
     let view_projection = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, -1.0], [0.0, 0.0, 0.1, 0.0]];
     let camera = ShadowCamera { view_projection, origin: [0.0, 0.0, 4.0], depth: DepthDirection::Reversed };
     gpu.submit(|encoder| {
-        let extraction = extractor.encode(encoder, positions, &lights, None).map_err(text)?;
+        let extraction = extractor.encode(encoder, positions, &lights).map_err(text)?;
         volumes.encode(encoder, &extraction, &camera, None).map(drop).map_err(text)
     })?;
     let results = extractor.results();

@@ -122,7 +122,7 @@ pub(crate) fn render(gpu: &Gpu, inputs: &Inputs<'_>) -> Result<Vec<u8>, String> 
     let pixels = gpu.storage(&vec![0_u32; (SIDE * SIDE) as usize]);
     gpu.submit(|encoder| {
         let place = PositionBuffer { buffer: &vertices, offset: 0, stride: 12 };
-        let extraction = extractor.encode(encoder, place, &[light], None).map_err(text)?;
+        let extraction = extractor.encode(encoder, place, &[light]).map_err(text)?;
         let outline = outlines
             .prepare(&OutlineInputs {
                 extraction: &extraction,

@@ -92,7 +92,7 @@ fn chain() -> Result<(), String> {
             let bound =
                 PositionBuffer { buffer: &buffer, offset: 4 * u64::from(place.0), stride: 4 * u64::from(place.1) };
             gpu.submit(|encoder| {
-                let extraction = extractor.encode(encoder, bound, &scene.lights, None).map_err(text)?;
+                let extraction = extractor.encode(encoder, bound, &scene.lights).map_err(text)?;
                 volumes.encode(encoder, &extraction, &scene.camera, None).map_err(text)
             })?;
             let lights = chosen(gpu, &volumes, LIGHTS)?;
@@ -166,7 +166,7 @@ fn again() -> Result<(), String> {
              -> Result<Prepared, String> {
                 let bound = PositionBuffer { buffer: &buffer, offset, stride };
                 gpu.submit(|encoder| {
-                    let extraction = extractor.encode(encoder, bound, lights, None).map_err(text)?;
+                    let extraction = extractor.encode(encoder, bound, lights).map_err(text)?;
                     volumes.encode(encoder, &extraction, &base.camera, None).map_err(text)
                 })?;
                 let statistics: Vec<ShadowStatistics> = gpu.read(volumes.statistics(), 1)?;

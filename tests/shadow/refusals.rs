@@ -117,7 +117,7 @@ fn extracted(
     lights: &[Light],
 ) -> Result<Extraction, String> {
     let bound = PositionBuffer { buffer, offset: 0, stride: 12 };
-    gpu.submit(|encoder| extractor.encode(encoder, bound, lights, None).map_err(text))
+    gpu.submit(|encoder| extractor.encode(encoder, bound, lights).map_err(text))
 }
 
 /// Result of encoding an extraction.

@@ -214,7 +214,7 @@ impl<'a> Renderer<'a> {
             let options = ExtractorOptions { max_lights: lights.len(), lists: Some(lists), ..Default::default() };
             let mut extractor = Extractor::new(&self.pipelines, &mesh, options).map_err(|error| text(&error))?;
             let lights: Vec<Light> = lights.iter().map(|light| light.with_range(self.range)).collect();
-            let extraction = extractor.encode(&mut encoder, positions, &lights, None).map_err(|error| text(&error))?;
+            let extraction = extractor.encode(&mut encoder, positions, &lights).map_err(|error| text(&error))?;
             let pipelines = mirroring.as_ref().filter(|_| body.mirror.is_some()).unwrap_or(&plain);
             let options = ShadowOptions { in_depth: body.in_depth, ..self.options };
             let mut volumes = ShadowVolumes::new(pipelines, &extractor, options).map_err(|error| text(&error))?;
@@ -226,7 +226,7 @@ impl<'a> Renderer<'a> {
             let size = [map.texture.texture().width(), map.texture.texture().height()];
             let mut volumes = DepthMapVolumes::new(pipelines, size, *options).map_err(|error| text(&error))?;
             let camera = frame.eye.camera();
-            let shadows = volumes.encode(&mut encoder, map, &camera, None).map_err(|error| text(&error))?;
+            let shadows = volumes.encode(&mut encoder, map, &camera).map_err(|error| text(&error))?;
             mapped = Some((shadows, *pipelines, *is_first));
         }
         let draw_mapped = |pass: &mut wgpu::RenderPass<'_>, is_first: bool| match &mapped {

@@ -127,7 +127,9 @@ impl Scene {
             self.casters.get(source.key).is_some_and(|entry| {
                 let is_placed = match &entry.placement {
                     Placement::Rigid(rigid) => source.version.is_none() && rigid.rows == IDENTITY,
-                    Placement::World { .. } => source.version.is_some() && entry.positions_version == source.version,
+                    Placement::World { .. } => {
+                        !entry.is_of_model && source.version.is_some() && entry.positions_version == source.version
+                    }
                 };
                 is_placed
                     && entry.lights.has(of.light.bit)

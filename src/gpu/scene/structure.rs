@@ -74,6 +74,8 @@ pub(crate) struct Making<'a> {
     pub(crate) meshes: &'a SlotMap<DefaultKey, MeshEntry>,
     pub(crate) sources: &'a Sources,
     pub(crate) pages: &'a Pages,
+    /// The bytes of pages and deformers.
+    pub(crate) others: u64,
     pub(crate) lights: &'a Lights,
     pub(crate) options: &'a SceneOptions,
     /// Views that there is room for in the table.
@@ -113,7 +115,7 @@ impl Structure {
         }
         let given = given_masks(&layout, table, casters);
         let given_bytes: u64 = given.iter().flatten().map(|masks| 4 * masks.len() as u64).sum();
-        let others = pages.bytes + table_bytes + given_bytes;
+        let others = making.others + table_bytes + given_bytes;
         let old = old.map(|old| &old.buffers);
         let memory_limit = options.memory_limit;
         let face_chunks = layout.groups.iter().map(|group| u64::from(group.face_chunks)).sum();

@@ -73,7 +73,7 @@ const FEW_CAPS: u32 = 1024;
 ///
 /// // Every frame:
 /// let lights = [Light::point([0.0, 5.0, 2.0]), Light::directional([1.0, 1.0, 0.0])];
-/// let extraction = extractor.encode(encoder, vertices, &lights, None)?;
+/// let extraction = extractor.encode(encoder, vertices, &lights)?;
 /// let shadows = volumes.encode(encoder, &extraction, camera, None)?;
 /// // After your depth pass, for each light. Put your colour attachments here and into the format:
 /// for light in 0..lights.len() {

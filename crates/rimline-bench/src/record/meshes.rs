@@ -84,7 +84,7 @@ impl Recorder for Meshes<'_> {
     ) -> Result<(), Error> {
         for Recorded { positions, extractor, volumes, extraction, frame } in &mut self.all {
             let positions = PositionBuffer { buffer: positions, offset: 0, stride: 12 };
-            let found = extractor.encode(encoder, positions, &self.lights, timer.as_deref_mut())?;
+            let found = extractor.encode_timed(encoder, positions, &self.lights, timer.as_deref_mut())?;
             if let (Until::Volumes, Some(volumes), Some(camera)) = (until, volumes, &self.camera) {
                 *frame = Some(volumes.encode(encoder, &found, camera, timer.as_deref_mut())?);
             }
