@@ -17,6 +17,7 @@
 //! * [`gpu::ShadowVolumes`]: stencil shadows in your render pass. The GPU chooses the counting method for each caster
 //!   and light.
 //! * [`gpu::Scene`]: the same for many casters and lights together. It deforms models itself, as far as a frame needs them.
+//! * [`gpu::ShadowMasks`]: the same as masks, from depth without a stencil.
 //! * [`gpu::DepthMapVolumes`]: stencil shadows of what has no mesh, rebuilt from the depth map of a light. [`gpu::DepthMapCube`]
 //!   takes six maps around a light, [`gpu::DepthMapMerge`] makes two maps one, [`gpu::DepthMapConversion`]
 //!   takes distances, and [`gpu::MeshDepth`] and [`gpu::SceneDepth`] draw a mesh or a scene into a map.

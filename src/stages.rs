@@ -113,6 +113,7 @@ stages! {
     DEPTH_WALLS = depth_map / depth_walls;
     MESH_DEPTH = depth_map / mesh_depth: mesh_depth, scene_depth;
     OUTLINE_EDGES = outline / outline_edges: outline_silhouette, outline_feature;
+    SHADOW_MASKS = mask / shadow_masks: mask_whole;
 }
 
 /// Lists files by their names.
@@ -154,6 +155,7 @@ pub const FILES: &[(&str, &str)] = files![
     "extract/per_edge",
     "extract/results",
     "interface/caster",
+    "mask/shadow_masks",
     "outline/outline_edges",
     "polygon/cut_edges",
     "polygon/cuts",
@@ -211,6 +213,9 @@ pub fn source(name: &str) -> Option<&'static str> {
 
 /// [`OUTLINE_EDGES`] for depth that has several samples a pixel.
 pub const OUTLINE_SAMPLES: Stage = Stage { module: "outline_samples", flags: &["SAMPLES"], ..OUTLINE_EDGES };
+
+/// [`SHADOW_MASKS`] for depth that has several samples a pixel.
+pub const MASK_SAMPLES: Stage = Stage { module: "mask_samples", flags: &["SAMPLES"], ..SHADOW_MASKS };
 
 /// [`DEFORM`] without its `displace`, which a caller gives.
 pub const DISPLACED_DEFORM: Stage = Stage { module: "displaced_deform", flags: &["DISPLACED"], ..DEFORM };

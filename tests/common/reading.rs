@@ -210,7 +210,7 @@ fn late() -> Result<(), String> {
     let mut timed = |timer: &mut StageTimer| {
         timer.clear();
         gpu.submit(|encoder| {
-            extractor.encode(encoder, packed(&positions), &[LIGHT], Some(timer)).map(drop).map_err(text)?;
+            extractor.encode_timed(encoder, packed(&positions), &[LIGHT], Some(timer)).map(drop).map_err(text)?;
             timer.resolve(encoder);
             Ok(())
         })?;

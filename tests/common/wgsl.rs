@@ -152,6 +152,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("depth_walls", "tests/depth_map/wall_vertices.rs"),
     ("mesh_depth", "tests/depth_map/vertices.rs"),
     ("outline_edges", "tests/outline/gpu.rs"),
+    ("shadow_masks", "tests/mask/gpu.rs"),
 ];
 
 /// The test has the stage's constant, or its name in backticks, and there is no CPU reference.

@@ -81,7 +81,7 @@ fn drawn(
     let buffer = gpu.storage(&shape.positions);
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let extraction = extractor.encode(&mut encoder, positions, &[Light::point([0.0, 5.0, 2.0])], None).map_err(text)?;
+    let extraction = extractor.encode(&mut encoder, positions, &[Light::point([0.0, 5.0, 2.0])]).map_err(text)?;
     let shadows = volumes.encode(&mut encoder, &extraction, &camera(), None).map_err(text)?;
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let begun = if by_encoder { Ok(encoder.begin_render_pass(pass)) } else { format.begin_pass(&mut encoder, pass) };

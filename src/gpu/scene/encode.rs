@@ -95,7 +95,7 @@ impl Scene {
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         self.pages.reclaim(encode);
         let (encodes, lights) = (Arc::clone(&self.encodes), self.lights.listed());
-        let views = given.iter().map(|view| self.convention(&view.camera)).collect();
+        let views = given.iter().map(|view| (self.convention(&view.camera), view.camera)).collect();
         let count_batches = self.options.stencil.count_batches;
         let hidden = self.count_hidden();
         let device = self.pipelines.device().clone();
