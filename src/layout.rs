@@ -795,6 +795,8 @@ shared_structs! {
         /// The largest count that the bits which count hold. One bit of counts is that of darkness where there are several
         /// batches.
         most_count: u32,
+        /// Pieces of L-twisted polygons that the list of each light has room for.
+        piece_capacity: u32,
     }
 
     /// The light, or the batch of lights, of a draw or dispatch.
@@ -899,11 +901,25 @@ shared_structs! {
 
 impl LightBatch {
     /// The batch of up to 32 `lights`.
-    pub fn new(lights: &[crate::Light], position_offset: u32, position_stride: u32) -> Self {
-        let mut batch = Self { count: lights.len() as u32, live: live_bits(lights.len()), ..Self::zeroed() };
+    pub fn new(lights: &[Light], position_offset: u32, position_stride: u32) -> Self {
+        let of_bit = |bit: usize| lights.get(bit).map(|light| light.to_array());
+        Self::of_bits(of_bit, lights.len() as u32, position_offset, position_stride)
+    }
+
+    /// The batch of the lights that some of the lowest `count` bits have. The others have no bit in any mask; they repeat a light,
+    /// so that nothing is left undecided for them.
+    pub(crate) fn of_bits(
+        light: impl Fn(usize) -> Option<[f32; 4]>,
+        count: u32,
+        position_offset: u32,
+        position_stride: u32,
+    ) -> Self {
+        let mut batch = Self { count, ..Self::zeroed() };
+        let last = (0..count as usize).rev().find_map(&light);
         for slot in 0..32 {
-            let Some(light) = lights.get(slot).or(lights.last()) else { break };
-            let given = light.to_array();
+            let own = if slot < count as usize { light(slot) } else { None };
+            let Some(given) = own.or(last) else { break };
+            batch.live |= u32::from(own.is_some()) << slot;
             let scaled = ScaledLight::new(given);
             let [x, y, z, w] = scaled.light.map(f32::abs);
             let w = w.max(scaled.inexact_w);

@@ -145,7 +145,7 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("list_sides", "list_sides", 16_386),
     ("stencil_pencil", "stencil_pencil", 61_454),
     ("stencil_crossings", "stencil_crossings", 53_252),
-    ("piece_crossings", "piece_crossings", 4_101),
+    ("piece_crossings", "piece_crossings", 36_871),
     ("stencil_bound", "stencil_bound", 33_794),
     ("sides", "side", 85),
     ("sides", "side_clipped", 86),

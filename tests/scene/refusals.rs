@@ -1,11 +1,14 @@
 //! Typed errors for input that a scene refuses.
 
-use rimline::gpu::{Caster, CasterPositions, DeviceError, FrameInputs, LightMask, Scene, SceneOptions, ShadowError};
+use rimline::gpu::{
+    Caster, CasterPositions, DeviceError, ExtractorError, FrameInputs, LightMask, MAX_OUTLINE_EDGES, Scene,
+    SceneOptions, ShadowError,
+};
 use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{limited, text};
-use rimline_testkit::polygons::quad_box;
+use rimline_testkit::polygons::{PolygonSet, quad_box};
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::shapes;
 
@@ -67,10 +70,16 @@ fn meshes() -> Result<(), String> {
     let quads = quad_box(1);
     let of_quads = quads.mesh(Weld::Position).map_err(text)?;
     let few = ShadowError::TooFewPositions { given: positions.len() - 1, needed: mesh.vertex_count() };
-    refused([
-        refusal("positions", scene.add_mesh(&mesh, &positions[1..]), is(few)),
-        refusal("polygons", scene.add_mesh(&of_quads, &quads.positions), is(ShadowError::Polygons)),
-    ])?;
+    refused([refusal("positions", scene.add_mesh(&mesh, &positions[1..]), is(few))])?;
+    let quads = scene.add_mesh(&of_quads, &quads.positions).map_err(text)?;
+    let quads = scene.insert(Caster::rigid(quads, IDENTITY)).map_err(text)?;
+    let light = scene.add_light(Light::directional([0.0, 1.0, 0.0])).map_err(text)?;
+    refused([refusal("faces of polygons", scene.set_excluded(quads, light, &[1]), is(ShadowError::Polygons))])?;
+    let mut gap = PolygonSet::default();
+    gap.push_points(&[(0..MAX_OUTLINE_EDGES as u32 + 1).map(|n| [n as f32, (n * n) as f32, 0.0]).collect()]);
+    let too_large = ExtractorError::OutlineTooLarge { polygon: 0, edges: MAX_OUTLINE_EDGES + 1 };
+    let added = scene.add_mesh(&gap.mesh(Weld::Position).map_err(text)?, &gap.positions);
+    refused([refusal("an outline", added, is(ShadowError::Extraction(too_large)))])?;
     let cube = scene.add_mesh(&mesh, &positions).map_err(text)?;
     let casters = [(); 2].map(|()| scene.insert(Caster::rigid(cube, IDENTITY)));
     let used = ShadowError::MeshInUse { casters: 2 };

@@ -5,6 +5,7 @@ use rimline::gpu::{
     Capacities, Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, Measuring, Receivers,
     Scene, SceneFrame, SceneOptions, ScenePipelines, ShadowError, ShadowFormat, ShadowOptions, StencilCounts, View,
 };
+use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{ShadowLight, ShadowStatistics};
 use rimline::reference::shadow::CAST_AVERTED;
@@ -69,7 +70,7 @@ fn turned(random: &mut Random, body: &Body) -> (Vec<[f32; 3]>, Matrix3x4) {
 }
 
 /// A frame whose lights and eye are still the same once they are moved by [`FAR`].
-fn movable(mut frame: Frame) -> Frame {
+pub(crate) fn movable(mut frame: Frame) -> Frame {
     for light in frame.lights.iter_mut().filter(|light| light.w != 0.0) {
         *light = Light::point(light.xyz.map(|c| rounded(f64::from(c / light.w)) as f32));
     }
@@ -136,7 +137,8 @@ impl Past {
 
 /// The finite faces of a rigid body that has not too many: what is behind one need not throw shadows.
 fn hiding(body: &Body, mesh: &Mesh, own: &[[f32; 3]], positions: &CasterPositions) -> Vec<[[f32; 3]; 3]> {
-    if !matches!(positions, CasterPositions::Rigid(_)) || mesh.faces().len() > 100 || !body.left_out.is_empty() {
+    let is_rigid = matches!(positions, CasterPositions::Rigid(_)) && body.polygons.is_none();
+    if !is_rigid || mesh.faces().len() > 100 || !body.left_out.is_empty() {
         return Vec::new();
     }
     let triangles = mesh.faces().iter().map(|face| face.map(|vertex| own[vertex as usize]));
@@ -194,7 +196,10 @@ impl InScene {
         }
         let mut casters = Vec::new();
         for body in frame.bodies.iter().filter(|body| body.casts) {
-            let mesh = |faces: &[[u32; 3]]| Mesh::from_faces(body.shape.positions.len(), faces.to_vec()).map_err(text);
+            let mesh = |faces: &[[u32; 3]]| match &body.polygons {
+                Some(polygons) => polygons.mesh(Weld::Position).map_err(text),
+                None => Mesh::from_faces(body.shape.positions.len(), faces.to_vec()).map_err(text),
+            };
             let mirrored = || body.shape.faces.iter().map(|&[a, b, c]| [a, c, b]).collect::<Vec<_>>();
             let (mesh, own, positions) = match (renderer.placing, body.mirror) {
                 (Placing::Moved(_), _) => {
@@ -215,7 +220,8 @@ impl InScene {
             };
             let triangles = hiding(body, &mesh, &own, &positions);
             let mesh = scene.add_mesh(&mesh, &own).map_err(text)?;
-            let caster = Caster { mesh, positions, lights: LightMask::ALL, in_depth: body.in_depth };
+            let mask = body.lacks.map_or(LightMask::ALL, |light| LightMask::ALL.without(lights[light]));
+            let caster = Caster { mesh, positions, lights: mask, in_depth: body.in_depth };
             // Some are elsewhere at first.
             let caster = if is_busy && random.below(2) == 0 {
                 let positions = CasterPositions::Rigid(rows([2.0, 1.0, 1.0]));
@@ -301,10 +307,10 @@ impl InScene {
     }
 }
 
-const METHODS: [Counting; 4] = [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZPass];
+pub(crate) const METHODS: [Counting; 4] = [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZPass];
 
 /// Whether two ways of drawing a frame count the same in every pixel and choose the same faces.
-fn compare(what: &str, alone: &Counted, together: &Counted) -> Result<(), String> {
+pub(crate) fn compare(what: &str, alone: &Counted, together: &Counted) -> Result<(), String> {
     let casting = |counted: &Counted| counted.chosen.iter().flatten().map(|light| light.casting).collect::<Vec<_>>();
     same(&format!("{what}, faces that cast"), &casting(together), &casting(alone))?;
     for (light, (together, alone)) in together.stencils.iter().zip(&alone.stencils).enumerate() {

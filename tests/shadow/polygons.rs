@@ -8,19 +8,25 @@ use rimline::gpu::ShadowOptions;
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Light, Mesh};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::on_gpu::text;
 use rimline_testkit::polygons::{PolygonSet, folded_polygon, quad_torus, random_polygon};
 use rimline_testkit::random::Random;
 use rimline_testkit::rays::Tracer;
 use rimline_testkit::shapes::Shape;
-use rimline_testkit::{is_long, must_fail};
+use rimline_testkit::{is_long, must_fail, same, shapes};
 
 use crate::hairlines::{HALF_STEP, picture};
-use crate::render::Renderer;
+use crate::in_scene::{METHODS, compare as compare_counts, movable};
+use crate::render::{Placing, Renderer};
 use crate::rounds::parity_rounds;
 use crate::scene::{Body, CENTRE, Eye, Frame, Rays};
 use crate::trials::{RIGHT, Test, rotated};
 
-pub(crate) const TESTS: &[Test] = &[("polygons_darken_what_is_behind_them", darken)];
+pub(crate) const TESTS: &[Test] = &[
+    ("polygons_darken_what_is_behind_them", darken),
+    ("polygons_in_a_scene_count_as_each_caster_by_itself", alike),
+    ("rigid_polygons_far_away_and_at_any_scale", far_away),
+];
 
 /// Result of the rays on a receiver: the number of polygons that have an odd number of triangles between it and the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -288,4 +294,106 @@ pub(crate) fn compare(
         }
     }
     Ok(failures)
+}
+
+/// A frame with two casters of polygons and one of triangles, for so many lights.
+fn mixed(random: &mut Random, lights: usize) -> Result<(String, Frame), String> {
+    let (mut names, mut frame) = (String::new(), None::<Frame>);
+    while names.matches(' ').count() < 2 {
+        let (name, set) = polygons(random);
+        let mesh = set.mesh(Weld::Position).map_err(text)?;
+        if mesh.polygons().is_none() {
+            continue;
+        }
+        names += &format!("{} ", name.replace(' ', "_"));
+        let own = self::frame(random, set, &mesh);
+        match &mut frame {
+            Some(frame) => frame.bodies.insert(0, own.bodies[0].clone()),
+            None => frame = Some(own),
+        }
+    }
+    let mut frame = frame.ok_or("no frame")?;
+    frame.bodies.insert(random.below(3), Body::caster(shapes::sphere(2)));
+    let own = frame.lights[0];
+    while frame.lights.len() < lights {
+        let off = random.direction();
+        let xyz = std::array::from_fn(|axis| own.xyz[axis] + 0.5 * off[axis]);
+        frame.lights.push(Light { xyz, ..own });
+    }
+    frame.size = 48;
+    Ok((names, frame))
+}
+
+/// Casters of polygons and of triangles in one scene, in callers' buffers, also with a past, several batches of lights and lists
+/// of any room.
+fn alike() -> Result<(), String> {
+    let gpu = &*Gpu::shared_with_depth_features()?;
+    let (mut shadowed, mut lost, mut runs, mut controls) = (0, 0, 0, 0);
+    for seed in 72_000..72_000 + if is_long() { 60 } else { 9 } {
+        let mut random = Random::new(seed);
+        let lights = [1, 5, 33][seed as usize % 3];
+        let (names, frame) = mixed(&mut random, lights)?;
+        for counting in rotated(&METHODS, seed as usize) {
+            let options = ShadowOptions {
+                end_at_range: seed % 2 == 1,
+                cap_capacity: [None, Some(9)][seed as usize / 2 % 2],
+                ..ShadowOptions::default()
+            };
+            let list_capacity = [None, None, Some(7)][seed as usize / 3 % 3];
+            let renderer = |placing| Renderer { options, list_capacity, range: 12.0, placing, ..Renderer::new(gpu) };
+            let what = format!("seed {seed}, {names}{lights} lights, {counting:?}");
+            let alone = renderer(Placing::Alone).count(&frame, counting)?;
+            let mut together = renderer(Placing::Scene).count(&frame, counting)?;
+            compare_counts(&what, &alone, &together)?;
+            let busy = renderer(Placing::Busy(seed)).count(&frame, counting)?;
+            compare_counts(&format!("{what}, busy"), &alone, &busy)?;
+            // The first polygons do not cast for a light.
+            let mut without = frame.clone();
+            let body = without.bodies.iter_mut().find(|body| body.polygons.is_some()).ok_or("no polygons")?;
+            body.lacks = Some(0);
+            let lacking = renderer(Placing::Scene).count(&without, counting)?;
+            without.bodies.iter_mut().find(|body| body.lacks.is_some()).ok_or("no polygons")?.casts = false;
+            let none = renderer(Placing::Scene).count(&without, counting)?;
+            same(&format!("{what}, a light less"), &lacking.stencils[0], &none.stencils[0])?;
+            if lights > 1 {
+                same(&format!("{what}, the others"), &lacking.stencils[1..], &together.stencils[1..])?;
+            }
+            shadowed += alone.stencils.iter().flatten().filter(|count| **count > 0).count();
+            lost += together.statistics[0].lost_pieces;
+            together.stencils[0][7] ^= 1;
+            controls += usize::from(compare_counts("another", &alone, &together).is_err());
+            runs += 1;
+        }
+    }
+    println!("{shadowed} pixels in shadow, {lost} pieces lost, {controls} controls");
+    if shadowed > 10_000 && controls == runs { Ok(()) } else { Err("too few of a kind".to_owned()) }
+}
+
+/// Polygons with matrices that turn, scale and mirror, far from the origin, against rays.
+fn far_away() -> Result<(), String> {
+    let gpu = &*Gpu::shared_with_depth_features()?;
+    let (mut dark, mut failures) = (0, Vec::new());
+    for seed in 73_000..73_000 + if is_long() { 200 } else { 24 } {
+        let mut random = Random::new(seed);
+        let (name, set) = polygons(&mut random);
+        let mesh = set.mesh(Weld::Position).map_err(text)?;
+        if mesh.polygons().is_none() {
+            continue;
+        }
+        let frame = movable(frame(&mut random, set, &mesh));
+        let rig = Rig::new(&frame, &mesh);
+        let truths = rig.truths();
+        dark += truths.iter().filter(|&&truth| !matches!(truth, Truth::NoReceiver | Truth::Odd(0))).count();
+        for counting in rotated(&RIGHT, seed as usize) {
+            let mut renderer = Renderer { placing: Placing::Moved(seed), ..Renderer::new(gpu) };
+            renderer.options.every_face = true;
+            let counted = renderer.count(&frame, counting)?;
+            let wrong = rig.wrong(&truths, &counted.stencils[0], |count, value| count as u8 == value);
+            if !wrong.is_empty() {
+                failures.push(format!("seed {seed}, {name}, {counting:?}: {} wrong {wrong:?}", wrong.len()));
+            }
+        }
+    }
+    println!("{dark} dark receivers");
+    if failures.is_empty() && dark > 2_000 { Ok(()) } else { Err(failures.join("\n")) }
 }

@@ -24,6 +24,8 @@ pub(crate) struct Body {
     pub(crate) instead: Option<Vec<[u32; 3]>>,
     /// The faces of the shape are the triangles of these polygons, and the mesh is one of polygons.
     pub(crate) polygons: Option<PolygonSet>,
+    /// A light of a scene that it does not cast for.
+    pub(crate) lacks: Option<usize>,
 }
 
 /// A caster as the GPU gets it, with camera and lights in its space.
@@ -44,6 +46,7 @@ impl Body {
             left_out: Vec::new(),
             instead: None,
             polygons: None,
+            lacks: None,
         }
     }
 

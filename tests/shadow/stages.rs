@@ -80,6 +80,7 @@ pub(crate) fn shape(mesh: &Mesh, lights: usize) -> ShadowShape {
         used_lights: lights as u32,
         has_receivers: 0,
         most_count: 255,
+        piece_capacity: 0,
     }
 }
 

@@ -344,7 +344,7 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
 // Stage `polygon_masks`: decides from the records whether a polygon faces each light that `polygon_turns` left, is in a plane
 // with it, or is L-twisted. Dispatched after `outline`, one invocation a record. It adds to statistics, and for the polygon's
 // triangles to the facing masks, the first half of `facing_masks`; it writes their twisted masks, the second half, and their
-// excluded masks. Twisted and excluded masks are cleared before, for polygons without a record. A polygon that is twisted or
+// excluded masks. Twisted masks are cleared before, and excluded masks but for what a scene excludes. A polygon that is twisted or
 // in a plane counts nowhere as a face; what a twisted one darkens is cut into pieces. `edges` reads facing and twisted masks
 // next; stages of shadow volumes read facing and excluded ones. Outlines that are twisted are listed as entries for
 // `cut_edges`, except the quadrilaterals that `cut_quads` takes.
@@ -397,7 +397,7 @@ fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
       facing_masks[triangles + triangle] = own.twisted;
       // Without lists there is no buffer of excluded masks. A short buffer is bound, and what is written to it is not read.
       if (triangle < arrayLength(&excluded_masks)) {
-        excluded_masks[triangle] = own.excluded;
+        excluded_masks[triangle] |= own.excluded;
       }
     }
     // `undecided_pairs` lacks the pairs that `polygon_turns` found twisted: LIGHTS has none of them. `non_finite_faces` counts

@@ -21,8 +21,9 @@
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
 // The words of `ExtractionStatistics`: 3 is how many pairs of face and light have the light in the face's plane, 4 has bits of
 // the lights (modulo 32) for which a polygon is L-twisted: its outline crosses itself as seen from light L. In a scene, constants
-// are bound instead, since facing is not waited for: a light may be in the plane of a face, and no polygon is twisted.
-@group(0) @binding(4) var<storage, read> extraction_statistics: array<u32, 5>;
+// are bound instead, since facing is not waited for: a light may be in the plane of a face.
+// Behind these there, for each group and batch, the lights of a caster of polygons for which one is twisted.
+@group(0) @binding(4) var<storage, read> extraction_statistics: array<u32>;
 @group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>; // Choices of all casters, then measures.
 @group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;
 // For each batch and caster of a scene the lights that matter. A single caster has none.
@@ -88,7 +89,13 @@ fn frustum_near(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3
 
 // Whether a polygon of the caster may be L-twisted for a light, as a light of the same bit has it. Such polygons are excluded, so
 // the caster is not closed.
-fn is_cut(number: u32) -> bool { return ((extraction_statistics[4] >> (number % 32u)) & 1u) != 0u; }
+fn is_cut(caster: u32, number: u32) -> bool {
+  var word = 4u;
+  if (MANY) {
+    word = 5u + caster_part(caster, 7u).y * shape.batches + number / 32u;
+  }
+  return ((extraction_statistics[word] >> (number % 32u)) & 1u) != 0u;
+}
 
 // The light with the choices for a caster and a view, by the caster's box. A lower bound of the distance to a caster with
 // a matrix is that in the caster's space times `scale`, the least that the matrix makes of a length.
@@ -178,7 +185,7 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   var light = light_of(caster, seen[entry].light, number);
   light.casting = CAST_NOTHING;
   if (!own.is_empty) {
-    light = chosen(view, light, scale, flags, own.low, own.high, own.has_holes, is_cut(number));
+    light = chosen(view, light, scale, flags, own.low, own.high, own.has_holes, is_cut(caster, number));
     light.excludes = select(light.excludes, 1u, is_excluding);
     if (light.casting != CAST_NOTHING && receivers_at != 0u && is_hidden(view, light, scale, own.low, own.high, receivers_at)) {
       light.casting = CAST_NOTHING;
@@ -203,13 +210,13 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   if (light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PLUS_2005) {
     atomicOr(&choices[at + NEAR], bit);
   }
-  if (is_cut(number) && light.counting == COUNT_ZP_PLUS) {
+  if (is_cut(caster, number) && light.counting == COUNT_ZP_PLUS) {
     // Pieces of twisted polygons have near caps, which `caps` does not see.
     atomicOr(&choices[at + CAPPED], bit);
   }
   if (light.excludes != 0u) {
     atomicOr(&choices[at + EXCLUDES], bit);
-    atomicOr(&choices[first + select(MAY_EXCLUDE, DOES_EXCLUDE, own.has_holes || is_excluding || is_cut(number))], bit);
+    atomicOr(&choices[first + select(MAY_EXCLUDE, DOES_EXCLUDE, own.has_holes || is_excluding || is_cut(caster, number))], bit);
   }
   if (has_measures()) {
     atomicStore(&choices[measures], bitcast<u32>(light.end));

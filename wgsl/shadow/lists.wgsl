@@ -6,8 +6,7 @@
 // or faces, with the same tests from here: so `casts` and `side_of_edge` must agree, or volumes do not close.
 // docs/numerics/watertight.md.
 //
-// Expects: `shape`, and as far as functions are used `edge_faces`, `facing_masks` and `excluded_masks`, by slots; `draw`, and
-// `pieces`, the lists of pieces.
+// Expects: `shape`, and as far as functions are used `edge_faces`, `facing_masks` and `excluded_masks`, by slots.
 
 #import common/casters
 #import common/extraction
@@ -111,7 +110,3 @@ fn side_at(caster: u32, record: u32, light: ShadowLight, bit: u32) -> EdgeSide {
 const PIECE_COUNTS: u32 = 32u;
 const PIECE_WORDS: u32 = 9u;
 
-// Pieces of a light that there is room for.
-fn piece_capacity() -> u32 {
-  return (arrayLength(&pieces) - PIECE_COUNTS) / (PIECE_WORDS * min(32u, shape.lights - draw.first_light));
-}

@@ -109,6 +109,7 @@ struct ShadowShape {
   used_lights: u32, // Numbers up to that of the last light.
   has_receivers: u32, // 1: views may have receivers. Then volumes may end behind all of them.
   most_count: u32, // The largest count that the bits which count hold.
+  piece_capacity: u32, // Pieces of L-twisted polygons that the list of each light has room for.
 }
 
 // The light, or the batch of lights, of a draw or dispatch.

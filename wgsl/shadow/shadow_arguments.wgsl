@@ -91,7 +91,7 @@ fn shadow_arguments(@builtin(local_invocation_index) bit: u32) {
 
 // Stage `piece_arguments`: makes the draws of the pieces of L-twisted polygons, whose outlines cross themselves as seen from
 // light L, so that they have lit and dark parts. A piece is a part of the border between these; `cut_edges` and `cut_quads`
-// listed them (shadow/lists.wgsl). It reads the choices for the only caster, and writes `piece_draws`, for the vertex shaders
+// listed them (shadow/lists.wgsl). It reads the choices for the only caster of the group, and writes `piece_draws`, for the vertex shaders
 // `piece_…`, and the number of pieces that had no room.
 
 // The draws of the pieces of a light's L-twisted polygons.
@@ -119,10 +119,10 @@ fn arguments_if(is_drawn: bool, vertices: u32, instances: u32) -> DrawArguments 
 fn write_piece_arguments(bit: u32) {
   let number = draw.first_light + bit;
   let place = draw.view * shape.lights + number;
-  let light = chosen_light(0u, seen[place].light, number, draw.view);
+  let light = chosen_light(shape.first_caster, seen[place].light, number, draw.view);
   var draws = PieceDraws();
   if (seen[place].view.near_w != 0.0 && light.casting != CAST_NOTHING) {
-    let count = min(pieces[bit], piece_capacity());
+    let count = min(pieces[bit], shape.piece_capacity);
     if (pieces[bit] > count) {
       atomicAdd(&shadow_statistics.lost_pieces, pieces[bit] - count);
     }

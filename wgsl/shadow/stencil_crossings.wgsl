@@ -1,7 +1,7 @@
 // Crossings: two compute stages that add the sides of shadow volumes to the bins of half planes that they cross
 // (shadow/pencil.wgsl), for `stencil_bound`. Dispatched after `stencil_pencil`, if the caller asks for a bound:
-// `stencil_crossings` for each group of casters, batch of up to 32 lights and view, and after it `piece_crossings` if the only
-// caster is a mesh of polygons; a row of workgroups shares the lists of a light. Where lists overflowed, more is added than
+// `stencil_crossings` for each group of casters, batch of up to 32 lights and view, and after it `piece_crossings` for a group
+// whose only caster is a mesh of polygons; a row of workgroups shares the lists of a light. Where lists overflowed, more is added than
 // crosses: bounds are then larger, never too small. Rows are sums of integers, so the order of invocations does not matter.
 // docs/numerics/receivers.md, "Bound on counts".
 
@@ -102,19 +102,20 @@ fn piece_crossings(
 ) {
   let bit = group.y;
   let number = draw.first_light + bit;
-  let casts = (choice_part(0u, number / 32u, draw.view, 0u)[CASTS] >> (number % 32u)) & 1u;
+  let caster = shape.first_caster;
+  let casts = (choice_part(caster, number / 32u, draw.view, 0u)[CASTS] >> (number % 32u)) & 1u;
   if (casts == 0u) {
     return;
   }
   let by = pencils[draw.view * shape.lights + number];
   if (by.kind == AROUND) {
-    let own = world_box(0u);
+    let own = world_box(caster);
     if (axis_meets(by.place, axis_of(by), own.low, own.high)) {
       return;
     }
   }
-  let row = row_of(draw.view, number, 0u);
-  let capacity = piece_capacity();
+  let row = row_of(draw.view, number, caster % shape.count_batches);
+  let capacity = shape.piece_capacity;
   if (pieces[bit] > capacity) {
     if (group.x == 0u && thread == 0u) {
       cross_bins(row, 0u, BINS - 1u, pieces[bit]);
@@ -124,6 +125,6 @@ fn piece_crossings(
   // Turns: LISTED_ITEMS.
   for (var piece = group.x * 64u + thread; piece < pieces[bit]; piece += 64u * groups.x) {
     let at = PIECE_COUNTS + PIECE_WORDS * (bit * capacity + piece);
-    cross_edge(by, row, place_at(at), place_at(at + 3u), 1u);
+    cross_edge(by, row, in_world(caster, place_at(at)), in_world(caster, place_at(at + 3u)), 1u);
   }
 }

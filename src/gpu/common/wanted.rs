@@ -37,6 +37,12 @@ impl<'a> Wanted<'a> {
         Self { usage, ..Self::filled(label, table.bytes()) }
     }
 
+    /// One uniform, which is written later.
+    pub(crate) fn uniform(label: &'static str, bytes: usize) -> Self {
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        Self { usage, ..Self::new(label, bytes as u64) }
+    }
+
     /// The same with another size.
     pub(crate) fn sized(self, bytes: u64) -> Self {
         Self { bytes, ..self }

@@ -2,7 +2,7 @@
 
 use super::errors::ExtractorError;
 use super::options::ExtractorOptions;
-use super::polygon_buffers::{PolygonBuffers, PolygonShape, faces_of_records, outlines};
+use super::polygon_buffers::{PolygonBuffers, PolygonCounts, PolygonShape, faces_of_records, outlines};
 use crate::cpu::extract::per_edge::edge_corners;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
@@ -22,6 +22,8 @@ pub(crate) struct Shape {
     pub(crate) max_lights: usize,
     /// Entries that the list of each light has room for. It is 0 without lists.
     pub(crate) capacity: u32,
+    /// Bytes before the list of the first light.
+    pub(crate) lists_head: u64,
     /// Blocks of edges that compaction counts.
     pub(crate) blocks: u32,
     /// Faces that the list of undecided faces has room for. It is 0 without exact facing.
@@ -48,16 +50,16 @@ impl Shape {
             let bytes = u64::from(capacity) * 4 * batch;
             return Err(DeviceError::BindingTooLarge { what: "edge lists", bytes, limit: split.binding }.into());
         }
-        let polygons = mesh
-            .polygons()
-            .map(|polygons| PolygonShape::new(polygons, options.max_lights, options.lists.is_some(), split.binding));
-        let polygons = polygons.transpose()?;
+        let counts = mesh.polygons().map(PolygonCounts::new).transpose()?;
+        let has_lists = options.lists.is_some();
+        let polygons = counts.map(|counts| PolygonShape::new(&counts, options.max_lights, has_lists, split.binding));
         Ok(Self {
             vertices: mesh.vertex_count(),
             faces: mesh.faces().len(),
             edges,
             max_lights: options.max_lights,
             capacity,
+            lists_head: 0,
             blocks: edges.div_ceil(WORKGROUP as usize) as u32,
             undecided: undecided_capacity(mesh, options, split),
             face_words: mesh.faces().len() * if polygons.is_some() { 2 } else { 1 },

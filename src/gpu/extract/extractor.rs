@@ -80,7 +80,15 @@ impl Extractor {
         pipelines.make_together(&programs(reading.iter().chain(&others), &options));
         let (reading, others) = (made(&pipelines, reading), made(&pipelines, others));
         let arguments = options.lists.map(|_| pipelines.get(&Program::of(&ARGUMENTS, &[])));
-        let binder = Binder { device, shape: &shape, buffers: &buffers, runs: &runs, facing: &facing, positions: None };
+        let binder = Binder {
+            device,
+            shape: &shape,
+            buffers: &buffers,
+            runs: &runs,
+            facing: &facing,
+            positions: None,
+            given: None,
+        };
         let from_facing = (0..shape.batches()).map(|batch| binder.read_facing(&others, batch)).collect();
         let at_last = binder.at_last(arguments.as_ref());
         let before = [Step::Clear(buffers.record.clone(), 0..RECORD_HEAD), Step::clear(&buffers.counts)];
@@ -157,7 +165,7 @@ impl Extractor {
         let Self { shared, options, runs, reading, .. } = self;
         let Shared { pipelines, shape, buffers, facing, .. } = &**shared;
         let (device, positions) = (pipelines.device(), Some((&place.buffer, bound)));
-        let binder = Binder { device, shape, buffers, runs, facing, positions };
+        let binder = Binder { device, shape, buffers, runs, facing, positions, given: None };
         let steps = positions::bound(device, || {
             let words = bound.windows.words;
             if reading.0 != words {

@@ -5,6 +5,7 @@ pub(crate) mod errors;
 pub(crate) mod extraction;
 pub(crate) mod extractor;
 pub(crate) mod include;
+pub(crate) mod of_scene;
 pub(crate) mod options;
 pub(crate) mod polygon_buffers;
 mod read_edges;

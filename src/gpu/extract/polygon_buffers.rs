@@ -12,7 +12,7 @@ use crate::turns::POLYGON_TRIANGLES;
 const SMALL_OUTLINE: usize = 32;
 const ENTRY_EDGES: usize = 4;
 const ENTRY_LIGHTS: usize = 16;
-pub(super) const HEAD_WORDS: u64 = 16;
+pub(crate) const HEAD_WORDS: u64 = 16;
 const RECORD_WORDS: u64 = 10;
 /// Bytes of the head before the arguments of the indirect dispatches over records, over entries, over those of `cut_edges`, and over
 /// cuts.
@@ -24,15 +24,27 @@ const ONE_LOOP: u32 = 1 << 31;
 /// Bytes of the arguments of an indirect dispatch.
 pub(super) const INDIRECT_BYTES: u64 = 12;
 /// The head before an encode. No dispatch has workgroups; those over records have one row.
-const HEAD: [u32; HEAD_WORDS as usize] = [0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0];
+pub(super) const HEAD: [u32; HEAD_WORDS as usize] = [0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0];
 /// Counts before the lists of pieces, and words of a piece.
 pub(crate) const PIECE_COUNTS: u64 = 32;
 pub(crate) const PIECE_WORDS: u64 = 9;
 /// Pieces of a light for which there is room in any case, if there can be so many.
 const FEW_PIECES: u64 = 1 << 15;
 
+/// Numbers of a mesh of polygons that all sizes follow from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PolygonCounts {
+    polygons: usize,
+    outline_edges: usize,
+    /// Entries for edges of small outlines, for each few lights, and of large ones, for each light.
+    small: u64,
+    large: u64,
+    /// The most pieces of a light.
+    pieces: u64,
+}
+
 /// Numbers that sizes of polygons follow from.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PolygonShape {
     pub(super) polygons: usize,
     /// Entries of all polygons for a batch of lights.
@@ -41,16 +53,9 @@ pub(crate) struct PolygonShape {
     pub(crate) pieces: u32,
 }
 
-impl PolygonShape {
-    /// A binding has room for `binding` bytes.
-    pub(crate) fn new(
-        polygons: &Polygons,
-        max_lights: usize,
-        has_lists: bool,
-        binding: u64,
-    ) -> Result<Self, ExtractorError> {
-        let lights = max_lights.min(32);
-        let (mut outline_edges, mut entries, mut pieces) = (0, 0, 0);
+impl PolygonCounts {
+    pub(crate) fn new(polygons: &Polygons) -> Result<Self, ExtractorError> {
+        let mut counts = Self { polygons: polygons.len(), outline_edges: 0, small: 0, large: 0, pieces: 0 };
         for polygon in 0..polygons.len() {
             let edges = polygons.outline(polygon).len();
             if edges > MAX_OUTLINE_EDGES {
@@ -60,23 +65,35 @@ impl PolygonShape {
             if triangles > POLYGON_TRIANGLES {
                 return Err(ExtractorError::PolygonTooLarge { polygon, triangles });
             }
-            outline_edges += edges;
-            let small = edges.div_ceil(ENTRY_EDGES) * lights.div_ceil(ENTRY_LIGHTS);
-            entries += if edges.max(triangles) <= SMALL_OUTLINE { small } else { edges * lights } as u64;
+            counts.outline_edges += edges;
+            if edges.max(triangles) <= SMALL_OUTLINE {
+                counts.small += edges.div_ceil(ENTRY_EDGES) as u64;
+            } else {
+                counts.large += edges as u64;
+            }
             // Every edge but its two neighbours may cut an edge.
-            pieces += (edges * edges.saturating_sub(2)) as u64;
+            counts.pieces += (edges * edges.saturating_sub(2)) as u64;
         }
+        Ok(counts)
+    }
+}
+
+impl PolygonShape {
+    /// A binding has room for `binding` bytes.
+    pub(crate) fn new(counts: &PolygonCounts, max_lights: usize, has_lists: bool, binding: u64) -> Self {
+        let &PolygonCounts { polygons, outline_edges, small, large, pieces } = counts;
+        let lights = max_lights.min(32);
+        let entries = small * lights.div_ceil(ENTRY_LIGHTS) as u64 + large * lights as u64;
         let fitting = (binding / 4).saturating_sub(PIECE_COUNTS) / (PIECE_WORDS * lights.max(1) as u64);
         let room = pieces.min(FEW_PIECES + outline_edges as u64 / 16).min(fitting).min(u64::from(u32::MAX)) as u32;
-        let pieces = if has_lists { room.max(1) } else { 0 };
-        Ok(Self { polygons: polygons.len(), entries, pieces })
+        Self { polygons, entries, pieces: if has_lists { room.max(1) } else { 0 } }
     }
 
-    fn undecided_bytes(&self) -> u64 {
+    pub(crate) fn undecided_bytes(&self) -> u64 {
         4 * (HEAD_WORDS + RECORD_WORDS * self.polygons as u64 + 2 * self.entries)
     }
 
-    fn piece_bytes(&self, lights: usize) -> u64 {
+    pub(crate) fn piece_bytes(&self, lights: usize) -> u64 {
         4 * (PIECE_COUNTS + PIECE_WORDS * u64::from(self.pieces) * lights as u64)
     }
 }

@@ -210,6 +210,8 @@ pub(super) struct Binder<'a> {
     pub(super) facing: &'a Windows,
     /// Positions, for stages that read them.
     pub(super) positions: Option<(&'a wgpu::Buffer, &'a BoundPositions)>,
+    /// Masks of polygons that a scene excludes.
+    pub(super) given: Option<&'a wgpu::Buffer>,
 }
 
 impl<'a> Binder<'a> {
@@ -218,16 +220,19 @@ impl<'a> Binder<'a> {
         let polygons = buffers.polygons.as_ref();
         let of_batch = |buffers: &'a [wgpu::Buffer]| buffers.get(at.batch);
         // Stages of polygons find the triangles of a polygon anywhere.
-        let of_faces = |buffer: &'a wgpu::Buffer, bytes| {
-            if polygons.is_some() { whole(buffer) } else { part(buffer, at.bytes(bytes)) }
+        let of_faces = |buffer: &'a wgpu::Buffer, bytes: u64, all: usize| {
+            if polygons.is_some() { part(buffer, 0..bytes * all as u64) } else { part(buffer, at.bytes(bytes)) }
         };
+        let Shape { faces, face_words, lists_head, max_lights, .. } = *self.shape;
         let or_unused = |resource: Option<Resource<'a>>| resource.unwrap_or_else(|| whole(&buffers.unused));
         Some(match name {
             "batch" => uniform::<LightBatch>(&buffers.light_batches, (at.batch * BATCH_STRIDE) as u32),
             "chunk" => uniform::<Chunk>(&buffers.chunks, at.chunk),
-            "faces" => of_faces(&buffers.faces, 12),
-            "facing_masks" => of_faces(of_batch(&buffers.facing)?, 4),
-            "excluded_masks" => or_unused(of_batch(&buffers.excluded).map(|masks| of_faces(masks, 4))),
+            // A scene has more slots than faces.
+            "faces" if polygons.is_some() => whole(&buffers.faces),
+            "faces" => part(&buffers.faces, at.bytes(12)),
+            "facing_masks" => of_faces(of_batch(&buffers.facing)?, 4, face_words),
+            "excluded_masks" => or_unused(of_batch(&buffers.excluded).map(|masks| of_faces(masks, 4, faces))),
             // Its length tells the shaders how many undecided faces there is room for.
             "record" => part(&buffers.record, 0..self.shape.record_bytes()),
             "edge_faces" => part(&buffers.edge_faces, at.bytes(8)),
@@ -237,9 +242,9 @@ impl<'a> Binder<'a> {
                 let masks = of_batch(&buffers.masks).or(buffers.masks.first());
                 or_unused(masks.map(|masks| part(masks, at.bytes(size_of::<EdgeMasks>() as u64))))
             }
-            "counts" => whole(&buffers.counts),
+            "counts" => part(&buffers.counts, 0..4 * max_lights as u64),
             "places" => whole(&buffers.places),
-            "list" => or_unused(of_batch(&buffers.lists).map(whole)),
+            "list" => or_unused(of_batch(&buffers.lists).map(|list| part(list, lists_head..list.size()))),
             "shape" => uniform::<DrawShape>(&buffers.draw_shape, 0),
             "draw_arguments" => whole(&buffers.draw_arguments),
             "statistics" => part(&buffers.record, 0..size_of::<ExtractionStatistics>() as u64),
@@ -294,10 +299,15 @@ impl<'a> Binder<'a> {
     /// them from. So they are copied as soon as they are there.
     fn read_outlines(&self, polygons: &PolygonBuffers, stages: &[Made], batch: usize) -> Vec<Step> {
         let PolygonBuffers { undecided, head, arguments, pieces, .. } = polygons;
-        let mut steps: Vec<Step> = self.buffers.excluded.get(batch).map(Step::clear).into_iter().collect();
+        let bytes = 4 * self.shape.faces as u64;
+        let excluded = self.buffers.excluded.get(batch).map(|excluded| match self.given {
+            Some(given) => Step::Copy([given, excluded].map(|buffer| (buffer.clone(), 0)), bytes),
+            None => Step::clear(excluded),
+        });
+        let mut steps: Vec<Step> = excluded.into_iter().collect();
         if let Some(facing) = self.buffers.facing.get(batch) {
             // Most polygons are not twisted.
-            steps.push(Step::Clear(facing.clone(), 4 * self.shape.faces as u64..facing.size()));
+            steps.push(Step::Clear(facing.clone(), bytes..facing.size()));
         }
         steps.extend(pieces.get(batch).map(|pieces| Step::Clear(pieces.clone(), 0..4 * PIECE_COUNTS)));
         steps.push(Step::Copy([(head.clone(), 0), (undecided.clone(), 0)], 4 * HEAD_WORDS));

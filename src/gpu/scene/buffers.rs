@@ -7,7 +7,8 @@ use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, check, guarded, padded};
 use crate::gpu::common::wanted::{Account, Wanted};
 use crate::gpu::extract::buffers::RECORD_HEAD;
-use crate::layout::{CHUNK, DrawArguments, FACE_ENTRY, SceneStatistics};
+use crate::gpu::extract::polygon_buffers::{HEAD_WORDS, PolygonShape};
+use crate::layout::{CHUNK, DrawArguments, FACE_ENTRY, LightBatch, SceneStatistics};
 use crate::method::Predicate;
 
 /// Bytes before the entries of lists: a count for each of 32 lights, and as much again, since bindings begin at multiples of
@@ -27,6 +28,20 @@ pub(crate) struct GroupBuffers<B = wgpu::Buffer> {
     pub(crate) lists: B,
     /// A [`DrawArguments`] for each light of the batch.
     pub(crate) draws: B,
+    /// Of a caster of polygons.
+    pub(crate) polygons: Option<PolygonBuffers<B>>,
+}
+
+/// The buffers of the polygons of a group for a batch of lights.
+#[derive(Clone, Debug)]
+pub(crate) struct PolygonBuffers<B = wgpu::Buffer> {
+    /// A [`LightBatch`].
+    pub(crate) lights: B,
+    /// Outlines that are left to decide, and the arguments of dispatches over them.
+    pub(crate) undecided: B,
+    pub(crate) arguments: B,
+    /// Pieces of L-twisted polygons.
+    pub(crate) pieces: B,
 }
 
 /// The bytes of each buffer of a group, and what they have room for.
@@ -37,13 +52,16 @@ pub(crate) struct GroupSizes {
     pub(crate) lists: u64,
     /// Entries that the list of each light has room for.
     pub(crate) capacity: u32,
+    /// Of a caster of polygons.
+    pub(crate) polygons: Option<PolygonShape>,
+    lights: u32,
 }
 
 impl GroupSizes {
     /// The sizes for a batch with `lights` bits.
     pub(crate) fn new(group: &Group, lights: u32, options: &SceneOptions, limits: &DispatchLimits) -> Self {
         let slots = u64::from(group.face_slots());
-        let is_exact = options.predicate() == Predicate::Exact;
+        let is_exact = options.predicate() == Predicate::Exact && group.polygons.is_none();
         let undecided = match options.capacities.undecided {
             _ if !is_exact => 1,
             Some(capacity) => u64::from(capacity.max(1)),
@@ -58,7 +76,19 @@ impl GroupSizes {
             record: RECORD_HEAD + 4 * undecided,
             lists: LISTS_HEAD + 4 * capacity * u64::from(lights.max(1)),
             capacity: capacity as u32,
+            polygons: group.polygons.map(|counts| PolygonShape::new(&counts, lights as usize, true, limits.binding)),
+            lights,
         }
+    }
+
+    /// Bytes of facing masks. Polygons have twisted masks behind them.
+    pub(crate) fn facing(&self) -> u64 {
+        if self.polygons.is_some() { 2 * self.masks } else { self.masks }
+    }
+
+    /// Bytes of the lists of pieces, 0 without polygons.
+    pub(crate) fn pieces(&self) -> u64 {
+        self.polygons.map_or(0, |polygons| polygons.piece_bytes(self.lights as usize))
     }
 }
 
@@ -129,7 +159,14 @@ impl Buffers {
         sizes: &Sizes<'_>,
         limits: &DispatchLimits,
     ) -> Result<Self, DeviceError> {
-        for (what, bytes) in [("versions of casters", sizes.kept()), ("lists of chunks", 4 * sizes.work)] {
+        let groups = || sizes.groups.iter().flatten();
+        let undecided = |sizes: &GroupSizes| sizes.polygons.map_or(0, |polygons| polygons.undecided_bytes());
+        for (what, bytes) in [
+            ("versions of casters", sizes.kept()),
+            ("lists of chunks", 4 * sizes.work),
+            ("facing masks", groups().map(GroupSizes::facing).max().unwrap_or(0)),
+            ("undecided outlines", groups().map(undecided).max().unwrap_or(0)),
+        ] {
             if bytes > limits.binding {
                 return Err(DeviceError::BindingTooLarge { what, bytes, limit: limits.binding });
             }
@@ -181,11 +218,22 @@ impl<B> Buffers<B> {
     ) -> Self {
         let draws = Wanted::new("draw arguments", 32 * size_of::<DrawArguments>() as u64).indirect();
         let mut group = |sizes: &GroupSizes, old: Option<&GroupBuffers>| GroupBuffers {
-            facing: make(Wanted::new("facing masks", sizes.masks), old.map(|old| &old.facing)),
+            facing: make(Wanted::new("facing masks", sizes.facing()), old.map(|old| &old.facing)),
             excluded: make(Wanted::new("excluded masks", sizes.masks), old.map(|old| &old.excluded)),
             record: make(Wanted::new("undecided faces", sizes.record), old.map(|old| &old.record)),
             lists: make(Wanted::new("edge lists", sizes.lists), old.map(|old| &old.lists)),
             draws: make(draws, old.map(|old| &old.draws)),
+            polygons: sizes.polygons.map(|polygons| {
+                let old = old.and_then(|old| old.polygons.as_ref());
+                let undecided = Wanted::new("undecided outlines", polygons.undecided_bytes());
+                let arguments = Wanted::new("outline dispatch", 4 * HEAD_WORDS).indirect();
+                PolygonBuffers {
+                    lights: make(Wanted::uniform("light batch", size_of::<LightBatch>()), old.map(|old| &old.lights)),
+                    undecided: make(undecided, old.map(|old| &old.undecided)),
+                    arguments: make(arguments, old.map(|old| &old.arguments)),
+                    pieces: make(Wanted::new("pieces", sizes.pieces()), old.map(|old| &old.pieces)),
+                }
+            }),
         };
         let mut of_group = |(number, batches): (usize, &Vec<GroupSizes>)| {
             let old = old.and_then(|old| old.groups.get(number));

@@ -6,13 +6,15 @@ use glam::{DAffine3, DMat3, DVec3};
 use slotmap::DefaultKey;
 
 use super::handles::{LightHandle, MeshHandle};
+use super::lights::Lights;
 use super::mask::LightMask;
 use super::pages::Run;
 use super::topology::SlotOrder;
 use crate::gpu::common::positions::PositionBuffer;
+use crate::gpu::extract::of_scene::PolygonMesh;
 use crate::light::MeshSpace;
 use crate::mesh::{EdgeCounts, is_degenerate};
-use crate::{Matrix3x4, Mesh, Transform};
+use crate::{Light, Matrix3x4, Mesh, Transform};
 
 /// A mesh instance that throws shadows, for [`Scene::insert`](crate::gpu::Scene::insert).
 #[derive(Clone, Debug)]
@@ -89,11 +91,19 @@ pub(crate) struct MeshEntry {
     pub(crate) is_holed: bool,
     /// The contents of its slots if they are in clusters. `None`: they have the order of the mesh.
     pub(crate) order: Option<Arc<SlotOrder>>,
+    /// `None`: it has triangles only.
+    pub(crate) polygons: Option<PolygonMesh>,
     pub(crate) casters: usize,
 }
 
 impl MeshEntry {
-    pub(crate) fn new(run: Run, mesh: &Mesh, positions: &[[f32; 3]], order: Option<Arc<SlotOrder>>) -> Self {
+    pub(crate) fn new(
+        run: Run,
+        mesh: &Mesh,
+        positions: &[[f32; 3]],
+        order: Option<Arc<SlotOrder>>,
+        polygons: Option<PolygonMesh>,
+    ) -> Self {
         let (mut low, mut high, mut is_holed) = ([f32::MAX; 3], [f32::MIN; 3], false);
         for &face in mesh.faces() {
             let corners = face.map(|vertex| positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]));
@@ -107,7 +117,8 @@ impl MeshEntry {
             }
         }
         let (vertices, faces, counts) = (mesh.vertex_count(), mesh.faces().len() as u32, mesh.edges().counts());
-        Self { run, vertices, faces, counts, is_closed: mesh.is_closed(), low, high, is_holed, order, casters: 0 }
+        let is_closed = mesh.is_closed();
+        Self { run, vertices, faces, counts, is_closed, low, high, is_holed, order, polygons, casters: 0 }
     }
 
     pub(crate) fn edges(&self) -> u32 {
@@ -120,6 +131,8 @@ impl MeshEntry {
 #[derive(Debug)]
 pub(crate) struct CasterEntry {
     pub(crate) mesh: DefaultKey,
+    /// Whether the mesh has polygons, whose bits are computed in each encode.
+    pub(crate) has_polygons: bool,
     /// The source of its positions.
     pub(crate) source: DefaultKey,
     pub(crate) lights: LightMask,
@@ -159,9 +172,19 @@ impl CasterEntry {
         self.all_excluded().next().is_some()
     }
 
-    /// Whether its positions may change without a word.
+    /// A light in the space of its positions, if it casts for that light. Moved directions may become too small for `f32`.
+    pub(crate) fn light(&self, lights: &Lights, bit: u32) -> Option<Light> {
+        let light = lights.get(bit).filter(|_| self.lights.has(bit))?;
+        let own = match self.placement {
+            Placement::World { .. } => light,
+            Placement::Rigid(rigid) => rigid.space?.light(light)?,
+        };
+        Some(own).filter(|light| light.to_array() != [0.0; 4])
+    }
+
+    /// Whether its bits are to be computed in each encode: its positions may change without a word, or it has polygons.
     pub(crate) fn is_changing(&self) -> bool {
-        matches!(self.placement, Placement::World { .. }) && self.positions_version.is_none()
+        self.has_polygons || matches!(self.placement, Placement::World { .. }) && self.positions_version.is_none()
     }
 }
 

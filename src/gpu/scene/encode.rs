@@ -6,7 +6,6 @@ use std::sync::atomic::Ordering;
 
 use super::caster::CasterEntry;
 use super::frame::SceneFrame;
-use super::layout::put_lights;
 use super::options::Measuring;
 use super::receivers::{self, SeenReceivers};
 use super::scene::Scene;
@@ -72,12 +71,14 @@ impl Scene {
         };
         self.renew_views(&views, given);
         let seen = volumes.as_ref().map_or_else(Vec::new, |volumes| self.seen(volumes, given, &views));
+        let light_batches = structure.light_batches(&self.meshes, &self.casters, &self.lights);
         let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
         let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
         uploads.extend(needs.iter().flat_map(|needs| self.deform_uploads(needs)));
         if !structure.parts.is_empty() {
             uploads.push((&structure.table, bytemuck::cast_slice(uploaded)));
             uploads.extend(volumes.iter().map(|volumes| (&volumes.buffers.of.seen, bytemuck::cast_slice(&seen[..]))));
+            uploads.extend(light_batches.iter().map(|(buffer, batch)| (buffer, bytemuck::bytes_of(batch))));
         }
         if !uploads.is_empty() {
             upload(self.pipelines.device(), encoder, &uploads)?;
@@ -279,7 +280,7 @@ impl Scene {
         let others = pages.bytes + self.deformed_bytes;
         let making = Making { pipelines, meshes, sources, pages, others, lights, options, views, has_receivers };
         let made = Arc::new(Structure::new(&making, casters, table, self.last.as_deref(), number)?);
-        self.steps = steps(&making, &made)?;
+        self.steps = steps(&making, casters, &made)?;
         self.volumes = None;
         self.last = Some(Arc::clone(&made));
         self.structure = Some(Arc::clone(&made));
@@ -295,7 +296,7 @@ impl Scene {
             for &key in &*moved {
                 let Some(caster) = casters.get_mut(key) else { continue };
                 put_change(table, caster, encode);
-                put_lights(table, caster, lights);
+                table.put_lights(caster, lights);
             }
         } else {
             lights.renew(encode);
@@ -307,7 +308,7 @@ impl Scene {
                     put_change(table, caster, encode);
                 }
                 if is_moved || !caster.lights.and(&lights_moved).is_empty() {
-                    put_lights(table, caster, lights);
+                    table.put_lights(caster, lights);
                 }
             }
         }

@@ -15,11 +15,13 @@ use super::table::{LIGHT_PARTS, Part, Slots, Table};
 use super::topology::SlotOrder;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::extract::polygon_buffers::PolygonCounts;
 use crate::layout::CHUNK;
 use crate::mesh::EdgeCounts;
 
 /// The casters of one page with positions from one source: one dispatch of each stage for each batch of lights. A
-/// source with more slots than a binding holds has several groups.
+/// source with more slots than a binding holds has several groups. A caster of polygons is a group of its own, because other
+/// stages extract it: those of `Extractor`.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Group {
     pub(crate) source: DefaultKey,
@@ -38,6 +40,8 @@ pub(crate) struct Group {
     pub(crate) edge_chunks_at: usize,
     /// The caller excludes faces of a caster.
     pub(crate) is_given: bool,
+    /// The polygons of its only caster.
+    pub(crate) polygons: Option<PolygonCounts>,
 }
 
 /// The part of a scene that changes only when casters or lights come and go.
@@ -70,6 +74,7 @@ impl Group {
     fn add(&mut self, mesh: &MeshEntry, in_depth: bool) -> Slots {
         let (first_face, first_edge) = (CHUNK * self.face_chunks, CHUNK * self.edge_chunks);
         let slots = Slots { first_face, first_edge, ..Slots::default() };
+        self.polygons = mesh.polygons.as_ref().map(|polygons| polygons.counts);
         self.face_chunks += mesh.face_chunks();
         self.proxy_chunks += if in_depth { 0 } else { mesh.face_chunks() };
         self.edge_chunks += mesh.edge_chunks();
@@ -129,7 +134,9 @@ impl Layout {
             for &key in by_source.get(source).into_iter().flatten() {
                 let Some(caster) = casters.get(key) else { continue };
                 let Some(mesh) = meshes.get(caster.mesh) else { continue };
-                if group.face_chunks > 0 && !group.has_room(mesh, limits) {
+                let is_begun = layout.order.len() as u32 > group.first;
+                let is_alone = group.polygons.is_some() || mesh.polygons.is_some();
+                if (is_begun && is_alone) || (group.face_chunks > 0 && !group.has_room(mesh, limits)) {
                     let next = Group::new(source, layout.order.len() as u32);
                     layout.groups.push(std::mem::replace(&mut group, next));
                 }
@@ -225,7 +232,7 @@ impl Layout {
             if let Some(mesh) = meshes.get(caster.mesh) {
                 table.put_caster(caster, mesh, slots);
             }
-            put_lights(table, caster, lights);
+            table.put_lights(caster, lights);
         }
         table.put_ranges(lights);
         self.occluders.write(table, &self.order, casters, meshes, lights);
@@ -265,17 +272,5 @@ impl MeshEntry {
 
     fn edge_chunks(&self) -> u32 {
         self.edges().div_ceil(CHUNK)
-    }
-}
-
-/// Writes the lights of a caster.
-pub(crate) fn put_lights(table: &mut Table, caster: &CasterEntry, lights: &Lights) {
-    let mask = caster.lights.and(&lights.used);
-    let (index, first) = (caster.index, caster.first_light);
-    match caster.placement {
-        Placement::World { .. } => table.put_lights(index, first, &mask, lights, Some),
-        Placement::Rigid(rigid) => {
-            table.put_lights(index, first, &mask, lights, |light| rigid.space.and_then(|space| space.light(light)));
-        }
     }
 }

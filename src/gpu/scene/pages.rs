@@ -35,6 +35,8 @@ pub(crate) struct Page<B = wgpu::Buffer> {
     pub(crate) positions: B,
     /// The words of [`Topology::clusters`].
     pub(crate) clusters: B,
+    /// Made for one mesh, which begins it.
+    is_of_one: bool,
     /// Free ranges of each kind.
     free: [RangeAllocator<u32>; KINDS],
 }
@@ -58,6 +60,7 @@ impl<B> Page<B> {
             edge_faces: make(Wanted::new("scene edge faces", 8 * edges)),
             positions: make(Wanted::new("scene rest positions", 12 * vertices)),
             clusters: make(Wanted::new("scene clusters", 4 * words)),
+            is_of_one: false,
             free: items.map(|items| RangeAllocator::new(0..items as u32)),
         }
     }
@@ -88,12 +91,14 @@ impl Pages {
         self.all.get(page)
     }
 
-    /// Finds room for a mesh, in a new page if no page has it. `used` are the bytes of the scene beside its pages.
+    /// Finds room for a mesh, in a new page if no page has it. `used` are the bytes of the scene beside its pages. `is_alone`:
+    /// it must begin a page, and its page is no larger than it.
     pub(crate) fn add(
         &mut self,
         device: &wgpu::Device,
         mesh: &Topology<'_>,
         vertices: u32,
+        is_alone: bool,
         used: u64,
         memory_limit: Option<u64>,
     ) -> Result<Run, DeviceError> {
@@ -101,13 +106,19 @@ impl Pages {
         let items = [mesh.faces.len(), mesh.edge_faces.len(), vertices as usize, mesh.clusters.len()];
         let items = items.map(|n| n.max(1) as u64);
         for (page, pool) in self.all.iter_mut().enumerate() {
-            if let Some(ranges) = pool.allocate(items) {
+            let is_empty = pool.free.iter().all(RangeAllocator::is_empty);
+            if pool.is_of_one == is_alone
+                && (!is_alone || is_empty)
+                && let Some(ranges) = pool.allocate(items)
+            {
                 return Ok(Run { page, ranges });
             }
         }
         let page = self.all.len();
         let limits = DispatchLimits::new(&device.limits());
-        let sizes = page_sizes(page, items, limits.binding)?;
+        let shared = self.all.iter().filter(|page| !page.is_of_one).count();
+        let sizes = page_sizes(shared, items, limits.binding)?;
+        let sizes = if is_alone { items } else { sizes };
         let mut all = Vec::new();
         Page::plan(sizes, |Wanted { label, bytes, .. }| all.push(Allocation { label, bytes }));
         let bytes = check(&all, limits.buffer, None)?;
@@ -115,6 +126,7 @@ impl Pages {
         all.push(Allocation { label: "the rest of the scene", bytes: rest });
         check(&all, u64::MAX, memory_limit)?;
         let mut made = guarded(device, bytes + rest, || Page::plan(sizes, |wanted| wanted.make(device)))?;
+        made.is_of_one = is_alone;
         // A page is at least as large as the mesh.
         let ranges = made.allocate(items).unwrap_or([const { 0..0 }; KINDS]);
         self.all.push(made);

@@ -23,6 +23,7 @@ use crate::gpu::common::pass::Step;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::Subject;
+use crate::gpu::extract::of_scene::PolygonMesh;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::format::Casters;
 use crate::gpu::shadow::pipelines::check_count_bits;
@@ -137,16 +138,13 @@ impl Scene {
     /// are allowed; their faces never face a light.
     ///
     /// # Errors
-    /// [`ShadowError`] if positions are missing, the mesh has polygons of more than three corners, or it does not fit one binding,
-    /// the memory limit or the device.
+    /// [`ShadowError`] if positions are missing, or the mesh does not fit one binding, the memory limit or the device. Polygons
+    /// of [`Mesh::from_polygons_by_loop`] have outlines of at most [`MAX_OUTLINE_EDGES`](crate::gpu::MAX_OUTLINE_EDGES) edges.
     pub fn add_mesh(&mut self, mesh: &Mesh, positions: &[[f32; 3]]) -> Result<MeshHandle, ShadowError> {
         let needed = mesh.vertex_count();
         let Some(own) = positions.get(..needed as usize) else {
             return Err(ShadowError::TooFewPositions { given: positions.len(), needed });
         };
-        if mesh.polygons().is_some() {
-            return Err(ShadowError::Polygons);
-        }
         let topology = self.topology(mesh, own);
         Ok(MeshHandle { scene: self.id, key: self.add_topology(mesh, &topology, own)? })
     }
@@ -159,12 +157,16 @@ impl Scene {
         own: &[[f32; 3]],
     ) -> Result<DefaultKey, ShadowError> {
         let (device, used, limit) = (self.pipelines.device(), self.used(), self.options.memory_limit);
-        let run = self.pages.add(device, topology, own.len() as u32, used, limit)?;
+        let polygons = PolygonMesh::new(device, mesh, used + self.pages.bytes, limit)?;
+        let further = polygons.as_ref().map_or(0, PolygonMesh::bytes);
+        let run =
+            self.pages.add(device, topology, own.len() as u32, polygons.is_some(), used + further, limit)?;
         if let Err(error) = self.pages.upload(device, &self.queue, &run, topology, own) {
             self.pages.free(run, self.encodes.load(Ordering::Relaxed));
             return Err(error.into());
         }
-        Ok(self.meshes.insert(MeshEntry::new(run, mesh, own, topology.order.clone())))
+        self.pages.bytes += further;
+        Ok(self.meshes.insert(MeshEntry::new(run, mesh, own, topology.order.clone(), polygons)))
     }
 
     /// The bytes of all but pages.
@@ -178,7 +180,7 @@ impl Scene {
     fn topology<'a>(&self, mesh: &'a Mesh, positions: &[[f32; 3]]) -> Topology<'a> {
         let clusters_from = self.options.clusters_from;
         let is_in_clusters = clusters_from.is_some_and(|least| mesh.faces().len() >= least.max(1) as usize);
-        if is_in_clusters && self.options.predicate() == Predicate::Exact {
+        if is_in_clusters && mesh.polygons().is_none() && self.options.predicate() == Predicate::Exact {
             Topology::in_clusters(mesh, positions)
         } else {
             Topology::plain(mesh)
@@ -197,6 +199,7 @@ impl Scene {
             return Err(ShadowError::MeshInUse { casters });
         }
         if let Some(entry) = self.meshes.remove(key) {
+            self.pages.bytes -= entry.polygons.as_ref().map_or(0, PolygonMesh::bytes);
             self.pages.free(entry.run, self.encodes.load(Ordering::Relaxed));
         }
         Ok(())
@@ -238,12 +241,15 @@ impl Scene {
         let Caster { mesh, positions, lights, in_depth } = caster;
         let mesh = mesh.key_in(self.id)?;
         let (placement, source) = self.place(mesh, positions)?;
+        let mut has_polygons = false;
         if let Some(entry) = self.meshes.get_mut(mesh) {
             entry.casters += 1;
+            has_polygons = entry.polygons.is_some();
         }
         self.structure = None;
         let entry = CasterEntry {
             mesh,
+            has_polygons,
             source,
             lights,
             in_depth,
@@ -409,7 +415,7 @@ impl Scene {
     /// This is for faces of which it is known that their shadow lies in that of others. It goes with the light.
     ///
     /// # Errors
-    /// [`ShadowError::NoSuchFace`], or an error of a handle.
+    /// [`ShadowError::NoSuchFace`], [`ShadowError::Polygons`], or an error of a handle.
     pub fn set_excluded(&mut self, caster: CasterHandle, light: LightHandle, faces: &[u32]) -> Result<(), ShadowError> {
         let key = caster.key_in(self.id)?;
         self.lights.check(light)?;
@@ -418,6 +424,9 @@ impl Scene {
         let count = mesh.map_or(0, |mesh| mesh.faces);
         if let Some(&face) = faces.iter().find(|&&face| face >= count) {
             return Err(ShadowError::NoSuchFace { face, faces: count });
+        }
+        if entry.has_polygons && !faces.is_empty() {
+            return Err(ShadowError::Polygons);
         }
         entry.excluded.retain(|(of, _)| *of != light && self.lights.check(*of).is_ok());
         if !faces.is_empty() {

@@ -1,15 +1,20 @@
 //! The dispatches of a scene's stages, with the buffers that they bind.
 
+use slotmap::{DefaultKey, SlotMap};
+
 use super::buffers::{Buffers, LISTS_HEAD, WORK_WORDS};
+use super::caster::CasterEntry;
 use super::structure::{GroupBatch, Making, Structure};
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, exact_workgroups, loops_of};
 use crate::gpu::common::pass::{Step, Workgroups};
 use crate::gpu::common::pipelines::Program;
-use crate::gpu::common::positions::bound;
+use crate::gpu::common::positions::{BoundPositions, bound};
+use crate::gpu::extract::of_scene::PolygonPart;
 use crate::gpu::shadow;
 use crate::layout::{CHUNK, DrawShape, ExtractionStatistics, LANES, SceneDispatch};
+use crate::mesh::EdgeCounts;
 use crate::method::Predicate;
 use crate::stages::{ARGUMENTS, CHUNKS, CLUSTERS, REACH, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING};
 use crate::turns::{SCENE_ITEMS, scene_exact_items};
@@ -30,6 +35,13 @@ enum Items {
     Undecided,
     /// One workgroup.
     One,
+}
+
+impl Items {
+    /// Whether other stages do the same for polygons.
+    fn is_of_triangles(self) -> bool {
+        matches!(self, Self::Faces | Self::Undecided | Self::Edges)
+    }
 }
 
 /// The stages in their order, and what they walk along.
@@ -58,29 +70,40 @@ pub(crate) fn programs(predicate: Predicate) -> Vec<Program> {
 ///
 /// # Errors
 /// [`DeviceError::Refused`] if a caller destroyed the buffer of a caster.
-pub(crate) fn steps(making: &Making<'_>, structure: &Structure) -> Result<Vec<Step>, DeviceError> {
+pub(crate) fn steps(
+    making: &Making<'_>,
+    casters: &SlotMap<DefaultKey, CasterEntry>,
+    structure: &Structure,
+) -> Result<Vec<Step>, DeviceError> {
     let Making { pipelines, options, views, .. } = *making;
     let (device, predicate) = (pipelines.device(), options.predicate());
     let Some(first) = structure.parts.first() else { return Ok(Vec::new()) };
     let mut programs = programs(predicate);
     if views > 0 {
-        programs.extend(shadow::stages::programs(true, false, options));
+        let has_pieces = structure.layout.groups.iter().any(|group| group.polygons.is_some());
+        programs.extend(shadow::stages::programs(true, has_pieces, options));
     }
     pipelines.make_together(&programs);
     let limits = &DispatchLimits::new(&device.limits());
     let binder = Binder { device, structure, making, limits };
     let mut steps = clears(structure);
     bound(device, || {
-        steps.extend(stages(predicate).into_iter().map(|(program, items)| {
+        for (program, items) in stages(predicate) {
             let pipeline = pipelines.get(&program);
             let parts = if let Items::Pairs = items { std::slice::from_ref(first) } else { &structure.parts };
+            if pipeline.label == ARGUMENTS.name {
+                for part in parts.iter().filter(|part| part.sizes.polygons.is_some()) {
+                    steps.extend(binder.polygons(casters, part).transpose()?.unwrap_or_default());
+                }
+            }
             let dispatch = |part: &GroupBatch| {
                 pipeline.dispatch(device, binder.workgroups(items, part), |name| binder.get(pipeline.label, name, part))
             };
-            pipeline.pass(parts.iter().map(dispatch))
-        }));
-    })?;
-    Ok(steps)
+            let parts = parts.iter().filter(|part| !items.is_of_triangles() || part.sizes.polygons.is_none());
+            steps.push(pipeline.pass(parts.map(dispatch)));
+        }
+        Ok(steps)
+    })?
 }
 
 /// Clears what stages add to, and writes the masks of faces that callers exclude.
@@ -131,6 +154,47 @@ impl<'a> Binder<'a> {
             Items::One => (1, 1),
         };
         Workgroups::Known([count.min(most) as u32, rows])
+    }
+
+    /// The extraction of the polygons of a group.
+    fn polygons(
+        &self,
+        casters: &SlotMap<DefaultKey, CasterEntry>,
+        at: &GroupBatch,
+    ) -> Option<Result<Vec<Step>, DeviceError>> {
+        let Self { structure, making, limits, .. } = self;
+        let buffers = structure.buffers.groups.get(at.group)?.get(at.batch)?;
+        let of_polygons = buffers.polygons.as_ref()?;
+        let group = structure.layout.groups.get(at.group)?;
+        let (page, source) = structure.source(making, at.group)?;
+        let (mesh, [offset_words, stride_words]) = structure.polygons(making.meshes, casters, at.group)?;
+        let (positions, range) = match &source.buffer {
+            Some(bound) => (&bound.buffer, bound.range.clone()),
+            None => (&page.positions, 0..page.positions.size()),
+        };
+        // One binding holds them, so this is no error.
+        let windows = limits.windows("positions", range.end - range.start).ok()?;
+        let EdgeCounts { consistent, inconsistent, boundary } = group.counts;
+        let part = PolygonPart {
+            mesh,
+            faces: group.face_slots(),
+            edges: (consistent + inconsistent + boundary) as u32,
+            lights: at.lights,
+            capacity: at.sizes.capacity,
+            polygons: at.sizes.polygons?,
+            topology: [&page.faces, &page.edge_vertices, &page.edge_faces],
+            positions: (positions, BoundPositions { base: range.start, windows, offset_words, stride_words }),
+            given: structure.given.get(at.group * structure.batches + at.batch)?.as_ref(),
+            light_batch: &of_polygons.lights,
+            facing: &buffers.facing,
+            excluded: &buffers.excluded,
+            record: &buffers.record,
+            lists: (&buffers.lists, LISTS_HEAD),
+            undecided: &of_polygons.undecided,
+            arguments: &of_polygons.arguments,
+            pieces: &of_polygons.pieces,
+        };
+        Some(part.steps(making.pipelines))
     }
 
     fn get(&self, stage: &str, name: &str, at: &GroupBatch) -> Option<Resource<'a>> {

@@ -3,7 +3,7 @@
 use slotmap::{DefaultKey, SlotMap};
 
 use super::buffers::{Buffers, CLUSTER_WORDS, GroupSizes, Sizes, WorkPlace, work_places};
-use super::caster::{CasterEntry, MeshEntry};
+use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::layout::{Group, Layout};
 use super::lights::Lights;
 use super::options::{Measuring, SceneOptions};
@@ -15,9 +15,10 @@ use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, check, filled, guarded, mapped, write_mapped};
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::uniforms::UniformTable;
+use crate::gpu::extract::of_scene::PolygonMesh;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::sizes::choice_bytes;
-use crate::layout::{DrawShape, SceneDispatch};
+use crate::layout::{DrawShape, LightBatch, SceneDispatch};
 
 /// One group of casters and one batch of lights, as the stages are dispatched for them.
 #[derive(Clone, Debug)]
@@ -158,6 +159,42 @@ impl Structure {
     pub(crate) fn bytes(&self) -> u64 {
         let given = self.given.iter().flatten().map(wgpu::Buffer::size).sum::<u64>();
         self.buffers.bytes + self.table.size() + given
+    }
+
+    /// The mesh of the only caster of a group of polygons, and where its vertices are: in the page or a buffer, the word of the
+    /// first and the words from one to the next.
+    pub(crate) fn polygons<'a>(
+        &self,
+        meshes: &'a SlotMap<DefaultKey, MeshEntry>,
+        casters: &SlotMap<DefaultKey, CasterEntry>,
+        group: usize,
+    ) -> Option<(&'a PolygonMesh, [u32; 2])> {
+        let first = self.layout.groups.get(group)?.first;
+        let caster = casters.get(*self.layout.order.get(first as usize)?)?;
+        let mesh = meshes.get(caster.mesh)?;
+        let [_, _, vertices, _] = &mesh.run.ranges;
+        let place = match caster.placement {
+            Placement::Rigid(_) => [3 * vertices.start, 3],
+            Placement::World { offset, stride } => [offset, stride],
+        };
+        Some((mesh.polygons.as_ref()?, place))
+    }
+
+    /// The lights of casters of polygons, as the extraction of each takes them, for each batch.
+    pub(crate) fn light_batches(
+        &self,
+        meshes: &SlotMap<DefaultKey, MeshEntry>,
+        casters: &SlotMap<DefaultKey, CasterEntry>,
+        lights: &Lights,
+    ) -> Vec<(wgpu::Buffer, LightBatch)> {
+        let of_part = |part: &GroupBatch| {
+            let buffers = self.buffers.groups.get(part.group)?.get(part.batch)?.polygons.as_ref()?;
+            let caster = casters.get(*self.layout.order.get(self.layout.groups.get(part.group)?.first as usize)?)?;
+            let (_, [offset, stride]) = self.polygons(meshes, casters, part.group)?;
+            let light = |bit: usize| caster.light(lights, (32 * part.batch + bit) as u32).map(|light| light.to_array());
+            Some((buffers.lights.clone(), LightBatch::of_bits(light, part.lights, offset, stride)))
+        };
+        self.parts.iter().filter_map(of_part).collect()
     }
 
     /// The page of a group, and the part of a caller's buffer that its positions are read from, unless they are the

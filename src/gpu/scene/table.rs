@@ -4,7 +4,7 @@ use bytemuck::Zeroable;
 
 use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::lights::Lights;
-use super::mask::{LightMask, bits};
+use super::mask::bits;
 use crate::layout::caster_flags::{BOUNDED, CHANGING, CLOSED, EXCLUDING, GIVEN, HOLED, MIRRORED, PROXY, RIGID};
 use crate::layout::{CasterLights, LightCone, NO_CLUSTERS, ScaledLight, SceneCaster};
 use crate::light::Light;
@@ -169,23 +169,15 @@ impl Table {
         }
     }
 
-    /// Writes the lights of `mask` from part `first` on, and that caster `index` has those that its space has. `space`
-    /// moves lights there.
-    pub(crate) fn put_lights(
-        &mut self,
-        index: u32,
-        first: u32,
-        mask: &LightMask,
-        lights: &Lights,
-        space: impl Fn(Light) -> Option<Light>,
-    ) {
-        let mut first = first;
+    /// Writes the lights of a caster, and that it has those that its space has.
+    pub(crate) fn put_lights(&mut self, caster: &CasterEntry, lights: &Lights) {
+        let mask = caster.lights.and(&lights.used);
+        let mut first = caster.first_light;
         for batch in 0..self.batches {
             let (mut allowed, mut at, mut reach) = (0, first, [0.0_f32; 2]);
             for bit in bits(mask.word(batch)) {
-                let light = lights.get(32 * batch as u32 + bit).and_then(&space).map(Light::to_array);
-                // Moved directions may become too small for f32.
-                let Some(given) = light.filter(|light| *light != [0.0; 4]) else { continue };
+                let light = caster.light(lights, 32 * batch as u32 + bit);
+                let Some(given) = light.map(Light::to_array) else { continue };
                 let ScaledLight { light: scaled, inexact_w } = ScaledLight::new(given);
                 self.put(at as usize, &[given.map(f32::to_bits), scaled.map(f32::to_bits)]);
                 let [x, y, z, w] = scaled.map(f32::abs);
@@ -194,7 +186,7 @@ impl Table {
                 at += LIGHT_PARTS;
             }
             let lights = CasterLights { allowed, first, reach };
-            self.put(self.lights_at() + batch * self.casters + index as usize, bytemuck::cast_slice(&[lights]));
+            self.put(self.lights_at() + batch * self.casters + caster.index as usize, bytemuck::cast_slice(&[lights]));
             first += LIGHT_PARTS * mask.word(batch).count_ones();
         }
     }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::Mesh;
 use crate::cpu::Threads;
+use crate::gpu::extract::polygon_buffers::faces_of_records;
 use crate::mesh::clusters::{Arranged, Clusters};
 
 /// The faces and edge records of a mesh in slots.
@@ -29,12 +30,12 @@ pub(crate) struct SlotOrder {
 }
 
 impl<'a> Topology<'a> {
-    /// A mesh in its own order.
+    /// A mesh in its own order. Records of polygons find the masks of their first triangles.
     pub(crate) fn plain(mesh: &'a Mesh) -> Self {
         Self {
             faces: mesh.faces().into(),
             edge_vertices: mesh.edges().vertices().into(),
-            edge_faces: mesh.edges().packed_faces().into(),
+            edge_faces: faces_of_records(mesh).map_or_else(|| mesh.edges().packed_faces().into(), Cow::from),
             clusters: Vec::new(),
             order: None,
         }

@@ -1,6 +1,6 @@
 //! The shadow volumes of a scene.
 
-use super::buffers::LISTS_HEAD;
+use super::buffers::{LISTS_HEAD, PolygonBuffers};
 use super::layout::Group;
 use super::structure::{GroupBatch, Making, Structure};
 use crate::gpu::common::bindings::{part, whole};
@@ -40,7 +40,7 @@ impl Volumes {
         let sizes = VolumeSizes { receivers, ..sizes(making, structure, views, &limits) };
         let others = Allocation { label: "the scene without volumes", bytes: others };
         let buffers = SizedBuffers::new(device, sizes, others, &limits)?;
-        let pipelines = StagePipelines::new(making.pipelines, true, false, making.options);
+        let pipelines = StagePipelines::new(making.pipelines, true, buffers.sizes.has_pieces(), making.options);
         let source = source(making, structure);
         let stages = bound(device, || VolumeStages::new(&pipelines, &buffers, &source))?;
         Ok(Self { buffers, stages })
@@ -58,11 +58,11 @@ fn sizes(making: &Making<'_>, structure: &Structure, views: usize, limits: &Disp
     };
     let room = |part: &GroupBatch| {
         let room = Room::new(making.options, &group_size(part), FEW_CAPS, part.sizes.capacity, part.lights, limits);
-        Room { lists_at: part.dispatch.lists_at, ..room }
+        let pieces = part.sizes.polygons.map_or(0, |polygons| polygons.pieces);
+        Room { lists_at: part.dispatch.lists_at, pieces, ..room }
     };
     VolumeSizes {
         options: *making.options,
-        has_pieces: false,
         casters: structure.layout.order.len(),
         lights: 32 * structure.batches,
         views,
@@ -76,13 +76,16 @@ fn sizes(making: &Making<'_>, structure: &Structure, views: usize, limits: &Disp
 fn source<'a>(making: &Making<'a>, structure: &'a Structure) -> VolumeSource<'a> {
     let batch = |at: &'a GroupBatch| {
         let extracted = structure.buffers.groups.get(at.group)?.get(at.batch)?;
-        Some(vec![
+        let mut named = vec![
             ("facing_masks", part(&extracted.facing, 0..at.sizes.masks)),
             ("excluded_masks", part(&extracted.excluded, 0..at.sizes.masks)),
             ("silhouette_counts", part(&extracted.lists, 0..LISTS_HEAD)),
             ("silhouettes", part(&extracted.lists, LISTS_HEAD..at.sizes.lists)),
             ("extraction_statistics", part(&extracted.record, 0..size_of::<ExtractionStatistics>() as u64)),
-        ])
+        ];
+        let pieces = |polygons: &'a PolygonBuffers| ("pieces", part(&polygons.pieces, 0..at.sizes.pieces()));
+        named.extend(extracted.polygons.as_ref().map(pieces));
+        Some(named)
     };
     let group = |parts: &'a [GroupBatch]| {
         let (page, source) = structure.source(making, parts.first()?.group)?;

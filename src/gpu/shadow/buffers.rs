@@ -27,6 +27,8 @@ pub(crate) struct BoundBuffers<B = wgpu::Buffer> {
 
 /// Statistics that say that lights may lie in planes of faces, and that no polygon is twisted.
 const ANY_ZEROS: [u32; 5] = [1, 1, 1, 1, 0];
+/// Bytes of them.
+pub(crate) const ANY_ZEROS_BYTES: u64 = size_of_val(&ANY_ZEROS) as u64;
 
 /// The buffers that stages and draws share.
 #[derive(Debug)]
@@ -50,9 +52,10 @@ pub(crate) struct VolumeBuffers<B = wgpu::Buffer> {
     pub(crate) bound: Option<BoundBuffers<B>>,
     /// For each group and batch one for each view.
     pub(crate) lists: Vec<Vec<Lists<B>>>,
-    /// [`PieceDraws`] for each light, of a caster with polygons.
-    pub(crate) piece_draws: Option<B>,
-    /// Statistics that say that lights may lie in planes of faces.
+    /// For each group of a caster with polygons [`PieceDraws`] for each view and light.
+    pub(crate) piece_draws: Vec<Option<B>>,
+    /// Statistics for casters of a scene, before facing is known: lights may lie in planes of faces. Behind them, for each group
+    /// and batch, the lights for which polygons are twisted.
     pub(crate) any_zeros: B,
     pub(crate) statistics: B,
 }
@@ -104,7 +107,8 @@ impl SizedBuffers {
     pub(crate) fn clears(&self, is_scene: bool) -> (Vec<Step>, Vec<Vec<Step>>) {
         let VolumeBuffers { boxes, choices, statistics, lists, draws, piece_draws, bound, .. } = &self.of;
         let crossings = bound.as_ref().map(|bound| &bound.crossings);
-        let cleared = [statistics].into_iter().chain(draws).chain(piece_draws).chain([boxes]).chain(crossings);
+        let cleared =
+            [statistics].into_iter().chain(draws).chain(piece_draws.iter().flatten()).chain([boxes]).chain(crossings);
         let mut steps: Vec<_> = cleared.map(Step::clear).collect();
         if is_scene || draws.is_empty() {
             return (steps, Vec::new());
@@ -132,6 +136,8 @@ impl<B> VolumeBuffers<B> {
         let seen = sizes.seen() as u64;
         let [_, choices] = sizes.choice_bytes();
         let [pencils, crossings] = sizes.bound_bytes();
+        let mut any_zeros = ANY_ZEROS.to_vec();
+        any_zeros.resize(ANY_ZEROS.len() + sizes.rooms.len(), 0);
         let draws = Wanted::new("shadow draws", seen * size_of::<ShadowDraws>() as u64).indirect();
         let piece_draws = Wanted::new("piece draws", seen * size_of::<PieceDraws>() as u64).indirect().free();
         Self {
@@ -159,8 +165,10 @@ impl<B> VolumeBuffers<B> {
                     (0..sizes.views).map(&mut of_view).collect()
                 })
                 .collect(),
-            piece_draws: sizes.has_pieces.then(|| make(piece_draws)),
-            any_zeros: make(Wanted::filled("any zeros", bytemuck::cast_slice(&ANY_ZEROS)).free()),
+            piece_draws: (0..sizes.groups.len())
+                .map(|group| sizes.pieces_of(group).then(|| make(piece_draws)))
+                .collect(),
+            any_zeros: make(Wanted::filled("any zeros", bytemuck::cast_slice(&any_zeros)).free()),
             statistics: make(Wanted::new("shadow statistics", size_of::<ShadowStatistics>() as u64).free()),
         }
     }

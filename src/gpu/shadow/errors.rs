@@ -185,10 +185,10 @@ pub enum ShadowError {
         /// The `max_lights` of the scene.
         limit: usize,
     },
-    /// The mesh has polygons, which scenes do not take so far.
+    /// Faces of a mesh of polygons were to be excluded, and polygons count as a whole.
     #[error(
-        "the mesh has faces of more than three corners, which a scene does not take; make a mesh of its triangles by \
-         `Mesh::from_polygons`, or take `Extractor` and `ShadowVolumes`"
+        "the mesh has faces of more than three corners, and faces of such a mesh cannot be excluded; make a mesh of its \
+         triangles by `Mesh::from_polygons`"
     )]
     Polygons,
     /// There are fewer positions than the mesh has vertices.

@@ -68,6 +68,8 @@ pub(crate) struct Room {
     pub(crate) near: u32,
     /// Entries of both lists of other caps together.
     pub(crate) far: u32,
+    /// Pieces of L-twisted polygons. 0: the casters have triangles only.
+    pub(crate) pieces: u32,
 }
 
 impl Room {
@@ -94,7 +96,7 @@ impl Room {
         };
         let far = if options.counting.may_fail() || options.end_at_range { faces } else { group.proxies.max(1) };
         let sides = silhouettes.min(fitting(SIDE_COUNTS));
-        let mut room = Self { lights, lists_at: 0, silhouettes, sides, near, far };
+        let mut room = Self { lights, lists_at: 0, silhouettes, sides, near, far, pieces: 0 };
         if let Some(capacity) = options.capacities.caps {
             let asked = |default: u32| if default > 1 { capacity.clamp(1, faces) } else { 1 };
             (room.near, room.far) = (asked(near), asked(far));
@@ -128,8 +130,6 @@ impl Room {
 pub(crate) struct VolumeSizes {
     /// The options of the scene. A single caster is the scene of one.
     pub(crate) options: SceneOptions,
-    /// The caster has polygons, of which pieces are drawn.
-    pub(crate) has_pieces: bool,
     pub(crate) casters: usize,
     /// Numbers of lights that there is room for. Some may have no light.
     pub(crate) lights: usize,
@@ -158,6 +158,16 @@ impl VolumeSizes {
     pub(crate) fn used_lights(&self) -> usize {
         let last = self.batches().saturating_sub(1);
         32 * last + self.rooms.get(last).map_or(0, |room| room.lights as usize)
+    }
+
+    /// Whether casters of a group have polygons, of which pieces are drawn.
+    pub(crate) fn pieces_of(&self, group: usize) -> bool {
+        self.rooms.get(group * self.batches()).is_some_and(|room| room.pieces > 0)
+    }
+
+    /// Whether any casters have.
+    pub(crate) fn has_pieces(&self) -> bool {
+        self.rooms.iter().any(|room| room.pieces > 0)
     }
 
     /// Whether some casters are not in the depth buffer.
@@ -249,6 +259,7 @@ impl VolumeSizes {
             used_lights: self.used_lights() as u32,
             has_receivers: u32::from(self.receivers > 0),
             most_count: casters.most_count(count_bits),
+            piece_capacity: room.pieces,
         }
     }
 }

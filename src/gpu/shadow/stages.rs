@@ -3,11 +3,11 @@
 
 use wgpu::BindingResource;
 
-use super::buffers::{SizedBuffers, VolumeBuffers};
+use super::buffers::{ANY_ZEROS_BYTES, SizedBuffers, VolumeBuffers};
 use super::draws::LightDraws;
 use super::pipelines::{Layouts, layouts};
 use super::sizes::{GroupSize, Room, VolumeSizes};
-use super::source::{VolumeSource, named};
+use super::source::{Named, VolumeSource, named};
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, loops};
 use crate::gpu::common::pass::{Dispatch, Step, Workgroups, record};
@@ -15,7 +15,7 @@ use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program, group};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::scene::options::SceneOptions;
-use crate::layout::{CHUNK, LANES, PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape};
+use crate::layout::{CHUNK, ExtractionStatistics, LANES, PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape};
 use crate::stages::{
     BOUNDS, CAPS, CHOOSE, LIST_SIDES, PIECE_ARGUMENTS, PIECE_CROSSINGS, RELIST, SHADOW_ARGUMENTS, STENCIL_BOUND,
     STENCIL_CROSSINGS, STENCIL_PENCIL, ZP_PLUS_2005_CASES,
@@ -29,8 +29,9 @@ enum Over {
     Boxes,
     /// All casters, lights and views in one dispatch.
     Pairs,
-    /// For each group, batch and view: one workgroup, or faces, edges, sides, pieces.
+    /// For each group, batch and view: one workgroup, also only where there are pieces, or faces, edges, sides, pieces.
     One,
+    OneOfPieces,
     Faces,
     Edges,
     Sides,
@@ -54,10 +55,10 @@ fn stages(is_scene: bool, has_pieces: bool, options: &SceneOptions) -> Vec<(Prog
         (true, of_casters(&CAPS, Over::Faces)),
         (true, of_casters(&LIST_SIDES, Over::Sides)),
         (true, of_lists(&SHADOW_ARGUMENTS, Over::One)),
-        (pieces, of_lists(&PIECE_ARGUMENTS, Over::One)),
+        (pieces, of_casters(&PIECE_ARGUMENTS, Over::OneOfPieces)),
         (bound, of_casters(&STENCIL_PENCIL, Over::Lights)),
         (bound, of_casters(&STENCIL_CROSSINGS, Over::Sides)),
-        (bound && pieces, of_lists(&PIECE_CROSSINGS, Over::Pieces)),
+        (bound && pieces, of_casters(&PIECE_CROSSINGS, Over::Pieces)),
         (bound, of_lists(&STENCIL_BOUND, Over::Lights)),
     ];
     stages.into_iter().filter(|(is_there, _)| *is_there).map(|(_, stage)| stage).collect()
@@ -142,8 +143,8 @@ impl VolumeStages {
         let SizedBuffers { sizes, of: buffers, .. } = buffers;
         let (batch, place) = (light / 32, view * sizes.lights + light);
         let uniform = count_batch * sizes.seen() + place;
-        let groups = self.groups.iter().zip(&buffers.draws).zip(&sizes.groups);
-        groups.filter_map(move |((group, draws), size)| {
+        let groups = self.groups.iter().zip(&buffers.draws).zip(&sizes.groups).zip(&buffers.piece_draws);
+        groups.filter_map(move |(((group, draws), size), piece_draws)| {
             Some(LightDraws {
                 frame: group.frames.get(batch)?,
                 uniform: (uniform * UniformTable::stride::<ShadowDraw>()) as u32,
@@ -154,7 +155,7 @@ impl VolumeStages {
                 first: (place * size_of::<ShadowDraws>()) as u64,
                 may_end: sizes.options.end_at_range,
                 has_proxies: size.proxies > 0,
-                pieces: group.pieces.get(batch).zip(buffers.piece_draws.as_ref()),
+                pieces: group.pieces.get(batch).zip(piece_draws.as_ref()),
                 first_piece: (place * size_of::<PieceDraws>()) as u64,
             })
         })
@@ -207,7 +208,7 @@ impl<'a> Binder<'a> {
             "shadow_draws" => whole(buffers.draws.get(at.group)?),
             "sides" => whole(&lists()?.sides),
             "caps_listed" => whole(&lists()?.caps),
-            "piece_draws" => whole(buffers.piece_draws.as_ref()?),
+            "piece_draws" => whole(buffers.piece_draws.get(at.group)?.as_ref()?),
             "pencils" => whole(&buffers.bound.as_ref()?.pencils),
             "crossings" => whole(&buffers.bound.as_ref()?.crossings),
             _ => {
@@ -258,7 +259,9 @@ impl<'a> Binder<'a> {
                 places.map(|at| (at, [lights(at.batch), 1])).collect()
             }
             _ => {
+                let is_of_pieces = matches!(over, Over::Pieces | Over::OneOfPieces);
                 let parts = numbered().zip(rooms.chunks(batches.max(1)));
+                let parts = parts.filter(|((group, _), _)| !is_of_pieces || self.sizes.pieces_of(*group));
                 let parts = parts.flat_map(|(group, rooms)| rooms.iter().enumerate().map(move |room| (group, room)));
                 let places = parts.flat_map(|((group, size), (batch, room))| {
                     let workgroups = self.of_lists(over, size, room);
@@ -287,24 +290,34 @@ impl<'a> Binder<'a> {
                 [room.silhouettes.div_ceil(16 * 64).clamp(1, most).max(fewest), room.lights]
             }
             Over::Pieces => {
-                // An invocation takes few pieces of many. Each has nine words.
-                let lists = self.source.groups.iter().flat_map(|group| &group.batches);
-                let bytes = lists.filter_map(|batch| match named(batch, "pieces")?.bound {
-                    BindingResource::Buffer(pieces) => Some(pieces.buffer.size()),
-                    _ => None,
-                });
-                let most_pieces = u32::try_from(bytes.max().unwrap_or(0) / 36).unwrap_or(u32::MAX);
-                let fewest = (most_pieces / room.lights.max(1)).div_ceil(64 * LISTED_ITEMS);
+                // An invocation takes few pieces of many.
+                let fewest = room.pieces.div_ceil(64 * LISTED_ITEMS);
                 [if is_cpu { 4 } else { 64 }.max(fewest), room.lights]
             }
             _ => [1, 1],
         }
     }
 
+    /// For each group and batch with polygons, a copy of the lights for which they are twisted to where `choose` reads them.
+    fn twisted(&self) -> Vec<Step> {
+        let parts = self.source.groups.iter().flat_map(|group| &group.batches).enumerate();
+        let copy = |(part, batch): (usize, &Named<'_>)| {
+            named(batch, "pieces")?;
+            let BindingResource::Buffer(statistics) = named(batch, "extraction_statistics")?.bound else { return None };
+            let from = statistics.offset + std::mem::offset_of!(ExtractionStatistics, twisted_lights) as u64;
+            let to = ANY_ZEROS_BYTES + 4 * part as u64;
+            Some(Step::Copy([(statistics.buffer.clone(), from), (self.buffers.any_zeros.clone(), to)], 4))
+        };
+        parts.filter_map(copy).collect()
+    }
+
     /// The stages, with a copy of the choices to the table before the lists are made.
     fn steps(&self) -> Vec<Step> {
         let mut steps = Vec::new();
         for (pipeline, over) in &self.pipelines.stages {
+            if pipeline.label == CHOOSE.name {
+                steps.extend(self.twisted());
+            }
             if pipeline.label == LIST_SIDES.name {
                 let [_, bytes] = self.sizes.choice_bytes();
                 let table = (self.source.table.clone(), 16 * self.sizes.choices_at as u64);

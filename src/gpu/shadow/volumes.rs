@@ -258,11 +258,13 @@ fn sizes(source: &extraction::Shared, options: SceneOptions, in_depth: bool) -> 
     let (faces, edges) = (shape.faces as u32, shape.edges as u32);
     let proxies = if in_depth { 0 } else { faces };
     let group = GroupSize { faces, edges, proxies, ..GroupSize::default() };
-    let room =
-        |batch| Room::new(&options, &group, FEW_CAPS, shape.capacity, shape.batch_lights(batch) as u32, &source.limits);
+    let pieces = shape.polygons.map_or(0, |polygons| polygons.pieces);
+    let room = |batch| {
+        let lights = shape.batch_lights(batch) as u32;
+        Room { pieces, ..Room::new(&options, &group, FEW_CAPS, shape.capacity, lights, &source.limits) }
+    };
     VolumeSizes {
         options,
-        has_pieces: shape.polygons.is_some(),
         casters: 1,
         lights: shape.max_lights,
         views: 1,
