@@ -138,7 +138,7 @@ fn other_passes() -> Result<(), String> {
             let is_same = samples == others && formats == other_formats;
             let expected = if is_same { Expected::Taken } else { shows(&["OtherAttachments"]) };
             refused([refusal(&what, drawn(gpu, &format, &pass, false)?, expected)])?;
-            // What is refused would be an error of wgpu, and by default a panic.
+            // Each refusal spares an error of wgpu, by default a panic.
             let found = drawn(gpu, &format, &pass, true)?.map_err(text)?;
             if found.is_none() != is_same {
                 return Err(format!("{what}: wgpu says {found:?}"));
