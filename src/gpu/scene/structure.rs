@@ -191,7 +191,7 @@ impl Structure {
             let buffers = self.buffers.groups.get(part.group)?.get(part.batch)?.polygons.as_ref()?;
             let caster = casters.get(*self.layout.order.get(self.layout.groups.get(part.group)?.first as usize)?)?;
             let (_, [offset, stride]) = self.polygons(meshes, casters, part.group)?;
-            let light = |bit: usize| caster.light(lights, (32 * part.batch + bit) as u32).map(|light| light.to_array());
+            let light = |bit: usize| caster.light(lights, (32 * part.batch + bit) as u32).map(crate::Light::to_array);
             Some((buffers.lights.clone(), LightBatch::of_bits(light, part.lights, offset, stride)))
         };
         self.parts.iter().filter_map(of_part).collect()
