@@ -160,8 +160,7 @@ impl Scene {
         let (device, used, limit) = (self.pipelines.device(), self.used(), self.options.memory_limit);
         let polygons = PolygonMesh::new(device, mesh, used + self.pages.bytes, limit)?;
         let further = polygons.as_ref().map_or(0, PolygonMesh::bytes);
-        let run =
-            self.pages.add(device, topology, own.len() as u32, polygons.is_some(), used + further, limit)?;
+        let run = self.pages.add(device, topology, own.len() as u32, polygons.is_some(), used + further, limit)?;
         if let Err(error) = self.pages.upload(device, &self.queue, &run, topology, own) {
             self.pages.free(run, self.encodes.load(Ordering::Relaxed));
             return Err(error.into());
