@@ -172,9 +172,12 @@ fn measure(
         let (own, world, stopwatch) = (&own, &world, &stopwatch);
         let run: Contender<'_> = Box::new(move || {
             let times = stopwatch.by_clock(|encoder| {
-                (0..repeats).try_for_each(|_| match is_own {
-                    true => own.record(world, encoder, is_lit),
-                    false => masked.borrow_mut().record(world, encoder, is_lit),
+                (0..repeats).try_for_each(|_| {
+                    if is_own {
+                        own.record(world, encoder, is_lit)
+                    } else {
+                        masked.borrow_mut().record(world, encoder, is_lit)
+                    }
                 })
             })?;
             let [recording, drawing] = times.map(|time| time / repeats as f64);

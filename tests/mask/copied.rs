@@ -78,7 +78,7 @@ impl Map {
             let view = self.texture.create_view(&wgpu::TextureViewDescriptor::default());
             let stencil = format
                 .has_stencil_aspect()
-                .then(|| wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store });
+                .then_some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store });
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                     view: &view,

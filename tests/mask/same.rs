@@ -28,7 +28,9 @@ fn compare(picture: &Picture, masks: &[Vec<u8>], stencils: &[Vec<u8>]) -> Result
     let samples = picture.samples as usize;
     let mut counts = [0, 0];
     for (light, (mask, stencil)) in masks.iter().zip(stencils).enumerate() {
-        stencil.iter().for_each(|&count| counts[usize::from(count == 0)] += 1);
+        for &count in stencil {
+            counts[usize::from(count == 0)] += 1;
+        }
         let shares: Vec<f64> = stencil.chunks(samples).map(|pixel| share(picture, pixel)).collect();
         // Half of 255 may be rounded either way.
         let is_wrong = |at: &usize| (f64::from(mask[*at]) - 255.0 * shares[*at]).abs() > 0.5;

@@ -61,7 +61,7 @@ impl World {
             _ => Light::point(random.direction().map(|c| 2.5 * c)),
         };
         let lights = (0..lights).map(light).collect();
-        Self { casters, room, camera: pose.camera(projection, seed % 2 == 0), lights }
+        Self { casters, room, camera: pose.camera(projection, seed.is_multiple_of(2)), lights }
     }
 
     /// The same with lights that reach a part of it: by a range, a cone, or both.

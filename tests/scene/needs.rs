@@ -1,12 +1,15 @@
 //! Stage `needs`: figures that a frame does not need: they are not deformed, nothing is computed of them, and nothing shows it.
 
+use std::ops::ControlFlow;
+
 use glam::{DVec3, DVec4};
+use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
 use rimline::gpu::{
     Capacities, CasterPositions, DeformError, DeformerOptions, FrameInputs, LightMask, Measuring, PoseInputs,
     SceneFrame, SceneOptions, SceneStatistics, ShadowError, View,
 };
 use rimline::model::Box3;
-use rimline::{Cone, Displacement, Light, ModelError, ShadowCamera};
+use rimline::{Cone, Displacement, Light, Mesh, ModelError, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{text, views};
@@ -23,6 +26,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("needs_are_switched_off", off),
     ("instances_that_are_mirrored_anew", mirrored),
     ("models_that_are_displaced", displaced),
+    ("hidden_faces_do_not_hold_for_models", hidden),
     ("models_come_and_go", come_and_go),
     ("models_that_are_refused_change_nothing", refusals),
 ];
@@ -430,6 +434,35 @@ fn displaced() -> Result<(), String> {
     same("all kept", &kept, &[false, false, true, false])
 }
 
+/// Hidden faces are of static casters. A version that was searched says nothing about the poses of a scene's own model.
+fn hidden() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(4851);
+    let crowd = Crowd::new(3)?;
+    let lights = [Light::point([0.0, 40.0, 0.0])];
+    let pose = crowd.pose(&crowd.figures(&mut random))?;
+    let mut stage = Stage::new(gpu, &crowd, &pose, &lights, options())?;
+    let mut other = Apart::new(gpu, &crowd, &pose, &lights, (options(), DeformerOptions::default()))?;
+    gpu.submit(|encoder| other.encode(encoder, (&pose, 0.0), &[]))?;
+    let positions = other.positions(gpu)?.into_iter().map(|p| p.map(f32::from_bits)).collect::<Vec<_>>();
+    let geometry = &crowd.model.geometries()[0];
+    let mesh = Mesh::from_faces(geometry.positions().len(), geometry.faces().to_vec()).map_err(text)?;
+    // The first versions that a scene counts, and those of the caller.
+    let figures = positions.chunks(geometry.positions().len());
+    let searched: Vec<_> = figures.map(|positions| HiddenCaster { mesh: &mesh, positions, version: Some(1) }).collect();
+    let go_on = |_, _| ControlFlow::Continue(());
+    let found = HiddenFaces::find(lights[0], &searched, HiddenOptions::default(), go_on).map_err(text)?;
+    let casters = stage.scene.casters(stage.model).map_err(text)?.to_vec();
+    stage.scene.set_hidden_faces(stage.lights[0], &casters, Some(&found)).map_err(text)?;
+    let frame = gpu.submit(|encoder| stage.encode(encoder, &pose, &[]))?;
+    for &caster in &other.casters {
+        other.scene.set_position_version(caster, Some(1)).map_err(text)?;
+    }
+    other.scene.set_hidden_faces(other.lights[0], &other.casters, Some(&found)).map_err(text)?;
+    let held = gpu.submit(|encoder| other.encode(encoder, (&pose, 0.0), &[]))?;
+    same("ignored", &[frame.hidden().ignored, held.hidden().ignored], &[1, 0])
+}
+
 /// Two models, of which one goes while a frame of both is not submitted yet, and comes back.
 fn come_and_go() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
@@ -468,7 +501,7 @@ fn come_and_go() -> Result<(), String> {
     must_fail("one", &same("both", &[sum(&both)], &[sum(&expected)]))
 }
 
-/// What is not done to instances, and poses that do not fit.
+/// Calls that instances do not take, and poses that do not fit.
 fn refusals() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(4501);

@@ -38,9 +38,9 @@ fn target(gpu: &Gpu, samples: u32, format: wgpu::TextureFormat) -> wgpu::Texture
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
-fn color(view: &wgpu::TextureView) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+fn color(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
     let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
-    Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+    wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops }
 }
 
 /// The colour attachments of the passes here: none, one, and several with a gap.
@@ -62,7 +62,7 @@ impl Views {
     }
 
     fn attachments(&self) -> Vec<Option<wgpu::RenderPassColorAttachment<'_>>> {
-        self.colors.iter().map(|view| color(view.as_ref()?)).collect()
+        self.colors.iter().map(|view| view.as_ref().map(color)).collect()
     }
 }
 

@@ -127,14 +127,13 @@ impl ShadowMasks {
 
     /// The bind group of a depth.
     fn given(&mut self, depth: &wgpu::TextureView) -> Result<wgpu::BindGroup, MaskError> {
-        let made = match self.depth.take().filter(|(own, _)| own == depth) {
-            Some(kept) => kept,
-            None => {
-                let (device, is_sampled) = (self.shared.device(), depth.texture().sample_count() > 1);
-                let layout = layout(&self.shared, is_sampled);
-                let made = any_error(device, || group(device, "mask depth", &layout, &[texture(depth)]));
-                (depth.clone(), made.map_err(|message| refused(device, "the depth", message))?)
-            }
+        let made = if let Some(kept) = self.depth.take().filter(|(own, _)| own == depth) {
+            kept
+        } else {
+            let (device, is_sampled) = (self.shared.device(), depth.texture().sample_count() > 1);
+            let layout = layout(&self.shared, is_sampled);
+            let made = any_error(device, || group(device, "mask depth", &layout, &[texture(depth)]));
+            (depth.clone(), made.map_err(|message| refused(device, "the depth", message))?)
         };
         Ok(self.depth.insert(made).1.clone())
     }
@@ -142,21 +141,21 @@ impl ShadowMasks {
     /// Views of the first layers of a target that a pass can draw into.
     fn layers(&mut self, target: &wgpu::Texture, layers: u32) -> Result<Vec<wgpu::TextureView>, MaskError> {
         let is_kept = |(own, views): &(wgpu::Texture, Vec<_>)| own == target && views.len() >= layers as usize;
-        let kept = self.target.take().filter(is_kept);
-        let made = match kept {
-            Some(kept) => kept,
-            None => {
-                let device = self.shared.device();
-                let made = any_error(device, || {
-                    let views: Vec<_> = (0..layers).map(|layer| layer_view(target, layer)).collect();
-                    // A texture that is destroyed or of another device makes an encoder of the caller useless. This one is tried.
-                    let mut tried = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-                    views.iter().for_each(|view| drop(draw_into(&mut tried, view)));
-                    drop(tried.finish());
-                    (target.clone(), views)
-                });
-                made.map_err(|message| refused(device, "the target", message))?
-            }
+        let made = if let Some(kept) = self.target.take().filter(is_kept) {
+            kept
+        } else {
+            let device = self.shared.device();
+            let made = any_error(device, || {
+                let views: Vec<_> = (0..layers).map(|layer| layer_view(target, layer)).collect();
+                // A texture that is destroyed or of another device makes an encoder of the caller useless. This one is tried.
+                let mut tried = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                for view in &views {
+                    drop(draw_into(&mut tried, view));
+                }
+                drop(tried.finish());
+                (target.clone(), views)
+            });
+            made.map_err(|message| refused(device, "the target", message))?
         };
         let (_, views) = self.target.insert(made);
         Ok(views.iter().take(layers as usize).cloned().collect())
@@ -272,7 +271,9 @@ impl SceneFrame {
 
         // Elsewhere there is no volume and no bit.
         let Some(all) = reach.iter().filter_map(|(_, pixels)| *pixels).reduce(around) else {
-            views.iter().for_each(|view| drop(draw_into(encoder, view)));
+            for view in &views {
+                drop(draw_into(encoder, view));
+            }
             return Ok(());
         };
         let of_layer = inputs.lights_a_layer()?;

@@ -11,6 +11,7 @@ pub(crate) mod hidden;
 pub(crate) mod layout;
 pub(crate) mod lights;
 pub(crate) mod mask;
+mod model;
 mod models;
 mod needs;
 pub(crate) mod occluders;

@@ -6,6 +6,7 @@ use slotmap::DefaultKey;
 
 use super::caster::Caster;
 use super::handles::{CasterHandle, MeshHandle, ModelHandle};
+use super::model::ModelEntry;
 use super::scene::Scene;
 use super::topology::Topology;
 use crate::Mesh;
@@ -13,28 +14,6 @@ use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::deform::deformer::{DeformError, Deformer, DeformerOptions, PoseInputs};
 use crate::gpu::shadow::errors::ShadowError;
 use crate::model::{Geometry, Instance, InstancePose, Model, ModelBounds, ModelError};
-
-/// The scene's record of a model.
-#[derive(Debug)]
-pub(super) struct ModelEntry {
-    pub(super) deformer: Deformer,
-    bounds: ModelBounds,
-    is_displaced: bool,
-    /// Vertices and faces of each geometry.
-    geometries: Vec<(usize, Box<[[u32; 3]]>)>,
-    /// The geometry of each instance.
-    instances: Vec<usize>,
-    /// The mesh of each geometry, as it is and turned, if an instance ever had it.
-    meshes: HashMap<(usize, bool), DefaultKey>,
-    /// The casters of the instances.
-    pub(super) casters: Vec<CasterHandle>,
-    /// The pose at hand, as the stage reads it, with time and bind group of the displacement.
-    pub(super) words: Vec<u32>,
-    pub(super) time_s: f32,
-    pub(super) resources: Option<wgpu::BindGroup>,
-    /// Poses so far.
-    version: u64,
-}
 
 impl Scene {
     /// Adds a model, and a caster for each of its instances: in the depth buffer, for all lights. Each encode then computes

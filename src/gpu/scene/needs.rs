@@ -2,6 +2,7 @@
 
 use bytemuck::Zeroable;
 
+use super::model::Deformed;
 use super::options::Measuring;
 use super::scene::Scene;
 use super::view::{FrameInputs, View};
@@ -21,13 +22,6 @@ use crate::turns::NEEDS_BOXES;
 /// Invocations of a workgroup, which take a figure each.
 const WORKGROUP: u64 = 64;
 
-/// The models that were deformed, for which views, and which of their instances these need.
-#[derive(Debug)]
-pub(super) struct Deformed {
-    pub(super) words: wgpu::Buffer,
-    views: Vec<ShadowView>,
-}
-
 /// The stage, ready to be recorded.
 pub(super) struct Needs {
     words: wgpu::Buffer,
@@ -43,7 +37,7 @@ impl Scene {
     /// programs do not need this call.
     ///
     /// # Errors
-    /// As [`Self::encode`].
+    /// The errors of [`Self::encode`].
     pub fn deform(&mut self, encoder: &mut wgpu::CommandEncoder, inputs: FrameInputs<'_>) -> Result<(), ShadowError> {
         check_timer(inputs.timer.as_deref(), self.pipelines.device())?;
         let views = self.check_views(inputs.views)?;
@@ -59,7 +53,7 @@ impl Scene {
         Ok(())
     }
 
-    /// What is uploaded before models are deformed.
+    /// The uploads before models are deformed.
     pub(super) fn deform_uploads<'a>(&'a self, needs: &'a Needs) -> impl Iterator<Item = (&'a wgpu::Buffer, &'a [u8])> {
         let models = self.models.values().zip(&needs.uniforms);
         models.flat_map(|(model, uniforms)| model.deformer.uploads(&model.words, uniforms))

@@ -9,8 +9,7 @@ use super::caster::{Caster, CasterEntry, CasterPositions, HiddenOfLight, MeshEnt
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
 use super::lights::Lights;
 use super::mask::LightMask;
-use super::models::ModelEntry;
-use super::needs::Deformed;
+use super::model::{Deformed, ModelEntry};
 use super::occluders;
 use super::options::{Measuring, SceneOptions};
 use super::pages::Pages;

@@ -94,7 +94,7 @@ impl Structure {
         old: Option<&Self>,
         number: Number,
     ) -> Result<Self, ShadowError> {
-        let Making { pipelines, meshes, pages, lights, options, views, .. } = *making;
+        let Making { pipelines, meshes, lights, options, views, .. } = *making;
         let device = pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
         let layout = Layout::new(table, casters, meshes, lights, number.encode, &limits)?;
@@ -136,7 +136,7 @@ impl Structure {
             guarded(device, given_bytes, || given.into_iter().map(|masks| masks.map(filled)).collect::<Vec<_>>())?;
         #[cfg(feature = "reference")]
         let clusters = {
-            let page = |group: &Group| Some(pages.get(making.sources.get(group.source)?.page)?.clusters.clone());
+            let page = |group: &Group| Some(making.pages.get(making.sources.get(group.source)?.page)?.clusters.clone());
             layout.groups.iter().filter_map(page).collect()
         };
         let unneeded_at = words as u32;

@@ -82,7 +82,7 @@ impl Text {
             None | Some(0) => {}
             Some(1) => self.more("1 closed part is wound inwards: its faces are clockwise from outside"),
             Some(parts) => {
-                self.more(format!("{parts} closed parts are wound inwards: their faces are clockwise from outside"))
+                self.more(format!("{parts} closed parts are wound inwards: their faces are clockwise from outside"));
             }
         }
         if let Some(seams) = &report.seams {
