@@ -129,7 +129,7 @@ impl MeshEntry {
 
 /// The scene's record of a caster.
 #[derive(Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "they do not depend on each other")]
+#[expect(clippy::struct_excessive_bools, reason = "facts that do not depend on each other")]
 pub(crate) struct CasterEntry {
     pub(crate) mesh: DefaultKey,
     /// Whether the mesh has polygons, whose bits are computed in each encode.

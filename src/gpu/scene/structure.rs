@@ -10,6 +10,7 @@ use super::options::{Measuring, SceneOptions};
 use super::pages::{Page, Pages};
 use super::sources::{Source, Sources};
 use super::table::{Part, Table};
+use crate::Light;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, check, filled, guarded, mapped, write_mapped};
@@ -191,7 +192,7 @@ impl Structure {
             let buffers = self.buffers.groups.get(part.group)?.get(part.batch)?.polygons.as_ref()?;
             let caster = casters.get(*self.layout.order.get(self.layout.groups.get(part.group)?.first as usize)?)?;
             let (_, [offset, stride]) = self.polygons(meshes, casters, part.group)?;
-            let light = |bit: usize| caster.light(lights, (32 * part.batch + bit) as u32).map(crate::Light::to_array);
+            let light = |bit: usize| caster.light(lights, (32 * part.batch + bit) as u32).map(Light::to_array);
             Some((buffers.lights.clone(), LightBatch::of_bits(light, part.lights, offset, stride)))
         };
         self.parts.iter().filter_map(of_part).collect()
