@@ -1,6 +1,5 @@
 //! Why pipelines of shadow volumes, volumes and scenes cannot be made, changed, recorded or drawn.
 
-use super::format::{ShadowFormat, attachments};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::deform::deformer::DeformError;
 use crate::gpu::extract::errors::ExtractorError;
@@ -64,14 +63,14 @@ pub enum ShadowError {
     NoDepthStencil,
     /// The pass has other attachments than the pipelines were made for.
     #[error(
-        "the pass has {}, and the format has {}; make the format of this pass by `ShadowFormat::of_pass`, and pipelines of it",
-        attachments(.pass), attachments(.format)
+        "the pass has {pass}, and the format has {format}; make the format of this pass by `ShadowFormat::of_pass`, and pipelines \
+         of it"
     )]
     OtherAttachments {
-        /// The format that the pass needs.
-        pass: Box<ShadowFormat>,
-        /// The format that was to begin it.
-        format: Box<ShadowFormat>,
+        /// The attachments of the pass.
+        pass: String,
+        /// Those of the format that was to begin it.
+        format: String,
     },
     /// The pass does not clear its stencil to 0, where counts begin.
     #[error("the pass does not clear its stencil to 0, where counts begin; take `ShadowFormat::attachment`")]

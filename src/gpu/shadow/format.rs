@@ -135,7 +135,7 @@ impl ShadowFormat {
     ) -> Result<wgpu::RenderPass<'encoder>, ShadowError> {
         let given = self.clone().with_attachments(pass)?;
         if given.without_srgb() != self.without_srgb() {
-            return Err(ShadowError::OtherAttachments { pass: Box::new(given), format: Box::new(self.clone()) });
+            return Err(ShadowError::OtherAttachments { pass: attachments(&given), format: attachments(self) });
         }
         match pass.depth_stencil_attachment.as_ref().and_then(|attachment| attachment.stencil_ops) {
             Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), .. }) => Ok(encoder.begin_render_pass(pass)),
@@ -185,7 +185,7 @@ impl ShadowFormat {
 }
 
 /// The attachments of a format, for messages.
-pub(super) fn attachments(format: &ShadowFormat) -> String {
+fn attachments(format: &ShadowFormat) -> String {
     let ShadowFormat { depth_stencil, samples, colors, .. } = format;
     format!("{depth_stencil:?}, colours {colors:?} and {samples} samples a pixel")
 }
