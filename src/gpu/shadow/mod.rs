@@ -6,6 +6,7 @@ pub(crate) mod errors;
 pub(crate) mod format;
 mod frame;
 mod options;
+mod passes;
 pub(crate) mod pipelines;
 pub(crate) mod scene_pipelines;
 pub(crate) mod sizes;
