@@ -119,7 +119,7 @@ fn field() -> Vec<(Shape, Vec<Matrix3x4>)> {
     kinds.into_iter().enumerate().map(|(kind, shape)| (shape, of(kind))).collect()
 }
 
-/// What both ways have.
+/// The parts of both ways.
 struct World<'a> {
     gpu: &'a Gpu,
     frame: SceneFrame,

@@ -16,7 +16,7 @@ use crate::world::{SIZE, World, counted_by};
 
 pub(crate) const TESTS: &[Test] = &[("masks_are_what_rays_see", seen)];
 
-/// What a ray sees.
+/// The end of a ray.
 pub(crate) struct Seen<'a> {
     pub(crate) place: DVec3,
     normal: DVec3,
@@ -44,7 +44,7 @@ impl<'a> Truth<'a> {
         Self { tracer: Tracer::build(faces), world, inverse, size }
     }
 
-    /// What is seen at a place of the picture, in pixels.
+    /// The thing seen at a place of the picture, in pixels.
     pub(crate) fn at(&self, place: DVec2) -> Option<Seen<'_>> {
         let [width, height] = self.size.map(f64::from);
         let ndc = [2.0 * place.x / width - 1.0, 1.0 - 2.0 * place.y / height];
@@ -74,7 +74,7 @@ impl<'a> Truth<'a> {
         Some(meetings.any(|(t, other)| other.of && is_between(t) && !std::ptr::eq(other, seen.triangle)))
     }
 
-    /// What is seen in a pixel that has no border near it: for a light the places around are all in shadow, or none is. They are a
+    /// The thing seen in a pixel that has no border near it: for a light the places around are all in shadow, or none is. They are a
     /// grid of so many places each way.
     pub(crate) fn steady(&self, pixel: [u32; 2], light: usize, places: i32) -> Option<bool> {
         let middle = DVec2::from(pixel.map(|at| f64::from(at) + 0.5));

@@ -83,7 +83,7 @@ impl Given {
     fn write(&self, frame: &SceneFrame, masks: &mut ShadowMasks, inputs: MaskInputs<'_>) -> Result<(), MaskError> {
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let written = frame.write_masks(&mut encoder, masks, &inputs);
-        // What is wrong in the encoder would end the test here.
+        // An error in the encoder would end the test here.
         self.gpu.queue.submit([encoder.finish()]);
         written
     }

@@ -75,7 +75,7 @@ pub enum MaskError {
     /// The device refuses a texture, a view or a pipeline.
     #[error("the device refuses {what}: {message}")]
     Refused {
-        /// What it refuses.
+        /// The thing that it refuses.
         what: &'static str,
         /// The message of the device.
         message: String,
@@ -98,7 +98,7 @@ impl From<ShadowError> for MaskError {
     }
 }
 
-/// What a device refuses, or that it is lost.
+/// The message of a device that refuses, or that is lost.
 pub(super) fn refused(device: &wgpu::Device, what: &'static str, message: String) -> MaskError {
     check_alive(device).map_or_else(MaskError::Device, |()| MaskError::Refused { what, message })
 }
