@@ -23,6 +23,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("needs_hide_nothing", hide_nothing),
     ("needs_of_as_many_views_as_are_looked_at", most_views),
     ("figures_walk_out_of_need_and_back", histories),
+    ("a_deform_that_is_dropped_spoils_one_frame", dropped),
     ("needs_are_switched_off", off),
     ("instances_that_are_mirrored_anew", mirrored),
     ("models_that_are_displaced", displaced),
@@ -306,6 +307,34 @@ fn histories() -> Result<(), String> {
     );
     if unneeded < 200 || pairs < 200 || instances < 10_000 || late < 5 || noticed < 6 {
         return Err("too few of a kind".to_owned());
+    }
+    Ok(())
+}
+
+/// A frame before `deform` is out of date. A `deform` whose encoder is dropped spoils one frame, and none after it.
+fn dropped() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(4501);
+    let crowd = Crowd::new(24)?;
+    let (lights, mut figures) = (lights(&mut random), crowd.figures(&mut random));
+    let mut stage = Stage::new(gpu, &crowd, &crowd.pose(&figures)?, &lights, options())?;
+    let cameras = vec![camera(&mut random)];
+    for number in 0..6 {
+        let before = gpu.submit(|encoder| stage.encode(encoder, &crowd.pose(&figures)?, &cameras))?;
+        walk(&mut figures, &mut random);
+        stage.scene.set_pose(stage.model, &crowd.pose(&figures)?).map_err(text)?;
+        let inputs = views(&cameras);
+        before.check_current().map_err(text)?;
+        stage.scene.deform(&mut encoder(gpu), FrameInputs::new(&inputs)).map_err(text)?;
+        if before.check_current() != Err(ShadowError::StaleFrame) {
+            return Err("a frame whose positions are overwritten is not refused".to_owned());
+        }
+        // Of positions that nobody computed.
+        gpu.submit(|encoder| stage.scene.encode(encoder, FrameInputs::new(&inputs)).map_err(text))?;
+        let mut encoder = encoder(gpu);
+        let frame = stage.scene.encode(&mut encoder, FrameInputs::new(&inputs)).map_err(text)?;
+        let recorded = Recorded::of(encoder, &frame, &figures, &lights, cameras.clone())?;
+        recorded.check(gpu, &crowd, &stage, options()).map_err(|error| format!("frame {number}: {error}"))?;
     }
     Ok(())
 }

@@ -157,6 +157,13 @@ fn other_passes() -> Result<(), String> {
     let ops = |load| Some(wgpu::Operations { load, store: wgpu::StoreOp::Store });
     let format = ShadowFormat::default();
     let nothing = wgpu::RenderPassDescriptor::default();
+    let depth_cleared = wgpu::RenderPassDescriptor {
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+            ..ShadowFormat::attachment(&views.depth_stencil)
+        }),
+        ..Default::default()
+    };
     refused([
         refusal("no stencil", drawn(gpu, &format, &of(None), false)?, is(ShadowError::StencilNotCleared)),
         refusal(
@@ -170,6 +177,7 @@ fn other_passes() -> Result<(), String> {
             is(ShadowError::StencilNotCleared),
         ),
         refusal("cleared", drawn(gpu, &format, &of(ops(wgpu::LoadOp::Clear(0))), false)?, Expected::Taken),
+        refusal("depth cleared", drawn(gpu, &format, &depth_cleared, false)?, is(ShadowError::DepthCleared)),
         refusal("no depth", drawn(gpu, &format, &nothing, false)?, is(ShadowError::NoDepthStencil)),
         refusal("no depth, of it", ShadowFormat::of_pass(&nothing, &camera()), is(ShadowError::NoDepthStencil)),
     ])?;

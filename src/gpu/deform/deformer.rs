@@ -313,7 +313,7 @@ impl Deformer {
     }
 
     /// Records the deformation of what was uploaded. `unneeded` has a word for each instance, from a byte on: 1 if its
-    /// positions need only be a point.
+    /// positions need only be a point, else 2.
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,

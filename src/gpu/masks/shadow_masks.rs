@@ -20,7 +20,7 @@ const GROUP: usize = 32;
 ///
 /// Pipelines are made when they are first needed: by the first call, and by the first with other formats or another camera's depth
 /// direction. Textures are made anew when the size of the picture changes. For pictures of several sizes in turn, take a value for each.
-/// They take 5 to 12 bytes for each sample of each pixel. The depth and the target of the last call stay alive.
+/// They take 5 to 13 bytes for each sample of each pixel. The depth and the target of the last call stay alive.
 ///
 /// ```no_run
 /// # use rimline::gpu::{LightHandle, MaskError, MaskInputs, SceneFrame, ShadowMasks};

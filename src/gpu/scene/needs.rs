@@ -1,5 +1,7 @@
 //! The needs of a frame: which instances of models must be deformed, found on the GPU before they are.
 
+use std::sync::atomic::Ordering;
+
 use bytemuck::Zeroable;
 
 use super::model::Deformed;
@@ -33,8 +35,9 @@ pub(super) struct Needs {
 impl Scene {
     /// Computes the positions of all models before [`Self::encode`], if you draw the depth that its views take
     /// ([`View::depth`]). The encode then does not compute them again, provided that its views are the same and nothing in the
-    /// scene was changed. Record both into one encoder, or submit this one before. Depths of `inputs` do not matter here. Other
-    /// programs do not need this call.
+    /// scene was changed. Record both into one encoder, or submit this one before: without it the encode finds the positions of
+    /// an earlier frame, and the next one computes all anew. Depths of `inputs` do not matter here. Frames of earlier encodes are
+    /// out of date then. Other programs do not need this call.
     ///
     /// # Errors
     /// The errors of [`Self::encode`].
@@ -50,6 +53,8 @@ impl Scene {
         }
         let words = self.record_needs(encoder, &needs, inputs.timer);
         self.deformed = Some(Deformed { words, views });
+        // Frames before draw with positions that are overwritten here.
+        self.encodes.fetch_add(1, Ordering::Relaxed);
         Ok(())
     }
 

@@ -32,7 +32,8 @@ use crate::method::Predicate;
 use crate::{Light, Mesh, Transform};
 
 /// Many casters and lights, whose silhouettes are extracted together. A mesh is stored once, however many casters have
-/// it. The work of recording an encode does not depend on the number of casters, but for those that moved.
+/// it. The work of recording an encode does not depend on the number of casters, but for those that moved, those of polygons,
+/// which have passes of their own, and the poses of models.
 ///
 /// Once: add meshes, lights and casters. Each frame: change what moved, call [`Scene::encode`], draw the depths of what is
 /// seen, and for each light draw its shadows by [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) and add its light. The README

@@ -76,6 +76,12 @@ pub enum ShadowError {
     /// The pass does not clear its stencil to 0, where counts begin.
     #[error("the pass does not clear its stencil to 0, where counts begin; take `ShadowFormat::attachment`")]
     StencilNotCleared,
+    /// The pass clears the depth.
+    #[error(
+        "the pass clears the depth, which shadow volumes are compared with; load the depths of the depth pass, as \
+         `ShadowFormat::attachment` does"
+    )]
+    DepthCleared,
     /// Counts own no bit of the stencil, or more than it has.
     #[error("`count_bits` is {given}; counts own {least} to 8 bits of the stencil here")]
     CountBits {

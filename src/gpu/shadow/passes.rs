@@ -32,7 +32,8 @@ impl ShadowFormat {
     ///
     /// # Errors
     /// [`ShadowError::OtherAttachments`] if the formats or samples of the attachments differ from those of this format.
-    /// [`ShadowError::StencilNotCleared`] if the pass does not clear the stencil to 0. Nothing is begun then.
+    /// [`ShadowError::StencilNotCleared`] if the pass does not clear the stencil to 0.
+    /// [`ShadowError::DepthCleared`] if it clears the depth, which volumes are compared with. Nothing is begun then.
     pub fn begin_pass<'encoder>(
         &self,
         encoder: &'encoder mut wgpu::CommandEncoder,
@@ -42,8 +43,12 @@ impl ShadowFormat {
         if given.without_srgb() != self.without_srgb() {
             return Err(ShadowError::OtherAttachments { pass: Box::new(given), format: Box::new(self.clone()) });
         }
-        match pass.depth_stencil_attachment.as_ref().and_then(|attachment| attachment.stencil_ops) {
-            Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), .. }) => Ok(encoder.begin_render_pass(pass)),
+        let attachment = pass.depth_stencil_attachment.as_ref();
+        let loads =
+            attachment.map(|of| (of.depth_ops.map(|depth| depth.load), of.stencil_ops.map(|stencil| stencil.load)));
+        match loads {
+            Some((Some(wgpu::LoadOp::Clear(_)), _)) => Err(ShadowError::DepthCleared),
+            Some((_, Some(wgpu::LoadOp::Clear(0)))) => Ok(encoder.begin_render_pass(pass)),
             _ => Err(ShadowError::StencilNotCleared),
         }
     }
