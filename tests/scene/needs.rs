@@ -329,7 +329,7 @@ fn dropped() -> Result<(), String> {
         if before.check_current() != Err(ShadowError::StaleFrame) {
             return Err("a frame whose positions are overwritten is not refused".to_owned());
         }
-        // Of positions that nobody computed.
+        // This one has positions that nobody computed.
         gpu.submit(|encoder| stage.scene.encode(encoder, FrameInputs::new(&inputs)).map_err(text))?;
         let mut encoder = encoder(gpu);
         let frame = stage.scene.encode(&mut encoder, FrameInputs::new(&inputs)).map_err(text)?;
