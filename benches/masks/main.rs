@@ -18,7 +18,7 @@ use rimline::{Counting, Light, Matrix3x4, ShadowCamera};
 use rimline_bench::Error;
 use rimline_bench::engine::{Contender, Metric, Rounds, interleave};
 use rimline_bench::gpu::{Gpu, Stopwatch};
-use rimline_bench::pipelines::{Drawing, depth};
+use rimline_bench::pipelines::{Drawing, SURFACE, depth};
 use rimline_bench::record::{Camera, IDENTITY};
 use rimline_bench::row::{Entry, Variant};
 use rimline_bench::shapes::{self, Shape};
@@ -28,17 +28,6 @@ const SIZE: [u32; 2] = [1280, 720];
 const COLOR: TextureFormat = TextureFormat::Rgba16Float;
 const DRAWING: Metric = Metric::Time("drawing");
 const RECORDING: Metric = Metric::Time("recording");
-
-const SURFACE: &str = "
-struct Camera { columns: mat4x4<f32>, eye: vec4<f32> }
-@group(0) @binding(0) var<storage, read> camera: Camera;
-@group(0) @binding(1) var<storage, read> corners: array<f32>;
-@vertex fn surface(@builtin(vertex_index) at: u32) -> @builtin(position) vec4<f32> {
-  let place = vec3<f32>(corners[3u * at], corners[3u * at + 1u], corners[3u * at + 2u]);
-  return camera.columns * vec4<f32>(place - camera.eye.xyz, 1.0);
-}
-@fragment fn nothing() {}
-";
 
 const LIGHT: &str = "
 @vertex fn whole(@builtin(vertex_index) at: u32) -> @builtin(position) vec4<f32> {

@@ -4,7 +4,7 @@ use rimline::reference::stages::{MASK_SAMPLES, SHADOW_MASKS};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::pipelines::{Drawing, depth};
+use rimline_testkit::pipelines::{Drawing, TexelKernel, depth};
 use rimline_testkit::{is_long, must_fail, same};
 use wgpu::TextureFormat::{self, Depth16Unorm, Depth24Plus, Depth24PlusStencil8, Depth32Float, Depth32FloatStencil8};
 
@@ -99,49 +99,11 @@ impl Map {
         let samples = self.texture.sample_count();
         let ty = if samples > 1 { "texture_multisampled_2d<f32>" } else { "texture_2d<f32>" };
         let source = READ.replace("TEXTURE", ty).replace("LAST", &format!("{}", samples - 1));
-        let source = wgpu::ShaderSource::Wgsl(source.into());
-        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
-        let float = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: samples > 1,
-        };
-        let storage = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: false },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let visibility = wgpu::ShaderStages::COMPUTE;
-        let entries = [(0, float), (1, storage)];
-        let entries = entries.map(|(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None });
-        let layout =
-            gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries });
-        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("read"),
-            layout: Some(&gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: None,
-                bind_group_layouts: &[Some(&layout)],
-                immediate_size: 0,
-            })),
-            module: &module,
-            entry_point: None,
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
+        let kernel = TexelKernel::new(&gpu.device, ("read", &source), samples > 1);
         let values = gpu.storage(&vec![0_u32; (SIDE * SIDE) as usize]);
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&self.view()) },
-                wgpu::BindGroupEntry { binding: 1, resource: values.as_entire_binding() },
-            ],
-        });
+        let group = kernel.group(&gpu.device, &self.view(), &values);
         gpu.submit(|encoder| {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(SIDE / 8, SIDE / 8, 1);
+            kernel.run(encoder, &group, [SIDE / 8, SIDE / 8]);
             Ok(())
         })?;
         gpu.read(&values, usize::MAX)

@@ -4,21 +4,10 @@ use rimline::gpu::{MaskInputs, SceneOptions, ScenePipelines, ShadowFormat, Shado
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::pipelines::{Drawing, depth};
+use rimline_testkit::pipelines::{Drawing, SURFACE, depth};
 use wgpu::TextureFormat;
 
 use crate::world::{Encoded, World};
-
-const SURFACE: &str = "
-struct Camera { columns: mat4x4<f32>, origin: vec4<f32> }
-@group(0) @binding(0) var<storage, read> camera: Camera;
-@group(0) @binding(1) var<storage, read> corners: array<f32>;
-@vertex fn surface(@builtin(vertex_index) at: u32) -> @builtin(position) vec4<f32> {
-  let place = vec3<f32>(corners[3u * at], corners[3u * at + 1u], corners[3u * at + 2u]);
-  return camera.columns * vec4<f32>(place - camera.origin.xyz, 1.0);
-}
-@fragment fn plain() {}
-";
 
 /// Copies depth, as `textureLoad` gives it.
 const COPY: &str = "

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use glam::{DVec3, DVec4};
 use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
 use rimline::gpu::{
-    Capacities, CasterPositions, DeformError, DeformerOptions, FrameInputs, LightMask, Measuring, PoseInputs,
+    Capacities, CasterPositions, DeformError, DeformerOptions, FrameInputs, LightMask, Measuring, PoseInputs, Scene,
     SceneFrame, SceneOptions, SceneStatistics, ShadowError, View,
 };
 use rimline::model::Box3;
@@ -24,6 +24,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("needs_of_as_many_views_as_are_looked_at", most_views),
     ("figures_walk_out_of_need_and_back", histories),
     ("a_deform_that_is_dropped_spoils_one_frame", dropped),
+    ("changes_after_a_deform_are_heeded", changed),
     ("needs_are_switched_off", off),
     ("instances_that_are_mirrored_anew", mirrored),
     ("models_that_are_displaced", displaced),
@@ -334,6 +335,51 @@ fn dropped() -> Result<(), String> {
         let mut encoder = encoder(gpu);
         let frame = stage.scene.encode(&mut encoder, FrameInputs::new(&inputs)).map_err(text)?;
         let recorded = Recorded::of(encoder, &frame, &figures, &lights, cameras.clone())?;
+        recorded.check(gpu, &crowd, &stage, options()).map_err(|error| format!("frame {number}: {error}"))?;
+    }
+    Ok(())
+}
+
+/// Between `deform` and the encode a light moves or comes, casters get lights, or camera or pose change: other figures are needed then.
+fn changed() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(4511);
+    let crowd = Crowd::new(24)?;
+    for number in 0..25 {
+        let (mut lights, mut figures) = (lights(&mut random), crowd.figures(&mut random));
+        let mut stage = Stage::new(gpu, &crowd, &crowd.pose(&figures)?, &lights, options())?;
+        let mut cameras = vec![camera(&mut random)];
+        let casters = stage.scene.casters(stage.model).map_err(text)?.to_vec();
+        let set_all = |scene: &mut Scene, mask: LightMask| {
+            casters.iter().try_for_each(|&caster| scene.set_lights(caster, mask)).map_err(text)
+        };
+        if number % 5 == 4 {
+            set_all(&mut stage.scene, LightMask::NONE)?;
+        }
+        gpu.submit(|encoder| stage.encode(encoder, &crowd.pose(&figures)?, &cameras))?;
+        let mut encoder = encoder(gpu);
+        stage.scene.deform(&mut encoder, FrameInputs::new(&views(&cameras))).map_err(text)?;
+        let light = Light::point(place(&mut random).to_array());
+        match number % 5 {
+            0 => {
+                // One that reached few of them.
+                let last = lights.len() - 1;
+                stage.scene.set_light(stage.lights[last], light).map_err(text)?;
+                lights[last] = light;
+            }
+            1 => {
+                stage.scene.add_light(light).map_err(text)?;
+                lights.push(light);
+            }
+            2 => cameras = vec![camera(&mut random)],
+            4 => set_all(&mut stage.scene, LightMask::ALL)?,
+            _ => {
+                walk(&mut figures, &mut random);
+                stage.scene.set_pose(stage.model, &crowd.pose(&figures)?).map_err(text)?;
+            }
+        }
+        let frame = stage.scene.encode(&mut encoder, FrameInputs::new(&views(&cameras))).map_err(text)?;
+        let recorded = Recorded::of(encoder, &frame, &figures, &lights, cameras)?;
         recorded.check(gpu, &crowd, &stage, options()).map_err(|error| format!("frame {number}: {error}"))?;
     }
     Ok(())

@@ -84,7 +84,8 @@ impl Scene {
     /// The words of the models that were deformed for an encode of these views, if the scene is as it was then.
     pub(super) fn take_deformed(&mut self, views: &[ShadowView]) -> Option<wgpu::Buffer> {
         let bytes = bytemuck::cast_slice::<ShadowView, u8>;
-        let is_same = self.structure.is_some() && self.moved.is_empty() && self.lights.moved.is_empty();
+        // Rigid casters may have moved: models need nothing of them.
+        let is_same = self.structure.is_some() && self.lights.moved.is_empty();
         self.deformed.take().filter(|of| is_same && bytes(&of.views) == bytes(views)).map(|of| of.words)
     }
 
@@ -154,7 +155,9 @@ impl Scene {
             Wanted::new("unneeded figures", 4 * u64::from(frame.figures.max(1))),
         ];
         let allocations = wanted.map(|Wanted { label, bytes, .. }| Allocation { label, bytes });
-        let bytes = check(&allocations, limits.binding, self.options.memory_limit)?;
+        let bytes = check(&allocations, limits.binding, None)?;
+        let others = Allocation { label: "the rest of the scene", bytes: self.used() + self.pages.bytes };
+        check(&[Allocation { label: "needs", bytes }, others], u64::MAX, self.options.memory_limit)?;
         let [seen, figures, words] = guarded(device, bytes, || wanted.map(|wanted| wanted.make(device)))?;
         let mut table = UniformTable::default();
         let offset = table.push(frame);
