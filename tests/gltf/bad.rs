@@ -84,7 +84,7 @@ fn no_position(path: &Path) -> Outcome {
 
 fn control() -> Outcome {
     let is_refused = |name: &str, says: &[&str]| Ok::<_, String>(refused(&files::made(name)?.path, says).is_ok());
-    ensure(!is_refused("box.glb", &[])?, || "a good file passed as bad".to_owned())?;
+    ensure(!is_refused("cube.glb", &[])?, || "a good file passed as bad".to_owned())?;
     ensure(!is_refused(BAD[1].name, &["meshes[7]"])?, || "a wrong place passed".to_owned())?;
     ensure(is_refused(BAD[1].name, &["meshes[0]"])?, || "the right one did not".to_owned())
 }

@@ -21,6 +21,12 @@ pub struct Maker {
     pub bytes: Vec<u8>,
 }
 
+impl Default for Maker {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Maker {
     pub fn new() -> Self {
         Self { json: json!({ "asset": { "version": "2.0" } }), bytes: Vec::new() }

@@ -10,7 +10,7 @@ use crate::maker::{F32, Maker, U8, U16, U32};
 
 const JOINTS: usize = 5;
 /// Key times.
-const TIMES: [f32; 3] = [0.25, 1.0, 2.0];
+const TIMES: [f32; 3] = [0.25, 1.0, 3.5];
 /// The last one is on the other side of the sphere from the second, so the shorter arc goes to its opposite.
 const TURNS: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.6, 0.8, 0.6, 0.0, 0.0, -0.8];
 
@@ -41,7 +41,7 @@ pub(super) fn quantized() -> Maker {
     let ring = in_integers(&mut maker, &shapes::torus(16, 10, 0.7, 0.3), 32767.0, true);
     let ball = in_integers(&mut maker, &shapes::sphere(5), 5000.0, false);
     let nodes = [
-        place(&mut maker, &[ring.clone()], json!({ "scale": [2, 2, 2] })),
+        place(&mut maker, std::slice::from_ref(&ring), json!({ "scale": [2, 2, 2] })),
         place(&mut maker, &[ball, ring], json!({ "translation": [0, 3, 0], "scale": [2e-4, 2e-4, 2e-4] })),
         maker.push("nodes", json!({ "mesh": 0, "translation": [4, 0, 0] })),
         maker.push("nodes", json!({ "mesh": 0, "translation": [-4, 0, 0] })),
