@@ -25,7 +25,9 @@ pub struct Good {
 /// A file with a fault.
 pub struct Bad {
     pub name: &'static str,
-    make: fn() -> Vec<u8>,
+    /// What is wrong in its content, then in its bytes.
+    change: fn(&mut Maker),
+    damage: fn(&mut Vec<u8>),
     pub fate: Fate,
     /// Parts of the error, or of a warning.
     pub says: &'static [&'static str],
@@ -36,7 +38,7 @@ pub struct Bad {
 pub enum Fate {
     /// With an error.
     Refused,
-    /// With a warning; nothing of its scene is left.
+    /// With a warning; its scene shows nothing.
     Empty,
     /// With a warning; something is left to draw.
     Warned,
@@ -49,19 +51,29 @@ impl Good {
         if let Some(uri) = maker.json["buffers"][0]["uri"].as_str() {
             std::fs::write(folder.join(uri), &maker.bytes)?;
         }
-        let is_binary = Path::new(self.name).extension() == Some("glb".as_ref());
-        written(folder, self.name, if is_binary { maker.glb() } else { maker.gltf() })
+        written(folder, self.name, &bytes(self.name, &maker))
     }
 }
 
 impl Bad {
     /// Writes the file into a folder.
     pub fn write(&self, folder: &Path) -> std::io::Result<PathBuf> {
-        written(folder, self.name, (self.make)())
+        let mut maker = Maker::square();
+        (self.change)(&mut maker);
+        if self.fate == Fate::Empty {
+            maker.scene(&[]);
+        }
+        let mut bytes = bytes(self.name, &maker);
+        (self.damage)(&mut bytes);
+        written(folder, self.name, &bytes)
     }
 }
 
-fn written(folder: &Path, name: &str, bytes: Vec<u8>) -> std::io::Result<PathBuf> {
+fn bytes(name: &str, maker: &Maker) -> Vec<u8> {
+    if Path::new(name).extension() == Some("glb".as_ref()) { maker.glb() } else { maker.gltf() }
+}
+
+fn written(folder: &Path, name: &str, bytes: &[u8]) -> std::io::Result<PathBuf> {
     let path = folder.join(name);
     std::fs::write(&path, bytes).map(|()| path)
 }
