@@ -9,7 +9,7 @@ pub(crate) struct Summary {
     failed: usize,
     /// Ignored by name.
     skipped: usize,
-    /// Those that stand for tests on model files that are not there.
+    /// Ignored ones that stand for tests on model files, whose folder is missing.
     without_files: usize,
     gpu_tests: usize,
     /// Lines to show again at the end.

@@ -3,6 +3,7 @@
 mod bad;
 mod good;
 mod moving;
+mod still;
 
 use std::path::{Path, PathBuf};
 
@@ -25,7 +26,7 @@ pub struct Good {
 /// A file with a fault.
 pub struct Bad {
     pub name: &'static str,
-    /// What is wrong in its content, then in its bytes.
+    /// Makes a good file bad: its content, then its bytes.
     change: fn(&mut Maker),
     damage: fn(&mut Vec<u8>),
     pub fate: Fate,

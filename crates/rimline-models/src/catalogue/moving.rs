@@ -5,7 +5,7 @@ use std::ops::Range;
 use rimline_bench::shapes::{self, Shape};
 use serde_json::{Value, json};
 
-use super::good::{alone, flat, place, quantized as in_integers, sparsely, zeros};
+use super::still::{alone, flat, place, quantized as in_integers, sparsely, zeros};
 use crate::maker::{F32, Maker, U8, U16, U32};
 
 const JOINTS: usize = 5;
