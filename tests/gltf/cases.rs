@@ -5,7 +5,7 @@
 use libtest_mimic::Trial;
 use rimline::gltf::{Asset, GltfError, GltfWarning};
 use rimline::mesh::Weld;
-use rimline_testkit::cases;
+use rimline_testkit::shared_cases;
 
 use crate::shape::same;
 use crate::{Outcome, check, ensure, test};
@@ -24,7 +24,7 @@ const WARNED: &[(&str, &str, usize)] = &[
 ];
 
 pub(crate) fn tests() -> Vec<Trial> {
-    if cases().is_none() {
+    if shared_cases().is_none() {
         return vec![test("cases::real files", || Ok(())).with_ignored_flag(true)];
     }
     let mut tests = vec![
@@ -41,7 +41,8 @@ pub(crate) fn tests() -> Vec<Trial> {
 }
 
 fn open(name: &str) -> Result<Asset, String> {
-    Asset::open(cases().ok_or("there are no cases")?.join(name), Weld::Data).map_err(|error| format!("{name}: {error}"))
+    Asset::open(shared_cases().ok_or("there are no cases")?.join(name), Weld::Data)
+        .map_err(|error| format!("{name}: {error}"))
 }
 
 fn warned(name: &str, says: &str, faces: usize) -> Outcome {

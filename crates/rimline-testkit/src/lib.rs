@@ -52,7 +52,7 @@ pub fn assets() -> Option<PathBuf> {
 }
 
 /// The folder of small files after public reports, which is beside that of the models, if it is there.
-pub fn cases() -> Option<PathBuf> {
+pub fn shared_cases() -> Option<PathBuf> {
     assets().map(|folder| folder.with_file_name("cases")).filter(|folder| folder.is_dir())
 }
 

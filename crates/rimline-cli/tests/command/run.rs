@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use libtest_mimic::Trial;
-use rimline_testkit::{cases, harness};
+use rimline_testkit::{harness, shared_cases};
 
 use super::shadow::Image;
 use super::{Outcome, ensure};
@@ -153,7 +153,7 @@ pub(crate) type Case = (&'static str, &'static str, fn(&Path) -> Outcome, bool);
 
 /// Tests on shared cases. Where the folder is missing, there is one that is ignored.
 pub(crate) fn on_cases(rows: &[Case]) -> Vec<Trial> {
-    let Some(folder) = cases() else {
+    let Some(folder) = shared_cases() else {
         return harness::on_files::<String>(&format!("{}::", rows[0].0), None, &[], |_| Ok(()));
     };
     let trial = |&(name, file, test, is_long_one): &Case| {
