@@ -442,8 +442,8 @@ shared_structs! {
         spared_faces: u32,
         /// Edge records that were not tested, since clusters tell that none is a silhouette edge.
         spared_edges: u32,
-        /// Casters that the frame does not need, and which were not deformed:
-        /// [`Scene::encode_needs`](crate::gpu::Scene::encode_needs).
+        /// Instances of models that the frame does not need, and which were not deformed:
+        /// [`Scene::insert_model`](crate::gpu::Scene::insert_model).
         unneeded: u32,
     }
 

@@ -15,7 +15,8 @@
 //! * [`gpu::Extraction::read_edges`]: a light's silhouette as oriented edges and chains, for tools.
 //! * [`gpu::include_wgsl`]: WGSL that reads the results in your own shaders.
 //! * [`gpu::Scene`]: stencil shadows of one caster or many in your render pass. The GPU chooses the counting method for each
-//!   caster, light and view.
+//!   caster, light and view. It deforms models itself, as far as a frame needs them.
+//! * [`gpu::ShadowMasks`]: the same as masks, from depth without a stencil.
 //! * [`gpu::DepthMapVolumes`]: stencil shadows of what has no mesh, rebuilt from the depth map of a light. [`gpu::DepthMapCube`]
 //!   takes six maps around a light, [`gpu::DepthMapMerge`] makes two maps one, [`gpu::DepthMapConversion`]
 //!   takes distances, and [`gpu::MeshDepth`] and [`gpu::SceneDepth`] draw a mesh or a scene into a map.
@@ -53,7 +54,7 @@
 //!     let vertices = PositionBuffer { buffer: position_buffer, offset: 0, stride: 12 };
 //!     let lights = [Light::point([0.0, 5.0, 2.0]), Light::directional([1.0, 1.0, 0.0])];
 //!     // `Extraction::draw` then draws a light's silhouette edges with your pipeline.
-//!     Ok(extractor.encode(encoder, vertices, &lights, None)?)
+//!     Ok(extractor.encode(encoder, vertices, &lights)?)
 //! }
 //! ```
 //!
@@ -82,14 +83,14 @@
 //!     eye: &ShadowCamera,
 //! ) -> Result<DepthMapFrame, Box<dyn std::error::Error>> {
 //!     // `DepthMapFrame::draw` then draws into a pass that has your depth and a stencil of 0.
-//!     Ok(volumes.encode(encoder, map, eye, None)?)
+//!     Ok(volumes.encode(encoder, map, eye)?)
 //! }
 //! ```
 
 #![forbid(unsafe_code)]
 #![cfg_attr(
     not(feature = "reference"),
-    allow(dead_code, unreachable_pub, reason = "twins and layouts that the feature `reference` shows")
+    allow(dead_code, unreachable_pub, reason = "CPU references and layouts that the feature `reference` shows")
 )]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -115,6 +116,7 @@ pub mod reference;
 mod shadow;
 #[cfg(feature = "gpu")]
 mod stages;
+mod transform;
 #[cfg(feature = "gpu")]
 mod turns;
 
@@ -129,6 +131,7 @@ pub use model::{
 };
 pub use origin::Origin;
 pub use shadow::{CameraError, Counting, DepthDirection, ShadowCamera, falloff};
+pub use transform::Transform;
 
 #[cfg(feature = "gpu")]
 pub use wgpu;

@@ -1,4 +1,4 @@
-//! CPU twins of stages, the struct layouts, the list of stages, methods for comparison, and what tests and
+//! CPU references of stages, the struct layouts, the list of stages, methods for comparison, and what tests and
 //! measurements ask of displacements and influences.
 //!
 //! **Outside the promise of stability**: anything here may change in any release.
@@ -153,7 +153,7 @@ pub mod clusters {
     pub use crate::mesh::clusters::*;
 }
 
-/// CPU twins of stages. File and function have the name of the stage. Tests compare the two bit for bit. Other stages have none:
+/// CPU references of stages. File and function have the name of the stage. Tests compare the two bit for bit. Other stages have none:
 /// `tests/common/wgsl.rs` lists them.
 pub mod cpu {
     /// The bit of an entry of a list that is set if the edge's winding bit is set.

@@ -518,7 +518,7 @@ mod tests {
         }
     }
 
-    /// What points and a triangle before the eye say: the depth direction, and whether a matrix mirrors.
+    /// Points and a triangle before the eye tell: the depth direction, and whether a matrix mirrors.
     fn seen(matrix: Mat4, eye: Vec3, view: Mat4) -> (DepthDirection, bool) {
         let to_world = view.as_dmat4().inverse();
         let ndc = |x: f64, y: f64, z: f64| {

@@ -1,12 +1,12 @@
-//! The one list of stages and of WGSL files. Pipelines, labels, twins and tests use it. The top of each file in `wgsl` says
+//! The one list of stages and of WGSL files. Pipelines, labels, CPU references and tests use it. The top of each file in `wgsl` says
 //! what its stage computes, for whom, and what it promises.
 
 use crate::compose::{Composed, compose};
 
-/// A stage. Its entry points, pipeline labels and CPU twin, if it has one, carry its name.
+/// A stage. Its entry points, pipeline labels and CPU reference, if it has one, carry its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Stage {
-    /// The name, also that of a twin `src/cpu/SUBJECT/NAME.rs`.
+    /// The name, also that of a CPU reference `src/cpu/SUBJECT/NAME.rs`.
     pub name: &'static str,
     /// The name of its module. A stage with one text for a single mesh and for scenes has two modules.
     pub module: &'static str,
@@ -113,6 +113,7 @@ stages! {
     DEPTH_WALLS = depth_map / depth_walls;
     MESH_DEPTH = depth_map / mesh_depth: mesh_depth, scene_depth;
     OUTLINE_EDGES = outline / outline_edges: outline_silhouette, outline_feature;
+    SHADOW_MASKS = mask / shadow_masks: mask_whole;
 }
 
 /// Lists files by their names.
@@ -154,6 +155,7 @@ pub const FILES: &[(&str, &str)] = files![
     "extract/per_edge",
     "extract/results",
     "interface/caster",
+    "mask/shadow_masks",
     "outline/outline_edges",
     "polygon/cut_edges",
     "polygon/cuts",
@@ -211,6 +213,9 @@ pub fn source(name: &str) -> Option<&'static str> {
 
 /// [`OUTLINE_EDGES`] for depth that has several samples a pixel.
 pub const OUTLINE_SAMPLES: Stage = Stage { module: "outline_samples", flags: &["SAMPLES"], ..OUTLINE_EDGES };
+
+/// [`SHADOW_MASKS`] for depth that has several samples a pixel.
+pub const MASK_SAMPLES: Stage = Stage { module: "mask_samples", flags: &["SAMPLES"], ..SHADOW_MASKS };
 
 /// [`DEFORM`] without its `displace`, which a caller gives.
 pub const DISPLACED_DEFORM: Stage = Stage { module: "displaced_deform", flags: &["DISPLACED"], ..DEFORM };

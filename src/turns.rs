@@ -160,6 +160,7 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("outline_edges", "outline_silhouette", 6),
     ("outline_edges", "outline_feature", 12),
     ("outline_edges", "outline_ink", 3),
+    ("shadow_masks", "mask_share", 65),
     ("shadow_boxes", "shadow_boxes", 65),
     ("shadow_depth", "shadow_depth", 33_824),
     ("exact_shadow_depth", "exact_shadow_depth", 2_480),

@@ -84,9 +84,9 @@ pub(crate) fn measure(bench: &Bench, rotations: usize) -> Result<(), Error> {
                 let light = camera(turned(&mut random), DISTANCE, RADIUS, true);
                 bench.clock(|encoder| {
                     Bench::draw_map(encoder, &drawn, &map, &light)?;
-                    volumes.iter_mut().try_for_each(|volumes| {
-                        Ok(volumes.encode(encoder, &map_of(&map, light), &eye, None).map(drop)?)
-                    })
+                    volumes
+                        .iter_mut()
+                        .try_for_each(|volumes| Ok(volumes.encode(encoder, &map_of(&map, light), &eye).map(drop)?))
                 })?;
                 for ((sums, volumes), (_, way)) in sums.iter_mut().zip(&volumes).zip(WAYS) {
                     sums[size] += triangles(way, &bench.gpu.read::<u32>(volumes.cells())?);

@@ -112,7 +112,7 @@ fn measure(bench: &Bench, rounds: usize) -> Result<Vec<Row>, Error> {
                 let mut drawn = None;
                 let frame = bench.clock(|encoder| {
                     Bench::draw_map(encoder, sphere, map, light)?;
-                    let frame = volumes.encode(encoder, &map_of(map, *light), eye, None)?;
+                    let frame = volumes.encode(encoder, &map_of(map, *light), eye)?;
                     frame.draw(&mut pass(encoder, &target.all, None, true), &bench.pipelines)?;
                     shade.stencil(encoder, target);
                     drawn = Some(frame);

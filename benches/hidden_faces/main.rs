@@ -14,8 +14,7 @@ use rimline_bench::Error;
 use rimline_bench::engine::{Contender, Metric, Rounds, clock, interleave};
 use rimline_bench::gpu::{Gpu, Stopwatch};
 use rimline_bench::record::{
-    DEPTH, Deforming, FragmentCounter, Pass, Recorder as _, SceneRecorder, Setting as Recorded, Surfaces, Until,
-    stencil_pass,
+    DEPTH, FragmentCounter, Pass, Recorder as _, SceneRecorder, Setting as Recorded, Surfaces, Until, stencil_pass,
 };
 use rimline_bench::row::{Entry, Variant};
 use rimline_bench::shapes::Shape;
@@ -173,17 +172,13 @@ fn frames(
     let depth = gpu.texture(SIZE, DEPTH).create_view(&wgpu::TextureViewDescriptor::default());
     let counter = FragmentCounter::new(gpu, SIZE, 1)?;
     let recorded: Vec<Option<Recorded>> = ways.into_iter().map(|way| Some(setting.recorded(way?, light))).collect();
-    let mut deforming = Vec::new();
-    for setting in &recorded {
-        deforming.push(setting.as_ref().map(|setting| Deforming::new(gpu, setting)).transpose()?);
-    }
     let mut options = SceneOptions { max_lights: 1, ..SceneOptions::default() };
     options.measuring.set(Measuring::BITS, true);
     let surfaces = recorded[1].as_ref().map(|setting| Surfaces::of(gpu, setting, None));
     let mut recorders = Vec::new();
-    for (number, (setting, deforming)) in recorded.iter().zip(&deforming).enumerate() {
-        let (Some(setting), Some(deforming)) = (setting, deforming) else { continue };
-        let mut recorder = SceneRecorder::new(gpu, setting, deforming, Some(&pipelines), options)?;
+    for (number, setting) in recorded.iter().enumerate() {
+        let Some(setting) = setting else { continue };
+        let mut recorder = SceneRecorder::new(gpu, setting, Some(&pipelines), options)?;
         if number == 2 {
             let (light, casters) = (recorder.lights[0], recorder.casters.clone());
             recorder.scene.set_hidden_faces(light, &casters, hidden)?;

@@ -47,7 +47,7 @@ fn compare(gpu: &Gpu, shape: &Shape, [points, few]: [&[[f32; 3]]; 2]) -> Result<
         Ok(Box::new(move || {
             let [positions, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
             let timed =
-                stopwatch.timed(|encoder, _| Ok(query.encode_at(encoder, positions, points, count, &lights, None)?))?;
+                stopwatch.timed(|encoder, _| Ok(query.encode_at(encoder, positions, points, count, &lights)?))?;
             Ok(vec![(TIME, timed.recording_ms + timed.clock_ms)])
         }))
     };

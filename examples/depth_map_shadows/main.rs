@@ -87,8 +87,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     stage.draw_extras_into(&mut encoder, &lamp_view, &map);
     let eye = seen_by(&camera);
     let extruded = scene.encode(&mut encoder, FrameInputs::new(&[eye.into()]))?;
-    let seen = DepthMap { texture: &depths, light: seen_by(&lamp_view), objects: None };
-    let rebuilt = volumes.encode(&mut encoder, &seen, &eye, None)?;
+    let seen = DepthMap::new(&depths, seen_by(&lamp_view));
+    let rebuilt = volumes.encode(&mut encoder, &seen, &eye)?;
     // Two draws into one stencil: a place is dark where either counts it.
     stage.draw(&mut encoder, &bodies, |pass, _| {
         extruded.draw(pass, &counting, 0, at_lamp)?;

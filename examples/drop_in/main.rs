@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Every frame: extract, then draw what was found, in one encoder; nothing is read back.
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let silhouette = extractor.encode(&mut encoder, positions, &[Light::point([0.0, 0.0, 4.0])], None)?;
+    let silhouette = extractor.encode(&mut encoder, positions, &[Light::point([0.0, 0.0, 4.0])])?;
     let results = silhouette.bind_group(&layout, 0)?;
     canvas.draw(&mut encoder, |pass| {
         pass.set_pipeline(&pipeline);

@@ -32,9 +32,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Every frame: move the vertices, extract what the eye sees, draw yours, then the lines. Nothing is read back.
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    deformer.encode(&mut encoder, &pose, 0.0, None, None)?;
+    deformer.encode(&mut encoder, &pose)?;
     let eye = Light::point(camera.eye);
-    let extraction = &extractor.encode(&mut encoder, deformer.positions(), &[eye], None)?;
+    let extraction = &extractor.encode(&mut encoder, deformer.positions(), &[eye])?;
     stage.draw_part(&mut encoder, 0, &bodies, |_, _| Ok::<_, std::convert::Infallible>(()))?;
     let Camera { eye: origin, view_projection } = camera;
     let camera = &ShadowCamera { view_projection, origin, depth: DepthDirection::Reversed };

@@ -1,4 +1,4 @@
-//! 100 casters and 4 lights in one scene: walking figures, which share a mesh and are deformed on the GPU, and boxes, which
+//! 100 casters and 4 lights in one scene: walking figures, a model that the scene deforms, and boxes, which
 //! share a mesh and have a matrix each. Writes `scene.png`. Run it with
 //! `cargo run --release --example scene [SECONDS]`.
 
@@ -11,11 +11,10 @@ pub(crate) mod support;
 use std::error::Error;
 
 use rimline::gpu::{
-    Caster, CasterHandle, Deformer, DeformerOptions, FrameInputs, LightHandle, Pipelines, Scene, SceneOptions,
+    Caster, CasterHandle, DeformerOptions, FrameInputs, LightHandle, ModelHandle, Pipelines, Scene, SceneOptions,
     ShadowFormat, ShadowPipelines,
 };
-use rimline::mesh::Weld;
-use rimline::{Counting, DepthDirection, Mesh, ShadowCamera, wgpu};
+use rimline::{Counting, DepthDirection, ShadowCamera, wgpu};
 use rimline_testkit::shapes;
 use stage::{Body, COLOR, Camera, DEPTH_STENCIL, Stage};
 use support::Canvas;
@@ -36,10 +35,9 @@ pub(crate) struct World<'a> {
     /// A renderer, and what it draws: figures, boxes.
     stage: Stage<'a>,
     bodies: [Body; 2],
-    /// Moves the figures.
-    deformer: Deformer,
-    /// Throws the shadows.
+    /// Moves the figures, and throws the shadows.
     scene: Scene,
+    figures: ModelHandle,
     pipelines: ShadowPipelines,
     lights: Vec<LightHandle>,
     /// The boxes that move.
@@ -57,18 +55,12 @@ impl<'a> World<'a> {
         let mut scene = Scene::new(&shared, &canvas.queue, SceneOptions::default())?;
         let lights = places::LAMPS.iter().map(|lamp| scene.add_light(lamp.light)).collect::<Result<_, _>>()?;
 
-        // Figures: the deformer writes all of them to one buffer, one after the other.
+        // Figures: the scene deforms those that a frame needs, and writes them to one buffer, one after the other.
         let model = places::figures()?;
-        let deformer = Deformer::new(&shared, &model, DeformerOptions::default())?;
+        let figures = scene.insert_model(&model, &places::pose(0.0)?, DeformerOptions::default())?;
         let figure = &model.geometries()[0];
-        let mesh = Mesh::new(figure.positions(), figure.faces(), Weld::Position)?;
-        let mesh = scene.add_mesh(&mesh, figure.positions())?;
         let dressed = places::dressed(figure.positions().len() as u32);
-        for instance in 0..dressed.len() {
-            let positions = deformer.instance_positions(instance).ok_or("no such figure")?;
-            scene.insert(Caster::in_buffer(mesh, positions))?;
-        }
-        let figures = stage.bodies(deformer.positions().buffer, figure.faces(), &dressed);
+        let walking = stage.bodies(scene.positions(figures)?.buffer, figure.faces(), &dressed);
 
         // Boxes: one cube with many matrices.
         let cube = shapes::cube();
@@ -79,20 +71,20 @@ impl<'a> World<'a> {
         let boxes = stage.bodies(&canvas.storage(bytemuck::cast_slice(&cube.positions)), &cube.faces, &placed);
 
         let floating = casters[places::FLOATING].to_vec();
-        Ok(Self { stage, bodies: [figures, boxes], deformer, scene, pipelines, lights, floating })
+        Ok(Self { stage, bodies: [walking, boxes], scene, figures, pipelines, lights, floating })
     }
 
     /// Records a frame.
     pub(crate) fn frame(&mut self, encoder: &mut wgpu::CommandEncoder, seconds: f32) -> Result<(), Box<dyn Error>> {
         let Self { stage, bodies, scene, .. } = self;
-        // Update of everything that moved. Each encode reads the figures' buffer anew.
-        self.deformer.encode(encoder, &places::pose(seconds)?, seconds, None, None)?;
+        // Update of everything that moved.
+        scene.set_pose(self.figures, &places::pose(seconds)?)?;
         let boxes = places::boxes(seconds);
         stage.place(&bodies[1], &boxes);
         for (&caster, place) in self.floating.iter().zip(&boxes[places::FLOATING]) {
             scene.set_transform(caster, place.rows)?;
         }
-        // The shadow volumes of all casters and lights, as the camera sees them.
+        // The positions of the figures, and the shadow volumes of all casters and lights, as the camera sees them.
         let Camera { eye, view_projection } = *stage.camera(0);
         let camera = ShadowCamera { view_projection, origin: eye, depth: DepthDirection::Reversed };
         let shadows = scene.encode(encoder, FrameInputs::new(&[camera.into()]))?;

@@ -421,7 +421,7 @@ impl<'a> Stage<'a> {
 }
 
 /// Ambient light goes everywhere, and leaves its depths.
-fn nearer() -> wgpu::DepthStencilState {
+pub(crate) fn nearer() -> wgpu::DepthStencilState {
     wgpu::DepthStencilState {
         format: DEPTH_STENCIL,
         depth_write_enabled: Some(true),
@@ -440,13 +440,14 @@ const ADD_COMPONENT: wgpu::BlendComponent = wgpu::BlendComponent {
 };
 
 /// A pass with a stencil of zeros.
-fn begin<'e>(
+pub(crate) fn begin<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     view: &wgpu::TextureView,
     depth_view: &wgpu::TextureView,
     (color, depth): (LoadOp<wgpu::Color>, LoadOp<f32>),
 ) -> wgpu::RenderPass<'e> {
     let store = StoreOp::Store;
+    let has_stencil = depth_view.texture().format().has_stencil_aspect();
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("stage"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -458,7 +459,7 @@ fn begin<'e>(
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
             view: depth_view,
             depth_ops: Some(wgpu::Operations { load: depth, store }),
-            stencil_ops: Some(wgpu::Operations { load: LoadOp::Clear(0), store }),
+            stencil_ops: has_stencil.then_some(wgpu::Operations { load: LoadOp::Clear(0), store }),
         }),
         ..wgpu::RenderPassDescriptor::default()
     })

@@ -8,7 +8,7 @@ mod stage;
 mod support;
 
 use rimline::gpu::{
-    Caster, Deformer, DeformerOptions, FrameInputs, Scene, SceneOptions, ShadowFormat, ShadowPipelines,
+    Caster, Deformer, DeformerOptions, FrameInputs, PoseInputs, Scene, SceneOptions, ShadowFormat, ShadowPipelines,
 };
 use rimline::{
     Counting, DepthDirection, Displacement, Geometry, GeometryOptions, Instance, InstancePose, Light, Model, Pose,
@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let view =
         ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
-    deformer.encode(&mut encoder, &pose, seconds, None, None)?;
+    deformer.encode(&mut encoder, PoseInputs { time_s: seconds, ..PoseInputs::new(&pose) })?;
     let shadows = scene.encode(&mut encoder, FrameInputs::new(&[view.into()]))?;
     stage.draw(&mut encoder, &bodies, |pass, light| shadows.draw(pass, &pipelines, 0, handles[light]))?;
     canvas.save(encoder, "three_spheres.png")

@@ -5,6 +5,7 @@ mod common;
 mod deform;
 pub(crate) mod depth_map;
 mod extract;
+mod masks;
 mod outline;
 mod query;
 mod scene;
@@ -18,7 +19,7 @@ pub use common::pipelines::Pipelines;
 pub use common::positions::PositionBuffer;
 pub use common::readback::{read_back, read_back_async, read_back_vec, read_back_vec_async};
 pub use common::timer::{StageTimer, StageTimes};
-pub use deform::deformer::{DeformError, Deformer, DeformerOptions};
+pub use deform::deformer::{DeformError, Deformer, DeformerOptions, PoseInputs};
 pub use depth_map::{
     DanglingEdges, DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapFrame,
     DepthMapMerge, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapStatistics, DepthMapVolumes,
@@ -30,6 +31,8 @@ pub use extract::extractor::Extractor;
 pub use extract::include::{include_wgsl, results_bind_group_layout};
 pub use extract::options::{EdgeTopology, ExtractorOptions, ListOptions, MAX_OUTLINE_EDGES};
 pub use extract::results::ExtractionResults;
+pub use masks::errors::MaskError;
+pub use masks::shadow_masks::{MaskInputs, ShadowMasks};
 pub use outline::{Outline, OutlineError, OutlineFormat, OutlineInputs, OutlinePipeline, OutlineStyle};
 pub use query::errors::QueryError;
 pub use query::options::ShadowQueryOptions;
@@ -40,10 +43,9 @@ pub use scene::depths::SceneDepthCasters;
 pub use scene::frame::SceneFrame;
 #[cfg(feature = "reference")]
 pub use scene::frame::{SceneGroupResults, SceneResults};
-pub use scene::handles::{CasterHandle, LightHandle, MeshHandle};
+pub use scene::handles::{CasterHandle, LightHandle, MeshHandle, ModelHandle};
 pub use scene::hidden::HiddenCounts;
 pub use scene::mask::LightMask;
-pub use scene::needs::SceneNeeds;
 #[doc(hidden)]
 pub use scene::options::Measuring;
 pub use scene::options::{Capacities, SceneOptions, StencilCounts};

@@ -28,8 +28,8 @@ pub enum Use<'a> {
         /// The sample count of the depth attachment.
         samples: u32,
     },
-    /// [`Scene::encode_needs`](crate::gpu::Scene::encode_needs).
-    SceneNeeds,
+    /// Its encodes with models that have no displacement, besides ([`Scene::insert_model`](crate::gpu::Scene::insert_model)).
+    SceneModels,
     /// Draws of a scene with [`SceneOptions::end_at_range`].
     EndedVolumes(&'a ShadowPipelines),
     /// Draws of casters that are not in the depth buffer
@@ -41,7 +41,7 @@ impl Pipelines {
     /// Makes what is missing for these uses, on as many threads as the machine runs at the same time, and returns when all is
     /// made. A browser's device belongs to one thread, which makes all. Without it, a constructor makes what it needs, and the
     /// first frame that needs something makes that: a [`Scene`](crate::gpu::Scene) at its first encode, at the first with
-    /// cameras, with [`Receivers`](crate::gpu::Receivers) or with needs, and at the first draw whose volumes end or whose casters
+    /// cameras, with [`Receivers`](crate::gpu::Receivers) or with a model, and at the first draw whose volumes end or whose casters
     /// are not in the depth buffer. No frame makes what an earlier frame of the same scene and options had.
     ///
     /// On software Vulkan (llvmpipe, Mesa 22.3.6, two cores that were busy otherwise too) a scene's first encode with a camera took
@@ -79,7 +79,7 @@ impl Pipelines {
                     let of_tiles = if samples == 1 { &RECEIVER_DEPTH } else { &RECEIVER_SAMPLES };
                     programs.extend([of_tiles, &RECEIVER_PYRAMID].map(|stage| Program::of(stage, &[])));
                 }
-                Use::SceneNeeds => programs.push(Program::of(&NEEDS, &[])),
+                Use::SceneModels => programs.extend([Program::of(&NEEDS, &[]), Program::deform(None, None)]),
                 Use::EndedVolumes(_) | Use::Proxies(_) => {}
             }
         }

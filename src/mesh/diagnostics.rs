@@ -1,5 +1,7 @@
 //! Diagnostics of a mesh: whether it is closed and, if it is not, where it is open.
 
+use glam::DVec3;
+
 use super::faces::Mesh;
 use super::topology::{Edge, EdgeCounts, EdgeKind, is_degenerate};
 
@@ -21,6 +23,9 @@ pub struct MeshDiagnostics {
     /// The number of flipped copies, which are among [`Self::duplicate_faces`]: for each three vertices, the faces of the
     /// direction that has fewer. Both sides of such a face are seen, and drawing them at one depth takes care.
     pub flipped_faces: usize,
+    /// The number of closed parts that are wound inwards: their signed volume is negative. A cavity is wound inwards, too. `None`:
+    /// no positions were given. See [`Self::of_placed`].
+    pub inward_components: Option<usize>,
     /// The first records that are not of kind [`EdgeKind::Consistent`]. They are the reason why the mesh is not closed.
     pub listed_edges: Vec<Edge>,
 }
@@ -32,14 +37,22 @@ impl MeshDiagnostics {
         let is_listed = |edge: &Edge| edge.kind != EdgeKind::Consistent;
         let (duplicate_faces, flipped_faces) = copies(mesh.faces());
         Self {
-            components: components(mesh.vertex_count() as usize, mesh.faces()),
+            components: Components::of(mesh).count(),
             edges: mesh.edges().counts(),
             non_manifold_edges: non_manifold_edges(mesh.edges().vertices()),
             degenerate_faces: mesh.degenerate_faces(),
             duplicate_faces,
             flipped_faces,
+            inward_components: None,
             listed_edges: mesh.edges().iter().filter(is_listed).take(edge_limit).collect(),
         }
+    }
+
+    /// The same, and whether closed parts are wound inwards. `positions` has one for each vertex of the mesh; those that are missing
+    /// are at the origin. A part without a volume, such as two faces back to back, and one with a position that is not finite are
+    /// not wound inwards.
+    pub fn of_placed(mesh: &Mesh, positions: &[[f32; 3]], edge_limit: usize) -> Self {
+        Self { inward_components: Some(Components::of(mesh).inward(mesh, positions)), ..Self::of(mesh, edge_limit) }
     }
 
     /// Whether every record is of kind [`EdgeKind::Consistent`]. A mesh with only degenerate faces has no records, so
@@ -49,34 +62,69 @@ impl MeshDiagnostics {
     }
 }
 
-/// The number of components. Trees of vertices are joined along the faces; each root that a face leads to is a
-/// component.
-fn components(vertex_count: usize, faces: &[[u32; 3]]) -> usize {
-    fn root(parents: &mut [u32], mut vertex: u32) -> u32 {
-        while parents[vertex as usize] != vertex {
-            let grandparent = parents[parents[vertex as usize] as usize];
-            parents[vertex as usize] = grandparent;
-            vertex = grandparent;
+/// A volume below this share of the sum of its terms is none: each term is off by a few units of `f64`.
+const LEAST_VOLUME: f64 = 1e-12;
+
+/// The component of each vertex: its lowest vertex. `None` for vertices without a face.
+struct Components(Vec<Option<u32>>);
+
+impl Components {
+    /// Joins trees of vertices along the faces.
+    fn of(mesh: &Mesh) -> Self {
+        let vertex_count = mesh.vertex_count();
+        let mut parents: Vec<u32> = (0..vertex_count).collect();
+        let mut used = vec![false; vertex_count as usize];
+        for &[a, b, c] in mesh.faces().iter().filter(|face| !is_degenerate(**face)) {
+            let first = root(&mut parents, a);
+            for vertex in [b, c] {
+                let other = root(&mut parents, vertex);
+                // The higher root becomes a child of the lower one. This is cheap and, with the path halving of `root`, nearly
+                // linear.
+                let (low, high) = (parents[first as usize].min(other), parents[first as usize].max(other));
+                parents[high as usize] = low;
+                parents[first as usize] = low;
+            }
+            for vertex in [a, b, c] {
+                used[vertex as usize] = true;
+            }
         }
-        vertex
+        Self((0..vertex_count).map(|vertex| used[vertex as usize].then(|| root(&mut parents, vertex))).collect())
     }
-    let mut parents: Vec<u32> = (0..vertex_count as u32).collect();
-    let mut used = vec![false; vertex_count];
-    for &[a, b, c] in faces.iter().filter(|face| !is_degenerate(**face)) {
-        let first = root(&mut parents, a);
-        for vertex in [b, c] {
-            let other = root(&mut parents, vertex);
-            // The higher root becomes a child of the lower one. This is cheap and, with the path halving above, nearly
-            // linear.
-            let (low, high) = (parents[first as usize].min(other), parents[first as usize].max(other));
-            parents[high as usize] = low;
-            parents[first as usize] = low;
-        }
-        for vertex in [a, b, c] {
-            used[vertex as usize] = true;
-        }
+
+    fn count(&self) -> usize {
+        (0..).zip(&self.0).filter(|(vertex, root)| **root == Some(*vertex)).count()
     }
-    (0..vertex_count).filter(|&v| used[v] && parents[v] as usize == v).count()
+
+    /// The number of closed components of negative volume.
+    fn inward(&self, mesh: &Mesh, positions: &[[f32; 3]]) -> usize {
+        let mut is_open = vec![false; self.0.len()];
+        for edge in mesh.edges().iter().filter(|edge| edge.kind != EdgeKind::Consistent) {
+            if let Some(root) = self.0[edge.vertices[0] as usize] {
+                is_open[root as usize] = true;
+            }
+        }
+        let at = |vertex: u32| DVec3::from(positions.get(vertex as usize).copied().unwrap_or_default().map(f64::from));
+        // Six times the volume of each component, and the sum of the terms' sizes.
+        let mut volumes = vec![[0.0_f64; 2]; self.0.len()];
+        for &[a, b, c] in mesh.faces().iter().filter(|face| !is_degenerate(**face)) {
+            let Some(root) = self.0[a as usize] else { continue };
+            // From a point of the component, so that its place does not matter.
+            let [a, b, c] = [a, b, c].map(|vertex| at(vertex) - at(root));
+            let [sum, size] = &mut volumes[root as usize];
+            *sum += a.dot(b.cross(c));
+            *size += a.length() * b.length() * c.length();
+        }
+        volumes.iter().zip(is_open).filter(|([sum, size], is_open)| !is_open && *sum < -LEAST_VOLUME * size).count()
+    }
+}
+
+fn root(parents: &mut [u32], mut vertex: u32) -> u32 {
+    while parents[vertex as usize] != vertex {
+        let grandparent = parents[parents[vertex as usize] as usize];
+        parents[vertex as usize] = grandparent;
+        vertex = grandparent;
+    }
+    vertex
 }
 
 /// The number of edges with more than one record. k faces at an edge make ⌈k / 2⌉ records, so more than one record
@@ -140,6 +188,33 @@ mod tests {
         let faces = [[6, 7, 8], [3, 4, 5], [0, 1, 2], [8, 5, 9], [9, 2, 10]];
         assert_eq!(diagnose(11, &faces).components, 1);
         assert_eq!(diagnose(11, &faces[..4]).components, 2);
+    }
+
+    const CORNERS: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+    #[test]
+    fn closed_parts_that_are_wound_inwards_are_counted() {
+        let outwards = TETRAHEDRON.map(|[a, b, c]| [a, c, b]);
+        let inward = |faces: &[[u32; 3]], positions: &[[f32; 3]]| {
+            let mesh = Mesh::from_faces(positions.len(), faces.to_vec()).expect("indices are in range");
+            MeshDiagnostics::of_placed(&mesh, positions, 0).inward_components
+        };
+        assert_eq!(diagnose(4, &TETRAHEDRON).inward_components, None);
+        // Far from the origin as near it, at any size.
+        for (size, at) in [(1.0, 0.0), (1e-3, 4096.0), (1e12, -1e15), (1e-12, 0.0)] {
+            let placed: Vec<_> = CORNERS.iter().map(|corner| corner.map(|c| c * size + at)).collect();
+            assert_eq!([inward(&outwards, &placed), inward(&TETRAHEDRON, &placed)], [Some(0), Some(1)], "{size}, {at}");
+            let mirrored: Vec<_> = placed.iter().map(|&[x, y, z]| [-x, y, z]).collect();
+            assert_eq!([inward(&outwards, &mirrored), inward(&TETRAHEDRON, &mirrored)], [Some(1), Some(0)]);
+        }
+        // Each part by itself; open, flat and infinite ones are not wound inwards.
+        let both = [outwards, TETRAHEDRON.map(|face| face.map(|vertex| vertex + 4))].concat();
+        let twice = [CORNERS, CORNERS].concat();
+        assert_eq!(inward(&both, &twice), Some(1));
+        assert_eq!(inward(&TETRAHEDRON[1..], &CORNERS), Some(0));
+        assert_eq!(inward(&[[0, 1, 2], [0, 2, 1]], &CORNERS), Some(0));
+        assert_eq!(inward(&TETRAHEDRON, &CORNERS.map(|[x, y, _]| [x, y, 0.1 * x + 0.3 * y])), Some(0));
+        assert_eq!(inward(&TETRAHEDRON, &CORNERS.map(|[x, y, z]| [x, y, z / 0.0])), Some(0));
     }
 
     #[test]

@@ -12,7 +12,7 @@ pub type Box3 = [[f32; 3]; 2];
 ///
 /// The boxes hold for the positions that [`gpu::Deformer`](crate::gpu::Deformer) and [`cpu::deform`](crate::cpu::deform)
 /// compute in this pose, rounding included. The box of a model at rest does not. They are for
-/// [`Scene::set_bounds`](crate::gpu::Scene::set_bounds).
+/// [`Scene::set_bounds`](crate::gpu::Scene::set_bounds); a scene states those of its own models itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelBounds {
     geometries: Vec<GeometryBounds>,

@@ -162,6 +162,18 @@ pub enum ModelError {
         /// Targets of the geometry.
         needed: usize,
     },
+    /// The mesh was made for a pose in which the instance mirrors and does not in this one, or the other way round.
+    #[error(
+        "the faces of instance {instance} are turned the other way in the mesh, because it mirrors in one of the poses only; \
+         make the mesh again by `Model::mesh`"
+    )]
+    Turned {
+        /// The instance's index.
+        instance: usize,
+    },
+    /// The mesh is not one of the model.
+    #[error("the mesh is not one that `Model::mesh` made of this model")]
+    OtherMesh,
     /// All instances together do not make a mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),

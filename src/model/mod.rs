@@ -108,6 +108,7 @@ impl Model {
     /// The mesh that all instances make in this pose. Vertices and faces are concatenated in the order of the
     /// instances, and the faces of mirrored instances are turned. The mesh depends only on
     /// [`InstancePose::faces_turned`] of the pose, so it stays valid for other poses until this changes.
+    /// [`Self::check_mesh`] tells when it does.
     ///
     /// # Errors
     /// [`ModelError`] when the pose does not fit the model, or for the reasons of [`Mesh::from_faces`].
@@ -129,5 +130,36 @@ impl Model {
             first_vertex += geometry.positions().len() as u32;
         }
         Ok(Mesh::from_faces(self.vertex_count, faces)?)
+    }
+
+    /// Checks that a mesh that [`Self::mesh`] made is that of this pose, too. It is not where an instance mirrors that did not, as
+    /// one may whose scale an animation moves through 0. Its faces would be taken for turned the other way. It looks at one face of
+    /// each instance, so it may be called each frame.
+    ///
+    /// # Errors
+    /// [`ModelError::Turned`] for the first instance whose faces are turned the other way in the mesh. [`ModelError::OtherMesh`] if
+    /// the mesh is not one of this model. The errors of [`Self::check`].
+    pub fn check_mesh(&self, mesh: &Mesh, pose: &Pose) -> Result<(), ModelError> {
+        self.check(pose)?;
+        let needed = self.placed_geometries().map(|geometry| geometry.faces().len()).sum();
+        if (mesh.vertex_count() as usize, mesh.face_count()) != (self.vertex_count, needed) {
+            return Err(ModelError::OtherMesh);
+        }
+        let (mut first_vertex, mut first_face) = (0, 0);
+        for (instance, (geometry, pose)) in self.placed_geometries().zip(pose.instances()).enumerate() {
+            let faces = geometry.faces();
+            if let Some(number) = faces.iter().position(|&[a, b, c]| a != b && b != c && c != a) {
+                let [a, b, c] = faces[number].map(|vertex| vertex + first_vertex);
+                let found = mesh.faces()[first_face + number];
+                match (found == [a, b, c], found == [a, c, b]) {
+                    (false, false) => return Err(ModelError::OtherMesh),
+                    (_, is_turned) if is_turned != pose.faces_turned() => return Err(ModelError::Turned { instance }),
+                    _ => {}
+                }
+            }
+            first_vertex += geometry.positions().len() as u32;
+            first_face += faces.len();
+        }
+        Ok(())
     }
 }

@@ -7,7 +7,7 @@ use rimline::reference::layout::{FieldLayout, LAYOUTS, StructLayout};
 
 use crate::{Outcome, modules, modules_with, validated};
 
-/// A WGSL type as Rust writes its twin. An atomic counts as its scalar.
+/// A WGSL type as Rust writes its counterpart. An atomic counts as its scalar.
 fn rust_type(module: &Module, ty: naga::Handle<naga::Type>) -> String {
     let scalar = |scalar: naga::Scalar| {
         let kind = match scalar.kind {

@@ -77,13 +77,13 @@ fn mixed() -> Result<(), String> {
     let [drawing, foreign_drawing] = [make(ours)?, make(theirs)?];
     let mut extractor = extractor(ours, &mesh, 1)?;
     let mut encoder = ours.encoder();
-    let of_theirs = extractor.encode(&mut encoder, packed(&foreign), &[LIGHT], None);
+    let of_theirs = extractor.encode(&mut encoder, packed(&foreign), &[LIGHT]);
     let mut timer = StageTimer::new(&theirs.gpu.device, &theirs.gpu.queue).ok_or("no timer")?;
-    let timed = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], Some(&mut timer));
+    let timed = extractor.encode_timed(&mut encoder, packed(&positions), &[LIGHT], Some(&mut timer));
     refused([refusal("positions", of_theirs, shows(REFUSED)), refusal("timer", timed, shows(OTHER))])?;
     quiet("volumes, positions and timer")?;
     // The refused calls changed no state.
-    let extraction = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], None).map_err(text)?;
+    let extraction = extractor.encode(&mut encoder, packed(&positions), &[LIGHT]).map_err(text)?;
     let mut volumes = one_caster(&ours.gpu, &drawing, &mesh, OneCasterOptions::default()).map_err(text)?;
     let mut encode = |timer| volumes.encode(&mut encoder, packed(&positions), &[LIGHT], Some(&camera()), timer);
     let timed = encode(Some(&mut timer));
@@ -114,7 +114,7 @@ fn mixed() -> Result<(), String> {
     let mut query = ShadowQuery::new(&ours.gpu.pipelines, &mesh, options).map_err(text)?;
     let mut encoder = ours.encoder();
     let [own, foreign_points] = [packed(&positions), packed(&foreign)];
-    let mut encode = |at, points, timer| query.encode_at(&mut encoder, at, points, 9, &[LIGHT], timer);
+    let mut encode = |at, points, timer| query.encode_timed(&mut encoder, at, points, 9, &[LIGHT], timer);
     let read = read_back_vec::<u32>(&ours.gpu.device, &ours.gpu.queue, &foreign);
     refused([
         refusal("layout", extraction.bind_group(&layout, 0), shows(REFUSED)),
@@ -182,7 +182,7 @@ fn encoded_on_lost() -> Result<(), String> {
     let mut unused = everything(&watched, &mesh)?;
     let mut used = everything(&watched, &mesh)?;
     let extract = |made: &mut Made, encoder: &mut wgpu::CommandEncoder| {
-        made.extractor.encode(encoder, positions, &[LIGHT], None).map_err(text)
+        made.extractor.encode(encoder, positions, &[LIGHT]).map_err(text)
     };
     // Recorded, and for one of them used by volumes too, before the device is lost.
     let mut extractions = watched
@@ -200,9 +200,9 @@ fn encoded_on_lost() -> Result<(), String> {
         let Made { extractor, volumes, query, timer, .. } = made;
         let extraction = extractions.next().ok_or("no extraction")?;
         refused([
-            refusal(what, extractor.encode(encoder, positions, &[LIGHT], Some(timer)), shows(LOST)),
-            refusal(what, query.encode_at(encoder, positions, positions, 9, &[LIGHT], Some(timer)), shows(LOST)),
-            refusal(what, deformer.encode(encoder, &pose, 0.0, None, Some(timer)), shows(LOST)),
+            refusal(what, extractor.encode_timed(encoder, positions, &[LIGHT], Some(timer)), shows(LOST)),
+            refusal(what, query.encode_timed(encoder, positions, positions, 9, &[LIGHT], Some(timer)), shows(LOST)),
+            refusal(what, deformer.encode_timed(encoder, &pose, Some(timer)), shows(LOST)),
             refusal(what, extraction.bind_group(&layout, 0), shows(LOST)),
         ])?;
         if what == "used" {

@@ -192,7 +192,7 @@ fn found(
     let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     let mut extractor = Extractor::new(pipelines, mesh, options).map_err(text)?;
     let lights = lights(&mut Random::new(82), options.max_lights);
-    gpu.submit(|encoder| extractor.encode(encoder, bound, &lights, None).map_err(text))?;
+    gpu.submit(|encoder| extractor.encode(encoder, bound, &lights).map_err(text))?;
     read(gpu, &extractor, mesh, options.max_lights)
 }
 
@@ -242,8 +242,8 @@ fn windows() -> Result<(), String> {
             let mut results = Vec::new();
             for (extractor, query) in &mut extractors {
                 gpu.submit(|encoder| {
-                    extractor.encode(encoder, bound, &light, None).map_err(text)?;
-                    query.encode_at(encoder, bound, bound, 270, &light, None).map_err(text)
+                    extractor.encode(encoder, bound, &light).map_err(text)?;
+                    query.encode_at(encoder, bound, bound, 270, &light).map_err(text)
                 })?;
                 results.push((read(&gpu, extractor, &mesh, 1)?, gpu.read::<i32>(query.depths(), 270)?));
             }

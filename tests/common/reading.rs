@@ -153,7 +153,7 @@ fn timed() -> Result<(), String> {
     let mut timer = StageTimer::new(&gpu.device, &gpu.queue).ok_or("no timer")?;
     let mut encode = |timer: &mut StageTimer| {
         gpu.submit(|encoder| {
-            extractor.encode(encoder, packed(&positions), &[LIGHT], Some(timer)).map(drop).map_err(text)?;
+            extractor.encode_timed(encoder, packed(&positions), &[LIGHT], Some(timer)).map(drop).map_err(text)?;
             timer.resolve(encoder);
             Ok(())
         })
@@ -210,7 +210,7 @@ fn late() -> Result<(), String> {
     let mut timed = |timer: &mut StageTimer| {
         timer.clear();
         gpu.submit(|encoder| {
-            extractor.encode(encoder, packed(&positions), &[LIGHT], Some(timer)).map(drop).map_err(text)?;
+            extractor.encode_timed(encoder, packed(&positions), &[LIGHT], Some(timer)).map(drop).map_err(text)?;
             timer.resolve(encoder);
             Ok(())
         })?;

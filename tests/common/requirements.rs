@@ -208,7 +208,7 @@ fn extractions(watched: &Watched) -> Result<(), String> {
         let mut extractor = Extractor::new(&watched.gpu.pipelines, &mesh, options).map_err(text)?;
         watched
             .gpu
-            .submit(|encoder| extractor.encode(encoder, packed(&positions), &lights(), None).map_err(text).map(drop))?;
+            .submit(|encoder| extractor.encode(encoder, packed(&positions), &lights()).map_err(text).map(drop))?;
         let counts: Vec<u32> = watched.gpu.read(extractor.results().counts, 40)?;
         if counts.contains(&0) {
             return Err(format!("{method:?}, ordered {ordered}: {counts:?}"));
@@ -254,7 +254,7 @@ fn queries(watched: &Watched) -> Result<(), String> {
         let options = ShadowQueryOptions { max_points: 100, max_lights: 40, skip_by_boxes: skip, ..Default::default() };
         let mut query = ShadowQuery::new(&watched.gpu.pipelines, &mesh, options).map_err(text)?;
         let places = packed(&positions);
-        watched.gpu.submit(|encoder| query.encode_at(encoder, places, places, 30, &lights(), None).map_err(text))?;
+        watched.gpu.submit(|encoder| query.encode_at(encoder, places, places, 30, &lights()).map_err(text))?;
         watched.gpu.read::<i32>(query.depths(), 30 * 40)?;
     }
     watched.quiet("query")
@@ -265,7 +265,7 @@ fn deformations(watched: &Watched) -> Result<(), String> {
     let model = random_model(&mut random, 50);
     let pose = random_pose(&mut random, &model);
     let deformer = Deformer::new(&watched.gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
-    watched.gpu.submit(|encoder| deformer.encode(encoder, &pose, 0.0, None, None).map_err(text))?;
+    watched.gpu.submit(|encoder| deformer.encode(encoder, &pose).map_err(text))?;
     watched.gpu.read::<f32>(deformer.positions().buffer, 3)?;
     watched.quiet("deformation")
 }
@@ -291,7 +291,7 @@ fn depth_maps(watched: &Watched) -> Result<(), String> {
     let mut volumes = DepthMapVolumes::new(&pipelines, [60, 60], DepthMapOptions::default()).map_err(text)?;
     watched.gpu.submit(|encoder| {
         let map = DepthMap { texture: &map, light: camera(), objects: None };
-        let frame = volumes.encode(encoder, &map, &camera(), None).map_err(text)?;
+        let frame = volumes.encode(encoder, &map, &camera()).map_err(text)?;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("volumes"),
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {

@@ -1,12 +1,13 @@
 //! Pipelines that are made before the first frame, and which a frame makes.
 
 use rimline::gpu::{
-    Caster, Extractor, ExtractorOptions, FrameInputs, Measuring, Pipelines, PositionBuffer, Receivers, Scene,
-    SceneOptions, ShadowFormat, ShadowPipelines, StencilCounts, Use, View,
+    Caster, DeformerOptions, Extractor, ExtractorOptions, FrameInputs, Measuring, Pipelines, PositionBuffer, Receivers,
+    Scene, SceneOptions, ShadowFormat, ShadowPipelines, StencilCounts, Use, View,
 };
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
+use rimline_testkit::models::bending_tube;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::{must_fail, same, shapes};
 
@@ -17,17 +18,25 @@ const IDENTITY: rimline::Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]
 
 /// The parts of a frame of a scene.
 #[derive(Clone, Copy)]
+#[expect(clippy::struct_excessive_bools, reason = "parts that do not depend on each other")]
 struct Frame {
     options: SceneOptions,
     has_camera: bool,
     has_receivers: bool,
+    has_model: bool,
     /// The caster is in the depth buffer.
     in_depth: bool,
 }
 
 impl Frame {
     fn plain() -> Self {
-        Self { options: SceneOptions::default(), has_camera: false, has_receivers: false, in_depth: true }
+        Self {
+            options: SceneOptions::default(),
+            has_camera: false,
+            has_receivers: false,
+            has_model: false,
+            in_depth: true,
+        }
     }
 
     fn seen() -> Self {
@@ -51,6 +60,8 @@ impl Frame {
                 16,
             ),
             ("receivers", Self { has_receivers: true, ..Self::seen() }, 15),
+            // Needs and deform.
+            ("a model", Self { has_model: true, ..Self::seen() }, 15),
             // The dark caps of both lists, and the light caps.
             ("ended volumes", seen(SceneOptions { end_at_range: true, ..plain }), 15),
             ("a proxy", Self { in_depth: false, ..Self::seen() }, 15),
@@ -64,6 +75,7 @@ impl Frame {
     fn uses<'a>(&'a self, drawing: &'a ShadowPipelines) -> Vec<Use<'a>> {
         let mut uses = vec![if self.has_camera { Use::SceneShadows(&self.options) } else { Use::Scene(&self.options) }];
         uses.extend(self.has_receivers.then_some(Use::Receivers { samples: 1 }));
+        uses.extend(self.has_model.then_some(Use::SceneModels));
         uses.extend(self.options.end_at_range.then_some(Use::EndedVolumes(drawing)));
         uses.extend((!self.in_depth).then_some(Use::Proxies(drawing)));
         uses
@@ -89,6 +101,10 @@ impl Frame {
         let mut scene = Scene::new(pipelines, &gpu.queue, self.options).map_err(text)?;
         let mesh = scene.add_mesh(&shape.mesh().map_err(text)?, &shape.positions).map_err(text)?;
         scene.insert(Caster { in_depth: self.in_depth, ..Caster::rigid(mesh, IDENTITY) }).map_err(text)?;
+        if self.has_model {
+            let (model, pose) = bending_tube();
+            scene.insert_model(&model, &pose(0.0), DeformerOptions::default()).map_err(text)?;
+        }
         let light = scene.add_light(Light::point([0.0, 5.0, 0.0]).with_range(9.0)).map_err(text)?;
         let columns = [[-1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.1, 0.0]];
         let camera =
@@ -152,7 +168,7 @@ fn warm_up() -> Result<(), String> {
     let buffer = gpu.storage(&shape.positions);
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     let mut extractor = Extractor::new(&pipelines, &mesh, options).map_err(text)?;
-    gpu.submit(|encoder| extractor.encode(encoder, positions, &[Light::point([0.0, 5.0, 0.0])], None).map_err(text))?;
+    gpu.submit(|encoder| extractor.encode(encoder, positions, &[Light::point([0.0, 5.0, 0.0])]).map_err(text))?;
     same("pipelines after the warm-up of extraction", &[pipelines.len()], &[made])?;
     must_fail("nothing made", &same("pipelines", &[made], &[0]))
 }

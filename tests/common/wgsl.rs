@@ -18,13 +18,14 @@ type Outcome = Result<(), String>;
 type Test = (&'static str, fn() -> Outcome);
 
 fn main() {
-    let tests: [Test; 12] = [
+    let tests: [Test; 13] = [
         ("every_file_is_a_stage_or_an_include", files),
         ("stages_have_twins_or_oracles_and_entry_points_of_their_name", names),
         ("vertex_shaders_are_listed_and_have_oracles", vertex_shaders),
         ("constants_are_those_of_rust", constants),
         ("wgsl_composes", composes),
         ("a_broken_file_is_named_with_its_line", broken_file),
+        ("rustdoc_tells_all_that_the_include_has", include_is_documented),
         ("layouts_are_those_of_rust", layouts::layouts),
         ("layouts_cover_every_bound_struct", layouts::bound_structs),
         ("perturbed_layouts_are_noticed", layouts::perturbed_layouts),
@@ -110,7 +111,7 @@ fn names() -> Outcome {
     Ok(())
 }
 
-/// Stages without a twin, and the test that runs them against an oracle or goldens.
+/// Stages without a CPU reference, and the test that runs them against an oracle or goldens.
 const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("compact", "tests/extract/stages.rs"),
     ("arguments", "tests/extract/stages.rs"),
@@ -151,9 +152,10 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("depth_walls", "tests/depth_map/wall_vertices.rs"),
     ("mesh_depth", "tests/depth_map/vertices.rs"),
     ("outline_edges", "tests/outline/gpu.rs"),
+    ("shadow_masks", "tests/mask/gpu.rs"),
 ];
 
-/// The test has the stage's constant, or its name in backticks, and there is no twin.
+/// The test has the stage's constant, or its name in backticks, and there is no CPU reference.
 fn check_without_twin(stage: &Stage, twin: &Path, test: &str) -> Outcome {
     let text =
         std::fs::read_to_string(root().join(test)).map_err(|error| format!("{}, {test}: {error}", stage.name))?;
@@ -166,7 +168,7 @@ fn check_without_twin(stage: &Stage, twin: &Path, test: &str) -> Outcome {
     }
 }
 
-/// The twin's file: in `src/cpu`, in the folder of the stage's subject.
+/// The CPU reference's file: in `src/cpu`, in the folder of the stage's subject.
 fn twin(stage: &Stage) -> PathBuf {
     let subject = stage.file.split('/').next().unwrap_or_default();
     root().join("src/cpu").join(subject).join(format!("{}.rs", stage.name))
@@ -228,6 +230,44 @@ fn constants() -> Outcome {
         Ok(()) => Err("negative control: a wrong constant went unnoticed".to_owned()),
         Err(_) => Ok(()),
     }
+}
+
+/// Names, signatures and members of the include, as rustdoc must have them between backticks.
+fn items_of_include(module: &Module, source: &str) -> Vec<String> {
+    let is_ours = |line: &&str| line.starts_with("fn rimline_");
+    let signatures =
+        source.lines().filter(is_ours).map(|line| line.trim_start_matches("fn ").trim_end_matches(" {").to_owned());
+    let structs = module.types.iter().filter_map(|(_, ty)| match &ty.inner {
+        naga::TypeInner::Struct { members, .. } => Some((ty.name.clone()?, members)),
+        _ => None,
+    });
+    let members = structs.flat_map(|(name, members)| {
+        let of = members.iter().filter_map(|member| Some(format!("{}: ", member.name.as_ref()?)));
+        std::iter::once(name).chain(of).collect::<Vec<_>>()
+    });
+    let bindings = module.global_variables.iter().filter_map(|(_, variable)| variable.name.clone());
+    signatures.chain(members).chain(bindings).collect()
+}
+
+fn include_is_documented() -> Result<(), String> {
+    let source = rimline::gpu::include_wgsl(0);
+    let (module, _) = validated(&source)?;
+    let rust = std::fs::read_to_string(root().join("src/gpu/extract/include.rs")).map_err(text)?;
+    let doc: String = rust.lines().filter(|line| line.starts_with("///")).collect();
+    let items = items_of_include(&module, &source);
+    // Functions, two structs with their members, bindings.
+    if items.len() != 11 + 2 + 8 + 6 + 7 {
+        return Err(format!("{} items: {items:?}", items.len()));
+    }
+    let missing =
+        |doc: &str| items.iter().filter(|item| !doc.contains(&format!("`{item}"))).cloned().collect::<Vec<_>>();
+    if !missing(&doc).is_empty() {
+        return Err(format!("not in the rustdoc of `include_wgsl`: {:?}", missing(&doc)));
+    }
+    if missing(&doc.replace("`winding", "`turned")).len() != 1 {
+        return Err("negative control: a member went unnoticed".to_owned());
+    }
+    Ok(())
 }
 
 const DISPLACE: &str = "

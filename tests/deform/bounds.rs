@@ -28,7 +28,7 @@ fn check<T: Copy + Into<f64>>(model: &Model, boxes: &[Option<Box3>], within: &[[
     Ok(())
 }
 
-/// Checks the boxes of a pose against the poser, which shares no code, and against the stage's twin.
+/// Checks the boxes of a pose against the poser, which shares no code, and against the stage's CPU reference.
 fn check_pose(model: &Model, pose: &Pose) -> Result<Vec<Option<Box3>>, String> {
     let boxes = ModelBounds::new(model).boxes(pose, 0.0).map_err(|error| error.to_string())?;
     let exact: Vec<[f64; 3]> = poser::of_model(model, pose).iter().map(|posed| posed.position).collect();

@@ -136,6 +136,39 @@ fn mirroring_matrices_turn_the_faces() {
     assert_eq!(faces(pose.with_faces_turned(false)), [[0, 1, 2]]);
 }
 
+#[test]
+fn meshes_of_poses_that_mirror_otherwise_are_typed_errors() {
+    let mirrored = [[-1.0, 0.0, 0.0, 5.0], IDENTITY[1], IDENTITY[2]];
+    let instances = (0..3).map(|_| Instance::new(0, None)).collect();
+    let model = Model::new(vec![triangle()], instances).expect("one geometry");
+    let pose = |bits: u32| {
+        let of = |bit: u32| {
+            let matrix = if bits >> bit & 1 == 1 { mirrored } else { IDENTITY };
+            InstancePose::new(vec![matrix], Vec::new()).expect("finite")
+        };
+        Pose::new((0..3).map(of).collect())
+    };
+    for made in 0..8 {
+        let mesh = model.mesh(&pose(made)).expect("a mesh");
+        for shown in 0..8_u32 {
+            let expected = match (made ^ shown).trailing_zeros() {
+                instance @ 0..3 => Err(ModelError::Turned { instance: instance as usize }),
+                _ => Ok(()),
+            };
+            assert_eq!(model.check_mesh(&mesh, &pose(shown)), expected, "{made}, {shown}");
+            // The check is exact: meshes are equal where it finds nothing.
+            let other = model.mesh(&pose(shown)).expect("a mesh");
+            assert_eq!(mesh.faces() == other.faces(), expected.is_ok());
+        }
+    }
+    let one = Model::new(vec![triangle()], vec![Instance::new(0, None)]).expect("one geometry");
+    let other = one.mesh(&Pose::new(vec![InstancePose::new(vec![IDENTITY], Vec::new()).expect("finite")]));
+    assert_eq!(model.check_mesh(&other.expect("a mesh"), &pose(0)), Err(ModelError::OtherMesh));
+    let faces = [[1, 0, 2], [3, 4, 5], [6, 7, 8]].to_vec();
+    let other = rimline::Mesh::from_faces(9, faces).expect("a mesh");
+    assert_eq!(model.check_mesh(&other, &pose(0)), Err(ModelError::OtherMesh));
+}
+
 /// Whatever takes a pose refuses that of another model; nothing is left out or taken as zero.
 #[test]
 fn a_pose_of_another_model_is_refused() {

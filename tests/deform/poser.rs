@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use libtest_mimic::{Failed, Trial};
+use libtest_mimic::Trial;
 use rimline::gltf::Asset;
 use rimline::gpu::{Deformer, DeformerOptions};
 use rimline::mesh::Weld;
@@ -11,27 +11,19 @@ use rimline::reference::cpu::{self, Threads};
 use rimline::{Model, ModelBounds, Pose};
 
 use rimline_testkit::device::Gpu;
-use rimline_testkit::files::GOOD_FILES;
-use rimline_testkit::harness::Test;
+use rimline_testkit::harness::{Test, on_models};
 use rimline_testkit::models::{random_model, random_pose};
 use rimline_testkit::on_gpu::deformed;
 use rimline_testkit::poser::{self, Posed, gltf::File};
 use rimline_testkit::random::Random;
-use rimline_testkit::{assets, is_long, must_fail};
+use rimline_testkit::{is_long, must_fail};
 
 pub(crate) const TESTS: &[Test] = &[("deform_equals_the_poser_on_random_models", random_models)];
 
-/// A test a file, ignored where the folder is not there.
+/// A test a file.
 pub(crate) fn trials() -> Vec<Trial> {
-    let folder = assets();
-    let trial = |file: &'static str| {
-        let path = folder.as_ref().map(|folder| folder.join(file));
-        let run = move || path.map_or(Ok(()), |path| check(&path)).map_err(Failed::from);
-        Trial::test(format!("deform_equals_the_poser_on {file}"), run)
-            .with_kind("gpu")
-            .with_ignored_flag(folder.is_none())
-    };
-    GOOD_FILES.into_iter().map(trial).collect()
+    let trials = on_models("deform_equals_the_poser_on ", check);
+    trials.into_iter().map(|trial| trial.with_kind("gpu")).collect()
 }
 
 fn text<E: std::fmt::Display>(error: E) -> String {

@@ -1,6 +1,6 @@
-//! Deform on the GPU against its twin: within the bound that docs/numerics/deform.md derives.
+//! Deform on the GPU against its CPU reference: within the bound that docs/numerics/deform.md derives.
 
-use rimline::gpu::{DeformError, Deformer, DeformerOptions, DeviceError};
+use rimline::gpu::{DeformError, Deformer, DeformerOptions, DeviceError, PoseInputs};
 use rimline::reference::cpu::{self, Threads};
 use rimline::wgpu;
 use rimline::{Displacement, Geometry, Instance, InstancePose, MeshError, Model, ModelError, Pose};
@@ -71,9 +71,9 @@ fn displaced() -> Result<(), String> {
     // Two times in one encoder: the last one counts, and the first is not overwritten before it is used.
     let first = gpu.storage(&undisplaced);
     gpu.submit(|encoder| {
-        deformer.encode(encoder, &pose, 0.25, None, None).map_err(text)?;
+        deformer.encode(encoder, PoseInputs { time_s: 0.25, ..PoseInputs::new(&pose) }).map_err(text)?;
         encoder.copy_buffer_to_buffer(deformer.positions().buffer, 0, &first, 0, first.size());
-        deformer.encode(encoder, &pose, -7.5, None, None).map_err(text)
+        deformer.encode(encoder, PoseInputs { time_s: -7.5, ..PoseInputs::new(&pose) }).map_err(text)
     })?;
     for (buffer, time) in [(&first, 0.25), (deformer.positions().buffer, -7.5)] {
         let found: Vec<[f32; 3]> = gpu.read(buffer, model.vertex_count())?;
@@ -84,7 +84,7 @@ fn displaced() -> Result<(), String> {
         let expected: Vec<_> =
             undisplaced.iter().zip(&sources).map(|(&position, &vertex)| function(position, vertex, time)).collect();
         same(&format!("time {time}"), &found, &expected)?;
-        // The twin hands the closure the same vertex and time.
+        // The CPU reference hands the closure the same vertex and time.
         let twin = cpu::deform(&model, &pose, time, Some(&function), Threads::all()).map_err(text)?;
         for ((got, twin), vertex) in found.iter().zip(&twin).zip(&sources) {
             if vertex % 2 != 0 {
@@ -144,9 +144,9 @@ fn resources() -> Result<(), String> {
     }
     let deformer = Deformer::new(&gpu.pipelines, &model, with(Some(&layout))).map_err(text)?;
     gpu.submit(|encoder| {
-        let error = deformer.encode(encoder, &pose, 0.0, None, None).err();
+        let error = deformer.encode(encoder, &pose).err();
         same("no bind group", &[error], &[Some(DeformError::Resources)])?;
-        deformer.encode(encoder, &pose, 0.0, Some(&group), None).map_err(text)
+        deformer.encode(encoder, PoseInputs { resources: Some(&group), ..PoseInputs::new(&pose) }).map_err(text)
     })?;
     let found: Vec<[f32; 3]> = gpu.read(deformer.positions().buffer, model.vertex_count())?;
     let mut expected = Vec::new();
@@ -204,7 +204,7 @@ fn refused() -> Result<(), String> {
         perturb(&mut wrong);
         let wrong = Pose::new(wrong);
         gpu.submit(|encoder| {
-            let error = deformer.encode(encoder, &wrong, 0.0, None, None).err();
+            let error = deformer.encode(encoder, &wrong).err();
             same("pose", &[error], &[Some(DeformError::Model(expected))])
         })?;
         same("on the CPU", &[cpu::deform(&model, &wrong, 0.0, None, Threads::ONE).err()], &[Some(expected)])?;

@@ -120,7 +120,7 @@ fn late(
     let mut volumes = DepthMapVolumes::new(&pipelines, [TEXELS; 2], options).map_err(text)?;
     let stencil = stencil_of(gpu, &pipelines, (PIXELS, &depths), |encoder| {
         let map = DepthMap { texture: &depth_view(&map), light: sun.camera, objects: None };
-        volumes.encode(encoder, &map, &eye, None).map_err(text)
+        volumes.encode(encoder, &map, &eye).map_err(text)
     })?;
     // Along the contact: where the shadow begins by rays, and in the picture.
     let mut begins: BTreeMap<i64, [f64; 2]> = BTreeMap::new();

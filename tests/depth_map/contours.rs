@@ -228,7 +228,7 @@ impl Given {
         let (texture, light) = (depth_view(&self.texture), camera(direction(&self.map)));
         gpu.submit(|encoder| {
             let given = DepthMap { texture: &texture, light, objects: objects.as_ref() };
-            volumes.encode(encoder, &given, &eye, None).map(drop).map_err(text)
+            volumes.encode(encoder, &given, &eye).map(drop).map_err(text)
         })
     }
 }

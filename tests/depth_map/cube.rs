@@ -165,9 +165,8 @@ fn trial(gpu: &Gpu, random: &mut Random, kind: Kind, tally: &mut Tally) -> Resul
     }
     let textures = [0, 1, 2, 3, 4, 5].map(|face: usize| views[face].as_ref());
     let given = DepthCubeMaps { textures, lights: cameras, objects: [None; 6] };
-    let stencil = stencil_of(gpu, &pipelines, (SIDE, &depths), |encoder| {
-        volumes.encode(encoder, &given, &eye, None).map_err(text)
-    })?;
+    let stencil =
+        stencil_of(gpu, &pipelines, (SIDE, &depths), |encoder| volumes.encode(encoder, &given, &eye).map_err(text))?;
     let boundary = Boundary::cube(&maps, &cameras, light, f64::from(threshold));
     for (&centre, value) in centres.iter().zip(stencil) {
         let around =
@@ -302,7 +301,7 @@ fn plane() -> Result<(), String> {
             let textures = [0, 1, 2, 3, 4, 5].map(|face: usize| Some(&views[face]));
             let given = DepthCubeMaps { textures, lights: cameras, objects: [None; 6] };
             let stencil = stencil_of(&gpu, &pipelines, (SIDE, &depths), |encoder| {
-                volumes.encode(encoder, &given, &eye, None).map_err(text)
+                volumes.encode(encoder, &given, &eye).map_err(text)
             })?;
             let kind = usize::from(expected);
             seen[kind] += points.iter().flatten().count();
@@ -439,7 +438,7 @@ fn lists() -> Result<(), String> {
         let given = DepthCubeMaps { textures, lights: cube.cameras, objects: given_objects };
         let options = DepthMapOptions { method: method(dangling), ..Default::default() };
         let mut volumes = DepthMapCube::new(&pipelines, side, options).map_err(text)?;
-        gpu.submit(|encoder| volumes.encode(encoder, &given, &eye, None).map(drop).map_err(text))?;
+        gpu.submit(|encoder| volumes.encode(encoder, &given, &eye).map(drop).map_err(text))?;
         let head: Vec<u32> = gpu.read(volumes.cells(), 1)?;
         let found: Vec<u32> = gpu.read(volumes.cells(), 1 + head[0] as usize)?;
         listed += found[0];
@@ -491,7 +490,7 @@ fn refused() -> Result<(), String> {
         let mut cube = DepthMapCube::new(&pipelines, side, options).map_err(text)?;
         let maps = DepthCubeMaps { textures: [None; 6], lights, objects: [None; 6] };
         let eye = crate::stages::camera(DepthDirection::Reversed);
-        gpu.submit(|encoder| Ok(cube.encode(encoder, &maps, &eye, None).err()))
+        gpu.submit(|encoder| Ok(cube.encode(encoder, &maps, &eye).err()))
     };
     let reversed = DepthDirection::Reversed;
     let right = |place, near, side| DepthMapCube::cameras(place, near, None, reversed, side).map_err(text);
@@ -609,7 +608,7 @@ fn memory(gpu: &Gpu, pipelines: &DepthMapPipelines, cameras: &[ShadowCamera; 6])
         let textures = [Some(&map), None, None, None, None, None];
         let maps = DepthCubeMaps { textures, lights: *cameras, objects };
         let eye = crate::stages::camera(DepthDirection::Reversed);
-        let found = gpu.submit(|encoder| Ok(cube.encode(encoder, &maps, &eye, None).err()))?;
+        let found = gpu.submit(|encoder| Ok(cube.encode(encoder, &maps, &eye).err()))?;
         Ok::<_, String>((found, cube.cells().size()))
     };
     let (none, some) = ([None; 6], [Some(&objects), None, None, None, None, None]);

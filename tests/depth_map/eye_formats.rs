@@ -112,7 +112,7 @@ pub(crate) fn drawn(
     let target = sampled(gpu, [SIDE; 2], (format, samples), depths)?;
     let view = target.create_view(&wgpu::TextureViewDescriptor::default());
     gpu.submit(|encoder| {
-        let frame = volumes.encode(encoder, map, eye, None).map_err(text)?;
+        let frame = volumes.encode(encoder, map, eye).map_err(text)?;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("volumes"),
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {

@@ -38,7 +38,7 @@ fn drawn(
 ) -> Result<Vec<u8>, String> {
     let mut volumes = DepthMapVolumes::new(pipelines, [map.width(), map.height()], options).map_err(text)?;
     stencil_of(gpu, pipelines, (SIDE, depths), |encoder| {
-        volumes.encode(encoder, &DepthMap { texture: &depth_view(map), light, objects: None }, eye, None).map_err(text)
+        volumes.encode(encoder, &DepthMap { texture: &depth_view(map), light, objects: None }, eye).map_err(text)
     })
 }
 
@@ -285,7 +285,7 @@ fn of_cubes() -> Result<(), String> {
                 let mut volumes = DepthMapCube::new(&pipelines, TEXELS, options).map_err(text)?;
                 stencil_of(&gpu, &pipelines, (SIDE, &depths), |encoder| {
                     let maps = maps_of(order.map(|face| Some(&views[face])), &cameras);
-                    volumes.encode(encoder, &maps, &eye, None).map_err(text)
+                    volumes.encode(encoder, &maps, &eye).map_err(text)
                 })
             };
             let order = [0, 1, 2, 3, 4, 5];

@@ -74,7 +74,7 @@ fn large() -> Result<(), String> {
         let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
         let stencil = stencil_of(&gpu, &pipelines, (PIXELS, &depths), |encoder| {
             let map = DepthMap { texture: &depth_view(&texture), light: camera, objects: None };
-            volumes.encode(encoder, &map, &eye, None).map_err(text)
+            volumes.encode(encoder, &map, &eye).map_err(text)
         })?;
         let listed: Vec<u32> = gpu.read(volumes.cells(), 1)?;
         // Lit, dark, at borders, wrong, and wrong if the picture were upside down.

@@ -74,7 +74,7 @@ fn nearer() -> Result<(), String> {
             let merge = DepthMapMerge::new(&gpu.pipelines, pair[0].size).map_err(text)?;
             let views = textures.each_ref().map(depth_view);
             let found = |depth| {
-                gpu.submit(|encoder| merge.encode(encoder, views.each_ref(), depth, None).map_err(text))?;
+                gpu.submit(|encoder| merge.encode(encoder, views.each_ref(), depth).map_err(text))?;
                 read(&gpu, merge.texture().texture())
             };
             let merged = found(direction(&pair[0]))?;
@@ -116,10 +116,10 @@ fn taken() -> Result<(), String> {
     let views = views.collect::<Result<Vec<_>, _>>()?;
     gpu.submit(|encoder| {
         let depth = DepthDirection::Standard;
-        first.encode(encoder, [&views[0], &views[1]], depth, None).map_err(text)?;
-        second.encode(encoder, [&views[2], first.texture()], depth, None).map_err(text)?;
+        first.encode(encoder, [&views[0], &views[1]], depth).map_err(text)?;
+        second.encode(encoder, [&views[2], first.texture()], depth).map_err(text)?;
         let map = DepthMap { texture: second.texture(), light: camera(depth), objects: None };
-        volumes.encode(encoder, &map, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
+        volumes.encode(encoder, &map, &camera(DepthDirection::Reversed)).map(drop).map_err(text)
     })?;
     let all = Map::new(size, false, |texel| [0.3, 0.3 + 0.1, 0.3 + 0.1 * 2.0, far][(texel % 20 / 5) as usize]);
     let expected = listed(&all, &[], -1.0, false, None);
@@ -143,7 +143,7 @@ fn refused() -> Result<(), String> {
     let right = depth_view(&texture(&gpu, [4, 4], TextureFormat::Depth16Unorm, &[0.5; 16])?);
     let large = depth_view(&texture(&gpu, [4, 5], TextureFormat::R32Float, &[0.5; 20])?);
     let found = gpu.submit(|encoder| {
-        let mut encode = |maps| merge.encode(encoder, maps, DepthDirection::Standard, None);
+        let mut encode = |maps| merge.encode(encoder, maps, DepthDirection::Standard);
         Ok([encode([&right, &large]), encode([&large, &right]), encode([merge.texture(), &right]), encode([&right; 2])])
     })?;
     let size = |number: u32| {

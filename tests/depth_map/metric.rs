@@ -114,7 +114,7 @@ pub(crate) fn converted(
     let map = texture(gpu, size, TextureFormat::R32Float, given)?;
     let conversion = DepthMapConversion::new(&gpu.pipelines, size).map_err(text)?;
     let map = DepthMap { texture: &depth_view(&map), light: *camera, objects: None };
-    gpu.submit(|encoder| conversion.encode(encoder, &map, metric, None).map_err(text))?;
+    gpu.submit(|encoder| conversion.encode(encoder, &map, metric).map_err(text))?;
     Ok(conversion.texture().texture().clone())
 }
 
@@ -215,7 +215,7 @@ fn device_depths() -> Result<(), String> {
         light: crate::stages::camera(DepthDirection::Standard),
         objects: None,
     };
-    gpu.submit(|encoder| conversion.encode(encoder, &map, DepthMetric::Device, None).map_err(text))?;
+    gpu.submit(|encoder| conversion.encode(encoder, &map, DepthMetric::Device).map_err(text))?;
     same("a depth texture", &read(&gpu, conversion.texture().texture())?, &read(&gpu, &depth16)?)
 }
 
@@ -295,9 +295,8 @@ fn refused() -> Result<(), String> {
     let tiny = eye(1e-31, None);
     let good = eye(1e-29, None);
     let found = gpu.submit(|encoder| {
-        let mut encode = |texture, light, metric| {
-            conversion.encode(encoder, &DepthMap { texture, light, objects: None }, metric, None)
-        };
+        let mut encode =
+            |texture, light, metric| conversion.encode(encoder, &DepthMap { texture, light, objects: None }, metric);
         Ok([
             encode(&large, light, DepthMetric::AlongRay),
             encode(conversion.texture(), light, DepthMetric::AlongRay),

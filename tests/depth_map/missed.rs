@@ -39,7 +39,7 @@ pub(crate) fn drawn(
     let options = DepthMapOptions { method: edges, ..Default::default() };
     let mut volumes = DepthMapVolumes::new(&pipelines, [map.width(), map.height()], options).map_err(text)?;
     let stencil = stencil_of(gpu, &pipelines, (side, depths), |encoder| {
-        volumes.encode(encoder, &DepthMap { texture: &depth_view(map), light, objects: None }, eye, None).map_err(text)
+        volumes.encode(encoder, &DepthMap { texture: &depth_view(map), light, objects: None }, eye).map_err(text)
     })?;
     let list: Vec<u32> = gpu.read(volumes.cells(), usize::MAX)?;
     let across = map.width() + 1;

@@ -151,7 +151,7 @@ fn beyond() -> Result<(), String> {
             let mut cap = DepthMapNearCap::Lit;
             let given = DepthMap { texture: &depth_view(&texture), light, objects: None };
             gpu.submit(|encoder| {
-                cap = volumes.encode(encoder, &given, &eye.camera(), None).map_err(text)?.near_cap().clone();
+                cap = volumes.encode(encoder, &given, &eye.camera()).map_err(text)?.near_cap().clone();
                 Ok(())
             })?;
             let is_drawn = match &cap {
@@ -194,7 +194,7 @@ fn of_maps() -> Result<(), String> {
             let mut cap = DepthMapNearCap::Drawn;
             pictures.push(stencil_of(&gpu, pipelines, (SIDE, &depths), |encoder| {
                 let map = DepthMap { texture: &depth_view(&texture), light: camera, objects: None };
-                let frame = volumes.encode(encoder, &map, &eye, None).map_err(text)?;
+                let frame = volumes.encode(encoder, &map, &eye).map_err(text)?;
                 cap = frame.near_cap().clone();
                 Ok(frame)
             })?);
@@ -237,7 +237,7 @@ fn of_cubes() -> Result<(), String> {
             pictures.push(stencil_of(&gpu, pipelines, (SIDE, &depths), |encoder| {
                 let textures = [0, 1, 2, 3, 4, 5].map(|face: usize| views[face].as_ref());
                 let maps = DepthCubeMaps { textures, lights: cameras, objects: [None; 6] };
-                let frame = volumes.encode(encoder, &maps, &eye, None).map_err(text)?;
+                let frame = volumes.encode(encoder, &maps, &eye).map_err(text)?;
                 cap = frame.near_cap().clone();
                 Ok(frame)
             })?);

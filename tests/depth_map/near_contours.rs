@@ -263,7 +263,7 @@ fn behind_a_rim() -> Result<(), String> {
             let mut volumes = DepthMapVolumes::new(pipelines, map.size, options).map_err(text)?;
             let stencil = stencil_of(&gpu, pipelines, (SIDE, &depths), |encoder| {
                 let map = DepthMap { texture: &depth_view(&texture), light: leaf.light, objects: None };
-                volumes.encode(encoder, &map, &eye, None).map_err(text)
+                volumes.encode(encoder, &map, &eye).map_err(text)
             })?;
             Ok::<_, String>((stencil, listed(&volumes, &gpu)?))
         };
@@ -335,7 +335,7 @@ fn behind_a_flap() -> Result<(), String> {
         let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
         let stencil = stencil_of(&gpu, &pipelines, (SIDE, &[0.5; (SIDE * SIDE) as usize]), |encoder| {
             let map = DepthMap { texture: &depth_view(&texture), light, objects: None };
-            volumes.encode(encoder, &map, &eye, None).map_err(text)
+            volumes.encode(encoder, &map, &eye).map_err(text)
         })?;
         let (_, quads) = listed(&volumes, &gpu)?;
         let (_, flaps) = among(&quads, DVec4::new(10.8, 7.0, 0.508, 1.0));

@@ -256,7 +256,7 @@ fn across() -> Result<(), String> {
             stencil_of(&gpu, &pipelines, (SIDE, &depths), |encoder| {
                 let textures = order.map(|face| views[face].as_ref());
                 let maps = DepthCubeMaps { textures, lights: cameras, objects: [None; 6] };
-                volumes.encode(encoder, &maps, &eye, None).map_err(text)
+                volumes.encode(encoder, &maps, &eye).map_err(text)
             })
         };
         let plain = [0, 1, 2, 3, 4, 5];

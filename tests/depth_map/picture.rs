@@ -42,7 +42,7 @@ impl Picture<'_> {
         stencil_of(gpu, &pipelines, (self.side, self.depths), |encoder| {
             let objects = self.objects.map(|objects| objects.create_view(&wgpu::TextureViewDescriptor::default()));
             let map = DepthMap { texture: &depth_view(self.map), light: self.light, objects: objects.as_ref() };
-            volumes.encode(encoder, &map, &self.eye, None).map_err(text)
+            volumes.encode(encoder, &map, &self.eye).map_err(text)
         })
     }
 }

@@ -132,7 +132,7 @@ fn encoding() -> Result<(), String> {
     let pipelines = pipelines(&gpu)?;
     let mut volumes = DepthMapVolumes::new(&pipelines, [8, 8], DepthMapOptions::default()).map_err(text)?;
     let mut encode = |texture: &wgpu::TextureView, light: ShadowCamera, eye: ShadowCamera| {
-        gpu.submit(|encoder| Ok(volumes.encode(encoder, &DepthMap { texture, light, objects: None }, &eye, None)))
+        gpu.submit(|encoder| Ok(volumes.encode(encoder, &DepthMap { texture, light, objects: None }, &eye)))
     };
     let taken = "Depth16Unorm, Depth24Plus, Depth32Float, or R32Float";
     let (depth, half, map) = (TextureFormat::Depth32Float, TextureFormat::R16Float, || "the map".to_owned());
@@ -200,9 +200,9 @@ fn drawing() -> Result<(), String> {
     let view = view(&texture(&gpu, (TextureFormat::Depth24PlusStencil8, 8), [1, 1], DRAWN), 0);
     gpu.submit(|encoder| {
         let map = DepthMap { texture: &map, light: camera(REVERSED), objects: None };
-        let first = volumes.encode(encoder, &map, &camera(REVERSED), None).map_err(text)?;
-        let second = volumes.encode(encoder, &map, &camera(REVERSED), None).map_err(text)?;
-        let walls = walled.encode(encoder, &map, &camera(REVERSED), None).map_err(text)?;
+        let first = volumes.encode(encoder, &map, &camera(REVERSED)).map_err(text)?;
+        let second = volumes.encode(encoder, &map, &camera(REVERSED)).map_err(text)?;
+        let walls = walled.encode(encoder, &map, &camera(REVERSED)).map_err(text)?;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: None,
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
@@ -241,7 +241,7 @@ fn objects_refused() -> Result<(), String> {
     gpu.submit(|encoder| {
         let mut encode = |objects| {
             let map = DepthMap { texture: &map, light: camera(REVERSED), objects };
-            volumes.encode(encoder, &map, &camera(REVERSED), None)
+            volumes.encode(encoder, &map, &camera(REVERSED))
         };
         refused([
             refusal("none", encode(None), Expected::Taken),

@@ -144,7 +144,7 @@ fn measure<'a>(
             let mut volumes = DepthMapVolumes::new(&pipelines, [TEXELS; 2], options).map_err(text)?;
             stencil_of(gpu, &pipelines, (SIDE, &eye_depths), |encoder| {
                 let map = DepthMap { texture: &views[0], light, objects: None };
-                let frame = volumes.encode(encoder, &map, &eye, None).map_err(text)?;
+                let frame = volumes.encode(encoder, &map, &eye).map_err(text)?;
                 cap = frame.near_cap().clone();
                 Ok(frame)
             })?
@@ -154,7 +154,7 @@ fn measure<'a>(
             stencil_of(gpu, &pipelines, (SIDE, &eye_depths), |encoder| {
                 let textures = [0, 1, 2, 3, 4, 5].map(|face| Some(&views[face]));
                 let maps = DepthCubeMaps { textures, lights: *six, objects: [None; 6] };
-                let frame = volumes.encode(encoder, &maps, &eye, None).map_err(text)?;
+                let frame = volumes.encode(encoder, &maps, &eye).map_err(text)?;
                 cap = frame.near_cap().clone();
                 Ok(frame)
             })?

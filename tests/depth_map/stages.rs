@@ -83,7 +83,7 @@ fn check(
     let (view, light) = (depth_view(&texture), camera(direction(map)));
     gpu.submit(|encoder| {
         let map = DepthMap { texture: &view, light, objects: None };
-        volumes.encode(encoder, &map, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
+        volumes.encode(encoder, &map, &camera(DepthDirection::Reversed)).map(drop).map_err(text)
     })?;
     let read = Map { depths, ..map.clone() };
     let expected = listed(&read, &[], threshold, bits > 1, capacity);
@@ -124,9 +124,7 @@ fn lists() -> Result<(), String> {
     let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
     let mut volumes = DepthMapVolumes::new(pipelines, map.size, options(0.125, None)).map_err(text)?;
     let given = DepthMap { texture: &depth_view(&texture), light: camera(DepthDirection::Reversed), objects: None };
-    gpu.submit(|encoder| {
-        volumes.encode(encoder, &given, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
-    })?;
+    gpu.submit(|encoder| volumes.encode(encoder, &given, &camera(DepthDirection::Reversed)).map(drop).map_err(text))?;
     let expected = listed(&map, &[], 0.125, false, None);
     let found: Vec<u32> = gpu.read(volumes.cells(), expected.len())?;
     must_fail("the other direction", &same("cells", &found, &expected))
@@ -184,7 +182,7 @@ fn two_encodes() -> Result<(), String> {
         for (number, (map, copy)) in textures.iter().zip(&copies).enumerate() {
             let depth = [DepthDirection::Standard, DepthDirection::Reversed][number];
             let given = DepthMap { texture: &depth_view(map), light: camera(depth), objects: None };
-            volumes.encode(encoder, &given, &camera(DepthDirection::Reversed), None).map_err(text)?;
+            volumes.encode(encoder, &given, &camera(DepthDirection::Reversed)).map_err(text)?;
             encoder.copy_buffer_to_buffer(&cells, 0, copy, 0, 420);
         }
         Ok(())
@@ -221,7 +219,7 @@ fn of_objects() -> Result<(), String> {
             gpu.submit(|encoder| {
                 let map = DepthMap { texture: &view, light, objects: Some(&objects) };
                 let eye = camera(DepthDirection::Reversed);
-                volumes.encode(encoder, &map, &eye, None).map(drop).map_err(text)
+                volumes.encode(encoder, &map, &eye).map(drop).map_err(text)
             })?;
             let without = listed(&map, &[], threshold, false, None);
             let expected = listed(&map, &numbers, threshold, false, capacity);
@@ -310,7 +308,7 @@ fn detectors() -> Result<(), String> {
             gpu.submit(|encoder| {
                 let objects = has_objects.then_some(&objects);
                 let map = DepthMap { texture: &depth_view(&texture), light: camera(direction(&map)), objects };
-                volumes.encode(encoder, &map, &eye, None).map(drop).map_err(text)
+                volumes.encode(encoder, &map, &eye).map(drop).map_err(text)
             })?;
             let read = Map { depths, ..map };
             let given = if has_objects { &numbers[..] } else { &[] };
@@ -353,7 +351,7 @@ fn slopes() -> Result<(), String> {
         let (view, light) = (depth_view(&texture), camera(direction(&map)));
         gpu.submit(|encoder| {
             let map = DepthMap { texture: &view, light, objects: None };
-            volumes.encode(encoder, &map, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
+            volumes.encode(encoder, &map, &camera(DepthDirection::Reversed)).map(drop).map_err(text)
         })?;
         Ok::<_, String>(gpu.read::<u32>(volumes.cells(), 1)?[0])
     };

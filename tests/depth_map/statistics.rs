@@ -29,7 +29,7 @@ fn encoded(
     let texture = depth_view(&texture(gpu, map.size, TextureFormat::R32Float, &map.depths)?);
     let (frame, buffer) = gpu.submit(|encoder| {
         let frame =
-            volumes.encode(encoder, &DepthMap { texture: &texture, light, objects: None }, eye, None).map_err(text)?;
+            volumes.encode(encoder, &DepthMap { texture: &texture, light, objects: None }, eye).map_err(text)?;
         let buffer = frame.statistics(encoder).map_err(text)?;
         Ok((frame, buffer))
     })?;

@@ -187,7 +187,7 @@ pub(crate) fn sampled(
 pub(crate) fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<f32>, String> {
     let texels = texture.width() * texture.height();
     let bits = gpu.storage(&vec![0_u32; texels as usize]);
-    let kernel = gpu.kept("read", || Ok(TexelKernel::new(&gpu.device, ("read", READ))))?;
+    let kernel = gpu.kept("read", || Ok(TexelKernel::new(&gpu.device, ("read", READ), false)))?;
     let group = kernel.group(&gpu.device, &depth_view(texture), &bits);
     gpu.submit(|encoder| {
         kernel.run(encoder, &group, [1024, texels.div_ceil(65_536)]);

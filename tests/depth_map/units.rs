@@ -50,9 +50,7 @@ fn drawn(gpu: &Gpu, view: &View<'_>, edges: DepthMapMethod, by: f64) -> Result<D
     let options = DepthMapOptions { method: edges, ..Default::default() };
     let mut volumes = DepthMapVolumes::new(&pipelines, [SIDE; 2], options).map_err(text)?;
     let stencil = stencil_of(gpu, &pipelines, (SIDE, &depths(&eye, &view.eye_seen, by)), |encoder| {
-        volumes
-            .encode(encoder, &DepthMap { texture: &depth_view(&map), light, objects: None }, &eye, None)
-            .map_err(text)
+        volumes.encode(encoder, &DepthMap { texture: &depth_view(&map), light, objects: None }, &eye).map_err(text)
     })?;
     let list: Vec<u32> = gpu.read(volumes.cells(), usize::MAX)?;
     let count = list[0] as usize;

@@ -71,7 +71,7 @@ fn without_depths() -> Result<(), String> {
         let mut drawn = |view: &wgpu::TextureView| {
             stencil_of(&gpu, &pipelines, (SIDE, &depths), |encoder| {
                 let map = DepthMap { texture: view, light: eye, objects: None };
-                volumes.encode(encoder, &map, &eye, None).map_err(text)
+                volumes.encode(encoder, &map, &eye).map_err(text)
             })
         };
         same(&format!("{options:?}"), &drawn(&empty)?, &lit)?;
@@ -83,7 +83,7 @@ fn without_depths() -> Result<(), String> {
         let mut cube = DepthMapCube::new(&pipelines, 3, options).map_err(text)?;
         let drawn = stencil_of(&gpu, &pipelines, (SIDE, &depths), |encoder| {
             let maps = DepthCubeMaps { textures: [None; 6], lights: cameras, objects: [None; 6] };
-            cube.encode(encoder, &maps, &eye, None).map_err(text)
+            cube.encode(encoder, &maps, &eye).map_err(text)
         })?;
         same("a cube without maps", &drawn, &lit)?;
     }

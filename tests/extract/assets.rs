@@ -1,10 +1,10 @@
-//! Every good model file at several times of each of its animations: deformation within its bound of the twin,
-//! extraction equal to the twin's bit for bit at the same positions, facing to big integers', and closed at every vertex
+//! Every good model file at several times of each of its animations: deformation within its bound of the CPU reference,
+//! extraction equal to the CPU's bit for bit at the same positions, facing to big integers', and closed at every vertex
 //! for every light.
 
 use std::path::Path;
 
-use libtest_mimic::{Failed, Trial};
+use libtest_mimic::Trial;
 use rimline::gltf::Asset;
 use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions};
 use rimline::mesh::Weld;
@@ -12,26 +12,20 @@ use rimline::reference::cpu::{self, Threads};
 use rimline::{InstancePose, Light, Mesh, Model, Pose, Predicate};
 
 use rimline_testkit::device::Gpu;
-use rimline_testkit::files::GOOD_FILES;
+use rimline_testkit::harness::on_models;
 use rimline_testkit::on_gpu::read;
 use rimline_testkit::on_gpu::{check_deform, deformed};
 use rimline_testkit::oracle::{self, unclosed};
 use rimline_testkit::random::Random;
-use rimline_testkit::{assets, is_long, lights, must_fail, same};
+use rimline_testkit::{is_long, lights, must_fail, same};
 
 const LIGHT_COUNTS: [usize; 6] = [1, 12, 31, 32, 33, 100];
 /// The number of them for which big integers are asked, too; they are slow.
 const BY_ORACLE: usize = 12;
 
-/// A test a file, ignored where the folder is not there.
+/// A test a file.
 pub(crate) fn trials() -> Vec<Trial> {
-    let folder = assets();
-    let trial = |file: &'static str| {
-        let path = folder.as_ref().map(|folder| folder.join(file));
-        let run = move || path.map_or(Ok(()), |path| check(&path)).map_err(Failed::from);
-        Trial::test(format!("file {file}"), run).with_kind("gpu").with_ignored_flag(folder.is_none())
-    };
-    GOOD_FILES.into_iter().map(trial).collect()
+    on_models("file ", check).into_iter().map(|trial| trial.with_kind("gpu")).collect()
 }
 
 fn text<E: std::fmt::Display>(error: E) -> String {
@@ -61,7 +55,7 @@ impl Extraction {
         Ok(Self { turned: turned(pose), mesh, extractors: [const { None }; LIGHT_COUNTS.len()] })
     }
 
-    /// Extracts at the deformer's positions and compares everything with the twin, and some of it with big integers.
+    /// Extracts at the deformer's positions and compares everything with the CPU reference, and some of it with big integers.
     fn check(&mut self, gpu: &Gpu, deformer: &Deformer, found: &[[f32; 3]], index: usize) -> Result<(), String> {
         let Self { mesh, extractors, .. } = self;
         let count = LIGHT_COUNTS[index];
@@ -71,7 +65,7 @@ impl Extraction {
             Some(extractor) => extractor,
             empty => empty.insert(Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?),
         };
-        gpu.submit(|encoder| extractor.encode(encoder, deformer.positions(), &lights, None).map_err(text))?;
+        gpu.submit(|encoder| extractor.encode(encoder, deformer.positions(), &lights).map_err(text))?;
         let on_gpu = read(gpu, extractor, mesh, count)?;
         let twin = cpu::extract(found, mesh, &lights, Predicate::Exact, Threads::all());
         let twin = twin.map_err(text)?;

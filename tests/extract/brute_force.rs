@@ -1,4 +1,4 @@
-//! The CPU twins against brute force written apart from them.
+//! The CPU references against brute force written apart from them.
 
 use rimline::mesh::{EdgeKind, PolygonLoops, Weld};
 use rimline::reference::Method;

@@ -1,4 +1,4 @@
-//! The extraction without a device: the twins against brute force.
+//! The extraction without a device: the CPU references against brute force.
 
 mod brute_force;
 mod chains;

@@ -28,7 +28,7 @@ fn exact(max_lights: usize) -> ExtractorOptions {
     ExtractorOptions { max_lights, masks: true, ..Default::default() }
 }
 
-/// Every bit of GPU and twin is the oracle's.
+/// Every bit of GPU and CPU reference is the oracle's.
 fn check(
     gpu: &Gpu,
     what: &str,
@@ -196,7 +196,7 @@ fn overflow() -> Result<(), String> {
 }
 
 /// The pairs of `tests/extract/predicates.rs`: 200,000, 10 million in the long run. Each face's bit for the light that it was
-/// made for against big integers, all others against the twin.
+/// made for against big integers, all others against the CPU reference.
 /// A workgroup of 64 that each have 48 faces, as many as a CPU's have; see ARCHITECTURE.md, "Decisions".
 const FULL: u32 = 64 * 48;
 
@@ -245,7 +245,7 @@ fn every_class() -> Result<(), String> {
             let buffer = gpu.storage(&batch.positions);
             let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
             gpu.submit(|encoder| {
-                extractor.encode(encoder, positions, &batch.lights, None).map_err(|error| error.to_string())
+                extractor.encode(encoder, positions, &batch.lights).map_err(|error| error.to_string())
             })?;
             let mut found = read(gpu, extractor, mesh, LIGHTS)?;
             let twin = cpu::facing(&batch.positions, &batch.faces, &batch.lights, Predicate::Exact, Threads::all());

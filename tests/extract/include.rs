@@ -78,7 +78,7 @@ impl Scene {
         let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
         let buffer = gpu.storage(&interleaved(&positions, OFFSET, STRIDE));
         let bound = PositionBuffer { buffer: &buffer, offset: OFFSET, stride: STRIDE };
-        let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, lights, None).map_err(text))?;
+        let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, lights).map_err(text))?;
         Ok(Self { mesh, positions, extractor, extraction })
     }
 
@@ -242,7 +242,7 @@ fn refused() -> Result<(), String> {
     let error = |options, batch| {
         let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
         let light = [Light::point([3.0, 2.0, 1.0])];
-        let extraction = gpu.submit(|encoder| extractor.encode(encoder, plain, &light, None).map_err(text))?;
+        let extraction = gpu.submit(|encoder| extractor.encode(encoder, plain, &light).map_err(text))?;
         Ok::<_, String>(extraction.bind_group(&layout, batch).err())
     };
     let good = ExtractorOptions::default();

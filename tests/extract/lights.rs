@@ -64,7 +64,7 @@ fn fewer() -> Result<(), String> {
         // First all of them, so that something could be left over.
         for count in [100, 1, 31, 32, 33, 64, 99] {
             let lights = lights(&mut random, count);
-            gpu.submit(|encoder| extractor.encode(encoder, bound, &lights, None).map_err(text))?;
+            gpu.submit(|encoder| extractor.encode(encoder, bound, &lights).map_err(text))?;
             let found = read(gpu, &extractor, &mesh, 100)?;
             let what = format!("{count} of 100 lights, ordered {ordered}");
             let alone = extract(gpu, &positions, &mesh, &lights, options(count, true, ordered))?;
@@ -97,7 +97,7 @@ fn several_encodes() -> Result<(), String> {
         gpu.submit(|encoder| {
             for ((buffer, _, lights), [masks, counts]) in runs.iter().zip(&copies) {
                 let positions = PositionBuffer { buffer, offset: 0, stride: 12 };
-                extractor.encode(encoder, positions, lights, None).map_err(text)?;
+                extractor.encode(encoder, positions, lights).map_err(text)?;
                 let results = extractor.results();
                 encoder.copy_buffer_to_buffer(&results.masks[0], 0, masks, 0, masks.size());
                 encoder.copy_buffer_to_buffer(results.counts, 0, counts, 0, counts.size());
@@ -160,13 +160,13 @@ fn refused() -> Result<(), String> {
     let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     gpu.submit(|encoder| {
         for (lights, expected) in cases {
-            let error = extractor.encode(encoder, bound, &lights, None).err();
+            let error = extractor.encode(encoder, bound, &lights).err();
             same("lights", &[error], &[Some(ExtractorError::Light(expected))])?;
         }
         for at in 0..4 {
             let mut xyzw = [1.0; 4];
             xyzw[at] = f32::NAN;
-            let error = extractor.encode(encoder, bound, &[Light::homogeneous(xyzw)], None);
+            let error = extractor.encode(encoder, bound, &[Light::homogeneous(xyzw)]);
             let Err(ExtractorError::Light(LightError::NotFinite { index: 0, .. })) = error else {
                 return Err(format!("NaN at {at}: {error:?}"));
             };

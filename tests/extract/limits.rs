@@ -29,7 +29,7 @@ impl Run<'_> {
         let buffer = gpu.storage(&interleaved(&self.shape.positions, self.offset, self.stride));
         let mut extractor = Extractor::new(&gpu.pipelines, mesh, self.options).map_err(text)?;
         let bound = PositionBuffer { buffer: &buffer, offset: self.offset, stride: self.stride };
-        gpu.submit(|encoder| extractor.encode(encoder, bound, self.lights, None).map_err(text))?;
+        gpu.submit(|encoder| extractor.encode(encoder, bound, self.lights).map_err(text))?;
         read(gpu, &extractor, mesh, self.options.max_lights)
     }
 }

@@ -43,7 +43,7 @@ fn places() -> Result<(), String> {
             for stride in [12, 16, 20, 32, 48] {
                 let buffer = gpu.storage(&interleaved(&positions, offset, stride));
                 let bound = PositionBuffer { buffer: &buffer, offset, stride };
-                gpu.submit(|encoder| extractor.encode(encoder, bound, &lights, None).map_err(text))?;
+                gpu.submit(|encoder| extractor.encode(encoder, bound, &lights).map_err(text))?;
                 let found = read(gpu, &extractor, &mesh, lights.len())?;
                 let what = format!("{name}, offset {offset}, stride {stride}");
                 same(&what, &found.facing, &expected.facing)?;
@@ -73,7 +73,7 @@ fn several_places() -> Result<(), String> {
             let (positions, offset, stride) = poses[pose];
             let expected = extract(gpu, positions, &mesh, &lights, options())?;
             let bound = PositionBuffer { buffer: &buffer, offset, stride };
-            gpu.submit(|encoder| extractor.encode(encoder, bound, &lights, None).map_err(text))?;
+            gpu.submit(|encoder| extractor.encode(encoder, bound, &lights).map_err(text))?;
             let found = read(gpu, &extractor, &mesh, lights.len())?;
             same(&format!("{name}, pose {pose}"), &found.facing, &expected.facing)?;
             same(&format!("{name}, pose {pose}"), &found.lists, &expected.lists)?;
@@ -107,7 +107,7 @@ fn refused() -> Result<(), String> {
     gpu.submit(|encoder| {
         for (offset, stride, expected) in cases.drain(..) {
             let bound = PositionBuffer { buffer: &buffer, offset, stride };
-            let error = extractor.encode(encoder, bound, &lights, None).err();
+            let error = extractor.encode(encoder, bound, &lights).err();
             let what = format!("offset {offset}, stride {stride}");
             same(&what, &[error], &[expected.map(ExtractorError::Device)])?;
         }
@@ -118,7 +118,7 @@ fn refused() -> Result<(), String> {
             mapped_at_creation: false,
         });
         let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-        let error = extractor.encode(encoder, bound, &lights, None).err();
+        let error = extractor.encode(encoder, bound, &lights).err();
         same("no STORAGE", &[error], &[Some(ExtractorError::Device(DeviceError::NotStorage))])
     })
 }

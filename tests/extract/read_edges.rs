@@ -59,7 +59,7 @@ fn check(
     let options = ExtractorOptions { max_lights: LIGHTS, lists, ..Default::default() };
     let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
     let place = PositionBuffer { buffer, offset: 0, stride: 12 };
-    let extraction = gpu.submit(|encoder| extractor.encode(encoder, place, lights, None).map_err(text))?;
+    let extraction = gpu.submit(|encoder| extractor.encode(encoder, place, lights).map_err(text))?;
     let capacity = extraction.results().map_err(text)?.capacity as usize;
     for light in 0..LIGHTS {
         let what = format!("{name}, {lists:?}, light {light}");
@@ -102,7 +102,7 @@ fn refused() -> Result<(), String> {
     let list = |capacity| Some(ListOptions { capacity: Some(capacity), ..ListOptions::default() });
     let options = ExtractorOptions { method: Method::PerEdge, lists: list(4), ..Default::default() };
     let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
-    let mut encode = || gpu.submit(|encoder| extractor.encode(encoder, place, &[light], None).map_err(text));
+    let mut encode = || gpu.submit(|encoder| extractor.encode(encoder, place, &[light]).map_err(text));
     let first = encode()?;
     let anew = rimline::Mesh::from_faces(positions.len(), mesh.faces().to_vec()).map_err(text)?;
     let clone = mesh.clone();

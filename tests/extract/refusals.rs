@@ -103,7 +103,7 @@ fn positions_and_models_too_large() -> Result<(), String> {
     let buffer = small.storage(&interleaved(&shape.positions, 0, 48));
     let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 48 };
     let light = [Light::directional([1.0, 0.0, 0.0])];
-    let encoded = small.submit(|encoder| Ok(extractor.encode(encoder, bound, &light, None)))?;
+    let encoded = small.submit(|encoder| Ok(extractor.encode(encoder, bound, &light)))?;
     let model = random_model(&mut Random::new(73), 500);
     let deformer = Deformer::new(&limited(1 << 10, 1 << 20, 64)?.pipelines, &model, DeformerOptions::default());
     refused([
@@ -150,7 +150,7 @@ fn include_refuses() -> Result<(), String> {
     let buffer = gpu.storage(&shape.positions);
     let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     let light = [Light::point([3.0, 2.0, 1.0])];
-    let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, &light, None).map_err(text))?;
+    let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, &light).map_err(text))?;
     let group = extraction.bind_group(&layout, 0);
     refused([refusal("the include", group, shows(&["Device(BindingTooLarge"]))])?;
     // The extraction itself goes on, in windows.

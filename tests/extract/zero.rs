@@ -42,7 +42,7 @@ fn found(gpu: &Gpu, counting: Counting, room: Option<u32>, topology: EdgeTopolog
     let view_projection = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, -1.0], [0.0, 0.0, 0.1, 0.0]];
     let camera = ShadowCamera { view_projection, origin: [0.0, 0.0, 4.0], depth: DepthDirection::Reversed };
     let frame = gpu.submit(|encoder| {
-        extractor.encode(encoder, positions, &lights, None).map_err(text)?;
+        extractor.encode(encoder, positions, &lights).map_err(text)?;
         caster.encode(encoder, positions, &lights, Some(&camera), None).map_err(text)
     })?;
     let results = extractor.results();

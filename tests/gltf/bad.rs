@@ -1,4 +1,4 @@
-//! Every bad file of the shared models gives a typed error that names the place.
+//! Every bad file of the catalogue and of the shared models gives a typed error, or a warning, that names the place.
 
 use std::path::Path;
 
@@ -6,9 +6,12 @@ use libtest_mimic::Trial;
 use rimline::MeshError;
 use rimline::gltf::{Asset, SkippedPrimitives};
 use rimline::mesh::Weld;
+use rimline_models::catalogue::{BAD, Fate};
+use rimline_testkit::harness::{on_both, on_files, on_made};
 use rimline_testkit::refusals::{self, refusal};
+use rimline_testkit::{assets, files};
 
-use crate::{Outcome, asset_test, assets, ensure};
+use crate::{Outcome, ensure, test};
 
 /// File, and what its error must say.
 const ROWS: &[(&str, &[&str])] = &[
@@ -42,30 +45,37 @@ const LEGAL: &str = "primitive_no_position.gltf";
 
 pub(crate) fn tests() -> Vec<Trial> {
     let mut tests = vec![
-        asset_test(format!("bad::{LEGAL}"), no_position),
-        asset_test("bad::table_is_complete", table_is_complete),
-        asset_test("bad::control", control),
+        on_both("bad::no_position", ["no_position.glb", "bad/primitive_no_position.gltf"], no_position),
+        test("bad::control", control),
     ];
-    tests.extend(WARNED.iter().map(|&(name, says)| asset_test(format!("bad::{name}"), move || warned(name, says))));
-    tests.extend(ROWS.iter().map(|&(name, says)| asset_test(format!("bad::{name}"), move || refused(name, says))));
+    tests.extend(on_made("bad::", BAD.iter().map(|bad| bad.name), |path| {
+        let bad = BAD.iter().find(|bad| path.ends_with(bad.name)).ok_or("no row")?;
+        if bad.fate == Fate::Refused { refused(path, bad.says) } else { warned(path, bad.says) }
+    }));
+    let names: Vec<_> = ROWS.iter().chain(WARNED).map(|row| row.0).collect();
+    let folder = assets().map(|folder| folder.join("bad"));
+    tests.extend(folder.clone().map(|folder| test("bad::table_is_complete", move || table_is_complete(&folder))));
+    tests.extend(on_files("bad::", folder, &names, |path| {
+        let says = |rows: &[(&str, &'static [&str])]| rows.iter().find(|row| path.ends_with(row.0)).map(|row| row.1);
+        says(ROWS).map_or_else(|| warned(path, says(WARNED).unwrap_or_default()), |says| refused(path, says))
+    }));
     tests
 }
 
-fn refused(name: &str, says: &[&str]) -> Outcome {
-    let path = assets().join("bad").join(name);
-    Ok(refusals::refused([refusal(name, Asset::open(&path, Weld::Data), refusals::says(says))])?)
+fn refused(path: &Path, says: &[&str]) -> Outcome {
+    Ok(refusals::refused([refusal(path.display(), Asset::open(path, Weld::Data), refusals::says(says))])?)
 }
 
-fn warned(name: &str, says: &[&str]) -> Outcome {
-    let asset = Asset::open(assets().join("bad").join(name), Weld::Data)?;
+fn warned(path: &Path, says: &[&str]) -> Outcome {
+    let asset = Asset::open(path, Weld::Data)?;
     crate::check::asset(&asset, 0, false)?;
     let warnings: Vec<String> = asset.warnings().iter().map(ToString::to_string).collect();
     let one = warnings.iter().any(|warning| says.iter().all(|part| warning.contains(part)));
-    ensure(one, || format!("{name}: {warnings:?} do not say {says:?}"))
+    ensure(one, || format!("{warnings:?} do not say {says:?}"))
 }
 
-fn no_position() -> Outcome {
-    let asset = Asset::open(assets().join("bad").join(LEGAL), Weld::Data)?;
+fn no_position(path: &Path) -> Outcome {
+    let asset = Asset::open(path, Weld::Data)?;
     let skipped = SkippedPrimitives { without_position: 1, ..SkippedPrimitives::default() };
     ensure(asset.skipped() == skipped, || format!("{:?}", asset.skipped()))?;
     let mesh = asset.model().mesh(&asset.pose(None, 0.0)?);
@@ -73,12 +83,14 @@ fn no_position() -> Outcome {
 }
 
 fn control() -> Outcome {
-    ensure(refused("../Box.glb", &[]).is_err(), || "a good file passed as bad".to_owned())?;
-    ensure(refused(ROWS[0].0, &["meshes[7]"]).is_err(), || "a wrong place passed".to_owned())
+    let is_refused = |name: &str, says: &[&str]| Ok::<_, String>(refused(&files::made(name)?.path, says).is_ok());
+    ensure(!is_refused("cube.glb", &[])?, || "a good file passed as bad".to_owned())?;
+    ensure(!is_refused(BAD[1].name, &["meshes[7]"])?, || "a wrong place passed".to_owned())?;
+    ensure(is_refused(BAD[1].name, &["meshes[0]"])?, || "the right one did not".to_owned())
 }
 
-fn table_is_complete() -> Outcome {
-    for entry in std::fs::read_dir(assets().join("bad"))? {
+fn table_is_complete(folder: &Path) -> Outcome {
+    for entry in std::fs::read_dir(folder)? {
         let name = entry?.file_name().to_string_lossy().into_owned();
         let known = name == LEGAL || ROWS.iter().chain(WARNED).any(|row| row.0.split('/').next() == Some(&name));
         ensure(known || Path::new(&name).extension() == Some("bin".as_ref()), || format!("no row for {name}"))?;

@@ -1,7 +1,6 @@
-//! glTF loading: good and bad files of the shared test models, hand-made files, and mutated ones.
+//! glTF loading: good and bad files of the catalogue and of the shared models, hand-made files, and mutated ones.
 //!
-//! Tests on the shared models are ignored, by name, where the folder is not there: `RIMLINE_ASSETS`, else
-//! `../shared/assets` beside the crate.
+//! Tests on the shared models are ignored where the folder is not there: `RIMLINE_ASSETS`, else `../shared/assets` beside the crate.
 
 mod animate;
 mod bad;
@@ -9,7 +8,6 @@ mod cases;
 mod check;
 mod details;
 mod good;
-mod maker;
 mod mutate;
 mod origin;
 mod outside;
@@ -23,9 +21,8 @@ mod visible;
 mod warned;
 mod warned_rows;
 
-use std::path::PathBuf;
-
 use libtest_mimic::{Arguments, Failed, Trial};
+use rimline_models::maker;
 
 /// Result of a test.
 type Outcome = Result<(), Failed>;
@@ -55,20 +52,9 @@ fn main() {
     libtest_mimic::run(&arguments, trials).exit();
 }
 
-/// The folder of the shared test models, there or not.
-fn assets() -> PathBuf {
-    std::env::var_os("RIMLINE_ASSETS")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/assets")), PathBuf::from)
-}
-
 /// A test that runs everywhere.
 fn test(name: impl Into<String>, run: impl FnOnce() -> Outcome + Send + 'static) -> Trial {
     Trial::test(name, run)
-}
-
-/// A test on the shared models.
-fn asset_test(name: impl Into<String>, run: impl FnOnce() -> Outcome + Send + 'static) -> Trial {
-    Trial::test(name, run).with_ignored_flag(!assets().is_dir())
 }
 
 /// Fails with a message unless the condition holds.

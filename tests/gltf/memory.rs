@@ -3,17 +3,14 @@
 //!
 //! A binary of its own, without threads, since the allocator counts the memory of the whole process.
 
-#[path = "maker.rs"]
-#[allow(dead_code)]
-mod maker;
-
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use libtest_mimic::{Arguments, Failed, Trial};
-use maker::{F32, Maker, U8, everything};
 use peak_alloc::PeakAlloc;
 use rimline::gltf::{Asset, GltfError, LoadOptions};
 use rimline::mesh::Weld;
+use rimline_models::maker::{F32, Maker, U8, everything};
+use rimline_testkit::harness;
 use serde_json::{Value, json};
 
 #[global_allocator]
@@ -41,15 +38,10 @@ fn main() {
         Trial::test("a_sparse_file_of_a_terabyte", hole),
         Trial::test("everything_within_each_limit", || within_limits(&everything().glb(), None, 16)),
         Trial::test("mutated_files_within_a_limit", mutated),
-        Trial::test("assets_within_each_limit", assets).with_ignored_flag(!folder().is_dir()),
         Trial::test("by_default_too", by_default).with_ignored_flag(std::env::var_os("RIMLINE_LONG").is_none()),
     ]);
+    trials.extend(harness::on_models("within_each_limit: ", file_within_limits));
     libtest_mimic::run(&arguments, trials).exit();
-}
-
-fn folder() -> PathBuf {
-    std::env::var_os("RIMLINE_ASSETS")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/assets")), PathBuf::from)
 }
 
 /// Loads a file, poses it and makes its mesh; the most memory that was taken meanwhile, and what came of it.
@@ -358,7 +350,7 @@ fn torus(rings: u32, is_soup: bool, has_normals: bool) -> Maker {
     if has_normals {
         attributes["NORMAL"] = json!(maker.floats("VEC3", &positions));
     }
-    let indices = maker.indices(maker::U32, &indices);
+    let indices = maker.indices(rimline_models::maker::U32, &indices);
     maker.mesh(&json!({ "attributes": attributes, "indices": indices }));
     maker.push("nodes", json!({ "mesh": 0 }));
     maker
@@ -454,20 +446,8 @@ fn within_limits(bytes: &[u8], base: Option<&Path>, most: u64) -> Outcome {
     Ok(())
 }
 
-fn assets() -> Outcome {
-    let (mut files, mut count) = (vec![folder()], 0);
-    while let Some(path) = files.pop() {
-        if path.is_dir() && path.file_name() != Some("bad".as_ref()) {
-            files
-                .extend(std::fs::read_dir(&path)?.map(|entry| entry.map(|e| e.path())).collect::<Result<Vec<_>, _>>()?);
-        } else if path.extension().is_some_and(|ending| ending == "gltf" || ending == "glb") {
-            within_limits(&std::fs::read(&path)?, path.parent(), 16).map_err(|error| {
-                Failed::from(format!("{}: {}", path.display(), error.message().unwrap_or_default()))
-            })?;
-            count += 1;
-        }
-    }
-    if count < 20 { Err(format!("only {count} files").into()) } else { Ok(()) }
+fn file_within_limits(path: &Path) -> Outcome {
+    within_limits(&std::fs::read(path)?, path.parent(), 16)
 }
 
 /// A file of nearly everything, whose accessors are all zeros, for which it needs no bytes.

@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 use libtest_mimic::{Failed, Trial};
 use rimline::gltf::Asset;
 use rimline::mesh::Weld;
+use rimline_models::catalogue::GOOD;
+use rimline_testkit::assets;
 
 use crate::maker::{everything, glb};
-use crate::{Outcome, asset_test, assets, check, ensure, test};
+use crate::{Outcome, check, ensure, test};
 
 /// Small, so that many cases take little time.
 const FILES: &[&str] = &[
@@ -33,21 +35,29 @@ pub(crate) fn tests() -> Vec<Trial> {
             let seeds = [everything().glb(), everything().gltf()].map(|bytes| Seed { bytes, base: None });
             run(&seeds, &[], cases() / 2)
         }),
-        asset_test("mutate::models", || {
-            let read = |name: &&str| -> Result<Seed, std::io::Error> {
-                let path = assets().join(name);
-                let bytes = std::fs::read(&path)?;
-                let base = path.parent().map(Path::to_owned);
-                Ok(Seed { bytes, base })
-            };
-            let small = FILES.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-            let large = LARGE.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-            run(&small, &large, cases() / 2)
+        test("mutate::catalogue", || {
+            let folder = tempfile::tempdir()?;
+            let paths = GOOD.iter().map(|good| good.write(folder.path())).collect::<Result<Vec<_>, _>>()?;
+            let (small, large): (Vec<_>, Vec<_>) =
+                seeds(paths)?.into_iter().partition(|seed| seed.bytes.len() < 20_000);
+            let middle: Vec<_> = large.into_iter().filter(|seed| seed.bytes.len() < 1_000_000).collect();
+            run(&small, &middle, cases() / 2)
         }),
+        Trial::test("mutate::real files", || {
+            let folder = assets().ok_or("there are no models")?;
+            let read = |names: &[&str]| seeds(names.iter().map(|name| folder.join(name)));
+            run(&read(FILES)?, &read(LARGE)?, cases() / 2)
+        })
+        .with_ignored_flag(assets().is_none()),
     ]
 }
 
-/// Number of cases of both tests together.
+fn seeds(paths: impl IntoIterator<Item = PathBuf>) -> std::io::Result<Vec<Seed>> {
+    let read = |path: PathBuf| Ok(Seed { bytes: std::fs::read(&path)?, base: path.parent().map(Path::to_owned) });
+    paths.into_iter().map(read).collect()
+}
+
+/// Twice the number of cases of a test.
 fn cases() -> usize {
     if std::env::var_os("RIMLINE_LONG").is_some() { 100_000 } else { 2_000 }
 }

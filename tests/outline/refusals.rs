@@ -42,7 +42,7 @@ fn refused() -> Result<(), String> {
         let options = ExtractorOptions { lists, ..ExtractorOptions::default() };
         let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
         let lights = [Light::point([0.0, 0.0, 4.0])];
-        let extraction = gpu.submit(|encoder| extractor.encode(encoder, place, &lights, None).map_err(text))?;
+        let extraction = gpu.submit(|encoder| extractor.encode(encoder, place, &lights).map_err(text))?;
         Ok::<_, String>((extractor, extraction))
     };
     let [(_, two), (mut extractor, four)] =
@@ -80,7 +80,7 @@ fn refused() -> Result<(), String> {
     ] {
         expect(what, prepared(&inputs), expected)?;
     }
-    gpu.submit(|encoder| extractor.encode(encoder, place, &[Light::point([4.0; 3])], None).map_err(text).map(drop))?;
+    gpu.submit(|encoder| extractor.encode(encoder, place, &[Light::point([4.0; 3])]).map_err(text).map(drop))?;
     expect("an old extraction", prepared(&good), "out of date")?;
     let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: None,

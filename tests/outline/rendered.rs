@@ -8,7 +8,7 @@ use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_testkit::cases::Case;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::pipelines::{Drawing, depth};
+use rimline_testkit::pipelines::{Drawing, SURFACE, depth};
 
 /// Pixels along a side of the picture.
 pub(crate) const SIDE: u32 = 256;
@@ -52,17 +52,6 @@ pub(crate) struct Inputs<'a> {
     pub(crate) capacity: Option<u32>,
     pub(crate) attachments: Attachments,
 }
-
-const SURFACE: &str = "
-struct Camera { columns: mat4x4<f32>, origin: vec4<f32> }
-@group(0) @binding(0) var<storage, read> camera: Camera;
-@group(0) @binding(1) var<storage, read> corners: array<f32>;
-@vertex fn surface(@builtin(vertex_index) at: u32) -> @builtin(position) vec4<f32> {
-  let place = vec3<f32>(corners[3u * at], corners[3u * at + 1u], corners[3u * at + 2u]);
-  return camera.columns * vec4<f32>(place - camera.origin.xyz, 1.0);
-}
-@fragment fn nothing() {}
-";
 
 fn texture(gpu: &Gpu, format: wgpu::TextureFormat, samples: u32) -> wgpu::Texture {
     let mut usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
@@ -122,7 +111,7 @@ pub(crate) fn render(gpu: &Gpu, inputs: &Inputs<'_>) -> Result<Vec<u8>, String> 
     let pixels = gpu.storage(&vec![0_u32; (SIDE * SIDE) as usize]);
     gpu.submit(|encoder| {
         let place = PositionBuffer { buffer: &vertices, offset: 0, stride: 12 };
-        let extraction = extractor.encode(encoder, place, &[light], None).map_err(text)?;
+        let extraction = extractor.encode(encoder, place, &[light]).map_err(text)?;
         let outline = outlines
             .prepare(&OutlineInputs {
                 extraction: &extraction,

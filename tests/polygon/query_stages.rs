@@ -65,7 +65,7 @@ fn found_on(gpu: &Gpu, case: &DepthCase, on_face: &[u32], work_per_dispatch: u64
     let positions = PositionBuffer { buffer: &buffers[0], offset: 0, stride: 12 };
     let asked =
         QueryPoints { points: PositionBuffer { buffer: &buffers[1], offset: 0, stride: 16 }, on_face: Some(12) };
-    gpu.submit(|encoder| query.encode_at(encoder, positions, asked, points.len() as u32, lights, None).map_err(text))?;
+    gpu.submit(|encoder| query.encode_at(encoder, positions, asked, points.len() as u32, lights).map_err(text))?;
     gpu.read(query.depths(), points.len() * lights.len())
 }
 

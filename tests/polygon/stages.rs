@@ -30,6 +30,16 @@ fn random_lights(random: &mut Random, set: &PolygonSet, count: usize) -> Vec<Lig
 /// Compares the bits of triangles with the facing and twisted bits of their polygons.
 pub(crate) fn check_facing(mesh: &Mesh, found: &Found, masks: &[PolygonMasks]) -> Result<(), String> {
     same("facing", &found.facing, &of_triangles(mesh, masks, |masks| masks.facing)?)?;
+    // A row a polygon, as the CPU has it; a polygon without triangles faces nothing there, too.
+    let (polygons, triangles) = (mesh.polygons().ok_or("no polygons")?, mesh.faces().len().max(1));
+    let rows: Vec<u32> = found.facing.chunks(triangles).flat_map(|plane| polygons.masks_of(plane)).collect();
+    let expected: Vec<u32> = masks.iter().map(|masks| masks.facing).collect();
+    same("facing of polygons", &rows, &expected[..rows.len()])?;
+    if let Some(first) = expected.iter().position(|facing| *facing != 0).filter(|_| !rows.is_empty()) {
+        let mut wrong = expected.clone();
+        wrong[first] ^= 1;
+        must_fail("a facing bit of a polygon", &same("facing of polygons", &rows, &wrong[..rows.len()]))?;
+    }
     same("twisted", &found.twisted, &of_triangles(mesh, masks, |masks| masks.twisted)?)
 }
 
@@ -108,7 +118,7 @@ fn extracted(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> Resu
     let buffer = gpu.storage(&set.positions);
     let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-    gpu.submit(|encoder| extractor.encode(encoder, positions, lights, None).map_err(text))?;
+    gpu.submit(|encoder| extractor.encode(encoder, positions, lights).map_err(text))?;
     Ok(extractor)
 }
 

@@ -42,7 +42,7 @@ fn without_triangles() -> Result<(), String> {
             let options = ExtractorOptions { max_lights: 40, masks: true, lists, ..Default::default() };
             let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(|error| what(&error))?;
             for lights in [&LIGHTS[..], &[]] {
-                gpu.submit(|encoder| extractor.encode(encoder, positions, lights, None).map(drop).map_err(text))
+                gpu.submit(|encoder| extractor.encode(encoder, positions, lights).map(drop).map_err(text))
                     .map_err(|error| what(&error))?;
             }
             if lists.is_none() {
@@ -51,7 +51,7 @@ fn without_triangles() -> Result<(), String> {
             let options = OneCasterOptions { bound_counts: true, ..Default::default() };
             let mut caster = one_caster(gpu, &pipelines, mesh, options).map_err(|error| what(&error))?;
             gpu.submit(|encoder| {
-                extractor.encode(encoder, positions, &LIGHTS, None).map_err(text)?;
+                extractor.encode(encoder, positions, &LIGHTS).map_err(text)?;
                 caster.encode(encoder, positions, &LIGHTS, Some(&camera), None).map(drop).map_err(text)
             })
             .map_err(|error| what(&error))?;
@@ -60,12 +60,10 @@ fn without_triangles() -> Result<(), String> {
             let options = ShadowQueryOptions { max_points, max_lights: 2, ..Default::default() };
             let mut query = ShadowQuery::new(&gpu.pipelines, mesh, options).map_err(|error| what(&error))?;
             for lights in [&LIGHTS[..], &[]] {
-                gpu.submit(|encoder| {
-                    query.encode_at(encoder, positions, points, max_points, lights, None).map_err(text)
-                })
-                .map_err(|error| what(&error))?;
+                gpu.submit(|encoder| query.encode_at(encoder, positions, points, max_points, lights).map_err(text))
+                    .map_err(|error| what(&error))?;
             }
-            gpu.submit(|encoder| query.encode_at(encoder, positions, points, max_points, &LIGHTS, None).map_err(text))?;
+            gpu.submit(|encoder| query.encode_at(encoder, positions, points, max_points, &LIGHTS).map_err(text))?;
             let depths: Vec<i32> = gpu.read(query.depths(), 2 * max_points as usize)?;
             if depths.iter().any(|&depth| depth != 0) {
                 return Err(format!("mesh {number}: depths {depths:?}"));
@@ -92,7 +90,7 @@ fn no_room() -> Result<(), String> {
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     let mut encoder = gpu.device.create_command_encoder(&rimline::wgpu::CommandEncoderDescriptor::default());
     for lights in [&LIGHTS[..], &[Light::homogeneous([0.0; 4])]] {
-        let refused = extractor.encode(&mut encoder, positions, lights, None);
+        let refused = extractor.encode(&mut encoder, positions, lights);
         let Err(ExtractorError::Light(_)) = refused else { return Err(format!("{:?}", refused.err())) };
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Points that name their face, on the GPU: the twin's integers, however points lie and the query is cut, and what is refused.
+//! Points that name their face, on the GPU: the CPU's integers, however points lie and the query is cut, and what is refused.
 
 use rimline::gpu::{DeviceError, PositionBuffer, QueryError, QueryPoints, ShadowQuery, ShadowQueryOptions};
 use rimline::mesh::NO_FACE;
@@ -48,7 +48,7 @@ fn found(gpu: &Gpu, case: &ShadowCase, on_face: &[u32], place: [u64; 3]) -> Resu
     let [offset, stride, face_at] = place;
     let points = QueryPoints { points: PositionBuffer { buffer: &points, offset, stride }, on_face: Some(face_at) };
     gpu.submit(|encoder| {
-        query.encode_at(encoder, positions, points, case.points.len() as u32, &case.lights, None).map_err(text)
+        query.encode_at(encoder, positions, points, case.points.len() as u32, &case.lights).map_err(text)
     })?;
     gpu.read(query.depths(), case.points.len() * case.lights.len())
 }
@@ -132,7 +132,7 @@ fn refusals() -> Result<(), String> {
     let mut with = |stride: u64, count: u32, on_face: Option<u64>| {
         let points = QueryPoints { points: PositionBuffer { buffer: &buffer, offset: 0, stride }, on_face };
         let light = [Light::directional([0.0, 0.0, 1.0])];
-        gpu.submit(|encoder| Ok(query.encode_at(encoder, positions, points, count, &light, None)))
+        gpu.submit(|encoder| Ok(query.encode_at(encoder, positions, points, count, &light)))
     };
     for (stride, offset) in [(12, 12), (16, 0), (16, 8), (16, 14), (16, 16), (20, 13), (20, 20), (20, u64::MAX - 3)] {
         let right = Err(QueryError::FaceOffset { offset, stride });

@@ -1,4 +1,4 @@
-//! The shadow depth query's CPU twin: against brute force, and what must hold of any such count.
+//! The shadow depth query's CPU reference: against brute force, and what must hold of any such count.
 
 use rimline::reference::cpu::{self, CpuError, Threads};
 use rimline::{Light, LightError, Mesh};

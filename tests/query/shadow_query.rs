@@ -1,4 +1,4 @@
-//! The shadow depth query on the GPU: the twin's integers, however it is cut, and what is refused.
+//! The shadow depth query on the GPU: the CPU reference's integers, however it is cut, and what is refused.
 //!
 //! It tests the stage `depth_arguments`, too.
 
@@ -55,7 +55,7 @@ fn found(
     let points = gpu.storage(&interleaved(&case.points, offset, stride));
     let [positions, points] = [&positions, &points].map(|buffer| PositionBuffer { buffer, offset, stride });
     gpu.submit(|encoder| {
-        query.encode_at(encoder, positions, points, case.points.len() as u32, &case.lights, None).map_err(text)
+        query.encode_at(encoder, positions, points, case.points.len() as u32, &case.lights).map_err(text)
     })?;
     gpu.read(query.depths(), case.points.len() * case.lights.len())
 }
@@ -148,9 +148,9 @@ fn splits() -> Result<(), String> {
     let buffers = [&case.shape.positions, &case.points].map(|points| gpu.storage(points));
     let [positions, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
     gpu.submit(|encoder| {
-        query.encode_at(encoder, positions, points, 300, &case.lights, None).map_err(text)?;
-        query.encode_at(encoder, positions, points, 7, &few.lights, None).map_err(text)?;
-        query.encode_at(encoder, positions, points, 0, &few.lights, None).map_err(text)
+        query.encode_at(encoder, positions, points, 300, &case.lights).map_err(text)?;
+        query.encode_at(encoder, positions, points, 7, &few.lights).map_err(text)?;
+        query.encode_at(encoder, positions, points, 0, &few.lights).map_err(text)
     })?;
     same("few", &gpu.read::<i32>(query.depths(), 14)?, &expected(&few)?)
 }
@@ -175,7 +175,7 @@ fn boxes() -> Result<(), String> {
         let mut query = ShadowQuery::new(&gpu.pipelines, &mesh_of(&case.shape)?, room(&case)).map_err(text)?;
         let buffers = [positions, &case.points].map(|points| gpu.storage(points));
         let [bound, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
-        gpu.submit(|encoder| query.encode_at(encoder, bound, points, 1, &case.lights, None).map_err(text))?;
+        gpu.submit(|encoder| query.encode_at(encoder, bound, points, 1, &case.lights).map_err(text))?;
         let right = cpu::shadow_boxes(positions, &mesh_of(&case.shape)?, Threads::all());
         let mut clusters: Vec<FaceCluster> = gpu.read(query.clusters(), right.len())?;
         same(&case.name, &clusters, &right)?;
@@ -226,9 +226,8 @@ fn refusing() -> Result<(), String> {
     let (short, narrow) = (at(&points, 4, 12), at(&points, 0, 10));
     let (light, negative) = (Light::point([1.0, 2.0, 3.0]), Light::homogeneous([1.0, 1.0, 1.0, -1.0]));
     gpu.submit(|encoder| {
-        let mut encode = |positions, points, count, lights: &[Light]| {
-            query.encode_at(encoder, positions, points, count, lights, None)
-        };
+        let mut encode =
+            |positions, points, count, lights: &[Light]| query.encode_at(encoder, positions, points, count, lights);
         let negative_w = LightError::NegativeWeight { index: 0, w: -1.0 };
         let many = QueryError::TooManyPoints { count: 11, limit: 10 };
         let stride = QueryError::Points(DeviceError::PositionLayout { offset: 0, stride: 10 });
@@ -273,22 +272,22 @@ fn extractions() -> Result<(), String> {
     let at = PositionBuffer { buffer: &stored, offset: 0, stride: 12 };
     let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions { max_lights: 2, ..Default::default() })
         .map_err(text)?;
-    let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, &lights, None).map_err(text))?;
+    let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, &lights).map_err(text))?;
     let read = |query: &ShadowQuery| gpu.read::<i32>(query.depths(), 100);
-    gpu.submit(|encoder| query.encode_at(encoder, bound, at, 50, &lights, None).map_err(text))?;
+    gpu.submit(|encoder| query.encode_at(encoder, bound, at, 50, &lights).map_err(text))?;
     let expected = read(&query)?;
     must_fail("depths of nothing", &same("depths", &expected, &[0; 100]))?;
     for query in [&mut query, &mut of_clone] {
         gpu.submit(|encoder| {
             encoder.clear_buffer(query.depths(), 0, None);
-            query.encode(encoder, &extraction, at, 50, None).map_err(text)
+            query.encode(encoder, &extraction, at, 50).map_err(text)
         })?;
         same("depths of an extraction", &read(query)?, &expected)?;
     }
     gpu.submit(|encoder| {
-        let of_other = of_other.encode(encoder, &extraction, at, 50, None);
-        extractor.encode(encoder, bound, &lights[..1], None).map_err(text)?;
-        let of_before = query.encode(encoder, &extraction, at, 50, None);
+        let of_other = of_other.encode(encoder, &extraction, at, 50);
+        extractor.encode(encoder, bound, &lights[..1]).map_err(text)?;
+        let of_before = query.encode(encoder, &extraction, at, 50);
         refused([
             refusal("another mesh", of_other, is(QueryError::OtherMesh)),
             refusal("an extraction of before", of_before, is(QueryError::Extraction(ExtractorError::Stale))),

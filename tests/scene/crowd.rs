@@ -2,8 +2,8 @@
 
 use glam::{DVec4, Vec3};
 use rimline::gpu::{
-    Caster, CasterHandle, Deformer, DeformerOptions, FrameInputs, LightHandle, Scene, SceneFrame, SceneNeeds,
-    SceneOptions,
+    Caster, CasterHandle, Deformer, DeformerOptions, FrameInputs, LightHandle, ModelHandle, PoseInputs, Scene,
+    SceneFrame, SceneOptions,
 };
 use rimline::model::Box3;
 use rimline::{Cone, DepthDirection, Instance, InstancePose, Light, Mesh, Model, ModelBounds, Pose, ShadowCamera};
@@ -15,12 +15,13 @@ use rimline_testkit::random::Random;
 /// Half the width of the ground.
 const GROUND: f32 = 30.0;
 
-/// Where a figure is, how it bends, and how often that changed.
+/// Where a figure is, how it bends, how large it is, and whether it is its mirror image.
 #[derive(Clone, Copy)]
 pub(crate) struct Figure {
     pub(crate) at: Vec3,
     time: f32,
-    pub(crate) version: u64,
+    pub(crate) size: f32,
+    pub(crate) is_mirrored: bool,
 }
 
 /// The constant parts of a crowd.
@@ -38,7 +39,7 @@ impl Crowd {
     }
 
     pub(crate) fn figures(&self, random: &mut Random) -> Vec<Figure> {
-        let figure = |_| Figure { at: place(random), time: random.between(0.0, 9.0), version: 0 };
+        let figure = |_| Figure { at: place(random), time: random.between(0.0, 9.0), size: 1.0, is_mirrored: false };
         (0..self.model.instances().len()).map(figure).collect()
     }
 
@@ -46,7 +47,11 @@ impl Crowd {
         let pose = |figure: &Figure| {
             let bent = (self.bend)(figure.time);
             let mut palette = bent.instances()[0].palette().to_vec();
+            let mirror = if figure.is_mirrored { -figure.size } else { figure.size };
             for rows in &mut palette {
+                for (row, factor) in rows.iter_mut().zip([mirror, figure.size, figure.size]) {
+                    *row = row.map(|c| c * factor);
+                }
                 rows.iter_mut().zip(figure.at.to_array()).for_each(|(row, c)| row[3] += c);
             }
             InstancePose::new(palette, Vec::new()).map_err(text)
@@ -54,9 +59,8 @@ impl Crowd {
         Ok(Pose::new(figures.iter().map(pose).collect::<Result<_, _>>()?))
     }
 
-    pub(crate) fn boxes(&self, pose: &Pose) -> Result<Vec<Box3>, String> {
-        let boxes = self.bounds.boxes(pose, 0.0).map_err(text)?;
-        boxes.into_iter().map(|own| own.ok_or_else(|| "no box".to_owned())).collect()
+    pub(crate) fn boxes(&self, pose: &Pose) -> Result<Vec<Option<Box3>>, String> {
+        self.bounds.boxes(pose, 0.0).map_err(text)
     }
 }
 
@@ -68,14 +72,13 @@ pub(crate) fn place(random: &mut Random) -> Vec3 {
 pub(crate) fn walk(figures: &mut [Figure], random: &mut Random) {
     for figure in figures {
         match random.below(4) {
-            0 => continue,
+            0 => {}
             1 => figure.at = place(random),
             _ => {
                 figure.at += Vec3::from(random.direction()) * Vec3::new(1.0, 0.0, 1.0);
                 figure.time += 0.3;
             }
         }
-        figure.version += 1;
     }
 }
 
@@ -116,60 +119,94 @@ pub(crate) fn sees(camera: &ShadowCamera, point: DVec4) -> bool {
     clip.w > 0.0 && clip.x.abs() <= clip.w && clip.y.abs() <= clip.w && clip.z <= clip.w
 }
 
-/// A scene of the crowd, with its deformer.
+/// A scene of the crowd, which it deforms as far as a frame needs.
 pub(crate) struct Stage {
     pub(crate) scene: Scene,
-    pub(crate) deformer: Deformer,
-    pub(crate) casters: Vec<CasterHandle>,
+    pub(crate) model: ModelHandle,
     pub(crate) lights: Vec<LightHandle>,
 }
 
 impl Stage {
-    pub(crate) fn new(gpu: &Gpu, crowd: &Crowd, lights: &[Light], options: SceneOptions) -> Result<Self, String> {
-        let deformer = Deformer::new(&gpu.pipelines, &crowd.model, DeformerOptions::default()).map_err(text)?;
-        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
-        let geometry = &crowd.model.geometries()[0];
-        let mesh = Mesh::from_faces(geometry.positions().len(), geometry.faces().to_vec()).map_err(text)?;
-        let mesh = scene.add_mesh(&mesh, geometry.positions()).map_err(text)?;
-        let lights = lights.iter().map(|light| scene.add_light(*light).map_err(text)).collect::<Result<_, _>>()?;
-        let figures = (0..crowd.model.instances().len()).map(|instance| {
-            let positions = deformer.instance_positions(instance).ok_or("no instance")?;
-            scene.insert(Caster::in_buffer(mesh, positions)).map_err(text)
-        });
-        let casters = figures.collect::<Result<_, String>>()?;
-        Ok(Self { scene, deformer, casters, lights })
-    }
-
-    /// States where the figures are, and which version of them the frame has.
-    pub(crate) fn state(&mut self, crowd: &Crowd, pose: &Pose, figures: &[Figure]) -> Result<(), String> {
-        for ((&caster, own), figure) in self.casters.iter().zip(crowd.boxes(pose)?).zip(figures) {
-            self.scene.set_bounds(caster, Some(own)).map_err(text)?;
-            self.scene.set_position_version(caster, Some(figure.version)).map_err(text)?;
-        }
-        Ok(())
-    }
-
-    /// Records a frame that deforms what it needs.
-    pub(crate) fn encode_needed(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
+    pub(crate) fn new(
+        gpu: &Gpu,
+        crowd: &Crowd,
         pose: &Pose,
-        cameras: &[ShadowCamera],
-    ) -> Result<(SceneNeeds, SceneFrame), String> {
-        let needs = self.scene.encode_needs(encoder, &self.casters, cameras, None).map_err(text)?;
-        self.deformer.encode_needed(encoder, pose, 0.0, None, &needs, None).map_err(text)?;
-        let frame = self.scene.encode_needed(encoder, FrameInputs::new(&views(cameras)), &needs).map_err(text)?;
-        Ok((needs, frame))
+        lights: &[Light],
+        options: SceneOptions,
+    ) -> Result<Self, String> {
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
+        let lights = lights.iter().map(|light| scene.add_light(*light).map_err(text)).collect::<Result<_, _>>()?;
+        let model = scene.insert_model(&crowd.model, pose, DeformerOptions::default()).map_err(text)?;
+        Ok(Self { scene, model, lights })
     }
 
-    /// Records a frame that deforms everything.
+    /// Records a frame in a pose.
     pub(crate) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         pose: &Pose,
         cameras: &[ShadowCamera],
     ) -> Result<SceneFrame, String> {
-        self.deformer.encode(encoder, pose, 0.0, None, None).map_err(text)?;
+        self.scene.set_pose(self.model, pose).map_err(text)?;
         self.scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text)
+    }
+
+    /// The positions of all figures.
+    pub(crate) fn positions(&self, gpu: &Gpu) -> Result<Vec<[u32; 3]>, String> {
+        gpu.read(self.scene.positions(self.model).map_err(text)?.buffer, usize::MAX)
+    }
+}
+
+/// A scene of the crowd, which a deformer of the caller's own deforms, all of it.
+pub(crate) struct Apart {
+    pub(crate) scene: Scene,
+    deformer: Deformer,
+    pub(crate) casters: Vec<CasterHandle>,
+    pub(crate) lights: Vec<LightHandle>,
+}
+
+impl Apart {
+    /// `options` are those of the deformer.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        crowd: &Crowd,
+        pose: &Pose,
+        lights: &[Light],
+        (options, deforming): (SceneOptions, DeformerOptions<'_>),
+    ) -> Result<Self, String> {
+        let deformer = Deformer::new(&gpu.pipelines, &crowd.model, deforming).map_err(text)?;
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
+        let geometry = &crowd.model.geometries()[0];
+        let mut mesh = |turned: bool| {
+            let turn = |&[a, b, c]: &[u32; 3]| if turned { [a, c, b] } else { [a, b, c] };
+            let faces = geometry.faces().iter().map(turn).collect();
+            let mesh = Mesh::from_faces(geometry.positions().len(), faces).map_err(text)?;
+            scene.add_mesh(&mesh, geometry.positions()).map_err(text)
+        };
+        let meshes = [mesh(false)?, mesh(true)?];
+        let lights = lights.iter().map(|light| scene.add_light(*light).map_err(text)).collect::<Result<_, _>>()?;
+        let mut casters = Vec::new();
+        for ((instance, pose), own) in pose.instances().iter().enumerate().zip(crowd.boxes(pose)?) {
+            let positions = deformer.instance_positions(instance).ok_or("no instance")?;
+            let mesh = meshes[usize::from(pose.faces_turned())];
+            let caster = scene.insert(Caster::in_buffer(mesh, positions)).map_err(text)?;
+            scene.set_bounds(caster, own).map_err(text)?;
+            casters.push(caster);
+        }
+        Ok(Self { scene, deformer, casters, lights })
+    }
+
+    pub(crate) fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        (pose, time_s): (&Pose, f32),
+        cameras: &[ShadowCamera],
+    ) -> Result<SceneFrame, String> {
+        self.deformer.encode(encoder, PoseInputs { time_s, ..PoseInputs::new(pose) }).map_err(text)?;
+        self.scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text)
+    }
+
+    pub(crate) fn positions(&self, gpu: &Gpu) -> Result<Vec<[u32; 3]>, String> {
+        gpu.read(self.deformer.positions().buffer, usize::MAX)
     }
 }

@@ -76,7 +76,7 @@ fn meshes() -> Result<(), String> {
     let light = scene.add_light(Light::directional([0.0, 1.0, 0.0])).map_err(text)?;
     refused([refusal("faces of polygons", scene.set_excluded(quads, light, &[1]), is(ShadowError::Polygons))])?;
     let mut gap = PolygonSet::default();
-    gap.push_points(&[(0..MAX_OUTLINE_EDGES as u32 + 1).map(|n| [n as f32, (n * n) as f32, 0.0]).collect()]);
+    gap.push_points(&[(0..=MAX_OUTLINE_EDGES as u32).map(|n| [n as f32, (n * n) as f32, 0.0]).collect()]);
     let too_large = ExtractorError::OutlineTooLarge { polygon: 0, edges: MAX_OUTLINE_EDGES + 1 };
     let added = scene.add_mesh(&gap.mesh(Weld::Position).map_err(text)?, &gap.positions);
     refused([refusal("an outline", added, is(ShadowError::Extraction(too_large)))])?;

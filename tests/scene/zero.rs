@@ -5,9 +5,8 @@ use std::ops::ControlFlow;
 
 use rimline::cpu::{HiddenFaces, HiddenOptions};
 use rimline::gpu::{
-    Capacities, Caster, CasterHandle, Deformer, DeformerOptions, DeviceError, FrameInputs, LightHandle, LightMask,
-    Pipelines, PositionBuffer, Scene, SceneFrame, SceneOptions, ShadowError, StencilCounts, read_back_vec,
-    read_back_vec_async,
+    Capacities, Caster, CasterHandle, DeformerOptions, DeviceError, FrameInputs, LightHandle, LightMask, Pipelines,
+    PositionBuffer, Scene, SceneFrame, SceneOptions, ShadowError, StencilCounts, read_back_vec, read_back_vec_async,
 };
 use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{Counting, DepthDirection, Light, Matrix3x4, Mesh, Model, Pose, ShadowCamera};
@@ -159,24 +158,24 @@ fn without_lists() -> Result<(), String> {
     scene.set_hidden_faces(light, &[], None).map_err(text)?;
     let polygon = Err(ShadowError::OccluderCorners { number: 0, corners: 0 });
     same("an occluder without corners", &[scene.set_occluders(caster, &[&[]])], &[polygon])?;
-    // No camera; no figures, of a model without any.
+    // No camera; no instances, of a model without any.
     let model = Model::new(Vec::new(), Vec::new()).map_err(text)?;
-    let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
+    let pose = Pose::new(Vec::new());
+    let model = stage.scene.insert_model(&model, &pose, DeformerOptions::default()).map_err(text)?;
+    same("instances", &[stage.scene.casters(model).map(<[_]>::len)], &[Ok(0)])?;
     let truth = reference.encode(gpu, &[eye()])?;
     let truth = reference.volumes(gpu, &truth, 1)?;
     for cameras in [&[][..], &[eye()]] {
-        let (needs, frame) = gpu.submit(|encoder| {
-            let needs = stage.scene.encode_needs(encoder, &[], cameras, None).map_err(text)?;
-            deformer.encode_needed(encoder, &Pose::new(Vec::new()), 0.0, None, &needs, None).map_err(text)?;
-            let frame = stage.scene.encode_needed(encoder, FrameInputs::new(&views(cameras)), &needs).map_err(text)?;
-            Ok((needs, frame))
+        stage.scene.set_pose(model, &pose).map_err(text)?;
+        let frame = gpu.submit(|encoder| {
+            stage.scene.deform(encoder, FrameInputs::new(&views(cameras))).map_err(text)?;
+            stage.scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text)
         })?;
-        let part = needs.part(0..0).is_some_and(|part| part.is_empty()) && needs.part(0..1).is_none();
-        same("needs", &[needs.is_empty(), part], &[true, true])?;
         if !cameras.is_empty() {
             same("volumes", &stage.volumes(gpu, &frame, 1)?.instances, &truth.instances)?;
         }
     }
+    stage.scene.remove_model(model).map_err(text)?;
     // Casters for no light, and with no light left.
     for caster in stage.casters.clone() {
         stage.scene.set_lights(caster, LightMask::only([])).map_err(text)?;

@@ -36,9 +36,9 @@ fn target(gpu: &Gpu, samples: u32, format: wgpu::TextureFormat) -> wgpu::Texture
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
-fn color(view: &wgpu::TextureView) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+fn color(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
     let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
-    Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+    wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops }
 }
 
 /// The colour attachments of the passes here: none, one, and several with a gap.
@@ -60,7 +60,7 @@ impl Views {
     }
 
     fn attachments(&self) -> Vec<Option<wgpu::RenderPassColorAttachment<'_>>> {
-        self.colors.iter().map(|view| color(view.as_ref()?)).collect()
+        self.colors.iter().map(|view| view.as_ref().map(color)).collect()
     }
 }
 
@@ -135,7 +135,7 @@ fn other_passes() -> Result<(), String> {
             let is_same = samples == others && formats == other_formats;
             let expected = if is_same { Expected::Taken } else { shows(&["OtherAttachments"]) };
             refused([refusal(&what, drawn(gpu, &format, &pass, false)?, expected)])?;
-            // What is refused would be an error of wgpu, and by default a panic.
+            // Each refusal spares an error of wgpu, by default a panic.
             let found = drawn(gpu, &format, &pass, true)?.map_err(text)?;
             if found.is_none() != is_same {
                 return Err(format!("{what}: wgpu says {found:?}"));
@@ -154,6 +154,13 @@ fn other_passes() -> Result<(), String> {
     let ops = |load| Some(wgpu::Operations { load, store: wgpu::StoreOp::Store });
     let format = ShadowFormat::default();
     let nothing = wgpu::RenderPassDescriptor::default();
+    let depth_cleared = wgpu::RenderPassDescriptor {
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+            ..ShadowFormat::attachment(&views.depth_stencil)
+        }),
+        ..Default::default()
+    };
     refused([
         refusal("no stencil", drawn(gpu, &format, &of(None), false)?, is(ShadowError::StencilNotCleared)),
         refusal(
@@ -167,6 +174,7 @@ fn other_passes() -> Result<(), String> {
             is(ShadowError::StencilNotCleared),
         ),
         refusal("cleared", drawn(gpu, &format, &of(ops(wgpu::LoadOp::Clear(0))), false)?, Expected::Taken),
+        refusal("depth cleared", drawn(gpu, &format, &depth_cleared, false)?, is(ShadowError::DepthCleared)),
         refusal("no depth", drawn(gpu, &format, &nothing, false)?, is(ShadowError::NoDepthStencil)),
         refusal("no depth, of it", ShadowFormat::of_pass(&nothing, &camera()), is(ShadowError::NoDepthStencil)),
     ])?;

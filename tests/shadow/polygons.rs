@@ -305,7 +305,7 @@ fn mixed(random: &mut Random, lights: usize) -> Result<(String, Frame), String> 
         if mesh.polygons().is_none() {
             continue;
         }
-        names += &format!("{} ", name.replace(' ', "_"));
+        names = format!("{names}{} ", name.replace(' ', "_"));
         let own = self::frame(random, set, &mesh);
         match &mut frame {
             Some(frame) => frame.bodies.insert(0, own.bodies[0].clone()),

@@ -243,7 +243,7 @@ fn stale() -> Result<(), String> {
     let options = ExtractorOptions { max_lights: 4, ..Default::default() };
     let mut extractor = Extractor::new(&gpu.pipelines, &caster.mesh, options).map_err(text)?;
     let mut extract =
-        |lights: &[Light]| gpu.submit(|encoder| extractor.encode(encoder, caster.place(), lights, None).map_err(text));
+        |lights: &[Light]| gpu.submit(|encoder| extractor.encode(encoder, caster.place(), lights).map_err(text));
     let (first, second) = (extract(&LIGHTS[..2])?, extract(&LIGHTS[2..])?);
     let layout = rimline::gpu::results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
     let stale = || is(ExtractorError::Stale);
@@ -272,7 +272,7 @@ fn no_lights() -> Result<(), String> {
     let options = ExtractorOptions { max_lights: 4, ..Default::default() };
     let mut extractor = Extractor::new(&gpu.pipelines, &caster.mesh, options).map_err(text)?;
     let mut silhouettes = |lights: &[Light]| -> Result<(Vec<u32>, usize), String> {
-        let extraction = gpu.submit(|encoder| extractor.encode(encoder, caster.place(), lights, None).map_err(text))?;
+        let extraction = gpu.submit(|encoder| extractor.encode(encoder, caster.place(), lights).map_err(text))?;
         let draws: Vec<DrawArguments> = gpu.read(extractor.results().draw_arguments, 4)?;
         Ok((draws.iter().map(|draw| draw.instance_count).collect(), extraction.batches()))
     };

@@ -232,7 +232,7 @@ impl<'a> Renderer<'a> {
             let size = [map.texture.texture().width(), map.texture.texture().height()];
             let mut volumes = DepthMapVolumes::new(pipelines, size, *options).map_err(|error| text(&error))?;
             let camera = frame.eye.camera();
-            let shadows = volumes.encode(&mut encoder, map, &camera, None).map_err(|error| text(&error))?;
+            let shadows = volumes.encode(&mut encoder, map, &camera).map_err(|error| text(&error))?;
             mapped = Some((shadows, *pipelines, *is_first));
         }
         let draw_mapped = |pass: &mut wgpu::RenderPass<'_>, is_first: bool| match &mapped {

@@ -1,8 +1,8 @@
 //! A skinned figure in motion: what the deform stage wrote, against rays through it.
 
 use glam::{DVec3, Vec3};
-use rimline::gpu::{Caster, Deformer, DeformerOptions, Scene, SceneOptions};
-use rimline::{Counting, DepthDirection, Instance, InstancePose, Light, Mesh, Model, ModelBounds, Pose};
+use rimline::gpu::{Deformer, DeformerOptions, FrameInputs, Scene, SceneOptions};
+use rimline::{Counting, DepthDirection, Instance, InstancePose, Light, Model, Pose, wgpu};
 use rimline_testkit::shapes::Shape;
 
 use crate::classes::with_caster;
@@ -30,7 +30,7 @@ fn skinned() -> Result<(), String> {
     for number in 0..frames() {
         let seed = 9000 + number;
         let pose = pose(number as f32 * 0.4);
-        gpu.submit(|encoder| deformer.encode(encoder, &pose, 0.0, None, None).map_err(|error| text(&error)))?;
+        gpu.submit(|encoder| deformer.encode(encoder, &pose).map_err(|error| text(&error)))?;
         let positions = gpu.read(deformer.positions().buffer, model.vertex_count())?;
         let before = std::mem::replace(&mut shape.positions, positions);
         let traced = Traced::of(with_caster(&mut Random::new(seed), shape.clone()), seed);
@@ -60,17 +60,10 @@ fn unneeded() -> Result<(), String> {
     let (tube, bend) = bending_tube();
     let geometry = &tube.geometries()[0];
     let model = Model::new(vec![geometry.clone()], vec![Instance::new(0, None); FIGURES]).map_err(|e| text(&e))?;
-    let bounds = ModelBounds::new(&model);
-    let new = || Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(|error| text(&error));
-    let (deformer, other) = (new()?, new()?);
-    let mesh = Mesh::from_faces(geometry.positions().len(), geometry.faces().to_vec()).map_err(|error| text(&error))?;
+    let other = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(|error| text(&error))?;
+    let rest = Pose::new(vec![bend(0.0).instances()[0].clone(); FIGURES]);
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(|error| text(&error))?;
-    let handle = scene.add_mesh(&mesh, geometry.positions()).map_err(|error| text(&error))?;
-    let casters = (0..FIGURES).map(|number| {
-        let positions = deformer.instance_positions(number).ok_or("no instance")?;
-        scene.insert(Caster::in_buffer(handle, positions)).map_err(|error| text(&error))
-    });
-    let casters = casters.collect::<Result<Vec<_>, _>>()?;
+    let inserted = scene.insert_model(&model, &rest, DeformerOptions::default()).map_err(|error| text(&error))?;
     let lights: Vec<Light> =
         vec![Light::point([-3.0, 4.0, 2.0]).with_range(9.0), Light::point([8.0, 6.0, -7.0]).with_range(9.0)];
     for light in &lights {
@@ -91,9 +84,7 @@ fn unneeded() -> Result<(), String> {
             InstancePose::new(palette, Vec::new()).map_err(|error| text(&error))
         };
         let pose = Pose::new((0..FIGURES).map(pose).collect::<Result<_, _>>()?);
-        for (&caster, own) in casters.iter().zip(bounds.boxes(&pose, 0.0).map_err(|error| text(&error))?) {
-            scene.set_bounds(caster, own).map_err(|error| text(&error))?;
-        }
+        scene.set_pose(inserted, &pose).map_err(|error| text(&error))?;
         let eye = Vec3::from(random.direction()) * Vec3::new(6.0, 1.0, 6.0);
         let eye = Eye {
             place: eye.as_dvec3(),
@@ -104,25 +95,27 @@ fn unneeded() -> Result<(), String> {
             far: None,
             half_width: None,
         };
-        let needs = gpu.submit(|encoder| {
-            let needs = scene.encode_needs(encoder, &casters, &[eye.camera()], None).map_err(|error| text(&error))?;
-            deformer.encode_needed(encoder, &pose, 0.0, None, &needs, None).map_err(|error| text(&error))?;
-            other.encode(encoder, &pose, 0.0, None, None).map_err(|error| text(&error))?;
-            Ok(needs)
+        let inputs = [eye.camera().into()];
+        gpu.submit(|encoder| {
+            scene.encode(encoder, FrameInputs::new(&inputs)).map_err(|error| text(&error))?;
+            other.encode(encoder, &pose).map_err(|error| text(&error))
         })?;
-        let words: Vec<u32> = gpu.read(needs.buffer(), FIGURES)?;
+        let own = scene.positions(inserted).map_err(|error| text(&error))?.buffer;
+        let points: Vec<[f32; 3]> = gpu.read(own, model.vertex_count())?;
+        let is_point = |figure: &[[f32; 3]]| u32::from(figure.iter().all(|position| *position == [0.0; 3]));
+        let words: Vec<u32> = points.chunks(geometry.positions().len()).map(is_point).collect();
         count += words.iter().sum::<u32>();
         turned += words.iter().zip(&before).filter(|(now, before)| now != before).count();
         before = words;
-        let frame = |deformer: &Deformer| -> Result<Frame, String> {
-            let all: Vec<[f32; 3]> = gpu.read(deformer.positions().buffer, model.vertex_count())?;
+        let frame = |positions: &wgpu::Buffer| -> Result<Frame, String> {
+            let all: Vec<[f32; 3]> = gpu.read(positions, model.vertex_count())?;
             let figures = all.chunks(geometry.positions().len()).map(|positions| {
                 Body::caster(Shape { positions: positions.to_vec(), faces: geometry.faces().to_vec() })
             });
             let bodies = figures.chain([Body::room([0.0, 3.0, 0.0], 13.0)]).collect();
             Ok(Frame { bodies, eye, lights: lights.clone(), size: 64 })
         };
-        let (own, all) = (frame(&deformer)?, frame(&other)?);
+        let (own, all) = (frame(own)?, frame(other.positions().buffer)?);
         let renderer = Renderer { placing: Placing::Scene, range: 9.0, ..Renderer::new(&gpu) };
         let [found, expected] = [&own, &all].map(|frame| renderer.count(frame, Counting::Auto));
         let (found, expected) = (found?, expected?);

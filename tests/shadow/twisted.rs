@@ -86,8 +86,8 @@ fn motion() -> Result<(), String> {
         let mut frame = frame(&mut random, set.clone(), &mesh);
         let light = frame.lights[0];
         gpu.submit(|encoder| {
-            deformer.encode(encoder, &pose, 0.0, None, None).map_err(text)?;
-            extractor.encode(encoder, deformer.positions(), &[light], None).map_err(text)
+            deformer.encode(encoder, &pose).map_err(text)?;
+            extractor.encode(encoder, deformer.positions(), &[light]).map_err(text)
         })?;
         set.positions = gpu.read(deformer.positions().buffer, model.vertex_count())?;
         let found = read(gpu, &extractor, &mesh, 1)?;

@@ -94,9 +94,9 @@ fn deform(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation
     return;
   }
   let word = chunk.positions + 3u * vertex;
-  if (pose[chunk.before + dispatch.instances] != 0u) {
+  if (pose[chunk.before + dispatch.instances] == 1u) {
     // An instance that was a point before is one already.
-    if (pose[chunk.before] == 0u) {
+    if (pose[chunk.before] != 1u) {
       positions[word] = 0.0;
       positions[word + 1u] = 0.0;
       positions[word + 2u] = 0.0;

@@ -25,7 +25,7 @@ struct NeedsDispatch {
 @group(0) @binding(1) var<storage, read> seen: array<SeenLight>;
 // For each figure the lowest corner of its box and whether it has one, the highest corner, and the bits of its lights.
 @group(0) @binding(2) var<storage, read> figures: array<vec4<u32>>;
-@group(0) @binding(3) var<storage, read_write> unneeded: array<u32>; // For each figure 0 if it is needed, else 1.
+@group(0) @binding(3) var<storage, read_write> unneeded: array<u32>; // For each figure 1 if it is not needed, else 2. 0: this stage never ran.
 
 // Whether a camera may see the shadow that its light `number` makes of a box, and the light may reach that. Never false if it
 // does.
@@ -65,6 +65,6 @@ fn is_needed(figure: u32) -> bool {
 @compute @workgroup_size(64)
 fn needs(@builtin(global_invocation_id) id: vec3<u32>) {
   if (id.x < frame.figures) {
-    unneeded[id.x] = select(1u, 0u, is_needed(id.x));
+    unneeded[id.x] = select(1u, 2u, is_needed(id.x));
   }
 }

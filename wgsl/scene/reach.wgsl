@@ -82,12 +82,20 @@ fn lights_that_matter(caster: u32, batch: u32) -> u32 {
   return matter;
 }
 
-// Whether a caster is a figure (its vertices may be deformed) that the frame does not need, as `needs` found.
-fn is_unneeded(caster: u32) -> bool {
+// The state of a caster's positions: computed, not needed by the frame, as `needs` found of a figure (a caster whose vertices may
+// be deformed), or never computed, since an encoder that should have deformed the figures was dropped.
+const COMPUTED: u32 = 2u;
+const UNNEEDED: u32 = 1u;
+const NEVER: u32 = 0u;
+
+fn positions_of(caster: u32) -> u32 {
   let figure = caster_part(caster, 7u).w;
   let at = table[group.ranges_at + 16u * group.batches].y;
   let is_rigid = (caster_part(caster, 4u).w & RIGID) != 0u;
-  return !is_rigid && figure != 0u && at != 0u && atomicLoad(&work[at + figure - 1u]) != 0u;
+  if (is_rigid || figure == 0u || at == 0u) {
+    return COMPUTED;
+  }
+  return atomicLoad(&work[at + figure - 1u]);
 }
 
 // The bits of `lights` that did not change since the masks were computed.
@@ -104,7 +112,8 @@ fn unchanged(batch: u32, lights: u32) -> u32 {
 
 // Finds the lights of a caster in a batch, and writes all that follows from them.
 fn take_pair(pair: u32, caster: u32, batch: u32) {
-  let unneeded = is_unneeded(caster);
+  let state = positions_of(caster);
+  let unneeded = state == UNNEEDED;
   // For a figure that was not deformed nothing is computed, and no bits are kept.
   let reaching = select(lights_that_matter(caster, batch), 0u, unneeded);
   let hidden = occluded(caster, batch, reaching);
@@ -116,14 +125,14 @@ fn take_pair(pair: u32, caster: u32, batch: u32) {
   var anew = 0xffffffffu;
   if (group.keeps != 0u && kept[0] == group.structure) {
     let before = kept[at + 1u];
-    if (kept[at] == last.x && (caster_part(caster, 4u).w & (CHANGING | GIVEN)) == 0u) {
+    if (kept[at] == last.x && state != NEVER && (caster_part(caster, 4u).w & (CHANGING | GIVEN)) == 0u) {
       keeps = unchanged(batch, matter & before);
     }
     anew = (matter & ~keeps) | (before & ~matter);
   }
   lit[pair] = matter;
   taken[pair] = matter & ~keeps;
-  kept[at] = last.x;
+  kept[at] = select(last.x, 0u, state == NEVER);
   kept[at + 1u] = matter;
   let words = 4u * (last.y * group.batches + batch);
   atomicOr(&work[words + 2u], anew);

@@ -5,7 +5,7 @@
 // cones of the lights, the lights themselves, for each rigid caster in its space, then occluders with the scaled lights in
 // world space and the corners, if there are any, and the casters of all chunks (64 slots of faces or edges of one caster).
 // Choices of shadow volumes are copied behind them. The first of the four words is the number of the encode. The second is the
-// word of the work lists from which on there is a word for each figure (a caster that may be deformed), 1 if it is not needed;
+// word of the work lists from which on there is a word for each figure (a caster that may be deformed), 1 if it is not needed, 2 if it is;
 // it is 0 where all are needed. The third is the largest coordinate of the origins of cameras, for `reach`. A page has the
 // topology and clusters of several meshes. The layout is that of the Rust; bits are kept only as long as all versions beside
 // them are right.

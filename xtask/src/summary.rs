@@ -9,6 +9,8 @@ pub(crate) struct Summary {
     failed: usize,
     /// Ignored by name.
     skipped: usize,
+    /// Ignored ones that stand for tests on model files, whose folder is missing.
+    without_files: usize,
     gpu_tests: usize,
     /// Lines to show again at the end.
     notes: Vec<String>,
@@ -30,6 +32,8 @@ impl Summary {
                     _ => {}
                 }
             }
+        } else if line.trim_end().ends_with("... ignored") && line.contains("real files ") {
+            self.without_files += 1;
         } else if let Some(count) = line.strip_prefix("gpu tests: ") {
             self.gpu_tests += count.trim().parse::<usize>().unwrap_or(0);
             self.notes.push(line.into());
@@ -68,6 +72,7 @@ impl Summary {
         self.passed += other.passed;
         self.failed += other.failed;
         self.skipped += other.skipped;
+        self.without_files += other.without_files;
         self.gpu_tests += other.gpu_tests;
         self.errors.extend(other.errors.into_iter().map(|error| format!("on {driver}: {error}")));
     }
@@ -87,6 +92,17 @@ impl Summary {
         format!("{} passed, {} failed, {} skipped", self.passed, self.failed, self.skipped)
     }
 
+    /// Why tests were skipped.
+    fn why_skipped(&self) -> Option<String> {
+        let (files, others) = (self.without_files, self.skipped.saturating_sub(self.without_files));
+        (self.skipped > 0).then(|| {
+            format!(
+                "skipped: {files} groups of tests on real models, whose folder is not there (RIMLINE_ASSETS); {others} long \
+                 trials (RIMLINE_LONG=1) and tests of drivers that are not installed"
+            )
+        })
+    }
+
     /// Shows notes, errors and, as the last line, the counts.
     pub(crate) fn finish(&self) -> ExitCode {
         println!();
@@ -96,6 +112,9 @@ impl Summary {
         // On standard output too, so that the counts stay the last line wherever the two are joined.
         for error in &self.errors {
             println!("error: {error}");
+        }
+        if let Some(line) = self.why_skipped() {
+            println!("{line}");
         }
         println!("{}", self.last_line());
         if self.failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
@@ -124,6 +143,15 @@ mod tests {
         let all = summary(&[RESULT, "adapter: llvmpipe", "gpu tests: 20", failed], false);
         assert_eq!(all.last_line(), "26 passed, 3 failed, 2 skipped");
         assert_eq!(all.notes, ["adapter: llvmpipe", "gpu tests: 20"]);
+    }
+
+    #[test]
+    fn the_reason_for_skipping_is_said() {
+        let ignored =
+            ["test [gpu] file real files      ... ignored", "test long ... ignored", "test real files ... ok"];
+        let why = summary(&[&ignored[..], &[RESULT]].concat(), true).why_skipped();
+        assert!(why.is_some_and(|why| why.contains("1 groups") && why.contains("1 long")));
+        assert_eq!(summary(&["gpu tests: 1"], true).why_skipped(), None);
     }
 
     #[test]

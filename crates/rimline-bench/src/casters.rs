@@ -17,7 +17,7 @@ use crate::engine::{Contender, Metric, Rounds, Sample, interleave};
 use crate::extraction::subject;
 use crate::gpu::{Gpu, Stopwatch, beside_draws};
 use crate::random::Random;
-use crate::record::{Camera, DEPTH, Deforming, Meshes, Recorder, STENCIL, SceneRecorder, Setting, Until, stencil_pass};
+use crate::record::{Camera, DEPTH, Meshes, Recorder, STENCIL, SceneRecorder, Setting, Until, stencil_pass};
 use crate::row::{Entry, Row, Section, Variant};
 use crate::shapes::{self, Shape};
 use crate::text::grouped;
@@ -166,8 +166,7 @@ pub(crate) fn measure(
     let Devices { draws: stopwatch, scene: pipelines, volumes: [_, volumes], .. } = devices;
     let gpu = stopwatch.gpu;
     let before = gpu.allocated_bytes()?;
-    let deforming = Deforming::new(gpu, &setting)?;
-    let mut recorder = SceneRecorder::new(gpu, &setting, &deforming, Some(pipelines), options(false))?;
+    let mut recorder = SceneRecorder::new(gpu, &setting, Some(pipelines), options(false))?;
     stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Volumes, None))?;
     let scene_device_bytes = taken(before, gpu.allocated_bytes()?);
     let scene_bytes = recorder.bytes()?;
@@ -280,10 +279,9 @@ fn stages(
     host: &dyn Host,
 ) -> Result<Compared, Error> {
     let gpu = stopwatch.gpu;
-    let deforming = Deforming::new(gpu, setting)?;
     let [mut scene, mut still] = [
-        SceneRecorder::new(gpu, setting, &deforming, None, options(false))?,
-        SceneRecorder::new(gpu, setting, &deforming, None, options(true))?,
+        SceneRecorder::new(gpu, setting, None, options(false))?,
+        SceneRecorder::new(gpu, setting, None, options(true))?,
     ];
     let mut other = merged(gpu, Some(pipelines).filter(|_| until == Until::Volumes), setting)?;
     stopwatch.by_clock(|encoder| scene.encode(encoder, Until::Extraction, None))?;

@@ -1,5 +1,18 @@
 //! Pipelines of a single WGSL module, without what most of them have alike.
 
+/// Triangles whose corners lie in binding 1, three floats each, for the depth of surfaces. Binding 0 has the columns of a camera's
+/// matrix, and the origin that it takes positions from.
+pub const SURFACE: &str = "
+struct Camera { columns: mat4x4<f32>, origin: vec4<f32> }
+@group(0) @binding(0) var<storage, read> camera: Camera;
+@group(0) @binding(1) var<storage, read> corners: array<f32>;
+@vertex fn surface(@builtin(vertex_index) at: u32) -> @builtin(position) vec4<f32> {
+  let place = vec3<f32>(corners[3u * at], corners[3u * at + 1u], corners[3u * at + 2u]);
+  return camera.columns * vec4<f32>(place - camera.origin.xyz, 1.0);
+}
+@fragment fn nothing() {}
+";
+
 /// A render pipeline.
 #[derive(Clone, Debug)]
 pub struct Drawing<'a> {
@@ -71,8 +84,8 @@ pub fn depth(format: wgpu::TextureFormat, compare: wgpu::CompareFunction, is_wri
     }
 }
 
-/// A compute pipeline over the texels of a texture of floats, which may be depths: binding 0 of group 0. Binding 1 is a storage
-/// buffer that is written.
+/// A compute pipeline over the texels of a texture of floats, which may be depths, with one sample or several: binding 0 of group 0.
+/// Binding 1 is a storage buffer that is written.
 #[derive(Debug)]
 pub struct TexelKernel {
     pipeline: wgpu::ComputePipeline,
@@ -80,14 +93,14 @@ pub struct TexelKernel {
 }
 
 impl TexelKernel {
-    pub fn new(device: &wgpu::Device, (label, source): (&str, &str)) -> Self {
+    pub fn new(device: &wgpu::Device, (label, source): (&str, &str), multisampled: bool) -> Self {
         let label = Some(label);
         let source = wgpu::ShaderSource::Wgsl(source.into());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
         let float = wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: false },
             view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
+            multisampled,
         };
         let storage = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Storage { read_only: false },

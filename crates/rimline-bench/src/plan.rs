@@ -42,7 +42,7 @@ pub enum PlanError {
     #[error("there is no scene `{wanted}`; there are {there}, `all` and `none`")]
     Scene { wanted: String, there: String },
     #[error(
-        "--casters is for the scenes `casters`, `still`, `city`, `crowd` and `moving`, which --scenes leaves out; add one of \
+        "--casters is for the scenes `casters`, `still`, `city`, `crowd`, `moving` and `house`, which --scenes leaves out; add one of \
          them to --scenes"
     )]
     CastersWithoutScene,
@@ -85,7 +85,7 @@ const QUICK_SCENES: [&str; 10] = [
 const LIGHTS: [usize; 3] = [1, 8, 32];
 /// Beside the names of stress scenes: the scenes of many casters, and those that measure skipping.
 const CASTERS: &str = "casters";
-const SKIPPING: [&str; 5] = ["still", "city", "crowd", "moving", "big"];
+const SKIPPING: [&str; 6] = ["still", "city", "crowd", "moving", "house", "big"];
 const NUMBERS_OF_CASTERS: [usize; 6] = [1, 10, 100, 200, 1000, 10_000];
 const QUICK_NUMBERS_OF_CASTERS: [usize; 3] = [1, 10, 100];
 /// Faces of a single caster.

@@ -197,7 +197,7 @@ const INFO_KEYS: &str = "\
 Keys of --json: file, instances, origin (only where it is not zero), meshes (a list), total (each mesh once), placed (all \
 instances at rest in world space); each of these three with name, vertices (before, after, apart), faces, degenerate_faces, \
 collapsed_faces, duplicate_faces, flipped_faces (of these the flipped copies), edges (consistent, inconsistent, boundary), \
-non_manifold_edges, components, closed, \
+non_manifold_edges, components, inward_components, closed, \
 why_open, offending_edges (kind, vertices, positions), near_boundary (null where no two boundary edges nearly meet; edges, \
 gap, weld_distance, closes, collapses, across_data), t_junctions, joints_per_vertex, morph_targets, bounds (min, \
 max); polygons (null where all faces are triangles; triangles, quadrilaterals, larger, most_corners, with_holes, \

@@ -123,7 +123,7 @@ fn draw(
             let mut extractor = Extractor::new(&gpu.pipelines, outlined, options())?;
             let mut encoder = gpu.encoder("silhouette");
             let eye = Light::point(camera.eye.into());
-            let extraction = extractor.encode(&mut encoder, positions.buffer(), &[eye], None)?;
+            let extraction = extractor.encode(&mut encoder, positions.buffer(), &[eye])?;
             gpu.submit(encoder);
 
             let mut encoder = gpu.encoder("lines");

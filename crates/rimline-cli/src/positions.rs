@@ -1,6 +1,6 @@
 //! Positions on the GPU, whether the file has them or a pose makes them.
 
-use rimline::gpu::{Deformer, DeformerOptions, DeviceError, PositionBuffer, StageTimer};
+use rimline::gpu::{Deformer, DeformerOptions, DeviceError, PoseInputs, PositionBuffer, StageTimer};
 use rimline::{Displacement, wgpu};
 
 use crate::device::Gpu;
@@ -42,7 +42,7 @@ impl Positions {
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         if let (Self::Deformed(deformer), Shape::Posed { pose, .. }) = (self, shape) {
-            deformer.encode(encoder, pose, time_s, None, timer)?;
+            deformer.encode_timed(encoder, PoseInputs { time_s, ..PoseInputs::new(pose) }, timer)?;
         }
         Ok(())
     }

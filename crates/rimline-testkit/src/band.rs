@@ -159,7 +159,7 @@ pub fn check_facing_by(
     Ok(checked)
 }
 
-/// The bound of docs/numerics/deform.md, "Deform", between any two evaluations of one coordinate each: GPU against twin.
+/// The bound of docs/numerics/deform.md, "Deform", between any two evaluations of one coordinate each: GPU against CPU.
 pub fn deform_bound(geometry: &Geometry, pose: &InstancePose, vertex: usize) -> [f64; 3] {
     let magnitude = |value: f32| f64::from(value).abs();
     let mut morphed = geometry.positions()[vertex].map(magnitude);

@@ -1,6 +1,25 @@
-//! The good model files beside the checkout.
+//! Model files: those of the catalogue, made when they are asked for, and the good real ones beside the checkout.
 
-/// Paths within the folder.
+use std::path::PathBuf;
+
+use rimline_models::catalogue::{BAD, GOOD};
+
+/// A file of the catalogue in a folder of its own, which is removed with the value.
+pub struct Made {
+    _folder: tempfile::TempDir,
+    pub path: PathBuf,
+}
+
+/// Makes the file of this name.
+pub fn made(name: &str) -> Result<Made, String> {
+    let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+    let good = GOOD.iter().find(|good| good.name == name).map(|good| good.write(folder.path()));
+    let bad = || BAD.iter().find(|bad| bad.name == name).map(|bad| bad.write(folder.path()));
+    let path = good.or_else(bad).ok_or_else(|| format!("the catalogue has no {name}"))?;
+    Ok(Made { path: path.map_err(|error| format!("{name}: {error}"))?, _folder: folder })
+}
+
+/// Paths of the real ones within their folder.
 pub const GOOD_FILES: [&str; 25] = [
     "22_vertex_color.glb",
     "AnimatedMorphCube.glb",

@@ -44,7 +44,7 @@ pub fn extract(
     let buffer = gpu.storage(positions);
     let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(|error| error.to_string())?;
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-    gpu.submit(|encoder| extractor.encode(encoder, positions, lights, None).map_err(text))?;
+    gpu.submit(|encoder| extractor.encode(encoder, positions, lights).map_err(text))?;
     read(gpu, &extractor, mesh, options.max_lights)
 }
 
@@ -176,11 +176,11 @@ pub fn interleaved(positions: &[[f32; 3]], offset: u64, stride: u64) -> Vec<f32>
 
 /// Positions of all vertices after one encode.
 pub fn deformed(gpu: &Gpu, deformer: &Deformer, model: &Model, pose: &Pose) -> Result<Vec<[f32; 3]>, String> {
-    gpu.submit(|encoder| deformer.encode(encoder, pose, 0.0, None, None).map_err(text))?;
+    gpu.submit(|encoder| deformer.encode(encoder, pose).map_err(text))?;
     gpu.read(deformer.positions().buffer, model.vertex_count())
 }
 
-/// Fails where a coordinate is further from the twin's than the bound; returns how many differ at all.
+/// Fails where a coordinate is further from the CPU reference's than the bound; returns how many differ at all.
 pub fn check_deform(found: &[[f32; 3]], model: &Model, pose: &Pose) -> Result<usize, String> {
     let twin = cpu::deform(model, pose, 0.0, None, Threads::all()).map_err(text)?;
     if found.len() != twin.len() {

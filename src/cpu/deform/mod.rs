@@ -1,3 +1,3 @@
-//! The twin of the deform stage.
+//! The reference of the deform stage.
 
 pub(crate) mod deform;

@@ -18,7 +18,8 @@ use crate::{Light, Mesh};
 
 /// The result of an extraction on the CPU. Masks have ⌈N/32⌉ planes, each with all items in order. This is the layout of the
 /// GPU for triangles and edge records. For polygons there is one facing mask a polygon here; the GPU has one for each of their
-/// triangles, and the twisted masks behind them.
+/// triangles, and the twisted masks behind them. [`Polygons::masks_of`](crate::mesh::Polygons::masks_of) makes the former of the
+/// latter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extraction {
     /// One facing mask for each face, which is a polygon or a triangle: [`Mesh::face_count`]. Empty for the per-edge method.

@@ -1,4 +1,4 @@
-//! Twins of the extraction stages: facing, exact facing, edges.
+//! References of the extraction stages: facing, exact facing, edges.
 
 pub(crate) mod batch;
 pub(crate) mod edges;

@@ -1,4 +1,4 @@
-//! Twins of the shadow depth query.
+//! References of the shadow depth query.
 
 pub(crate) mod exact_shadow_depth;
 pub(crate) mod shadow_boxes;

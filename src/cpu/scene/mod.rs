@@ -1,3 +1,3 @@
-//! The table of scenes. Facing, exact facing and edges have the same twins as for a single mesh.
+//! The table of scenes. Facing, exact facing and edges have the same references as for a single mesh.
 
 pub(crate) mod table;

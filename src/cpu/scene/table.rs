@@ -1,4 +1,4 @@
-//! The scene table, as the twins read it.
+//! The scene table, as the CPU references read it.
 
 use bytemuck::Zeroable;
 

@@ -7,14 +7,13 @@ use crate::displace::{DISPLACE_GROUP, Displacement};
 use crate::gpu::common::bindings::{part, uniform, whole};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{buffer, filled, guarded, scoped};
+use crate::gpu::common::memory::{Allocation, buffer, check, filled, guarded, scoped};
 use crate::gpu::common::pass::{Step, Workgroups, record_with};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program};
 use crate::gpu::common::positions::PositionBuffer;
-use crate::gpu::common::requirements::{Subject, check_same, check_timer};
+use crate::gpu::common::requirements::{Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
-use crate::gpu::scene::needs::SceneNeeds;
 use crate::layout::{DeformChunk, DeformDispatch};
 use crate::model::{Geometry, Model, ModelError, Pose};
 use crate::turns::DEFORM_TERMS;
@@ -31,6 +30,34 @@ pub struct DeformerOptions<'a> {
     /// The largest device memory for the deformer, in bytes. `None`: no limit. It is checked before anything is
     /// allocated.
     pub memory_limit: Option<u64>,
+}
+
+/// A pose, and what a displacement takes beside it. A `&Pose` is one, too.
+#[derive(Clone, Copy, Debug)]
+pub struct PoseInputs<'a> {
+    /// The pose.
+    pub pose: &'a Pose,
+    /// The time in seconds, for the displacement.
+    pub time_s: f32,
+    /// The displacement's bind group, of the layout that [`DeformerOptions::displacement_layout`] had. What it binds may change
+    /// before each encode, so a scene keeps nothing that was computed from the positions.
+    pub resources: Option<&'a wgpu::BindGroup>,
+    /// The most by which the displacement moves any coordinate of a vertex, for scenes. Infinity, as in [`Self::new`]: nothing
+    /// is known, so every frame needs all instances. It does not matter without a displacement.
+    pub displaced_by: f32,
+}
+
+impl<'a> PoseInputs<'a> {
+    /// A pose at time 0, without resources of a displacement.
+    pub fn new(pose: &'a Pose) -> Self {
+        Self { pose, time_s: 0.0, resources: None, displaced_by: f32::INFINITY }
+    }
+}
+
+impl<'a> From<&'a Pose> for PoseInputs<'a> {
+    fn from(pose: &'a Pose) -> Self {
+        Self::new(pose)
+    }
 }
 
 /// Why a deformer cannot be made, or a pose cannot be recorded.
@@ -59,16 +86,6 @@ pub enum DeformError {
         /// The largest sum of both.
         limit: u32,
     },
-    /// There are fewer entries than instances.
-    #[error(
-        "the needs tell of {given} casters, and the model has {instances} instances; list a caster for each in `encode_needs`"
-    )]
-    Needs {
-        /// Casters that the needs tell of.
-        given: usize,
-        /// Instances of the model.
-        instances: usize,
-    },
     /// The displacement declares resources but the layout or the bind group is missing, or the displacement declares
     /// none and one was given.
     #[error("the displacement's resources and the bind group given do not go together: give both or neither")]
@@ -85,8 +102,7 @@ pub enum DeformError {
 /// Deforms a model every frame into its own position buffer. The buffer holds all instances in the vertex order of
 /// [`Model::mesh`]: three tightly packed `f32` for each vertex, in world space.
 ///
-/// [`ModelBounds`](crate::ModelBounds) tells where instances will be, and [`Self::encode_needed`] leaves out those that a frame
-/// does not need.
+/// A [`Scene`](crate::gpu::Scene) deforms the models that it is given by itself, as far as a frame needs them.
 #[derive(Debug)]
 pub struct Deformer {
     device: wgpu::Device,
@@ -106,7 +122,9 @@ pub struct Deformer {
     /// The constant part of each dispatch's uniform.
     plan: Vec<DeformDispatch>,
     pass: Step,
-    has_resources: bool,
+    pub(crate) has_resources: bool,
+    /// The size of all buffers.
+    pub(crate) bytes: u64,
 }
 
 impl Deformer {
@@ -121,11 +139,25 @@ impl Deformer {
         model: &Model,
         options: DeformerOptions<'_>,
     ) -> Result<Self, DeformError> {
-        let pipelines = pipelines.into();
-        pipelines.construct(Subject::Deform, || Self::with(&pipelines, model, options))
+        Self::beside(&pipelines.into(), model, options, (0, None))
     }
 
-    fn with(pipelines: &Pipelines, model: &Model, options: DeformerOptions<'_>) -> Result<Self, DeformError> {
+    /// The same for a scene that takes so many bytes besides, and may take so many in all.
+    pub(crate) fn beside(
+        pipelines: &Pipelines,
+        model: &Model,
+        options: DeformerOptions<'_>,
+        scene: (u64, Option<u64>),
+    ) -> Result<Self, DeformError> {
+        pipelines.construct(Subject::Deform, || Self::with(pipelines, model, options, scene))
+    }
+
+    fn with(
+        pipelines: &Pipelines,
+        model: &Model,
+        options: DeformerOptions<'_>,
+        (used, most): (u64, Option<u64>),
+    ) -> Result<Self, DeformError> {
         let device = pipelines.device();
         let has_resources = options.displacement.is_some_and(Displacement::uses_resources);
         if has_resources != options.displacement_layout.is_some() {
@@ -137,15 +169,17 @@ impl Deformer {
             check_terms(instance, 0, layout)?;
         }
         let bytes = data.check(&split, options.memory_limit)?;
+        let whole = [("the model", bytes), ("the rest of the scene", used)];
+        check(&whole.map(|(label, bytes)| Allocation { label, bytes }), u64::MAX, most)?;
         // Only a caller's displacement or layout can make this fail.
         let pipeline = scoped(device, wgpu::ErrorFilter::Validation, || {
             pipelines.get(&Program::deform(options.displacement, options.displacement_layout))
         })
         .map_err(|message| DeformError::Pipeline { message })?;
-        guarded(device, bytes, || {
+        let made = guarded(device, bytes, || {
             Self::build(device, model, &data, &split, &pipeline, options.displacement.is_some(), has_resources)
-        })
-        .map_err(DeformError::from)
+        })?;
+        Ok(Self { bytes, ..made })
     }
 
     fn build(
@@ -204,6 +238,7 @@ impl Deformer {
             plan,
             pass,
             has_resources,
+            bytes: 0,
         }
     }
 
@@ -218,85 +253,94 @@ impl Deformer {
         Some(PositionBuffer { buffer: &self.positions, offset, stride: 12 })
     }
 
-    /// Records the deformation into `pose`. `time_s` is the time in seconds for the displacement. `resources` is the
-    /// displacement's bind group, of the layout that the deformer was made with. `timer` takes a timestamp around the
-    /// stage.
+    /// Records the deformation into a pose: a `&Pose`, or [`PoseInputs`].
     ///
     /// # Errors
     /// [`DeformError`] if the pose does not fit the model, has too many active morph targets
-    /// ([`DeformError::TooManyTerms`]), or `resources` is missing. Nothing is recorded then.
-    pub fn encode(
+    /// ([`DeformError::TooManyTerms`]), or resources of the displacement are missing. Nothing is recorded then.
+    pub fn encode<'a>(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        pose: &Pose,
-        time_s: f32,
-        resources: Option<&wgpu::BindGroup>,
-        timer: Option<&mut StageTimer>,
+        pose: impl Into<PoseInputs<'a>>,
     ) -> Result<(), DeformError> {
-        self.record(encoder, pose, time_s, resources, None, timer)
+        self.encode_timed(encoder, pose, None)
     }
 
-    /// Like [`Self::encode`], but only for the instances that a frame needs. Entry i of `needs` decides for instance i
-    /// ([`Scene::encode_needs`](crate::gpu::Scene::encode_needs)). All positions of any other instance are the point (0, 0,
-    /// 0), so nothing is drawn of it. Record this in every frame, also where the pose is the same: the next frame may need an
-    /// instance that this one does not.
+    /// The same with a timestamp around the stage.
     ///
     /// # Errors
-    /// The errors of [`Self::encode`], and [`DeformError::Needs`].
-    pub fn encode_needed(
+    /// The errors of [`Self::encode`], and [`DeformError::Device`] for a timer of another device.
+    pub fn encode_timed<'a>(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        pose: &Pose,
-        time_s: f32,
-        resources: Option<&wgpu::BindGroup>,
-        needs: &SceneNeeds,
+        pose: impl Into<PoseInputs<'a>>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), DeformError> {
-        self.record(encoder, pose, time_s, resources, Some(needs), timer)
+        let PoseInputs { pose, time_s, resources, .. } = pose.into();
+        self.check_resources(resources)?;
+        check_timer(timer.as_deref(), &self.device)?;
+        let (words, uniforms) = (self.pose_words(pose)?, self.uniforms(time_s));
+        let uploads: Vec<_> = self.uploads(&words, &uniforms).collect();
+        if !uploads.is_empty() {
+            upload(&self.device, encoder, &uploads)?;
+        }
+        self.record(encoder, None, resources, timer);
+        Ok(())
     }
 
-    fn record(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        pose: &Pose,
-        time_s: f32,
-        resources: Option<&wgpu::BindGroup>,
-        needs: Option<&SceneNeeds>,
-        timer: Option<&mut StageTimer>,
-    ) -> Result<(), DeformError> {
-        let instances = self.layouts.len();
-        if let Some(needs) = needs {
-            check_same(["the needs", "the deformer"], [&needs.device, &self.device])?;
-            if needs.len() < instances {
-                return Err(DeformError::Needs { given: needs.len(), instances });
-            }
-        }
-        if self.has_resources != resources.is_some() {
-            return Err(DeformError::Resources);
-        }
-        check_timer(timer.as_deref(), &self.device)?;
-        let words = self.pose_words(pose)?;
+    /// Refuses a bind group without a displacement that has resources, and the other way round.
+    pub(crate) fn check_resources(&self, resources: Option<&wgpu::BindGroup>) -> Result<(), DeformError> {
+        if self.has_resources == resources.is_some() { Ok(()) } else { Err(DeformError::Resources) }
+    }
+
+    /// The uniforms of the dispatches.
+    pub(crate) fn uniforms(&self, time_s: f32) -> UniformTable {
         let mut table = UniformTable::default();
         for &dispatch in &self.plan {
             table.push(&DeformDispatch { time: time_s, ..dispatch });
         }
+        table
+    }
+
+    /// The buffers that [`Self::record`] reads, and what is to be uploaded to them.
+    pub(crate) fn uploads<'a>(
+        &'a self,
+        words: &'a [u32],
+        uniforms: &'a UniformTable,
+    ) -> impl Iterator<Item = (&'a wgpu::Buffer, &'a [u8])> {
+        let uploads = [(&self.dispatches, uniforms.bytes()), (&self.pose, bytemuck::cast_slice(words))];
+        uploads.into_iter().filter(|_| !self.plan.is_empty())
+    }
+
+    /// Records the deformation of what was uploaded. `unneeded` has a word for each instance, from a byte on: 1 if its
+    /// positions need only be a point, else 2.
+    pub(crate) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        unneeded: Option<(&wgpu::Buffer, u64)>,
+        resources: Option<&wgpu::BindGroup>,
+        timer: Option<&mut StageTimer>,
+    ) {
         if !self.plan.is_empty() {
-            let uploads = [(&self.dispatches, table.bytes()), (&self.pose, bytemuck::cast_slice(&words))];
-            upload(&self.device, encoder, &uploads)?;
-            let bytes = 4 * instances as u64;
+            let bytes = 4 * self.layouts.len() as u64;
             encoder.copy_buffer_to_buffer(&self.held, 0, &self.pose, 4 * self.before, bytes);
-            if let Some(needs) = needs {
-                encoder.copy_buffer_to_buffer(&needs.words, needs.offset(), &self.pose, 4 * self.before + bytes, bytes);
+            if let Some((words, from)) = unneeded {
+                encoder.copy_buffer_to_buffer(words, from, &self.pose, 4 * self.before + bytes, bytes);
             }
             // The same commands write what the positions are, so an encoder that is dropped changes both or neither.
             encoder.copy_buffer_to_buffer(&self.pose, 4 * self.before + bytes, &self.held, 0, bytes);
         }
         record_with([&self.pass], encoder, 0..1, timer, resources.map(|group| (DISPLACE_GROUP, group)));
-        Ok(())
+    }
+
+    /// The words of an instance's pose among those of all.
+    pub(crate) fn words_of<'a>(&self, instance: usize, words: &'a [u32]) -> &'a [u32] {
+        let at = |instance: usize| self.layouts.get(instance).map_or(words.len(), |layout| layout.palette as usize);
+        words.get(at(instance)..at(instance + 1).min(words.len())).unwrap_or_default()
     }
 
     /// The chunks and the pose in the words that the shader reads.
-    fn pose_words(&self, pose: &Pose) -> Result<Vec<u32>, DeformError> {
+    pub(crate) fn pose_words(&self, pose: &Pose) -> Result<Vec<u32>, DeformError> {
         let mut words = vec![0; self.chunks.len() * size_of::<DeformChunk>() / 4];
         let mut target_counts = Vec::with_capacity(self.layouts.len());
         if pose.instances().len() != self.layouts.len() {

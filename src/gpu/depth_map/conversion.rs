@@ -31,8 +31,8 @@ use crate::stages::DEPTH_METRIC;
 /// let options = DepthMapOptions { metric, ..Default::default() };
 /// let mut volumes = DepthMapVolumes::new(pipelines, [512, 512], options)?;
 /// // Every frame, after what writes `distances`:
-/// conversion.encode(encoder, &DepthMap { texture: distances, light, objects: None }, metric, None)?;
-/// let shadows = volumes.encode(encoder, &DepthMap { texture: conversion.texture(), light, objects: None }, camera, None)?;
+/// conversion.encode(encoder, &DepthMap::new(distances, light), metric)?;
+/// let shadows = volumes.encode(encoder, &DepthMap::new(conversion.texture(), light), camera)?;
 /// # Ok(())
 /// # }
 /// ```
@@ -60,6 +60,19 @@ impl DepthMapConversion {
     /// # Errors
     /// [`DepthMapError`] if the texture or the camera is refused. Nothing is recorded then.
     pub fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        map: &DepthMap<'_>,
+        metric: DepthMetric,
+    ) -> Result<(), DepthMapError> {
+        self.encode_timed(encoder, map, metric, None)
+    }
+
+    /// The same with a timestamp around each stage.
+    ///
+    /// # Errors
+    /// The errors of [`Self::encode`], and [`DepthMapError::Device`] for a timer of another device.
+    pub fn encode_timed(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         map: &DepthMap<'_>,

@@ -132,6 +132,19 @@ impl DepthMapCube {
         encoder: &mut wgpu::CommandEncoder,
         maps: &DepthCubeMaps<'_>,
         camera: &ShadowCamera,
+    ) -> Result<DepthMapFrame, DepthMapError> {
+        self.encode_timed(encoder, maps, camera, None)
+    }
+
+    /// The same with a timestamp around each stage.
+    ///
+    /// # Errors
+    /// The errors of [`Self::encode`], and [`DepthMapError::Device`] for a timer of another device.
+    pub fn encode_timed(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        maps: &DepthCubeMaps<'_>,
+        camera: &ShadowCamera,
         timer: Option<&mut StageTimer>,
     ) -> Result<DepthMapFrame, DepthMapError> {
         let side = self.shape.size[0];

@@ -41,6 +41,19 @@ impl DepthMapMerge {
         encoder: &mut wgpu::CommandEncoder,
         maps: [&wgpu::TextureView; 2],
         depth: DepthDirection,
+    ) -> Result<(), DepthMapError> {
+        self.encode_timed(encoder, maps, depth, None)
+    }
+
+    /// The same with a timestamp around each stage.
+    ///
+    /// # Errors
+    /// The errors of [`Self::encode`], and [`DepthMapError::Device`] for a timer of another device.
+    pub fn encode_timed(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        maps: [&wgpu::TextureView; 2],
+        depth: DepthDirection,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), DepthMapError> {
         for (number, map) in maps.into_iter().enumerate() {

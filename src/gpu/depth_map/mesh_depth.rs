@@ -12,7 +12,7 @@ use crate::gpu::scene::caster::Rigid;
 use crate::layout::{MeshDepthCaster, MeshDepthView};
 use crate::shadow::DepthDirection;
 use crate::stages::MESH_DEPTH;
-use crate::{Matrix3x4, Mesh, ShadowCamera};
+use crate::{Matrix3x4, Mesh, ShadowCamera, Transform};
 
 /// Bindings of a draw: view, positions, caster.
 const BINDINGS: u32 = 3;
@@ -87,11 +87,11 @@ impl MeshDepth {
         self.draw_rigid(pass, positions, UNMOVED, light)
     }
 
-    /// Like [`Self::draw`], with `positions` in mesh space. `mesh_to_world` places them in world space: three rows of four.
+    /// Like [`Self::draw`], with `positions` in mesh space. `mesh_to_world` places them in world space.
     /// It may mirror. With a singular matrix, or one that is not finite, nothing is drawn, as such a caster of a scene casts
     /// nothing.
     ///
-    /// A vertex less the light's origin is at `row.xyz · position + (row.w − origin)` for each axis, as for
+    /// A vertex less the light's origin is at `row.xyz · position + (row.w − origin)` for each axis, by [`Transform::rows`], as for
     /// [`CasterPositions::Rigid`](crate::gpu::CasterPositions::Rigid).
     ///
     /// # Errors
@@ -100,9 +100,10 @@ impl MeshDepth {
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         positions: PositionBuffer<'_>,
-        mesh_to_world: Matrix3x4,
+        mesh_to_world: impl Into<Transform>,
         light: &ShadowCamera,
     ) -> Result<(), DepthMapError> {
+        let mesh_to_world = mesh_to_world.into().rows();
         light.check_any_hand()?;
         if light.depth != self.depth {
             return Err(DepthMapError::Depth { what: "the light", given: light.depth, made: self.depth });

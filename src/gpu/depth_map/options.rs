@@ -33,6 +33,13 @@ pub struct DepthMap<'a> {
     pub objects: Option<&'a wgpu::TextureView>,
 }
 
+impl<'a> DepthMap<'a> {
+    /// A map without objects.
+    pub fn new(texture: &'a wgpu::TextureView, light: ShadowCamera) -> Self {
+        Self { texture, light, objects: None }
+    }
+}
+
 /// Six depth maps around a light.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthCubeMaps<'a> {

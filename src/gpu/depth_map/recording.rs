@@ -37,12 +37,25 @@ pub(super) struct Inputs<'a> {
 }
 
 impl DepthMapVolumes {
-    /// Records the stages: finds the edges of `map`, for `camera`. `timer` takes the time of each stage. Frames of earlier
+    /// Records the stages: finds the edges of `map`, for `camera`. Frames of earlier
     /// encodes can no longer be drawn. The first encode with objects compiles a pipeline for them.
     ///
     /// # Errors
     /// [`DepthMapError`] if a texture or a camera is refused. Nothing is recorded then.
     pub fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        map: &DepthMap<'_>,
+        camera: &ShadowCamera,
+    ) -> Result<DepthMapFrame, DepthMapError> {
+        self.encode_timed(encoder, map, camera, None)
+    }
+
+    /// The same with a timestamp around each stage.
+    ///
+    /// # Errors
+    /// The errors of [`Self::encode`], and [`DepthMapError::Device`] for a timer of another device.
+    pub fn encode_timed(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         map: &DepthMap<'_>,

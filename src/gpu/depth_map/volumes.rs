@@ -52,7 +52,7 @@ const BLOCK: u64 = 64;
 /// // Once for each size of map:
 /// let mut volumes = DepthMapVolumes::new(&pipelines, [512, 512], DepthMapOptions::default())?;
 /// // Every frame, after what draws the map:
-/// let shadows = volumes.encode(encoder, &DepthMap { texture: depth, light, objects: None }, camera, None)?;
+/// let shadows = volumes.encode(encoder, &DepthMap::new(depth, light), camera)?;
 /// // After your depth pass. Where bit 0 is still 0, there is light:
 /// let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
 ///     label: Some("light"),

@@ -112,12 +112,22 @@ impl Extractor {
     /// and their draws are empty. One encoder may hold several encodes. Each sees its own lights and overwrites the
     /// results of the one before.
     ///
-    /// `timer` takes a timestamp around each stage.
+    /// # Errors
+    /// [`ExtractorError`] if lights or positions are refused, or the device is lost. Nothing is recorded then.
+    pub fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        positions: PositionBuffer<'_>,
+        lights: &[Light],
+    ) -> Result<Extraction, ExtractorError> {
+        self.encode_timed(encoder, positions, lights, None)
+    }
+
+    /// The same with a timestamp around each stage.
     ///
     /// # Errors
-    /// [`ExtractorError`] if lights or positions are refused, or the device is lost or not the timer's. Nothing
-    /// is recorded then.
-    pub fn encode(
+    /// The errors of [`Self::encode`], and [`ExtractorError::Device`] for a timer of another device.
+    pub fn encode_timed(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         positions: PositionBuffer<'_>,

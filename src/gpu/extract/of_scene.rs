@@ -16,7 +16,7 @@ use crate::gpu::common::positions::BoundPositions;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::common::wanted::Wanted;
 
-/// What a scene keeps of the polygons of a mesh, beside its topology.
+/// The polygons of a mesh as a scene keeps them, beside its topology.
 #[derive(Debug)]
 pub(crate) struct PolygonMesh {
     pub(crate) counts: PolygonCounts,

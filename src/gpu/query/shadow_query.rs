@@ -185,24 +185,37 @@ impl ShadowQuery {
         extraction: &Extraction,
         points: impl Into<QueryPoints<'p>>,
         point_count: u32,
-        timer: Option<&mut StageTimer>,
     ) -> Result<(), QueryError> {
         if extraction.shared.mesh != self.mesh {
             return Err(QueryError::OtherMesh);
         }
         extraction.check_current()?;
-        self.encode_at(encoder, extraction.positions(), points, point_count, extraction.lights(), timer)
+        self.encode_at(encoder, extraction.positions(), points, point_count, extraction.lights())
     }
 
     /// Records the query for the first `point_count` of `points` and for `lights`, all in the space of the positions.
     /// Several encodes in one encoder are allowed; each overwrites the depths of the one before. No lights or no points
     /// are allowed; there are no depths then. `points` is a [`PositionBuffer`], or [`QueryPoints`] that name the faces that they are
-    /// on. `timer` takes a timestamp around each stage.
+    /// on.
     ///
     /// # Errors
-    /// [`QueryError`] if lights, positions or points are refused, or the device is lost or not the timer's.
-    /// Nothing is recorded then.
+    /// [`QueryError`] if lights, positions or points are refused, or the device is lost. Nothing is recorded then.
     pub fn encode_at<'p>(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        positions: PositionBuffer<'_>,
+        points: impl Into<QueryPoints<'p>>,
+        point_count: u32,
+        lights: &[Light],
+    ) -> Result<(), QueryError> {
+        self.encode_timed(encoder, positions, points, point_count, lights, None)
+    }
+
+    /// The same with a timestamp around each stage.
+    ///
+    /// # Errors
+    /// The errors of [`Self::encode_at`], and [`QueryError::Device`] for a timer of another device.
+    pub fn encode_timed<'p>(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         positions: PositionBuffer<'_>,

@@ -28,7 +28,7 @@ pub(crate) struct GroupBuffers<B = wgpu::Buffer> {
     pub(crate) lists: B,
     /// A [`DrawArguments`] for each light of the batch.
     pub(crate) draws: B,
-    /// Of a caster of polygons.
+    /// For a caster of polygons.
     pub(crate) polygons: Option<PolygonBuffers<B>>,
 }
 
@@ -52,7 +52,7 @@ pub(crate) struct GroupSizes {
     pub(crate) lists: u64,
     /// Entries that the list of each light has room for.
     pub(crate) capacity: u32,
-    /// Of a caster of polygons.
+    /// For a caster of polygons.
     pub(crate) polygons: Option<PolygonShape>,
     lights: u32,
 }

@@ -14,7 +14,7 @@ use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::extract::of_scene::PolygonMesh;
 use crate::light::MeshSpace;
 use crate::mesh::{EdgeCounts, is_degenerate};
-use crate::{Light, Matrix3x4, Mesh};
+use crate::{Light, Matrix3x4, Mesh, Transform};
 
 /// A mesh instance that throws shadows, for [`Scene::insert`](crate::gpu::Scene::insert).
 #[derive(Clone, Debug)]
@@ -33,8 +33,8 @@ pub struct Caster {
 
 impl Caster {
     /// A rigid caster in the depth buffer, for all lights.
-    pub fn rigid(mesh: MeshHandle, mesh_to_world: Matrix3x4) -> Self {
-        let positions = CasterPositions::Rigid(mesh_to_world);
+    pub fn rigid(mesh: MeshHandle, mesh_to_world: impl Into<Transform>) -> Self {
+        let positions = CasterPositions::Rigid(mesh_to_world.into().rows());
         Self { mesh, positions, lights: LightMask::ALL, in_depth: true }
     }
 
@@ -54,7 +54,8 @@ impl From<PositionBuffer<'_>> for CasterPositions {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum CasterPositions {
-    /// At the positions that were given with the mesh, placed in world space by this matrix: three rows of four. Lights
+    /// At the positions that were given with the mesh, placed in world space by this matrix: three rows of four
+    /// ([`Transform::rows`]). Lights
     /// are moved to mesh space instead, as [`Light::to_mesh_space`](crate::Light::to_mesh_space) does. A caster with a
     /// singular matrix, or one that is not finite, casts nothing.
     ///
@@ -63,9 +64,8 @@ pub enum CasterPositions {
     Rigid(Matrix3x4),
     /// In a buffer of the caller's, in world space, for each source vertex of the mesh. It is read anew in each encode,
     /// unless [`Scene::set_position_version`](crate::gpu::Scene::set_position_version) says that nothing changed.
-    /// Casters with the same buffer are drawn together, so keep many in one buffer. For example a
-    /// [`Deformer`](crate::gpu::Deformer) writes instance after instance; see
-    /// [`Deformer::instance_positions`](crate::gpu::Deformer::instance_positions).
+    /// Casters with the same buffer are drawn together, so keep many in one buffer. A model with poses is easier by
+    /// [`Scene::insert_model`](crate::gpu::Scene::insert_model).
     Buffer {
         /// The buffer, with usage `STORAGE`.
         buffer: wgpu::Buffer,
@@ -129,6 +129,7 @@ impl MeshEntry {
 
 /// The scene's record of a caster.
 #[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "facts that do not depend on each other")]
 pub(crate) struct CasterEntry {
     pub(crate) mesh: DefaultKey,
     /// Whether the mesh has polygons, whose bits are computed in each encode.
@@ -152,7 +153,9 @@ pub(crate) struct CasterEntry {
     pub(crate) bounds: Option<[[f32; 3]; 2]>,
     /// The caller's version of the positions in its buffer. `None`: they may change at any time.
     pub(crate) positions_version: Option<u64>,
-    /// Its number among the figures of the last encode, counted from 1. 0: it is none.
+    /// Whether it is an instance of a model.
+    pub(crate) is_of_model: bool,
+    /// Its number among the instances of all models, counted from 1. 0: it is none.
     pub(crate) figure: u32,
     /// Its place in the table, and where its lights begin there. It is known once the scene is laid out.
     pub(crate) index: u32,

@@ -6,7 +6,6 @@ use std::sync::atomic::Ordering;
 
 use super::caster::CasterEntry;
 use super::frame::SceneFrame;
-use super::needs::SceneNeeds;
 use super::options::Measuring;
 use super::receivers::{self, SeenReceivers};
 use super::scene::Scene;
@@ -15,6 +14,7 @@ use super::structure::{Making, Number, Structure};
 use super::table::{Part, Table};
 use super::view::{FrameInputs, View};
 use super::volumes::Volumes;
+use crate::ShadowCamera;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::pass::record;
 use crate::gpu::common::requirements::check_timer;
@@ -22,8 +22,6 @@ use crate::gpu::common::uniforms::upload;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::pipelines::Convention;
 use crate::layout::{SeenLight, ShadowView};
-use crate::light::check_shadow_lights;
-use crate::{Light, ShadowCamera};
 
 impl Scene {
     /// Records the extraction of all casters for all lights, and the shadow volumes of all views. One encoder may hold several
@@ -46,46 +44,22 @@ impl Scene {
     ///
     /// # Errors
     /// [`ShadowError`] if a camera or its [`View::depth`] is refused, the scene does not fit the device or the memory limit, or
-    /// the device is lost or not the timer's. With a view, lights of negative `w` are refused; `index` is the bit of the light
-    /// then. Nothing is recorded then, and the next encode is not affected.
+    /// the device is lost or not the timer's. Nothing is recorded then, and the next encode is not affected.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: FrameInputs<'_>,
-    ) -> Result<SceneFrame, ShadowError> {
-        self.record(encoder, inputs, None)
-    }
-
-    /// Like [`Self::encode`], after figures were deformed as far as `needs` says ([`Self::encode_needs`]). Nothing is
-    /// computed for figures that the frame does not need. The views have the same cameras as there, and the scene has not
-    /// changed since.
-    ///
-    /// # Errors
-    /// The errors of [`Self::encode`], and [`ShadowError::StaleNeeds`].
-    pub fn encode_needed(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        inputs: FrameInputs<'_>,
-        needs: &SceneNeeds,
-    ) -> Result<SceneFrame, ShadowError> {
-        self.record(encoder, inputs, Some(needs))
-    }
-
-    fn record(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        inputs: FrameInputs<'_>,
-        needs: Option<&SceneNeeds>,
     ) -> Result<SceneFrame, ShadowError> {
         let mut timer = inputs.timer;
         check_timer(timer.as_deref(), self.pipelines.device())?;
         let views = self.check_views(inputs.views)?;
         let given = &*self.check_depths(inputs.views)?;
         let words = given.iter().filter_map(|view| view.depth).map(|depth| depth.words()).max().unwrap_or(0);
-        needs.map_or(Ok(()), |needs| self.check_needs(needs, &views))?;
-        self.heed_needs(needs);
+        let deformed = self.take_deformed(&views);
         let (structure, volumes) = self.prepare_receivers(given.len(), words)?;
-        self.table.put_encode(self.encode_number(), if needs.is_some() { structure.unneeded_at } else { 0 });
+        let needs = if deformed.is_some() { None } else { self.find_needs(given, &views)? };
+        let unneeded_at = if self.figures.is_empty() { 0 } else { structure.unneeded_at };
+        self.table.put_encode(self.encode_number(), unneeded_at);
         self.table.put_origin(given.iter().flat_map(|view| view.camera.origin).fold(0.0, |size, c| size.max(c.abs())));
         let of_receivers = match volumes.as_ref().filter(|_| !structure.parts.is_empty()) {
             Some(volumes) => {
@@ -100,15 +74,19 @@ impl Scene {
         let light_batches = structure.light_batches(&self.meshes, &self.casters, &self.lights);
         let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
         let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
+        uploads.extend(needs.iter().flat_map(|needs| self.deform_uploads(needs)));
         if !structure.parts.is_empty() {
             uploads.push((&structure.table, bytemuck::cast_slice(uploaded)));
             uploads.extend(volumes.iter().map(|volumes| (&volumes.buffers.of.seen, bytemuck::cast_slice(&seen[..]))));
             uploads.extend(light_batches.iter().map(|(buffer, batch)| (buffer, bytemuck::bytes_of(batch))));
+        }
+        if !uploads.is_empty() {
             upload(self.pipelines.device(), encoder, &uploads)?;
-            if let Some(needs) = needs {
-                let [from, to] = [needs.offset(), 4 * u64::from(structure.unneeded_at)];
-                encoder.copy_buffer_to_buffer(&needs.words, from, &structure.buffers.work, to, 4 * needs.len() as u64);
-            }
+        }
+        let unneeded = needs.map(|needs| self.record_needs(encoder, &needs, timer.as_deref_mut())).or(deformed);
+        if let Some(words) = unneeded.filter(|_| !structure.parts.is_empty()) {
+            let (to, bytes) = (4 * u64::from(unneeded_at), 4 * self.figures.len() as u64);
+            encoder.copy_buffer_to_buffer(&words, 0, &structure.buffers.work, to, bytes);
         }
         record(self.steps.iter().chain(&of_receivers), encoder, 0..1, timer.as_deref_mut());
         if let Some(volumes) = &volumes {
@@ -117,7 +95,7 @@ impl Scene {
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         self.pages.reclaim(encode);
         let (encodes, lights) = (Arc::clone(&self.encodes), self.lights.listed());
-        let views = given.iter().map(|view| self.convention(&view.camera)).collect();
+        let views = given.iter().map(|view| (self.convention(&view.camera), view.camera)).collect();
         let count_batches = self.options.stencil.count_batches;
         let hidden = self.count_hidden();
         let device = self.pipelines.device().clone();
@@ -140,11 +118,6 @@ impl Scene {
         if given.is_empty() {
             return Ok(Vec::new());
         }
-        // Errors name the bit of a light.
-        let none = Light::directional([0.0, 0.0, 1.0]);
-        let bits = 0..32 * self.lights.batches() as u32;
-        let lights: Vec<Light> = bits.map(|bit| self.lights.get(bit).unwrap_or(none)).collect();
-        check_shadow_lights(&lights, lights.len())?;
         let view = |(view, given): (usize, &View<'_>)| {
             given.camera.view().map_err(|error| ShadowError::ViewCamera { view, error })
         };
@@ -198,10 +171,13 @@ impl Scene {
         if let Some(volumes) = &self.volumes {
             return Ok(Arc::clone(volumes));
         }
-        let Self { pipelines, options, meshes, sources, lights, pages, views, receiver_words, .. } = self;
+        let Self { pipelines, options, meshes, sources, lights, pages, views, receiver_words, deformed_bytes, .. } =
+            self;
         let has_receivers = *receiver_words > 0;
-        let making = Making { pipelines, meshes, sources, pages, lights, options, views: *views, has_receivers };
-        let others = pages.bytes + structure.bytes();
+        let others = pages.bytes + *deformed_bytes;
+        let making =
+            Making { pipelines, meshes, sources, pages, others, lights, options, views: *views, has_receivers };
+        let others = others + structure.bytes();
         let made = Arc::new(Volumes::new(&making, structure, *views, *receiver_words, others)?);
         self.volumes = Some(Arc::clone(&made));
         Ok(made)
@@ -296,8 +272,10 @@ impl Scene {
         let number = Number { structure: self.structures, encode: self.encode_number() };
         self.lights.renew(number.encode);
         let (views, has_receivers) = (self.views, self.receiver_words > 0);
+        self.number_figures();
         let Self { pipelines, options, meshes, casters, sources, lights, pages, table, .. } = self;
-        let making = Making { pipelines, meshes, sources, pages, lights, options, views, has_receivers };
+        let others = pages.bytes + self.deformed_bytes;
+        let making = Making { pipelines, meshes, sources, pages, others, lights, options, views, has_receivers };
         let made = Arc::new(Structure::new(&making, casters, table, self.last.as_deref(), number)?);
         self.steps = steps(&making, casters, &made)?;
         self.volumes = None;

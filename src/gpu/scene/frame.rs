@@ -9,13 +9,13 @@ use super::handles::{LightHandle, SceneId};
 use super::hidden::HiddenCounts;
 use super::structure::Structure;
 use super::volumes::Volumes;
-use crate::Light;
 use crate::gpu::common::requirements::check_same;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::pipelines::Convention;
 use crate::gpu::shadow::shadow_pipelines::ShadowPipelines;
 #[cfg(feature = "reference")]
 use crate::layout::{SceneDispatch, ShadowShape};
+use crate::{Light, ShadowCamera};
 
 /// The result of one [`Scene::encode`](crate::gpu::Scene::encode): the casters and lights of that moment. A later
 /// encode of the same scene overwrites the results. This value is then refused with [`ShadowError::StaleFrame`].
@@ -26,8 +26,8 @@ pub struct SceneFrame {
     pub(crate) structure: Arc<Structure>,
     /// `None`: no view was asked for.
     pub(crate) volumes: Option<Arc<Volumes>>,
-    /// The settings that pipelines must have, for each view.
-    pub(crate) views: Arc<[Convention]>,
+    /// For each view the settings that pipelines must have, and the camera.
+    pub(crate) views: Arc<[(Convention, ShadowCamera)]>,
     pub(crate) count_batches: u32,
     pub(crate) device: wgpu::Device,
     pub(crate) scene: SceneId,
@@ -155,31 +155,50 @@ impl SceneFrame {
         view: usize,
         light: LightHandle,
     ) -> Result<(), ShadowError> {
-        self.check_current()?;
-        if light.scene != self.scene {
-            return Err(ShadowError::OtherScene { what: "light" });
-        }
-        let views = self.views.len();
-        let Some(convention) = self.views.get(view) else { return Err(ShadowError::NoSuchView { view, views }) };
-        if !self.lights.iter().any(|(handle, _)| *handle == light) {
-            return Err(ShadowError::NotEncoded);
-        }
+        let (convention, _) = self.check_view(view)?;
+        self.check_light(light)?;
         check_same(["the pipelines", "the scene"], [pipelines.volumes.shared().device(), &self.device])?;
         convention.check_drawn_by(pipelines.volumes.convention)?;
         if (self.count_batches > 1) != pipelines.is_in_batches() {
             return Err(ShadowError::CountBatches { count_batches: self.count_batches });
         }
-        if let Some(volumes) = &self.volumes {
-            for count_batch in 0..self.count_batches {
-                if count_batch > 0 {
-                    pipelines.resolve(pass);
-                }
-                let (batch, light) = (count_batch as usize, light.bit as usize);
-                let draws = volumes.stages.draws(&volumes.buffers, batch, view, light);
-                draws.for_each(|draws| draws.draw(pass, &pipelines.volumes));
-            }
-        }
+        self.record(pass, pipelines, view, light);
         Ok(())
+    }
+
+    /// A view of a frame that is not out of date: the settings that pipelines must have, and the camera.
+    pub(crate) fn check_view(&self, view: usize) -> Result<(Convention, &ShadowCamera), ShadowError> {
+        self.check_current()?;
+        let found = self.views.get(view).map(|(convention, camera)| (*convention, camera));
+        found.ok_or(ShadowError::NoSuchView { view, views: self.views.len() })
+    }
+
+    /// The light of a handle as it was encoded.
+    pub(crate) fn check_light(&self, light: LightHandle) -> Result<Light, ShadowError> {
+        if light.scene != self.scene {
+            return Err(ShadowError::OtherScene { what: "light" });
+        }
+        let encoded = self.lights.iter().find(|(handle, _)| *handle == light);
+        encoded.map(|(_, light)| *light).ok_or(ShadowError::NotEncoded)
+    }
+
+    /// Draws after all checks.
+    pub(crate) fn record(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipelines: &ShadowPipelines,
+        view: usize,
+        light: LightHandle,
+    ) {
+        let Some(volumes) = &self.volumes else { return };
+        for count_batch in 0..self.count_batches {
+            if count_batch > 0 {
+                pipelines.resolve(pass);
+            }
+            let (batch, light) = (count_batch as usize, light.bit as usize);
+            let draws = volumes.stages.draws(&volumes.buffers, batch, view, light);
+            draws.for_each(|draws| draws.draw(pass, &pipelines.volumes));
+        }
     }
 
     /// The [`ShadowStatistics`](crate::gpu::ShadowStatistics) of the encode, once its encoder was submitted. Usage `COPY_SRC`.

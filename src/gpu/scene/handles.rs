@@ -31,6 +31,13 @@ pub struct CasterHandle {
     pub(crate) key: DefaultKey,
 }
 
+/// A model of a [`Scene`](crate::gpu::Scene).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ModelHandle {
+    pub(crate) scene: SceneId,
+    pub(crate) key: DefaultKey,
+}
+
 /// A light of a [`Scene`](crate::gpu::Scene). It keeps its bit until it is removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LightHandle {
@@ -51,6 +58,12 @@ impl LightHandle {
 impl MeshHandle {
     pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, ShadowError> {
         if self.scene == scene { Ok(self.key) } else { Err(ShadowError::OtherScene { what: "mesh" }) }
+    }
+}
+
+impl ModelHandle {
+    pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, ShadowError> {
+        if self.scene == scene { Ok(self.key) } else { Err(ShadowError::OtherScene { what: "model" }) }
     }
 }
 

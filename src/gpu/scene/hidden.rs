@@ -32,8 +32,8 @@ impl Scene {
     /// Each encode checks these conditions:
     ///
     /// * The light has the same bits.
-    /// * Each caster is there and casts for the light. It is rigid with the identity for its transform, or its positions have
-    ///   the version that was searched.
+    /// * Each caster is there and casts for the light. It is rigid with the identity for its transform, or the positions in your
+    ///   buffer have the version that was searched. An instance of a model never meets this.
     /// * [`Self::set_excluded`] excludes no face of a caster for the light.
     ///
     /// If one fails, the encode ignores all hidden faces of the light, and
@@ -127,7 +127,9 @@ impl Scene {
             self.casters.get(source.key).is_some_and(|entry| {
                 let is_placed = match &entry.placement {
                     Placement::Rigid(rigid) => source.version.is_none() && rigid.rows == IDENTITY,
-                    Placement::World { .. } => source.version.is_some() && entry.positions_version == source.version,
+                    Placement::World { .. } => {
+                        !entry.is_of_model && source.version.is_some() && entry.positions_version == source.version
+                    }
                 };
                 is_placed
                     && entry.lights.has(of.light.bit)

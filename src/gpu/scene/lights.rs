@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::handles::{LightHandle, SceneId};
 use super::mask::LightMask;
 use crate::gpu::shadow::errors::ShadowError;
-use crate::light::{MAX_LIGHTS, check_lights, check_room};
+use crate::light::{MAX_LIGHTS, check_room, check_shadow_lights};
 use crate::{Cone, Light};
 
 /// A bit, and the light that has it.
@@ -39,7 +39,7 @@ impl Lights {
     }
 
     pub(crate) fn add(&mut self, light: Light) -> Result<LightHandle, ShadowError> {
-        check_lights(&[light], MAX_LIGHTS)?;
+        check_shadow_lights(&[light], MAX_LIGHTS)?;
         let free = self.bits.iter().position(|bit| bit.light.is_none()).unwrap_or(self.bits.len());
         if free >= self.limit {
             return Err(ShadowError::NoLightBit { limit: self.limit });
@@ -55,7 +55,7 @@ impl Lights {
 
     pub(crate) fn set(&mut self, handle: LightHandle, light: Light) -> Result<(), ShadowError> {
         self.check(handle)?;
-        check_lights(&[light], MAX_LIGHTS)?;
+        check_shadow_lights(&[light], MAX_LIGHTS)?;
         let cone_bits = |Cone { axis: [x, y, z], cosine }: Cone| [x, y, z, cosine].map(f32::to_bits);
         let bits =
             |light: Light| (light.to_array().map(f32::to_bits), light.range.to_bits(), light.cone.map(cone_bits));

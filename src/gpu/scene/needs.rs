@@ -1,23 +1,20 @@
-//! The needs of a frame: which figures must be deformed, found on the GPU before they are.
+//! The needs of a frame: which instances of models must be deformed, found on the GPU before they are.
 
-use std::ops::Range;
+use std::sync::atomic::Ordering;
 
 use bytemuck::Zeroable;
-use slotmap::DefaultKey;
 
-use super::caster::Placement;
-use super::handles::{CasterHandle, SceneId};
+use super::model::Deformed;
 use super::options::Measuring;
 use super::scene::Scene;
-use super::view::View;
-use crate::ShadowCamera;
+use super::view::{FrameInputs, View};
 use crate::gpu::common::bindings::{uniform, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, check, guarded};
-use crate::gpu::common::pass::{Workgroups, record};
+use crate::gpu::common::pass::{Step, Workgroups, record};
 use crate::gpu::common::requirements::{check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
-use crate::gpu::common::uniforms::UniformTable;
+use crate::gpu::common::uniforms::{UniformTable, upload};
 use crate::gpu::common::wanted::Wanted;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::layout::{LightCone, NeedsDispatch, SeenLight, ShadowLight, ShadowView};
@@ -27,148 +24,102 @@ use crate::turns::NEEDS_BOXES;
 /// Invocations of a workgroup, which take a figure each.
 const WORKGROUP: u64 = 64;
 
-/// Which casters a frame needs, once the encoder was submitted: the result of [`Scene::encode_needs`].
-///
-/// A clone is cheap.
-#[derive(Clone, Debug)]
-pub struct SceneNeeds {
-    pub(crate) words: wgpu::Buffer,
-    entries: Range<usize>,
-    pub(crate) device: wgpu::Device,
-    scene: SceneId,
-    /// How many the scene had made.
-    serial: u64,
-    keys: Vec<DefaultKey>,
-    views: Vec<ShadowView>,
-}
-
-impl SceneNeeds {
-    /// The number of casters.
-    pub fn len(&self) -> usize {
-        self.entries.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
-    }
-
-    /// A part of the casters, for example those of the second of two deformers. `None` if there are fewer.
-    #[must_use]
-    pub fn part(&self, casters: Range<usize>) -> Option<Self> {
-        let is_within = casters.start <= casters.end && casters.end <= self.len();
-        let first = self.entries.start;
-        is_within.then(|| Self { entries: first + casters.start..first + casters.end, ..self.clone() })
-    }
-
-    /// A `u32` for each caster, from byte [`Self::offset`] on: 1 if the frame does not need it, else 0. Usages `STORAGE` and
-    /// `COPY_SRC`.
-    pub fn buffer(&self) -> &wgpu::Buffer {
-        &self.words
-    }
-
-    /// The byte of the buffer where the first caster's entry is.
-    pub fn offset(&self) -> u64 {
-        4 * self.entries.start as u64
-    }
+/// The stage, ready to be recorded.
+pub(super) struct Needs {
+    words: wgpu::Buffer,
+    step: Step,
+    /// The uniforms of each model.
+    uniforms: Vec<UniformTable>,
 }
 
 impl Scene {
-    /// Records the stage that finds which of some `casters` the next encode needs, before their positions are computed. They are
-    /// casters with buffers, as a rule those of a [`Deformer`](crate::gpu::Deformer). A caster is needed if a camera may see it,
-    /// or its shadow from a light that may reach it, by the box that [`Self::set_bounds`] states. It is needed, too, if it has no
-    /// box, if there is no camera, or if there are many views and lights.
-    ///
-    /// `cameras` are all that see the casters or their shadows in the frame. A caller who deforms by shaders of its own reads
-    /// [`SceneNeeds::buffer`]. Positions of a caster that isn't needed must show nothing: a `Deformer` makes them a point.
-    ///
-    /// In each frame, in one encoder:
-    ///
-    /// ```no_run
-    /// use rimline::gpu::{CasterHandle, Deformer, FrameInputs, Scene, SceneFrame};
-    /// use rimline::{ModelBounds, Pose, ShadowCamera, wgpu};
-    ///
-    /// /// `figures` are the casters of the deformer's instances, in order. `bounds` are those of its model.
-    /// fn frame(
-    ///     (scene, figures): (&mut Scene, &[CasterHandle]),
-    ///     (deformer, bounds, pose): (&Deformer, &ModelBounds, &Pose),
-    ///     encoder: &mut wgpu::CommandEncoder,
-    ///     camera: ShadowCamera,
-    /// ) -> Result<SceneFrame, Box<dyn std::error::Error>> {
-    ///     for (&figure, own) in figures.iter().zip(bounds.boxes(pose, 0.0)?) {
-    ///         scene.set_bounds(figure, own)?;
-    ///     }
-    ///     let needs = scene.encode_needs(encoder, figures, &[camera], None)?;
-    ///     deformer.encode_needed(encoder, pose, 0.0, None, &needs, None)?;
-    ///     // Draw the figures, and all else that is seen; then:
-    ///     Ok(scene.encode_needed(encoder, FrameInputs::new(&[camera.into()]), &needs)?)
-    /// }
-    /// ```
+    /// Computes the positions of all models before [`Self::encode`], if you draw the depth that its views take
+    /// ([`View::depth`]). The encode then does not compute them again, provided that its views are the same and nothing in the
+    /// scene was changed. Record both into one encoder, or submit this one before: without it the encode finds the positions of
+    /// an earlier frame, and the next one computes all anew. Depths of `inputs` do not matter here. Frames of earlier encodes are
+    /// out of date then. Other programs do not need this call.
     ///
     /// # Errors
-    /// [`ShadowError::NoBuffer`] for a rigid caster, [`ShadowError::ListedTwice`], or as [`Self::encode`].
-    pub fn encode_needs(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        casters: &[CasterHandle],
-        cameras: &[ShadowCamera],
-        timer: Option<&mut StageTimer>,
-    ) -> Result<SceneNeeds, ShadowError> {
-        check_timer(timer.as_deref(), self.pipelines.device())?;
-        let given: Vec<View<'_>> = cameras.iter().map(|&camera| camera.into()).collect();
-        let views = self.check_views(&given)?;
-        let keys = self.number_figures(casters)?;
+    /// The errors of [`Self::encode`].
+    pub fn deform(&mut self, encoder: &mut wgpu::CommandEncoder, inputs: FrameInputs<'_>) -> Result<(), ShadowError> {
+        check_timer(inputs.timer.as_deref(), self.pipelines.device())?;
+        let views = self.check_views(inputs.views)?;
         // Lay out the scene now, so that the encode of the frame does not.
-        self.prepare_views(cameras.len())?;
-        self.needs += 1;
-        let (mut seen, mut figures) = (self.seen_for_needs(cameras, &views), self.figures(&keys));
+        self.prepare_views(views.len())?;
+        let Some(needs) = self.find_needs(inputs.views, &views)? else { return Ok(()) };
+        let uploads: Vec<_> = self.deform_uploads(&needs).collect();
+        if !uploads.is_empty() {
+            upload(self.pipelines.device(), encoder, &uploads)?;
+        }
+        let words = self.record_needs(encoder, &needs, inputs.timer);
+        self.deformed = Some(Deformed { words, views });
+        // Frames before draw with positions that are overwritten here.
+        self.encodes.fetch_add(1, Ordering::Relaxed);
+        Ok(())
+    }
+
+    /// The uploads before models are deformed.
+    pub(super) fn deform_uploads<'a>(&'a self, needs: &'a Needs) -> impl Iterator<Item = (&'a wgpu::Buffer, &'a [u8])> {
+        let models = self.models.values().zip(&needs.uniforms);
+        models.flat_map(|(model, uniforms)| model.deformer.uploads(&model.words, uniforms))
+    }
+
+    /// Finds what the views need of the models, and deforms that. Returns the words that say it.
+    pub(super) fn record_needs(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        needs: &Needs,
+        mut timer: Option<&mut StageTimer>,
+    ) -> wgpu::Buffer {
+        record([&needs.step], encoder, 0..1, timer.as_deref_mut());
+        let mut from = 0;
+        for model in self.models.values() {
+            let unneeded = Some((&needs.words, from));
+            model.deformer.record(encoder, unneeded, model.resources.as_ref(), timer.as_deref_mut());
+            from += 4 * model.casters.len() as u64;
+        }
+        needs.words.clone()
+    }
+
+    /// The words of the models that were deformed for an encode of these views, if the scene is as it was then.
+    pub(super) fn take_deformed(&mut self, views: &[ShadowView]) -> Option<wgpu::Buffer> {
+        let bytes = bytemuck::cast_slice::<ShadowView, u8>;
+        // Rigid casters may have moved: models need nothing of them.
+        let is_same = self.structure.is_some() && self.lights.moved.is_empty();
+        self.deformed.take().filter(|of| is_same && bytes(&of.views) == bytes(views)).map(|of| of.words)
+    }
+
+    /// The stage that finds which instances of models the views need. `None` without instances.
+    pub(super) fn find_needs(&self, given: &[View<'_>], views: &[ShadowView]) -> Result<Option<Needs>, ShadowError> {
+        if self.figures.is_empty() {
+            return Ok(None);
+        }
+        let (mut seen, figures) = (self.seen_for_needs(given, views), self.figure_records());
         let lights = if views.is_empty() { 1 } else { seen.len() / views.len() };
         let is_short = views.len() * (lights + 1) <= NEEDS_BOXES;
+        let does = |skipped: Measuring| u32::from(!self.options.measuring.has(skipped));
         let frame = NeedsDispatch {
-            figures: keys.len() as u32,
+            figures: self.figures.len() as u32,
             views: views.len() as u32,
             lights: lights as u32,
-            parts: figures.len().checked_div(keys.len()).unwrap_or(0) as u32,
-            all: u32::from(self.options.measuring.has(Measuring::UNNEEDED) || views.is_empty() || !is_short),
-            skip_unreached: (!self.options.measuring.has(Measuring::UNREACHED)).into(),
-            skip_unseen: (!self.options.measuring.has(Measuring::UNSEEN)).into(),
+            parts: (figures.len() / self.figures.len()) as u32,
+            all: u32::from(does(Measuring::UNNEEDED) == 0 || views.is_empty() || !is_short),
+            skip_unreached: does(Measuring::UNREACHED),
+            skip_unseen: does(Measuring::UNSEEN),
             reserved: 0,
         };
         // Bindings are never empty.
         seen.extend(seen.is_empty().then(SeenLight::zeroed));
-        figures.extend(figures.is_empty().then_some([0; 4]));
-        let words =
-            self.record_needs(encoder, &frame, [bytemuck::cast_slice(&seen), bytemuck::cast_slice(&figures)], timer)?;
-        let device = self.pipelines.device().clone();
-        let (entries, scene, serial) = (0..keys.len(), self.id, self.needs);
-        Ok(SceneNeeds { words, entries, device, scene, serial, keys, views })
-    }
-
-    /// The keys of casters with buffers.
-    fn number_figures(&mut self, casters: &[CasterHandle]) -> Result<Vec<DefaultKey>, ShadowError> {
-        let mut keys = Vec::with_capacity(casters.len());
-        for caster in casters {
-            let key = caster.key_in(self.id)?;
-            let entry = self.casters.get(key).ok_or(ShadowError::Removed { what: "caster" })?;
-            if matches!(entry.placement, Placement::Rigid(_)) {
-                return Err(ShadowError::NoBuffer);
-            }
-            keys.push(key);
-        }
-        let mut sorted = keys.clone();
-        sorted.sort_unstable();
-        if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-            let caster = keys.iter().rposition(|key| *key == pair[0]).unwrap_or(0);
-            return Err(ShadowError::ListedTwice { caster });
-        }
-        Ok(keys)
+        let (words, step) = self.needs_step(&frame, [bytemuck::cast_slice(&seen), bytemuck::cast_slice(&figures)])?;
+        let uniforms = self.models.values().map(|model| model.deformer.uniforms(model.time_s)).collect();
+        Ok(Some(Needs { words, step, uniforms }))
     }
 
     /// The records of the figures that the stage reads.
-    fn figures(&self, keys: &[DefaultKey]) -> Vec<[u32; 4]> {
+    fn figure_records(&self) -> Vec<[u32; 4]> {
         let batches = self.lights.batches();
-        let mut figures = Vec::with_capacity(keys.len() * (2 + batches.div_ceil(4)));
-        for entry in keys.iter().filter_map(|&key| self.casters.get(key)) {
+        let mut figures = Vec::with_capacity(self.figures.len() * (2 + batches.div_ceil(4)));
+        for entry in self.figures.iter().filter_map(|&key| self.casters.get(key)) {
             let [low, high] = entry.bounds.unwrap_or_default().map(|corner| corner.map(f32::to_bits));
             figures.push([low[0], low[1], low[2], entry.bounds.is_some().into()]);
             figures.push([high[0], high[1], high[2], 0]);
@@ -179,28 +130,22 @@ impl Scene {
     }
 
     /// The lights of each view, up to the last one. There is at least one entry for each view.
-    fn seen_for_needs(&self, cameras: &[ShadowCamera], views: &[ShadowView]) -> Vec<SeenLight> {
+    fn seen_for_needs(&self, given: &[View<'_>], views: &[ShadowView]) -> Vec<SeenLight> {
         let last = (0..32 * self.lights.batches() as u32).rfind(|&bit| self.lights.get(bit).is_some());
         let lights = last.unwrap_or(0) + 1;
         let mut seen = Vec::with_capacity(views.len() * lights as usize);
-        for (camera, &view) in cameras.iter().zip(views) {
+        for (given, &view) in given.iter().zip(views) {
             for bit in 0..lights {
-                let given = self.lights.get(bit);
-                let light = given.map_or_else(ShadowLight::zeroed, |light| camera.light(&view, light));
-                let cone = given.map_or_else(LightCone::zeroed, |light| LightCone::of(&light));
+                let own = self.lights.get(bit);
+                let light = own.map_or_else(ShadowLight::zeroed, |light| given.camera.light(&view, light));
+                let cone = own.map_or_else(LightCone::zeroed, |light| LightCone::of(&light));
                 seen.push(SeenLight { view, light, cone, ..SeenLight::zeroed() });
             }
         }
         seen
     }
 
-    fn record_needs(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        frame: &NeedsDispatch,
-        inputs: [&[u8]; 2],
-        timer: Option<&mut StageTimer>,
-    ) -> Result<wgpu::Buffer, ShadowError> {
+    fn needs_step(&self, frame: &NeedsDispatch, inputs: [&[u8]; 2]) -> Result<(wgpu::Buffer, Step), ShadowError> {
         let device = self.pipelines.device();
         check_alive(device)?;
         let limits = DispatchLimits::new(&device.limits());
@@ -210,7 +155,9 @@ impl Scene {
             Wanted::new("unneeded figures", 4 * u64::from(frame.figures.max(1))),
         ];
         let allocations = wanted.map(|Wanted { label, bytes, .. }| Allocation { label, bytes });
-        let bytes = check(&allocations, limits.binding, self.options.memory_limit)?;
+        let bytes = check(&allocations, limits.binding, None)?;
+        let others = Allocation { label: "the rest of the scene", bytes: self.used() + self.pages.bytes };
+        check(&[Allocation { label: "needs", bytes }, others], u64::MAX, self.options.memory_limit)?;
         let [seen, figures, words] = guarded(device, bytes, || wanted.map(|wanted| wanted.make(device)))?;
         let mut table = UniformTable::default();
         let offset = table.push(frame);
@@ -226,45 +173,6 @@ impl Scene {
                 _ => return None,
             })
         });
-        record([&pipeline.pass([dispatch])], encoder, 0..1, timer);
-        Ok(words)
-    }
-
-    /// Whether the scene is as it was when it found these needs, and is asked for the same views.
-    pub(super) fn check_needs(&self, needs: &SceneNeeds, views: &[ShadowView]) -> Result<(), ShadowError> {
-        if needs.scene != self.id {
-            return Err(ShadowError::OtherScene { what: "needs" });
-        }
-        let bytes = bytemuck::cast_slice::<ShadowView, u8>;
-        let is_same = needs.serial == self.needs
-            && self.structure.is_some()
-            && self.moved.is_empty()
-            && self.lights.moved.is_empty()
-            && bytes(&needs.views) == bytes(views)
-            && needs.entries.start == 0
-            && needs.len() == needs.keys.len();
-        if is_same { Ok(()) } else { Err(ShadowError::StaleNeeds) }
-    }
-
-    /// Numbers the figures of an encode. Results of casters that become figures, or cease to be, are not cached.
-    pub(super) fn heed_needs(&mut self, needs: Option<&SceneNeeds>) {
-        let keys = needs.map_or(&[][..], |needs| &needs.keys);
-        if self.figures == keys {
-            return;
-        }
-        let before = std::mem::replace(&mut self.figures, keys.to_vec());
-        for &key in &before {
-            self.number_figure(key, 0);
-        }
-        for (&key, number) in keys.iter().zip(1..) {
-            self.number_figure(key, number);
-        }
-    }
-
-    fn number_figure(&mut self, key: DefaultKey, number: u32) {
-        if let Some(entry) = self.casters.get_mut(key) {
-            entry.figure = number;
-            self.note_change(key);
-        }
+        Ok((words, pipeline.pass([dispatch])))
     }
 }

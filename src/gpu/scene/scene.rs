@@ -9,6 +9,7 @@ use super::caster::{Caster, CasterEntry, CasterPositions, HiddenOfLight, MeshEnt
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
 use super::lights::Lights;
 use super::mask::LightMask;
+use super::model::{Deformed, ModelEntry};
 use super::occluders;
 use super::options::{Measuring, SceneOptions};
 use super::pages::Pages;
@@ -28,10 +29,11 @@ use crate::gpu::shadow::format::Casters;
 use crate::gpu::shadow::pipelines::check_count_bits;
 use crate::layout::ShadowView;
 use crate::method::Predicate;
-use crate::{Light, Matrix3x4, Mesh};
+use crate::{Light, Mesh, Transform};
 
 /// Many casters and lights, whose silhouettes are extracted together. A mesh is stored once, however many casters have
-/// it. The work of recording an encode does not depend on the number of casters, but for those that moved.
+/// it. The work of recording an encode does not depend on the number of casters, but for those that moved, those of polygons,
+/// which have passes of their own, and the poses of models.
 ///
 /// Once: add meshes, lights and casters. Each frame: change what moved, call [`Scene::encode`], draw the depths of what is
 /// seen, and for each light draw its shadows by [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) and add its light. The README
@@ -66,9 +68,13 @@ pub struct Scene {
     pub(super) receiver_words: u64,
     /// The cameras of the last encode, with the encode that was the first to have each, and its receivers.
     pub(super) seen_views: Vec<(ShadowView, u32, SeenReceivers)>,
-    /// Casters that the last encode took to be needed or not, and how often needs were found.
+    pub(super) models: SlotMap<DefaultKey, ModelEntry>,
+    /// The bytes of their deformers.
+    pub(super) deformed_bytes: u64,
+    /// The instances of all models, in the order of the structure's words for them.
     pub(super) figures: Vec<DefaultKey>,
-    pub(super) needs: u64,
+    /// The models were deformed for the next encode.
+    pub(super) deformed: Option<Deformed>,
     /// The hidden faces of each light.
     pub(super) hidden: Vec<HiddenOfLight>,
     /// Structures so far.
@@ -118,8 +124,10 @@ impl Scene {
             views: 0,
             receiver_words: 0,
             seen_views: Vec::new(),
+            models: SlotMap::new(),
+            deformed_bytes: 0,
             figures: Vec::new(),
-            needs: 0,
+            deformed: None,
             hidden: Vec::new(),
             structures: 0,
             encodes: Arc::default(),
@@ -138,21 +146,33 @@ impl Scene {
         let Some(own) = positions.get(..needed as usize) else {
             return Err(ShadowError::TooFewPositions { given: positions.len(), needed });
         };
-        let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes);
-        let used = self.last.as_ref().map_or(0, |last| last.bytes()) + volumes;
-        let device = self.pipelines.device();
         let topology = self.topology(mesh, own);
-        let memory_limit = self.options.memory_limit;
-        let polygons = PolygonMesh::new(device, mesh, used + self.pages.bytes, memory_limit)?;
+        Ok(MeshHandle { scene: self.id, key: self.add_topology(mesh, &topology, own)? })
+    }
+
+    /// Uploads a mesh with its topology and positions.
+    pub(super) fn add_topology(
+        &mut self,
+        mesh: &Mesh,
+        topology: &Topology<'_>,
+        own: &[[f32; 3]],
+    ) -> Result<DefaultKey, ShadowError> {
+        let (device, used, limit) = (self.pipelines.device(), self.used(), self.options.memory_limit);
+        let polygons = PolygonMesh::new(device, mesh, used + self.pages.bytes, limit)?;
         let further = polygons.as_ref().map_or(0, PolygonMesh::bytes);
-        let run = self.pages.add(device, &topology, needed, polygons.is_some(), used + further, memory_limit)?;
-        if let Err(error) = self.pages.upload(device, &self.queue, &run, &topology, own) {
+        let run = self.pages.add(device, topology, own.len() as u32, polygons.is_some(), used + further, limit)?;
+        if let Err(error) = self.pages.upload(device, &self.queue, &run, topology, own) {
             self.pages.free(run, self.encodes.load(Ordering::Relaxed));
             return Err(error.into());
         }
         self.pages.bytes += further;
-        let key = self.meshes.insert(MeshEntry::new(run, mesh, own, topology.order, polygons));
-        Ok(MeshHandle { scene: self.id, key })
+        Ok(self.meshes.insert(MeshEntry::new(run, mesh, own, topology.order.clone(), polygons)))
+    }
+
+    /// The bytes of all but pages.
+    pub(super) fn used(&self) -> u64 {
+        let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes);
+        self.last.as_ref().map_or(0, |last| last.bytes()) + volumes + self.deformed_bytes
     }
 
     /// The topology of a mesh to upload. Predicates other than the exact one may decide faces differently from clusters, so
@@ -241,6 +261,7 @@ impl Scene {
             version: 0,
             bounds: None,
             positions_version: None,
+            is_of_model: false,
             figure: 0,
             index: 0,
             first_light: 0,
@@ -252,9 +273,14 @@ impl Scene {
     /// [`Self::set_positions`].
     ///
     /// # Errors
-    /// [`ShadowError::NotRigid`], or an error of the handle.
-    pub fn set_transform(&mut self, caster: CasterHandle, mesh_to_world: Matrix3x4) -> Result<(), ShadowError> {
-        let (key, entry) = self.entry(caster)?;
+    /// [`ShadowError::NotRigid`], [`ShadowError::OfModel`], or an error of the handle.
+    pub fn set_transform(
+        &mut self,
+        caster: CasterHandle,
+        mesh_to_world: impl Into<Transform>,
+    ) -> Result<(), ShadowError> {
+        let mesh_to_world = mesh_to_world.into().rows();
+        let (key, entry) = self.own_entry(caster)?;
         let Placement::Rigid(rigid) = &mut entry.placement else { return Err(ShadowError::NotRigid) };
         if bytemuck::bytes_of(&rigid.rows) != bytemuck::bytes_of(&mesh_to_world) {
             *rigid = Rigid::new(mesh_to_world);
@@ -268,7 +294,7 @@ impl Scene {
     /// be others in each encode.
     ///
     /// # Errors
-    /// [`ShadowError::NoBuffer`] for a rigid caster, or an error of the handle.
+    /// [`ShadowError::NoBuffer`] for a rigid caster, [`ShadowError::OfModel`], or an error of the handle.
     pub fn set_position_version(&mut self, caster: CasterHandle, version: Option<u64>) -> Result<(), ShadowError> {
         let (key, entry) = self.entry_in_buffer(caster)?;
         if entry.positions_version != version {
@@ -284,10 +310,11 @@ impl Scene {
     /// drawn.
     ///
     /// Positions outside the box, which are finite, may lack shadows. The box of a model at rest does not hold for a pose;
-    /// [`ModelBounds`](crate::ModelBounds) computes those of poses.
+    /// [`ModelBounds`](crate::ModelBounds) computes those of poses. [`Self::set_pose`] states that of its instances.
     ///
     /// # Errors
-    /// [`ShadowError::NoBuffer`] for a rigid caster, [`ShadowError::Bounds`] for a box that is none, or an error of the handle.
+    /// [`ShadowError::NoBuffer`] for a rigid caster, [`ShadowError::OfModel`], [`ShadowError::Bounds`] for a box that is none, or
+    /// an error of the handle.
     pub fn set_bounds(&mut self, caster: CasterHandle, bounds: Option<[[f32; 3]; 2]>) -> Result<(), ShadowError> {
         let (key, entry) = self.entry_in_buffer(caster)?;
         if let Some([low, high]) = bounds
@@ -308,9 +335,15 @@ impl Scene {
         self.casters.get_mut(key).map(|entry| (key, entry)).ok_or(ShadowError::Removed { what: "caster" })
     }
 
-    /// A caster with positions in a buffer.
-    fn entry_in_buffer(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), ShadowError> {
+    /// A caster that is no instance of a model.
+    fn own_entry(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), ShadowError> {
         let (key, entry) = self.entry(caster)?;
+        if entry.is_of_model { Err(ShadowError::OfModel) } else { Ok((key, entry)) }
+    }
+
+    /// A caster with positions in a buffer of the caller's.
+    fn entry_in_buffer(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), ShadowError> {
+        let (key, entry) = self.own_entry(caster)?;
         if let Placement::Rigid(_) = entry.placement { Err(ShadowError::NoBuffer) } else { Ok((key, entry)) }
     }
 
@@ -326,14 +359,14 @@ impl Scene {
     /// [`Self::set_transform`] is cheaper.
     ///
     /// # Errors
-    /// An error of the position buffer, or of the handle.
+    /// An error of the position buffer or of the handle, or [`ShadowError::OfModel`].
     pub fn set_positions(
         &mut self,
         caster: CasterHandle,
         positions: impl Into<CasterPositions>,
     ) -> Result<(), ShadowError> {
-        let key = caster.key_in(self.id)?;
-        let mesh = self.casters.get(key).ok_or(ShadowError::Removed { what: "caster" })?.mesh;
+        let (key, entry) = self.own_entry(caster)?;
+        let mesh = entry.mesh;
         let (placement, source) = self.place(mesh, positions.into())?;
         if let Some(entry) = self.casters.get_mut(key) {
             entry.placement = placement;
@@ -436,15 +469,19 @@ impl Scene {
     /// Removes a caster.
     ///
     /// # Errors
-    /// An error of the handle.
+    /// [`ShadowError::OfModel`], or an error of the handle.
     pub fn remove(&mut self, caster: CasterHandle) -> Result<(), ShadowError> {
-        let key = caster.key_in(self.id)?;
-        let entry = self.casters.remove(key).ok_or(ShadowError::Removed { what: "caster" })?;
+        let (key, _) = self.own_entry(caster)?;
+        self.remove_caster(key);
+        Ok(())
+    }
+
+    pub(super) fn remove_caster(&mut self, key: DefaultKey) {
+        let Some(entry) = self.casters.remove(key) else { return };
         if let Some(mesh) = self.meshes.get_mut(entry.mesh) {
             mesh.casters -= 1;
         }
         self.sources.give_back(entry.source);
         self.structure = None;
-        Ok(())
     }
 }

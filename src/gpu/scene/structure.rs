@@ -10,6 +10,7 @@ use super::options::{Measuring, SceneOptions};
 use super::pages::{Page, Pages};
 use super::sources::{Source, Sources};
 use super::table::{Part, Table};
+use crate::Light;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, check, filled, guarded, mapped, write_mapped};
@@ -74,6 +75,8 @@ pub(crate) struct Making<'a> {
     pub(crate) meshes: &'a SlotMap<DefaultKey, MeshEntry>,
     pub(crate) sources: &'a Sources,
     pub(crate) pages: &'a Pages,
+    /// The bytes of pages and deformers.
+    pub(crate) others: u64,
     pub(crate) lights: &'a Lights,
     pub(crate) options: &'a SceneOptions,
     /// Views that there is room for in the table.
@@ -91,7 +94,7 @@ impl Structure {
         old: Option<&Self>,
         number: Number,
     ) -> Result<Self, ShadowError> {
-        let Making { pipelines, meshes, pages, lights, options, views, .. } = *making;
+        let Making { pipelines, meshes, lights, options, views, .. } = *making;
         let device = pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
         let layout = Layout::new(table, casters, meshes, lights, number.encode, &limits)?;
@@ -113,7 +116,7 @@ impl Structure {
         }
         let given = given_masks(&layout, table, casters);
         let given_bytes: u64 = given.iter().flatten().map(|masks| 4 * masks.len() as u64).sum();
-        let others = pages.bytes + table_bytes + given_bytes;
+        let others = making.others + table_bytes + given_bytes;
         let old = old.map(|old| &old.buffers);
         let memory_limit = options.memory_limit;
         let face_chunks = layout.groups.iter().map(|group| u64::from(group.face_chunks)).sum();
@@ -133,7 +136,7 @@ impl Structure {
             guarded(device, given_bytes, || given.into_iter().map(|masks| masks.map(filled)).collect::<Vec<_>>())?;
         #[cfg(feature = "reference")]
         let clusters = {
-            let page = |group: &Group| Some(pages.get(making.sources.get(group.source)?.page)?.clusters.clone());
+            let page = |group: &Group| Some(making.pages.get(making.sources.get(group.source)?.page)?.clusters.clone());
             layout.groups.iter().filter_map(page).collect()
         };
         let unneeded_at = words as u32;
@@ -189,7 +192,7 @@ impl Structure {
             let buffers = self.buffers.groups.get(part.group)?.get(part.batch)?.polygons.as_ref()?;
             let caster = casters.get(*self.layout.order.get(self.layout.groups.get(part.group)?.first as usize)?)?;
             let (_, [offset, stride]) = self.polygons(meshes, casters, part.group)?;
-            let light = |bit: usize| caster.light(lights, (32 * part.batch + bit) as u32).map(|light| light.to_array());
+            let light = |bit: usize| caster.light(lights, (32 * part.batch + bit) as u32).map(Light::to_array);
             Some((buffers.lights.clone(), LightBatch::of_bits(light, part.lights, offset, stride)))
         };
         self.parts.iter().filter_map(of_part).collect()

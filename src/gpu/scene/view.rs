@@ -1,4 +1,4 @@
-//! What a caller gives to each encode of a scene.
+//! The inputs of an encode of a scene.
 
 use super::receivers::Receivers;
 use crate::ShadowCamera;

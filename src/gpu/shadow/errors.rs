@@ -2,6 +2,7 @@
 
 use super::format::{ShadowFormat, attachments};
 use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::deform::deformer::DeformError;
 use crate::gpu::extract::errors::ExtractorError;
 use crate::light::LightError;
 use crate::shadow::{CameraError, Counting, DepthDirection};
@@ -14,6 +15,9 @@ pub enum ShadowError {
     /// it or the memory limit, or a position buffer is refused.
     #[error(transparent)]
     Device(#[from] DeviceError),
+    /// A model or its pose is refused.
+    #[error(transparent)]
+    Deform(#[from] DeformError),
     /// A light is refused, for example one with a negative `w`, or `max_lights` is impossible.
     #[error(transparent)]
     Light(#[from] LightError),
@@ -72,6 +76,12 @@ pub enum ShadowError {
     /// The pass does not clear its stencil to 0, where counts begin.
     #[error("the pass does not clear its stencil to 0, where counts begin; take `ShadowFormat::attachment`")]
     StencilNotCleared,
+    /// The pass clears the depth.
+    #[error(
+        "the pass clears the depth, which shadow volumes are compared with; load the depths of the depth pass, as \
+         `ShadowFormat::attachment` does"
+    )]
+    DepthCleared,
     /// Counts own no bit of the stencil, or more than it has.
     #[error("`count_bits` is {given}; counts own {least} to 8 bits of the stencil here")]
     CountBits {
@@ -166,19 +176,6 @@ pub enum ShadowError {
         /// The kind of the handle.
         what: &'static str,
     },
-    /// A caster was given twice to [`Scene::encode_needs`](crate::gpu::Scene::encode_needs).
-    #[error("caster {caster} of those listed is there twice; list each once")]
-    ListedTwice {
-        /// The later place in the list.
-        caster: usize,
-    },
-    /// The scene, its lights or the cameras are not those that needs were found for.
-    #[error(
-        "the scene or the cameras changed since `encode_needs`, or these needs are a part or not the last; call `encode_needs` \
-         after all \
-         changes, deform by what it returns, and pass the same to `encode_needed`"
-    )]
-    StaleNeeds,
     /// A mesh cannot be removed while casters use it.
     #[error("{casters} casters still use the mesh; remove them first")]
     MeshInUse {
@@ -216,6 +213,12 @@ pub enum ShadowError {
         /// Faces of the mesh.
         faces: u32,
     },
+    /// A caster that is an instance of a model is to be moved or removed by itself.
+    #[error(
+        "the caster is an instance of a model; move it by `Scene::set_pose`, remove the model by `Scene::remove_model`, or let \
+         the instance cast for no light by `Scene::set_lights`"
+    )]
+    OfModel,
     /// A transform was given for a caster whose positions lie in a buffer in world space.
     #[error(
         "the caster has positions in a buffer, in world space, and no transform; give it `CasterPositions::Rigid` by \

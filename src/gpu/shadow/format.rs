@@ -1,6 +1,5 @@
 //! The attachments that volumes are drawn into, and the key of a pipeline of volumes.
 
-use super::errors::ShadowError;
 use crate::shadow::{CameraError, DepthDirection, ShadowCamera};
 
 /// The attachments that volumes are drawn into. [`Self::of_pass`] takes them from the descriptor of a pass.
@@ -82,28 +81,8 @@ impl ShadowFormat {
         Ok(Self { depth: camera.depth, front_face, has_far_plane: camera.has_far_plane(), ..Self::default() })
     }
 
-    /// The format for passes like this one, and cameras like this one: the formats and samples of its attachments, and what
-    /// [`Self::of_camera`] gives.
-    ///
-    /// Formats are those of the textures. For a view that was made with another format, as an sRGB view of a linear texture is,
-    /// set [`Self::colors`].
-    ///
-    /// # Errors
-    /// [`ShadowError::NoDepthStencil`] if the pass has no depth-stencil attachment, [`ShadowError::Camera`] if no shadow volumes
-    /// can be drawn for the camera.
-    pub fn of_pass(pass: &wgpu::RenderPassDescriptor<'_>, camera: &ShadowCamera) -> Result<Self, ShadowError> {
-        Self::of_camera(camera)?.with_attachments(pass)
-    }
-
-    /// The same with the attachments of a pass.
-    fn with_attachments(self, pass: &wgpu::RenderPassDescriptor<'_>) -> Result<Self, ShadowError> {
-        let depth_stencil = pass.depth_stencil_attachment.as_ref().ok_or(ShadowError::NoDepthStencil)?.view.texture();
-        let colors = pass.color_attachments.iter().map(|color| Some(color.as_ref()?.view.texture().format())).collect();
-        Ok(Self { depth_stencil: depth_stencil.format(), samples: depth_stencil.sample_count(), colors, ..self })
-    }
-
     /// The same without the difference between linear and sRGB formats.
-    fn without_srgb(&self) -> Self {
+    pub(super) fn without_srgb(&self) -> Self {
         let colors = self.colors.iter().map(|color| color.map(|color| color.remove_srgb_suffix())).collect();
         Self { colors, ..self.clone() }
     }
@@ -116,29 +95,6 @@ impl ShadowFormat {
             view,
             depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store }),
             stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store }),
-        }
-    }
-
-    /// Begins a pass for the volumes of one light, into which pipelines of this format draw. The pass clears its stencil to 0, as
-    /// [`Self::attachment`] does. Begin a pass that counts on from an earlier one by the encoder.
-    ///
-    /// Colour formats that differ only in sRGB are taken, because a view does not tell its own format. wgpu reports them.
-    ///
-    /// # Errors
-    /// [`ShadowError::OtherAttachments`] if the formats or samples of the attachments differ from those of this format.
-    /// [`ShadowError::StencilNotCleared`] if the pass does not clear the stencil to 0. Nothing is begun then.
-    pub fn begin_pass<'encoder>(
-        &self,
-        encoder: &'encoder mut wgpu::CommandEncoder,
-        pass: &wgpu::RenderPassDescriptor<'_>,
-    ) -> Result<wgpu::RenderPass<'encoder>, ShadowError> {
-        let given = self.clone().with_attachments(pass)?;
-        if given.without_srgb() != self.without_srgb() {
-            return Err(ShadowError::OtherAttachments { pass: Box::new(given), format: Box::new(self.clone()) });
-        }
-        match pass.depth_stencil_attachment.as_ref().and_then(|attachment| attachment.stencil_ops) {
-            Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), .. }) => Ok(encoder.begin_render_pass(pass)),
-            _ => Err(ShadowError::StencilNotCleared),
         }
     }
 

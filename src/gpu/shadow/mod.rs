@@ -4,6 +4,7 @@ pub(crate) mod buffers;
 pub(crate) mod draws;
 pub(crate) mod errors;
 pub(crate) mod format;
+mod passes;
 pub(crate) mod pipelines;
 pub(crate) mod shadow_pipelines;
 pub(crate) mod sizes;

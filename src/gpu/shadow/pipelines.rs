@@ -149,7 +149,7 @@ pub(crate) struct Convention {
 }
 
 impl Convention {
-    fn front_face(self) -> wgpu::FrontFace {
+    pub(crate) fn front_face(self) -> wgpu::FrontFace {
         if self.mirrors { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw }
     }
 

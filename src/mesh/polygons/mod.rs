@@ -148,6 +148,14 @@ impl Polygons {
         (0..).zip(self.triangle_starts.windows(2)).flat_map(|(p, ends)| std::iter::repeat_n(p, count(ends))).collect()
     }
 
+    /// The mask of each polygon from those of the mesh's triangles, which are the same for all of a polygon. The GPU's buffers
+    /// have masks of triangles, for shaders that draw these; [`cpu`](crate::cpu) has masks of polygons. A polygon without
+    /// triangles, and one that `of_triangles` does not reach, has no bits.
+    pub fn masks_of(&self, of_triangles: &[u32]) -> Vec<u32> {
+        let first = |polygon| self.triangles(polygon).next().and_then(|first| of_triangles.get(first));
+        (0..self.len()).map(|polygon| first(polygon).copied().unwrap_or(0)).collect()
+    }
+
     /// How many polygons have no outline, though they had one as given, before their corners were renamed.
     pub(super) fn collapsed(&self, given: PolygonLoops<'_>) -> usize {
         let mut walker = outline::Walker::default();

@@ -128,7 +128,7 @@ fn wgsl_constant(stage: &Stage, name: &str) -> Option<f32> {
     }
 }
 
-/// The constants are what the derivation in docs/numerics/facing.md, "Filter", asks for, in shader and twin, and no more than a
+/// The constants are what the derivation in docs/numerics/facing.md, "Filter", asks for, in shader and on the CPU, and no more than a
 /// fifth above it. Trials cannot tell so small a change: rounding seldom does its worst.
 #[test]
 fn the_filters_constants_are_those_of_the_derivation() {

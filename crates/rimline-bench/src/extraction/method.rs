@@ -29,9 +29,9 @@ pub(crate) enum Runs {
 /// Algorithms on the CPU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OnCpu {
-    /// The library's twins.
-    Twin(Predicate),
-    /// A plain loop over facing in `f64`, and the twin of the edge stage.
+    /// The library's CPU references.
+    Reference(Predicate),
+    /// A plain loop over facing in `f64`, and the CPU reference of the edge stage.
     Double,
     /// The naive loop for one light and a closed mesh: a byte a face in `f32`, then a byte an edge.
     Plain,
@@ -58,13 +58,13 @@ pub(crate) const CONTESTANTS: [Contestant; 13] = [
     gpu(GPU_FAST, "GPU face masks, f32 local form", Method::FaceMask, Predicate::Fast, 3, 3),
     gpu(GPU_EXACT, "GPU face masks, exact", Method::FaceMask, Predicate::Exact, 4, 0),
     one("cpu-plain-one", "CPU plain loop, f32, 1 thread", OnCpu::Plain, 6, 2),
-    one("cpu-f32-one", "CPU f32, 1 thread", OnCpu::Twin(Predicate::Fast), 3, 3),
+    one("cpu-f32-one", "CPU f32, 1 thread", OnCpu::Reference(Predicate::Fast), 3, 3),
     one("cpu-f64-one", "CPU f64, 1 thread", OnCpu::Double, 5, 1),
-    one("cpu-exact-one", "CPU exact, 1 thread", OnCpu::Twin(Predicate::Exact), 4, 0),
+    one("cpu-exact-one", "CPU exact, 1 thread", OnCpu::Reference(Predicate::Exact), 4, 0),
     all("cpu-plain-all", "CPU plain loop, f32, all threads", OnCpu::Plain, 6, 2),
-    all(CPU_FAST, "CPU f32, all threads", OnCpu::Twin(Predicate::Fast), 3, 3),
+    all(CPU_FAST, "CPU f32, all threads", OnCpu::Reference(Predicate::Fast), 3, 3),
     all("cpu-f64-all", "CPU f64, all threads", OnCpu::Double, 5, 1),
-    all(CPU_EXACT, "CPU exact, all threads", OnCpu::Twin(Predicate::Exact), 4, 0),
+    all(CPU_EXACT, "CPU exact, all threads", OnCpu::Reference(Predicate::Exact), 4, 0),
 ];
 
 const fn gpu(

@@ -40,7 +40,7 @@ fn sample(ms: f64) -> Sample {
     vec![(Metric::Time("time"), ms), (Metric::Time("wall"), ms)]
 }
 
-/// Bits of a contestant. For the plain loop these are the twin's bits, because both use the same arithmetic.
+/// Bits of a contestant. For the plain loop these are the CPU reference's bits, because both use the same arithmetic.
 pub(super) fn extraction(case: &Case<'_>, on_cpu: OnCpu) -> cpu::Extraction {
     let mut found = cpu::Extraction::default();
     found.statistics = fill_facing(&mut found.facing, case, on_cpu, Threads::all());
@@ -76,7 +76,7 @@ fn threads(share: Share) -> Threads {
 fn fill_facing(facing: &mut Vec<u32>, case: &Case<'_>, on_cpu: OnCpu, threads: Threads) -> cpu::FacingStatistics {
     let Case { positions, mesh, lights } = case;
     match on_cpu {
-        OnCpu::Twin(predicate) => cpu::facing_into(facing, positions, mesh.faces(), lights, predicate, threads),
+        OnCpu::Reference(predicate) => cpu::facing_into(facing, positions, mesh.faces(), lights, predicate, threads),
         OnCpu::Plain => cpu::facing_into(facing, positions, mesh.faces(), lights, rimline::Predicate::Fast, threads),
         OnCpu::Double => {
             fill_planes(facing, case, threads, double_mask);

@@ -83,7 +83,7 @@ fn ordinary<'a>(rows: &[&'a Row]) -> Vec<&'a Row> {
     rows
 }
 
-/// The methods whose bits may differ: one thread finds the same again, and the plain loop what its twin does.
+/// The methods whose bits may differ: one thread finds the same again, and the plain loop what its CPU reference does.
 fn is_distinct(entry: &Entry) -> bool {
     !entry.variant.id.ends_with("-one") && entry.variant.id != "cpu-plain-all"
 }

@@ -103,7 +103,7 @@ impl Recorder for Meshes<'_> {
             let timer = timer.as_deref_mut();
             match recorded {
                 Recorded::Alone(extractor, found) => {
-                    *found = Some(extractor.encode(encoder, positions, &self.lights, timer)?);
+                    *found = Some(extractor.encode_timed(encoder, positions, &self.lights, timer)?);
                 }
                 Recorded::Casting(caster, frame) => {
                     let camera = self.camera.as_ref().filter(|_| until == Until::Volumes);

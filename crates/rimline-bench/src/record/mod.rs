@@ -14,7 +14,7 @@ use wgpu::{LoadOp, Operations, StoreOp, TextureFormat};
 pub use fragments::FragmentCounter;
 pub use meshes::Meshes;
 pub use one_caster::{OneCaster, OneCasterOptions, OneFrame};
-pub use scene::{Counted, Deforming, SceneRecorder};
+pub use scene::{Counted, SceneRecorder};
 pub use setting::{Camera, Casters, IDENTITY, Setting};
 pub use surfaces::{Pass, Surface, Surfaces};
 

@@ -50,6 +50,8 @@ pub struct Setting {
     pub turn: f32,
     /// How far rigid casters move to and fro from frame to frame. Receivers stay where they are.
     pub drift: f32,
+    /// Polygons of a shape, by its number, behind which its casters hide others from lights.
+    pub occluders: Option<(usize, Vec<[[f32; 3]; 4]>)>,
     /// Pairs of caster and light of which the light's range reaches the caster, where casters begin.
     pub pairs_in_range: usize,
 }
@@ -59,7 +61,16 @@ impl Setting {
     pub fn rigid(shapes: Vec<Shape>, placed: Vec<(usize, Matrix3x4)>, lights: Vec<Light>, camera: &Camera) -> Self {
         let pairs_in_range = placed.len() * lights.len();
         let casters = Casters::Rigid { shapes, placed };
-        Self { casters, lights, camera: camera.shadow(), ground: None, turn: 0.0, drift: 0.0, pairs_in_range }
+        Self {
+            casters,
+            lights,
+            camera: camera.shadow(),
+            ground: None,
+            turn: 0.0,
+            drift: 0.0,
+            occluders: None,
+            pairs_in_range,
+        }
     }
 
     /// The version of what is seen: casters that do not move look the same in each frame.

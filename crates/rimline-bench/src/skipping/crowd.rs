@@ -71,6 +71,7 @@ pub(super) fn setting(figures: usize, view: View) -> Result<Setting, ModelError>
         ground: Some(0.0),
         turn: 0.0,
         drift: 0.0,
+        occluders: None,
     })
 }
 

@@ -46,6 +46,7 @@ pub(crate) static LEVELS: &[Level] = &[
         name: "unneeded figures",
         switch: |options, on| options.measuring.set(Measuring::UNNEEDED, !on),
     },
+    Level { id: "occluders", name: "occluders", switch: |options, on| options.measuring.set(Measuring::OCCLUDED, !on) },
 ];
 
 /// Which levels are on.

@@ -2,6 +2,7 @@
 
 mod city;
 mod crowd;
+mod house;
 pub(crate) mod levels;
 pub(crate) mod scenes;
 mod walk;
@@ -15,7 +16,7 @@ use crate::casters::Devices;
 use crate::engine::{Contender, Metric, Rounds, Sample, interleave};
 use crate::gpu::{Stopwatch, Timed, beside_draws};
 use crate::record::{
-    Counted, DEPTH, Deforming, FragmentCounter, Pass, Recorder as _, STENCIL, SceneRecorder, Surfaces, stencil_pass,
+    Counted, DEPTH, FragmentCounter, Pass, Recorder as _, STENCIL, SceneRecorder, Surfaces, stencil_pass,
 };
 use crate::row::{Entry, Row, Section, Variant as Named};
 use crate::{Error, Host};
@@ -63,18 +64,15 @@ pub(crate) fn measure(
     let rounds = Rounds { least: rounds.least.min(3), ..rounds };
     let Devices { stages, draws, scene: pipelines, .. } = devices;
     let gpu = draws.gpu;
-    let [of_stages, deforming] = [Deforming::new(stages.gpu, &setting)?, Deforming::new(gpu, &setting)?];
-    let seen = Seen {
-        surfaces: Surfaces::of(gpu, &setting, deforming.positions()),
-        depth: gpu.texture(size, DEPTH).create_view(&wgpu::TextureViewDescriptor::default()),
-    };
+    let depth = gpu.texture(size, DEPTH).create_view(&wgpu::TextureViewDescriptor::default());
     let counter = FragmentCounter::new(gpu, size, setting.lights.len())?;
     let variants = scene.variants();
     let (mut pairs, mut counts) = (Vec::new(), Vec::new());
     for variant in &variants {
         let options = variant.options(setting.lights.len());
-        let mut drawn = SceneRecorder::new(gpu, &setting, &deforming, Some(pipelines), options)?;
-        let mut timed = SceneRecorder::new(stages.gpu, &setting, &of_stages, None, options)?;
+        let mut drawn = SceneRecorder::new(gpu, &setting, Some(pipelines), options)?;
+        let seen = Seen { surfaces: Surfaces::of(gpu, &setting, drawn.positions()?), depth: depth.clone() };
+        let mut timed = SceneRecorder::new(stages.gpu, &setting, None, options)?;
         for _ in 0..=SETTLED {
             if host.is_stopped() {
                 return Err(Error::Stopped);
@@ -84,11 +82,11 @@ pub(crate) fn measure(
         }
         let counter = counter.as_ref().map(|counter| counter.count(gpu, |pass, light| drawn.draw(pass, light)));
         counts.push((drawn.counted(gpu)?, counter.transpose()?));
-        pairs.push((timed, drawn));
+        pairs.push((timed, drawn, seen));
     }
     let (stages, draws) = (RefCell::new(stages), RefCell::new(draws));
-    let contenders = pairs.iter_mut().map(|(timed, drawn)| -> Contender<'_> {
-        let (stages, draws, seen) = (&stages, &draws, &seen);
+    let contenders = pairs.iter_mut().map(|(timed, drawn, seen)| -> Contender<'_> {
+        let (stages, draws, seen) = (&stages, &draws, &*seen);
         Box::new(move || {
             let mut sample = stages_alone(timed, &mut stages.borrow_mut())?;
             sample.extend(frame(drawn, seen, &mut draws.borrow_mut())?);

@@ -5,7 +5,7 @@ use rimline::{Light, ModelError};
 
 use super::crowd::View;
 use super::levels::Variant;
-use super::{city, crowd};
+use super::{city, crowd, house};
 use crate::casters::{CasterMesh, field};
 use crate::record::{Camera, IDENTITY, Setting};
 use crate::shapes;
@@ -26,6 +26,8 @@ pub(crate) enum SkipScene {
     CrowdWithin,
     /// Casters that all move, of which all matters.
     Moving,
+    /// Rooms with a lamp and figures in each, and walls between them.
+    House,
     /// One mesh of about so many times 65,536 faces.
     Big(u16),
 }
@@ -39,6 +41,7 @@ impl SkipScene {
             "city" => Some(&[Self::CityAlong, Self::CityOblique]),
             "crowd" => Some(&[Self::Crowd, Self::CrowdWithin]),
             "moving" => Some(&[Self::Moving]),
+            "house" => Some(&[Self::House]),
             "big" => Some(&[Self::Big(16), Self::Big(64), Self::Big(168), Self::Big(256)]),
             _ => None,
         }
@@ -51,6 +54,7 @@ impl SkipScene {
             Self::CityAlong | Self::CityOblique => "city",
             Self::Crowd | Self::CrowdWithin => "crowd",
             Self::Moving => "moving",
+            Self::House => "house",
             Self::Big(_) => "big",
         }
     }
@@ -61,7 +65,7 @@ impl SkipScene {
             Self::Still | Self::Crowd | Self::Moving | Self::Big(_) => "whole",
             Self::CityAlong => "along-street",
             Self::CityOblique => "oblique",
-            Self::CrowdWithin => "within",
+            Self::CrowdWithin | Self::House => "within",
         }
     }
 
@@ -76,6 +80,7 @@ impl SkipScene {
             Self::Crowd => format!("crowd, {number} walking figure{s}"),
             Self::CrowdWithin => format!("crowd, {number} walking figure{s}, from within"),
             Self::Moving => format!("moving, {number} caster{s} of which all matters"),
+            Self::House => format!("house, {number} figure{s} in rooms"),
             Self::Big(size) => {
                 format!("big, a mesh of {} faces", grouped(big_faces(size)))
             }
@@ -87,6 +92,13 @@ impl SkipScene {
         match (self, is_quick) {
             (Self::Big(_), _) => 1,
             (Self::Moving, false) => 200,
+            (Self::House, is_quick) => {
+                if is_quick {
+                    20
+                } else {
+                    100
+                }
+            }
             (Self::Still | Self::Crowd | Self::CrowdWithin | Self::Moving, true) => 20,
             (Self::Still | Self::Crowd | Self::CrowdWithin, false) => 1000,
             (_, true) => 100,
@@ -98,6 +110,7 @@ impl SkipScene {
     pub(super) fn variants(self) -> Vec<Variant> {
         let is_big = matches!(self, Self::Big(_));
         let matters = |variant: &Variant| match variant {
+            Variant::Without(level) if level.id == "occluders" => self == Self::House,
             Variant::Without(level) => !is_big || level.id == "clusters",
             Variant::AllOff | Variant::AllOn => true,
         };
@@ -113,6 +126,7 @@ impl SkipScene {
     pub(crate) fn most(self) -> usize {
         match self {
             Self::Still | Self::Crowd | Self::CrowdWithin | Self::Moving => 1000,
+            Self::House => house::MOST,
             Self::CityAlong | Self::CityOblique => usize::MAX,
             Self::Big(_) => 1,
         }
@@ -126,6 +140,7 @@ impl SkipScene {
             Self::Crowd => crowd::setting(casters, View::Whole),
             Self::CrowdWithin => crowd::setting(casters, View::Within),
             Self::Moving => Ok(moving(casters)),
+            Self::House => Ok(house::setting(casters)),
             Self::Big(size) => Ok(big(big_faces(size))),
         }
     }

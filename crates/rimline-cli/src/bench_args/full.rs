@@ -42,12 +42,12 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = parse_meshes)]
     pub(crate) meshes: Option<Vec<Number>>,
 
-    /// Names of stress scenes, `casters` for scenes of many casters, `still`, `city`, `crowd`, `moving` and `big` for what a
+    /// Names of stress scenes, `casters` for scenes of many casters, `still`, `city`, `crowd`, `moving`, `house` and `big` for what a
     /// frame skips, `all` or `none` [default: all, and `none` with a model]
     #[arg(long, visible_alias = "scene", value_name = "NAME,…", value_delimiter = ',')]
     pub(crate) scenes: Option<Vec<String>>,
 
-    /// Numbers of casters for the scenes `casters`, `still`, `city`, `crowd` and `moving`, or `none`: boxes of 12 faces, and up
+    /// Numbers of casters for the scenes `casters`, `still`, `city`, `crowd`, `moving` and `house`, or `none`: boxes, and up
     /// to 1,000 figures of 4,000 faces [default: 1, 10, 100, 200, 1,000 and 10,000 (quick: 1, 10 and 100); 1,000 figures (quick:
     /// 20) and 10,000 buildings (quick: 100)]
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = parse_casters)]
@@ -57,7 +57,7 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4_194_304))]
     pub(crate) scene_faces: Option<u32>,
 
-    /// Numbers of lights [default: 1, 8 and 32; for stress scenes 8]. `casters`, `still` and `moving` always have 5, `city` and
+    /// Numbers of lights [default: 1, 8 and 32; for stress scenes 8]. `casters`, `still` and `moving` always have 5, `house` 9, `city` and
     /// `big` 1, and `crowd` 32
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) lights: Option<Vec<u16>>,
@@ -87,7 +87,7 @@ Examples:
   rimline bench fox.glb --light point:-1,2e2,.5 --light dir:0,1,0
   rimline bench --report report --json figures.json
   rimline bench --scene casters --meshes none --frames 0 --casters 200,10000
-  rimline bench --scene still,city,crowd,moving,big --meshes none \\
+  rimline bench --scene still,city,crowd,moving,house,big --meshes none \\
       --frames 0 --report report
   rimline bench --meshes none --scenes none --frames 0 --depth-maps times.json \\
       --report report
@@ -100,7 +100,7 @@ At the end, a line for each question: how fast, at which price, how right. Repor
 run in turn, round by round, for each mesh and number of lights. Errors are bits that differ from exact arithmetic, and \
 vertices where loops stay open. A model of yours also casts in the room of the camera paths, as large as the others there. For \
 the scene `casters`, CPU times are of recording a frame with one view, and GPU times are compared with the same faces merged \
-into one mesh. The scenes `still`, `city`, `crowd`, `moving` and `big` are measured with all levels of skipping on, with all \
+into one mesh. The scenes `still`, `city`, `crowd`, `moving`, `house` and `big` are measured with all levels of skipping on, with all \
 off, and with each off alone. Ctrl-C ends the run. Report and data then contain the finished rows and say so, and the exit code \
 is 130.";
 

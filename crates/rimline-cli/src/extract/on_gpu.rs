@@ -4,7 +4,6 @@ use std::borrow::Cow;
 use std::time::Instant;
 
 use rimline::gpu::{Extractor, ExtractorOptions, StageTimer};
-use rimline::mesh::Polygons;
 use rimline::reference::Method;
 use rimline::reference::cpu::FacingStatistics;
 use rimline::reference::layout::ExtractionStatistics;
@@ -48,7 +47,7 @@ impl<'s> Job<'_, 's> {
         let mut encoder = gpu.encoder("extract");
         placed.encode(&mut encoder, &self.scene.shape, self.time_s, timer.as_mut()).on(gpu)?;
         for extractor in &mut extractors {
-            extractor.encode(&mut encoder, placed.buffer(), self.lights, timer.as_mut()).on(gpu)?;
+            extractor.encode_timed(&mut encoder, placed.buffer(), self.lights, timer.as_mut()).on(gpu)?;
         }
         if let Some(timer) = &timer {
             timer.resolve(&mut encoder);
@@ -100,11 +99,7 @@ impl<'s> Job<'_, 's> {
                 let of_polygons = |at: usize| -> Vec<u32> {
                     // Without a triangle in the mesh, planes are empty, and no polygon has bits.
                     let plane = |batch: usize| planes.get(2 * triangles * batch + at..).unwrap_or_default();
-                    (0..batches)
-                        .flat_map(|batch| {
-                            (0..polygons.len()).map(move |polygon| mask_of(polygons, plane(batch), polygon))
-                        })
-                        .collect()
+                    (0..batches).flat_map(|batch| polygons.masks_of(plane(batch))).collect()
                 };
                 (of_polygons(0), of_polygons(triangles))
             }
@@ -117,11 +112,6 @@ impl<'s> Job<'_, 's> {
             statistics: FacingStatistics { non_finite_faces, undecided_pairs, exact_zeros },
         })
     }
-}
-
-/// The mask of a polygon from those of its triangles, which are alike. A polygon without triangles has no bits.
-fn mask_of(polygons: &Polygons, of_triangles: &[u32], polygon: usize) -> u32 {
-    polygons.triangles(polygon).next().and_then(|first| of_triangles.get(first)).copied().unwrap_or(0)
 }
 
 pub(crate) fn read_planes<T: bytemuck::Pod>(

@@ -32,6 +32,7 @@ pub(super) fn mesh(report: &MeshReport) -> Value {
         "edges": { "consistent": consistent, "inconsistent": inconsistent, "boundary": boundary },
         "non_manifold_edges": diagnostics.non_manifold_edges,
         "components": diagnostics.components,
+        "inward_components": diagnostics.inward_components.unwrap_or(0),
         "closed": diagnostics.is_closed(),
         "why_open": report.why_open(),
         "offending_edges": listed,

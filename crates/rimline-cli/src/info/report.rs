@@ -49,7 +49,7 @@ impl MeshReport {
 
     /// `positions` has one for each of the mesh's vertices.
     pub(super) fn of_mesh(mesh: &Mesh, positions: &[[f32; 3]], origin: Origin) -> Self {
-        let diagnostics = MeshDiagnostics::of(mesh, LISTED_EDGES);
+        let diagnostics = MeshDiagnostics::of_placed(mesh, positions, LISTED_EDGES);
         let ends = |edge: &Edge| edge.vertices.map(|v| positions[v as usize]);
         Self {
             vertices: mesh.weld_counts(),
@@ -85,6 +85,8 @@ impl MeshReport {
             total.diagnostics.degenerate_faces += mesh.diagnostics.degenerate_faces;
             total.diagnostics.duplicate_faces += mesh.diagnostics.duplicate_faces;
             total.diagnostics.flipped_faces += mesh.diagnostics.flipped_faces;
+            let inward = mesh.diagnostics.inward_components.unwrap_or(0);
+            *total.diagnostics.inward_components.get_or_insert(0) += inward;
         }
         total
     }

@@ -78,6 +78,13 @@ impl Text {
             None => self.line("closed", "yes"),
             Some(why) => self.line("closed", format!("no: {why}")),
         }
+        match diagnostics.inward_components {
+            None | Some(0) => {}
+            Some(1) => self.more("1 closed part is wound inwards: its faces are clockwise from outside"),
+            Some(parts) => {
+                self.more(format!("{parts} closed parts are wound inwards: their faces are clockwise from outside"));
+            }
+        }
         if let Some(seams) = &report.seams {
             self.more(seams.text());
         }

@@ -76,7 +76,7 @@ fn count(
     let mut encoder = gpu.encoder("query");
     let points_at = PositionBuffer { buffer, offset: 0, stride: POINT };
     let bound = QueryPoints { points: points_at, on_face: on_face.map(|_| POINT - 4) };
-    query.encode_at(&mut encoder, placed.buffer(), bound, points.len() as u32, lights, None)?;
+    query.encode_at(&mut encoder, placed.buffer(), bound, points.len() as u32, lights)?;
     gpu.submit(encoder);
     let mut found = gpu.read(query.depths())?;
     found.truncate(points.len() * lights.len());

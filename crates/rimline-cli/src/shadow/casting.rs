@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use rimline::gpu::{LightHandle, Scene, ShadowError};
-use rimline::{Light, ShadowCamera, wgpu};
+use rimline::{Light, LightError, ShadowCamera, wgpu};
 
 use super::posed_model::PosedModel;
 use crate::device::Gpu;
@@ -34,9 +34,16 @@ pub(super) fn set_lights(
     lights: &[Light],
 ) -> Result<(), ShadowError> {
     for (number, &light) in lights.iter().enumerate() {
+        // The scene sees one light.
+        let numbered = |error| match error {
+            ShadowError::Light(LightError::NegativeWeight { w, .. }) => {
+                LightError::NegativeWeight { index: number, w }.into()
+            }
+            error => error,
+        };
         match handles.get(number) {
-            Some(&handle) => scene.set_light(handle, light)?,
-            None => handles.push(scene.add_light(light)?),
+            Some(&handle) => scene.set_light(handle, light).map_err(numbered)?,
+            None => handles.push(scene.add_light(light).map_err(numbered)?),
         }
     }
     Ok(())

@@ -80,7 +80,7 @@ impl LightMaps {
     ) -> Result<(), GpuError> {
         for ((given, conversion, metric), light) in self.distances.iter().zip(cameras.all()) {
             let map = DepthMap { texture: given, light: *light, objects: None };
-            conversion.encode(encoder, &map, *metric, timer.as_deref_mut())?;
+            conversion.encode_timed(encoder, &map, *metric, timer.as_deref_mut())?;
         }
         let mut views = self.views.iter();
         let size = self.views.first().map_or([1; 2], |view| [view.texture().width(), view.texture().height()]);
@@ -88,12 +88,12 @@ impl LightMaps {
             (Maps::Cube(cube), LightCameras::Cube(cameras)) => {
                 let textures = [0; 6].map(|_| views.next());
                 let maps = DepthCubeMaps { textures, lights: **cameras, objects: [None; 6] };
-                cube.encode(encoder, &maps, eye, timer)?
+                cube.encode_timed(encoder, &maps, eye, timer)?
             }
             (Maps::One(volumes), LightCameras::One(light)) => {
                 let texture = views.next().ok_or(DepthMapError::StaleFrame)?;
                 let map = DepthMap { texture, light: *light, objects: self.objects.as_ref() };
-                volumes.encode(encoder, &map, eye, timer)?
+                volumes.encode_timed(encoder, &map, eye, timer)?
             }
             // The caller asks `fits`.
             _ => return Err(DepthMapError::StaleFrame.into()),

@@ -46,7 +46,7 @@ impl Extracted {
         lights: &[Light],
         timer: Option<&mut StageTimer>,
     ) -> Result<&Extraction, GpuError> {
-        let extraction = self.extractor.encode(encoder, body.positions.buffer(), lights, timer)?;
+        let extraction = self.extractor.encode_timed(encoder, body.positions.buffer(), lights, timer)?;
         Ok(self.extraction.insert(extraction))
     }
 

@@ -3,8 +3,11 @@
 use std::path::Path;
 
 use libtest_mimic::Trial;
+use rimline_models::catalogue::{BAD, Fate};
+use rimline_testkit::assets;
+use rimline_testkit::harness::{on_files, on_made};
 
-use super::run::{folder, is_empty, on_asset, rimline};
+use super::run::{folder, is_empty, rimline};
 use super::{Outcome, ensure};
 
 const FILES: &[&str] = &[
@@ -41,9 +44,24 @@ const WARNED: &[&str] = &[
 ];
 
 pub(crate) fn trials() -> Vec<Trial> {
-    let refused = FILES.iter().map(|file| on_asset("bad_input", file, refused));
-    let empty = EMPTY.iter().map(|file| on_asset("bad_input::empty", file, empty));
-    refused.chain(empty).chain(WARNED.iter().map(|file| on_asset("bad_input::warned", file, warned))).collect()
+    let mut trials = on_made("bad_input::", BAD.iter().map(|bad| bad.name), |file| {
+        match BAD.iter().find(|bad| file.ends_with(bad.name)).ok_or("no row")?.fate {
+            Fate::Refused => refused(file),
+            Fate::Empty => empty(file),
+            Fate::Warned => warned(file),
+        }
+    });
+    trials.extend(on_files("bad_input::", assets(), &[FILES, EMPTY, WARNED].concat(), |file| {
+        let is_of = |files: &[&str]| files.iter().any(|name| file.ends_with(name));
+        if is_of(FILES) {
+            refused(file)
+        } else if is_of(EMPTY) {
+            empty(file)
+        } else {
+            warned(file)
+        }
+    }));
+    trials
 }
 
 fn warned(file: &Path) -> Outcome {

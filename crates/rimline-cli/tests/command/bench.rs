@@ -532,7 +532,7 @@ fn wrong_options() -> Outcome {
     let report = folder.path().join("report").to_string_lossy().into_owned();
     let cases = [
         ("--scenes nowhere", "nowhere"),
-        ("--scenes casters,nowhere", "three-sheets, casters, still, city, crowd, moving, big, `all` and `none`"),
+        ("--scenes casters,nowhere", "three-sheets, casters, still, city, crowd, moving, house, big, `all` and `none`"),
         ("--meshes none --scenes none --frames 0", "--meshes"),
         ("--meshes none --scenes none --device cpu", "--meshes"),
         ("--meshes none --scene casters --frames 0 --casters none", "--meshes"),

@@ -9,18 +9,18 @@ use libtest_mimic::Trial;
 
 use super::draw::png;
 use super::npz_polygons::words;
-use super::run::{Folder, folder, on_long_case};
+use super::run::{Folder, folder, on_cases};
 use super::shadow::apart;
 use super::{Outcome, ensure};
 
 pub(crate) fn trials() -> Vec<Trial> {
-    vec![
-        on_long_case("cases::a_twisted_bar", "m2_screw.obj", screw),
-        on_long_case("cases::faces_twice", "f6b_dup_flipped.glb", twice),
-        on_long_case("cases::no_false_warning", "g1_leaky.glb", few_layers),
-        on_long_case("cases::no_false_warning", "g3_shade.glb", few_layers),
-        on_long_case("cases::many_layers", "g7_louvres.glb", many_layers),
-    ]
+    on_cases(&[
+        ("cases::a_twisted_bar", "m2_screw.obj", screw, true),
+        ("cases::faces_twice", "f6b_dup_flipped.glb", twice, true),
+        ("cases::no_false_warning", "g1_leaky.glb", few_layers, true),
+        ("cases::no_false_warning", "g3_shade.glb", few_layers, true),
+        ("cases::many_layers", "g7_louvres.glb", many_layers, true),
+    ])
 }
 
 fn copied(file: &Path, name: &str) -> Result<Folder, String> {

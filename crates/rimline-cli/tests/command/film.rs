@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use libtest_mimic::Trial;
+use rimline_testkit::harness::on_both;
 
-use super::run::{folder, on_asset, rimline};
+use super::run::{folder, rimline};
 use super::shadow::{Image, with_cube};
 use super::{Outcome, Test, ensure};
 
@@ -12,7 +13,8 @@ pub(crate) const TESTS: &[Test] =
     &[("shadow::a_film_is_numbered_and_whole", film), ("shadow::a_films_folder_is_made_and_unmade", film_folder)];
 
 pub(crate) fn trials() -> Vec<Trial> {
-    vec![on_asset("a_film_plays_the_first_animation", "Fox.glb", first_animation)]
+    let files = ["skinned_without_indices.glb", "Fox.glb"];
+    vec![on_both("a_film_plays_the_first_animation", files, first_animation)]
 }
 
 fn film() -> Outcome {

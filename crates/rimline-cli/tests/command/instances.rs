@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use base64::Engine as _;
+use rimline_models::maker::{Maker, U32};
 use rimline_testkit::shapes::{self, Shape};
 use serde_json::{Value, json};
 
@@ -13,64 +13,24 @@ use super::{Outcome, Test, ensure};
 pub(crate) const TESTS: &[Test] =
     &[("instances::each_throws_its_own_shadow", crowd), ("instances::a_film_goes_on_where_one_is_mirrored", mirrored)];
 
-/// The bytes of a glTF's buffer, and what is where in it.
-#[derive(Default)]
-struct Arrays {
-    bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
-}
-
-impl Arrays {
-    /// Adds an array. Returns the number of its accessor.
-    fn add(&mut self, bytes: &[u8], accessor: Value) -> usize {
-        self.views.push(json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() }));
-        self.bytes.extend(bytes);
-        self.accessors.push(accessor);
-        self.accessors[self.views.len() - 1]["bufferView"] = json!(self.views.len() - 1);
-        self.views.len() - 1
-    }
-
-    fn floats(&mut self, floats: &[f32], kind: &str, count: usize) -> usize {
-        let size = floats.len() / count;
-        let bound = |pick: fn(f32, f32) -> f32| -> Vec<f32> {
-            (0..size).map(|axis| floats.iter().copied().skip(axis).step_by(size).reduce(pick).unwrap_or(0.0)).collect()
-        };
-        let (min, max) = (bound(f32::min), bound(f32::max));
-        let bytes: Vec<u8> = floats.iter().flat_map(|c| c.to_le_bytes()).collect();
-        self.add(&bytes, json!({ "componentType": 5126, "count": count, "type": kind, "min": min, "max": max }))
-    }
-}
-
 /// A glTF with a mesh for each shape. The scale of the first node goes through `scales`, one a second, in steps.
-fn gltf(shapes: &[Shape], nodes: &[Value], scales: &[[f32; 3]]) -> String {
-    let mut arrays = Arrays::default();
-    let mut meshes = Vec::new();
-    for Shape { positions, faces, .. } in shapes {
-        let position = arrays.floats(positions.as_flattened(), "VEC3", positions.len());
-        let bytes: Vec<u8> = faces.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
-        let indices = arrays.add(&bytes, json!({ "componentType": 5125, "count": 3 * faces.len(), "type": "SCALAR" }));
-        meshes.push(json!({ "primitives": [{ "attributes": { "POSITION": position }, "indices": indices }] }));
+fn gltf(shapes: &[Shape], nodes: &[Value], scales: &[[f32; 3]]) -> Vec<u8> {
+    let mut maker = Maker::new();
+    for shape in shapes {
+        let primitive = maker.primitive(shape, U32);
+        maker.mesh(&primitive);
     }
-    let mut file = json!({
-        "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": (0..nodes.len()).collect::<Vec<_>>() }],
-        "nodes": nodes, "meshes": meshes,
-    });
+    maker.json["nodes"] = json!(nodes);
+    maker.scene(&(0..nodes.len()).collect::<Vec<_>>());
     if !scales.is_empty() {
         let times: Vec<f32> = (0..scales.len()).map(|second| second as f32).collect();
-        let input = arrays.floats(&times, "SCALAR", times.len());
-        let output = arrays.floats(scales.as_flattened(), "VEC3", scales.len());
-        file["animations"] = json!([{
+        let (input, output) = (maker.floats("SCALAR", &times), maker.floats("VEC3", scales.as_flattened()));
+        maker.json["animations"] = json!([{
             "samplers": [{ "input": input, "output": output, "interpolation": "STEP" }],
             "channels": [{ "sampler": 0, "target": { "node": 0, "path": "scale" } }],
         }]);
     }
-    let data = base64::engine::general_purpose::STANDARD.encode(&arrays.bytes);
-    file["buffers"] =
-        json!([{ "byteLength": arrays.bytes.len(), "uri": format!("data:application/octet-stream;base64,{data}") }]);
-    file["bufferViews"] = arrays.views.into();
-    file["accessors"] = arrays.accessors.into();
-    file.to_string()
+    maker.gltf()
 }
 
 fn run(folder: &Path, command: &str, file: &str, options: &str, out: [&str; 2]) -> super::run::Run {

@@ -1,7 +1,7 @@
 //! The command, run as a user runs it.
 //!
-//! Tests on model files look for them in `RIMLINE_ASSETS`, or else in `shared/assets` beside the repository, and are
-//! ignored by name where they are not.
+//! Tests on model files take those of the catalogue, and real ones from `RIMLINE_ASSETS`, or else `shared/assets` beside the
+//! repository, where they are there.
 
 mod archive;
 mod bad_input;

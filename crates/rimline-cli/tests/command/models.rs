@@ -5,9 +5,10 @@ use std::path::Path;
 use libtest_mimic::Trial;
 
 use super::archive::compare;
-use super::run::{folder, is_long, on_asset, read_file, rimline};
+use super::run::{folder, is_long, read_file, rimline};
 use super::{Outcome, ensure};
-use rimline_testkit::files::GOOD_FILES;
+use rimline_testkit::assets;
+use rimline_testkit::harness::{on_files, on_made, on_models};
 
 /// In turn: open, of many parts; moved by a skin and morph targets; quantized; moved by a skin, by nodes, by morph targets;
 /// sparse; without sides; a strip of triangles. Files of the same kinds run if long trials are wanted; the library extracts
@@ -24,9 +25,26 @@ const KINDS: [&str; 9] = [
     "primitive_modes/Mesh_PrimitiveMode_05.gltf",
 ];
 
+/// The same of the catalogue.
+const MADE: [&str; 9] = [
+    "parts.glb",
+    "skinned_twice_morphed.glb",
+    "quantized.glb",
+    "skinned_without_indices.glb",
+    "interpolations.glb",
+    "morphed.gltf",
+    "sparse.gltf",
+    "sheets.glb",
+    "colours_and_modes.glb",
+];
+
 pub(crate) fn trials() -> Vec<Trial> {
-    let files = if is_long() { &GOOD_FILES[..] } else { &KINDS };
-    files.iter().map(|file| on_asset("models", file, agrees_and_closes)).collect()
+    if is_long() {
+        return on_models("models::", agrees_and_closes);
+    }
+    let mut trials = on_made("models::", MADE, agrees_and_closes);
+    trials.extend(on_files("models::", assets(), &KINDS, agrees_and_closes));
+    trials
 }
 
 const LIGHTS: [&str; 4] = ["--light", "point:3,-5,2e0", "--light", "dir:-.3,1,.2"];

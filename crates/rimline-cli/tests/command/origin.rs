@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::archive::{Entry, array, compare, data, read_zip, write_zip};
-use super::run::{Folder, folder, on_case, on_long_case, rimline, write_file};
+use super::run::{Folder, folder, on_cases, rimline, write_file};
 use super::shadow::{Image, apart};
 use super::{Outcome, Test, ensure};
 
@@ -24,7 +24,7 @@ pub(crate) const TESTS: &[Test] = &[
 
 /// The same on the shared cases; the house is like the one here.
 pub(crate) fn trials() -> Vec<libtest_mimic::Trial> {
-    vec![on_long_case("origin::cases", "l_house.obj", house), on_case("origin::cases", "e4_utm.glb", ball)]
+    on_cases(&[("origin::cases", "l_house.obj", house, true), ("origin::cases", "e4_utm.glb", ball, false)])
 }
 
 /// A place of a survey, in millimetres.

@@ -1,9 +1,10 @@
-//! Running the command, and where the model files are.
+//! Running the command.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use libtest_mimic::{Failed, Trial};
+use libtest_mimic::Trial;
+use rimline_testkit::{harness, shared_cases};
 
 use super::shadow::Image;
 use super::{Outcome, ensure};
@@ -147,34 +148,17 @@ pub(crate) fn is_empty(folder: &Path) -> Outcome {
     Ok(())
 }
 
-/// The folder of model files, if it is there.
-pub(crate) fn assets() -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/assets");
-    let folder = std::env::var_os("RIMLINE_ASSETS").map_or_else(beside, PathBuf::from);
-    folder.is_dir().then_some(folder)
-}
+/// A test on one of the shared cases, and whether it runs only if long trials are wanted.
+pub(crate) type Case = (&'static str, &'static str, fn(&Path) -> Outcome, bool);
 
-/// A test on one of the shared cases, which are beside the model files, ignored where there are none.
-pub(crate) fn on_case(name: &str, file: &'static str, test: fn(&Path) -> Outcome) -> Trial {
-    let path = assets().map(|assets| assets.with_file_name("cases").join(file)).filter(|path| path.is_file());
-    let is_missing = path.is_none();
-    let run = move || test(&path.ok_or("there are no cases")?).map_err(Failed::from);
-    Trial::test(format!("{name}::{file}"), run).with_ignored_flag(is_missing)
-}
-
-/// The same, ignored but in long runs.
-pub(crate) fn on_long_case(name: &str, file: &'static str, test: fn(&Path) -> Outcome) -> Trial {
-    let trial = on_case(name, file, test);
-    if is_long() { trial } else { trial.with_ignored_flag(true) }
-}
-
-/// A test on a model file, ignored where there are none.
-pub(crate) fn on_asset(name: &str, file: &'static str, test: fn(&Path) -> Outcome) -> Trial {
-    let assets = assets();
-    let is_missing = assets.is_none();
-    let run = move || {
-        let path = assets.ok_or("there are no model files")?.join(file);
-        test(&path).map_err(Failed::from)
+/// Tests on shared cases. Where the folder is missing, there is one that is ignored.
+pub(crate) fn on_cases(rows: &[Case]) -> Vec<Trial> {
+    let Some(folder) = shared_cases() else {
+        return harness::on_files::<String>(&format!("{}::", rows[0].0), None, &[], |_| Ok(()));
     };
-    Trial::test(format!("{name}::{file}"), run).with_ignored_flag(is_missing)
+    let trial = |&(name, file, test, is_long_one): &Case| {
+        let trials = harness::on_files(&format!("{name}::"), Some(folder.clone()), &[file], test);
+        trials.into_iter().map(move |trial| trial.with_ignored_flag(is_long_one && !is_long()))
+    };
+    rows.iter().flat_map(trial).collect()
 }

@@ -7,7 +7,7 @@ use rimline_testkit::random::Random;
 use serde_json::Value;
 
 use super::draw::{is_ink, is_orange, png};
-use super::run::{folder, on_case, on_long_case, run, write_file};
+use super::run::{folder, on_cases, run, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -21,7 +21,7 @@ pub(crate) const TESTS: &[Test] = &[
 /// The same on the shared cases.
 pub(crate) fn trials() -> Vec<libtest_mimic::Trial> {
     let is_closed = |file: &Path| closes(file, &file.to_string_lossy(), true);
-    vec![on_long_case("seams::cases", "h_torus.glb", is_closed), on_case("seams::cases", "h_cylinder.glb", is_closed)]
+    on_cases(&[("seams::cases", "h_torus.glb", is_closed, true), ("seams::cases", "h_cylinder.glb", is_closed, false)])
 }
 
 /// Rings of a profile turned about the y axis, by the angles that a full turn ends with: the last ring is the first but for

@@ -5,10 +5,11 @@ use std::path::Path;
 use libtest_mimic::Trial;
 use rimline_testkit::shapes;
 
-use super::run::{Folder, folder, is_long, on_asset, rimline};
+use super::run::{Folder, folder, is_long, rimline};
 use super::{Outcome, Test, ensure};
 use crate::archive::{array, write_zip};
-use rimline_testkit::files::GOOD_FILES;
+use rimline_testkit::assets;
+use rimline_testkit::harness::{on_files, on_made, on_models};
 
 pub(crate) const TESTS: &[Test] = &[
     ("shadow::masks_of_a_cube_over_the_ground", cube),
@@ -36,10 +37,17 @@ const DRAWN: [&str; 5] = [
     "subpass_scene_opaque.gltf",
 ];
 
+/// The same of the catalogue.
+const MADE: [&str; 5] = ["quantized.glb", "skinned.glb", "sparse.gltf", "one_sided.glb", "mirrored_scenes.gltf"];
+
 /// Good models have a picture and a mask.
 pub(crate) fn trials() -> Vec<Trial> {
-    let files = if is_long() { &GOOD_FILES[..] } else { &DRAWN };
-    files.iter().map(|file| on_asset("shadow_models", file, any_model)).collect()
+    if is_long() {
+        return on_models("shadow_models::", any_model);
+    }
+    let mut trials = on_made("shadow_models::", MADE, any_model);
+    trials.extend(on_files("shadow_models::", assets(), &DRAWN, any_model));
+    trials
 }
 
 /// A grey or colour PNG.

@@ -8,9 +8,11 @@ use libtest_mimic::{Failed, Trial};
 use serde_json::Value;
 
 use super::archive::compare;
-use super::run::{assets, folder, is_long, rimline, rimline_with, write_file};
+use super::run::{folder, is_long, rimline, rimline_with, write_file};
 use super::usage::HIDDEN;
 use super::{Outcome, ensure};
+use rimline_models::catalogue::GOOD;
+use rimline_testkit::assets;
 use rimline_testkit::files::GOOD_FILES;
 
 pub(crate) fn trials() -> Vec<Trial> {
@@ -21,7 +23,7 @@ pub(crate) fn trials() -> Vec<Trial> {
     vec![
         trial("every_stress_scene_is_the_same_on_every_device", stress_scenes),
         trial("the_devices_asked_for_are_checked", chosen_devices),
-        trial("every_good_file_is_the_same_on_every_device", good_files).with_ignored_flag(assets().is_none()),
+        trial("every_good_file_is_the_same_on_every_device", good_files),
         trial("opengl_finds_the_same_and_draws", opengl).with_ignored_flag(no_opengl),
     ]
 }
@@ -135,17 +137,16 @@ fn chosen_devices() -> Outcome {
 }
 
 fn good_files() -> Outcome {
-    let assets = assets().ok_or("there are no model files")?;
-    let models: Vec<_> = GOOD_FILES.iter().map(|file| assets.join(file)).collect();
     let folder = folder();
+    let catalogue = folder.inner("catalogue")?;
+    let made = GOOD.iter().map(|good| good.write(&catalogue)).collect::<Result<Vec<_>, _>>();
+    let mut models = made.map_err(|error| error.to_string())?;
+    models.extend(assets().into_iter().flat_map(|folder| GOOD_FILES.map(|file| folder.join(file))));
     let made = folder.path().join("made");
     let options: Vec<&OsStr> = models.iter().map(AsRef::as_ref).chain(["--faces".as_ref(), "12".as_ref()]).collect();
     make(&made, &options)?;
     let files = contents(&made)?.len();
-    ensure!(
-        files > GOOD_FILES.len() + rimline_testkit::stress::names().len(),
-        "some are posed twice, but {files} files"
-    );
+    ensure!(files > models.len() + rimline_testkit::stress::names().len(), "some are posed twice, but {files} files");
     let json = check(&made, &[], 0)?;
     all_equal(&json, files, devices(&json).len())
 }

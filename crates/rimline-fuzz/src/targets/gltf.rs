@@ -2,16 +2,11 @@
 
 use rimline::gltf::{Asset, LoadOptions};
 use rimline::mesh::Weld;
+use rimline_models::maker::{self, F32, Maker, U16, everything};
 use rimline_testkit::random::Random;
 use serde_json::{Value, json};
 
 use crate::mutate;
-
-#[path = "../../../../tests/gltf/maker.rs"]
-#[allow(dead_code)]
-mod maker;
-
-use maker::{F32, Maker, U16, everything};
 
 /// A file may take this much memory; a worker's address space is much larger.
 const MEMORY_LIMIT: u64 = 256 << 20;

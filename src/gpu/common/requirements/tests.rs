@@ -17,7 +17,7 @@ fn subject(stage: &Stage) -> Subject {
     match stage.file.split_once('/').expect("files lie in folders").0 {
         // A scene is an extraction of many casters.
         "extract" | "scene" | "polygon" => Subject::Extract,
-        "shadow" | "outline" => Subject::Shadow,
+        "shadow" | "outline" | "mask" => Subject::Shadow,
         "query" => Subject::Query,
         "deform" => Subject::Deform,
         "depth_map" => Subject::DepthMap,

@@ -2,30 +2,38 @@
 
 use rimline::gltf::{Asset, GltfError, LoadOptions};
 use rimline::mesh::Weld;
+use rimline_bench::shapes::Shape;
 use serde_json::{Value, json};
 
-pub(crate) const U8: u32 = 5121;
-pub(crate) const U16: u32 = 5123;
-pub(crate) const U32: u32 = 5125;
-pub(crate) const F32: u32 = 5126;
+pub const U8: u32 = 5121;
+pub const I16: u32 = 5122;
+pub const U16: u32 = 5123;
+pub const U32: u32 = 5125;
+pub const F32: u32 = 5126;
 
 /// Four corners of a square in the plane z = 0.
-pub(crate) const SQUARE: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+pub const SQUARE: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
 
 /// A file being made: its JSON and its only buffer.
 #[derive(Clone)]
-pub(crate) struct Maker {
-    pub(crate) json: Value,
-    pub(crate) bytes: Vec<u8>,
+pub struct Maker {
+    pub json: Value,
+    pub bytes: Vec<u8>,
+}
+
+impl Default for Maker {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Maker {
-    pub(crate) fn new() -> Self {
+    pub fn new() -> Self {
         Self { json: json!({ "asset": { "version": "2.0" } }), bytes: Vec::new() }
     }
 
     /// Appends to one of the file's lists and gives the index there.
-    pub(crate) fn push(&mut self, list: &str, value: Value) -> usize {
+    pub fn push(&mut self, list: &str, value: Value) -> usize {
         let list = &mut self.json[list];
         if list.is_null() {
             *list = json!([]);
@@ -35,19 +43,19 @@ impl Maker {
         list.len() - 1
     }
 
-    pub(crate) fn view(&mut self, data: &[u8]) -> usize {
+    pub fn view(&mut self, data: &[u8]) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let offset = self.bytes.len();
         self.bytes.extend_from_slice(data);
         self.push("bufferViews", json!({ "buffer": 0, "byteOffset": offset, "byteLength": data.len() }))
     }
 
-    pub(crate) fn accessor(&mut self, component: u32, kind: &str, count: usize, data: &[u8]) -> usize {
+    pub fn accessor(&mut self, component: u32, kind: &str, count: usize, data: &[u8]) -> usize {
         let view = self.view(data);
         self.push("accessors", json!({ "bufferView": view, "componentType": component, "type": kind, "count": count }))
     }
 
-    pub(crate) fn floats(&mut self, kind: &str, data: &[f32]) -> usize {
+    pub fn floats(&mut self, kind: &str, data: &[f32]) -> usize {
         let width = match kind {
             "SCALAR" => 1,
             "VEC3" => 3,
@@ -58,7 +66,7 @@ impl Maker {
         self.accessor(F32, kind, data.len() / width, &bytes)
     }
 
-    pub(crate) fn indices(&mut self, component: u32, data: &[u32]) -> usize {
+    pub fn indices(&mut self, component: u32, data: &[u32]) -> usize {
         let size = match component {
             U8 => 1,
             U16 => 2,
@@ -68,13 +76,26 @@ impl Maker {
         self.accessor(component, "SCALAR", data.len(), &bytes)
     }
 
+    /// Corners of a shape's faces and the positions that they name: a primitive.
+    pub fn primitive(&mut self, shape: &Shape, component: u32) -> Value {
+        let positions = self.floats("VEC3", shape.positions.as_flattened());
+        let indices = self.indices(component, shape.faces.as_flattened());
+        json!({ "attributes": { "POSITION": positions }, "indices": indices })
+    }
+
+    /// A scene, which is shown.
+    pub fn scene(&mut self, nodes: &[usize]) {
+        let scene = self.push("scenes", json!({ "nodes": nodes }));
+        self.json["scene"] = json!(scene);
+    }
+
     /// A mesh of one primitive.
-    pub(crate) fn mesh(&mut self, primitive: &Value) -> usize {
+    pub fn mesh(&mut self, primitive: &Value) -> usize {
         self.push("meshes", json!({ "primitives": [primitive] }))
     }
 
     /// A square of two triangles, alone at the root of the scene.
-    pub(crate) fn square() -> Self {
+    pub fn square() -> Self {
         let mut maker = Self::new();
         let positions = maker.floats("VEC3", &SQUARE);
         let indices = maker.indices(U16, &[0, 1, 2, 0, 2, 3]);
@@ -84,7 +105,7 @@ impl Maker {
     }
 
     /// A square whose vertices follow two joints, the nodes 1 and 2, with the given weights for all vertices alike.
-    pub(crate) fn skinned(joints: [u8; 4], weights: [f32; 4]) -> Self {
+    pub fn skinned(joints: [u8; 4], weights: [f32; 4]) -> Self {
         let mut maker = Self::square();
         let joints = maker.accessor(U8, "VEC4", 4, &joints.repeat(4));
         let weights = maker.floats("VEC4", &weights.repeat(4));
@@ -109,26 +130,26 @@ impl Maker {
         value
     }
 
-    pub(crate) fn glb(&self) -> Vec<u8> {
+    pub fn glb(&self) -> Vec<u8> {
         glb(self.with_buffer(None).to_string().as_bytes(), &self.bytes)
     }
 
     /// The asset as JSON with a data URI.
-    pub(crate) fn gltf(&self) -> Vec<u8> {
+    pub fn gltf(&self) -> Vec<u8> {
         use base64::Engine as _;
         let data = base64::engine::general_purpose::STANDARD.encode(&self.bytes);
         let uri = format!("data:application/octet-stream;base64,{data}");
         self.with_buffer(Some(uri)).to_string().into_bytes()
     }
 
-    pub(crate) fn load(&self) -> Result<Asset, GltfError> {
+    pub fn load(&self) -> Result<Asset, GltfError> {
         let options = LoadOptions { memory_limit: 256 << 20, ..Weld::Keep.into() };
         Asset::from_slice(&self.glb(), None, options)
     }
 }
 
 /// A GLB of the two chunks.
-pub(crate) fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
+pub fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
     let (mut json, mut binary) = (json.to_vec(), binary.to_vec());
     json.resize(json.len().next_multiple_of(4), b' ');
     binary.resize(binary.len().next_multiple_of(4), 0);
@@ -147,7 +168,7 @@ pub(crate) fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
 
 /// A small file that uses nearly everything the loader reads: a skinned and morphed mesh with two influence sets, a
 /// quantised sparse mesh instanced on the GPU, lights, and all interpolations.
-pub(crate) fn everything() -> Maker {
+pub fn everything() -> Maker {
     let mut maker = Maker::skinned([0, 1, 0, 0], [0.5, 0.25, 0.0, 0.0]);
     let joints = maker.accessor(U8, "VEC4", 4, &[1, 0, 0, 0].repeat(4));
     let weights = maker.accessor(U8, "VEC4", 4, &[255, 0, 0, 0].repeat(4));

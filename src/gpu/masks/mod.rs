@@ -1,0 +1,20 @@
+//! Shadow masks: which lights are in shadow at each pixel, for renderers whose depth has no stencil.
+//!
+//! ```text
+//! the caller's depth ─► mask_depth ─► depth ┐ of Rimline
+//! volumes of a light ───────────────► counts┘ in the stencil ─► mask_bit ─► bits of up to 32 lights ─► mask_byte, mask_word
+//!                                       ▲                           │                                  or mask_share ─► target
+//!                                       └──── 0 again ──────────────┘
+//! ```
+//!
+//! One render pass does all but the last draw. `mask_bit` draws where the stencil is not 0, adds the bit of the light to a colour
+//! attachment, and sets the stencil back to 0. So lights need no passes and no clears of their own, depth and stencil need not
+//! leave the tiles of a tiled GPU, and no stencil is read as a texture, which OpenGL cannot. The bits are integers of 8 bits in
+//! channels of `Unorm` textures, because integer formats do not blend. Each bit is added once, so nothing is rounded. A single light
+//! needs no sum: it is drawn into the target.
+
+pub(crate) mod errors;
+mod passes;
+mod pipelines;
+mod reach;
+pub(crate) mod shadow_masks;

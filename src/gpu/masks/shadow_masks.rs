@@ -1,0 +1,311 @@
+//! Masks of a frame of a scene.
+
+use std::sync::Arc;
+
+use super::errors::{MaskError, refused};
+use super::passes::{Attachment, around, begin, draw_into, layer_view, scissor};
+use super::pipelines::{Counting, Setting, layout, pipeline};
+use super::reach::reached;
+use crate::gpu::common::bindings::texture;
+use crate::gpu::common::memory::any_error;
+use crate::gpu::common::pipelines::{Pipelines, group};
+use crate::gpu::common::requirements::{Subject, check_same, check_sample_shading};
+use crate::gpu::scene::frame::SceneFrame;
+use crate::gpu::scene::handles::LightHandle;
+
+/// Lights whose bits one pass writes.
+const GROUP: usize = 32;
+
+/// Pipelines, and a depth and stencil buffer that Rimline owns, for [`SceneFrame::write_masks`].
+///
+/// Pipelines are made when they are first needed: by the first call, and by the first with other formats or another camera's depth
+/// direction. Textures are made anew when the size of the picture changes. For pictures of several sizes in turn, take a value for each.
+/// They take 5 to 13 bytes for each sample of each pixel. The depth and the target of the last call stay alive.
+///
+/// ```no_run
+/// # use rimline::gpu::{LightHandle, MaskError, MaskInputs, SceneFrame, ShadowMasks};
+/// # use rimline::wgpu;
+/// # fn masks(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, frame: &SceneFrame, lights: &[LightHandle],
+/// #     depth: &wgpu::TextureView, target: &wgpu::Texture) -> Result<(), MaskError> {
+/// // Once:
+/// let mut masks = ShadowMasks::new(device)?;
+/// // Every frame, after the depth was drawn. Bit `i` of a pixel of `target`, an `R32Uint` texture, is 1 where `lights[i]` is in shadow:
+/// frame.write_masks(encoder, &mut masks, &MaskInputs { depth, view: 0, lights, target })?;
+/// # Ok(()) }
+/// ```
+#[derive(Debug)]
+pub struct ShadowMasks {
+    /// Whether vertex shaders cut volumes at the frustum, see [`ShadowFormat::trim`](crate::gpu::ShadowFormat::trim). Default: false.
+    pub trim: bool,
+    shared: Pipelines,
+    counting: Vec<(Setting, Arc<Counting>)>,
+    /// Pipelines that write targets: the format, the shader, whether bits have several samples.
+    writing: Vec<((wgpu::TextureFormat, &'static str, bool), wgpu::RenderPipeline)>,
+    depth_stencil: Option<Attachment>,
+    /// The bits of up to 8 lights, and of more.
+    bits: [Option<Attachment>; 2],
+    /// The last depth, and its bind group.
+    depth: Option<(wgpu::TextureView, wgpu::BindGroup)>,
+    /// The last target, and its layers.
+    target: Option<(wgpu::Texture, Vec<wgpu::TextureView>)>,
+}
+
+/// The inputs of [`SceneFrame::write_masks`].
+#[derive(Clone, Copy, Debug)]
+pub struct MaskInputs<'a> {
+    /// The depth of the surfaces that get the light, drawn by the camera of the view, as when the commands run. It is a view of level 0 of
+    /// one layer with the depth aspect only, of a texture with usage `TEXTURE_BINDING`. Any depth format and any number of samples a
+    /// pixel will do. `Depth32Float` needs a device with
+    /// [`Features::DEPTH32FLOAT_STENCIL8`](wgpu::Features::DEPTH32FLOAT_STENCIL8).
+    pub depth: &'a wgpu::TextureView,
+    /// The view of the frame, counted from 0.
+    pub view: usize,
+    /// The lights, in the order of their bits.
+    pub lights: &'a [LightHandle],
+    /// The masks. A texture with one sample, usage `RENDER_ATTACHMENT` and the size of the depth. Level 0 is written, of as many layers
+    /// as the lights need:
+    ///
+    /// * `R8Uint`, `R32Uint`: a bit a light, 8 or 32 of them in a layer. Light `i` is bit `i mod 8` of layer `i div 8`, or bit
+    ///   `i mod 32` of layer `i div 32`. It is 1 where the light is in shadow. The bits that are left are 0. Of depth with several
+    ///   samples, sample 0 counts.
+    /// * `R8Unorm`: a layer a light, the share of the samples of a pixel that are in shadow: 0 or 1, or antialiased if the
+    ///   depth has several samples.
+    pub target: &'a wgpu::Texture,
+}
+
+impl ShadowMasks {
+    /// Makes no pipelines yet. `pipelines` is the caller's device, or the [`Pipelines`] of the scenes.
+    ///
+    /// # Errors
+    /// [`MaskError::Device`] if the device lacks what shadow volumes need.
+    pub fn new(pipelines: impl Into<Pipelines>) -> Result<Self, MaskError> {
+        let shared = pipelines.into();
+        shared.clone().construct(Subject::Shadow, || {
+            Ok(Self {
+                trim: false,
+                shared,
+                counting: Vec::new(),
+                writing: Vec::new(),
+                depth_stencil: None,
+                bits: [None, None],
+                depth: None,
+                target: None,
+            })
+        })
+    }
+
+    fn counting(&mut self, setting: Setting) -> Result<Arc<Counting>, MaskError> {
+        if let Some((_, made)) = self.counting.iter().find(|(key, _)| *key == setting) {
+            return Ok(Arc::clone(made));
+        }
+        if setting.samples > 1 {
+            check_sample_shading(self.shared.device(), Subject::Shadow)?;
+        }
+        let made = Arc::new(Counting::new(&self.shared, &setting)?);
+        self.counting.push((setting, Arc::clone(&made)));
+        Ok(made)
+    }
+
+    /// The pipeline that writes a layer of the target.
+    fn writing(
+        &mut self,
+        target: wgpu::TextureFormat,
+        entry_point: &'static str,
+        is_sampled: bool,
+    ) -> Result<wgpu::RenderPipeline, MaskError> {
+        let key = (target, entry_point, is_sampled);
+        if let Some((_, made)) = self.writing.iter().find(|(made, _)| *made == key) {
+            return Ok(made.clone());
+        }
+        let Self { shared, writing, .. } = self;
+        let make = || pipeline(shared, is_sampled, entry_point, target.into(), None, 1);
+        let made = any_error(shared.device(), make)
+            .map_err(|message| refused(shared.device(), "pipelines of masks", message))?;
+        writing.push((key, made.clone()));
+        Ok(made)
+    }
+
+    /// The bind group of a depth.
+    fn given(&mut self, depth: &wgpu::TextureView) -> Result<wgpu::BindGroup, MaskError> {
+        let made = if let Some(kept) = self.depth.take().filter(|(own, _)| own == depth) {
+            kept
+        } else {
+            let (device, is_sampled) = (self.shared.device(), depth.texture().sample_count() > 1);
+            let layout = layout(&self.shared, is_sampled);
+            let made = any_error(device, || group(device, "mask depth", &layout, &[texture(depth)]));
+            (depth.clone(), made.map_err(|message| refused(device, "the depth", message))?)
+        };
+        Ok(self.depth.insert(made).1.clone())
+    }
+
+    /// Views of the first layers of a target that a pass can draw into.
+    fn layers(&mut self, target: &wgpu::Texture, layers: u32) -> Result<Vec<wgpu::TextureView>, MaskError> {
+        let is_kept = |(own, views): &(wgpu::Texture, Vec<_>)| own == target && views.len() >= layers as usize;
+        let made = if let Some(kept) = self.target.take().filter(is_kept) {
+            kept
+        } else {
+            let device = self.shared.device();
+            let made = any_error(device, || {
+                let views: Vec<_> = (0..layers).map(|layer| layer_view(target, layer)).collect();
+                // A texture that is destroyed or of another device makes an encoder of the caller useless. This one is tried.
+                let mut tried = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                for view in &views {
+                    drop(draw_into(&mut tried, view));
+                }
+                drop(tried.finish());
+                (target.clone(), views)
+            });
+            made.map_err(|message| refused(device, "the target", message))?
+        };
+        let (_, views) = self.target.insert(made);
+        Ok(views.iter().take(layers as usize).cloned().collect())
+    }
+}
+
+/// The format that depth is copied to: one that holds every depth as it is loaded, if the device has it.
+fn depth_stencil(format: wgpu::TextureFormat, features: wgpu::Features) -> Result<wgpu::TextureFormat, MaskError> {
+    let needed = wgpu::Features::DEPTH32FLOAT_STENCIL8;
+    match format {
+        _ if features.contains(needed) => Ok(wgpu::TextureFormat::Depth32FloatStencil8),
+        wgpu::TextureFormat::Depth32Float => Err(MaskError::Feature { format, needed }),
+        _ => Ok(wgpu::TextureFormat::Depth24PlusStencil8),
+    }
+}
+
+impl MaskInputs<'_> {
+    /// Lights that a layer of the target holds.
+    fn lights_a_layer(&self) -> Result<usize, MaskError> {
+        match self.target.format() {
+            wgpu::TextureFormat::R8Uint => Ok(8),
+            wgpu::TextureFormat::R32Uint => Ok(32),
+            wgpu::TextureFormat::R8Unorm => Ok(1),
+            format => Err(MaskError::TargetFormat { format }),
+        }
+    }
+
+    /// Refuses textures that do not go together, as far as they tell. Returns the layers that are written.
+    fn check(&self) -> Result<u32, MaskError> {
+        let (map, target) = (self.depth.texture(), self.target);
+        let format = map.format();
+        if !(format.has_depth_aspect() && map.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING)) {
+            return Err(MaskError::Depth { format });
+        }
+        let (lights, a_layer) = (self.lights.len(), self.lights_a_layer()?);
+        let (samples, dimension, usage) = (target.sample_count(), target.dimension(), target.usage());
+        let is_drawn = usage.contains(wgpu::TextureUsages::RENDER_ATTACHMENT);
+        if samples > 1 || dimension != wgpu::TextureDimension::D2 || !is_drawn {
+            return Err(MaskError::Target { samples, dimension, usage });
+        }
+        let [depth, size] = [map, target].map(|texture| [texture.width(), texture.height()]);
+        if depth != size {
+            return Err(MaskError::Size { target: size, depth });
+        }
+        let (needed, layers) = (lights.div_ceil(a_layer).max(1) as u32, target.depth_or_array_layers());
+        if needed > layers {
+            return Err(MaskError::TooManyLights { lights, needed, format: target.format(), layers });
+        }
+        Ok(needed)
+    }
+}
+
+impl SceneFrame {
+    /// Writes which lights are in shadow at each pixel, for renderers without a stencil: from the depth that the caller drew, a bit
+    /// or a share for each light.
+    ///
+    /// A mask has no meaning where nothing was drawn, where the light does not reach because of its range or cone, and on the side
+    /// of a surface that is turned away from it: nothing is to be lit there. Masks of lights that do not reach the view cost nothing.
+    /// Masks that reach a part of the picture are 0 in the rest of it.
+    ///
+    /// The value that `textureLoad` gives of the depth is the value that volumes are compared with, to the bit, on devices with
+    /// [`Features::DEPTH32FLOAT_STENCIL8`](wgpu::Features::DEPTH32FLOAT_STENCIL8). Without it, depth of 16 and 24 bits is stored in 24 bits
+    /// again, and may be off by one unit of the last place where the device rounds. [`Counting::ZFail`](crate::Counting::ZFail) compares
+    /// caps with surfaces at the same depth, so casters with an open surface need `Depth32Float` for it.
+    ///
+    /// It records one pass for each 32 lights, and one for each layer of the target. One encoder may hold several calls.
+    ///
+    /// # Errors
+    /// [`MaskError`] if the frame is out of date, an input is refused, or the device lacks something. Nothing is recorded then.
+    pub fn write_masks(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        masks: &mut ShadowMasks,
+        inputs: &MaskInputs<'_>,
+    ) -> Result<(), MaskError> {
+        let MaskInputs { depth, view, lights, target } = *inputs;
+        let (convention, camera) = self.check_view(view)?;
+        let encoded = lights.iter().map(|&light| self.check_light(light)).collect::<Result<Vec<_>, _>>()?;
+        check_same(["the masks", "the scene"], [masks.shared.device(), &self.device])?;
+        let layers = inputs.check()?;
+        let map = depth.texture();
+        let (size, samples) = ([map.width(), map.height()], map.sample_count());
+        let reach = lights.iter().zip(&encoded).map(|(&light, of)| (light, reached(camera, of, size)));
+        let reach: Vec<_> = reach.collect();
+        let mut setting = Setting {
+            convention,
+            is_in_batches: self.count_batches > 1,
+            depth_stencil: depth_stencil(map.format(), self.device.features())?,
+            color: if lights.len() <= 8 { wgpu::TextureFormat::R8Unorm } else { wgpu::TextureFormat::Rgba8Unorm },
+            is_direct: lights.len() == 1 && samples == 1,
+            samples,
+            trim: masks.trim,
+        };
+        let mut writing = None;
+        if setting.is_direct {
+            setting.color = target.format();
+        } else {
+            let entry_point = match target.format() {
+                wgpu::TextureFormat::R8Unorm => "mask_share",
+                // The other channels of textures with one are no bits.
+                wgpu::TextureFormat::R32Uint if lights.len() > 8 => "mask_word",
+                _ => "mask_byte",
+            };
+            let [few, many] = &mut masks.bits;
+            let bits = if lights.len() <= 8 { few } else { many };
+            let bits = Attachment::of(bits, &masks.shared, size, setting.color, samples)?;
+            writing = Some((masks.writing(target.format(), entry_point, samples > 1)?, bits));
+        }
+        let stencil = Attachment::of(&mut masks.depth_stencil, &masks.shared, size, setting.depth_stencil, samples)?;
+        let given = masks.given(depth)?;
+        let views = masks.layers(target, layers)?;
+        let counting = masks.counting(setting)?;
+
+        // Elsewhere there is no volume and no bit.
+        let Some(all) = reach.iter().filter_map(|(_, pixels)| *pixels).reduce(around) else {
+            for view in &views {
+                drop(draw_into(encoder, view));
+            }
+            return Ok(());
+        };
+        let of_layer = inputs.lights_a_layer()?;
+        let groups = reach.chunks(GROUP).zip(views.chunks(GROUP / of_layer));
+        let last = groups.len() - 1;
+        for (number, (lights, views)) in groups.enumerate() {
+            let color = writing.as_ref().map(|(_, bits)| &bits.view).or(views.first());
+            let mut pass = begin(encoder, color, &stencil.view, convention.depth, [number == 0, number == last]);
+            pass.set_bind_group(0, &given, &[]);
+            if number == 0 {
+                scissor(&mut pass, all);
+                pass.set_pipeline(&counting.depth);
+                pass.draw(0..3, 0..1);
+            }
+            for (bit, &(light, pixels)) in (0..).zip(lights) {
+                let Some(pixels) = pixels else { continue };
+                scissor(&mut pass, pixels);
+                self.record(&mut pass, &counting.volumes, view, light);
+                pass.set_pipeline(&counting.bit);
+                pass.set_bind_group(0, &given, &[]);
+                pass.draw(0..3, bit..bit + 1);
+            }
+            drop(pass);
+            let Some((pipeline, bits)) = &writing else { continue };
+            for (layer, view) in (0..).zip(views) {
+                let mut pass = draw_into(encoder, view);
+                scissor(&mut pass, all);
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, bits.group.as_ref(), &[]);
+                pass.draw(0..3, layer..layer + 1);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,238 @@
+//! Models of a scene: the scene morphs, skins and displaces their instances, as far as a frame needs them.
+
+use std::collections::HashMap;
+
+use slotmap::DefaultKey;
+
+use super::caster::Caster;
+use super::handles::{CasterHandle, MeshHandle, ModelHandle};
+use super::model::ModelEntry;
+use super::scene::Scene;
+use super::topology::Topology;
+use crate::Mesh;
+use crate::gpu::common::positions::PositionBuffer;
+use crate::gpu::deform::deformer::{DeformError, Deformer, DeformerOptions, PoseInputs};
+use crate::gpu::shadow::errors::ShadowError;
+use crate::model::{Geometry, Instance, InstancePose, Model, ModelBounds, ModelError};
+
+impl Scene {
+    /// Adds a model, and a caster for each of its instances: in the depth buffer, for all lights. Each encode then computes
+    /// the positions of its pose, by morph targets, skins and the displacement of `options`, of those instances that a view
+    /// of the frame needs. An instance is needed if a camera may see it, or its shadow from a light that may reach it. Without
+    /// views all are. So give a view for each camera that sees the positions in the frame, also if it draws no shadows.
+    ///
+    /// [`Self::set_pose`] changes the pose. [`Self::positions`] are for your own draw.
+    ///
+    /// ```no_run
+    /// use rimline::gpu::{DeformerOptions, FrameInputs, ModelHandle, Scene, SceneFrame, ShadowError};
+    /// use rimline::{Model, Pose, ShadowCamera, wgpu};
+    ///
+    /// fn begin(scene: &mut Scene, model: &Model, pose: &Pose) -> Result<ModelHandle, ShadowError> {
+    ///     scene.insert_model(model, pose, DeformerOptions::default())
+    /// }
+    ///
+    /// fn frame(
+    ///     (scene, walker): (&mut Scene, ModelHandle),
+    ///     encoder: &mut wgpu::CommandEncoder,
+    ///     (pose, camera): (&Pose, ShadowCamera),
+    /// ) -> Result<SceneFrame, ShadowError> {
+    ///     scene.set_pose(walker, pose)?;
+    ///     let frame = scene.encode(encoder, FrameInputs::new(&[camera.into()]))?;
+    ///     let positions = scene.positions(walker)?; // Draw the walker from this buffer.
+    ///     # let _ = positions;
+    ///     Ok(frame)
+    /// }
+    /// ```
+    ///
+    /// # Errors
+    /// [`ShadowError::Deform`] if the pose does not fit the model, the model does not fit the device, or the displacement's
+    /// resources are missing. The errors of [`Self::add_mesh`]. The scene is as before then.
+    pub fn insert_model<'a>(
+        &mut self,
+        model: &Model,
+        pose: impl Into<PoseInputs<'a>>,
+        options: DeformerOptions<'_>,
+    ) -> Result<ModelHandle, ShadowError> {
+        let used = self.used() + self.pages.bytes;
+        let deformer = Deformer::beside(&self.pipelines, model, options, (used, self.options.memory_limit))?;
+        self.deformed_bytes += deformer.bytes;
+        let geometry = |geometry: &Geometry| (geometry.positions().len(), geometry.faces().into());
+        let key = self.models.insert(ModelEntry {
+            deformer,
+            bounds: ModelBounds::new(model),
+            is_displaced: options.displacement.is_some(),
+            geometries: model.geometries().iter().map(geometry).collect(),
+            instances: model.instances().iter().map(Instance::geometry).collect(),
+            meshes: HashMap::new(),
+            casters: Vec::new(),
+            words: Vec::new(),
+            time_s: 0.0,
+            resources: None,
+            version: 0,
+        });
+        let handle = ModelHandle { scene: self.id, key };
+        match self.pose_model(key, pose.into()) {
+            Ok(()) => Ok(handle),
+            Err(error) => self.remove_model(handle).and(Err(error)),
+        }
+    }
+
+    /// Changes the pose of a model. Results are kept for the instances whose part of the pose is the same. An instance that
+    /// is mirrored anew takes other faces, so the next encode lays the scene out anew.
+    ///
+    /// # Errors
+    /// [`ShadowError::Deform`] if the pose does not fit the model or the displacement's resources are missing, or an error of
+    /// the handle. The pose is the one before then.
+    pub fn set_pose<'a>(&mut self, model: ModelHandle, pose: impl Into<PoseInputs<'a>>) -> Result<(), ShadowError> {
+        self.pose_model(model.key_in(self.id)?, pose.into())
+    }
+
+    /// The casters of a model, one for each of its instances. They take [`Self::set_lights`] and [`Self::set_excluded`].
+    ///
+    /// # Errors
+    /// An error of the handle.
+    pub fn casters(&self, model: ModelHandle) -> Result<&[CasterHandle], ShadowError> {
+        self.model(model).map(|model| &*model.casters)
+    }
+
+    /// The positions of a model in world space, once an encode was submitted: those of all instances, in the vertex order of
+    /// [`Model::mesh`], three tightly packed `f32` each. The buffer has the usages `VERTEX` and `STORAGE`, and stays the same
+    /// as long as the model. All vertices of an instance that the frame does not need lie at (0, 0, 0), so nothing is drawn
+    /// of it.
+    ///
+    /// # Errors
+    /// An error of the handle.
+    pub fn positions(&self, model: ModelHandle) -> Result<PositionBuffer<'_>, ShadowError> {
+        self.model(model).map(|model| model.deformer.positions())
+    }
+
+    /// Removes a model and its casters.
+    ///
+    /// # Errors
+    /// An error of the handle.
+    pub fn remove_model(&mut self, model: ModelHandle) -> Result<(), ShadowError> {
+        let removed = ShadowError::Removed { what: "model" };
+        let entry = self.models.remove(model.key_in(self.id)?).ok_or(removed)?;
+        self.deformed = None;
+        self.deformed_bytes -= entry.deformer.bytes;
+        for caster in entry.casters {
+            self.remove_caster(caster.key);
+        }
+        for key in entry.meshes.into_values() {
+            self.remove_mesh(MeshHandle { scene: self.id, key })?;
+        }
+        Ok(())
+    }
+
+    fn model(&self, model: ModelHandle) -> Result<&ModelEntry, ShadowError> {
+        self.models.get(model.key_in(self.id)?).ok_or(ShadowError::Removed { what: "model" })
+    }
+
+    /// Gives a model a pose, and at first casters.
+    fn pose_model(&mut self, key: DefaultKey, inputs: PoseInputs<'_>) -> Result<(), ShadowError> {
+        let removed = ShadowError::Removed { what: "model" };
+        let entry = self.models.get(key).ok_or(removed.clone())?;
+        entry.deformer.check_resources(inputs.resources)?;
+        let words = entry.deformer.pose_words(inputs.pose)?;
+        let displaced_by = if entry.is_displaced { inputs.displaced_by } else { 0.0 };
+        let boxes = entry.bounds.boxes(inputs.pose, displaced_by).map_err(DeformError::from)?;
+        let meshes = self.meshes_of(key, inputs.pose.instances())?;
+        self.insert_instances(key, &meshes)?;
+        self.deformed = None;
+        let entry = self.models.get_mut(key).ok_or(removed)?;
+        let is_same_time = !entry.is_displaced || entry.time_s.to_bits() == inputs.time_s.to_bits();
+        let before = std::mem::replace(&mut entry.words, words);
+        (entry.time_s, entry.resources) = (inputs.time_s, inputs.resources.cloned());
+        entry.version += 1;
+        let version = Some(entry.version).filter(|_| !entry.deformer.has_resources);
+        let of_instance = |(instance, caster): (usize, &CasterHandle)| {
+            let [before, now] = [&before, &entry.words].map(|words| entry.deformer.words_of(instance, words));
+            (caster.key, is_same_time && before == now)
+        };
+        let instances: Vec<_> = entry.casters.iter().enumerate().map(of_instance).collect();
+        for (((caster, is_same), bounds), mesh) in instances.into_iter().zip(boxes).zip(meshes) {
+            let Some(entry) = self.casters.get_mut(caster) else { continue };
+            let is_kept = is_same && entry.positions_version.is_some();
+            if entry.bounds != bounds || !is_kept {
+                entry.bounds = bounds;
+                entry.positions_version = if is_kept { entry.positions_version } else { version };
+                self.note_change(caster);
+            }
+            self.turn(caster, mesh);
+        }
+        Ok(())
+    }
+
+    /// The mesh of each instance in a pose. A missing one is added.
+    fn meshes_of(&mut self, key: DefaultKey, poses: &[InstancePose]) -> Result<Vec<DefaultKey>, ShadowError> {
+        let mut keys = Vec::with_capacity(poses.len());
+        for (instance, pose) in poses.iter().enumerate() {
+            let Some(entry) = self.models.get(key) else { break };
+            let Some(&geometry) = entry.instances.get(instance) else { break };
+            let kind = (geometry, pose.faces_turned());
+            if let Some(&mesh) = entry.meshes.get(&kind) {
+                keys.push(mesh);
+                continue;
+            }
+            let Some((vertices, faces)) = entry.geometries.get(geometry) else { break };
+            let turned = |&[a, b, c]: &[u32; 3]| if kind.1 { [a, c, b] } else { [a, b, c] };
+            let mesh = Mesh::from_faces(*vertices, faces.iter().map(turned).collect());
+            let mesh = mesh.map_err(|error| DeformError::from(ModelError::from(error)))?;
+            // Deforming casters take neither clusters nor positions at rest.
+            let mesh = self.add_topology(&mesh, &Topology::plain(&mesh), &[])?;
+            if let Some(entry) = self.models.get_mut(key) {
+                entry.meshes.insert(kind, mesh);
+            }
+            keys.push(mesh);
+        }
+        Ok(keys)
+    }
+
+    /// Inserts a caster for each instance, unless they are there.
+    fn insert_instances(&mut self, key: DefaultKey, meshes: &[DefaultKey]) -> Result<(), ShadowError> {
+        let first = self.models.get(key).map_or(meshes.len(), |entry| entry.casters.len());
+        for (instance, &mesh) in meshes.iter().enumerate().skip(first) {
+            let Some(positions) = self.models.get(key).and_then(|entry| entry.deformer.instance_positions(instance))
+            else {
+                break;
+            };
+            let caster = Caster::in_buffer(MeshHandle { scene: self.id, key: mesh }, positions);
+            let caster = self.insert(caster)?;
+            if let Some(entry) = self.casters.get_mut(caster.key) {
+                entry.is_of_model = true;
+            }
+            if let Some(entry) = self.models.get_mut(key) {
+                entry.casters.push(caster);
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives an instance another mesh, with the same faces turned, so the same slots are excluded.
+    fn turn(&mut self, caster: DefaultKey, mesh: DefaultKey) {
+        let Some(entry) = self.casters.get(caster).filter(|entry| entry.mesh != mesh) else { return };
+        let Some(buffer) = self.sources.get(entry.source).map(|source| source.buffer.clone()) else { return };
+        let page = self.meshes.get(mesh).map_or(0, |mesh| mesh.run.page);
+        let source = self.sources.take(page, buffer);
+        if let Some(entry) = self.casters.get_mut(caster) {
+            self.sources.give_back(std::mem::replace(&mut entry.source, source));
+            let before = std::mem::replace(&mut entry.mesh, mesh);
+            for (mesh, is_taken) in [(before, false), (mesh, true)] {
+                if let Some(mesh) = self.meshes.get_mut(mesh) {
+                    mesh.casters = if is_taken { mesh.casters + 1 } else { mesh.casters - 1 };
+                }
+            }
+        }
+        self.structure = None;
+    }
+
+    /// Numbers the instances of all models, which a structure keeps.
+    pub(super) fn number_figures(&mut self) {
+        self.figures = self.models.values().flat_map(|model| model.casters.iter().map(|caster| caster.key)).collect();
+        for (key, number) in self.figures.iter().zip(1..) {
+            if let Some(entry) = self.casters.get_mut(*key) {
+                entry.figure = number;
+            }
+        }
+    }
+}

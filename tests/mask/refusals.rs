@@ -1,0 +1,190 @@
+//! Masks that cannot be written are typed errors, and nothing of them reaches the caller's encoder.
+
+use std::sync::Arc;
+
+use rimline::gpu::{
+    DeviceError, LightHandle, MaskError, MaskInputs, SceneFrame, SceneOptions, ShadowError, ShadowMasks,
+};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::refusals::{Expected, Refusal, is, refusal, refused, shows};
+use wgpu::TextureFormat::{
+    Depth16Unorm, Depth24Plus, Depth24PlusStencil8, Depth32Float, R8Uint, R8Unorm, R32Uint, Rgba8Unorm,
+};
+use wgpu::{TextureDimension, TextureUsages};
+
+use crate::drawn::Picture;
+use crate::world::{Encoded, World, encode};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("frames_and_lights_that_have_no_masks_are_typed_errors", frames),
+    ("depth_that_has_no_masks_is_a_typed_error", depths),
+    ("targets_that_hold_no_masks_are_typed_errors", targets),
+];
+
+const PICTURE: Picture = Picture { size: [16, 8], depth: Depth24Plus, samples: 1, target: R8Uint };
+
+/// A frame with good inputs.
+struct Given {
+    gpu: Arc<Gpu>,
+    other_device: Gpu,
+    world: World,
+    encoded: Encoded,
+    depth: wgpu::TextureView,
+    target: wgpu::Texture,
+}
+
+fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+/// A texture of the picture's size in some format, and with other usages or dimensions.
+fn odd(gpu: &Gpu, format: wgpu::TextureFormat, usage: TextureUsages, dimension: TextureDimension) -> wgpu::Texture {
+    let [width, height] = PICTURE.size;
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 2 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+impl Given {
+    fn new() -> Result<Self, String> {
+        let gpu = Gpu::shared()?;
+        let other_device = gpu.another(wgpu::Features::empty(), wgpu::Limits::default())?;
+        let world = World::new(1, 0, 9);
+        let encoded = gpu.submit(|encoder| world.encode(&gpu, encoder, SceneOptions::default()))?;
+        let [depth, target] = [Depth24Plus, R8Uint].map(|format| PICTURE.texture(&gpu, format, 1, 1));
+        Ok(Self { other_device, world, encoded, depth: view(&depth), target, gpu })
+    }
+
+    fn texture(&self, format: wgpu::TextureFormat, samples: u32) -> wgpu::Texture {
+        PICTURE.texture(&self.gpu, format, samples, 1)
+    }
+
+    fn masks(&self) -> Result<ShadowMasks, String> {
+        ShadowMasks::new(&self.gpu.pipelines).map_err(text)
+    }
+
+    fn lights(&self) -> &[LightHandle] {
+        &self.encoded.lights[..3]
+    }
+
+    fn good(&self) -> MaskInputs<'_> {
+        MaskInputs { depth: &self.depth, view: 0, lights: self.lights(), target: &self.target }
+    }
+
+    fn write(&self, frame: &SceneFrame, masks: &mut ShadowMasks, inputs: MaskInputs<'_>) -> Result<(), MaskError> {
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let written = frame.write_masks(&mut encoder, masks, &inputs);
+        // An error in the encoder would end the test here.
+        self.gpu.queue.submit([encoder.finish()]);
+        written
+    }
+
+    /// Rows of inputs, and good ones before and after.
+    fn refused(&self, rows: Vec<(&str, MaskInputs<'_>, Expected)>) -> Result<(), String> {
+        let masks = &mut self.masks()?;
+        let mut all = vec![("all good", self.good(), Expected::Taken)];
+        all.extend(rows);
+        all.push(("all good again", self.good(), Expected::Taken));
+        let row = |(what, inputs, expected)| refusal(what, self.write(&self.encoded.frame, masks, inputs), expected);
+        refused(all.into_iter().map(row).collect::<Vec<Refusal>>())
+    }
+}
+
+fn frames() -> Result<(), String> {
+    let mut given = Given::new()?;
+    let stale = given.encoded.frame.clone();
+    let again = given.gpu.submit(|encoder| encode(&mut given.encoded.scene, encoder, &[given.world.camera]))?;
+    given.encoded.frame = again;
+    let other = given.gpu.submit(|encoder| given.world.encode(&given.gpu, encoder, SceneOptions::default()))?;
+    given.encoded.scene.remove_light(given.encoded.lights[8]).map_err(text)?;
+    let later = given.encoded.scene.add_light(given.world.lights[0]).map_err(text)?;
+    let shadow = |error| is(MaskError::Shadow(error));
+    let good = given.good();
+    given.refused(vec![
+        ("a view too many", MaskInputs { view: 1, ..good }, shadow(ShadowError::NoSuchView { view: 1, views: 1 })),
+        ("a later light", MaskInputs { lights: &[later], ..good }, shadow(ShadowError::NotEncoded)),
+        (
+            "a foreign light",
+            MaskInputs { lights: &other.lights, ..good },
+            shadow(ShadowError::OtherScene { what: "light" }),
+        ),
+    ])?;
+    // On a device that is another, and then lost.
+    let device = &given.other_device;
+    let masks = &mut given.masks()?;
+    let theirs = &mut ShadowMasks::new(&device.pipelines).map_err(text)?;
+    let lost = device.submit(|encoder| given.world.encode(device, encoder, SceneOptions::default()))?;
+    let [depth, target] = [Depth24Plus, R8Uint].map(|format| PICTURE.texture(device, format, 1, 1));
+    let of_lost = MaskInputs { lights: &lost.lights[..3], depth: &view(&depth), view: 0, target: &target };
+    let foreign = given.write(&given.encoded.frame, theirs, good);
+    device.device.destroy();
+    refused([
+        refusal("an earlier frame", given.write(&stale, masks, good), shadow(ShadowError::StaleFrame)),
+        refusal("another device", foreign, shows(&["Device(OtherDevice {", "the masks"])),
+        refusal("a lost device", given.write(&lost.frame, theirs, of_lost), is(MaskError::Device(DeviceError::Lost))),
+    ])
+}
+
+fn depths() -> Result<(), String> {
+    let given = &Given::new()?;
+    let good = given.good();
+    let read = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
+    let unread = view(&odd(&given.gpu, Depth24Plus, TextureUsages::RENDER_ATTACHMENT, TextureDimension::D2));
+    let array = view(&odd(&given.gpu, Depth24Plus, read, TextureDimension::D2));
+    let foreign = view(&PICTURE.texture(&given.other_device, Depth24Plus, 1, 1));
+    let [colored, float, with_stencil, sixteen] =
+        [R8Unorm, Depth32Float, Depth24PlusStencil8, Depth16Unorm].map(|format| view(&given.texture(format, 1)));
+    let needed = wgpu::Features::DEPTH32FLOAT_STENCIL8;
+    let refused = || shows(&["Refused { what: \"the depth\""]);
+    given.refused(vec![
+        ("depth that is not read", MaskInputs { depth: &unread, ..good }, is(MaskError::Depth { format: Depth24Plus })),
+        ("a colour for depth", MaskInputs { depth: &colored, ..good }, is(MaskError::Depth { format: R8Unorm })),
+        (
+            "floats without the feature",
+            MaskInputs { depth: &float, ..good },
+            is(MaskError::Feature { format: Depth32Float, needed }),
+        ),
+        ("depth with its stencil", MaskInputs { depth: &with_stencil, ..good }, refused()),
+        ("layers of depth", MaskInputs { depth: &array, ..good }, refused()),
+        ("depth of another device", MaskInputs { depth: &foreign, ..good }, refused()),
+        ("16 bits", MaskInputs { depth: &sixteen, ..good }, Expected::Taken),
+    ])
+}
+
+fn targets() -> Result<(), String> {
+    let given = &Given::new()?;
+    let good = given.good();
+    let foreign = PICTURE.texture(&given.other_device, R8Uint, 1, 1);
+    let destroyed = given.texture(R8Uint, 1);
+    destroyed.destroy();
+    let [colored, shares, words] = [Rgba8Unorm, R8Unorm, R32Uint].map(|format| given.texture(format, 1));
+    let sampled = given.texture(R8Unorm, 4);
+    let solid = odd(&given.gpu, R8Uint, TextureUsages::RENDER_ATTACHMENT, TextureDimension::D3);
+    let unwritten = odd(&given.gpu, R8Uint, TextureUsages::TEXTURE_BINDING, TextureDimension::D2);
+    let small = Picture { size: [8, 8], ..PICTURE }.texture(&given.gpu, R8Uint, 1, 1);
+    let all = &given.encoded.lights;
+    let refused = || shows(&["Refused { what: \"the target\""]);
+    let too_many = |lights, needed, format| is(MaskError::TooManyLights { lights, needed, format, layers: 1 });
+    let target = |target| MaskInputs { target, ..good };
+    given.refused(vec![
+        ("a target of another device", target(&foreign), refused()),
+        ("a target that is gone", target(&destroyed), refused()),
+        ("a format of no masks", target(&colored), is(MaskError::TargetFormat { format: Rgba8Unorm })),
+        ("samples of a target", MaskInputs { lights: &all[..1], ..target(&sampled) }, shows(&["Target { samples: 4"])),
+        ("a solid target", target(&solid), shows(&["Target { samples: 1, dimension: D3"])),
+        ("a target that is not drawn", target(&unwritten), shows(&["Target {", "TEXTURE_BINDING"])),
+        ("another size", target(&small), is(MaskError::Size { target: [8, 8], depth: [16, 8] })),
+        ("shares without layers", MaskInputs { lights: &all[..8], ..target(&shares) }, too_many(8, 8, R8Unorm)),
+        ("nine lights in a byte", MaskInputs { lights: all, ..good }, too_many(9, 2, R8Uint)),
+        ("words", target(&words), Expected::Taken),
+    ])
+}
