@@ -71,11 +71,10 @@ fn chain() -> Result<(), String> {
             let format = ShadowFormat { depth, has_far_plane, ..ShadowFormat::default() };
             let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)?;
             let capacity = [None, Some(30)][number % 2];
-            let lists = ListOptions { capacity, ordered: false, ..ListOptions::default() };
-            // Ten more than are used.
-            let options = ExtractorOptions { max_lights: LIGHTS + 10, lists: Some(lists), ..Default::default() };
-            let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
-            let options = ShadowOptions {
+            let options = OneCasterOptions {
+                // Ten more than are used.
+                max_lights: LIGHTS + 10,
+                list_capacity: capacity,
                 every_face: number == 3,
                 in_depth: !matches!(number, 1 | 5),
                 cap_capacity: [None, Some(9)][number / 2 % 2],

@@ -1,8 +1,7 @@
 // Bounds: a compute stage that finds the box of each caster's finite faces, and whether a caster has faces that are not
-// finite. A caster is a mesh that throws shadows. Dispatched before `choose` (in a scene after `relist`), once a frame: for a
-// single mesh, whose faces the invocations share, and for each group of a scene whose casters are in world space, where
-// invocations take chunks of 64 face slots in turn; rigid casters have a box in mesh space already, in the table. It reads
-// positions and faces, and in a scene `lit` and the bits FRESH that `relist` wrote, by which it skips groups and casters whose
+// finite. A caster is a mesh that throws shadows. Dispatched between `relist` and `choose`, for each group of casters in world
+// space; invocations take chunks of 64 face slots in turn. Rigid casters have a box in mesh space already, in the table. It
+// reads positions and faces, and `lit` and the bits FRESH that `relist` wrote, by which it skips groups and casters whose
 // boxes nothing reads. `choose`, `stencil_pencil` and the stages of crossings read `boxes`, which are zeros before. Boxes are
 // exact, the same bits in any order: floats are compared as keys, integers of the same order, so that atomics can join them
 // and no device can flush them.
@@ -20,7 +19,7 @@
 // 1 if a face that names three different vertices has a corner that is not finite.
 @group(0) @binding(4) var<storage, read_write> boxes: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read> choices: array<u32>;
-// For each batch and caster of a scene the lights that matter. A single caster has none.
+// For each batch and caster the lights that matter.
 @group(0) @binding(6) var<storage, read> lit: array<u32>;
 
 // Whether any box of the group is read.
@@ -33,7 +32,7 @@ fn is_needed() -> bool {
   return fresh != 0u;
 }
 
-// Whether any light matters to a caster of a scene. If not, nothing reads its box.
+// Whether any light matters to a caster. If not, nothing reads its box.
 fn has_light(caster: u32) -> bool {
   var matter = 0u;
   // Turns: 32.
@@ -43,13 +42,13 @@ fn has_light(caster: u32) -> bool {
   return matter != 0u;
 }
 
-// An invocation takes faces of one caster.
-fn bound_faces(caster: u32, first: u32, end: u32, step: u32) {
+// The box of some faces of a caster.
+fn bound_faces(caster: u32, first: u32, end: u32) {
   var low = vec3<u32>(0xffffffffu);
   var high = vec3<u32>(0u);
   var has_holes = false;
   // Turns: BOUND_CHUNKS * CHUNK in all.
-  for (var face = first; face < end; face += step) {
+  for (var face = first; face < end; face++) {
     let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
     let a = vertex_bits(caster, corners.x);
     let b = vertex_bits(caster, corners.y);
@@ -72,13 +71,8 @@ fn bound_faces(caster: u32, first: u32, end: u32, step: u32) {
   }
 }
 
-// With one caster, invocations take its faces in turn. With many, they take chunks in turn.
 @compute @workgroup_size(64)
 fn bounds(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  if (!MANY) {
-    bound_faces(0u, id.x, shape.faces, 64u * groups.x);
-    return;
-  }
   if (!is_needed()) {
     return;
   }
@@ -88,7 +82,7 @@ fn bounds(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
     let run = face_run(caster);
     let first = chunk * CHUNK - run.x;
     if ((caster_flags(caster) & RIGID) == 0u && first < run.y && has_light(caster)) {
-      bound_faces(caster, run.z + first, run.z + min(first + CHUNK, run.y), 1u);
+      bound_faces(caster, run.z + first, run.z + min(first + CHUNK, run.y));
     }
   }
 }

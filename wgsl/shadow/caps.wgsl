@@ -1,6 +1,6 @@
 // Caps: a compute stage that lists the faces whose caps are drawn, for each light of a batch (up to 32 lights, a bit each) in a
-// view. Dispatched after `choose` for each group of casters, batch and view; invocations share the faces of a single mesh, and
-// eight share a chunk of 64 face slots in a scene. `shadow_arguments` makes draws of the lists, and `cap_faces` reads them. Near
+// view. Dispatched after `choose` for each group of casters, batch and view; eight invocations share a chunk of 64 face slots.
+// `shadow_arguments` makes draws of the lists, and `cap_faces` reads them. Near
 // caps, which ZP+ needs, come from faces between light and near rectangle (what the camera sees of the near plane). With z-fail,
 // where volumes end at the range, and for casters that are not in the depth buffer, light and dark caps come from every face that
 // casts. Excluded faces, those whose plane has the light and those that are not finite, have no caps. It sets CAPPED in the
@@ -60,10 +60,7 @@ fn needs_of(caster: u32) -> Needs {
   // Where a volume ends, it has dark caps. With z-pass each light tells.
   let far = shape.counting == COUNT_Z_FAIL || shape.counting == COUNT_ZP_PLUS_2005 || shape.end_at_range != 0u ||
     (needs.flags & PROXY) != 0u;
-  needs.lights = needs.first[CASTS] & select(needs.first[NEAR], 0xffffffffu, far);
-  if (MANY) {
-    needs.lights &= fresh_lights();
-  }
+  needs.lights = needs.first[CASTS] & select(needs.first[NEAR], 0xffffffffu, far) & fresh_lights();
   return needs;
 }
 
@@ -126,16 +123,6 @@ fn list_face(caster: u32, slot: u32, needs: Needs) {
 
 @compute @workgroup_size(256)
 fn caps(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  if (!MANY) {
-    let needs = needs_of(0u);
-    if (needs.lights != 0u) {
-      // Turns: ITEMS.
-      for (var slot = id.x; slot < shape.faces; slot += 256u * groups.x) {
-        list_face(0u, slot, needs);
-      }
-    }
-    return;
-  }
   if (fresh_lights() == 0u) {
     return;
   }

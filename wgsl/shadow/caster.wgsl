@@ -1,18 +1,14 @@
-// Casters, the meshes that throw shadows, as the stages of shadow volumes find them: in the table, which begins with eight vec4s
-// for each (`SceneCaster`). With MANY it is the table of a scene, else that of a single mesh. A slot is the place of a face or
-// edge in the masks of casters drawn together, a group. A chunk is 64 slots, all of one caster. These functions give a caster's
-// slots, its positions and box, and what camera and light are to it: positions of a rigid caster of a scene are in the space of
-// its mesh, and those of all others in world space. All that is computed for a caster must take camera, light and positions from
-// here, in one space.
+// Casters, the meshes that throw shadows, as the stages of shadow volumes find them: in the scene's table, which begins with eight
+// vec4s for each (`SceneCaster`). A slot is the index of a face or edge in the masks of a group, the casters drawn together. A
+// chunk is 64 slots, all of one caster. These functions give a caster's slots, its positions and box, and what camera and light
+// are to it: positions of a rigid caster are in the space of its mesh, and those of all others in world space. All that is
+// computed for a caster must take camera, light and positions from here, in one space.
 //
 // Expects: `shape`, and as far as functions are used `table`, the table of casters; `boxes`, those of shadow/bounds.wgsl;
 // `positions`.
 
 #import common/casters
 #import shadow/shadow
-
-// Whether there may be several casters. If not, all slots are those of the first caster, which is in world space.
-override MANY: bool = false;
 
 fn caster_part(caster: u32, part: u32) -> vec4<u32> { return table[8u * caster + part]; }
 fn caster_flags(caster: u32) -> u32 { return caster_part(caster, 4u).w; }
@@ -25,25 +21,14 @@ fn edge_run(caster: u32) -> vec4<u32> { return caster_part(caster, 6u); }
 
 // The caster of a slot. `chunks_at` is where the casters of the chunks begin in the table.
 fn caster_of(chunks_at: u32, slot: u32) -> u32 {
-  if (!MANY) {
-    return 0u;
-  }
   let chunk = slot / CHUNK;
   return table[chunks_at + chunk / 4u][chunk % 4u];
 }
 
-fn first_of_group(caster: u32) -> u32 {
-  if (!MANY) {
-    return 0u;
-  }
-  return caster_part(caster, 7u).z;
-}
+fn first_of_group(caster: u32) -> u32 { return caster_part(caster, 7u).z; }
 
 // The camera as a caster sees it: the placement is that of its positions.
 fn view_of(caster: u32, view: ShadowView) -> ShadowView {
-  if (!MANY) {
-    return view;
-  }
   let x = bitcast<vec4<f32>>(caster_part(caster, 0u));
   let y = bitcast<vec4<f32>>(caster_part(caster, 1u));
   let z = bitcast<vec4<f32>>(caster_part(caster, 2u));
@@ -57,7 +42,7 @@ fn view_of(caster: u32, view: ShadowView) -> ShadowView {
 
 // The light as a caster sees it: in the space of its positions.
 fn light_of(caster: u32, light: ShadowLight, number: u32) -> ShadowLight {
-  if (!MANY || (caster_flags(caster) & RIGID) == 0u) {
+  if (!is_in_mesh_space(caster)) {
     return light;
   }
   // The bits of the caster's lights in the batch, and where they begin.
@@ -76,7 +61,7 @@ struct CasterBox {
   has_holes: bool, // Some face is not finite.
 }
 
-fn is_in_mesh_space(caster: u32) -> bool { return MANY && (caster_flags(caster) & RIGID) != 0u; }
+fn is_in_mesh_space(caster: u32) -> bool { return (caster_flags(caster) & RIGID) != 0u; }
 
 // The box of a caster, in the space of its positions: that of the table if it is rigid, else that of `bounds`.
 fn box_of(caster: u32) -> CasterBox {

@@ -24,7 +24,7 @@ const EXCLUDES: u32 = 4u; // Faces may be excluded.
 // some in any case. Then sides are not among the silhouettes alone.
 const MAY_EXCLUDE: u32 = 5u;
 const DOES_EXCLUDE: u32 = 6u;
-// Likewise, of a scene: the lists for the view are made anew. All that was chosen for other lights stays.
+// Likewise: the lists for the view are made anew. All that was chosen for other lights stays.
 const FRESH: u32 = 7u;
 const CHOICE_WORDS: u32 = 8u;
 
@@ -85,4 +85,4 @@ fn chosen_light(caster: u32, light: ShadowLight, number: u32, view: u32) -> Shad
 }
 
 // Whether a caster is in a batch of casters that are counted together.
-fn is_counted(caster: u32, count_batch: u32) -> bool { return !MANY || caster % shape.count_batches == count_batch; }
+fn is_counted(caster: u32, count_batch: u32) -> bool { return caster % shape.count_batches == count_batch; }

@@ -47,17 +47,14 @@ fn list_edge(slot: u32, bit: u32) {
   }
 }
 
-// The number of the light's silhouettes. Those of a scene are counted in each batch.
-fn silhouettes_of(bit: u32) -> u32 { return silhouette_counts[select(draw.first_light, 0u, MANY) + bit]; }
-
 // Whether the light's silhouettes are all the edges that may have sides.
 fn silhouettes_suffice(bit: u32) -> bool {
   let more = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, 1u);
   // Lights that are in a caster exclude nothing if no light is in the plane of a face.
-  // Bits that a scene keeps are in no statistics.
-  let in_planes = extraction_statistics[3] != 0u || (MANY && silhouette_counts[KEPT_ZEROS] != 0u);
+  // Bits that are kept from an earlier encode are in no statistics.
+  let in_planes = extraction_statistics[3] != 0u || silhouette_counts[KEPT_ZEROS] != 0u;
   let any = more[DOES_EXCLUDE - 4u] | select(0u, more[MAY_EXCLUDE - 4u], in_planes);
-  return silhouettes_of(bit) <= shape.capacity && ((any >> bit) & 1u) == 0u;
+  return silhouette_counts[bit] <= shape.capacity && ((any >> bit) & 1u) == 0u;
 }
 
 // A workgroup takes a share of one light's edges.
@@ -68,13 +65,13 @@ fn list_sides(
   @builtin(local_invocation_index) thread: u32,
 ) {
   let bit = group.y;
-  // In a scene only lists that `relist` marked are made, for a single caster those of lights for which it casts.
-  let of_first = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, select(0u, 1u, MANY));
-  if (((of_first[select(CASTS, FRESH - 4u, MANY)] >> bit) & 1u) == 0u) {
+  // Only lists that `relist` marked are made.
+  let of_first = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, 1u);
+  if (((of_first[FRESH - 4u] >> bit) & 1u) == 0u) {
     return;
   }
   let suffices = silhouettes_suffice(bit);
-  let items = select(shape.edges, silhouettes_of(bit), suffices);
+  let items = select(shape.edges, silhouette_counts[bit], suffices);
   // Turns: LISTED_ITEMS.
   for (var item = group.x * 64u + thread; item < items; item += 64u * groups.x) {
     var slot = item;
