@@ -130,7 +130,6 @@ fn made_on_lost() -> Result<(), String> {
     let watched = Watched::plain()?;
     let (_, mesh) = caster()?;
     let pipelines = &watched.gpu.pipelines;
-    let extractor = extractor(&watched, &mesh, 1)?;
     let drawing = ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
     watched.gpu.device.destroy();
     let model = random_model(&mut Random::new(93), 50);

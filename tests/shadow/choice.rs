@@ -152,10 +152,9 @@ fn choose(gpu: &Gpu, scene: &Scene) -> Result<Chosen, String> {
     let (_, positions, mesh) = &scene.caster;
     let counts = mesh.edges().counts();
     let excluded = cpu::excluded(positions, mesh.faces(), &scene.lights);
-    let has_excluded = excluded.iter().any(|&mask| mask != 0);
     let shape = ShadowShape { counting: COUNT_AUTO, ..shape(mesh, scene.lights.len()) };
     let staged = Staged::new(gpu, scene, PLACES[0], shape, excluded)?;
-    let (lights, _) = staged.choose(gpu, u32::from(has_excluded), 0)?;
+    let (lights, _) = staged.choose(gpu, 0)?;
     let listed = staged.caps(gpu, &lights, shape.faces)?;
     let caps = listed.lists.chunks(4).map(|lists| [0, 1].map(|kind| [&lists[kind][..], &lists[kind + 2]].concat()));
     let is_closed = counts.boundary == 0 && counts.inconsistent == 0;

@@ -1,7 +1,7 @@
 //! The vertices of sides and caps as vertex shaders draw them from lists, by a compute shader that calls them.
 
 use rimline::reference::cpu;
-use rimline::reference::layout::{SceneCaster, ShadowDraw, ShadowLight, ShadowShape, ShadowView};
+use rimline::reference::layout::{ShadowDraw, ShadowLight, ShadowShape, ShadowView};
 use rimline::reference::stages::{CAP_FACES, SIDES};
 
 use crate::sides;
@@ -100,11 +100,6 @@ impl<'a> Drawn<'a> {
         let (_, _, mesh) = &self.scene.caster;
         let draw = ShadowDraw { light, first_light: light / 32 * 32, view: 0, count_batch: 0 };
         let table = with_depth(table(mesh, (0, 3), self.lights, self.capped), shape.proxies == 0);
-        let choices_at = size_of::<SceneCaster>() as u32 / 16;
-        let batches = self.lights.len().div_ceil(32) as u32;
-        let lights = self.lights.len() as u32;
-        let measures_at = choices_at + 2 * batches;
-        let shape = ShadowShape { casters: 1, views: 1, lights, batches, choices_at, measures_at, ..shape };
         // The stage reads choices from the table only, so other values here change nothing.
         let given = ShadowLight { casting: 7, counting: 7, excludes: 7, ..*self.light() };
         let seen = seen_light(self.view, given);

@@ -126,10 +126,9 @@ fn check(
 ) -> Result<(), String> {
     let (_, positions, mesh) = &scene.caster;
     let excluded = cpu::excluded(positions, mesh.faces(), &scene.lights);
-    let has_excluded = excluded.iter().any(|&mask| mask != 0);
     let options = ShadowShape { counting: COUNT_Z_FAIL, end_at_range, skip_unseen: 0, ..shape(mesh, LIGHTS) };
     let staged = Staged::new(gpu, scene, PLACES[0], options, excluded)?;
-    let (lights, _) = staged.choose(gpu, u32::from(has_excluded), 0)?;
+    let (lights, _) = staged.choose(gpu, 0)?;
     let far_z = 1.0 - staged.view.near_z;
     for &index in indices {
         let drawn = Drawn::of(&staged, &lights, &[false; LIGHTS], index);

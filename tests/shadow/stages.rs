@@ -45,15 +45,24 @@ pub(crate) fn placed(gpu: &Gpu, positions: &[[f32; 3]], (offset, stride): (u32, 
     gpu.storage(&interleaved(positions, 4 * u64::from(offset), 4 * u64::from(stride)))
 }
 
+/// Where the casters of a table's chunks begin.
+const CHUNKS_AT: u32 = size_of::<SceneCaster>() as u32 / 16;
+
+/// The vectors of a table for the casters of a mesh's chunks, of faces or of edges.
+fn chunk_vectors(mesh: &Mesh) -> u32 {
+    (mesh.faces().len().max(mesh.edges().len()) as u32).div_ceil(4 * 64)
+}
+
 pub(crate) fn shape(mesh: &Mesh, lights: usize) -> ShadowShape {
     let counts = mesh.edges().counts();
-    let choices_at = size_of::<SceneCaster>() as u32 / 16;
+    let choices_at = CHUNKS_AT + chunk_vectors(mesh);
     let batches = lights.div_ceil(32) as u32;
     ShadowShape {
         casters: 1,
         lights: lights as u32,
         batches,
-        faces: mesh.faces().len() as u32,
+        // Whole chunks.
+        faces: mesh.faces().len().next_multiple_of(64) as u32,
         edges: mesh.edges().len() as u32,
         capacity: 1000,
         side_capacity: 1000,
@@ -67,8 +76,8 @@ pub(crate) fn shape(mesh: &Mesh, lights: usize) -> ShadowShape {
         choices_at,
         measures_at: choices_at + 2 * batches,
         lights_at: 0,
-        face_chunks_at: 0,
-        edge_chunks_at: 0,
+        face_chunks_at: CHUNKS_AT,
+        edge_chunks_at: CHUNKS_AT,
         views: 1,
         count_batches: 1,
         proxies: 0,
@@ -96,6 +105,7 @@ pub(crate) fn table(
         row_0: [1.0, 0.0, 0.0, 0.0],
         row_1: [0.0, 1.0, 0.0, 0.0],
         row_2: [0.0, 0.0, 1.0, 0.0],
+        scale: 1.0,
         flags: u32::from(counts.boundary == 0 && counts.inconsistent == 0),
         faces: mesh.faces().len() as u32,
         edges: mesh.edges().len() as u32,
@@ -104,6 +114,7 @@ pub(crate) fn table(
         ..bytemuck::Zeroable::zeroed()
     };
     let mut words = bytemuck::cast_slice(&[caster]).to_vec();
+    words.resize(words.len() + 4 * chunk_vectors(mesh) as usize, 0);
     words.extend(choices(lights, capped));
     words
 }
@@ -115,9 +126,14 @@ pub(crate) fn with_depth(mut words: Vec<u32>, in_depth: bool) -> Vec<u32> {
     words
 }
 
+/// Words of choices for so many lights that are made anew.
+fn fresh_choices(lights: usize) -> Vec<u32> {
+    [0, 0, 0, 0, 0, 0, 0, u32::MAX].repeat(lights.div_ceil(32))
+}
+
 /// Choices and measures of one caster, as the stages leave them.
 pub(crate) fn choices(lights: &[ShadowLight], capped: &[bool]) -> Vec<u32> {
-    let mut words = vec![0; cpu::CHOICE_WORDS * lights.len().div_ceil(32)];
+    let mut words = fresh_choices(lights.len());
     for (number, (light, &capped)) in lights.iter().zip(capped).enumerate() {
         let has_near_cap = matches!(light.counting, COUNT_ZP_PLUS | COUNT_ZP_PLUS_2005);
         let every = light.casting == CAST_EVERY;
@@ -168,8 +184,8 @@ fn bounds() -> Result<(), String> {
             let found = gpu.storage(&EMPTY);
             let shape = uniform(gpu, &shape(&mesh, 1));
             let table = gpu.storage(&table(&mesh, place, &[], &[]));
-            let choices = gpu.storage(&[0_u32; 8]);
-            let lit = gpu.storage(&[0_u32; 8]);
+            let choices = gpu.storage(&fresh_choices(1));
+            let lit = gpu.storage(&[1_u32]);
             let buffers = [&shape, &table, &placed(gpu, &positions, place), &faces, &found, &choices, &lit];
             stage.run(gpu, &buffers, [1, 3, 50][random.below(3)])?;
             let mut found: Vec<u32> = gpu.read(&found, 7)?;
@@ -228,23 +244,19 @@ impl<'a> Staged<'a> {
         with_depth(table(&self.scene.caster.2, self.place, &[], &[]), self.shape.proxies == 0)
     }
 
-    /// The lights with what is chosen for them, for an extraction that found `zeros` determinants zero, and polygons that are
-    /// twisted for the lights of `twisted`.
-    pub(crate) fn choose(
-        &self,
-        gpu: &Gpu,
-        zeros: u32,
-        twisted: u32,
-    ) -> Result<(Vec<ShadowLight>, ShadowStatistics), String> {
+    /// The lights with what is chosen for them, where polygons are twisted for the lights of `twisted` in each batch.
+    pub(crate) fn choose(&self, gpu: &Gpu, twisted: u32) -> Result<(Vec<ShadowLight>, ShadowStatistics), String> {
         let stage = stage(gpu, &CHOOSE)?;
         let seen = seen(self.view, &self.given);
-        let words = vec![0_u32; cpu::CHOICE_WORDS * seen.len().div_ceil(32) + 2 * seen.len()];
+        let mut words = fresh_choices(seen.len());
+        words.resize(words.len() + 2 * seen.len(), 0);
         let (choices, statistics) = (gpu.storage(&words), gpu.storage(&[0_u32; size_of::<ShadowStatistics>() / 4]));
         let table = gpu.storage(&self.table());
-        let (bounds, extracted) = (gpu.storage(&self.bounds), gpu.storage(&[9, 9, 9, zeros, twisted]));
+        let batches = seen.len().div_ceil(32);
+        let (bounds, twisted) = (gpu.storage(&self.bounds), gpu.storage(&vec![twisted; batches]));
         let (shape, lights) = (uniform(gpu, &self.shape), gpu.storage(&seen));
-        let lit = gpu.storage(&[0_u32]);
-        stage.run(gpu, &[&shape, &lights, &table, &bounds, &extracted, &choices, &statistics, &lit, &lit], 1)?;
+        let (lit, receivers) = (gpu.storage(&vec![u32::MAX; batches]), gpu.storage(&[0_u32]));
+        stage.run(gpu, &[&shape, &lights, &table, &bounds, &twisted, &choices, &statistics, &lit, &receivers], 1)?;
         let words: Vec<u32> = gpu.read(&choices, usize::MAX)?;
         Ok((cpu::chosen(&self.shape, &seen, &words), gpu.read(&statistics, 1)?[0]))
     }
@@ -252,7 +264,7 @@ impl<'a> Staged<'a> {
     /// The counts, the lists in the order of the faces, and which lights have near caps.
     pub(crate) fn caps(&self, gpu: &Gpu, lights: &[ShadowLight], capacity: u32) -> Result<Listed, String> {
         let stage = stage(gpu, &CAPS)?;
-        let faces = self.shape.faces as usize;
+        let faces = self.scene.caster.2.faces().len();
         let shape = ShadowShape { near_capacity: capacity, far_capacity: capacity, ..self.shape };
         let (shape, seen) = (uniform(gpu, &shape), gpu.storage(&seen(self.view, &self.given)));
         let choices = gpu.storage(&choices(lights, &vec![false; lights.len()]));
@@ -330,9 +342,8 @@ fn choose_and_caps() -> Result<(), String> {
         let (scene, place, shape, masks) = random_stage(&mut random, number, [70, 33, 1][number % 3]);
         let staged = Staged::new(gpu, &scene, place, shape, masks)?;
         let (name, (_, positions, mesh)) = (&scene.name, &scene.caster);
-        let zeros = [0, 1, 77][random.below(3)];
         let twisted = [0, 0, random.next_u64() as u32][random.below(3)];
-        let (lights, statistics) = staged.choose(gpu, zeros, twisted)?;
+        let (lights, statistics) = staged.choose(gpu, twisted)?;
         let counted = |is: fn(&ShadowLight) -> bool| lights.iter().filter(|light| is(light)).count() as u32;
         let expected = ShadowStatistics {
             skipped: counted(|light| light.casting == CAST_NOTHING),
@@ -483,8 +494,7 @@ fn list_sides() -> Result<(), String> {
             let capacity = [longest, longest.div_ceil(2)][random.below(2)];
             let room = [packed.len(), 5][random.below(2)];
             let shape = ShadowShape { capacity: room as u32, side_capacity: capacity as u32, ..shape(&mesh, count) };
-            let counts: Vec<u32> = silhouettes.iter().map(|list| list.len() as u32).collect();
-            let (shape, counts) = (uniform(gpu, &shape), gpu.storage(&counts));
+            let shape = uniform(gpu, &shape);
             let chosen = gpu.storage(&table(&mesh, PLACES[0], &lights, &capped));
             let (edge_faces, zeros) = (gpu.storage(packed), gpu.storage(&[0_u32, 0, 0, 1, 0]));
             for (batch, expected) in expected.chunks(32).enumerate() {
@@ -497,6 +507,11 @@ fn list_sides() -> Result<(), String> {
                     raw[..listed].copy_from_slice(&list[..listed]);
                 }
                 let plane = |masks: &[u32]| gpu.storage(&masks[batch * faces..][..faces]);
+                let mut counts = vec![0; 33];
+                for (count, list) in counts.iter_mut().zip(&silhouettes[32 * batch..]).take(32) {
+                    *count = list.len() as u32;
+                }
+                let counts = gpu.storage(&counts);
                 let (raw, facing, excluded) = (gpu.storage(&raw), plane(&facing), plane(&excluded));
                 let sides = gpu.storage(&vec![0_u32; 64 + 32 * capacity]);
                 let buffers = [&shape, &draw, &chosen, &counts, &raw, &edge_faces, &facing, &excluded, &sides, &zeros];

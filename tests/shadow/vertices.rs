@@ -256,7 +256,7 @@ fn closes(seed: u64, in_depth: bool) -> Outcome {
             ..shape(mesh, scene.lights.len())
         };
         let staged = Staged::new(gpu, &scene, PLACES[0], options, vec![0; mesh.faces().len()])?;
-        let (lights, _) = staged.choose(gpu, 0, 0)?;
+        let (lights, _) = staged.choose(gpu, 0)?;
         let seen: Vec<_> = lights.iter().map(|&light| (staged.view, light)).collect();
         // A face may have an edge that has no record.
         let of_faces = mesh.faces().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
