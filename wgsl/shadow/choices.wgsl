@@ -6,7 +6,6 @@
 //
 // Expects: `shape`, and `table`, the table of casters, which has the choices once all are made.
 
-#import shadow/caster
 #import shadow/shadow
 
 // The place of a caster's choices for a batch and a view.
