@@ -194,8 +194,7 @@ impl VolumePipelines {
     /// Why casters cannot be drawn with these, as they count otherwise.
     pub(super) fn refuse(&self, volumes: Counting) -> GpuError {
         let pipelines = match self {
-            Self::Scene(pipelines, _) => pipelines.counting(),
-            Self::Single(pipelines) => pipelines.counting(),
+            Self::Scene(pipelines, _) | Self::Single(pipelines) => pipelines.counting(),
             Self::Depth(..) => Counting::Auto,
         };
         ShadowError::OtherCounting { volumes, pipelines }.into()
