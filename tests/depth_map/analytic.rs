@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 
 use glam::DVec3;
 use rimline::DepthDirection;
-use rimline::gpu::{DanglingEdges, DepthMapMethod, DepthMapOptions, DepthMetric};
+use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod, DepthMapOptions, DepthMetric};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;

@@ -4,10 +4,10 @@
 use std::collections::{HashMap, HashSet};
 
 use rimline::DepthDirection;
-use rimline::gpu::{
+use rimline::gpu::depth_map::{
     DepthMap, DepthMapCube, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
-    DeviceError, ShadowFormat,
 };
+use rimline::gpu::{DeviceError, ShadowFormat};
 use rimline::reference::layout::ContourShape;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

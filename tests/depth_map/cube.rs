@@ -4,10 +4,10 @@
 use std::collections::HashMap;
 
 use glam::{DMat3, DVec2, DVec3, Mat4};
-use rimline::gpu::{
+use rimline::gpu::depth_map::{
     DanglingEdges, DepthCubeMaps, DepthMapCube, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines,
-    DeviceError, ShadowFormat,
 };
+use rimline::gpu::{DeviceError, ShadowFormat};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use rimline::DepthDirection;
-use rimline::gpu::{DepthMapMethod, DepthMapOptions};
+use rimline::gpu::depth_map::{DepthMapMethod, DepthMapOptions};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use wgpu::TextureFormat;

@@ -2,7 +2,7 @@
 //! of a cube against rays to the light.
 
 use glam::{DVec2, DVec3, Mat4};
-use rimline::gpu::{
+use rimline::gpu::depth_map::{
     DepthCubeMaps, DepthMap, DepthMapCube, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
 };
 use rimline::{DepthDirection, ShadowCamera};

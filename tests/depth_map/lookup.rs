@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 
 use glam::DVec2;
 use rimline::DepthDirection;
-use rimline::gpu::{DepthMapMethod, DepthMapOptions};
+use rimline::gpu::depth_map::{DepthMapMethod, DepthMapOptions};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;

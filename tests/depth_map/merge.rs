@@ -1,7 +1,9 @@
 //! Two maps in one by `depth_merge`: each texel against the nearer depth, as the documents tell it.
 
 use rimline::DepthDirection;
-use rimline::gpu::{DepthMap, DepthMapError, DepthMapMerge, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
+use rimline::gpu::depth_map::{
+    DepthMap, DepthMapError, DepthMapMerge, DepthMapMethod, DepthMapOptions, DepthMapVolumes,
+};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;

@@ -1,7 +1,8 @@
 //! The depth of a mesh in a map against rays of the light.
 
 use glam::{DVec2, DVec3};
-use rimline::gpu::{DepthMapError, DeviceError, MeshDepth, PositionBuffer};
+use rimline::gpu::depth_map::{DepthMapError, MeshDepth};
+use rimline::gpu::{DeviceError, PositionBuffer};
 use rimline::mesh::Weld;
 use rimline::{DepthDirection, Mesh, ShadowCamera};
 use rimline_testkit::device::Gpu;

@@ -2,7 +2,7 @@
 //! docs/numerics/depth-maps.md, "Maps of distances", and shadows of maps that were converted.
 
 use glam::{DVec2, DVec3, Mat4};
-use rimline::gpu::{DepthMap, DepthMapConversion, DepthMapError, DepthMapOptions, DepthMetric};
+use rimline::gpu::depth_map::{DepthMap, DepthMapConversion, DepthMapError, DepthMapOptions, DepthMetric};
 use rimline::reference::depth_map::{metric_steps, metric_view};
 use rimline::{CameraError, DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;

@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use glam::{DVec2, DVec3, DVec4};
-use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
+use rimline::gpu::depth_map::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

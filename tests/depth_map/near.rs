@@ -2,9 +2,9 @@
 //! near rectangle say.
 
 use glam::DVec3;
-use rimline::gpu::{
+use rimline::gpu::ShadowFormat;
+use rimline::gpu::depth_map::{
     DepthCubeMaps, DepthMap, DepthMapCube, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
-    ShadowFormat,
 };
 use rimline::reference::depth_map::DepthMapNearCap;
 use rimline::reference::depth_map::near_box;

@@ -4,7 +4,8 @@
 use std::collections::HashSet;
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
-use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+use rimline::gpu::ShadowFormat;
+use rimline::gpu::depth_map::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

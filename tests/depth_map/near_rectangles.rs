@@ -3,7 +3,7 @@
 //! they may be.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
-use rimline::gpu::{DepthCubeMaps, DepthMap, DepthMapCube, DepthMapOptions};
+use rimline::gpu::depth_map::{DepthCubeMaps, DepthMap, DepthMapCube, DepthMapOptions};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

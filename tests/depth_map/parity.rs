@@ -1,7 +1,7 @@
 //! The stencil against the crossings of each pixel's ray with the boundary, which an oracle of its own builds.
 
 use glam::{DVec2, DVec3, DVec4, Mat4};
-use rimline::gpu::{DepthMapMethod, DepthMapOptions};
+use rimline::gpu::depth_map::{DepthMapMethod, DepthMapOptions};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

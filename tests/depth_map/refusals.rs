@@ -1,9 +1,9 @@
 //! Input that is refused, and the errors for it.
 
-use rimline::gpu::{
+use rimline::gpu::depth_map::{
     DanglingEdges, DepthMap, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
-    DeviceError, ShadowError, ShadowFormat,
 };
+use rimline::gpu::{DeviceError, ShadowError, ShadowFormat};
 use rimline::{CameraError, DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

@@ -1,10 +1,8 @@
 //! The depth of the casters of a scene in a map: against that of each mesh bit for bit, and against rays of the light.
 
 use glam::{DAffine3, DVec3, Mat3};
-use rimline::gpu::{
-    Caster, CasterHandle, FrameInputs, MeshDepth, PositionBuffer, Scene, SceneDepth, SceneDepthCasters,
-    SceneDepthCounts, SceneOptions,
-};
+use rimline::gpu::depth_map::{MeshDepth, SceneDepth, SceneDepthCasters, SceneDepthCounts};
+use rimline::gpu::{Caster, CasterHandle, FrameInputs, PositionBuffer, Scene, SceneOptions};
 use rimline::mesh::Weld;
 use rimline::{DepthDirection, Light, Matrix3x4, Mesh, ShadowCamera};
 use rimline_testkit::device::Gpu;

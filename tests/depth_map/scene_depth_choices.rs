@@ -1,7 +1,8 @@
 //! Which casters of a scene are drawn into a map, and what is refused.
 
 use glam::DVec3;
-use rimline::gpu::{Caster, DepthMapError, LightMask, SceneDepth, SceneDepthCasters, SceneDepthCounts, ShadowError};
+use rimline::gpu::depth_map::{DepthMapError, SceneDepth, SceneDepthCasters, SceneDepthCounts};
+use rimline::gpu::{Caster, LightMask, ShadowError};
 use rimline::{CameraError, DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

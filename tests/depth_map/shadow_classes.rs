@@ -1,7 +1,9 @@
 //! The cameras and scenes of the tests of shadow volumes: their casters in one map of a light, or in six, against rays.
 
 use glam::DVec3;
-use rimline::gpu::{DepthCubeMaps, DepthMap, DepthMapCube, DepthMapMethod, DepthMapOptions, DepthMapVolumes};
+use rimline::gpu::depth_map::{
+    DepthCubeMaps, DepthMap, DepthMapCube, DepthMapMethod, DepthMapOptions, DepthMapVolumes,
+};
 use rimline::reference::depth_map::DepthMapNearCap;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;

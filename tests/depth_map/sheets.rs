@@ -5,7 +5,7 @@
 use std::collections::HashSet;
 
 use glam::{DVec2, DVec3, Mat4};
-use rimline::gpu::DepthMapMethod;
+use rimline::gpu::depth_map::DepthMapMethod;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

@@ -1,7 +1,8 @@
 //! The lists that `depth_edges` and `depth_cells` make against exact arithmetic, for each format of a map.
 
-use rimline::gpu::{
-    DanglingEdges, DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat,
+use rimline::gpu::ShadowFormat;
+use rimline::gpu::depth_map::{
+    DanglingEdges, DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
 };
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;

@@ -1,6 +1,8 @@
 //! Statistics that the GPU copies for its readers: lists that overflow, and near caps that are left out.
 
-use rimline::gpu::{DepthMap, DepthMapFrame, DepthMapMethod, DepthMapOptions, DepthMapStatistics, DepthMapVolumes};
+use rimline::gpu::depth_map::{
+    DepthMap, DepthMapFrame, DepthMapMethod, DepthMapOptions, DepthMapStatistics, DepthMapVolumes,
+};
 use rimline::reference::depth_map::DepthMapNearCap;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use bytemuck::Zeroable;
 use glam::DVec2;
-use rimline::gpu::DepthMapCube;
+use rimline::gpu::depth_map::DepthMapCube;
 use rimline::reference::depth_map::{Placing, map_view};
 use rimline::reference::layout::{DepthMapShape, DepthMapView, MeshDepthCaster, MeshDepthView};
 use rimline::reference::stages::{DEPTH_SURFACE, MESH_DEPTH};

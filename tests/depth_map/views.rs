@@ -1,7 +1,7 @@
 //! Views of scenes that are known exactly: what casts, a light with its map, an eye, and what both see along `f64` rays.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
-use rimline::gpu::DepthMetric;
+use rimline::gpu::depth_map::DepthMetric;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes;

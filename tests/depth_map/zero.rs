@@ -1,10 +1,11 @@
 //! Zero of anything with depth maps: meshes without a triangle, no map, no bit. Nothing is drawn,
 //! or a typed error says what is missing.
 
-use rimline::gpu::{
+use rimline::gpu::depth_map::{
     DepthCubeMaps, DepthMap, DepthMapCube, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines,
-    DepthMapVolumes, DeviceError, MeshDepth, PositionBuffer, ShadowFormat,
+    DepthMapVolumes, MeshDepth,
 };
+use rimline::gpu::{DeviceError, PositionBuffer, ShadowFormat};
 use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{DepthDirection, Mesh};
 use rimline_testkit::device::Gpu;

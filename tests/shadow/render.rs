@@ -1,8 +1,8 @@
 //! A frame on the GPU: the depth of everything, then each light's count in the stencil buffer, read back.
 
+use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes};
 use rimline::gpu::{
-    DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, Pipelines, PositionBuffer, Receivers, SceneOptions,
-    SceneStatistics, ShadowFormat, ShadowPipelines, read_back_vec,
+    Pipelines, PositionBuffer, Receivers, SceneOptions, SceneStatistics, ShadowFormat, ShadowPipelines, read_back_vec,
 };
 use rimline::mesh::Weld;
 use rimline::reference::layout::{ShadowDraws, ShadowLight, ShadowStatistics};

@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use rimline::LightError;
-use rimline::gpu::{
-    DeformError, DepthMapError, DeviceError, ExtractorError, MAX_OUTLINE_EDGES, QueryError, ShadowError,
-};
+use rimline::gpu::depth_map::DepthMapError;
+use rimline::gpu::{DeformError, DeviceError, ExtractorError, MAX_OUTLINE_EDGES, QueryError, ShadowError};
 
 use crate::device::{Gpu, describe};
 use crate::failure::{Failure, NoDevice, UsageError};

@@ -3,7 +3,8 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::{DepthMapPipelines, MeshDepth, StageTimer};
+use rimline::gpu::StageTimer;
+use rimline::gpu::depth_map::{DepthMapPipelines, MeshDepth};
 use rimline::reference::layout::ShadowStatistics;
 use rimline::{Counting, DepthDirection, Origin, ShadowCamera, wgpu};
 

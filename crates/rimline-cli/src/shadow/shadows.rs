@@ -3,9 +3,8 @@
 use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
-use rimline::gpu::{
-    DepthMapPipelines, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, StageTimer, StencilCounts, Use,
-};
+use rimline::gpu::depth_map::DepthMapPipelines;
+use rimline::gpu::{SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, StageTimer, StencilCounts, Use};
 use rimline::reference::cpu::CHOICE_WORDS;
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::{Counting, Light, Origin, wgpu};
