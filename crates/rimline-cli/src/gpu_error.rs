@@ -21,12 +21,8 @@ pub(crate) enum GpuError {
     Device(#[from] DeviceError),
     #[error(transparent)]
     Query(#[from] QueryError),
-    /// An error of scenes, or of what shadows of any kind have.
     #[error(transparent)]
     Shadow(#[from] ShadowError),
-    /// An error of a caster by itself.
-    #[error(transparent)]
-    Volumes(ShadowError),
     #[error(transparent)]
     DepthMap(#[from] DepthMapError),
     /// The user's depth map is the reason.
@@ -63,7 +59,6 @@ impl GpuError {
     fn of_device(self, gpu: &Gpu) -> Failure {
         match &self {
             Self::Shadow(ShadowError::ViewCamera { error: camera, .. })
-            | Self::Volumes(ShadowError::Camera(camera))
             | Self::DepthMap(DepthMapError::Camera(camera)) => return UsageError::Camera(*camera).into(),
             // The CPU would do.
             Self::Deform(DeformError::TooManyTerms { .. })
@@ -119,7 +114,6 @@ impl GpuError {
             | Self::Extractor(ExtractorError::Device(error))
             | Self::Query(QueryError::Device(error) | QueryError::Points(error))
             | Self::Shadow(ShadowError::Device(error))
-            | Self::Volumes(ShadowError::Device(error))
             | Self::DepthMap(DepthMapError::Device(error)) => Some(error).filter(|error| error.is_memory()),
             _ => None,
         }
@@ -129,8 +123,7 @@ impl GpuError {
         match self {
             Self::Extractor(ExtractorError::Light(lights))
             | Self::Query(QueryError::Light(lights))
-            | Self::Shadow(ShadowError::Light(lights))
-            | Self::Volumes(ShadowError::Light(lights)) => Some(lights),
+            | Self::Shadow(ShadowError::Light(lights)) => Some(lights),
             _ => None,
         }
     }
