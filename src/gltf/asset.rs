@@ -4,22 +4,20 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use gltf::json::Value;
+use serde_json::Value;
 
 use super::animation::{self, LoadedAnimation};
 use super::budget::Budget;
-use super::buffers::Bytes;
-use super::document::{self, Document, Part};
+use super::document::{Document, Mesh, Named, Part, Skin};
 use super::error::GltfError;
-use super::files::{self, Folder};
+use super::files::{self, Bytes, Folder};
 use super::graph::Graph;
-use super::info::{AnimationInfo, MeshInfo, SkinInfo, SkippedPrimitives};
+use super::info::{AnimationInfo, LoadOptions, MeshInfo, SkinInfo, SkippedPrimitives};
 use super::instances::{self, Built};
-use super::options::LoadOptions;
 use super::reader::Reader;
 use super::skin::{self, LoadedSkin};
 use super::warning::{GltfWarning, Warnings};
-use super::{buffers, container, estimate, named_files, parse};
+use super::{container, estimate, parse};
 use crate::mesh::WeldCounts;
 use crate::model::{Geometry, Influences, Model};
 use crate::origin::Origin;
@@ -44,7 +42,7 @@ pub struct Asset {
     pub(super) document: Document,
     pub(super) graph: Graph,
     pub(super) skins: Vec<Part<LoadedSkin>>,
-    pub(super) animations: Vec<Part<LoadedAnimation>>,
+    pub(super) animations: Vec<LoadedAnimation>,
     pub(super) animation_infos: Vec<AnimationInfo>,
     pub(super) skin_infos: Vec<SkinInfo>,
     pub(super) mesh_infos: Vec<MeshInfo>,
@@ -115,11 +113,11 @@ impl Asset {
     ) -> Result<Self, GltfError> {
         let Header { mut document, graph, named_files, warnings } = header;
         let folder = Folder { path: base, allow_outside: options.allow_outside };
-        let buffers = buffers::load(&document.buffers, binary, folder, budget, &warnings)?;
-        let reader = Reader::new(&document, &buffers, budget, &warnings);
+        let buffers = files::buffers(&document.buffers, binary, folder, budget, &warnings)?;
+        let reader = Reader { document: &document, buffers: &buffers, budget, warnings: &warnings };
         let skins = skin::load(&reader)?;
         let built = instances::build(&reader, &graph, &skins, options.weld)?;
-        instances::Draft::charge_lights(&reader, &graph)?;
+        instances::charge_lights(&reader, &graph)?;
         let (animations, animation_infos) = animation::load(&reader)?;
         let skipped = SkippedPrimitives::count(&document);
         if skipped != SkippedPrimitives::default() {
@@ -225,13 +223,13 @@ impl<'a> Header<'a> {
         let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
         let (json, zeros) = container::unpadded(json);
         if zeros > 0 {
-            warnings.push(GltfWarning::Padding { bytes: zeros })?;
+            let problem = format!(" has {zeros} zero bytes at its end, where only spaces may be; they are ignored");
+            warnings.push(GltfWarning::Changed { place: "the JSON".to_owned(), problem })?;
         }
         budget.charge_json(json)?;
-        let parsed = gltf::json::deserialize::from_slice(json);
-        let value: Value = parsed.map_err(|error| GltfError::Json(Arc::new(error)))?;
+        let value: Value = serde_json::from_slice(json).map_err(|error| GltfError::Json(Arc::new(error)))?;
         let document = parse::document(&value, budget, &warnings)?;
-        let named_files = named_files::find(&value, base);
+        let named_files = files::named(&value, base);
         drop(value);
         let graph = Graph::new(&document, &warnings)?;
         Ok(Self { document, graph, named_files, warnings })
@@ -249,7 +247,7 @@ fn warn_of_the_rest(
         warnings.leave_out::<()>(Err(fault))?;
     }
     let nodes = document.nodes.iter().filter_map(|node| node.light.as_ref()?.as_ref().err());
-    let lights = document.lights.iter().filter_map(|light| light.light.as_ref().err());
+    let lights = document.lights.iter().filter_map(|(_, light)| light.as_ref().err());
     warnings.damaged(nodes.chain(lights))?;
     warnings.damaged(document.scenes.iter().filter_map(|scene| scene.as_ref().err()))?;
     warnings.damaged(buffers.iter().filter_map(|buffer| buffer.as_ref().err()))?;
@@ -258,12 +256,12 @@ fn warn_of_the_rest(
 }
 
 fn skin_infos(document: &Document) -> Vec<SkinInfo> {
-    let info = |skin: &document::Skin| SkinInfo { name: skin.name.clone(), joints: skin.joints.len() };
+    let info = |skin: &Named<Skin>| SkinInfo { name: skin.name.clone(), joints: skin.joints.len() };
     document.skins.iter().map(info).collect()
 }
 
 fn mesh_infos(document: &Document, built: &Built) -> Vec<MeshInfo> {
-    let info = |mesh: &document::Mesh| MeshInfo {
+    let info = |mesh: &Named<Mesh>| MeshInfo {
         name: mesh.name.clone(),
         primitives: mesh.primitives.len(),
         morph_targets: mesh.targets,

@@ -1,8 +1,6 @@
 //! Keyframe curves (glTF 2.0, appendix C).
 
-use gltf::json::animation::Interpolation;
-
-use super::transforms::unit;
+use super::document::{Interpolation, unit};
 
 /// Values over time. There is at least one key, and times never decrease. Keys of one time are a step: before it the first
 /// counts, at it and after it the last.

@@ -1,37 +1,44 @@
 //! The parts of a glTF document that shape, place and move triangles, as plain structs with checked indices.
 //!
-//! `gltf::json::Root` is not used. It refuses legal files (a scene without nodes, an animation channel without a target
-//! node), and its errors name a line where a user needs a mesh.
+//! The types of the `gltf` crate are not used. They refuse legal files (a scene without nodes, an animation channel without
+//! a target node), and their errors name a line where a user needs a mesh.
 
-use glam::{DAffine3, DQuat, DVec3};
-use gltf::json::accessor::{ComponentType, Type};
-use gltf::json::animation::{Interpolation, Property};
-use gltf::json::mesh::Mode;
+use std::ops::Deref;
+
+use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 use super::error::GltfError;
+use super::info::SceneLightKind;
 
-/// A part of the file, or what it is refused for once somebody asks for it.
+/// A part of the file, or its fault, for whoever asks for the part.
 pub(super) type Part<T> = Result<T, Box<GltfError>>;
 
-/// A document. Every index in it is in range of the list it points into. A part with a `fault` has no content beside its
-/// name.
+/// A document. Every index in it is in range of the list it points into.
 #[derive(Debug, Default)]
 pub(super) struct Document {
     pub(super) buffers: Vec<Part<Buffer>>,
     pub(super) views: Vec<Part<View>>,
     pub(super) accessors: Vec<Part<Accessor>>,
-    pub(super) meshes: Vec<Mesh>,
-    pub(super) skins: Vec<Skin>,
-    pub(super) nodes: Vec<Node>,
+    pub(super) meshes: Vec<Named<Mesh>>,
+    pub(super) skins: Vec<Named<Skin>>,
+    pub(super) nodes: Vec<Named<Node>>,
     /// The root nodes of each scene.
     pub(super) scenes: Vec<Part<Vec<usize>>>,
     pub(super) scene: Option<usize>,
-    pub(super) animations: Vec<Animation>,
-    pub(super) lights: Vec<NamedLight>,
+    pub(super) animations: Vec<Named<Animation>>,
+    pub(super) lights: Vec<(Option<String>, Part<PunctualLight>)>,
     /// Whether positions may be of an integer type.
     pub(super) quantized: bool,
     /// The center of `CESIUM_RTC`, or zero: where the scene's own zero is in the world.
     pub(super) center: DVec3,
+}
+
+/// A part with a name. One with a fault has no content.
+#[derive(Debug, Default)]
+pub(super) struct Named<T> {
+    pub(super) name: Option<String>,
+    pub(super) content: T,
+    pub(super) fault: Option<Box<GltfError>>,
 }
 
 #[derive(Debug)]
@@ -50,32 +57,53 @@ pub(super) struct View {
     pub(super) compressed: Option<&'static str>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Accessor {
     pub(super) view: Option<usize>,
     pub(super) offset: u64,
     pub(super) count: u64,
-    pub(super) component: ComponentType,
-    pub(super) kind: Type,
+    pub(super) component: Component,
+    pub(super) kind: Kind,
     pub(super) normalized: bool,
     pub(super) sparse: Option<Sparse>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Sparse {
     pub(super) count: u64,
-    pub(super) indices: (usize, u64, ComponentType),
+    pub(super) indices: (usize, u64, Component),
     pub(super) values: (usize, u64),
+}
+
+/// The type of a number in a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Component {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+/// The type of an accessor's elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Scalar,
+    Vec2,
+    Vec3,
+    Vec4,
+    Mat2,
+    Mat3,
+    Mat4,
 }
 
 #[derive(Debug, Default)]
 pub(super) struct Mesh {
-    pub(super) name: Option<String>,
     pub(super) primitives: Vec<Primitive>,
     pub(super) weights: Option<Vec<f64>>,
     /// The number of morph targets of each primitive.
     pub(super) targets: usize,
-    pub(super) fault: Option<Box<GltfError>>,
 }
 
 #[derive(Debug)]
@@ -83,17 +111,26 @@ pub(super) struct Primitive {
     pub(super) mode: Mode,
     pub(super) indices: Option<usize>,
     pub(super) position: Option<usize>,
-    /// The accessors of `JOINTS_n` and `WEIGHTS_n`, by n.
-    pub(super) influences: Vec<InfluenceSet>,
-    /// The fault of `JOINTS_n` and `WEIGHTS_n`, which only a skin needs.
-    pub(super) influences_fault: Option<Box<GltfError>>,
+    /// The accessors of `JOINTS_n` and `WEIGHTS_n`, by n. Only a skin needs them.
+    pub(super) influences: Part<Vec<InfluenceSet>>,
     /// The accessor of each target's POSITION. `None`: the target moves nothing here.
     pub(super) targets: Vec<Option<usize>>,
     /// Whether it has Draco-compressed data, too.
     pub(super) draco: bool,
 }
 
+/// What the vertices of a primitive make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mode {
+    Points,
+    /// Separate lines, strips and loops.
+    Lines,
+    Triangles,
+    Strip,
+    Fan,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct InfluenceSet {
     pub(super) set: u32,
     pub(super) joints: usize,
@@ -102,46 +139,33 @@ pub(super) struct InfluenceSet {
 
 #[derive(Debug, Default)]
 pub(super) struct Skin {
-    pub(super) name: Option<String>,
     pub(super) joints: Vec<usize>,
     pub(super) inverse_binds: Option<usize>,
-    pub(super) fault: Option<Box<GltfError>>,
 }
 
 #[derive(Debug, Default)]
 pub(super) struct Node {
-    pub(super) name: Option<String>,
     pub(super) children: Vec<usize>,
     pub(super) transform: Transform,
     pub(super) mesh: Option<usize>,
     pub(super) skin: Option<usize>,
     pub(super) weights: Option<Vec<f64>>,
+    /// It is there even if the rest has a fault.
     pub(super) light: Option<Part<usize>>,
-    pub(super) instancing: Option<Instancing>,
+    /// The accessors of [`INSTANCED`].
+    pub(super) instancing: Option<[Option<usize>; 3]>,
     /// Whether the node and what is below it are hidden (`KHR_node_visibility`).
     pub(super) is_hidden: bool,
-    pub(super) fault: Option<Box<GltfError>>,
 }
 
-/// The accessors of the attributes of `EXT_mesh_gpu_instancing`.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Instancing {
-    pub(super) translation: Option<usize>,
-    pub(super) rotation: Option<usize>,
-    pub(super) scale: Option<usize>,
-}
+/// The attributes of `EXT_mesh_gpu_instancing`.
+pub(super) const INSTANCED: [&str; 3] = ["TRANSLATION", "ROTATION", "SCALE"];
 
 /// A node's transform relative to its parent.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Transform {
     Matrix(DAffine3),
     Trs(Trs),
-}
-
-impl Default for Transform {
-    fn default() -> Self {
-        Self::Trs(Trs::IDENTITY)
-    }
 }
 
 /// Scale, then rotation, then translation. The rotation has length 1.
@@ -154,11 +178,9 @@ pub(super) struct Trs {
 
 #[derive(Debug, Default)]
 pub(super) struct Animation {
-    pub(super) name: Option<String>,
     pub(super) samplers: Vec<Sampler>,
     /// The channels whose target glTF defines.
     pub(super) channels: Vec<ChannelTarget>,
-    pub(super) fault: Option<Box<GltfError>>,
 }
 
 #[derive(Debug)]
@@ -168,7 +190,14 @@ pub(super) struct Sampler {
     pub(super) interpolation: Interpolation,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Interpolation {
+    Linear,
+    Step,
+    CubicSpline,
+}
+
+#[derive(Clone, Copy, Debug)]
 pub(super) struct ChannelTarget {
     /// Its index in the file.
     pub(super) channel: usize,
@@ -177,20 +206,101 @@ pub(super) struct ChannelTarget {
     pub(super) property: Property,
 }
 
-#[derive(Debug)]
-pub(super) struct NamedLight {
-    pub(super) name: Option<String>,
-    pub(super) light: Part<PunctualLight>,
+/// A property that an animation moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Property {
+    Translation,
+    Rotation,
+    Scale,
+    Weights,
 }
 
 #[derive(Debug)]
 pub(super) struct PunctualLight {
-    pub(super) kind: super::scene_light::SceneLightKind,
+    pub(super) kind: SceneLightKind,
     pub(super) color: [f32; 3],
     pub(super) intensity: f32,
     pub(super) range: Option<f32>,
     /// The inner and outer angle of a spot light's cone.
     pub(super) cone: Option<[f32; 2]>,
+}
+
+/// The part, or a copy of its fault.
+pub(super) fn checked<T>(part: &Part<T>) -> Result<&T, GltfError> {
+    part.as_ref().map_err(|fault| GltfError::clone(fault))
+}
+
+impl<T> Named<T> {
+    /// The content, or a copy of the fault.
+    pub(super) fn checked(&self) -> Result<&T, GltfError> {
+        self.fault.as_ref().map_or(Ok(&self.content), |fault| Err(GltfError::clone(fault)))
+    }
+}
+
+impl<T> Deref for Named<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.content
+    }
+}
+
+impl View {
+    /// The distance between elements of `size` bytes, and the bytes from the first of `count` of them to the end of the last.
+    pub(super) fn extent(&self, count: u64, size: u64) -> [u64; 2] {
+        let stride = self.stride.unwrap_or(size);
+        let steps = count.saturating_sub(1).saturating_mul(stride);
+        [stride, if count == 0 { 0 } else { steps.saturating_add(size) }]
+    }
+}
+
+impl Accessor {
+    /// Bytes of an element.
+    pub(super) fn element(&self) -> usize {
+        self.kind.components() * self.component.size()
+    }
+}
+
+impl Component {
+    pub(super) fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+}
+
+impl Kind {
+    pub(super) fn components(self) -> usize {
+        match self {
+            Self::Scalar => 1,
+            Self::Vec2 => 2,
+            Self::Vec3 => 3,
+            Self::Vec4 | Self::Mat2 => 4,
+            Self::Mat3 => 9,
+            Self::Mat4 => 16,
+        }
+    }
+}
+
+impl Mode {
+    /// Whether it makes triangles. Points and lines do not.
+    pub(super) fn has_triangles(self) -> bool {
+        !matches!(self, Self::Points | Self::Lines)
+    }
+}
+
+impl Property {
+    /// The name of a property, as a channel's path has it.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Translation => "translation",
+            Self::Rotation => "rotation",
+            Self::Scale => "scale",
+            Self::Weights => "weights",
+        }
+    }
 }
 
 impl Trs {
@@ -201,6 +311,12 @@ impl Trs {
     }
 }
 
+impl Default for Transform {
+    fn default() -> Self {
+        Self::Trs(Trs::IDENTITY)
+    }
+}
+
 impl Transform {
     pub(super) fn matrix(&self) -> DAffine3 {
         match self {
@@ -208,4 +324,27 @@ impl Transform {
             Self::Trs(trs) => trs.matrix(),
         }
     }
+}
+
+/// A quaternion scaled to length 1, or `None` if its length is zero or not finite.
+pub(super) fn unit(rotation: [f64; 4]) -> Option<DQuat> {
+    let largest = rotation.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+    let scaled = DQuat::from_array(rotation.map(|c| c / largest));
+    let normalized = scaled / scaled.length();
+    normalized.is_finite().then_some(normalized)
+}
+
+/// A column-major matrix. Its last row must be (0, 0, 0, 1), except for rounding on export.
+pub(super) fn affine(columns: [f64; 16], place: impl Fn() -> String) -> Result<DAffine3, GltfError> {
+    const TOLERANCE: f64 = 1e-5;
+    let matrix = DMat4::from_cols_array(&columns);
+    let row = matrix.row(3).to_array();
+    let problem = if !matrix.is_finite() {
+        ": the matrix is not finite"
+    } else if row.iter().zip([0.0, 0.0, 0.0, 1.0]).any(|(a, b)| (a - b).abs() > TOLERANCE) {
+        ": the matrix's last row must be (0, 0, 0, 1)"
+    } else {
+        return Ok(DAffine3::from_mat4(matrix));
+    };
+    Err(GltfError::invalid(place(), problem))
 }

@@ -74,7 +74,7 @@ fn is_harmless(name: &str) -> bool {
 /// Refuses required extensions that are not supported, and warns of others that may matter. Returns all that the file
 /// uses.
 pub(super) fn check(root: &Json<'_>, warnings: &Warnings<'_>) -> Result<Vec<String>, GltfError> {
-    let required = root.strings("extensionsRequired")?;
+    let required: Vec<&str> = root.list("extensionsRequired")?;
     for &name in &required {
         if !is_harmless(name) {
             return Err(GltfError::Extension {
@@ -84,10 +84,11 @@ pub(super) fn check(root: &Json<'_>, warnings: &Warnings<'_>) -> Result<Vec<Stri
             });
         }
     }
-    let used = warnings.leave_out(root.strings("extensionsUsed"))?.unwrap_or_default();
+    let used = warnings.leave_out(root.list("extensionsUsed"))?.unwrap_or_default();
     // A file ought to list what its nodes have, and may not do so.
     let nodes = root.elements("nodes").into_iter().flatten().flatten();
-    let of_nodes = nodes.filter_map(|node| node.object("extensions").ok().flatten()).flat_map(|own| own.keys());
+    let of_nodes =
+        nodes.filter_map(|node| node.get::<Json<'_>>("extensions").ok().flatten()).flat_map(|own| own.keys());
     let unlisted: BTreeSet<&str> = of_nodes.filter(|name| !used.contains(name)).collect();
     for &name in used.iter().chain(&unlisted) {
         // Where the plain data beside Draco data is missing, the mesh is refused.

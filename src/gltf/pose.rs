@@ -2,17 +2,23 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DQuat, DVec3};
 
-use super::animation::LoadedAnimation;
+use super::animation::Channel;
 use super::asset::Asset;
-use super::document::{NamedLight, Part, Transform};
+use super::document::{Part, Property, Transform};
 use super::error::GltfError;
-use super::node_state::{State, apply, property_name, rows};
-use super::placement::{Frame, Placement};
-use super::scene_light::{SceneLight, SceneLightKind, SpotCone};
+use super::info::{SceneLight, SceneLightKind, SpotCone};
+use super::instances::{Frame, Placement};
 use crate::light::Light;
-use crate::model::{Geometry, InstancePose, ModelError, Pose};
+use crate::model::{Geometry, InstancePose, Matrix3x4, ModelError, Pose};
+
+/// World matrices and morph weights of the nodes at one time, as animations set them.
+pub(super) struct State {
+    pub(super) world: Vec<DAffine3>,
+    /// Only for nodes whose weights an animation moves.
+    weights: HashMap<usize, Vec<f64>>,
+}
 
 impl Asset {
     /// The state of the model at a time of its animations, in seconds. Several animations play together from the same
@@ -70,7 +76,7 @@ impl Asset {
     /// The name of each of [`Asset::lights`], or that of its node.
     pub fn light_names(&self) -> Vec<Option<&str>> {
         let name = |(n, light): (usize, &Part<usize>)| {
-            let own = light.as_ref().ok().and_then(|&light| self.document.lights[light].name.as_ref());
+            let own = light.as_ref().ok().and_then(|&light| self.document.lights[light].0.as_ref());
             own.or(self.document.nodes[n].name.as_ref()).map(String::as_str)
         };
         self.light_nodes().map(name).collect()
@@ -84,7 +90,7 @@ impl Asset {
     /// The light of node `n`, whose world matrix is given.
     fn light(&self, n: usize, light: &Part<usize>, world: &DAffine3, time_s: f32) -> Result<SceneLight, GltfError> {
         let damaged = |fault: &GltfError| GltfError::DamagedLight { node: n, source: Box::new(fault.clone()) };
-        let NamedLight { name, light } = &self.document.lights[*light.as_ref().map_err(|fault| damaged(fault))?];
+        let (name, light) = &self.document.lights[*light.as_ref().map_err(|fault| damaged(fault))?];
         let light = light.as_ref().map_err(|fault| damaged(fault))?;
         let (w, xyz) = match light.kind {
             SceneLightKind::Directional => (0.0, world.matrix3.z_axis.normalize()),
@@ -119,10 +125,8 @@ impl Asset {
         }
         let mut transforms: Vec<Transform> = self.document.nodes.iter().map(|node| node.transform).collect();
         let mut weights = HashMap::new();
-        for animation in self.playing(animations)? {
-            for channel in &animation.channels {
-                apply(channel, f64::from(time_s), &mut transforms, &mut weights);
-            }
+        for channel in self.playing(animations)? {
+            apply(channel, f64::from(time_s), &mut transforms, &mut weights);
         }
         let mut world = self.graph.world(|node| transforms[node].matrix());
         let shift = self.shift();
@@ -135,25 +139,25 @@ impl Asset {
         Ok(State { world, weights })
     }
 
-    /// The animations, each once. No two move the same property of a node.
-    fn playing(&self, animations: impl IntoIterator<Item = usize>) -> Result<Vec<&LoadedAnimation>, GltfError> {
+    /// The channels of the animations, each once. No two animations move the same property of a node.
+    fn playing(&self, animations: impl IntoIterator<Item = usize>) -> Result<Vec<&Channel>, GltfError> {
         let count = self.animations.len();
         let (mut playing, mut taken, mut moved) = (Vec::new(), BTreeSet::new(), HashMap::new());
         for index in animations {
-            let animation = self.animations.get(index).ok_or(GltfError::NoAnimation { index, count })?;
-            let animation =
-                animation.as_ref().map_err(|fault| GltfError::DamagedAnimation { index, source: fault.clone() })?;
+            let channels = self.animations.get(index).ok_or(GltfError::NoAnimation { index, count })?;
+            let channels =
+                channels.as_ref().map_err(|fault| GltfError::DamagedAnimation { index, source: fault.clone() })?;
             if !taken.insert(index) {
                 continue;
             }
-            for channel in &animation.channels {
-                let (node, property) = (channel.node, property_name(channel.property));
+            for &Channel { node, property, .. } in channels {
                 let first = *moved.entry((node, property)).or_insert(index);
                 if first != index {
+                    let property = property.name();
                     return Err(GltfError::SameProperty { first, second: index, node, property });
                 }
             }
-            playing.push(animation);
+            playing.extend(channels);
         }
         Ok(playing)
     }
@@ -214,52 +218,28 @@ impl Asset {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mesh::Weld;
-
-    /// The lights of a file with one light, on a node that is turned about X by half a turn and stretched.
-    fn lights(light: &str) -> Result<Vec<SceneLight>, GltfError> {
-        let json = format!(
-            r#"{{ "asset": {{ "version": "2.0" }}, "extensionsUsed": ["KHR_lights_punctual"],
-                "extensions": {{ "KHR_lights_punctual": {{ "lights": [{light}] }} }},
-                "nodes": [{{ "rotation": [1, 0, 0, 0], "scale": [2, 2, 2],
-                    "extensions": {{ "KHR_lights_punctual": {{ "light": 0 }} }} }}],
-                "scenes": [{{ "nodes": [0] }}], "scene": 0 }}"#
-        );
-        Asset::from_slice(json.as_bytes(), None, Weld::Data).expect("a good file beside the light").lights(None, 0.0)
+/// Sets the property that a channel moves.
+fn apply(channel: &Channel, time: f64, transforms: &mut [Transform], weights: &mut HashMap<usize, Vec<f64>>) {
+    let value = channel.curve.sample(time, channel.property == Property::Rotation);
+    if channel.property == Property::Weights {
+        weights.insert(channel.node, value);
+        return;
     }
-
-    #[test]
-    fn lights_bring_colour_range_and_cone() {
-        let plain = &lights(r#"{ "type": "point" }"#).expect("a good file")[0];
-        assert_eq!((plain.color, plain.intensity, plain.range, plain.cone), ([1.0; 3], 1.0, None, None));
-        let spot = r#"{ "type": "spot", "color": [1, 0.5, 0], "intensity": 40, "range": 7,
-            "spot": { "innerConeAngle": 0.25, "outerConeAngle": 0.5 } }"#;
-        let spot = &lights(spot).expect("a good file")[0];
-        assert_eq!((spot.color, spot.intensity, spot.range), ([1.0, 0.5, 0.0], 40.0, Some(7.0)));
-        let cone = spot.cone.expect("it is a spot light");
-        assert_eq!((cone.inner_angle, cone.outer_angle), (0.25, 0.5));
-        assert!(cone.direction[2] > 0.999, "{:?}", cone.direction);
-        let cone = lights(r#"{ "type": "spot" }"#).expect("a good file")[0].cone.expect("it is a spot light");
-        assert_eq!((cone.inner_angle, cone.outer_angle), (0.0, std::f32::consts::FRAC_PI_4));
-        let sun = &lights(r#"{ "type": "directional", "range": 3, "intensity": 2 }"#).expect("a good file")[0];
-        assert_eq!((sun.range, sun.intensity, sun.light.w), (None, 2.0, 0.0));
+    // An animation that moves a node with a matrix is at fault, and is not played.
+    let Transform::Trs(trs) = &mut transforms[channel.node] else {
+        return;
+    };
+    match (channel.property, &value[..]) {
+        (Property::Translation, &[x, y, z]) => trs.translation = DVec3::new(x, y, z),
+        (Property::Scale, &[x, y, z]) => trs.scale = DVec3::new(x, y, z),
+        (Property::Rotation, &[x, y, z, w]) => trs.rotation = DQuat::from_xyzw(x, y, z, w),
+        _ => {}
     }
+}
 
-    #[test]
-    fn what_no_light_can_be_is_refused_by_place() {
-        for (light, place) in [
-            (r#"{ "type": "point", "range": 0 }"#, "range"),
-            (r#"{ "type": "point", "range": "far" }"#, "range"),
-            (r#"{ "type": "point", "intensity": -1 }"#, "intensity"),
-            (r#"{ "type": "point", "color": [1, -1, 0] }"#, "color"),
-            (r#"{ "type": "spot", "spot": { "outerConeAngle": 2 } }"#, "outerConeAngle"),
-            (r#"{ "type": "spot", "spot": { "innerConeAngle": 1 } }"#, "innerConeAngle"),
-        ] {
-            let error = lights(light).expect_err(light).to_string();
-            assert!(error.contains("lights[0]") && error.contains(place), "{error}");
-        }
-    }
+/// The rows of the matrix, rounded to `f32`.
+fn rows(matrix: &DAffine3) -> Matrix3x4 {
+    let DAffine3 { matrix3, translation } = matrix;
+    [0, 1, 2]
+        .map(|row| [matrix3.x_axis[row], matrix3.y_axis[row], matrix3.z_axis[row], translation[row]].map(|c| c as f32))
 }

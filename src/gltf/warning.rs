@@ -31,103 +31,46 @@ pub enum GltfWarning {
         .0.without_position
     )]
     Skipped(SkippedPrimitives),
-    /// Positions are infinite or NaN. Their faces face no light, cast no shadow and are not drawn.
-    #[error("{place}: {vertices} positions are infinite or NaN, first that of vertex {first}")]
-    NonFinitePositions {
+    /// Positions, or offsets of a morph target, are infinite or NaN. The faces of these vertices face no light, cast no shadow
+    /// and are not drawn, whatever the weights.
+    #[error(
+        "{place}: {vertices} {} are infinite or NaN, first that of vertex {first}{}",
+        if *.is_target { "offsets" } else { "positions" },
+        if *.is_target { "; the faces of these vertices are not drawn" } else { "" }
+    )]
+    NonFinite {
         /// JSON path of the attribute.
         place: String,
-        /// The number of such positions.
+        /// The number of such vectors.
         vertices: usize,
         /// The first vertex.
         first: usize,
+        /// Whether they are offsets of a morph target.
+        is_target: bool,
     },
-    /// Offsets of a morph target are infinite or NaN. The faces of these vertices face no light, cast no shadow and are
-    /// not drawn, whatever the weights.
-    #[error(
-        "{place}: {vertices} offsets are infinite or NaN, first that of vertex {first}; the faces of these vertices are \
-         not drawn"
-    )]
-    NonFiniteOffsets {
-        /// JSON path of the morph target's attribute.
+    /// A part breaks the specification. It was read in another way than it is written, or ignored: left-over corners, indices
+    /// that restart, children of two nodes, rotations of length 0, weights without morph targets, channels that move nothing,
+    /// zero bytes after the JSON.
+    #[error("{place}{problem}")]
+    Changed {
+        /// JSON path of the part.
         place: String,
-        /// The number of such offsets.
-        vertices: usize,
-        /// The first vertex.
-        first: usize,
-    },
-    /// The number of corners of a list of triangles is not a multiple of three. The last one or two were left out.
-    #[error(
-        "meshes[{mesh}].primitives[{primitive}]: {corners} corners are no whole number of triangles; the last {} are left \
-         out", .corners % 3
-    )]
-    CornerCount {
-        /// Index of the mesh.
-        mesh: usize,
-        /// Index of the primitive in it.
-        primitive: usize,
-        /// Indices, or vertices if there are no indices.
-        corners: usize,
-    },
-    /// An index has the value that restarts a strip, which glTF forbids. In a list of triangles it names a vertex if there
-    /// are so many. Otherwise it begins a new triangle, strip or fan.
-    #[error(
-        "meshes[{mesh}].primitives[{primitive}]: index {position} is the primitive restart value {index}, which glTF \
-         forbids; it is read as {}", if *.is_vertex { "a vertex" } else { "a restart" }
-    )]
-    PrimitiveRestart {
-        /// Index of the mesh.
-        mesh: usize,
-        /// Index of the primitive in it.
-        primitive: usize,
-        /// The first such position in the index accessor.
-        position: usize,
-        /// The index: the largest value of its type.
-        index: u32,
-        /// Whether it names a vertex.
-        is_vertex: bool,
-    },
-    /// Two nodes list the same child, or one node lists it twice. It is placed once. The parent that comes first in the
-    /// chosen scene has it.
-    #[error(
-        "nodes[{node}] is a child of nodes[{parent}] and again of nodes[{other}]; nodes must form trees, so it is placed \
-         below nodes[{parent}] only"
-    )]
-    SharedChild {
-        /// Index of the child.
-        node: usize,
-        /// Index of the parent that has it.
-        parent: usize,
-        /// Index of the other parent, or of the same one again.
-        other: usize,
-    },
-    /// Bytes of value 0 follow the JSON. They were ignored.
-    #[error("{bytes} zero bytes follow the JSON, where only spaces may; they are ignored")]
-    Padding {
-        /// Their number.
-        bytes: usize,
-    },
-    /// A rotation has length 0. It was read as no rotation.
-    #[error("{place} is a quaternion without a direction; it is read as no rotation, (0, 0, 0, 1)")]
-    Rotation {
-        /// JSON path of the rotation.
-        place: String,
-    },
-    /// There are morph weights, but no morph targets. The weights were ignored.
-    #[error("{place} has {weights} morph weights, but there are no morph targets; they are ignored")]
-    MorphWeights {
-        /// JSON path of the weights.
-        place: String,
-        /// Their number.
-        weights: usize,
-    },
-    /// A channel of an animation moves nothing.
-    #[error("{place}: {problem}, so the channel moves nothing")]
-    Channel {
-        /// JSON path of the channel.
-        place: String,
-        /// Why it moves nothing.
+        /// What is wrong and how it was read, as it follows the place in the message.
         problem: String,
     },
+}
+
+impl GltfWarning {
+    /// A rotation has length 0.
+    pub(super) fn no_rotation(place: String) -> Self {
+        let problem = " is a quaternion without a direction; it is read as no rotation, (0, 0, 0, 1)".to_owned();
+        Self::Changed { place, problem }
+    }
+
+    /// A channel of an animation moves nothing.
+    pub(super) fn channel(place: &str, problem: &str) -> Self {
+        Self::Changed { place: place.to_owned(), problem: format!(": {problem}, so the channel moves nothing") }
+    }
 }
 
 /// Warnings while a file is loaded. Their memory is charged.
