@@ -1,7 +1,7 @@
 //! Animations: channels that move nodes and morph weights.
 
 use super::curve::Curve;
-use super::document::{ChannelTarget, Part, Property, Sampler, Transform, unit};
+use super::document::{ChannelTarget, Part, Property, Sampler, Transform, checked, unit};
 use super::error::GltfError;
 use super::info::AnimationInfo;
 use super::reader::{self, Reader};
@@ -37,16 +37,22 @@ pub(super) fn load(reader: &Reader<'_>) -> Result<(Vec<LoadedAnimation>, Vec<Ani
 }
 
 fn load_one(reader: &Reader<'_>, index: usize) -> Result<Vec<Channel>, GltfError> {
+    let animation = checked(&reader.document.animations[index].part)?;
     let mut channels = Vec::new();
-    for target in &reader.document.animations[index].checked()?.channels {
-        channels.extend(channel(reader, index, target)?);
+    for target in &animation.channels {
+        channels.extend(channel(reader, index, target, &animation.samplers[target.sampler])?);
     }
     Ok(channels)
 }
 
 /// Reads a channel. Returns `None` where the target has nothing to move.
-fn channel(reader: &Reader<'_>, animation: usize, target: &ChannelTarget) -> Result<Option<Channel>, GltfError> {
-    let &ChannelTarget { channel, sampler, node, property } = target;
+fn channel(
+    reader: &Reader<'_>,
+    animation: usize,
+    target: &ChannelTarget,
+    sampler: &Sampler,
+) -> Result<Option<Channel>, GltfError> {
+    let &ChannelTarget { channel, node, property, .. } = target;
     let place = format!("animations[{animation}].channels[{channel}]");
     let moved = &reader.document.nodes[node];
     if property != Property::Weights && matches!(moved.transform, Transform::Matrix(_)) {
@@ -54,7 +60,7 @@ fn channel(reader: &Reader<'_>, animation: usize, target: &ChannelTarget) -> Res
         return Err(GltfError::invalid(place, format!(" moves nodes[{node}], {problem}")));
     }
     let (width, format) = match property {
-        Property::Weights => (moved.mesh.map_or(0, |mesh| reader.document.meshes[mesh].targets), reader::MORPH_WEIGHTS),
+        Property::Weights => (moved.mesh.map_or(0, |mesh| reader.document.targets(mesh)), reader::MORPH_WEIGHTS),
         Property::Rotation => (4, reader::ROTATIONS),
         Property::Translation | Property::Scale => (3, reader::VECTORS),
     };
@@ -65,8 +71,8 @@ fn channel(reader: &Reader<'_>, animation: usize, target: &ChannelTarget) -> Res
     }
     // Charges the channel, in a list that doubles, and a key's values while it is read and when it is sampled.
     reader.charge(1, 3 * size_of::<Channel>() as u64 + 64 * width as u64, &|| place.clone())?;
-    let &Sampler { input, output, interpolation } = &reader.document.animations[animation].samplers[sampler];
-    let place = format!("animations[{animation}].samplers[{sampler}]");
+    let &Sampler { input, output, interpolation } = sampler;
+    let place = format!("animations[{animation}].samplers[{}]", target.sampler);
     let times = reader.floats(input, reader::TIMES, &format!("{place}.input"))?;
     check_times(&times).map_err(|problem| GltfError::invalid(&*place, problem))?;
     let values = reader.floats(output, format, &format!("{place}.output"))?;

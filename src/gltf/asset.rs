@@ -123,8 +123,8 @@ impl Asset {
         if skipped != SkippedPrimitives::default() {
             warnings.push(GltfWarning::Skipped(skipped))?;
         }
-        warnings.damaged(skins.iter().filter_map(|skin| skin.as_ref().err()))?;
-        warnings.damaged(animations.iter().filter_map(|animation| animation.as_ref().err()))?;
+        warnings.damaged(faults(&skins))?;
+        warnings.damaged(faults(&animations))?;
         warn_of_the_rest(&document, &graph, &buffers, &warnings)?;
         let warnings = warnings.finish();
         document.buffers = Vec::new();
@@ -247,27 +247,34 @@ fn warn_of_the_rest(
         warnings.leave_out::<()>(Err(fault))?;
     }
     let nodes = document.nodes.iter().filter_map(|node| node.light.as_ref()?.as_ref().err());
-    let lights = document.lights.iter().filter_map(|(_, light)| light.as_ref().err());
+    let lights = document.lights.iter().filter_map(|light| light.part.as_ref().err());
     warnings.damaged(nodes.chain(lights))?;
-    warnings.damaged(document.scenes.iter().filter_map(|scene| scene.as_ref().err()))?;
-    warnings.damaged(buffers.iter().filter_map(|buffer| buffer.as_ref().err()))?;
-    warnings.damaged(document.views.iter().filter_map(|view| view.as_ref().err()))?;
-    warnings.damaged(document.accessors.iter().filter_map(|accessor| accessor.as_ref().err()))
+    warnings.damaged(faults(&document.scenes))?;
+    warnings.damaged(faults(buffers))?;
+    warnings.damaged(faults(&document.views))?;
+    warnings.damaged(faults(&document.accessors))
+}
+
+fn faults<T>(parts: &[Part<T>]) -> impl Iterator<Item = &Box<GltfError>> {
+    parts.iter().filter_map(|part| part.as_ref().err())
 }
 
 fn skin_infos(document: &Document) -> Vec<SkinInfo> {
-    let info = |skin: &Named<Skin>| SkinInfo { name: skin.name.clone(), joints: skin.joints.len() };
+    let info = |Named { name, part }: &Named<Skin>| SkinInfo {
+        name: name.clone(),
+        joints: part.as_ref().map_or(0, |skin| skin.joints.len()),
+    };
     document.skins.iter().map(info).collect()
 }
 
 fn mesh_infos(document: &Document, built: &Built) -> Vec<MeshInfo> {
-    let info = |mesh: &Named<Mesh>| MeshInfo {
-        name: mesh.name.clone(),
-        primitives: mesh.primitives.len(),
-        morph_targets: mesh.targets,
+    let info = |(mesh, Named { name, part }): (usize, &Named<Mesh>)| MeshInfo {
+        name: name.clone(),
+        primitives: part.as_ref().map_or(0, |mesh| mesh.primitives.len()),
+        morph_targets: document.targets(mesh),
         geometries: Vec::new(),
     };
-    let mut infos: Vec<MeshInfo> = document.meshes.iter().map(info).collect();
+    let mut infos: Vec<MeshInfo> = document.meshes.iter().enumerate().map(info).collect();
     for (geometry, &mesh) in built.meshes.iter().enumerate() {
         infos[mesh].geometries.push(geometry);
     }

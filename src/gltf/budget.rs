@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use super::document::{Named, Node};
+use super::document::Node;
 use super::error::GltfError;
 use super::instances::Placement;
 use crate::mesh::Weld;
@@ -66,7 +66,7 @@ pub(super) const RIGID_INSTANCE: u64 = INSTANCE + MATRIX;
 /// Bytes for a joint in the set of those in use.
 const USED_JOINT: u64 = 24;
 /// Bytes for a node besides its JSON: the struct, its place in the forest, its matrices in a pose.
-const NODE: u64 = GROWTH * size_of::<Named<Node>>() as u64 + 512;
+const NODE: u64 = GROWTH * size_of::<Node>() as u64 + 512;
 
 /// More bytes for a vertex that is welded by distance: its cell, boxes of its cell, and its group without and with its data.
 const WELD_BY_DISTANCE: u64 = 256;

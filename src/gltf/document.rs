@@ -3,8 +3,6 @@
 //! The types of the `gltf` crate are not used. They refuse legal files (a scene without nodes, an animation channel without
 //! a target node), and their errors name a line where a user needs a mesh.
 
-use std::ops::Deref;
-
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 use super::error::GltfError;
@@ -21,24 +19,23 @@ pub(super) struct Document {
     pub(super) accessors: Vec<Part<Accessor>>,
     pub(super) meshes: Vec<Named<Mesh>>,
     pub(super) skins: Vec<Named<Skin>>,
-    pub(super) nodes: Vec<Named<Node>>,
+    pub(super) nodes: Vec<Node>,
     /// The root nodes of each scene.
     pub(super) scenes: Vec<Part<Vec<usize>>>,
     pub(super) scene: Option<usize>,
     pub(super) animations: Vec<Named<Animation>>,
-    pub(super) lights: Vec<(Option<String>, Part<PunctualLight>)>,
+    pub(super) lights: Vec<Named<PunctualLight>>,
     /// Whether positions may be of an integer type.
     pub(super) quantized: bool,
     /// The center of `CESIUM_RTC`, or zero: where the scene's own zero is in the world.
     pub(super) center: DVec3,
 }
 
-/// A part with a name. One with a fault has no content.
-#[derive(Debug, Default)]
+/// A part with a name.
+#[derive(Debug)]
 pub(super) struct Named<T> {
     pub(super) name: Option<String>,
-    pub(super) content: T,
-    pub(super) fault: Option<Box<GltfError>>,
+    pub(super) part: Part<T>,
 }
 
 #[derive(Debug)]
@@ -75,28 +72,27 @@ pub(super) struct Sparse {
     pub(super) values: (usize, u64),
 }
 
-/// The type of a number in a buffer.
+/// The type of a number in a buffer, as the file numbers it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
+    I8 = 5120,
+    U8 = 5121,
+    I16 = 5122,
+    U16 = 5123,
+    U32 = 5125,
+    F32 = 5126,
 }
 
-/// The type of an accessor's elements.
+/// The type of an accessor's elements: its name in the file, the one in messages, and the number of components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    Scalar,
-    Vec2,
-    Vec3,
-    Vec4,
-    Mat2,
-    Mat3,
-    Mat4,
-}
+pub(super) struct Kind(pub(super) &'static str, pub(super) &'static str, pub(super) usize);
+
+pub(super) const SCALAR: Kind = Kind("SCALAR", "Scalar", 1);
+pub(super) const VEC3: Kind = Kind("VEC3", "Vec3", 3);
+pub(super) const VEC4: Kind = Kind("VEC4", "Vec4", 4);
+pub(super) const MAT4: Kind = Kind("MAT4", "Mat4", 16);
+pub(super) const KINDS: [Kind; 7] =
+    [SCALAR, Kind("VEC2", "Vec2", 2), VEC3, VEC4, Kind("MAT2", "Mat2", 4), Kind("MAT3", "Mat3", 9), MAT4];
 
 #[derive(Debug, Default)]
 pub(super) struct Mesh {
@@ -143,19 +139,21 @@ pub(super) struct Skin {
     pub(super) inverse_binds: Option<usize>,
 }
 
+/// A node. One with a fault has no content beside its name and its light.
 #[derive(Debug, Default)]
 pub(super) struct Node {
+    pub(super) name: Option<String>,
     pub(super) children: Vec<usize>,
     pub(super) transform: Transform,
     pub(super) mesh: Option<usize>,
     pub(super) skin: Option<usize>,
     pub(super) weights: Option<Vec<f64>>,
-    /// It is there even if the rest has a fault.
     pub(super) light: Option<Part<usize>>,
     /// The accessors of [`INSTANCED`].
     pub(super) instancing: Option<[Option<usize>; 3]>,
     /// Whether the node and what is below it are hidden (`KHR_node_visibility`).
     pub(super) is_hidden: bool,
+    pub(super) fault: Option<Box<GltfError>>,
 }
 
 /// The attributes of `EXT_mesh_gpu_instancing`.
@@ -230,18 +228,10 @@ pub(super) fn checked<T>(part: &Part<T>) -> Result<&T, GltfError> {
     part.as_ref().map_err(|fault| GltfError::clone(fault))
 }
 
-impl<T> Named<T> {
-    /// The content, or a copy of the fault.
-    pub(super) fn checked(&self) -> Result<&T, GltfError> {
-        self.fault.as_ref().map_or(Ok(&self.content), |fault| Err(GltfError::clone(fault)))
-    }
-}
-
-impl<T> Deref for Named<T> {
-    type Target = T;
-
-    fn deref(&self) -> &T {
-        &self.content
+impl Document {
+    /// The number of morph targets of a mesh.
+    pub(super) fn targets(&self, mesh: usize) -> usize {
+        self.meshes[mesh].part.as_ref().map_or(0, |mesh| mesh.targets)
     }
 }
 
@@ -257,29 +247,18 @@ impl View {
 impl Accessor {
     /// Bytes of an element.
     pub(super) fn element(&self) -> usize {
-        self.kind.components() * self.component.size()
+        self.kind.2 * self.component.size()
     }
 }
 
 impl Component {
+    pub(super) const ALL: [Self; 6] = [Self::I8, Self::U8, Self::I16, Self::U16, Self::U32, Self::F32];
+
     pub(super) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
             Self::U32 | Self::F32 => 4,
-        }
-    }
-}
-
-impl Kind {
-    pub(super) fn components(self) -> usize {
-        match self {
-            Self::Scalar => 1,
-            Self::Vec2 => 2,
-            Self::Vec3 => 3,
-            Self::Vec4 | Self::Mat2 => 4,
-            Self::Mat3 => 9,
-            Self::Mat4 => 16,
         }
     }
 }
@@ -292,6 +271,8 @@ impl Mode {
 }
 
 impl Property {
+    pub(super) const ALL: [Self; 4] = [Self::Translation, Self::Rotation, Self::Scale, Self::Weights];
+
     /// The name of a property, as a channel's path has it.
     pub(super) fn name(self) -> &'static str {
         match self {

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::model::ModelError;
+
 /// Why a glTF file, or a part of it, is refused. Places are JSON paths into the file, such as
 /// `meshes[0].primitives[2].attributes`. Two errors are equal if they say the same.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -42,14 +44,6 @@ pub enum GltfError {
         place: String,
         /// Advice to the user.
         advice: &'static str,
-    },
-    /// The content of the file does not make a model.
-    #[error("{place}: {source}")]
-    Model {
-        /// JSON path of the mesh, or `nodes` for all instances together.
-        place: String,
-        /// Why it does not.
-        source: crate::model::ModelError,
     },
     /// Loading would take more memory than the caller allows. This guards against small files that fill the memory.
     #[error(
@@ -130,6 +124,11 @@ impl GltfError {
     /// An error about a part of the file. `problem` follows the place in the message.
     pub(super) fn invalid(place: impl Into<String>, problem: impl Into<String>) -> Self {
         Self::Invalid { place: place.into(), problem: problem.into() }
+    }
+
+    /// The content of the file does not make a model.
+    pub(super) fn model(place: impl Into<String>) -> impl FnOnce(ModelError) -> Self {
+        |error| Self::invalid(place, format!(": {error}"))
     }
 
     pub(super) fn missing(place: impl Into<String>) -> Self {

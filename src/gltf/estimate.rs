@@ -19,7 +19,8 @@ struct Size {
 /// Refuses a document whose meshes and instances do not fit with `files` bytes of files that are yet to be read. Everything
 /// is charged when it is made; this only knows earlier.
 pub(super) fn check(document: &Document, graph: &Graph, files: u64, budget: &Budget) -> Result<(), GltfError> {
-    let sizes: Vec<Size> = document.meshes.iter().map(|mesh| size(document, mesh)).collect();
+    let sizes: Vec<Size> =
+        document.meshes.iter().map(|mesh| mesh.part.as_ref().map_or(Size::default(), |m| size(document, m))).collect();
     let buffers = document.buffers.iter().flatten().filter(|buffer| buffer.uri.is_some());
     let files = buffers.fold(files, |sum, buffer| sum.saturating_add(buffer.bytes));
     // The most that is in use at one time, and what for: the error is to name what is enough for all.

@@ -85,38 +85,37 @@ fn leaves(path: &Path) -> bool {
 /// The JSON of a GLB file, and the file's length. `None` for any other file, and for a GLB that is damaged there: whoever
 /// reads the whole file says what is wrong with it.
 pub(super) fn glb_json(path: &Path, budget: &Budget) -> Result<Option<(Vec<u8>, u64)>, GltfError> {
-    let Ok(metadata) = std::fs::metadata(path) else { return Ok(None) };
-    if !metadata.is_file() {
-        return Ok(None);
-    }
-    let Ok(mut file) = File::open(path) else { return Ok(None) };
     let mut start = [0; container::START_BYTES];
-    if file.read_exact(&mut start).is_err() {
-        return Ok(None);
-    }
-    let json_bytes = container::json_bytes(&start).filter(|&bytes| bytes <= metadata.len());
-    let Some(json_bytes) = json_bytes else { return Ok(None) };
-    budget.charge_file(json_bytes, &|| path.display().to_string())?;
-    let mut json = Vec::new();
-    let is_read =
-        json.try_reserve_exact(json_bytes as usize).is_ok() && file.take(json_bytes).read_to_end(&mut json).is_ok();
-    Ok((is_read && json.len() as u64 == json_bytes).then_some((json, metadata.len())))
+    let opened = open(path).and_then(|(mut file, length)| file.read_exact(&mut start).map(|()| (file, length)));
+    let Ok((file, length)) = opened else { return Ok(None) };
+    let Some(bytes) = container::json_bytes(&start).filter(|&bytes| bytes <= length) else { return Ok(None) };
+    budget.charge_file(bytes, &|| path.display().to_string())?;
+    let json = take(file, bytes).ok().filter(|json| json.len() as u64 == bytes);
+    Ok(json.map(|json| (json, length)))
 }
 
-/// Reads at most `most` bytes of a regular file. It never reads a device or a pipe, which may have no end.
+/// Reads at most `most` bytes of a regular file.
 pub(super) fn read(path: &Path, most: u64, budget: &Budget) -> Result<Vec<u8>, GltfError> {
     let failed = |source| GltfError::Read { path: path.to_owned(), source: Arc::new(source) };
-    let metadata = std::fs::metadata(path).map_err(failed)?;
-    if !metadata.is_file() {
-        return Err(failed(Error::other("it is not a regular file")));
-    }
+    let (file, length) = open(path).map_err(failed)?;
     // A file that grows meanwhile is cut to the length that was charged.
-    let length = metadata.len().min(most);
-    budget.charge_file(length, &|| path.display().to_string())?;
+    budget.charge_file(length.min(most), &|| path.display().to_string())?;
+    take(file, length.min(most)).map_err(failed)
+}
+
+/// A regular file and its length. A device or a pipe, which may have no end, is never opened.
+fn open(path: &Path) -> Result<(File, u64), Error> {
+    let metadata = std::fs::metadata(path)?;
+    if metadata.is_file() {
+        return Ok((File::open(path)?, metadata.len()));
+    }
+    Err(Error::other("it is not a regular file"))
+}
+
+fn take(file: File, bytes: u64) -> Result<Vec<u8>, Error> {
     let mut content = Vec::new();
-    content.try_reserve_exact(length as usize).map_err(|_| failed(ErrorKind::OutOfMemory.into()))?;
-    let file = File::open(path).map_err(failed)?;
-    file.take(length).read_to_end(&mut content).map_err(failed)?;
+    content.try_reserve_exact(bytes as usize).map_err(|_| Error::from(ErrorKind::OutOfMemory))?;
+    file.take(bytes).read_to_end(&mut content)?;
     Ok(content)
 }
 
@@ -151,36 +150,28 @@ fn bytes<'a>(
     folder: Folder<'_>,
     budget: &Budget,
 ) -> Result<Bytes<'a>, GltfError> {
-    let bytes = match (&buffer.uri, binary) {
-        (Some(uri), _) => Cow::Owned(resolve(uri, index, buffer, folder, budget)?),
-        (None, Some(binary)) if index == 0 => Cow::Borrowed(binary),
-        _ => return Ok(None),
+    let place = || format!("buffers[{index}].uri");
+    let bytes = match &buffer.uri {
+        Some(uri) if is_data(uri) => {
+            // The URI with percent signs decoded, in a list that doubles, and the bytes.
+            let mark = budget.mark();
+            budget.charge(uri.len() as u64, 4, &place)?;
+            let bytes = data_uri(uri).map_err(|problem| bad_uri(uri, &place, problem))?;
+            budget.settle(mark, 0);
+            budget.charge_file(bytes.capacity() as u64, &place)?;
+            Cow::Owned(bytes)
+        }
+        Some(uri) => Cow::Owned(read(&folder.find(uri, &place)?, buffer.bytes, budget)?),
+        None => match binary.filter(|_| index == 0) {
+            Some(binary) => Cow::Borrowed(binary),
+            None => return Ok(None),
+        },
     };
-    if (bytes.len() as u64) < buffer.bytes {
-        let place = format!("buffers[{index}].byteLength");
-        return Err(GltfError::too_short(place, buffer.bytes, bytes.len() as u64));
+    let available = bytes.len() as u64;
+    if available < buffer.bytes {
+        return Err(GltfError::too_short(format!("buffers[{index}].byteLength"), buffer.bytes, available));
     }
     Ok(Some(bytes))
-}
-
-fn resolve(
-    uri: &str,
-    index: usize,
-    buffer: &Buffer,
-    folder: Folder<'_>,
-    budget: &Budget,
-) -> Result<Vec<u8>, GltfError> {
-    let place = || format!("buffers[{index}].uri");
-    if is_data(uri) {
-        // The URI with percent signs decoded, in a list that doubles, and the bytes.
-        let mark = budget.mark();
-        budget.charge(uri.len() as u64, 4, &place)?;
-        let bytes = data_uri(uri).map_err(|problem| bad_uri(uri, &place, problem))?;
-        budget.settle(mark, 0);
-        budget.charge_file(bytes.capacity() as u64, &place)?;
-        return Ok(bytes);
-    }
-    read(&folder.find(uri, &place)?, buffer.bytes, budget)
 }
 
 fn is_data(uri: &str) -> bool {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::budget::grown;
-use super::document::{Mesh, Primitive};
+use super::document::{Mesh, Primitive, checked};
 use super::error::GltfError;
 use super::extensions;
 use super::reader::Reader;
@@ -24,7 +24,7 @@ pub(super) struct Merged {
 /// dropped.
 pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>) -> Result<Merged, GltfError> {
     let named = &reader.document.meshes[index];
-    let mesh = named.checked()?;
+    let mesh = checked(&named.part)?;
     let mut draft = Draft::new(mesh, skinned_by.is_some());
     let mut highest_joints = Vec::new();
     // The first vertex of each block. Primitives with the same accessors share vertices.
@@ -38,12 +38,12 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
         };
         let place = format!("meshes[{index}].primitives[{p}]");
         let read = || vertices::read(reader, primitive, position, skinned_by.is_some(), &place);
-        let checked = check_compression(reader, primitive, &place);
+        let compression = check_compression(reader, primitive, &place);
         if !primitive.mode.has_triangles() {
-            reader.warnings.leave_out(checked.and_then(|()| read()))?;
+            reader.warnings.leave_out(compression.and_then(|()| read()))?;
             continue;
         }
-        checked?;
+        compression?;
         if let Some(node) = skinned_by
             && primitive.influences.as_ref().is_ok_and(Vec::is_empty)
         {
@@ -65,9 +65,7 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
         draft.faces.extend(faces.into_iter().map(|face| face.map(|v| v + first)));
     }
     reader.budget.settle(mark, draft.bytes());
-    let geometry = draft
-        .finish(named.name.clone())
-        .map_err(|source| GltfError::Model { place: format!("meshes[{index}]"), source })?;
+    let geometry = draft.finish(named.name.clone()).map_err(GltfError::model(format!("meshes[{index}]")))?;
     Ok(Merged { geometry, highest_joints })
 }
 

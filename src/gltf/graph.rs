@@ -83,10 +83,8 @@ impl Graph {
 
 /// The fault of a node whose transform is unknown. A node without a fault of its own is in a cycle or below one.
 fn fault(document: &Document, node: usize) -> GltfError {
-    match document.nodes[node].checked() {
-        Err(fault) => fault,
-        Ok(_) => GltfError::invalid(format!("nodes[{node}]"), " is its own ancestor; nodes must form trees"),
-    }
+    let cycle = || GltfError::invalid(format!("nodes[{node}]"), " is its own ancestor; nodes must form trees");
+    document.nodes[node].fault.as_ref().map_or_else(cycle, |fault| GltfError::clone(fault))
 }
 
 /// The parent and the children of each node. A child of two nodes stays with the first that a walk from `roots` meets, or
@@ -98,15 +96,9 @@ fn trees(
 ) -> Result<(Vec<Option<usize>>, Children), GltfError> {
     let listed: Children = document.nodes.iter().map(|node| node.children.clone()).collect();
     let count = listed.len();
-    let mut is_listed = vec![false; count];
-    let mut is_tree = true;
-    for &child in listed.iter().flatten() {
-        is_tree &= !std::mem::replace(&mut is_listed[child], true);
-    }
-    let walk = if is_tree { Vec::new() } else { preorder(&listed, roots, |_| true) };
     let (mut parents, mut children) = (vec![None; count], vec![Vec::new(); count]);
     let mut is_met = vec![false; count];
-    for parent in walk.into_iter().chain(0..count) {
+    for parent in preorder(&listed, roots, |_| true).into_iter().chain(0..count) {
         if std::mem::replace(&mut is_met[parent], true) {
             continue;
         }

@@ -103,7 +103,7 @@ pub struct SkippedPrimitives {
 impl SkippedPrimitives {
     pub(super) fn count(document: &Document) -> Self {
         let mut skipped = Self::default();
-        for primitive in document.meshes.iter().flat_map(|mesh| &mesh.primitives) {
+        for primitive in document.meshes.iter().flat_map(|mesh| &mesh.part).flat_map(|mesh| &mesh.primitives) {
             match primitive.mode {
                 Mode::Points => skipped.points += 1,
                 Mode::Lines => skipped.lines += 1,

@@ -3,13 +3,14 @@
 use glam::{DAffine3, DVec3};
 
 use super::budget;
-use super::document::{Document, INSTANCED, Named, Node, Part, Trs, checked, unit};
+use super::document::{Document, INSTANCED, Node, Part, Trs, checked, unit};
 use super::error::GltfError;
 use super::geometry::{self, Merged};
 use super::graph::Graph;
 use super::info::SceneLight;
 use super::reader::{self, Reader};
 use super::skin::LoadedSkin;
+use super::vertices::HighestJoint;
 use super::warning::GltfWarning;
 use crate::mesh::{Weld, WeldCounts};
 use crate::model::{Geometry, GeometryOptions, Instance, Model};
@@ -67,17 +68,20 @@ pub(super) fn build(
     let (meshes, weld_counts) = (Vec::new(), Vec::new());
     let mut draft = Draft { reader, skins, geometries, instances, placements, meshes, weld_counts };
     let users = users(document, graph);
+    let (is_skinned, is_rigid) = (|user: &User| user.skin.is_some(), |user: &User| user.skin.is_none());
     for (mesh, users) in users.iter().enumerate() {
-        draft.add(mesh, users, !users.skinned.is_empty(), weld)?;
+        draft.add(mesh, users, users.iter().any(is_skinned), weld)?;
     }
     let mut rigid_variants = vec![None; users.len()];
-    for (mesh, users) in users.iter().enumerate().filter(|(_, users)| !users.skinned.is_empty() && users.rigid) {
-        rigid_variants[mesh] = Some(draft.geometries.len());
-        draft.add(mesh, users, false, weld)?;
+    for (mesh, users) in users.iter().enumerate() {
+        if users.iter().any(is_skinned) && users.iter().any(is_rigid) {
+            rigid_variants[mesh] = Some(draft.geometries.len());
+            draft.add(mesh, users, false, weld)?;
+        }
     }
     for &n in &graph.scene {
         graph.check(document, n)?;
-        let Named { name, content: node, .. } = &document.nodes[n];
+        let node = &document.nodes[n];
         let Some(mesh) = node.mesh else {
             continue;
         };
@@ -87,18 +91,17 @@ pub(super) fn build(
         let rigid = rigid_variants[mesh].filter(|_| node.skin.is_none());
         for frame in frames(reader, n, node)? {
             let placement = Placement { mesh, node: Some(n), frame };
-            draft.place(rigid.unwrap_or(mesh), name.as_ref(), placement)?;
+            draft.place(rigid.unwrap_or(mesh), node.name.as_ref(), placement)?;
         }
     }
     if document.scenes.is_empty() {
-        for (mesh, _) in users.iter().enumerate().filter(|(_, users)| users.none()) {
+        for (mesh, _) in users.iter().enumerate().filter(|(_, users)| users.is_empty()) {
             let placement = Placement { mesh, node: None, frame: Frame::Node(DAffine3::IDENTITY) };
             draft.place(mesh, document.meshes[mesh].name.as_ref(), placement)?;
         }
     }
     let Draft { geometries, instances, placements, meshes, weld_counts, .. } = draft;
-    let model =
-        Model::new(geometries, instances).map_err(|source| GltfError::Model { place: "nodes".to_owned(), source })?;
+    let model = Model::new(geometries, instances).map_err(GltfError::model("nodes"))?;
     Ok(Built { model, placements, meshes, weld_counts })
 }
 
@@ -108,7 +111,7 @@ pub(super) fn charge_lights(reader: &Reader<'_>, graph: &Graph) -> Result<(), Gl
     for &n in &graph.scene {
         let node = &document.nodes[n];
         if let Some(Ok(light)) = node.light {
-            let name = document.lights[light].0.as_ref().or(node.name.as_ref()).map_or(0, String::len);
+            let name = document.lights[light].name.as_ref().or(node.name.as_ref()).map_or(0, String::len);
             // A list that doubles.
             let bytes = 3 * size_of::<SceneLight>() + name;
             reader.charge(1, bytes as u64, &|| format!("nodes[{n}] (its light)"))?;
@@ -117,77 +120,27 @@ pub(super) fn charge_lights(reader: &Reader<'_>, graph: &Graph) -> Result<(), Gl
     Ok(())
 }
 
-/// The nodes that use a mesh, in any scene.
-#[derive(Clone, Debug, Default)]
-struct Users {
-    /// Nodes with a skin. Nodes that are shown come first.
-    skinned: Vec<usize>,
-    /// How many of them are shown.
-    skinned_shown: usize,
-    /// Whether nodes without a skin use it.
-    rigid: bool,
-    /// Whether one of these is shown.
-    rigid_shown: bool,
+/// A node that uses a mesh, in any scene.
+#[derive(Clone, Copy, Debug)]
+struct User {
+    node: usize,
+    skin: Option<usize>,
+    is_shown: bool,
 }
 
-impl Users {
-    fn none(&self) -> bool {
-        self.skinned.is_empty() && !self.rigid
-    }
-
-    /// Whether the mesh is shown, with a skin or without.
-    fn is_shown(&self, skinned: bool, document: &Document) -> bool {
-        // A file without scenes shows meshes that no node names.
-        let is_alone = self.none() && document.scenes.is_empty();
-        if skinned { self.skinned_shown > 0 } else { self.rigid_shown || is_alone }
-    }
-}
-
-fn users(document: &Document, graph: &Graph) -> Vec<Users> {
-    let mut users = vec![Users::default(); document.meshes.len()];
+/// The users of each mesh. Nodes that are shown come first.
+fn users(document: &Document, graph: &Graph) -> Vec<Vec<User>> {
+    let mut users = vec![Vec::new(); document.meshes.len()];
     let mut is_shown = vec![false; document.nodes.len()];
     graph.scene.iter().for_each(|&n| is_shown[n] = true);
-    let shown = (0..is_shown.len()).filter(|&n| is_shown[n]);
-    for n in shown.chain((0..is_shown.len()).filter(|&n| !is_shown[n])) {
-        let node = &document.nodes[n];
-        let Some(users) = node.mesh.map(|mesh| &mut users[mesh]) else { continue };
-        if node.skin.is_some() {
-            users.skinned.push(n);
-            users.skinned_shown += usize::from(is_shown[n]);
-        } else {
-            users.rigid = true;
-            users.rigid_shown |= is_shown[n];
+    for shown in [true, false] {
+        for (node, of_node) in document.nodes.iter().enumerate().filter(|&(node, _)| is_shown[node] == shown) {
+            if let Some(mesh) = of_node.mesh {
+                users[mesh].push(User { node, skin: of_node.skin, is_shown: shown });
+            }
         }
     }
     users
-}
-
-/// Checks that every joint that a vertex follows is in each skin that is used with the mesh. It is an error for users that are
-/// shown.
-fn check_joints(
-    reader: &Reader<'_>,
-    users: &Users,
-    merged: &Merged,
-    skins: &[Part<LoadedSkin>],
-) -> Result<(), GltfError> {
-    let Some(highest) = merged.highest_joints.iter().max_by_key(|highest| highest.joint) else {
-        return Ok(());
-    };
-    for (number, &node) in users.skinned.iter().enumerate() {
-        let Some(skin) = reader.document.nodes[node].skin else { continue };
-        let Ok(loaded) = &skins[skin] else { continue };
-        let (joint, joints) = (highest.joint, loaded.joints.len());
-        if joint as usize >= joints {
-            let place = format!("{}, vertex {}", highest.place, highest.vertex);
-            let problem = format!(" names joint {joint}, but skins[{skin}] of nodes[{node}] has {joints} joints");
-            let fault = Err(GltfError::invalid(place, problem));
-            if number < users.skinned_shown {
-                return fault;
-            }
-            reader.warnings.leave_out(fault)?;
-        }
-    }
-    Ok(())
 }
 
 /// The frames of a node's mesh: one, or one for each of its GPU instances.
@@ -243,23 +196,25 @@ fn instanced(reader: &Reader<'_>, n: usize, accessors: [Option<usize>; 3]) -> Re
 
 impl Draft<'_> {
     /// Merges and welds a mesh, with a skin or without. A fault is an error only where something shows the mesh.
-    fn add(&mut self, mesh: usize, users: &Users, is_skinned: bool, weld: Weld) -> Result<(), GltfError> {
+    fn add(&mut self, mesh: usize, users: &[User], is_skinned: bool, weld: Weld) -> Result<(), GltfError> {
         let Reader { document, budget, warnings, .. } = self.reader;
         let mark = budget.mark();
-        let skinned_by = users.skinned.first().copied().filter(|_| is_skinned);
+        let mut these = users.iter().filter(|user| user.skin.is_some() == is_skinned);
+        let skinned_by = these.clone().next().filter(|_| is_skinned).map(|user| user.node);
+        // A file without scenes shows meshes that no node names.
+        let is_alone = users.is_empty() && document.scenes.is_empty();
         let geometry = match geometry::merge(self.reader, mesh, skinned_by) {
-            Ok(merged) => {
-                if is_skinned {
-                    check_joints(self.reader, users, &merged, self.skins)?;
-                }
-                merged.geometry
+            Ok(Merged { geometry, highest_joints }) => {
+                let highest = highest_joints.iter().max_by_key(|highest| highest.joint);
+                these.try_for_each(|user| highest.map_or(Ok(()), |highest| self.check_joints(user, highest)))?;
+                geometry
             }
-            Err(fault) if users.is_shown(is_skinned, document) => return Err(fault),
+            Err(fault) if is_alone || these.any(|user| user.is_shown) => return Err(fault),
             Err(fault) => {
                 warnings.leave_out::<()>(Err(fault))?;
                 let name = document.meshes[mesh].name.clone();
                 let empty = Geometry::new(Vec::new(), Vec::new(), GeometryOptions { name, ..Default::default() });
-                empty.map_err(|source| GltfError::Model { place: format!("meshes[{mesh}]"), source })?
+                empty.map_err(GltfError::model(format!("meshes[{mesh}]")))?
             }
         };
         budget.charge_welding(&geometry, weld, &|| format!("meshes[{mesh}]"))?;
@@ -270,6 +225,20 @@ impl Draft<'_> {
         self.weld_counts.push(counts);
         self.meshes.push(mesh);
         Ok(())
+    }
+
+    /// Checks that the skin of a user has the highest joint that its mesh names. It is an error where the user is shown.
+    fn check_joints(&self, user: &User, highest: &HighestJoint) -> Result<(), GltfError> {
+        let &User { node, is_shown, .. } = user;
+        let Some(skin) = user.skin else { return Ok(()) };
+        let (joint, joints) = (highest.joint, self.skins[skin].as_ref().map_or(usize::MAX, |skin| skin.joints.len()));
+        if (joint as usize) < joints {
+            return Ok(());
+        }
+        let place = format!("{}, vertex {}", highest.place, highest.vertex);
+        let problem = format!(" names joint {joint}, but skins[{skin}] of nodes[{node}] has {joints} joints");
+        let fault = Err(GltfError::invalid(place, problem));
+        if is_shown { fault } else { self.reader.warnings.leave_out(fault).map(drop) }
     }
 
     /// Adds an instance, unless its geometry has no faces.

@@ -7,7 +7,8 @@ use serde_json::Value;
 
 use super::budget::Budget;
 use super::document::{
-    Accessor, Buffer, Component, Document, InfluenceSet, Kind, Mesh, Mode, Named, Part, Primitive, Skin, Sparse, View,
+    Accessor, Buffer, Component, Document, InfluenceSet, KINDS, Mesh, Mode, Named, Node, Part, Primitive, Skin, Sparse,
+    View,
 };
 use super::error::GltfError;
 use super::extensions;
@@ -16,13 +17,13 @@ use super::warning::{GltfWarning, Warnings};
 
 /// The lists that indices point into, and the warnings so far.
 pub(super) struct Parser<'w> {
-    pub(super) accessors: List,
-    pub(super) lights: List,
-    pub(super) meshes: List,
-    pub(super) nodes: List,
-    pub(super) skins: List,
     buffers: List,
     views: List,
+    pub(super) accessors: List,
+    pub(super) meshes: List,
+    pub(super) skins: List,
+    pub(super) nodes: List,
+    pub(super) lights: List,
     pub(super) warnings: &'w Warnings<'w>,
 }
 
@@ -38,37 +39,33 @@ pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) 
     let lenient =
         |json: &Json<'_>, name| Ok(warnings.leave_out(json.length(name))?.unwrap_or(List { name, length: 0 }));
     let parser = Parser {
-        accessors: root.length("accessors")?,
-        lights: punctual.as_ref().map_or(Ok(List { name: "lights", length: 0 }), |all| lenient(all, "lights"))?,
-        meshes: root.length("meshes")?,
-        nodes: root.length("nodes")?,
-        skins: lenient(&root, "skins")?,
         buffers: root.length("buffers")?,
         views: root.length("bufferViews")?,
+        accessors: root.length("accessors")?,
+        meshes: root.length("meshes")?,
+        skins: lenient(&root, "skins")?,
+        nodes: root.length("nodes")?,
+        lights: punctual.as_ref().map_or(Ok(List { name: "lights", length: 0 }), |all| lenient(all, "lights"))?,
         warnings,
     };
     let (scenes, animations) = (root.length("scenes")?, lenient(&root, "animations")?);
     budget.charge_nodes(parser.nodes.length)?;
     let buffers = parser.parts(&root, parser.buffers, buffer)?;
-    let meshes = parser.all(&root, parser.meshes, |mesh| parser.mesh(mesh))?;
-    let mut nodes = parser.all(&root, parser.nodes, |node| parser.node(node, &meshes))?;
-    for (node, json) in nodes.iter_mut().zip(root.elements("nodes")?) {
-        node.content.light = json.map_or(Ok(None), |json| parser.light_index(&json))?;
-    }
+    let meshes = parser.named(&root, parser.meshes, |mesh| parser.mesh(mesh))?;
     Ok(Document {
         accessors: parser.parts(&root, parser.accessors, |json| parser.accessor(json))?,
         views: parser.parts(&root, parser.views, |json| parser.view(json, &buffers))?,
-        skins: parser.all(&root, parser.skins, |skin| parser.skin(skin))?,
+        skins: parser.named(&root, parser.skins, |skin| parser.skin(skin))?,
+        nodes: parser.nodes(&root, &meshes)?,
         scenes: parser.parts(&root, scenes, |scene| scene.indices("nodes", parser.nodes))?,
         scene: root.index("scene", scenes)?,
-        animations: parser.all(&root, animations, |animation| parser.animation(animation))?,
+        animations: parser.named(&root, animations, |animation| parser.animation(animation))?,
         lights: punctual
             .map_or(Ok(Vec::new()), |json| parser.named(&json, parser.lights, super::parse_scene::light))?,
         quantized: used.iter().any(|name| name == "KHR_mesh_quantization"),
         center: center(&root)?,
         buffers,
         meshes,
-        nodes,
     })
 }
 
@@ -117,15 +114,10 @@ fn buffer(json: &Json<'_>) -> Result<Buffer, GltfError> {
 }
 
 fn component(json: &Json<'_>) -> Result<Component, GltfError> {
-    Ok(match json.need("componentType")? {
-        5120 => Component::I8,
-        5121 => Component::U8,
-        5122 => Component::I16,
-        5123 => Component::U16,
-        5125 => Component::U32,
-        5126 => Component::F32,
-        _ => return Err(json.wrong("componentType", "a component type (5120, 5121, 5122, 5123, 5125 or 5126)")),
-    })
+    let number: u64 = json.need("componentType")?;
+    let component = Component::ALL.into_iter().find(|component| *component as u64 == number);
+    let expected = "a component type (5120, 5121, 5122, 5123, 5125 or 5126)";
+    component.ok_or_else(|| json.wrong("componentType", expected))
 }
 
 fn offset(json: &Json<'_>) -> Result<u64, GltfError> {
@@ -143,35 +135,32 @@ impl Parser<'_> {
         root.elements(list.name)?.map(|json| self.warnings.keep(json.and_then(|json| read(&json)))).collect()
     }
 
-    /// The elements of a list that have names, each with its fault. There are none where the list is none.
+    /// The same for parts that have names. There are none where the list is none.
     fn named<T>(
         &self,
         root: &Json<'_>,
         list: List,
         read: impl Fn(&Json<'_>) -> Result<T, GltfError>,
-    ) -> Result<Vec<(Option<String>, Part<T>)>, GltfError> {
+    ) -> Result<Vec<Named<T>>, GltfError> {
         if list.length == 0 {
             return Ok(Vec::new());
         }
         let element = |json| match self.warnings.keep(json)? {
-            Ok(json) => Ok((Json::name(&json, self.warnings)?, self.warnings.keep(read(&json))?)),
-            Err(fault) => Ok((None, Err(fault))),
+            Ok(json) => Ok(Named { name: Json::name(&json, self.warnings)?, part: self.warnings.keep(read(&json))? }),
+            Err(fault) => Ok(Named { name: None, part: Err(fault) }),
         };
         root.elements(list.name)?.map(element).collect()
     }
 
-    /// The same, where an element with a fault becomes one without content.
-    fn all<T: Default>(
-        &self,
-        root: &Json<'_>,
-        list: List,
-        read: impl Fn(&Json<'_>) -> Result<T, GltfError>,
-    ) -> Result<Vec<Named<T>>, GltfError> {
-        let element = |(name, part)| match part {
-            Ok(content) => Named { name, content, fault: None },
-            Err(fault) => Named { name, content: T::default(), fault: Some(fault) },
+    fn nodes(&self, root: &Json<'_>, meshes: &[Named<Mesh>]) -> Result<Vec<Node>, GltfError> {
+        let nodes = self.named(root, self.nodes, |json| self.node(json, meshes))?;
+        let node = |(Named { name, part }, json): (_, Result<Json<'_>, _>)| {
+            // The light of a node is there even if the rest has a fault.
+            let light = json.map_or(Ok(None), |json| self.light_index(&json))?;
+            let content = part.unwrap_or_else(|fault| Node { fault: Some(fault), ..Node::default() });
+            Ok(Node { name, light, ..content })
         };
-        Ok(self.named(root, list, read)?.into_iter().map(element).collect())
+        nodes.into_iter().zip(root.elements("nodes")?).map(node).collect()
     }
 
     fn view(&self, json: &Json<'_>, buffers: &[Part<Buffer>]) -> Result<View, GltfError> {
@@ -197,16 +186,9 @@ impl Parser<'_> {
     }
 
     fn accessor(&self, json: &Json<'_>) -> Result<Accessor, GltfError> {
-        let kind = match json.need("type")? {
-            "SCALAR" => Kind::Scalar,
-            "VEC2" => Kind::Vec2,
-            "VEC3" => Kind::Vec3,
-            "VEC4" => Kind::Vec4,
-            "MAT2" => Kind::Mat2,
-            "MAT3" => Kind::Mat3,
-            "MAT4" => Kind::Mat4,
-            _ => return Err(json.wrong("type", "SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4")),
-        };
+        let name: &str = json.need("type")?;
+        let kind = KINDS.into_iter().find(|kind| kind.0 == name);
+        let kind = kind.ok_or_else(|| json.wrong("type", "SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4"))?;
         Ok(Accessor {
             view: json.index("bufferView", self.views)?,
             offset: offset(json)?,

@@ -24,7 +24,7 @@ impl Parser<'_> {
         Ok(self.warnings.keep(index())?.transpose())
     }
 
-    /// A node without its light.
+    /// A node without its name and light.
     pub(super) fn node(&self, json: &Json<'_>, meshes: &[Named<Mesh>]) -> Result<Node, GltfError> {
         let children = json.indices("children", self.nodes)?;
         let transform = self.transform(json)?;
@@ -42,12 +42,12 @@ impl Parser<'_> {
             let skin = self.warnings.leave_out(skin)?.flatten();
             (skin, self.warnings.leave_out(weights)?.flatten(), self.warnings.leave_out(instancing())?.flatten())
         };
-        let mesh_content = mesh.map(|mesh| &meshes[mesh]);
-        if mesh_content.is_none_or(|mesh| mesh.fault.is_none()) {
-            weights = self.weights(weights, mesh_content.map_or(0, |mesh| mesh.targets), || json.at("weights"))?;
+        let targets = mesh.map_or(Some(0), |mesh| meshes[mesh].part.as_ref().ok().map(|mesh| mesh.targets));
+        if let Some(targets) = targets {
+            weights = self.weights(weights, targets, || json.at("weights"))?;
         }
         let is_hidden = visible == Some(false);
-        Ok(Node { children, transform, mesh, skin, weights, light: None, instancing, is_hidden })
+        Ok(Node { children, transform, mesh, skin, weights, instancing, is_hidden, ..Node::default() })
     }
 
     fn transform(&self, json: &Json<'_>) -> Result<Transform, GltfError> {
@@ -101,9 +101,10 @@ impl Parser<'_> {
         let Some(node) = target.index("node", self.nodes)? else {
             return Ok(Err("it has no target node".to_owned()));
         };
-        let all = [Property::Translation, Property::Rotation, Property::Scale, Property::Weights];
-        let property = all.into_iter().find(|property| property.name() == path).map(|property| (node, property));
-        Ok(property.ok_or_else(|| format!("the path {:?} is not supported", shorten(path))))
+        let property = Property::ALL.into_iter().find(|property| property.name() == path);
+        Ok(property
+            .map(|property| (node, property))
+            .ok_or_else(|| format!("the path {:?} is not supported", shorten(path))))
     }
 
     fn sampler(&self, json: &Json<'_>) -> Result<Sampler, GltfError> {

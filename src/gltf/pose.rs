@@ -6,7 +6,7 @@ use glam::{DAffine3, DQuat, DVec3};
 
 use super::animation::Channel;
 use super::asset::Asset;
-use super::document::{Part, Property, Transform};
+use super::document::{Named, Part, Property, Transform};
 use super::error::GltfError;
 use super::info::{SceneLight, SceneLightKind, SpotCone};
 use super::instances::{Frame, Placement};
@@ -76,7 +76,7 @@ impl Asset {
     /// The name of each of [`Asset::lights`], or that of its node.
     pub fn light_names(&self) -> Vec<Option<&str>> {
         let name = |(n, light): (usize, &Part<usize>)| {
-            let own = light.as_ref().ok().and_then(|&light| self.document.lights[light].0.as_ref());
+            let own = light.as_ref().ok().and_then(|&light| self.document.lights[light].name.as_ref());
             own.or(self.document.nodes[n].name.as_ref()).map(String::as_str)
         };
         self.light_nodes().map(name).collect()
@@ -90,7 +90,7 @@ impl Asset {
     /// The light of node `n`, whose world matrix is given.
     fn light(&self, n: usize, light: &Part<usize>, world: &DAffine3, time_s: f32) -> Result<SceneLight, GltfError> {
         let damaged = |fault: &GltfError| GltfError::DamagedLight { node: n, source: Box::new(fault.clone()) };
-        let (name, light) = &self.document.lights[*light.as_ref().map_err(|fault| damaged(fault))?];
+        let Named { name, part: light } = &self.document.lights[*light.as_ref().map_err(|fault| damaged(fault))?];
         let light = light.as_ref().map_err(|fault| damaged(fault))?;
         let (w, xyz) = match light.kind {
             SceneLightKind::Directional => (0.0, world.matrix3.z_axis.normalize()),
@@ -208,12 +208,12 @@ impl Asset {
     }
 
     pub(super) fn morph_weights(&self, placement: &Placement, state: &State) -> Vec<f32> {
-        let mesh = &self.document.meshes[placement.mesh];
         let animated = placement.node.and_then(|node| state.weights.get(&node));
         let own = placement.node.and_then(|node| self.document.nodes[node].weights.as_ref());
-        match animated.or(own).or(mesh.weights.as_ref()) {
+        let mesh = self.document.meshes[placement.mesh].part.as_ref().ok();
+        match animated.or(own).or(mesh.and_then(|mesh| mesh.weights.as_ref())) {
             Some(weights) => weights.iter().map(|&w| w as f32).collect(),
-            None => vec![0.0; mesh.targets],
+            None => vec![0.0; self.document.targets(placement.mesh)],
         }
     }
 }

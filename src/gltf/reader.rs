@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use super::budget::Budget;
 use super::document::Component::{F32, I8, I16, U8, U16, U32};
-use super::document::{Accessor, Component, Document, Kind, Part, Sparse, View, checked};
+use super::document::{Accessor, Component, Document, Kind, MAT4, Part, SCALAR, Sparse, VEC3, VEC4, View, checked};
 use super::error::GltfError;
 use super::extensions;
 use super::files::Bytes;
@@ -21,39 +21,39 @@ pub(super) struct Format {
 /// A component type. `Some(true)`: it must be normalised. `Some(false)`: it must not be. `None`: both are allowed.
 type Fit = (Component, Option<bool>);
 
-pub(super) const POSITION: Format = Format { kind: Kind::Vec3, components: FLOATS, text: "F32 Vec3" };
+pub(super) const POSITION: Format = Format { kind: VEC3, components: FLOATS, text: "F32 Vec3" };
 /// Positions with `KHR_mesh_quantization`, also those of morph targets.
 pub(super) const POSITION_QUANTIZED: Format = Format {
-    kind: Kind::Vec3,
+    kind: VEC3,
     components: &[(F32, None), (I8, None), (U8, None), (I16, None), (U16, None)],
     text: "Vec3 of F32, I8, U8, I16 or U16",
 };
 pub(super) const JOINTS: Format = Format {
-    kind: Kind::Vec4,
+    kind: VEC4,
     components: &[(U8, Some(false)), (U16, Some(false))],
     text: "U8 Vec4 or U16 Vec4, not normalised",
 };
 pub(super) const WEIGHTS: Format = Format {
-    kind: Kind::Vec4,
+    kind: VEC4,
     components: &[(F32, None), (U8, Some(true)), (U16, Some(true))],
     text: "Vec4 of F32, normalised U8 or normalised U16",
 };
 pub(super) const INDICES: Format = Format {
-    kind: Kind::Scalar,
+    kind: SCALAR,
     components: &[(U8, Some(false)), (U16, Some(false)), (U32, Some(false))],
     text: "U8, U16 or U32 Scalar",
 };
-pub(super) const MATRICES: Format = Format { kind: Kind::Mat4, components: FLOATS, text: "F32 Mat4" };
+pub(super) const MATRICES: Format = Format { kind: MAT4, components: FLOATS, text: "F32 Mat4" };
 /// Keyframe times.
-pub(super) const TIMES: Format = Format { kind: Kind::Scalar, components: FLOATS, text: "F32 Scalar" };
+pub(super) const TIMES: Format = Format { kind: SCALAR, components: FLOATS, text: "F32 Scalar" };
 /// Translations and scales of keyframes and instances.
-pub(super) const VECTORS: Format = Format { kind: Kind::Vec3, components: FLOATS, text: "F32 Vec3" };
+pub(super) const VECTORS: Format = Format { kind: VEC3, components: FLOATS, text: "F32 Vec3" };
 /// Rotations of keyframes and instances.
 pub(super) const ROTATIONS: Format =
-    Format { kind: Kind::Vec4, components: NORMALIZED, text: "Vec4 of F32 or a normalised I8, U8, I16 or U16" };
+    Format { kind: VEC4, components: NORMALIZED, text: "Vec4 of F32 or a normalised I8, U8, I16 or U16" };
 /// Morph weights of keyframes.
 pub(super) const MORPH_WEIGHTS: Format =
-    Format { kind: Kind::Scalar, components: NORMALIZED, text: "Scalar of F32 or a normalised I8, U8, I16 or U16" };
+    Format { kind: SCALAR, components: NORMALIZED, text: "Scalar of F32 or a normalised I8, U8, I16 or U16" };
 
 const FLOATS: &[Fit] = &[(F32, None)];
 const NORMALIZED: &[Fit] = &[(F32, None), (I8, Some(true)), (U8, Some(true)), (I16, Some(true)), (U16, Some(true))];
@@ -163,9 +163,9 @@ impl<'a> Reader<'a> {
         if kind != format.kind || !format.components.iter().any(fits) {
             let normalized = if normalized { "normalised " } else { "" };
             let expected = format.text;
-            return Err(at.fault(format_args!("it holds {normalized}{component:?} {kind:?}, expected {expected}")));
+            return Err(at.fault(format_args!("it holds {normalized}{component:?} {}, expected {expected}", kind.1)));
         }
-        let (components, element) = (kind.components(), accessor.element());
+        let (components, element) = (kind.2, accessor.element());
         // The check against the data comes first, so that a wrong number gets its own error.
         let source = view.map(|view| self.strided(view, offset, count, element, at)).transpose()?;
         // The bytes as they are stored and the numbers, or the numbers in one list and in one of vectors.

@@ -2,7 +2,7 @@
 
 use glam::DAffine3;
 
-use super::document::{Part, affine};
+use super::document::{Part, affine, checked};
 use super::error::GltfError;
 use super::reader::{self, Reader};
 
@@ -21,7 +21,7 @@ pub(super) fn load(reader: &Reader<'_>) -> Result<Vec<Part<LoadedSkin>>, GltfErr
 }
 
 fn load_one(reader: &Reader<'_>, index: usize) -> Result<LoadedSkin, GltfError> {
-    let skin = reader.document.skins[index].checked()?;
+    let skin = checked(&reader.document.skins[index].part)?;
     let (place, expected) = (format!("skins[{index}].inverseBindMatrices"), skin.joints.len());
     let count = skin.inverse_binds.map_or(Ok(expected), |accessor| reader.count(accessor))?;
     if count < expected {
