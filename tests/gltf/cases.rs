@@ -48,7 +48,7 @@ fn open(name: &str) -> Result<Asset, String> {
 fn warned(name: &str, says: &str, faces: usize) -> Outcome {
     let asset = open(name)?;
     check::asset(&asset, usize::MAX, false)?;
-    let warnings: Vec<String> = asset.warnings().iter().map(ToString::to_string).collect();
+    let warnings = check::said(&asset);
     ensure(warnings.len() == 1 && warnings[0].contains(says), || format!("{name}: {warnings:?}"))?;
     same(&asset.model().placed_geometries().map(|g| g.faces().len()).sum(), &faces, "faces that are shown")
 }

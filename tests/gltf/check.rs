@@ -78,9 +78,7 @@ pub(crate) fn pose(model: &Model, pose: &Pose) -> Outcome {
 /// An asset's model, and poses and lights at several times of its first animations. Poses may be refused only as not
 /// finite, and only if `lenient`.
 pub(crate) fn asset(asset: &Asset, animations: usize, lenient: bool) -> Outcome {
-    let is_infinite = |warning: &GltfWarning| {
-        matches!(warning, GltfWarning::NonFinitePositions { .. } | GltfWarning::NonFiniteOffsets { .. })
-    };
+    let is_infinite = |warning: &GltfWarning| matches!(warning, GltfWarning::NonFinite { .. });
     sound(asset.model(), !asset.warnings().iter().any(is_infinite))?;
     let is_damaged = |animation: Option<usize>| animation.is_some_and(|a| asset.animations()[a].fault.is_some());
     let check = |animation, time| match asset.pose(animation, time) {
@@ -102,6 +100,11 @@ pub(crate) fn asset(asset: &Asset, animations: usize, lenient: bool) -> Outcome 
         check(Some(index), f32::INFINITY)?;
     }
     Ok(())
+}
+
+/// The warnings.
+pub(crate) fn said(asset: &Asset) -> Vec<String> {
+    asset.warnings().iter().map(ToString::to_string).collect()
 }
 
 /// The same up to a tolerance.
