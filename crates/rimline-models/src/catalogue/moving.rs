@@ -5,8 +5,8 @@ use std::ops::Range;
 use rimline_bench::shapes::{self, Shape};
 use serde_json::{Value, json};
 
-use super::still::{alone, flat, place, quantized as in_integers};
-use crate::maker::{F32, Maker, U8, U16, U32};
+use super::still::{alone, place, quantized as in_integers};
+use crate::maker::{F32, Maker, U8, U16, U32, flat};
 
 const JOINTS: usize = 5;
 /// Key times.

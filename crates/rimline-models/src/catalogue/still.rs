@@ -3,7 +3,7 @@
 use rimline_bench::shapes::{self, Shape};
 use serde_json::{Value, json};
 
-use crate::maker::{I16, Maker, U8, U16, U32};
+use crate::maker::{I16, Maker, U8, U16, U32, flat};
 
 /// Adds a mesh of these primitives at a node with these properties.
 pub(super) fn place(maker: &mut Maker, primitives: &[Value], mut node: Value) -> usize {
@@ -18,14 +18,6 @@ pub(super) fn alone(shape: &Shape, indices: u32) -> Maker {
     let node = place(&mut maker, &[primitive], json!({}));
     maker.scene(&[node]);
     maker
-}
-
-/// The same faces, each with corners of its own.
-pub(super) fn flat(shape: &Shape) -> Shape {
-    let corners = shape.faces.as_flattened().iter();
-    let positions: Vec<_> = corners.map(|&vertex| shape.positions[vertex as usize]).collect();
-    let faces = (0..shape.faces.len() as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
-    Shape { positions, faces }
 }
 
 /// Hard normals, and a node with a matrix.
