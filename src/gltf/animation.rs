@@ -1,7 +1,7 @@
 //! Animations: channels that move nodes and morph weights.
 
 use super::curve::Curve;
-use super::document::{ChannelTarget, Part, Property, Sampler, Transform, checked, unit};
+use super::document::{ChannelTarget, Part, Property, Sampler, checked, unit};
 use super::error::GltfError;
 use super::info::AnimationInfo;
 use super::reader::{self, Reader};
@@ -55,7 +55,7 @@ fn channel(
     let &ChannelTarget { channel, node, property, .. } = target;
     let place = format!("animations[{animation}].channels[{channel}]");
     let moved = &reader.document.nodes[node];
-    if property != Property::Weights && matches!(moved.transform, Transform::Matrix(_)) {
+    if property != Property::Weights && moved.matrix.is_some() {
         let problem = "which has a matrix; give it translation, rotation and scale instead";
         return Err(GltfError::invalid(place, format!(" moves nodes[{node}], {problem}")));
     }

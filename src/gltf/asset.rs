@@ -69,14 +69,8 @@ impl Asset {
         let (path, options) = (path.as_ref(), options.into());
         let budget = Budget::new(options.memory_limit);
         // The JSON of a GLB comes first: it says what all the rest is going to take.
-        let header = match files::glb_json(path, &budget)? {
-            None => None,
-            Some((json, length)) => {
-                let header = Header::read(&json, path.parent(), &budget)?;
-                estimate::check(&header.document, &header.graph, length, &budget)?;
-                Some(header)
-            }
-        };
+        let json = files::glb_json(path, &budget)?;
+        let header = json.map(|(json, length)| Header::read(&json, path.parent(), length, &budget)).transpose()?;
         let bytes = files::read(path, u64::MAX, &budget)?;
         match header {
             Some(header) => Self::load(header, container::split(&bytes)?.1, (path.parent(), options), &budget),
@@ -100,8 +94,7 @@ impl Asset {
 
     fn of_bytes(bytes: &[u8], base: Option<&Path>, options: LoadOptions, budget: &Budget) -> Result<Self, GltfError> {
         let (json, binary) = container::split(bytes)?;
-        let header = Header::read(json, base, budget)?;
-        estimate::check(&header.document, &header.graph, 0, budget)?;
+        let header = Header::read(json, base, 0, budget)?;
         Self::load(header, binary, (base, options), budget)
     }
 
@@ -217,7 +210,8 @@ struct Header<'a> {
 }
 
 impl<'a> Header<'a> {
-    fn read(json: &[u8], base: Option<&Path>, budget: &'a Budget) -> Result<Self, GltfError> {
+    /// Reads the JSON and refuses what is not going to fit with `files` bytes of files that are yet to be read.
+    fn read(json: &[u8], base: Option<&Path>, files: u64, budget: &'a Budget) -> Result<Self, GltfError> {
         let warnings = Warnings::new(budget);
         // A byte order mark is not allowed, but harmless.
         let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
@@ -232,6 +226,7 @@ impl<'a> Header<'a> {
         let named_files = files::named(&value, base);
         drop(value);
         let graph = Graph::new(&document, &warnings)?;
+        estimate::check(&document, &graph, files, budget)?;
         Ok(Self { document, graph, named_files, warnings })
     }
 }

@@ -144,7 +144,9 @@ pub(super) struct Skin {
 pub(super) struct Node {
     pub(super) name: Option<String>,
     pub(super) children: Vec<usize>,
-    pub(super) transform: Transform,
+    pub(super) trs: Trs,
+    /// The matrix that stands in the place of translation, rotation and scale.
+    pub(super) matrix: Option<DAffine3>,
     pub(super) mesh: Option<usize>,
     pub(super) skin: Option<usize>,
     pub(super) weights: Option<Vec<f64>>,
@@ -159,14 +161,7 @@ pub(super) struct Node {
 /// The attributes of `EXT_mesh_gpu_instancing`.
 pub(super) const INSTANCED: [&str; 3] = ["TRANSLATION", "ROTATION", "SCALE"];
 
-/// A node's transform relative to its parent.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Transform {
-    Matrix(DAffine3),
-    Trs(Trs),
-}
-
-/// Scale, then rotation, then translation. The rotation has length 1.
+/// A transform: scale, then rotation, then translation. The rotation has length 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trs {
     pub(super) translation: DVec3,
@@ -284,26 +279,15 @@ impl Property {
     }
 }
 
-impl Trs {
-    pub(super) const IDENTITY: Self = Self { translation: DVec3::ZERO, rotation: DQuat::IDENTITY, scale: DVec3::ONE };
+impl Default for Trs {
+    fn default() -> Self {
+        Self { translation: DVec3::ZERO, rotation: DQuat::IDENTITY, scale: DVec3::ONE }
+    }
+}
 
+impl Trs {
     pub(super) fn matrix(&self) -> DAffine3 {
         DAffine3::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
-    }
-}
-
-impl Default for Transform {
-    fn default() -> Self {
-        Self::Trs(Trs::IDENTITY)
-    }
-}
-
-impl Transform {
-    pub(super) fn matrix(&self) -> DAffine3 {
-        match self {
-            Self::Matrix(matrix) => *matrix,
-            Self::Trs(trs) => trs.matrix(),
-        }
     }
 }
 

@@ -181,7 +181,7 @@ fn instanced(reader: &Reader<'_>, n: usize, accessors: [Option<usize>; 3]) -> Re
         vectors.as_ref().map(|vectors| DVec3::from_array(vectors[i].map(f64::from)))
     };
     let frame = |i: usize| {
-        let mut trs = Trs::IDENTITY;
+        let mut trs = Trs::default();
         trs.translation = vector(&translations, i).unwrap_or(trs.translation);
         trs.scale = vector(&scales, i).unwrap_or(trs.scale);
         if let Some(rotation) = rotations.as_ref().map(|all| all[i]).filter(|rotation| !is_zero(rotation)) {

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use glam::DVec3;
 use serde_json::Value;
 
-use super::budget::Budget;
+use super::budget::{Budget, NODE};
 use super::document::{
     Accessor, Buffer, Component, Document, InfluenceSet, KINDS, Mesh, Mode, Named, Node, Part, Primitive, Skin, Sparse,
     View,
@@ -49,7 +49,7 @@ pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) 
         warnings,
     };
     let (scenes, animations) = (root.length("scenes")?, lenient(&root, "animations")?);
-    budget.charge_nodes(parser.nodes.length)?;
+    budget.charge(parser.nodes.length as u64, NODE, &|| "nodes".to_owned())?;
     let buffers = parser.parts(&root, parser.buffers, buffer)?;
     let meshes = parser.named(&root, parser.meshes, |mesh| parser.mesh(mesh))?;
     Ok(Document {

@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use glam::{DQuat, DVec3};
 
 use super::document::{
-    Animation, ChannelTarget, INSTANCED, Interpolation, Mesh, Named, Node, Part, Property, PunctualLight, Sampler,
-    Transform, Trs, affine, unit,
+    Animation, ChannelTarget, INSTANCED, Interpolation, Mesh, Named, Node, Part, Property, PunctualLight, Sampler, Trs,
+    affine, unit,
 };
 use super::error::GltfError;
 use super::info::SceneLightKind;
@@ -27,7 +27,8 @@ impl Parser<'_> {
     /// A node without its name and light.
     pub(super) fn node(&self, json: &Json<'_>, meshes: &[Named<Mesh>]) -> Result<Node, GltfError> {
         let children = json.indices("children", self.nodes)?;
-        let transform = self.transform(json)?;
+        let matrix = json.get("matrix")?.map(|matrix| affine(matrix, || json.at("matrix"))).transpose()?;
+        let trs = if matrix.is_some() { Trs::default() } else { self.trs(json)? };
         let visibility = json.extension("KHR_node_visibility")?;
         let visible: Option<bool> = visibility.map_or(Ok(None), |visibility| visibility.get("visible"))?;
         let mesh = json.index("mesh", self.meshes)?;
@@ -47,23 +48,20 @@ impl Parser<'_> {
             weights = self.weights(weights, targets, || json.at("weights"))?;
         }
         let is_hidden = visible == Some(false);
-        Ok(Node { children, transform, mesh, skin, weights, instancing, is_hidden, ..Node::default() })
+        Ok(Node { children, trs, matrix, mesh, skin, weights, instancing, is_hidden, ..Node::default() })
     }
 
-    fn transform(&self, json: &Json<'_>) -> Result<Transform, GltfError> {
-        if let Some(matrix) = json.get("matrix")? {
-            return affine(matrix, || json.at("matrix")).map(Transform::Matrix);
-        }
+    fn trs(&self, json: &Json<'_>) -> Result<Trs, GltfError> {
         // Numbers of JSON are finite, so one that is no unit has length 0.
         let unit = json.get("rotation")?.map(unit);
         if unit == Some(None) {
             self.warnings.push(GltfWarning::no_rotation(json.at("rotation")))?;
         }
-        Ok(Transform::Trs(Trs {
+        Ok(Trs {
             translation: json.get("translation")?.map_or(DVec3::ZERO, DVec3::from_array),
             rotation: unit.flatten().unwrap_or(DQuat::IDENTITY),
             scale: json.get("scale")?.map_or(DVec3::ONE, DVec3::from_array),
-        }))
+        })
     }
 
     fn instancing(&self, json: &Json<'_>) -> Result<[Option<usize>; 3], GltfError> {

@@ -6,12 +6,12 @@ use glam::{DAffine3, DQuat, DVec3};
 
 use super::animation::Channel;
 use super::asset::Asset;
-use super::document::{Named, Part, Property, Transform};
+use super::document::{Named, Part, Property, Trs};
 use super::error::GltfError;
 use super::info::{SceneLight, SceneLightKind, SpotCone};
 use super::instances::{Frame, Placement};
 use crate::light::Light;
-use crate::model::{Geometry, InstancePose, Matrix3x4, ModelError, Pose};
+use crate::model::{InstancePose, Matrix3x4, ModelError, Pose};
 
 /// World matrices and morph weights of the nodes at one time, as animations set them.
 pub(super) struct State {
@@ -32,8 +32,7 @@ impl Asset {
         let state = self.state(animations, time_s)?;
         let (mut instances, mut mixed_determinants) = (Vec::with_capacity(self.built.placements.len()), 0);
         for (placement, instance) in self.built.placements.iter().zip(self.built.model.instances()) {
-            let geometry = &self.built.model.geometries()[instance.geometry()];
-            let (posed, mixed) = self.instance(placement, geometry, instance.geometry(), &state);
+            let (posed, mixed) = self.instance(placement, instance.geometry(), &state);
             let Ok(posed) = posed else {
                 let place = match placement.node {
                     Some(node) => format!("nodes[{node}]"),
@@ -123,12 +122,13 @@ impl Asset {
         if time_s.is_nan() {
             return Err(GltfError::Time);
         }
-        let mut transforms: Vec<Transform> = self.document.nodes.iter().map(|node| node.transform).collect();
+        let nodes = &self.document.nodes;
+        let mut moved: Vec<Trs> = nodes.iter().map(|node| node.trs).collect();
         let mut weights = HashMap::new();
         for channel in self.playing(animations)? {
-            apply(channel, f64::from(time_s), &mut transforms, &mut weights);
+            apply(channel, f64::from(time_s), &mut moved[channel.node], &mut weights);
         }
-        let mut world = self.graph.world(|node| transforms[node].matrix());
+        let mut world = self.graph.world(|node| nodes[node].matrix.unwrap_or_else(|| moved[node].matrix()));
         let shift = self.shift();
         // A sum with zero would turn −0 into 0.
         if shift != DVec3::ZERO {
@@ -188,20 +188,15 @@ impl Asset {
     fn instance(
         &self,
         placement: &Placement,
-        geometry: &Geometry,
-        geometry_index: usize,
+        geometry: usize,
         state: &State,
     ) -> (Result<InstancePose, ModelError>, bool) {
         let matrices = self.matrices(placement, state);
-        let used = &self.used_joints[geometry_index];
-        let mirrors = |matrix: &DAffine3| matrix.matrix3.determinant() < 0.0;
-        let keeps = |matrix: &DAffine3| matrix.matrix3.determinant() > 0.0;
-        let (mirrored, kept) = if geometry.influences().is_some() {
-            let of = |test: &dyn Fn(&DAffine3) -> bool| used.iter().filter(|&&j| test(&matrices[j as usize])).count();
-            (of(&mirrors), of(&keeps))
-        } else {
-            (usize::from(mirrors(&matrices[0])), usize::from(keeps(&matrices[0])))
-        };
+        let is_rigid = self.built.model.geometries()[geometry].influences().is_none();
+        let used = if is_rigid { &[0] } else { &self.used_joints[geometry][..] };
+        let determinants = used.iter().map(|&joint| matrices[joint as usize].matrix3.determinant());
+        let mirrored = determinants.clone().filter(|determinant| *determinant < 0.0).count();
+        let kept = determinants.filter(|determinant| *determinant > 0.0).count();
         let palette = matrices.iter().map(rows).collect();
         let pose = InstancePose::with(palette, self.morph_weights(placement, state), mirrored > kept);
         (pose, mirrored > 0 && kept > 0)
@@ -219,21 +214,13 @@ impl Asset {
 }
 
 /// Sets the property that a channel moves.
-fn apply(channel: &Channel, time: f64, transforms: &mut [Transform], weights: &mut HashMap<usize, Vec<f64>>) {
+fn apply(channel: &Channel, time: f64, trs: &mut Trs, weights: &mut HashMap<usize, Vec<f64>>) {
     let value = channel.curve.sample(time, channel.property == Property::Rotation);
-    if channel.property == Property::Weights {
-        weights.insert(channel.node, value);
-        return;
-    }
-    // An animation that moves a node with a matrix is at fault, and is not played.
-    let Transform::Trs(trs) = &mut transforms[channel.node] else {
-        return;
-    };
     match (channel.property, &value[..]) {
         (Property::Translation, &[x, y, z]) => trs.translation = DVec3::new(x, y, z),
         (Property::Scale, &[x, y, z]) => trs.scale = DVec3::new(x, y, z),
         (Property::Rotation, &[x, y, z, w]) => trs.rotation = DQuat::from_xyzw(x, y, z, w),
-        _ => {}
+        _ => drop(weights.insert(channel.node, value)),
     }
 }
 
