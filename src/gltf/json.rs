@@ -26,50 +26,50 @@ pub(super) struct List {
 type Place<'p> = &'p dyn Fn() -> String;
 
 /// A type of values that properties have.
-pub(super) trait Property<'a>: Sized {
+pub(super) trait FromJson<'a>: Sized {
     fn read(value: &'a Value, place: Place<'_>) -> Result<Self, GltfError>;
 }
 
 pub(super) const INDEX: &str = "an index (a whole number of 0 or more)";
 
-impl<'a> Property<'a> for Json<'a> {
+impl<'a> FromJson<'a> for Json<'a> {
     fn read(value: &'a Value, place: Place<'_>) -> Result<Self, GltfError> {
         Ok(Self { object: expect(value.as_object(), "an object", value, place)?, path: place() })
     }
 }
 
-impl<'a> Property<'a> for &'a str {
+impl<'a> FromJson<'a> for &'a str {
     fn read(value: &'a Value, place: Place<'_>) -> Result<Self, GltfError> {
         expect(value.as_str(), "a string", value, place)
     }
 }
 
-impl Property<'_> for bool {
+impl FromJson<'_> for bool {
     fn read(value: &Value, place: Place<'_>) -> Result<Self, GltfError> {
         expect(value.as_bool(), "true or false", value, place)
     }
 }
 
-impl Property<'_> for u64 {
+impl FromJson<'_> for u64 {
     fn read(value: &Value, place: Place<'_>) -> Result<Self, GltfError> {
         expect(whole(value), "a whole number of 0 or more", value, place)
     }
 }
 
-impl Property<'_> for f64 {
+impl FromJson<'_> for f64 {
     fn read(value: &Value, place: Place<'_>) -> Result<Self, GltfError> {
         expect(value.as_f64(), "a number", value, place)
     }
 }
 
-impl<'a, T: Property<'a>> Property<'a> for Vec<T> {
+impl<'a, T: FromJson<'a>> FromJson<'a> for Vec<T> {
     fn read(value: &'a Value, place: Place<'_>) -> Result<Self, GltfError> {
         let values = expect(value.as_array(), "an array", value, place)?;
         values.iter().enumerate().map(|(i, value)| T::read(value, &|| format!("{}[{i}]", place()))).collect()
     }
 }
 
-impl<const N: usize> Property<'_> for [f64; N] {
+impl<const N: usize> FromJson<'_> for [f64; N] {
     fn read(value: &Value, place: Place<'_>) -> Result<Self, GltfError> {
         let numbers = Vec::read(value, place)?;
         let count = numbers.len();
@@ -101,17 +101,17 @@ impl<'a> Json<'a> {
     }
 
     /// A property, or `None` if it is missing.
-    pub(super) fn get<T: Property<'a>>(&self, key: &str) -> Result<Option<T>, GltfError> {
+    pub(super) fn get<T: FromJson<'a>>(&self, key: &str) -> Result<Option<T>, GltfError> {
         self.object.get(key).map(|value| T::read(value, &|| self.at(key))).transpose()
     }
 
     /// A property that must be there.
-    pub(super) fn need<T: Property<'a>>(&self, key: &str) -> Result<T, GltfError> {
+    pub(super) fn need<T: FromJson<'a>>(&self, key: &str) -> Result<T, GltfError> {
         self.get(key)?.ok_or_else(|| GltfError::missing(self.at(key)))
     }
 
     /// The elements of an array, or none if it is missing.
-    pub(super) fn list<T: Property<'a>>(&self, key: &str) -> Result<Vec<T>, GltfError> {
+    pub(super) fn list<T: FromJson<'a>>(&self, key: &str) -> Result<Vec<T>, GltfError> {
         Ok(self.get(key)?.unwrap_or_default())
     }
 

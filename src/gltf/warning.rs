@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::collections::HashSet;
 
 use super::budget::Budget;
+use super::document::Part;
 use super::error::GltfError;
 use super::info::SkippedPrimitives;
 
@@ -101,42 +102,27 @@ impl<'a> Warnings<'a> {
         Ok(())
     }
 
-    /// Makes a fault of what a part is refused for, to be kept until somebody asks for the part. The memory limit is the
-    /// whole file's matter, so [`GltfError::TooLarge`] is no part's fault.
-    pub(super) fn fault(&self, error: GltfError) -> Result<Box<GltfError>, GltfError> {
-        if let GltfError::TooLarge { .. } = error {
-            return Err(error);
+    /// The part, or its fault, to be kept until somebody asks for the part. The memory limit is the whole file's matter, so
+    /// [`GltfError::TooLarge`] is no part's fault.
+    pub(super) fn keep<T>(&self, result: Result<T, GltfError>) -> Result<Part<T>, GltfError> {
+        match result {
+            Err(error @ GltfError::TooLarge { .. }) => Err(error),
+            Err(error) => self.charge(&error.to_string()).map(|()| Err(Box::new(error))),
+            Ok(value) => Ok(Ok(value)),
         }
-        self.charge(&error.to_string())?;
-        Ok(Box::new(error))
-    }
-
-    /// The value, or a fault that is kept.
-    pub(super) fn keep<T>(&self, result: Result<T, GltfError>) -> Result<Result<T, Box<GltfError>>, GltfError> {
-        Ok(match result {
-            Ok(value) => Ok(value),
-            Err(error) => Err(self.fault(error)?),
-        })
     }
 
     /// The value, or a warning that a part is damaged.
     pub(super) fn leave_out<T>(&self, result: Result<T, GltfError>) -> Result<Option<T>, GltfError> {
-        match result {
+        match self.keep(result)? {
             Ok(value) => Ok(Some(value)),
-            Err(error) => {
-                let fault = self.fault(error)?;
-                self.push(GltfWarning::Damaged { fault })?;
-                Ok(None)
-            }
+            Err(fault) => self.push(GltfWarning::Damaged { fault }).map(|()| None),
         }
     }
 
     /// Warns of faults that were kept and that nobody asked for.
     pub(super) fn damaged<'f>(&self, faults: impl Iterator<Item = &'f Box<GltfError>>) -> Result<(), GltfError> {
-        for fault in faults {
-            self.push(GltfWarning::Damaged { fault: fault.clone() })?;
-        }
-        Ok(())
+        faults.cloned().try_for_each(|fault| self.push(GltfWarning::Damaged { fault }))
     }
 
     pub(super) fn finish(self) -> Vec<GltfWarning> {

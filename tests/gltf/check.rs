@@ -107,6 +107,18 @@ pub(crate) fn said(asset: &Asset) -> Vec<String> {
     asset.warnings().iter().map(ToString::to_string).collect()
 }
 
+/// One warning, which has all of these parts.
+pub(crate) fn warned_once(asset: &Asset, parts: &[&str]) -> Outcome {
+    let warnings = said(asset);
+    let one = warnings.len() == 1 && parts.iter().all(|part| warnings[0].contains(part));
+    ensure(one, || format!("{warnings:?}, expected one with {parts:?}"))
+}
+
+/// Where an instance of a file at rest takes a point.
+pub(crate) fn moved(asset: &Asset, instance: usize, point: [f32; 3]) -> Result<[f64; 3], GltfError> {
+    Ok(map(&asset.pose(None, 0.0)?.instances()[instance].palette()[0], point))
+}
+
 /// The same up to a tolerance.
 pub(crate) fn close(found: &[f64], expected: &[f64], tolerance: f64, what: &str) -> Outcome {
     let near = found.len() == expected.len()

@@ -9,7 +9,7 @@ use rimline::mesh::Weld;
 use rimline_testkit::refusals::{self, refusal};
 use serde_json::{Value, json};
 
-use crate::check::{close, said};
+use crate::check::{close, moved, said};
 use crate::maker::{Maker, SQUARE, U8, U16};
 use crate::rows::{copy_primitive, primitive, set};
 use crate::shape::same;
@@ -120,18 +120,13 @@ fn extras() -> Outcome {
     same(&said(&maker.load()?), &vec![], "warnings")
 }
 
-/// A point of an instance, moved.
-fn moved(maker: &Maker, point: [f32; 3]) -> Result<[f64; 3], Failed> {
-    Ok(crate::check::map(&maker.load()?.pose(None, 0.0)?.instances()[0].palette()[0], point))
-}
-
 /// Their squares are beyond what a number holds.
 fn quaternions() -> Outcome {
     for length in [1e-200, 1e200, 1.0] {
         let mut maker = Maker::square();
         maker.json["nodes"][0]["rotation"] = json!([0.0, 0.0, 0.6 * length, 0.8 * length]);
         // Twice the angle of cosine 0.8: cosine 0.28, sine 0.96.
-        close(&moved(&maker, [1.0, 0.0, 0.0])?, &[0.28, 0.96, 0.0], 1e-6, &format!("length {length}"))?;
+        close(&moved(&maker.load()?, 0, [1.0, 0.0, 0.0])?, &[0.28, 0.96, 0.0], 1e-6, &format!("length {length}"))?;
     }
     Ok(())
 }
@@ -144,7 +139,12 @@ fn last_rows() -> Outcome {
             matrix[entry] -= off;
             maker.json["nodes"][0]["matrix"] = json!(matrix);
             if good {
-                close(&moved(&maker, [1.0, 2.0, 3.0])?, &[1.0, 2.0, 3.0], 0.0, "the last row is as good as exact")?;
+                close(
+                    &moved(&maker.load()?, 0, [1.0, 2.0, 3.0])?,
+                    &[1.0, 2.0, 3.0],
+                    0.0,
+                    "the last row is as good as exact",
+                )?;
             } else {
                 refused(&maker, &["nodes[0].matrix", "last row"])?;
             }

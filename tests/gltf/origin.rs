@@ -5,7 +5,7 @@ use rimline::Origin;
 use rimline::gltf::Asset;
 use serde_json::json;
 
-use crate::check::{close, map};
+use crate::check::{close, moved};
 use crate::maker::{Maker, U16, everything};
 use crate::shape::same;
 use crate::{Outcome, ensure, test};
@@ -22,10 +22,6 @@ pub(crate) fn tests() -> Vec<Trial> {
 
 /// A place of a survey.
 const FAR: [f64; 3] = [392_143.517, 34.128, -5_820_467.702];
-
-fn corner(asset: &Asset, point: [f32; 3]) -> Result<[f64; 3], Failed> {
-    Ok(map(&asset.pose(None, 0.0)?.instances()[0].palette()[0], point))
-}
 
 /// A square of a fifth, turned by a quarter about Y and shifted, in a node that is far away.
 fn far() -> Maker {
@@ -52,12 +48,12 @@ fn composed() -> Outcome {
     }
     // A quarter turn about Y takes x to −z and z to x.
     let world = |x: f64, y: f64| [FAR[0] - 0.002, FAR[1] + 0.2 * y, FAR[2] - 0.017 - 0.2 * x];
-    let before = corner(&asset, [1.0, 1.0, 0.0])?;
+    let before = moved(&asset, 0, [1.0, 1.0, 0.0])?;
     asset.set_origin(origin);
     same(&asset.suggested_origin(None, 0.0)?, &origin, "it does not depend on what is set")?;
     for [x, y] in [[0.0_f32, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]] {
         let expected = world(x.into(), y.into());
-        let found = corner(&asset, [x, y, 0.0])?;
+        let found = moved(&asset, 0, [x, y, 0.0])?;
         close(&found, &[expected[0] - ox, expected[1] - oy, expected[2] - oz], 1e-7, "a corner")?;
     }
     let light = asset.lights(None, 0.0)?[0].light;
@@ -157,7 +153,7 @@ fn center() -> Outcome {
     let mut expected = expected;
     expected.set_origin(origin);
     found.set_origin(origin);
-    close(&corner(&found, [1.0; 3])?, &corner(&expected, [1.0; 3])?, 1e-6, "a corner")?;
+    close(&moved(&found, 0, [1.0; 3])?, &moved(&expected, 0, [1.0; 3])?, 1e-6, "a corner")?;
     let place = |asset: &Asset| asset.lights(None, 0.0).map(|lights| lights[0].light.xyz.map(f64::from));
     close(&place(&found)?, &place(&expected)?, 1e-6, "the light")?;
     // A mesh that no node names is moved, too.
@@ -165,5 +161,5 @@ fn center() -> Outcome {
     let mut alone = maker.load()?;
     alone.set_origin(origin);
     let [ox, oy, oz] = origin.to_array();
-    close(&corner(&alone, [0.0; 3])?, &[FAR[0] - ox, FAR[1] - oy, FAR[2] - oz], 1e-6, "a mesh without a node")
+    close(&moved(&alone, 0, [0.0; 3])?, &[FAR[0] - ox, FAR[1] - oy, FAR[2] - oz], 1e-6, "a mesh without a node")
 }

@@ -5,15 +5,13 @@ use rimline::gltf::{Asset, GltfError, SkippedPrimitives};
 use rimline::mesh::Weld;
 use serde_json::{Value, json};
 
-use crate::maker::{Maker, SQUARE, U8, U16, U32, everything};
+use crate::maker::{Maker, SQUARE, U8, U16};
 use crate::rows::primitive;
 use crate::{Outcome, check, ensure, test};
 
 pub(crate) fn tests() -> Vec<Trial> {
     vec![
-        test("shape::everything_loads", || check::asset(&everything().load()?, 9, false)),
         test("shape::strips_and_fans", strips_and_fans),
-        test("shape::index_types", index_types),
         test("shape::primitives_share_vertices", sharing),
         test("shape::points_and_lines_are_skipped", skipping),
         test("shape::files_of_nothing", nothing),
@@ -49,17 +47,6 @@ fn strips_and_fans() -> Outcome {
             maker.json["accessors"][indices]["count"] = json!(count);
             same(&maker.load()?.model().instances().len(), &0, "instances of less than three corners")?;
         }
-    }
-    Ok(())
-}
-
-fn index_types() -> Outcome {
-    for component in [U8, U16, U32] {
-        let mut maker = Maker::square();
-        let indices = maker.indices(component, &[3, 2, 1, 1, 1, 0]);
-        primitive(&mut maker)["indices"] = json!(indices);
-        let faces = maker.load()?.model().geometries()[0].faces().to_vec();
-        same(&faces, &vec![[3, 2, 1], [1, 1, 0]], "faces; degenerate ones are kept")?;
     }
     Ok(())
 }
