@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::animation::{self, LoadedAnimation};
 use super::budget::Budget;
-use super::document::{Document, Mesh, Named, Part, Skin};
+use super::document::{Document, Mesh, Mode, Named, Part, Skin};
 use super::error::GltfError;
 use super::files::{self, Bytes, Folder};
 use super::graph::Graph;
@@ -112,7 +112,7 @@ impl Asset {
         let built = instances::build(&reader, &graph, &skins, options.weld)?;
         instances::charge_lights(&reader, &graph)?;
         let (animations, animation_infos) = animation::load(&reader)?;
-        let skipped = SkippedPrimitives::count(&document);
+        let skipped = skipped_primitives(&document);
         if skipped != SkippedPrimitives::default() {
             warnings.push(GltfWarning::Skipped(skipped))?;
         }
@@ -252,6 +252,19 @@ fn warn_of_the_rest(
 
 fn faults<T>(parts: &[Part<T>]) -> impl Iterator<Item = &Box<GltfError>> {
     parts.iter().filter_map(|part| part.as_ref().err())
+}
+
+fn skipped_primitives(document: &Document) -> SkippedPrimitives {
+    let mut skipped = SkippedPrimitives::default();
+    for primitive in document.meshes.iter().flat_map(|mesh| &mesh.part).flat_map(|mesh| &mesh.primitives) {
+        match primitive.mode {
+            Mode::Points => skipped.points += 1,
+            Mode::Lines => skipped.lines += 1,
+            _ if primitive.position.is_none() => skipped.without_position += 1,
+            _ => {}
+        }
+    }
+    skipped
 }
 
 fn skin_infos(document: &Document) -> Vec<SkinInfo> {

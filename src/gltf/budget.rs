@@ -2,9 +2,8 @@
 
 use std::cell::Cell;
 
-use super::document::Node;
+use super::document::{Node, Placement};
 use super::error::GltfError;
-use super::instances::Placement;
 use crate::mesh::Weld;
 use crate::model::{Geometry, Influences, Instance, InstancePose};
 

@@ -218,6 +218,24 @@ pub(super) struct PunctualLight {
     pub(super) cone: Option<[f32; 2]>,
 }
 
+/// The transform of an instance.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Frame {
+    /// The node's world matrix times this matrix.
+    Node(DAffine3),
+    /// The joints of a skin. The node's own matrix does not matter.
+    Skin(usize),
+}
+
+/// The origin of an instance of the model.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placement {
+    pub(super) mesh: usize,
+    /// The node. `None`: a mesh that no node names, in a file without scenes.
+    pub(super) node: Option<usize>,
+    pub(super) frame: Frame,
+}
+
 /// The part, or a copy of its fault.
 pub(super) fn checked<T>(part: &Part<T>) -> Result<&T, GltfError> {
     part.as_ref().map_err(|fault| GltfError::clone(fault))

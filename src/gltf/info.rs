@@ -1,6 +1,5 @@
 //! How a file is loaded, and descriptions of its parts.
 
-use super::document::{Document, Mode};
 use super::error::GltfError;
 use crate::light::Light;
 use crate::mesh::Weld;
@@ -98,21 +97,6 @@ pub struct SkippedPrimitives {
     pub lines: usize,
     /// Triangle primitives without a POSITION attribute.
     pub without_position: usize,
-}
-
-impl SkippedPrimitives {
-    pub(super) fn count(document: &Document) -> Self {
-        let mut skipped = Self::default();
-        for primitive in document.meshes.iter().flat_map(|mesh| &mesh.part).flat_map(|mesh| &mesh.primitives) {
-            match primitive.mode {
-                Mode::Points => skipped.points += 1,
-                Mode::Lines => skipped.lines += 1,
-                _ if primitive.position.is_none() => skipped.without_position += 1,
-                _ => {}
-            }
-        }
-        skipped
-    }
 }
 
 /// The kind of a light in the file.

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::budget;
-use super::document::{Document, INSTANCED, Node, Part, Trs, checked, unit};
+use super::document::{Document, Frame, INSTANCED, Node, Part, Placement, Trs, checked, unit};
 use super::error::GltfError;
 use super::geometry::{self, Merged};
 use super::graph::Graph;
@@ -25,24 +25,6 @@ pub(super) struct Built {
     pub(super) meshes: Vec<usize>,
     /// Result of welding each geometry.
     pub(super) weld_counts: Vec<WeldCounts>,
-}
-
-/// The transform of an instance.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Frame {
-    /// The node's world matrix times this matrix.
-    Node(DAffine3),
-    /// The joints of a skin. The node's own matrix does not matter.
-    Skin(usize),
-}
-
-/// The origin of an instance of the model.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Placement {
-    pub(super) mesh: usize,
-    /// The node. `None`: a mesh that no node names, in a file without scenes.
-    pub(super) node: Option<usize>,
-    pub(super) frame: Frame,
 }
 
 /// The parts of a model during construction.

@@ -3,8 +3,8 @@
 use glam::{DAffine3, DVec3};
 
 use super::asset::Asset;
+use super::document::Placement;
 use super::error::GltfError;
-use super::instances::Placement;
 use super::pose::State;
 use crate::model::Geometry;
 use crate::origin::{Origin, bounds, half_step, smallest};

@@ -6,10 +6,9 @@ use glam::{DAffine3, DQuat, DVec3};
 
 use super::animation::Channel;
 use super::asset::Asset;
-use super::document::{Named, Part, Property, Trs};
+use super::document::{Frame, Named, Part, Placement, Property, Trs};
 use super::error::GltfError;
 use super::info::{SceneLight, SceneLightKind, SpotCone};
-use super::instances::{Frame, Placement};
 use crate::light::Light;
 use crate::model::{InstancePose, Matrix3x4, ModelError, Pose};
 
