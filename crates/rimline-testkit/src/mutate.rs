@@ -1,10 +1,33 @@
-//! Mutations of bytes, text and JSON.
+//! Mutations of bytes, text, JSON and glTF files, for the fuzzer and for tests.
 
-use rimline_testkit::random::Random;
+use rimline_models::maker;
 use serde_json::{Value, json};
 
+use crate::random::Random;
+
+/// A glTF file of these parts: a GLB, or the JSON alone. Once in a while its text or its bytes are changed.
+pub fn gltf(json: &Value, binary: &[u8], is_glb: bool, random: &mut Random) -> Vec<u8> {
+    let mut text = json.to_string();
+    if random.below(3) == 0 {
+        self::text(&mut text, &["{", "}", "[", "]", ",", "\"", "null", "\\u0000", "true", "1e"], random);
+    }
+    let mut file = if is_glb { maker::glb(text.as_bytes(), binary) } else { text.into_bytes() };
+    if random.below(10) == 0 {
+        bytes(&mut file, random);
+    }
+    file
+}
+
+/// JSON and binary chunk of a glTF file.
+pub fn split_gltf(file: &[u8]) -> (Value, Vec<u8>) {
+    let word = |at: usize| u32::from_le_bytes(std::array::from_fn(|byte| file[at + byte])) as usize;
+    let end = if file.starts_with(b"glTF") { 20 + word(12) } else { file.len() };
+    let json = &file[if file.starts_with(b"glTF") { 20 } else { 0 }..end];
+    (serde_json::from_slice(json).unwrap_or_default(), file.get(end + 8..).unwrap_or_default().to_vec())
+}
+
 /// Flips bits, sets bytes, cuts, repeats and moves pieces.
-pub(crate) fn bytes(bytes: &mut Vec<u8>, random: &mut Random) {
+pub fn bytes(bytes: &mut Vec<u8>, random: &mut Random) {
     if bytes.is_empty() {
         return;
     }
@@ -33,7 +56,7 @@ pub(crate) fn bytes(bytes: &mut Vec<u8>, random: &mut Random) {
 }
 
 /// A number at the edge of something.
-pub(crate) fn extreme(random: &mut Random) -> u64 {
+pub fn extreme(random: &mut Random) -> u64 {
     let edges = [0, 1, 2, 0x7f, 0xff, 0x7fff, 0xffff, 0x00ff_ffff, 0x7fff_ffff, 0xffff_ffff, 1 << 53, u64::MAX >> 1];
     let edge: u64 = edges[random.below(edges.len())];
     match random.below(4) {
@@ -45,7 +68,7 @@ pub(crate) fn extreme(random: &mut Random) -> u64 {
 }
 
 /// A number as text.
-pub(crate) fn number(random: &mut Random) -> String {
+pub fn number(random: &mut Random) -> String {
     match random.below(14) {
         0 => "-1".to_owned(),
         1 => "1e30".to_owned(),
@@ -63,7 +86,7 @@ pub(crate) fn number(random: &mut Random) -> String {
 }
 
 /// Changes words of a text: numbers, pieces, repetitions, words of a dictionary.
-pub(crate) fn text(text: &mut String, dictionary: &[&str], random: &mut Random) {
+pub fn text(text: &mut String, dictionary: &[&str], random: &mut Random) {
     let mut words = words(text);
     if words.is_empty() {
         return;
@@ -122,7 +145,7 @@ fn words(text: &str) -> Vec<String> {
 }
 
 /// Replaces, removes, repeats or nests one of the values.
-pub(crate) fn value(root: &mut Value, random: &mut Random) {
+pub fn value(root: &mut Value, random: &mut Random) {
     let count = count(root);
     let other = pick(root, &mut random.below(count)).cloned().unwrap_or(Value::Null);
     let Some(place) = pick(root, &mut random.below(count)) else { return };
