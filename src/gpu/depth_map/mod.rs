@@ -1,5 +1,5 @@
 //! Shadows of what has no mesh, from depth maps of a light (feature `depth-map`). The boundary between light and shadow is
-//! rebuilt from what the light sees, after McCool (2000).
+//! rebuilt from what the light sees, after Michael `McCool` (2000).
 //!
 //! Whatever writes depth casts: distance fields, alpha-tested leaves, points. [`DepthMapVolumes`] takes a map and draws;
 //! [`DepthMapCube`] takes six maps around a light, [`DepthMapMerge`] makes two maps one, [`DepthMapConversion`] takes distances, and
