@@ -9,7 +9,7 @@ use rimline_testkit::harness::on_files;
 use serde_json::Value;
 
 use super::run::{folder, is_long, rimline, rimline_with};
-use super::shadow::Image;
+use super::pictures::Image;
 use super::{Outcome, ensure};
 
 pub(crate) fn trials() -> Vec<Trial> {

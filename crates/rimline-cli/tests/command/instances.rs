@@ -7,7 +7,7 @@ use rimline_testkit::shapes::{self, Shape};
 use serde_json::{Value, json};
 
 use super::run::{folder, rimline};
-use super::shadow::Image;
+use super::pictures::Image;
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] =
