@@ -5,10 +5,8 @@ use super::makers::npz_mesh;
 use super::run::folder;
 use super::{Outcome, Test, ensure};
 
-pub(crate) const TESTS: &[Test] = &[
-    ("contract::entries_order_time_and_bytes", entries),
-    ("contract::bits_of_33_lights_are_exact", exact_bits),
-];
+pub(crate) const TESTS: &[Test] =
+    &[("contract::entries_order_time_and_bytes", entries), ("contract::bits_of_33_lights_are_exact", exact_bits)];
 
 /// An open box without a lid, of two halves that meet in doubled vertices, and a triangle that names a vertex twice.
 const POSITIONS: [[i8; 3]; 10] =
@@ -135,4 +133,3 @@ fn exact_bits() -> Outcome {
     }
     Ok(())
 }
-

@@ -2,12 +2,13 @@
 //!
 //! A case begins with `= NAME` and has an empty folder for itself, in which its command lines run. Its paragraphs, parted by
 //! empty lines, have steps: input files (`makers.rs`), then command lines: `$` for the command itself, with `< FILE` for
-//! standard input, `%` for the shell. Rows follow, each with an exit code and the words that stand for `{}` in the steps. Under
-//! a row are the lines of standard error (`!`), those of standard output (`>`), and facts (`facts.rs`). They hold for each of
-//! the paragraph's command lines; facts of files hold after the last. `[..]` stands for any text, a line `...` for any lines.
+//! standard input, `%` for the shell. Rows follow, each with an exit code, words that stand for `{}` in the steps, and after
+//! `!` the one line of standard error. Under a row are more lines of standard error (`!`), those of standard output (`>`), and
+//! facts (`facts.rs`), parted by `; `. Facts above the rows hold for each of them. All holds for each of the paragraph's
+//! command lines; facts of files hold after the last. `[..]` stands for any text, a line `...` for any lines.
 //!
-//! Standard error must be just as it is written, standard output wherever something is written for it. What fails must leave
-//! the folder as it was. `RIMLINE_CASES=write` writes the lines that differ anew.
+//! Standard error must be just as it is written, but for clap's hint at `--help`; standard output wherever something is written
+//! for it. What fails must leave the folder as it was. `RIMLINE_CASES=write` writes the lines that differ anew.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -17,6 +18,9 @@ use libtest_mimic::{Failed, Trial};
 
 use super::run::{Folder, Run, folder, run_command};
 use super::{Outcome, ensure, facts, makers};
+
+/// A message that makes the line longer has one of its own.
+const WIDTH: usize = 150;
 
 /// A trial for each case.
 pub(crate) fn trials() -> Vec<Trial> {
@@ -32,7 +36,10 @@ pub(crate) fn trials() -> Vec<Trial> {
 fn of_file(file: &Path) -> Vec<Trial> {
     let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
     let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let cases = text.split("\n= ").skip(1).filter(|case| cfg!(unix) || !case.contains("\n%"));
+    let is_left_out = |case: &str| {
+        (cfg!(not(unix)) && case.contains("\n%")) || (cfg!(not(feature = "bench")) && case.contains("bench --"))
+    };
+    let cases = text.split("\n= ").skip(1).filter(|case| !is_left_out(case));
     let trial = |case: &str| {
         let (case, file) = (case.trim_end().to_owned(), file.to_owned());
         let name = format!("{stem}::{}", case.lines().next().unwrap_or_default().replace(' ', "_"));
@@ -85,32 +92,34 @@ fn paragraph(folder: &Folder, text: &str) -> Result<String, String> {
     let end = start + all[start..].iter().take_while(|line| is_step(line)).count();
     let steps = &all[start..end];
     let is_row = |line: &str| line.starts_with(|c: char| c.is_ascii_digit());
-    let is_implied = !all[end..].iter().any(|line| is_row(line));
-    let mut rows: Vec<Vec<&str>> = Vec::new();
-    if is_implied {
-        rows.push(vec!["0"]);
-    }
-    for line in &all[end..] {
+    let first = all.iter().position(|line| is_row(line)).filter(|at| *at >= end);
+    let shared = &all[end..first.unwrap_or(end)];
+    let mut rows: Vec<Vec<&str>> = if first.is_none() { vec![vec!["0"]] } else { Vec::new() };
+    for line in &all[end + shared.len()..] {
         match rows.last_mut() {
             Some(row) if !is_row(line) => row.push(line),
             _ => rows.push(vec![line]),
         }
     }
-    let mut found = all[..end].join("\n");
+    let mut found = all[..end + shared.len()].join("\n");
     for row in rows {
-        let lines = of_row(folder, steps, &row).map_err(|error| format!("{}\n{}: {error}", steps.join("\n"), row[0]))?;
-        let first = usize::from(is_implied && lines[0] == "0");
-        found.extend(lines[first..].iter().flat_map(|line| ["\n", line]));
+        let lines = of_row(folder, steps, shared, &row);
+        let lines = lines.map_err(|error| format!("{}\n{}: {error}", steps.join("\n"), row[0]))?;
+        let skipped = usize::from(first.is_none() && lines[0] == "0");
+        found.extend(lines[skipped..].iter().flat_map(|line| ["\n", line]));
     }
     Ok(found)
 }
 
 /// Runs the steps for a row, and returns the lines that it should have.
-fn of_row(folder: &Folder, steps: &[&str], row: &[&str]) -> Result<Vec<String>, String> {
-    let words = row[0].split_once(' ').map_or("", |(_, words)| words);
+fn of_row(folder: &Folder, steps: &[&str], shared: &[&str], row: &[&str]) -> Result<Vec<String>, String> {
+    let (head, message) = row[0].split_once(" ! ").map_or((row[0], None), |(head, message)| (head, Some(message)));
+    let words = head.split_once(' ').map_or("", |(_, words)| words);
     let steps: Vec<String> = steps.iter().map(|line| line.replace("{}", words)).collect();
-    let lines_of = |sign: char| row.iter().filter_map(move |line| line.strip_prefix(sign)).map(str::trim);
-    let (facts, mut found): (Vec<&str>, _) = (row[1..].iter().filter(|line| !line.starts_with(['!', '>'])).copied().collect(), Vec::new());
+    let lines_of = |sign: char| row[1..].iter().filter_map(move |line| line.strip_prefix(sign)).map(str::trim);
+    let own: Vec<&str> = row[1..].iter().filter(|line| !line.starts_with(['!', '>'])).copied().collect();
+    let facts = || shared.iter().chain(&own).filter(|line| !line.starts_with('#')).flat_map(|line| line.split("; "));
+    let mut found = Vec::new();
     for at in 0..steps.len() {
         let Some(command) = steps[at].strip_prefix(['$', '%']) else {
             makers::step(folder, &steps[at..])?;
@@ -118,22 +127,26 @@ fn of_row(folder: &Folder, steps: &[&str], row: &[&str]) -> Result<Vec<String>, 
         };
         let before = folder.contents()?;
         let run = if steps[at].starts_with('$') { run_line(folder, command)? } else { by_shell(folder, command) };
-        let mut lines = vec![format!("{} {words}", run.code).trim_end().to_owned()];
-        for (sign, stream) in [('!', &run.stderr), ('>', &run.stdout)] {
-            let (expected, got): (Vec<&str>, Vec<&str>) = (lines_of(sign).collect(), stream.lines().map(str::trim).collect());
-            let is_told = sign == '!' || !expected.is_empty();
-            let right = if matches(&expected, &got) || !is_told { expected } else { got };
-            lines.extend(right.iter().map(|line| format!("{sign} {line}").trim_end().to_owned()));
-        }
         let after = folder.contents()?;
         ensure!(run.code == 0 || before == after, "the folder is not as it was: {:?}", after.keys());
-        let new = after.keys().filter(|name| !before.contains_key(*name));
+        let mut lines = vec![format!("{} {words}", run.code).trim_end().to_owned()];
+        let stderr = run.stderr.replace("\n\nFor more information, try '--help'.", "");
+        for (sign, stream) in [('!', &stderr), ('>', &run.stdout)] {
+            let expected: Vec<&str> = message.filter(|_| sign == '!').into_iter().chain(lines_of(sign)).collect();
+            let got: Vec<&str> = stream.lines().map(str::trim).collect();
+            let is_right = matches(&expected, &got) || sign == '>' && expected.is_empty();
+            match &(if is_right { expected } else { got })[..] {
+                [one] if sign == '!' && lines[0].len() + one.len() < WIDTH => lines[0] += &format!(" ! {one}"),
+                right => lines.extend(right.iter().map(|line| format!("{sign} {line}").trim_end().to_owned())),
+            }
+        }
+        let new: Vec<&str> = after.keys().filter(|name| !before.contains_key(*name)).map(String::as_str).collect();
         let is_last = !steps[at + 1..].iter().any(|line| line.starts_with(['$', '%']));
-        for fact in facts.iter().filter(|fact| !fact.starts_with('#') && (is_last || facts::is_of_output(fact))) {
-            facts::check(folder, &run.stdout, &new.clone().map(String::as_str).collect::<Vec<_>>(), fact)
+        for fact in facts().filter(|fact| is_last || facts::is_of_output(fact)) {
+            facts::check(folder, &run.stdout, &new, fact)
                 .map_err(|error| format!("{command}\n{fact}: {error}\n{}{}", run.stdout, run.stderr))?;
         }
-        lines.extend(facts.iter().map(|fact| (*fact).to_owned()));
+        lines.extend(own.iter().map(|fact| (*fact).to_owned()));
         // A line that is wrong for one of the commands is shown as that one has it.
         if found.is_empty() || differences(&row.join("\n"), &found.join("\n")).is_ok() {
             found = lines;
@@ -156,7 +169,8 @@ fn matches(pattern: &[&str], lines: &[&str]) -> bool {
 
 fn fits(pattern: &str, line: &str) -> bool {
     let Some((start, rest)) = pattern.split_once("[..]") else { return pattern == line };
-    line.strip_prefix(start).is_some_and(|line| (0..=line.len()).any(|at| line.is_char_boundary(at) && fits(rest, &line[at..])))
+    line.strip_prefix(start)
+        .is_some_and(|line| (0..=line.len()).any(|at| line.is_char_boundary(at) && fits(rest, &line[at..])))
 }
 
 /// `rimline WORDS`, with `NAME=VALUE` before it and `< FILE` at its end.

@@ -40,4 +40,3 @@ fn volumes() -> Outcome {
     }
     Ok(())
 }
-

@@ -132,7 +132,12 @@ fn array(folder: &Folder, words: &[&str]) -> Outcome {
         _ => bytes[128..].iter().map(u8::to_string).collect(),
     };
     let count = expected.iter().position(|word| *word == "...").unwrap_or(numbers.len());
-    ensure!(numbers[..count.min(numbers.len())] == expected[..count.min(expected.len())] && numbers.len() >= count
-        && expected.len() >= count, "it is {}", numbers.join(" "));
+    ensure!(
+        numbers[..count.min(numbers.len())] == expected[..count.min(expected.len())]
+            && numbers.len() >= count
+            && expected.len() >= count,
+        "it is {}",
+        numbers.join(" ")
+    );
     Ok(())
 }

@@ -321,4 +321,3 @@ fn distances() -> Outcome {
     }
     Ok(())
 }
-

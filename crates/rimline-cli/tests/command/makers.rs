@@ -114,11 +114,13 @@ fn archive(folder: &Folder, file: &str, source: Option<&str>, lines: &[&str]) ->
             name = words.next().ok_or("no name")?;
         }
         let kind = words.next().ok_or("no type")?;
-        let at = entries.iter().position(|entry| entry.name == format!("{}.npy", if name == "-" { kind } else { name }));
+        let at =
+            entries.iter().position(|entry| entry.name == format!("{}.npy", if name == "-" { kind } else { name }));
         match (kind, at) {
             (_, Some(at)) if name == "-" => _ = entries.remove(at),
             ("flip", Some(at)) => {
-                let [place, mask] = [words.next(), words.next()].map(|word| word.and_then(|word| word.parse::<usize>().ok()));
+                let [place, mask] =
+                    [words.next(), words.next()].map(|word| word.and_then(|word| word.parse::<usize>().ok()));
                 entries[at].bytes[128 + place.ok_or("no place")?] ^= mask.ok_or("no mask")? as u8;
             }
             ("put", Some(at)) => {
@@ -146,7 +148,8 @@ fn entry(name: &str, kind: &str, flags: &[&str], words: &[&str], line: &str) -> 
     }
     let end = words.iter().position(|word| word.ends_with(')')).ok_or("no shape")? + 1;
     let shape = words[..end].join(" ");
-    let order = if flags.contains(&"Maybe") { "Maybe" } else { ["False", "True"][usize::from(flags.contains(&"fortran"))] };
+    let order =
+        if flags.contains(&"Maybe") { "Maybe" } else { ["False", "True"][usize::from(flags.contains(&"fortran"))] };
     let shape = String::from_utf8_lossy(&escaped(&shape)).into_owned();
     let kind = String::from_utf8_lossy(&escaped(kind)).into_owned();
     let mut made = array(name, &kind, order, &shape, &numbers(&kind, words[end..].iter().copied())?);
@@ -244,7 +247,10 @@ pub(crate) fn npz_model(shape: &Shape, scale: f32, [x, y, z]: [f32; 3]) -> Vec<u
 /// Triangles as an .npz.
 pub(crate) fn npz_mesh(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<u8> {
     let faces_bytes: Vec<u8> = faces.as_flattened().iter().flat_map(|v| v.to_le_bytes()).collect();
-    write_zip(&[rows("positions", positions), array("faces", "<u4", "False", &format!("({}, 3)", faces.len()), &faces_bytes)])
+    write_zip(&[
+        rows("positions", positions),
+        array("faces", "<u4", "False", &format!("({}, 3)", faces.len()), &faces_bytes),
+    ])
 }
 
 /// Points as an array of `f32`.

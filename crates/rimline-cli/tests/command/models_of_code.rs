@@ -101,7 +101,8 @@ pub(crate) fn bar(is_double: bool, are_triangles: bool) -> String {
 
 /// A cube of flat sides, and each side a second time, turned over and cut along the other diagonal, if `is_double`.
 fn flat(is_double: bool) -> String {
-    let vertices = (0..8).map(|corner| [corner & 1, corner >> 1 & 1, corner >> 2].map(|side| 2.0 * f64::from(side) - 0.9));
+    let vertices =
+        (0..8).map(|corner| [corner & 1, corner >> 1 & 1, corner >> 2].map(|side| 2.0 * f64::from(side) - 0.9));
     let sides = [[1, 5, 7, 3], [2, 4, 8, 6], [1, 2, 6, 5], [3, 7, 8, 4], [1, 3, 4, 2], [5, 6, 8, 7]];
     let faces = sides.into_iter().flat_map(|[a, b, c, d]| {
         let both = [vec![a, b, c], vec![a, c, d], vec![d, b, a], vec![d, c, b]];
@@ -204,7 +205,8 @@ fn with_light(corners: &[[f32; 3]], nodes: &Value) -> Value {
 /// The house's walls and eaves, in a node at a place, with a lamp.
 pub(crate) fn house_gltf(at: [f64; 3]) -> Value {
     let sides = SIDES.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]);
-    let corners = BOXES[..2].iter().flat_map(|bounds| sides.clone().map(move |side| corner(bounds, side).map(|c| c as f32)));
+    let corners =
+        BOXES[..2].iter().flat_map(|bounds| sides.clone().map(move |side| corner(bounds, side).map(|c| c as f32)));
     let lamp = json!({ "translation": [7, 6, 5], "extensions": { "KHR_lights_punctual": { "light": 0 } } });
     with_light(&corners.collect::<Vec<_>>(), &json!([{ "mesh": 0, "translation": at, "children": [1] }, lamp]))
 }

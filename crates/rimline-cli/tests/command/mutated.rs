@@ -14,7 +14,8 @@ pub(crate) const TESTS: &[Test] =
 fn extract(name: &str, bytes: &[u8]) -> Result<Vec<u8>, String> {
     let folder = folder();
     folder.write(name, bytes)?;
-    let run = folder.run(&format!("extract --device cpu --light point:2,3,4 --light dir:-1,-2e-1,.5 @{name} --out @out"));
+    let run =
+        folder.run(&format!("extract --device cpu --light point:2,3,4 --light dir:-1,-2e-1,.5 @{name} --out @out"));
     ensure!([0, 1].contains(&run.code) && !run.stderr.contains("panicked"), "{}: {}", run.code, run.stderr);
     let files = folder.contents()?.len();
     ensure!(files == 2 - run.code as usize, "{files} files after code {}", run.code);

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::run::read_file;
 use super::ensure;
+use super::run::read_file;
 
 /// A grey or colour PNG.
 pub(crate) struct Image {

@@ -94,4 +94,3 @@ fn ground() -> Outcome {
     ensure!(folds > 1000, "triangles have the same shadows but for {folds} pixels");
     Ok(())
 }
-

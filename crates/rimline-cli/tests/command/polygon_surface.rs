@@ -128,11 +128,11 @@ fn arrays() -> Outcome {
         let turned = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min();
         let mut faces: Vec<_> = faces.as_chunks::<3>().0.iter().filter_map(turned).collect();
         faces.sort_unstable();
-        let bits = |name: &str| -> Result<u32, String> { Ok(words_of(&archive, name)?.iter().map(|mask| mask & 1).sum()) };
+        let bits =
+            |name: &str| -> Result<u32, String> { Ok(words_of(&archive, name)?.iter().map(|mask| mask & 1).sum()) };
         found.push((faces, words_of(&archive, "positions")?, bits("facing")?, bits("silhouette")?));
         ensure!(words_of(&archive, "loop_sizes").is_err(), "there are polygons");
     }
     ensure!(found[0] == found[1], "the polygons have {:?}, the triangles {:?}", found[0], found[1]);
     Ok(())
 }
-

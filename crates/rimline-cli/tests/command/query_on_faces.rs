@@ -11,10 +11,8 @@ use super::makers::{npz_model, rows};
 use super::run::{Run, folder, rimline, write_file};
 use super::{Outcome, Test, ensure};
 
-pub(crate) const TESTS: &[Test] = &[
-    ("query_on_faces::half_of_a_sphere_is_lit", sphere),
-    ("query_on_faces::lifted_points_are_other_points", lifted),
-];
+pub(crate) const TESTS: &[Test] =
+    &[("query_on_faces::half_of_a_sphere_is_lit", sphere), ("query_on_faces::lifted_points_are_other_points", lifted)];
 
 /// The centres of all faces, in `f32`.
 fn centres(shape: &Shape) -> Vec<[f32; 3]> {
@@ -119,4 +117,3 @@ fn lifted() -> Outcome {
     }
     Ok(())
 }
-

@@ -8,7 +8,7 @@ use libtest_mimic::{Failed, Trial};
 use serde_json::Value;
 
 use super::archive::{compare, words_of};
-use super::run::{HIDDEN, folder, is_long, rimline, rimline_with, read_file, write_file};
+use super::run::{HIDDEN, folder, is_long, read_file, rimline, rimline_with, write_file};
 use super::{Outcome, Test, ensure};
 use rimline_models::catalogue::GOOD;
 use rimline_testkit::assets;

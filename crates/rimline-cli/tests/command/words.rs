@@ -109,4 +109,3 @@ fn times() -> Outcome {
     }
     Ok(())
 }
-
