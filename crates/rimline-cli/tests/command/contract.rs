@@ -38,8 +38,8 @@ fn model() -> Vec<u8> {
 fn extract(model: &[u8], device: &str) -> Result<Vec<u8>, String> {
     let folder = folder();
     folder.write("model.npz", model)?;
-    let lights: String = lights().iter().map(|[x, y, z, w]| format!(" --light hom:{x},{y},{z},{w}")).collect();
-    folder.run(&format!("extract @model.npz --out @out.npz --device {device}{lights}")).expect(0, &[])?;
+    let lights: Vec<String> = lights().iter().map(|[x, y, z, w]| format!("--light hom:{x},{y},{z},{w}")).collect();
+    folder.run(&format!("extract @model.npz --out @out.npz --device {device} {}", lights.join(" "))).expect(0, &[])?;
     folder.read("out.npz")
 }
 

@@ -72,9 +72,11 @@ pub(crate) fn differences(case: &str, found: &str) -> Outcome {
     let before = old[context..last].join("\n");
     (old, new) = (old.split_off(alike), new.split_off(alike));
     while old.last().is_some_and(|line| new.last() == Some(line)) {
-        (old.pop(), new.pop());
+        old.pop();
+        new.pop();
     }
-    let side = |sign: char, lines: &[&str]| lines.iter().map(|line| format!("\n{sign}{line}")).collect::<String>();
+    let side =
+        |sign: char, lines: &[&str]| lines.iter().map(|line| format!("\n{sign}{line}")).collect::<Vec<_>>().concat();
     ensure!(old.is_empty() && new.is_empty(), "{before}{}{}", side('-', &old), side('+', &new));
     Ok(())
 }
@@ -136,7 +138,7 @@ fn of_row(folder: &Folder, steps: &[&str], shared: &[&str], row: &[&str]) -> Res
             let got: Vec<&str> = stream.lines().map(str::trim).collect();
             let is_right = matches(&expected, &got) || sign == '>' && expected.is_empty();
             match &(if is_right { expected } else { got })[..] {
-                [one] if sign == '!' && lines[0].len() + one.len() < WIDTH => lines[0] += &format!(" ! {one}"),
+                [one] if sign == '!' && lines[0].len() + one.len() < WIDTH => lines[0].extend([" ! ", *one]),
                 right => lines.extend(right.iter().map(|line| format!("{sign} {line}").trim_end().to_owned())),
             }
         }

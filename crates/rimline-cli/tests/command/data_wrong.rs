@@ -69,7 +69,10 @@ fn negative() -> Outcome {
         ensure!(passes(&changed).is_err(), "`{wrong}` passed instead of `{part}`");
     }
     let shown = passes(&right.replace("cannot be written", "cannot be read")).err().unwrap_or_default();
-    let signs = ["\n-! rimline: error: no/such: cannot be read", "\n+! rimline: error: no/such: cannot be written"];
+    let signs = [
+        "\n-4 no/such ! rimline: error: no/such: cannot be read",
+        "\n+4 no/such ! rimline: error: no/such: cannot be written",
+    ];
     ensure!(signs.iter().all(|line| shown.contains(line)), "the difference is not shown: {shown}");
     Ok(())
 }

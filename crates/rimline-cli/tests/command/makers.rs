@@ -15,7 +15,6 @@
 use std::fmt::Write as _;
 
 use rimline_testkit::shapes::{self, Shape};
-use serde_json::Value;
 
 use super::archive::{Entry, array, read_zip, write_zip};
 use super::facts::json;
@@ -63,7 +62,9 @@ pub(crate) fn step(folder: &Folder, lines: &[String]) -> Outcome {
             let [old, new] = [number(0)?, number(1)?].map(|number| (number as u32).to_le_bytes());
             let places: Vec<usize> = (0..bytes.len() - 4).filter(|&at| bytes[at..at + 4] == old).collect();
             ensure!(places.len() == 2, "the number stands at {places:?}");
-            places.into_iter().for_each(|at| bytes[at..at + 4].copy_from_slice(&new));
+            for at in places {
+                bytes[at..at + 4].copy_from_slice(&new);
+            }
             folder.write(file, bytes)
         }
     }
@@ -275,11 +276,4 @@ pub(crate) fn obj(vertices: impl IntoIterator<Item = [f64; 3]>, faces: impl Into
         let _ = writeln!(text, "f {}", corners.join(" "));
     }
     text
-}
-
-/// A copy of a JSON value with another one somewhere.
-pub(crate) fn replaced(value: &Value, pointer: &str, other: Value) -> Result<Value, String> {
-    let mut changed = value.clone();
-    *changed.pointer_mut(pointer).ok_or_else(|| format!("nothing is at {pointer}"))? = other;
-    Ok(changed)
 }

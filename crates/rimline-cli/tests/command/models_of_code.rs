@@ -213,7 +213,8 @@ pub(crate) fn house_gltf(at: [f64; 3]) -> Value {
 
 /// A triangle near the origin and a light, 4 above it, that shines down.
 pub(crate) fn lit_triangle() -> Value {
-    let lamp = json!({ "name": "lamp", "translation": [0, 4, 0], "rotation": [-0.7071068, 0, 0, 0.7071068],
+    let turn = std::f64::consts::FRAC_1_SQRT_2;
+    let lamp = json!({ "name": "lamp", "translation": [0, 4, 0], "rotation": [-turn, 0, 0, turn],
         "extensions": { "KHR_lights_punctual": { "light": 0 } } });
     with_light(&[[0.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 1.0, 0.0]], &json!([{ "mesh": 0, "children": [1] }, lamp]))
 }

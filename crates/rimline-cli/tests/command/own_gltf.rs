@@ -49,8 +49,8 @@ pub(crate) fn value() -> Value {
 /// The same with its buffer in its text.
 pub(crate) fn inline() -> Value {
     let mut value = value();
-    let data: String = buffer().iter().map(|byte| format!("%{byte:02x}")).collect();
-    value["buffers"][0]["uri"] = format!("data:application/octet-stream,{data}").into();
+    let data: Vec<String> = buffer().iter().map(|byte| format!("%{byte:02x}")).collect();
+    value["buffers"][0]["uri"] = format!("data:application/octet-stream,{}", data.concat()).into();
     value
 }
 
