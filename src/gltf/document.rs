@@ -115,7 +115,7 @@ pub(super) struct Primitive {
     pub(super) draco: bool,
 }
 
-/// What the vertices of a primitive make.
+/// The shapes that the vertices of a primitive make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mode {
     Points,

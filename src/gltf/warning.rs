@@ -56,7 +56,7 @@ pub enum GltfWarning {
     Changed {
         /// JSON path of the part.
         place: String,
-        /// What is wrong and how it was read, as it follows the place in the message.
+        /// The fault, and how it was read: the words that follow the place in the message.
         problem: String,
     },
 }

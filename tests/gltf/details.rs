@@ -162,7 +162,7 @@ fn light(light: &Value, scale: [f32; 3]) -> Result<SceneLight, Failed> {
     Ok(maker.load()?.lights(None, 0.0)?.remove(0))
 }
 
-/// What a file says of lights, up to the edge of what is allowed, and what it leaves out.
+/// Lights as files give them, up to the edge of what is allowed, and with properties left out.
 fn lights() -> Outcome {
     let colour = |given: Value| {
         let SceneLight { color, intensity, range, .. } = light(&given, [2.0; 3])?;
