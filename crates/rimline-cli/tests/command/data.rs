@@ -36,12 +36,9 @@ pub(crate) fn trials() -> Vec<Trial> {
 fn of_file(file: &Path) -> Vec<Trial> {
     let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
     let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let is_left_out = |case: &str| {
-        (cfg!(not(unix)) && case.contains("\n%")) || (cfg!(not(feature = "bench")) && case.contains("bench --"))
-    };
-    let cases = text.split("\n= ").skip(1).filter(|case| !is_left_out(case));
-    let trial = |case: &str| {
-        let (case, file) = (case.trim_end().to_owned(), file.to_owned());
+    let cases = text.split("\n= ").skip(1).map(|case| runnable(case.trim_end())).filter(|case| !case.is_empty());
+    let trial = |case: String| {
+        let file = file.to_owned();
         let name = format!("{stem}::{}", case.lines().next().unwrap_or_default().replace(' ', "_"));
         Trial::test(name, move || {
             let found = check(&case)?;
@@ -55,6 +52,25 @@ fn of_file(file: &Path) -> Vec<Trial> {
         })
     };
     cases.map(trial).collect()
+}
+
+/// A case up to the first paragraph with a step that cannot run here, and without such rows.
+fn runnable(case: &str) -> String {
+    let is_out = |line: &str| {
+        (cfg!(not(unix)) && line.starts_with('%')) || (cfg!(not(feature = "bench")) && line.contains("bench --"))
+    };
+    let kept = |part: &str| {
+        let mut is_kept = true;
+        let lines = part.lines().filter(|line| {
+            if is_row(line) {
+                is_kept = !is_out(line);
+            }
+            is_kept
+        });
+        lines.collect::<Vec<_>>().join("\n")
+    };
+    let parts = case.split("\n\n").take_while(|part| !part.lines().any(|line| is_step(line) && is_out(line)));
+    parts.map(kept).collect::<Vec<_>>().join("\n\n")
 }
 
 /// The lines that a case should have. Facts that do not hold are errors.
@@ -86,6 +102,11 @@ fn is_step(line: &str) -> bool {
     line.starts_with(['$', '%', ' ', '#']) || makers::is_one(line)
 }
 
+/// Whether a line begins a row: it has an exit code.
+fn is_row(line: &str) -> bool {
+    line.starts_with(|c: char| c.is_ascii_digit())
+}
+
 /// Runs a paragraph, and returns it with the lines that it should have.
 fn paragraph(folder: &Folder, text: &str) -> Result<String, String> {
     let all: Vec<&str> = text.lines().collect();
@@ -93,7 +114,6 @@ fn paragraph(folder: &Folder, text: &str) -> Result<String, String> {
     let start = usize::from(!all.first().is_some_and(|line| is_step(line)));
     let end = start + all[start..].iter().take_while(|line| is_step(line)).count();
     let steps = &all[start..end];
-    let is_row = |line: &str| line.starts_with(|c: char| c.is_ascii_digit());
     let first = all.iter().position(|line| is_row(line)).filter(|at| *at >= end);
     let shared = &all[end..first.unwrap_or(end)];
     let mut rows: Vec<Vec<&str>> = if first.is_none() { vec![vec!["0"]] } else { Vec::new() };

@@ -25,7 +25,15 @@ $ rimline draw t.npz --size 20x10 --eye 4,2,3 --out q.png
 > wrote [..]
 size p.png 20x10
 count p.png ink > 4
-apart p.png q.png > 4 by 9";
+apart p.png q.png > 4 by 9
+
+$ rimline shadow t.npz --light dir:0,1,0 --size 20x10 --mask m --out r.png
+pixel m.0.png 0,0 255
+count m.0.png 255 > 9
+apart m.0.png m.0.png = 0
+size points.npz 258
+lacks a.npz:origin
+entries a.npz points lights depth";
 
 fn passes(case: &str) -> Outcome {
     differences(case, &check(case)?)
@@ -46,6 +54,7 @@ fn negative() -> Outcome {
         ("json /points 1", "json /points 2"),
         ("json /points 1", "json /points > 1"),
         ("json /points 1", "json /points none"),
+        ("json /points 1", "json /points < 1"),
         ("json /adapter \"cpu\"", "json /adapter \"gpu\""),
         ("json /adapter \"cpu\"", "jsn /adapter \"cpu\""),
         ("files a.npz", "files"),
@@ -62,6 +71,16 @@ fn negative() -> Outcome {
         ("size p.png 20x10", "size p.png 10x20"),
         ("count p.png ink > 4", "count p.png ink > 200"),
         ("> 4 by 9", "< 4 by 9"),
+        ("0,0 255", "0,0 128"),
+        ("m.0.png 255 > 9", "m.0.png 255 < 9"),
+        ("m.0.png 255 > 9", "r.png 255 > 9"),
+        ("m.0.png m.0.png = 0", "m.0.png m.0.png > 0"),
+        ("m.0.png m.0.png = 0", "r.png r.png = 0"),
+        ("npz 258", "npz 259"),
+        ("lacks a.npz:origin", "lacks a.npz:depth"),
+        ("lacks a.npz:origin", "lacks c.npz:origin"),
+        ("entries a.npz points lights", "entries a.npz lights points"),
+        ("lights depth", "lights"),
         ("0.1 0.1 0.1", "9 0.1 0.1"),
     ] {
         ensure!(right.contains(part), "the case lacks `{part}`");

@@ -6,16 +6,19 @@
 //! | `has NAMES`, `lacks NAMES` | the files are there; the files, or arrays `FILE:NAME`, are not |
 //! | `says TEXT`, `hides TEXT` | standard output has the text, has it not |
 //! | `json POINTER VALUE` | the value of standard output there is this, or `< N`, `> N`, `none` |
+//! | `entries FILE NAMES` | an archive has these arrays in this order, stored and without a date |
 //! | `array FILE NAME TYPE SHAPE NUMBERS` | the array of an archive is this; `...` at the end stands for more numbers |
 //! | `same A B`, `other A B` | the files, or arrays `FILE:NAME`, have the same bytes, or not |
-//! | `apart A B OP N [by M] [pixels]` | so many values or pixels of the pictures differ by more than M (0) |
-//! | `count FILE WHAT OP N` | so many pixels have this value, or are `ink`, `orange` or `blue` |
+//! | `apart A B OP N [by M] [pixels]` | so many values or pixels of the pictures differ by more than M; without it, of masks |
+//! | `count FILE WHAT OP N` | so many pixels of a mask have this value, or of a picture are `ink`, `orange` or `blue` |
 //! | `pixel FILE X,Y VALUE ...` | the pixels have these values |
 //! | `size FILE N` | so many bytes, or `WIDTHxHEIGHT` pixels |
+//!
+//! A string of JSON has `\u003b` for `;`, which parts facts.
 
 use serde_json::Value;
 
-use super::archive::entry;
+use super::archive::{Entry, FIRST_DAY, entry, read_zip};
 use super::pictures::{apart, is_ink, is_orange};
 use super::run::Folder;
 use super::{Outcome, ensure};
@@ -34,7 +37,15 @@ pub(crate) fn check(folder: &Folder, stdout: &str, new: &[&str], fact: &str) -> 
     match kind {
         "files" => ensure!(new == words, "{new:?}"),
         "has" => ensure!(words.iter().all(|name| is_there(name)), "a file is missing"),
-        "lacks" => ensure!(words.iter().all(|name| bytes(folder, name).is_err()), "it is there"),
+        "lacks" => {
+            for name in words {
+                let is_in = match name.split_once(':') {
+                    Some((file, name)) => names(folder, file)?.iter().any(|there| there == name),
+                    None => is_there(name),
+                };
+                ensure!(!is_in, "{name} is there");
+            }
+        }
         "says" => ensure!(stdout.contains(rest), "it is not said"),
         "hides" => ensure!(!stdout.contains(rest), "it is said"),
         "json" => {
@@ -42,6 +53,12 @@ pub(crate) fn check(folder: &Folder, stdout: &str, new: &[&str], fact: &str) -> 
             let (pointer, expected) = rest.split_once(' ').ok_or("no value")?;
             let found = json.pointer(pointer).unwrap_or(&Value::Null);
             ensure!(is_value(found, expected)?, "it is {found}");
+        }
+        "entries" => {
+            let names = names(folder, word(0)?)?;
+            ensure!(names == words[1..], "they are {names:?}");
+            let is_plain = |entry: &Entry| entry.method == 0 && entry.time == FIRST_DAY;
+            ensure!(read_zip(&folder.read(word(0)?)?)?.iter().all(is_plain), "not stored, or dated");
         }
         "array" => array(folder, &words)?,
         "same" | "other" => {
@@ -51,17 +68,18 @@ pub(crate) fn check(folder: &Folder, stdout: &str, new: &[&str], fact: &str) -> 
         "apart" => {
             let by = words.iter().position(|word| *word == "by").and_then(|at| words.get(at + 1)?.parse().ok());
             let channels = if words.contains(&"pixels") { 3 } else { 1 };
-            let [one, other] = [folder.image(word(0)?)?, folder.image(word(1)?)?];
+            let read = |name: &str| if by.is_some() { folder.image(name) } else { folder.mask(name) };
+            let [one, other] = [read(word(0)?)?, read(word(1)?)?];
             let count = apart([&one.bytes, &other.bytes], channels, by.unwrap_or(0))?;
             ensure!(is_number(count as f64, [word(2)?, word(3)?])?, "{count}");
         }
         "count" => {
-            let image = folder.image(word(0)?)?;
+            let image = || folder.image(word(0)?);
             let count = match word(1)? {
-                "ink" => image.count_pixels(is_ink)?,
-                "blue" => image.count_pixels(|[red, _, blue]| blue > red)?,
-                "orange" => image.count_pixels(is_orange)?,
-                value => image.count(value.parse().map_err(|_| "no value")?),
+                "ink" => image()?.count_pixels(is_ink)?,
+                "blue" => image()?.count_pixels(|[red, _, blue]| blue > red)?,
+                "orange" => image()?.count_pixels(is_orange)?,
+                value => folder.mask(word(0)?)?.count(value.parse().map_err(|_| "no value")?),
             };
             ensure!(is_number(count as f64, [word(2)?, word(3)?])?, "{count}");
         }
@@ -106,6 +124,12 @@ fn is_value(found: &Value, expected: &str) -> Result<bool, String> {
 
 pub(crate) fn json(text: &str) -> Result<Value, String> {
     serde_json::from_str(text).map_err(|error| format!("{text}: {error}"))
+}
+
+/// The arrays of an archive.
+fn names(folder: &Folder, file: &str) -> Result<Vec<String>, String> {
+    let entries = read_zip(&folder.read(file)?)?;
+    Ok(entries.iter().map(|entry| entry.name.trim_end_matches(".npy").to_owned()).collect())
 }
 
 /// The bytes of a file, or of one of its arrays.

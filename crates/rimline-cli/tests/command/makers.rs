@@ -8,7 +8,7 @@
 //! | `make FILE SHAPE NUMBERS [* SCALE] [@ X,Y,Z]` | a model of code, as .npz or .obj |
 //! | `folder NAME` | a folder |
 //! | `copy FILE NAMES` | copies |
-//! | `cut FILE N` | keeps the first N bytes of a file |
+//! | `cut FILE N` | keeps the first N bytes of a file; half of them (`/2`), all but the last (`-1`) |
 //! | `flip FILE TEXT N MASK` | flips bits of the byte that is N after the text's first occurrence |
 //! | `claim FILE OLD NEW` | writes one 32-bit number for another, wherever it stands |
 
@@ -48,7 +48,12 @@ pub(crate) fn step(folder: &Folder, lines: &[String]) -> Outcome {
         }
         "cut" => {
             let bytes = folder.read(file)?;
-            folder.write(file, &bytes[..number(0)?])
+            let count = match words[..] {
+                ["/2"] => bytes.len() / 2,
+                ["-1"] => bytes.len() - 1,
+                _ => number(0)?,
+            };
+            folder.write(file, &bytes[..count])
         }
         "flip" => {
             let mut bytes = folder.read(file)?;
@@ -103,8 +108,8 @@ pub(crate) fn escaped(text: &str) -> Vec<u8> {
 
 /// Arrays, one a line: `NAME TYPE SHAPE NUMBERS`, where `V*N` is N times V. Before the name may stand `deflate`, `fortran`, or
 /// another word for the order, `cut=N` and `more=N` for other lengths than the shape's. `NAME raw TEXT` is an entry of these
-/// bytes, whose name may have another ending. From another archive, arrays of its names are replaced, `- NAME` takes one out, `NAME flip N MASK` flips bits of the
-/// N-th byte of the data, and `NAME put N TYPE NUMBERS` writes numbers there.
+/// bytes, whose name may be `escaped` and have another ending. From another archive, arrays of its names are replaced, `- NAME`
+/// takes one out, `NAME flip N MASK` flips bits of the N-th byte of the data, and `NAME put N TYPE NUMBERS` writes numbers there.
 fn archive(folder: &Folder, file: &str, source: Option<&str>, lines: &[&str]) -> Outcome {
     let mut entries = source.map_or(Ok(Vec::new()), |source| read_zip(&folder.read(source)?))?;
     for line in lines {
@@ -144,8 +149,9 @@ fn archive(folder: &Folder, file: &str, source: Option<&str>, lines: &[&str]) ->
 fn entry(name: &str, kind: &str, flags: &[&str], words: &[&str], line: &str) -> Result<Entry, String> {
     if kind == "raw" {
         let bytes = escaped(line.split_once("raw ").map_or("", |(_, text)| text));
-        let named = if name.contains('.') { name.to_owned() } else { format!("{name}.npy") };
-        return Ok(Entry { name: named, bytes, ..array(name, "|u1", "False", "()", &[]) });
+        let name = String::from_utf8_lossy(&escaped(name)).into_owned();
+        let named = if name.contains('.') { name } else { format!("{name}.npy") };
+        return Ok(Entry { name: named, bytes, ..array("", "|u1", "False", "()", &[]) });
     }
     let end = words.iter().position(|word| word.ends_with(')')).ok_or("no shape")? + 1;
     let shape = words[..end].join(" ");
