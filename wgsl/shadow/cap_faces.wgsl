@@ -1,8 +1,8 @@
 // Vertex shaders of caps, the faces that close shadow volumes, in the caller's render pass. The indirect draws of
 // `shadow_arguments` have an instance for each entry of a list of `caps`. If the list overflowed, each face slot of the
-// group has an instance, and the shader decides whether it is drawn. Light and dark caps share their lists.
+// group has an instance, and the shader decides whether it is drawn.
 // * `light_cap`, `dark_cap`: a face, and the same face at the far end of the volume. z-fail draws both. z-pass draws dark
-//   caps of volumes that end. Volumes that ZP+ counts do not end.
+//   caps of volumes that end. Volumes that ZP+ counts do not end. Both share their lists.
 // * `near_cap`: the part of a face between light and near plane, projected from the light onto that plane. ZP+ draws it.
 // * `seen_light_cap`: the light cap of a caster that is not in the depth buffer, for z-pass and ZP+.
 // * `zp_plus_2005_cap`: the near cap of ZP+ as published in 2005.

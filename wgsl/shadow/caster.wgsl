@@ -1,7 +1,8 @@
-// Lookups of casters for the stages of shadow volumes, in the scene table. A caster has eight vec4s there (`SceneCaster`).
-// Positions of rigid casters are in mesh space, those of all other casters in world space. Boxes, views and lights returned
-// from here are in the space of the caster's positions, so a stage must take all three from here. A group is the casters
-// that are drawn together. A slot is the index of a face or edge in the group's masks. A chunk is 64 slots of one caster.
+// Lookups of casters for the stages of shadow volumes, in the scene table, where a caster has eight vec4s
+// (`SceneCaster`). A group is the casters that are drawn together. A slot is the index of a face or edge in the group's
+// masks. A chunk is 64 slots of one caster.
+// Positions of rigid casters are in mesh space, those of all other casters in world space. Boxes, views and lights from
+// here are in the space of the caster's positions, so a stage must take all three from here.
 //
 // Expects: `shape`, and, as far as functions are used, `table`, the scene table; `boxes`, written by shadow/bounds.wgsl;
 // `positions`.

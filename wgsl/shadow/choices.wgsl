@@ -1,8 +1,9 @@
-// The choices of `choose` for each caster, light and view: the faces that cast, the counting method, near caps, the end of
-// the volume. Nearly all stages of shadow volumes read them. Eight words for each view, light batch and caster have one bit
-// a light. Two measures for each view, light and caster follow them. Writers, in this order: `relist`, `choose`,
-// `zp_plus_2005_cases` and `caps`. The choices are then copied into the scene table, from which `list_sides`, all stages
-// after it and the draws read them. Sides and caps of a volume must read the same choices, or the volume is not closed.
+// The choices of `choose` for each caster, light and view: the faces that cast, the counting method, near caps, the end
+// of the volume. Eight words for each view, light batch and caster have one bit a light. Two measures for each view,
+// light and caster follow behind all of them.
+// `relist`, `choose`, `zp_plus_2005_cases` and `caps` write them, in this order. They are then copied into the scene
+// table, from which `list_sides`, all later stages and the draws read them. Sides and caps of a volume must read the same
+// choices, or the volume is not closed.
 //
 // Expects: `shape`, and `table`, the scene table, which has the choices once all are made.
 

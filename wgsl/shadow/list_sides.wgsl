@@ -1,11 +1,12 @@
-// Stage `list_sides`: lists the edges whose sides are drawn, with the winding, for each light of a batch, in a view. A side
-// is the quad from an edge away from the light.
-// Dispatched after `caps` for each group of casters, light batch and view; a row of workgroups shares the edges of a light.
-// It goes over the silhouettes that `edges` listed. If that list overflowed, or if faces may be excluded, it goes over all
-// edges. Excluded faces are those with the light in their plane, those that are not finite, L-twisted polygons, and faces
-// that the caller excludes.
-// Writes: lists, in arbitrary order, for `shadow_arguments`, `sides` and `stencil_crossings`. Only dirty lists are written.
-// The weight of an edge comes from the facing of its faces, as for caps, so that volumes are closed.
+// Stage `list_sides`: lists the edges whose sides are drawn, with their winding, for each light of a batch (up to 32
+// lights), in a view. A side is the quad from an edge away from the light.
+// Dispatched after `caps` for each group of casters, light batch and view; a row of workgroups shares the edges of a
+// light.
+// Reads: choices, facing masks, excluded masks, and the silhouettes that `edges` listed. It goes over all edges instead
+// if that list overflowed or faces may be excluded (`ShadowLight::excludes`).
+// Writes: lists, in arbitrary order, for `shadow_arguments`, `sides` and `stencil_crossings`. Only dirty lists are
+// written.
+// The weight of an edge follows from the facing of its faces, as caps do, so that volumes are closed.
 // docs/numerics/watertight.md.
 
 #import common/casters

@@ -1,10 +1,11 @@
-// Lists of what is drawn for each light of a batch in a view: faces with caps, edges with sides, pieces of L-twisted
-// polygons. The boundary of an L-twisted polygon crosses itself as seen from light L. `caps` and `list_sides` write the
-// lists of faces and edges, `cut_edges` and `cut_quads` those of pieces. The stages that make draw arguments or bound counts
-// read them, and so do vertex shaders. The order in a list is arbitrary. Two lists of a light share a range: one grows from
-// its front, one from its back. If a list overflows, its count says so. Readers then go over all edges or faces and decide
-// by the functions of this file. `is_casting_face` and `side_of_edge` must agree, or volumes are not closed.
-// docs/numerics/watertight.md.
+// Lists of what is drawn for each light of a batch (up to 32 lights) in a view: faces with caps, edges with sides, and
+// pieces. Pieces are parts of L-twisted polygons. The boundary of an L-twisted polygon crosses itself as seen from light
+// L.
+// `caps` and `list_sides` write the lists of faces and edges, `cut_edges` and `cut_quads` those of pieces. Stages that
+// make draw arguments or bound counts read them, and so do vertex shaders. The order in a list is arbitrary. Two lists of
+// a light may share a range: one grows from its front, one from its back. If they overflow, the sum of their counts
+// exceeds the capacity. Readers then go over all edges or faces, and decide by the functions of this file.
+// `is_casting_face` and `side_of_edge` must agree, or volumes are not closed. docs/numerics/watertight.md.
 //
 // Expects: `shape`, and, as far as functions are used, `edge_faces`, and by slots `facing_masks` and `excluded_masks`.
 

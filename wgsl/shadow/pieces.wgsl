@@ -1,10 +1,10 @@
-// Vertex shaders of the sides and caps of pieces, in the caller's render pass. The boundary of an L-twisted polygon crosses
-// itself as seen from light L. A piece is a segment of the border between its lit and dark parts. The indirect draws of
-// `piece_arguments` have an instance for each piece that `cut_edges` or `cut_quads` listed (shadow/lists.wgsl) for the only
-// caster of the group. A piece and the middle of its polygon make a front-facing triangle, whose caps are drawn. At its two
-// other edges it meets the triangles of other pieces, which count there with the opposite sign. So positions must be used as
-// listed, bit for bit.
-// docs/numerics/twisted-polygons.md, "Volumes of pieces".
+// Vertex shaders of the sides and caps of pieces, in the caller's render pass. The boundary of an L-twisted polygon
+// crosses itself as seen from light L. A piece is a segment of the border between its lit and dark parts
+// (shadow/lists.wgsl).
+// The indirect draws of `piece_arguments` have an instance for each piece that `cut_edges` or `cut_quads` listed for the
+// only caster of the group. A piece and the middle of its polygon make a front-facing triangle, whose caps are drawn.
+// At its two other edges a triangle meets the triangles of other pieces, which count there with the opposite sign. So
+// positions must be used as listed, bit for bit. docs/numerics/twisted-polygons.md, "Volumes of pieces".
 
 #import common/casters
 #import shadow/caster

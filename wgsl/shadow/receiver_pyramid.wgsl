@@ -1,9 +1,10 @@
 // Stages `receiver_depth` and `receiver_pyramid`: compute the receivers of a view from its depth buffer
 // (shadow/receivers.wgsl). A receiver is a pixel on which shadows may fall: each pixel that was drawn, and the sky if the
 // caller says so.
-// Dispatched once for each view with a depth buffer, before the stages of shadow volumes. `receiver_depth` has an invocation
-// a tile of 8 x 8 pixels. `receiver_pyramid` follows it with one workgroup. `choose` culls volumes without a receiver by the
-// result. So no depth may be too near and the box not too small.
+// Dispatched once for each view with a depth buffer, before the stages of shadow volumes. `receiver_depth` has an
+// invocation a tile of 8 x 8 pixels. `receiver_pyramid` follows it with one workgroup.
+// Reads: the depth texture. Writes: the words of the view in `receivers`.
+// `choose` culls volumes without a receiver. So no depth may be too near, and the box must not be too small.
 // docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters

@@ -1,10 +1,11 @@
-// Receivers of a view: the pixels on which shadows may fall, from the depth buffer that volumes are drawn against. The words
-// of a view are a head, then a pyramid of keys. A key is an integer that grows with the distance, for reversed and standard
-// depth. The first level of the pyramid has the farthest receiver of each tile of 8 x 8 pixels. Each further level has that
-// of four cells, up to one cell for all. The head has a box around all rays from the near rectangle to the receivers. The
-// near rectangle is what the camera sees of the near plane. `receiver_depth` and `receiver_pyramid` write these words,
-// `choose` reads them through shadow/visibility.wgsl. Keys have exactly the order of depths. A depth that is computed from a
-// key is never nearer than the receiver. docs/numerics/receivers.md, "Volumes without a receiver".
+// Receivers of a view: the pixels on which shadows may fall, from the depth buffer that volumes are drawn against. A view
+// has a head, then a pyramid of keys. A key is an integer that grows with the distance, for reversed and standard depth.
+// The first level of the pyramid has the farthest receiver of each tile of 8 x 8 pixels. Each further level has that of
+// four cells, up to one cell for all. The head has a box around all rays from the near rectangle to the receivers. The
+// near rectangle is what the camera sees of the near plane.
+// `receiver_depth` and `receiver_pyramid` write, `choose` reads through shadow/visibility.wgsl. Keys have exactly the
+// order of depths. A depth computed from a key is never nearer than the receiver. docs/numerics/receivers.md, "Volumes
+// without a receiver".
 
 struct ReceiverView {
   inverse: array<vec4<f32>, 4>, // Columns of the matrix from normalised device coordinates to the camera frame.

@@ -1,12 +1,13 @@
-// Stage `relist`: finds the lights whose lists of sides and caps are dirty, for a group of casters and a view. A list is
-// dirty if the silhouettes, the camera or its receivers changed. It empties these lists. All others are cached and drawn
-// again.
-// Dispatched before `bounds`, one workgroup for each group, light batch and view; an invocation is a light.
+// Stage `relist`: finds the lights whose lists of sides and caps are dirty, for a group of casters and a view, and
+// empties these lists. A list is dirty if the silhouettes, the camera or its receivers changed. All other lists are
+// cached and drawn again.
+// Dispatched before `bounds`, one workgroup for each group, light batch (up to 32 lights) and view; an invocation is a
+// light.
 // Reads: the encodes that made the silhouettes (`kept`), and the camera's version, which also changes with the receivers.
-// Writes: `listed`, from which versions lists are made; CHOICE_DIRTY, for `bounds`, `choose`, `caps` and `list_sides`. It
-// clears the exclusion bits of dirty lights. Versions are on the GPU beside the lists, so a dropped encoder leaves both
-// consistent.
-// docs/numerics/scene.md, "Cached results".
+// Writes: `listed`, the versions from which lists are made; CHOICE_DIRTY, for `bounds`, `choose`, `caps` and
+// `list_sides`. It clears the exclusion bits of dirty lights.
+// Versions are on the GPU beside the lists, so an encoder that is dropped changes neither. docs/numerics/scene.md,
+// "Cached results".
 
 #import shadow/choices
 #import shadow/shadow

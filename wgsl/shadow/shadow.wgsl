@@ -1,11 +1,10 @@
-// Structs and vertex arithmetic that all stages of shadow volumes share. `needs` imports this file, too. Rust has the same
-// structs in src/layout.rs, and a test compares them. A light is homogeneous, (x, y, z, w). A light at infinity has w = 0. A
-// vertex V of a volume has three forms:
-// * V itself;
-// * its far vertex, which lies on the ray from the light through V, at infinity or where the volume ends;
-// * V projected from the light onto the near plane. Each form must have the same bits in every draw, and in a caller's depth
-//   pass that computes `to_clip`. So all arithmetic is written out, and no expression may be rearranged.
-//   docs/numerics/shadow-volumes.md.
+// Structs and vertex arithmetic that all stages of shadow volumes share. `needs` imports this file, too. Rust has the
+// same structs in src/layout.rs, and a test compares them.
+// A light is homogeneous, (x, y, z, w). A light at infinity has w = 0. A vertex V of a volume has three forms: V itself,
+// its far vertex, and V projected from the light onto the near plane. The far vertex is on the ray from the light through
+// V, at infinity or where the volume ends.
+// Each form must have the same bits in every draw, and in a caller's depth pass that computes `to_clip`. So all
+// arithmetic is written out, and no expression may be rearranged. docs/numerics/shadow-volumes.md.
 
 #import common/casters
 
@@ -55,7 +54,9 @@ struct ShadowLight {
   // * Point light: the far vertex is the light plus (position - light) / end.
   // * Light at infinity: it is the position plus 1 / end times the direction away from the light.
   end: f32,
-  excludes: u32, // 1: the caster may have excluded faces for this light.
+  // 1: the caster may have excluded faces for this light. These are faces with the light in their plane, faces that are not
+  // finite, L-twisted polygons (shadow/lists.wgsl), and faces that the caller excludes.
+  excludes: u32,
   scale: f32, // The light of the table times `scale` is the light in `light`.
   // Rows x, y and w of the matrix of the light's frustum, for ZP+ as published. It maps (position in the camera frame, 1).
   frustum_x: vec4<f32>,

@@ -1,7 +1,10 @@
 // Stages `shadow_arguments` and `piece_arguments`: write the arguments of the indirect draws of the caller's render pass,
-// and count in the statistics what overflowed. `shadow_arguments` is dispatched after `list_sides` for each group of
-// casters, light batch and view, and writes the draws of sides and caps. `piece_arguments` follows it for groups whose only
-// caster is a mesh of polygons, and writes the draws of pieces. Each dispatch is one workgroup; an invocation is a light.
+// and count in the statistics what overflowed.
+// Dispatched for each group of casters, light batch (up to 32 lights) and view, one workgroup; an invocation is a light.
+// `shadow_arguments` follows `list_sides`. `piece_arguments` follows it for groups whose only caster is a mesh of
+// polygons.
+// Reads: the counts of lists (shadow/lists.wgsl), and choices. Writes: `shadow_draws` for sides and caps, `piece_draws`
+// for pieces.
 // The vertex shaders of sides.wgsl, cap_faces.wgsl and pieces.wgsl derive list entries from instance indices as they are
 // counted here: change both together.
 

@@ -1,9 +1,10 @@
-// Stage `stencil_bound`: computes an upper bound of the stencil counts of each light in each view. The caller learns from it
-// where the counting bits of the stencil may wrap around. Dispatched last, if the caller asks for a bound: a workgroup for
-// each light and view, an invocation a count batch. A count batch is casters that the stencil counts together.
-// Reads: the rows of bins (shadow/pencil.wgsl) from `stencil_pencil`, `stencil_crossings` and `piece_crossings`. Writes:
-// statistics. A count is at most half of the weights of the sides that cross its half plane, plus the faces of some casters
-// (AXIS_FACES). A bound may be too large, never too small. docs/numerics/receivers.md, "Bound on counts".
+// Stage `stencil_bound`: computes an upper bound of the stencil counts of each light in each view. The caller learns from
+// it where the counting bits of the stencil may wrap around.
+// Dispatched last, if the caller asks for a bound: a workgroup for each light and view, an invocation a count batch. A
+// count batch is casters that the stencil counts together.
+// Reads: rows of bins (shadow/pencil.wgsl), from `stencil_pencil`, `stencil_crossings` and `piece_crossings`.
+// Writes: statistics.
+// A bound may be too large, never too small. docs/numerics/receivers.md, "Bound on counts".
 
 #import shadow/pencil
 #import shadow/shadow

@@ -1,9 +1,11 @@
-// Stages `stencil_crossings` and `piece_crossings`: add the sides of shadow volumes to the bins of half planes that they may
-// cross (shadow/pencil.wgsl), for `stencil_bound`. Dispatched after `stencil_pencil`, if the caller asks for a bound, for
-// each group of casters, light batch and view. `piece_crossings` follows for groups whose only caster is a mesh of polygons.
-// A row of workgroups shares the lists of a light. If a list overflowed, they add more than crosses, so bounds may be too
-// large, never too small. Rows are sums of integers, so the result does not depend on the order of invocations.
-// docs/numerics/receivers.md, "Bound on counts".
+// Stages `stencil_crossings` and `piece_crossings`: add the sides of shadow volumes to the bins of half planes that they
+// may cross (shadow/pencil.wgsl), for `stencil_bound`.
+// Dispatched after `stencil_pencil`, if the caller asks for a bound, for each group of casters, light batch (up to 32
+// lights) and view. `piece_crossings` follows for groups whose only caster is a mesh of polygons. A row of workgroups
+// shares the lists of a light.
+// Reads: pencils, lists of sides or pieces, positions, boxes, choices. Writes: `crossings`.
+// If a list overflowed, more is added than crosses: bounds may be too large, never too small. Rows are sums of integers,
+// so the result does not depend on the order of invocations. docs/numerics/receivers.md, "Bound on counts".
 
 #import common/extraction
 #import shadow/caster

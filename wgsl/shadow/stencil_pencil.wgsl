@@ -1,10 +1,11 @@
-// Stage `stencil_pencil`: chooses a pencil of half planes for each light and view, from which `stencil_bound` bounds stencil
-// counts (shadow/pencil.wgsl). Dispatched after `shadow_arguments`, if the caller asks for a bound: a workgroup for each
-// light and view, which shares all casters.
+// Stage `stencil_pencil`: chooses a pencil of half planes for each light and view, from which `stencil_bound` bounds
+// stencil counts (shadow/pencil.wgsl).
+// Dispatched after `shadow_arguments`, if the caller asks for a bound: a workgroup for each light and view, which shares
+// all casters.
 // Reads: choices, and boxes of the casters that cast for the light and view.
-// Writes: the pencil, and ALL_FACES and AXIS_FACES of its rows, which must be zeros before. `stencil_crossings` and
-// `piece_crossings` add to the same rows. Tests of boxes have slack, so no caster that the axis meets is missed.
-// docs/numerics/receivers.md, "Bound on counts".
+// Writes: the pencil; ALL_FACES and AXIS_FACES of its rows, which must be zeros before. `stencil_crossings` and
+// `piece_crossings` add to the same rows.
+// Tests of boxes have slack, so no caster that the axis meets is missed. docs/numerics/receivers.md, "Bound on counts".
 
 #import common/casters
 #import shadow/caster

@@ -1,12 +1,13 @@
-// Vertices of sides and caps of shadow volumes, in clip space, for the vertex shaders `sides`, `cap_faces` and `pieces`. A
-// side is the quad from an edge away from the light. A light cap is a face. A dark cap is the same face at the far end of
-// the volume. A near cap is the part of a face between light and near plane, projected from the light onto that plane.
-// Shapes clipped at the near plane are polygons of up to five vertices, drawn as strips. Volumes are watertight: shapes that
-// meet at an edge have equal bits there. Both take the ends of the edge in the order of their vertex indices (`is_ordered`),
-// and both call the functions of shadow/shadow.wgsl. No expression may differ between them. If TRIM is set, polygons are cut
-// at the frustum, for drivers that clip slivers wrongly. docs/numerics/shadow-volumes.md, "Closed volumes", and
-// docs/numerics/rasterisers.md, "Clipped slivers". The last part is ZP+ as published in 2005. A comment `Turns:` says how
-// many iterations the loop below it has at most. A loop between constants needs none.
+// Vertices of sides and caps of shadow volumes, in clip space, for the vertex shaders `sides`, `cap_faces` and `pieces`.
+// A side is the quad from an edge away from the light. A light cap is a face, a dark cap is the same face at the far end
+// of the volume. A near cap is the part of a face between light and near plane, projected from the light onto that plane.
+// Shapes clipped at the near plane are polygons of up to five vertices, drawn as strips.
+// Shapes that meet at an edge have equal bits there, so volumes are watertight. Both take the ends of the edge in the
+// order of their vertex indices (`is_ordered`), and both call the functions of shadow/shadow.wgsl. No expression may
+// differ between them. docs/numerics/shadow-volumes.md, "Closed volumes".
+// If TRIM is set, polygons are cut at the frustum, for drivers that clip slivers wrongly. docs/numerics/rasterisers.md,
+// "Clipped slivers". The last part of the file is ZP+ as published in 2005. A comment `Turns:` says how many iterations
+// the loop below it has at most.
 
 #import common/casters
 #import shadow/shadow

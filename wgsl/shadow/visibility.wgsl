@@ -1,10 +1,12 @@
 // Tests by which casters and volumes are culled before anything is drawn: by light range, by view and by receivers. A
-// further test is whether a box or face may lie between light and near rectangle. The near rectangle is what the camera sees
-// of the near plane. `choose` calls all of them but `is_box_outside_view`, `caps` calls `pyramid_planes`, and `needs` the
-// tests by range and view. A box is an axis-aligned box around a caster, and its volume is the shadow volume of the whole
-// box. Every test has slack above its rounding errors. It says that something is outside only if this is certain, so nothing
-// visible is culled.
-// docs/numerics/shadow-volumes.md, "Slack of culling", and docs/numerics/receivers.md, "Volumes without a receiver".
+// further test is whether a box or face may lie between light and near rectangle. The near rectangle is what the camera
+// sees of the near plane. A box is the axis-aligned box of a caster, and its volume is the shadow volume of the whole
+// box.
+// `choose` calls all of them but `is_box_outside_view`, `caps` calls `pyramid_planes`, and `needs` the tests by range and
+// view.
+// Every test has slack above its rounding errors. It says that a box or volume is outside only if this is certain, so
+// nothing visible is culled. docs/numerics/shadow-volumes.md, "Slack of culling", and docs/numerics/receivers.md,
+// "Volumes without a receiver".
 
 #import common/casters
 #import shadow/receivers
