@@ -1,12 +1,11 @@
 // Stage `shadow_masks`: full-screen draws that turn the stencil counts of a scene's volumes into masks, for renderers
-// without a stencil. `SceneFrame::write_masks` records them. `mask_whole` is the vertex shader of all, with three vertices
-// an instance.
+// without a stencil. `SceneFrame::write_masks` records them. `mask_whole` is the vertex shader of all.
 // * `mask_depth` copies the caller's depth before the volumes are drawn. The copy is exact where the format has room.
 // * `mask_bit` adds the bit of a light where the stencil is not 0, after its volumes. The pipeline blends by addition.
-// * `mask_byte`, `mask_word` write 8 or 32 of the bits to the target, from sample 0. `mask_share` writes a light's share of
-//   samples.
-// * `mask_dark_bit`, `mask_dark` write the bit or the share of a single light directly to the target, with the same stencil
-//   test. The variant SAMPLES is for multisampled textures, where each sample has depth, stencil and bits of its own.
+// * `mask_byte`, `mask_word` write 8 or 32 of the bits to the target, from sample 0.
+// * `mask_share` writes the share of the samples that have the bit of a light.
+// * `mask_dark_bit`, `mask_dark` write bit or share of a single light directly to the target, with the same stencil test.
+// The variant SAMPLES is for multisampled textures, where each sample has depth, stencil and bits of its own.
 // docs/numerics/rasterisers.md, "Copied depth".
 
 // The depth for `mask_depth`, else the bits, 8 lights a channel. Depth is read as floats, because OpenGL loads no texels of

@@ -2,11 +2,11 @@
 // lights), in a view. A side is the quad from an edge away from the light.
 // Dispatched after `caps` for each group of casters, light batch and view; a row of workgroups shares the edges of a
 // light.
-// Reads: choices, facing masks, excluded masks, and the silhouettes that `edges` listed. It goes over all edges instead
-// if that list overflowed or faces may be excluded (`ShadowLight::excludes`).
-// Writes: lists, in arbitrary order, for `shadow_arguments`, `sides` and `stencil_crossings`. Only dirty lists are
-// written.
-// The weight of an edge follows from the facing of its faces, as caps do, so that volumes are closed.
+// Reads: choices, facing masks, excluded masks, and the silhouettes that `edges` listed. If that list overflowed, or if
+// faces may be excluded (`ShadowLight::excludes`), the stage goes over all edges instead.
+// Writes: lists, in arbitrary order, for `shadow_arguments`, `sides` and `stencil_crossings`. Only dirty lists are written.
+// The weight of a side follows from the facing of both faces of its edge. Caps follow from the same bits, so volumes are
+// closed.
 // docs/numerics/watertight.md.
 
 #import common/casters
@@ -32,6 +32,7 @@ fn list_edge(slot: u32, bit: u32) {
   let caster = caster_of_slot(shape.edge_chunks_at, slot);
   let range = edge_range(caster);
   let edge = slot - range.x;
+  // The last chunk of a caster may have slots past its edges.
   if (edge >= range.y) {
     return;
   }
@@ -52,8 +53,8 @@ fn list_edge(slot: u32, bit: u32) {
 fn has_all_silhouettes(bit: u32) -> bool {
   // Words 4 to 7 of the first caster's choices.
   let group_words = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, 1u);
-  // Whether any light lies in the plane of a face. If not, a light in the box of a caster excludes no face. The statistics
-  // do not count cached facing, for which KEPT_ZEROS tells.
+  // Whether any light lies in the plane of a face. If not, a light in the box of a caster excludes no face. Word 3 is
+  // `exact_zeros`. It does not count cached facing, for which KEPT_ZEROS tells.
   let has_zeros = extraction_statistics[3] != 0u || silhouette_counts[KEPT_ZEROS] != 0u;
   let excluding_lights = group_words[CHOICE_DOES_EXCLUDE - 4u] |
     select(0u, group_words[CHOICE_MAY_EXCLUDE - 4u], has_zeros);
@@ -66,7 +67,7 @@ fn list_sides(
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) thread: u32,
 ) {
-  let bit = group.y;
+  let bit = group.y; // The light's index in the batch, and its bit in masks.
   let group_words = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, 1u);
   if (((group_words[CHOICE_DIRTY - 4u] >> bit) & 1u) == 0u) {
     return;

@@ -46,7 +46,7 @@ fn far_cap_kind(is_front_facing: bool, is_mirrored: bool) -> u32 {
   return FAR_CAPS + select(0u, 1u, is_front_facing == is_mirrored);
 }
 
-// Entries that the two lists have room for together to which a kind belongs.
+// The capacity of the range that holds the list of a kind and one other list.
 fn cap_capacity(kind: u32) -> u32 { return select(shape.near_capacity, shape.far_capacity, kind >= FAR_CAPS); }
 
 // The offset in `caps_listed` of an entry of a light's list of a kind. The second list of a range grows down from its end.

@@ -22,7 +22,7 @@ struct StencilPencil {
 
 const PENCIL_PARALLEL: u32 = 0u; // The light is at infinity. The half planes are parallel.
 const PENCIL_FAN: u32 = 1u; // The light is outside the box of all casters, which lie in the direction `forward`.
-const PENCIL_AROUND: u32 = 2u; // The light is in the box of all casters. The half planes go all around a coordinate axis.
+const PENCIL_AROUND: u32 = 2u; // The light is in the box of all casters. The axis is parallel to a coordinate axis.
 const BINS: u32 = 1024u;
 // A row of words for each pencil and count batch. Word n is the weight that begins in bin n less the weight that ends in bin
 // n - 1. A word for the last end follows, then these:
@@ -70,7 +70,7 @@ fn can_axis_meet_box(position: vec3<f32>, axis: u32, low: vec3<f32>, high: vec3<
   return all(is_within);
 }
 
-// The coordinate axis that a pencil of kind PENCIL_AROUND goes around.
+// The coordinate axis to which the axis of a pencil of kind PENCIL_AROUND is parallel.
 fn axis_of_pencil(pencil: StencilPencil) -> u32 {
   let used = abs(pencil.forward) + abs(pencil.aside);
   return select(select(2u, 1u, used.y == 0.0), 0u, used.x == 0.0);

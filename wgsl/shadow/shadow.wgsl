@@ -57,7 +57,7 @@ struct ShadowLight {
   // 1: the caster may have excluded faces for this light. These are faces with the light in their plane, faces that are not
   // finite, L-twisted polygons (shadow/lists.wgsl), and faces that the caller excludes.
   excludes: u32,
-  scale: f32, // The light of the table times `scale` is the light in `light`.
+  scale: f32, // The caster's light in the scene table, times `scale`, is `light` (`light_for_caster`).
   // Rows x, y and w of the matrix of the light's frustum, for ZP+ as published. It maps (position in the camera frame, 1).
   frustum_x: vec4<f32>,
   frustum_y: vec4<f32>,
@@ -78,7 +78,7 @@ struct SeenLight {
 // A group of casters and a light batch, and the caller's options.
 struct ShadowShape {
   casters: u32, // Casters of all groups.
-  lights: u32, // Lights of all batches: the room for them.
+  lights: u32, // Lights of all batches.
   batches: u32, // Batches of up to 32 lights.
   faces: u32, // Face slots of the group.
   edges: u32, // Edge slots of the group.
@@ -123,7 +123,7 @@ struct ShadowDraw {
 
 const CAST_NOTHING: u32 = 0u;
 const CAST_AVERTED: u32 = 1u; // Back-facing faces cast.
-const CAST_EVERY: u32 = 2u;
+const CAST_EVERY: u32 = 2u; // Every face casts.
 const COUNT_Z_PASS: u32 = 0u;
 const COUNT_ZP_PLUS: u32 = 1u;
 const COUNT_Z_FAIL: u32 = 2u;

@@ -24,15 +24,15 @@ const THREADS: u32 = 256u;
 // The world-space box around all casters that cast: keys of the lowest corner, inverted, then of the highest. Keys are
 // integers with the order of floats.
 var<workgroup> box_keys: array<atomic<u32>, 6>;
-// For each coordinate axis how many faces are in casters that the line through the light in its direction may meet.
+// For each coordinate axis: the faces of all casters that the line through the light, parallel to this axis, may meet.
 var<workgroup> axis_faces: array<atomic<u32>, 3>;
 
 fn is_casting(caster: u32, light_index: u32, view: u32) -> bool {
   return ((choice_part(caster, light_index / 32u, view, 0u)[CHOICE_CASTS] >> (light_index % 32u)) & 1u) != 0u;
 }
 
-// The pencil of a light at infinity, or of one outside the box of all casters. If the light may be in the box, only the
-// kind, PENCIL_AROUND, and the position have a meaning.
+// The pencil of a light at infinity, or of one outside the box around all casters that cast. If the light may be in the box,
+// only the kind, PENCIL_AROUND, and the position have a meaning.
 fn pencil_of_outer_light(light: vec4<f32>, low: vec3<f32>, high: vec3<f32>) -> StencilPencil {
   var pencil = StencilPencil();
   pencil.forward = -light.xyz;
@@ -48,7 +48,8 @@ fn pencil_of_outer_light(light: vec4<f32>, low: vec3<f32>, high: vec3<f32>) -> S
     return pencil;
   }
   pencil.forward = pencil.forward / size;
-  // `aside` is at right angles to `forward` and to the coordinate axis along which `forward` is smallest.
+  // `aside` is at right angles to `forward` and to the coordinate axis along which `forward` is smallest. The axis of the
+  // pencil is at right angles to both.
   let a = abs(pencil.forward);
   pencil.aside = vec3<f32>(0.0, pencil.forward.z, -pencil.forward.y);
   if (a.y <= a.x && a.y <= a.z) {
@@ -67,7 +68,7 @@ fn pencil_of_outer_light(light: vec4<f32>, low: vec3<f32>, high: vec3<f32>) -> S
   return pencil;
 }
 
-// The pencil around the coordinate axis that may meet the fewest faces.
+// The pencil around the parallel to a coordinate axis that may meet the fewest faces.
 fn pencil_around_axis(light_position: vec3<f32>) -> StencilPencil {
   let faces = vec3<u32>(atomicLoad(&axis_faces[0]), atomicLoad(&axis_faces[1]), atomicLoad(&axis_faces[2]));
   var pencil = StencilPencil();

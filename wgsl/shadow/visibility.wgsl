@@ -19,14 +19,14 @@ const SLACK: f32 = 4e-6;
 // Whether a value is certainly negative.
 fn is_negative(value: f32, terms: f32) -> bool { return value < -SLACK * terms; }
 
-// Heights of a position over the planes of the pyramid with the light as its apex and the near rectangle as its base.
+// A position relative to the pyramid with the light as its apex and the near rectangle as its base.
 struct PyramidPlanes {
-  // Heights over the planes through the light and the left, right, bottom and top side of the near rectangle. Negative:
-  // outside.
+  // Distances from the planes through the light and the left, right, bottom and top side of the near rectangle, times some
+  // positive factor. Negative: outside.
   side_heights: vec4<f32>,
-  side_terms: vec4<f32>,
-  depth: f32, // The height over the near plane, negative on the side away from the light.
-  depth_terms: f32,
+  side_terms: vec4<f32>, // The terms of `side_heights`.
+  depth: f32, // The distance from the near plane. Negative: on the side away from the light.
+  depth_terms: f32, // The terms of `depth`.
 }
 
 // The terms of a position's clip coordinates. `q` has the absolute values, or the terms, of the position in the camera
