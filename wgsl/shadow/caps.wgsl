@@ -74,8 +74,8 @@ fn load_volume_end(caster: u32, light_index: u32) -> f32 {
   if (!has_measures()) {
     return 0.0;
   }
-  let measures = CHOICE_WORDS * shape.views * shape.batches * shape.casters;
-  return bitcast<f32>(atomicLoad(&choices[measures + 2u * measure_index(caster, light_index, draw.view)]));
+  let measures_offset = CHOICE_WORDS * shape.views * shape.batches * shape.casters;
+  return bitcast<f32>(atomicLoad(&choices[measures_offset + 2u * measure_index(caster, light_index, draw.view)]));
 }
 
 // Appends a face to a list of a light. If the list is full, only its count grows.

@@ -142,33 +142,33 @@ fn choose_by_box(
   return light;
 }
 
-// Counts cached choices in the statistics. `words` is the offset of the caster's choices, `measures` that of its measures.
-fn count_cached_choices(words: u32, light_mask: u32, measures: u32) {
-  if ((atomicLoad(&choices[words + CHOICE_CASTS]) & light_mask) == 0u) {
+// Counts cached choices in the statistics. The offsets are those of the caster's choices and measures.
+fn count_cached_choices(choices_offset: u32, light_mask: u32, measures_offset: u32) {
+  if ((atomicLoad(&choices[choices_offset + CHOICE_CASTS]) & light_mask) == 0u) {
     atomicAdd(&shadow_statistics.skipped, 1u);
     return;
   }
-  if ((atomicLoad(&choices[words + CHOICE_EVERY_FACE]) & light_mask) != 0u) {
+  if ((atomicLoad(&choices[choices_offset + CHOICE_EVERY_FACE]) & light_mask) != 0u) {
     atomicAdd(&shadow_statistics.every_face, 1u);
   }
-  if (has_measures() && bitcast<f32>(atomicLoad(&choices[measures])) > 0.0) {
+  if (has_measures() && bitcast<f32>(atomicLoad(&choices[measures_offset])) > 0.0) {
     atomicAdd(&shadow_statistics.ended, 1u);
   }
 }
 
 // Chooses for a caster, a light and a view, and writes the choices.
 fn choose_for_light(caster: u32, light_index: u32, view_index: u32) {
-  let words = CHOICE_WORDS * choice_index(caster, light_index / 32u, view_index);
+  let choices_offset = CHOICE_WORDS * choice_index(caster, light_index / 32u, view_index);
   let light_mask = 1u << (light_index % 32u);
-  let measures = CHOICE_WORDS * shape.views * shape.batches * shape.casters +
+  let measures_offset = CHOICE_WORDS * shape.views * shape.batches * shape.casters +
     2u * measure_index(caster, light_index, view_index);
-  let group_words = CHOICE_WORDS * choice_index(first_caster_of_group(caster), light_index / 32u, view_index);
-  let is_dirty = (atomicLoad(&choices[group_words + CHOICE_DIRTY]) & light_mask) != 0u;
+  let group_offset = CHOICE_WORDS * choice_index(first_caster_of_group(caster), light_index / 32u, view_index);
+  let is_dirty = (atomicLoad(&choices[group_offset + CHOICE_DIRTY]) & light_mask) != 0u;
   // Clears earlier choices. A caster that did not cast has none.
-  if (is_dirty && (atomicLoad(&choices[words + CHOICE_CASTS]) & light_mask) != 0u) {
+  if (is_dirty && (atomicLoad(&choices[choices_offset + CHOICE_CASTS]) & light_mask) != 0u) {
     // Turns: 8.
     for (var word = CHOICE_CASTS; word <= CHOICE_EXCLUDES; word++) {
-      atomicAnd(&choices[words + word], ~light_mask);
+      atomicAnd(&choices[choices_offset + word], ~light_mask);
     }
   }
   if ((lit[light_index / 32u * shape.casters + caster] & light_mask) == 0u) {
@@ -183,7 +183,7 @@ fn choose_for_light(caster: u32, light_index: u32, view_index: u32) {
     return;
   }
   if (!is_dirty) {
-    count_cached_choices(words, light_mask, measures);
+    count_cached_choices(choices_offset, light_mask, measures_offset);
     return;
   }
   let view = view_for_caster(caster, seen[entry].view);
@@ -220,26 +220,26 @@ fn choose_for_light(caster: u32, light_index: u32, view_index: u32) {
   if (light.end > 0.0) {
     atomicAdd(&shadow_statistics.ended, 1u);
   }
-  atomicOr(&choices[words + CHOICE_CASTS], light_mask);
+  atomicOr(&choices[choices_offset + CHOICE_CASTS], light_mask);
   if (light.casting == CAST_EVERY) {
-    atomicOr(&choices[words + CHOICE_EVERY_FACE], light_mask);
+    atomicOr(&choices[choices_offset + CHOICE_EVERY_FACE], light_mask);
     atomicAdd(&shadow_statistics.every_face, 1u);
   }
   if (light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PLUS_2005) {
-    atomicOr(&choices[words + CHOICE_NEAR_CAP], light_mask);
+    atomicOr(&choices[choices_offset + CHOICE_NEAR_CAP], light_mask);
   }
   if (has_twisted_polygon(caster, light_index) && light.counting == COUNT_ZP_PLUS) {
     // `caps` lists no near caps of pieces, so it cannot set this bit for them.
-    atomicOr(&choices[words + CHOICE_LISTED_NEAR_CAP], light_mask);
+    atomicOr(&choices[choices_offset + CHOICE_LISTED_NEAR_CAP], light_mask);
   }
   if (light.excludes != 0u) {
-    atomicOr(&choices[words + CHOICE_EXCLUDES], light_mask);
+    atomicOr(&choices[choices_offset + CHOICE_EXCLUDES], light_mask);
     let does_exclude = bounding_box.has_holes || is_excluding || has_twisted_polygon(caster, light_index);
-    atomicOr(&choices[group_words + select(CHOICE_MAY_EXCLUDE, CHOICE_DOES_EXCLUDE, does_exclude)], light_mask);
+    atomicOr(&choices[group_offset + select(CHOICE_MAY_EXCLUDE, CHOICE_DOES_EXCLUDE, does_exclude)], light_mask);
   }
   if (has_measures()) {
-    atomicStore(&choices[measures], bitcast<u32>(light.end));
-    atomicStore(&choices[measures + 1u], bitcast<u32>(light.frustum_near));
+    atomicStore(&choices[measures_offset], bitcast<u32>(light.end));
+    atomicStore(&choices[measures_offset + 1u], bitcast<u32>(light.frustum_near));
   }
 }
 

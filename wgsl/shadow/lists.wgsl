@@ -1,5 +1,5 @@
-// Lists of what is drawn for each light of a batch (up to 32 lights) in a view: faces with caps, edges with sides, and
-// pieces. Pieces are parts of L-twisted polygons. The boundary of an L-twisted polygon crosses itself as seen from light
+// Lists of what is drawn for each light of a batch (up to 32 lights) in a view: faces with caps, edges with sides, pieces.
+// Pieces are parts of L-twisted polygons. The boundary of an L-twisted polygon crosses itself as seen from light
 // L.
 // `caps` and `list_sides` write the lists of faces and edges, `cut_edges` and `cut_quads` those of pieces. Stages that
 // make draw arguments or bound counts read them, and so do vertex shaders. The order in a list is arbitrary. Two lists of

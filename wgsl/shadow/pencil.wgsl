@@ -1,10 +1,9 @@
-// Bins of half planes, from which `stencil_bound` bounds stencil counts if the caller asks for a bound. A pencil is all
-// half planes that begin at one line through the light, its axis. Each half plane has a key, and bins are ranges of keys.
-// A stencil count belongs to the ray from the light to a position, which lies in one half plane. It is at most half of
-// the weights of the sides that cross the half plane, plus the faces of casters that the axis may meet.
-// `stencil_pencil` chooses a pencil for each light and view, `stencil_crossings` and `piece_crossings` add sides to bins,
-// `stencil_bound` reads the bins. A side may be added to too many bins, never to too few. docs/numerics/receivers.md,
-// "Bound on counts".
+// Bins of half planes, from which `stencil_bound` bounds stencil counts if the caller asks for a bound. A pencil is all half
+// planes that begin at one line through the light, its axis. Each half plane has a key, and bins are ranges of keys. A
+// stencil count belongs to the ray from the light to a position, which lies in one half plane. It is at most half of the
+// weights of sides that cross the half plane, plus the faces of casters that the axis may meet. `stencil_pencil` chooses a
+// pencil for each light and view, `stencil_crossings` and `piece_crossings` add sides to bins, `stencil_bound` reads the
+// bins. A side may be added to too many bins, never to too few. docs/numerics/receivers.md, "Bound on counts".
 //
 // Expects: `shape`, and, where sides are added, `crossings`, the rows of bins of all pencils.
 

@@ -50,10 +50,10 @@ fn relist(@builtin(local_invocation_index) bit: u32) {
   }
   workgroupBarrier();
   if (bit == 0u) {
-    let group_words = CHOICE_WORDS * choice_index(shape.first_caster, draw.first_light / 32u, draw.view);
+    let group_offset = CHOICE_WORDS * choice_index(shape.first_caster, draw.first_light / 32u, draw.view);
     let mask = atomicLoad(&dirty_lights);
-    atomicStore(&choices[group_words + CHOICE_DIRTY], mask);
-    atomicAnd(&choices[group_words + CHOICE_MAY_EXCLUDE], ~mask);
-    atomicAnd(&choices[group_words + CHOICE_DOES_EXCLUDE], ~mask);
+    atomicStore(&choices[group_offset + CHOICE_DIRTY], mask);
+    atomicAnd(&choices[group_offset + CHOICE_MAY_EXCLUDE], ~mask);
+    atomicAnd(&choices[group_offset + CHOICE_DOES_EXCLUDE], ~mask);
   }
 }

@@ -283,8 +283,8 @@ fn side_vertex(view: ShadowView, light: ShadowLight, first: vec3<f32>, second: v
   return far_vertex(view, light, position);
 }
 
-// A side clipped at the near plane, as a strip of five vertices. `is_ordered`: the first end has the lower vertex index. The
-// boundary of the quad is walked from the first end to the second, then back along the far vertices.
+// A side clipped at the near plane, as a strip of five vertices. `is_ordered`: the first end has the lower vertex index. Its
+// vertices follow the boundary of the quad: from the first end to the second, then back along the far vertices.
 fn clipped_side_vertex(
   view: ShadowView,
   light: ShadowLight,
