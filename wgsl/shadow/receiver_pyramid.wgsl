@@ -65,7 +65,8 @@ fn receiver_depth(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_wor
 // Stage `receiver_pyramid`: writes the further levels, and the head with the box around all rays from the near rectangle to
 // the receivers. The near rectangle is what the camera sees of the near plane. The box has slack above its rounding errors.
 
-const MOST_BOXED: u32 = 1024u; // The box is computed from the first level with at most this many cells.
+// The box is computed from the first level with at most this many cells.
+const MOST_BOXED: u32 = 1024u;
 // The slack of the product of matrix and vector, relative to the sum of the absolute terms. It is above the rounding errors.
 const UNPROJECTION_SLACK: f32 = 1e-5;
 // Keys of the lowest corner of the box, inverted, then of the highest. Keys are integers with the order of floats.

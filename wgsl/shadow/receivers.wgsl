@@ -21,7 +21,8 @@ struct ReceiverView {
 // Words of the head. 0, 1: tiles across and down. 2, 3: pixels across and down. 4: key of the farthest receiver. 5: whether
 // the box is finite. 6 to 8: lowest corner of the box. 9 to 11: highest corner. The others are not used.
 const RECEIVERS_HEAD: u32 = 16u;
-const TILE: u32 = 8u; // Pixels of a tile, across and down.
+// Pixels of a tile, across and down.
+const TILE: u32 = 8u;
 
 // The key of a depth, at least 1. 0 is the key of no receiver. `near_z` is the depth of the near plane.
 fn receiver_key(depth: f32, near_z: f32) -> u32 {
