@@ -1,6 +1,7 @@
 // Lookups of casters for the stages of shadow volumes, in the scene table, where a caster has eight vec4s
 // (`SceneCaster`). A group is the casters that are drawn together. A slot is the index of a face or edge in the group's
-// masks. A chunk is 64 slots of one caster.
+// masks. A chunk is 64 slots of one caster. A page is the
+// buffers with the topology of many meshes.
 // Positions of rigid casters are in mesh space, those of all other casters in world space. Boxes, views and lights from
 // here are in the space of the caster's positions, so a stage must take all three from here.
 //

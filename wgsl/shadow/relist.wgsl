@@ -15,8 +15,8 @@
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> seen: array<SeenLight>; // For each view all lights.
-// Versions of the scene. From `shape.lists_at` on it has the encode that made the silhouette list of each light of the
-// batch.
+// Versions of the scene. A version is the number of an encode, a call of `Scene::encode`. From `shape.lists_at` on it has
+// the encode that made the silhouette list of each light of the batch.
 @group(0) @binding(3) var<storage, read> kept: array<u32>;
 // For each group, batch, view and light what its lists were made from. x: the encode of its silhouettes. y: the camera's
 // version.
