@@ -76,7 +76,7 @@ struct EdgeSide {
   winding: bool, // If set, (b, a, far a, far b) is counter-clockwise as seen from outside the volume.
 }
 
-// What a face adds to the multiplicities of its edges where every face casts. An excluded face adds nothing.
+// The summand of a face in the multiplicities of its edges, where every face casts. It is 0 for an excluded face.
 fn face_sign(is_front_facing: bool, is_excluded: bool) -> i32 {
   return select(select(-1, 1, is_front_facing), 0, is_excluded);
 }

@@ -8,7 +8,7 @@
 
 #import common/casters
 
-// What the stages of a frame counted. A pair is a caster and a light, in one view.
+// Counts of the stages, for one frame. A pair is a caster and a light, in one view.
 struct ShadowStatistics {
   skipped: atomic<u32>, // Pairs whose light affects the caster, but whose volume is culled.
   every_face: atomic<u32>, // Pairs for which every face casts.
