@@ -85,7 +85,7 @@ fn parts(a: i32, count: i32) -> i32 {
 // next to 0 would be at the far end. Keys (samples.wgsl) have depths from 0 to 1: a negative one counts as 0, more than 1 as 1,
 // and NaN as far.
 fn distance_at(at: vec2<i32>) -> i32 {
-  let key = key_at(vec2<u32>(at));
+  let key = load_key(vec2<u32>(at));
   let bits = depth_bits(key);
   let word = (bits & 0x007fffffu) | 0x00800000u;
   let exponent = bits >> 23u;

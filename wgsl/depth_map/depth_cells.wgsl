@@ -41,8 +41,8 @@ struct Column {
 
 fn column_at(at: vec2<u32>) -> Column {
   let down = vec2<u32>(0u, 1u);
-  let upper = vec4<u32>(key_at(at), key_at(at + down), key_at(at + 2u * down), key_at(at + 3u * down));
-  return Column(upper, vec4<u32>(upper.yzw, key_at(at + 4u * down)));
+  let upper = vec4<u32>(load_key(at), load_key(at + down), load_key(at + 2u * down), load_key(at + 3u * down));
+  return Column(upper, vec4<u32>(upper.yzw, load_key(at + 4u * down)));
 }
 
 // Which of the edges between samples are marked.

@@ -106,9 +106,9 @@ fn leaves_map(at: vec2<u32>, by: vec2<u32>) -> bool {
 
 // The samples before an edge, at its ends and after it, from left to right or from the top. Beside a map nothing casts.
 fn keys_along(at: vec2<u32>, step: vec2<u32>) -> vec4<u32> {
-  let before = select(key_at(at - step), FAR_KEY, depth_map.faces > 1u && any(at % depth_map.size < step));
-  let after = select(key_at(at + 2u * step), FAR_KEY, leaves_map(at, 2u * step));
-  return vec4<u32>(before, key_at(at), key_at(at + step), after);
+  let before = select(load_key(at - step), FAR_KEY, depth_map.faces > 1u && any(at % depth_map.size < step));
+  let after = select(load_key(at + 2u * step), FAR_KEY, leaves_map(at, 2u * step));
+  return vec4<u32>(before, load_key(at), load_key(at + step), after);
 }
 
 // Bits of what the difference of two depths may be off by. `large`: bits of the larger.
@@ -211,8 +211,8 @@ struct Column {
 fn column_at(at: vec2<u32>) -> Column {
   let down = vec2<u32>(0u, 1u);
   return Column(
-    vec4<u32>(key_at(at), key_at(at + down), key_at(at + 2u * down), key_at(at + 3u * down)),
-    vec3<u32>(key_at(at - down), key_at(at + 4u * down), key_at(at + 5u * down)));
+    vec4<u32>(load_key(at), load_key(at + down), load_key(at + 2u * down), load_key(at + 3u * down)),
+    vec3<u32>(load_key(at - down), load_key(at + 4u * down), load_key(at + 5u * down)));
 }
 
 // Four edges beside each other, by the samples before them, at their ends and after them.

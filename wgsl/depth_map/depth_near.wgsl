@@ -54,7 +54,7 @@ fn depth_near(@builtin(local_invocation_index) local: u32) {
   var nearest = FAR_KEY;
   // Turns: NEAR_SAMPLES / INVOCATIONS.
   for (var number = local; number < near.size.x * near.size.y; number += INVOCATIONS) {
-    nearest = min(nearest, key_at(sample_of_box(number)));
+    nearest = min(nearest, load_key(sample_of_box(number)));
   }
   if (nearest <= near.key) {
     atomicStore(&found, 1u);

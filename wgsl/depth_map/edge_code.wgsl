@@ -135,7 +135,7 @@ fn edges_around(at: vec2<u32>, keys: vec4<u32>) -> u32 {
       first = (edge - 4u) / 2u;
       let out = sample_of_cell(first) * 2u - 1u;
       there = at + sample_of_cell(first) + select(vec2<u32>(0u, out.y), vec2<u32>(out.x, 0u), edge % 2u == 0u);
-      key = key_at(there);
+      key = load_key(there);
     }
     var is_edge = is_marked(keys[first], key);
     if (OBJECTS && depth_map.objects != 0u && keys[first] != FAR_KEY && key != FAR_KEY) {
@@ -187,7 +187,7 @@ fn corner_of_cell(cell: u32) -> vec2<u32> {
 
 fn keys_of_cell(at: vec2<u32>) -> vec4<u32> {
   return vec4<u32>(
-    key_at(at), key_at(at + vec2<u32>(1u, 0u)), key_at(at + vec2<u32>(0u, 1u)), key_at(at + vec2<u32>(1u, 1u)));
+    load_key(at), load_key(at + vec2<u32>(1u, 0u)), load_key(at + vec2<u32>(0u, 1u)), load_key(at + vec2<u32>(1u, 1u)));
 }
 
 // The entry of a cell, listed or not.

@@ -87,7 +87,7 @@ fn depth_metric(
       if (metric_view.metric != 0u) {
         key = distance_key(bits, steps);
       }
-      textureStore(converted_texture, at, vec4<f32>(bitcast<f32>(bits_of_key(key)), 0.0, 0.0, 0.0));
+      textureStore(converted_texture, at, vec4<f32>(bitcast<f32>(depth_bits_or_far(key)), 0.0, 0.0, 0.0));
     }
   }
 }
@@ -112,9 +112,9 @@ fn depth_merge(
     let texel = block * BLOCK + local;
     let at = vec2<u32>(texel % depth_map.size.x, texel / depth_map.size.x);
     if (at.y < depth_map.size.y) {
-      let first = key_at(at + 1u);
+      let first = load_key(at + 1u);
       let second = sample_key(bitcast<u32>(textureLoad(second_texture, at, 0).x));
-      textureStore(merged_texture, at, vec4<f32>(bitcast<f32>(bits_of_key(min(first, second))), 0.0, 0.0, 0.0));
+      textureStore(merged_texture, at, vec4<f32>(bitcast<f32>(depth_bits_or_far(min(first, second))), 0.0, 0.0, 0.0));
     }
   }
 }
@@ -212,19 +212,19 @@ fn depth_cube(
     let texel = block * BLOCK + local;
     let at = vec2<u32>(texel % (3u * side), texel / (3u * side));
     if (at.y < 2u * side) {
-      let direction = direction_of(at.x / side + 3u * (at.y / side), at % side);
+      let direction = sample_direction(at.x / side + 3u * (at.y / side), at % side);
       var key = FAR_KEY;
       var nearest = 6u;
       for (var face = 0u; face < 6u; face++) {
         if (has_direction(face, direction)) {
-          let own = key_of_face(face, sample_of(face, direction));
+          let own = key_of_face(face, sample_in_direction(face, direction));
           nearest = select(nearest, face, own < key);
           key = min(key, own);
         }
       }
-      textureStore(cube_texture, at, vec4<f32>(bitcast<f32>(bits_of_key(key)), 0.0, 0.0, 0.0));
+      textureStore(cube_texture, at, vec4<f32>(bitcast<f32>(depth_bits_or_far(key)), 0.0, 0.0, 0.0));
       if (OBJECTS && nearest < 6u) {
-        textureStore(cube_objects, at, vec4<u32>(object_of_face(nearest, sample_of(nearest, direction)), 0u, 0u, 0u));
+        textureStore(cube_objects, at, vec4<u32>(object_of_face(nearest, sample_in_direction(nearest, direction)), 0u, 0u, 0u));
       }
     }
   }

@@ -63,11 +63,11 @@ fn slope_to(key: u32, first: u32, second: u32) -> f32 {
 // The slope at a sample along one axis. A boundary that is moved sideways leaves the surface on either side, so there the
 // larger counts.
 fn slope_along(at: vec2<u32>, step: vec2<u32>) -> f32 {
-  let key = key_at(at);
-  let before = key_at(at - step);
-  let after = key_at(at + step);
+  let key = load_key(at);
+  let before = load_key(at - step);
+  let after = load_key(at + step);
   if (depth_map.spread != 0u) {
-    return max(slope_to(key, before, key_at(at - 2u * step)), slope_to(key, after, key_at(at + 2u * step)));
+    return max(slope_to(key, before, load_key(at - 2u * step)), slope_to(key, after, load_key(at + 2u * step)));
   }
   return slope(key, before, after);
 }
@@ -104,12 +104,12 @@ fn slopes(at: vec2<u32>) -> f32 {
   if (depth_map.faces > 1u) {
     let own = cube_sample(at);
     if (is_on_border(own.at)) {
-      let direction = direction_of(own.face, own.at);
+      let direction = sample_direction(own.face, own.at);
       var most = 0.0;
       for (var face = 0u; face < 6u; face++) {
         if (has_direction(face, direction)) {
           let corner = vec2<u32>(face % 3u, face / 3u) * depth_map.size.x;
-          most = max(most, slopes_in_map(corner + sample_of(face, direction)));
+          most = max(most, slopes_in_map(corner + sample_in_direction(face, direction)));
         }
       }
       return most;
@@ -136,11 +136,11 @@ fn view_of(at: vec2<u32>) -> vec3<i32> {
   }
   var own = cube_sample(at);
   if (is_on_border(own.at)) {
-    let direction = direction_of(own.face, own.at);
+    let direction = sample_direction(own.face, own.at);
     // Turns: 5.
     for (var face = 0u; face < own.face; face++) {
       if (has_direction(face, direction)) {
-        own = CubeSample(face, sample_of(face, direction));
+        own = CubeSample(face, sample_in_direction(face, direction));
       }
     }
   }
@@ -149,7 +149,7 @@ fn view_of(at: vec2<u32>) -> vec3<i32> {
 
 // The vertex of a sample, in the eye's clip space.
 fn surface_vertex(at: vec2<u32>) -> vec4<f32> {
-  let key = key_at(at);
+  let key = load_key(at);
   let own = view_of(at);
   let place = vec2<f32>(own.xy);
   let view = views[own.z];
@@ -176,7 +176,7 @@ struct SurfaceVertex {
 
 // The depth of a sample in the plane of a triangle. A parallel light has none for far samples.
 fn plane_depth(at: vec2<u32>) -> f32 {
-  let key = key_at(at);
+  let key = load_key(at);
   if (key == FAR_KEY) {
     let view = view_of(at);
     return dot(views[view.z].infinity.xyz, vec3<f32>(vec2<f32>(view.xy), 1.0));
@@ -250,7 +250,7 @@ fn is_behind_triangle(found: NearPlace) -> bool {
   for (var number = 0u; number < 4u; number++) {
     if (shares[number] > 0.0) {
       let sample = at + vec2<u32>(number & 1u, number >> 1u);
-      if (views[0].infinity.w != 0.0 && key_at(sample) == FAR_KEY) {
+      if (views[0].infinity.w != 0.0 && load_key(sample) == FAR_KEY) {
         return false;
       }
       depth += shares[number] * plane_depth(sample);
