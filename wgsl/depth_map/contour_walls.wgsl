@@ -77,20 +77,20 @@ fn cross_product(a: vec2<i32>, b: vec2<i32>) -> i32 {
 
 // Whether the edge of a step lies on the border of a tile, where walks end.
 fn is_border(step: Step) -> bool {
-  let at = edge_of_cell(step.cell, step.bit);
+  let at = first_sample_of_edge(step.cell, step.bit);
   return select(at.y, at.x, (step.bit & 1u) == 1u) % TILE == 0;
 }
 
 // Whether contours end or meet in a cell: one, three or four of its edges are marked.
 fn is_star(cell: vec2<i32>) -> bool {
-  let edges = countOneBits(code_of_cell(cell));
+  let edges = countOneBits(load_edge_code(cell));
   return edges != 0u && edges != 2u;
 }
 
 // The cell that a step leads to, and the way out of it if a contour goes through.
 fn followed(step: Step) -> Step {
-  let there = step.cell + out_of(step.bit);
-  let others = code_of_cell(there) & ~(1u << ((step.bit + 2u) & 3u));
+  let there = step.cell + step_across(step.bit);
+  let others = load_edge_code(there) & ~(1u << ((step.bit + 2u) & 3u));
   return Step(there, countTrailingZeros(others) & 3u);
 }
 
@@ -103,7 +103,7 @@ fn number_of(cell: vec2<i32>, bit: u32, is_of_star: bool) -> u32 {
 const NO_END: u32 = 0xffffffffu;
 
 // Walks to the next border or star, and gives the number of the step or star there, 0 for a loop. With `least`: 0 if the walk
-// comes back to its cell and meets none of a smaller number before, else NO_END.
+// comes back to its cell and meets none of a minmod number before, else NO_END.
 fn end_of(start: Step, least: bool) -> u32 {
   var step = start;
   // Turns: TILE_CELLS + 1.
@@ -143,7 +143,7 @@ fn with_corner(total: i32, cell: vec2<i32>, number: u32, samples: u32, shift: u3
   if (((samples >> number) & 1u) == 0u) {
     return total;
   }
-  let own = moved_distance(cell + corner_offset(number));
+  let own = biased_distance(cell + corner_offset(number));
   return select(total + (own >> shift), FAR, total == FAR || own == FAR);
 }
 
@@ -168,7 +168,7 @@ fn next_copy(edge: vec3<i32>, here: i32, to: i32) -> i32 {
   if (edge.z != 2) {
     return to;
   }
-  let code = code_of_cell(edge.xy);
+  let code = load_edge_code(edge.xy);
   let one = nearer_copy(edge.xy, code, 0u, here, to);
   let two = nearer_copy(edge.xy, code, 1u, here, one);
   let three = nearer_copy(edge.xy, code, 2u, here, two);
@@ -179,10 +179,10 @@ fn next_copy(edge: vec3<i32>, here: i32, to: i32) -> i32 {
 fn add_node(count: u32, kind: u32, step: Step) {
   let at = slot(count);
   let is_edge = kind == EDGE;
-  let first = edge_of_cell(step.cell, step.bit);
+  let first = first_sample_of_edge(step.cell, step.bit);
   let axis = step.bit & 1u;
   if (!is_edge) {
-    let code = code_of_cell(step.cell);
+    let code = load_edge_code(step.cell);
     let own = vec2<i32>(
       middle_distance(step.cell, code, step.bit), middle_distance(step.cell, code, step.bit + 1u));
     ends[at] = vec4<i32>(step.cell * TEXEL + TEXEL / 2, select(own, own.yx, kind == ENTERED_STAR));
@@ -197,7 +197,7 @@ fn add_node(count: u32, kind: u32, step: Step) {
   let along = right - left;
   let of_left = select(TEXEL - i32(found), i32(found), all(left == first));
   // Walks to both sides take the same sample, of equal ones, too.
-  let distances = vec2<i32>(distance_at(left), distance_at(right));
+  let distances = vec2<i32>(load_distance(left), load_distance(right));
   let is_right = distances.y < distances.x || (distances.y == distances.x && all(right == first));
   var own = vec2<i32>();
   var goes_on = 0;
@@ -214,18 +214,18 @@ fn add_node(count: u32, kind: u32, step: Step) {
   let nearer = u32(is_right);
   own[nearer] = min(own[nearer], own[1u - nearer]);
   ends[at] = vec4<i32>(left * TEXEL + along * of_left, own);
-  let near = clamp(of_left - contour.sideways, LEAST, TEXEL - LEAST);
-  let far = clamp(of_left + contour.sideways, LEAST, TEXEL - LEAST);
+  let near = clamp(of_left - contour.sideways, CROSSING_MARGIN, TEXEL - CROSSING_MARGIN);
+  let far = clamp(of_left + contour.sideways, CROSSING_MARGIN, TEXEL - CROSSING_MARGIN);
   limits[at] = vec4<i32>(left * TEXEL + along * near, left * TEXEL + along * far);
   edges[at] = vec4<i32>(first, i32(axis), goes_on);
   var sample = select(left, right, is_right);
   // The surface goes on to the sample before.
   let out = select(along, -along, is_right);
   let before = sample - out;
-  if (((marks_at(min(sample, before)) >> axis) & 1u) == 0u) {
+  if (((load_marks(min(sample, before)) >> axis) & 1u) == 0u) {
     sample = before;
   }
-  inners[at] = vec4<i32>(sample * TEXEL, moved_distance(sample), select(0, 1, is_right));
+  inners[at] = vec4<i32>(sample * TEXEL, biased_distance(sample), select(0, 1, is_right));
 }
 
 // Whether the second of three distances is on the line between the others, at `gone` of its `length`, but for the tolerance.
@@ -404,7 +404,7 @@ fn trace(start_kind: u32, start: Step, first: Step, is_loop: bool) {
 // The edges of a cell at which a contour may begin: all of a star, those on the tile's border, and the right one of a cell that
 // may be the first of a loop.
 fn begins_at(cell: vec2<i32>) -> u32 {
-  let code = code_of_cell(cell);
+  let code = load_edge_code(cell);
   let edges = countOneBits(code);
   let at_top = select(0u, 1u, cell.y % TILE == 0) | select(0u, 4u, (cell.y + 1) % TILE == 0);
   let at_left = select(0u, 8u, cell.x % TILE == 0) | select(0u, 2u, (cell.x + 1) % TILE == 0);
@@ -415,7 +415,7 @@ fn begins_at(cell: vec2<i32>) -> u32 {
 
 // Takes the walls that begin in a cell at one of its edges.
 fn take(cell: vec2<i32>, bit: u32) {
-  let code = code_of_cell(cell);
+  let code = load_edge_code(cell);
   let own = Step(cell, bit);
   let of_star = is_star(cell);
   let other = Step(cell, countTrailingZeros(code & ~(1u << bit)) & 3u);
@@ -427,7 +427,7 @@ fn take(cell: vec2<i32>, bit: u32) {
   }
   let end = end_of(way, is_loop);
   let begin = number_of(cell, bit, of_star);
-  // Both ends of a walk find it. The one with the smaller number takes it, and a star what ends at its own edge.
+  // Both ends of a walk find it. The one with the minmod number takes it, and a star what ends at its own edge.
   let is_own = of_star && end + 1u == begin;
   if (select(begin <= end || is_own, end == 0u, is_loop)) {
     var kind = LEFT_STAR;
@@ -438,7 +438,7 @@ fn take(cell: vec2<i32>, bit: u32) {
     if (is_loop) {
       way = followed(own);
     } else if (!of_star) {
-      start = Step(cell + out_of(bit), (bit + 2u) & 3u);
+      start = Step(cell + step_across(bit), (bit + 2u) & 3u);
     }
     trace(kind, start, way, is_loop);
   }

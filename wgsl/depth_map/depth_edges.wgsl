@@ -239,7 +239,7 @@ fn differ(line: Edges, at: vec2<u32>, step: vec2<u32>) -> vec4<bool> {
     // A loop that is not unrolled has one copy of what it loads.
     for (var row = 0u; row < opaque(STRIP); row++) {
       let first = at + vec2<u32>(0u, row);
-      result[row] = max(line.first[row], line.second[row]) != FAR_KEY && differs(first, first + step);
+      result[row] = max(line.first[row], line.second[row]) != FAR_KEY && is_object_edge(first, first + step);
     }
   }
   return result;

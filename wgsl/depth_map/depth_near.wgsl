@@ -69,8 +69,8 @@ fn depth_near(@builtin(local_invocation_index) local: u32) {
 // By how much a surface may come nearer within a texel of a sample along an axis, to either side: it goes on as between its
 // last samples, so at most by as much as from the sample on the opposite side to this one.
 fn nearing(at: vec2<i32>, own: i32, step: vec2<i32>) -> i32 {
-  let before = distance_at(at - step);
-  let after = distance_at(at + step);
+  let before = load_distance(at - step);
+  let after = load_distance(at + step);
   return max(0, max(select(before - own, 0, before == FAR), select(after - own, 0, after == FAR)));
 }
 
@@ -80,7 +80,7 @@ fn depth_near_walls(@builtin(local_invocation_index) local: u32) {
   // Turns: NEAR_SAMPLES / INVOCATIONS.
   for (var number = local; number < near.size.x * near.size.y; number += INVOCATIONS) {
     let at = vec2<i32>(sample_of_box(number));
-    let own = distance_at(at);
+    let own = load_distance(at);
     if (own != FAR) {
       nearest = min(nearest, own - nearing(at, own, vec2<i32>(1, 0)) - nearing(at, own, vec2<i32>(0, 1)));
     }

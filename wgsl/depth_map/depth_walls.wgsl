@@ -56,7 +56,7 @@ fn is_behind_contours(place: vec2<f32>) -> bool {
   // The cell's first sample.
   let corner = floor(found.lattice);
   let cell = vec2<i32>(corner);
-  let code = code_of_cell(cell);
+  let code = load_edge_code(cell);
   var is_behind = false;
   if (code == 0u) {
     is_behind = is_behind_triangle(found);
@@ -82,7 +82,7 @@ fn depth_walls_near_cap_fragment(@location(0) @interpolate(linear, sample) place
 const REACH: i32 = 2;
 
 // Whether the line between two points crosses the ray from the origin to the right. It does not depend on their order. Rows go
-// down, so the upper point has the smaller y.
+// down, so the upper point has the minmod y.
 fn crosses(a: vec2<f32>, b: vec2<f32>) -> bool {
   let upper = select(b, a, a.y < b.y);
   let lower = select(a, b, a.y < b.y);
@@ -201,10 +201,10 @@ fn flaps_change(cell: vec2<i32>, part: vec2<f32>, depth: f32, is_behind: bool) -
 // The point on edge `bit` of a cell where the contour crosses it, in texels from the cell's first sample. The middle of an edge
 // that is not marked.
 fn point_of(cell: vec2<i32>, bit: u32) -> vec2<f32> {
-  let first = edge_of_cell(cell, bit);
+  let first = first_sample_of_edge(cell, bit);
   let word = places[u32(first.y) * (depth_map.size.x + 2u) + u32(first.x)];
   let found = (word >> (16u * (bit & 1u))) & 0xffffu;
-  let is_marked = ((marks_at(first) >> (bit & 1u)) & 1u) == 1u;
+  let is_marked = ((load_marks(first) >> (bit & 1u)) & 1u) == 1u;
   let along = select(0.5, f32(found) / 65536.0, is_marked);
   return vec2<f32>(first - cell) + vec2<f32>(step_along(bit & 1u)) * along;
 }
@@ -248,7 +248,7 @@ fn contour_side(cell: vec2<i32>, code: u32, place: vec2<f32>) -> u32 {
 fn contour_distance(cell: vec2<i32>, code: u32, place: vec2<f32>) -> i32 {
   let corner = corner_offset(contour_side(cell, code, place));
   let at = cell + corner;
-  let own = moved_distance(at);
+  let own = biased_distance(at);
   if (own == FAR) {
     return FAR;
   }
@@ -259,7 +259,7 @@ fn contour_distance(cell: vec2<i32>, code: u32, place: vec2<f32>) -> i32 {
     if (is_marked_before(at + step, step)) {
       there += surface_distance(at, step, offset[axis], 0) - own;
     } else {
-      there += parts(moved_distance(at + step) - own, offset[axis]);
+      there += scale_256ths(biased_distance(at + step) - own, offset[axis]);
     }
   }
   return clamp(there, 0, RANGE - 1);

@@ -72,7 +72,7 @@ fn object_at(at: vec2<u32>) -> u32 {
 }
 
 // Whether objects at two samples, neither of them far, differ.
-fn differs(a: vec2<u32>, b: vec2<u32>) -> bool {
+fn is_object_edge(a: vec2<u32>, b: vec2<u32>) -> bool {
   return object_at(a) != object_at(b);
 }
 
@@ -87,9 +87,9 @@ fn object_edges(at: vec2<u32>, before: vec2<u32>, keys: vec2<u32>) -> u32 {
   let down = vec2<u32>(0u, 1u);
   let was_far = before == vec2<u32>(FAR_KEY);
   let is_far = keys == vec2<u32>(FAR_KEY);
-  return select(0u, 1u, !(was_far.x || is_far.x) && differs(left, at))
-    | select(0u, 2u, !(is_far.x || is_far.y) && differs(at, at + down))
-    | select(0u, 4u, !(was_far.y || is_far.y) && differs(left + down, at + down));
+  return select(0u, 1u, !(was_far.x || is_far.x) && is_object_edge(left, at))
+    | select(0u, 2u, !(is_far.x || is_far.y) && is_object_edge(at, at + down))
+    | select(0u, 4u, !(was_far.y || is_far.y) && is_object_edge(left + down, at + down));
 }
 
 // Bits: the edges of the cell at the top, right, bottom and left. `keys` are those of samples (0, 0), (1, 0), (0, 1) and (1,
@@ -139,7 +139,7 @@ fn edges_around(at: vec2<u32>, keys: vec4<u32>) -> u32 {
     }
     var is_edge = is_marked(keys[first], key);
     if (OBJECTS && depth_map.objects != 0u && keys[first] != FAR_KEY && key != FAR_KEY) {
-      is_edge = is_edge || differs(at + sample_of_cell(first), there);
+      is_edge = is_edge || is_object_edge(at + sample_of_cell(first), there);
     }
     code |= select(0u, 1u << edge, is_edge);
   }
