@@ -3,7 +3,7 @@
 // Reads depths and objects. Writes `marks` for `contour_tiles`, `contour_places`, `contour_walls` and the near cap of
 // `depth_walls`.
 // A slope is no jump, however steep it is: walls within a surface would put specks of its own shadow on it.
-// Integers decide, so marks are the same on every device. docs/numerics/contours.md, "Jumps and places".
+// Integers decide, so marks are the same on every device. docs/numerics/contours.md, "Jumps and crossings".
 
 #import depth_map/contour
 #import depth_map/edge_code

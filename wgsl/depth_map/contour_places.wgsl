@@ -4,7 +4,7 @@
 // Reads depths, `marks` and `counts`. Writes `places`. `contour_walls` reads them and moves them onto its segments; then the
 // near cap of `depth_walls` reads them.
 // An invocation writes only the words of its samples. All is integer arithmetic, so crossings are the same on every device.
-// A crossing is at least CROSSING_MARGIN from both samples. docs/numerics/contours.md, "Jumps and places": nothing
+// A crossing is at least CROSSING_MARGIN from both samples. docs/numerics/contours.md, "Jumps and crossings": nothing
 // overflows.
 
 #import depth_map/contour

@@ -4,7 +4,7 @@
 // A contour is where a surface ends before another as the light sees it. It crosses the marked edges between samples.
 // Offsets from a sample are in 1/256 texel, in the direction of a step.
 // All is integer arithmetic, so results are the same on every device. Walls and near caps close because both take surfaces
-// from `surface_distance`: do not compute them elsewhere. docs/numerics/contours.md, "Jumps and places" and "Heights".
+// from `surface_distance`: do not compute them elsewhere. docs/numerics/contours.md, "Jumps and crossings" and "Heights".
 
 #import depth_map/contour
 

@@ -27,7 +27,7 @@ fn decided_by_cells(own: CellsOfStrip) -> vec4<u32> {
   for (var row = 0u; row < own.count.y; row++) {
     // Turns: STRIP * WORD_CELLS in all.
     for (var cell = 0u; cell < own.count.x; cell++) {
-      words[row] |= (templates(own.corner + vec2<u32>(cell, row)) >> ENTRY_BITS) << (4u * cell);
+      words[row] |= (cell_entry_bits(own.corner + vec2<u32>(cell, row)) >> ENTRY_BITS) << (4u * cell);
     }
   }
   return words;

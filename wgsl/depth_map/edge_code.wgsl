@@ -146,7 +146,7 @@ fn edges_around(at: vec2<u32>, keys: vec4<u32>) -> u32 {
   return code;
 }
 
-// `templates` with `spread`: a triangle is drawn, too, if one of its samples is not far and at the end of a marked edge.
+// `cell_entry_bits` with `spread`: a triangle is drawn, too, if one of its samples is not far and at the end of a marked edge.
 fn spread_templates(at: vec2<u32>) -> u32 {
   let keys = keys_of_cell(at);
   let code = edges_around(at, keys);
@@ -165,7 +165,7 @@ fn spread_templates(at: vec2<u32>) -> u32 {
 }
 
 // The three bits of a cell's entry, from its sample (0, 0).
-fn templates(at: vec2<u32>) -> u32 {
+fn cell_entry_bits(at: vec2<u32>) -> u32 {
   if (SPREADS && depth_map.spread != 0u) {
     return spread_templates(at);
   }
@@ -174,7 +174,7 @@ fn templates(at: vec2<u32>) -> u32 {
 }
 
 // Sample (0, 0) of a cell.
-fn corner_of_cell(cell: u32) -> vec2<u32> {
+fn first_sample_of_cell(cell: u32) -> vec2<u32> {
   if (depth_map.faces > 1u) {
     let side = depth_map.size.x - 1u;
     let face = cell / (side * side);
@@ -192,5 +192,5 @@ fn keys_of_cell(at: vec2<u32>) -> vec4<u32> {
 
 // The entry of a cell, listed or not.
 fn entry_of_cell(cell: u32) -> u32 {
-  return cell | templates(corner_of_cell(cell));
+  return cell | cell_entry_bits(first_sample_of_cell(cell));
 }
