@@ -407,7 +407,7 @@ fn row_of_samples(at: vec2<i32>, before: vec2<u32>, borders: Borders, row: i32) 
 // The words of a strip of cells (cell_words.wgsl), from marks. It walks down the rows of samples.
 fn decided_by_marks(strip: u32) -> vec4<u32> {
   let own = cells_of_strip(strip);
-  let at = vec2<i32>(own.corner) - vec2<i32>(2, 0);
+  let at = vec2<i32>(own.first_sample) - vec2<i32>(2, 0);
   let borders = borders_from(vec2<i32>(own.in_map) - vec2<i32>(2, 0));
   var words = vec4<u32>(0u);
   // The rows above, at and below the walk.
@@ -440,7 +440,7 @@ fn decided_by_marks(strip: u32) -> vec4<u32> {
     ring_before = ring;
     split_before = samples.y;
   }
-  return taken_of(own, words);
+  return mask_existing_cells(own, words);
 }
 
 // The cells between two rows of samples.
@@ -466,7 +466,7 @@ fn depth_edges_count(
   // Turns: ITEMS.
   for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
     let strip = block * BLOCK_STRIPS + local;
-    write_total(block, local, write_strip(strip, decided_by_marks(strip)));
+    write_block_count(block, local, write_strip(strip, decided_by_marks(strip)));
   }
 }
 
