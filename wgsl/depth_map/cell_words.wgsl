@@ -5,8 +5,8 @@
 // A strip is four words below each other, decided by one invocation; a block is 64 strips. Strips follow each other row by
 // row and, in a cube, map by map. At the right and at the bottom of a map they may have fewer cells.
 // A pass that decides has workgroups of BLOCK_STRIPS. Each invocation calls `write_strip`, then all call
-// `write_block_count`. The list of cells is in order of strips, rows of a strip and cells of a row, so it is the same on
-// every device. Keep the order.
+// `write_block_count`. The list of cells is in order of strips, then of rows of a strip, then of cells of a row: the same on
+// every device. Keep this order.
 
 #import depth_map/samples
 
