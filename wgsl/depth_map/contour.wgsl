@@ -94,8 +94,8 @@ fn load_distance(sample: vec2<i32>) -> i32 {
   return select(min(select(depth, RANGE - depth, depth_map.is_reversed != 0u), RANGE - 1), FAR, key == FAR_KEY);
 }
 
-// The slope with which the surface of a sample goes on in the direction of a step: the minmod of the two differences behind
-// the sample. 0 if one of the three samples is far.
+// The slope of a surface behind a sample, against the direction of a step: the minmod of the last two differences. 0 if one
+// of the three samples is far.
 fn backward_slope(sample: vec2<i32>, step: vec2<i32>) -> i32 {
   let distance = load_distance(sample);
   let first = load_distance(sample - step);

@@ -10,9 +10,12 @@
 #import depth_map/contour_rim
 #import depth_map/samples
 
-// Four parts. A word for each tile: whether a contour crosses it; later, by `contour_walls`, for each index of the list the
-// index of that tile's first wall, which `depth_walls` reads. Then for each index of the list WALKERS words for counts of
-// walls. Then the list of tiles, with room for all. Then its length.
+// Four parts, with room for all tiles:
+// 1. A word for each tile: whether a contour crosses it. Later, for each index of the list, the index of that tile's first
+//    wall: `contour_walls` writes it and `depth_walls` reads it.
+// 2. WALKERS words for each index of the list, for the counts of `contour_walls`.
+// 3. The list of tiles.
+// 4. Its length.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 
 // Arguments of the indirect dispatch of `contour_places`, then of that of `contour_walls_take`.
@@ -28,10 +31,9 @@ const TILES_PER_WALLS_WORKGROUP: u32 = 2u;
 // them.
 override MOST_WORKGROUPS: u32 = 65535u;
 
-// A word has the marks of the 16 samples of a tile in a row: lower bits for edges to the right, upper bits for edges down.
-// Edges on the tile's right border go down from the first sample of the next word (mask 2). Edges on its lower border go to
-// the right from samples of the row below (0x55555555). The lattice has a border of one sample around the map, so `size` + 2
-// samples.
+// A word has the marks of the 16 samples of a tile in a row, in pairs: the lower bit for the edge to the right, the upper
+// for the edge down. Edges on the tile's right border go down from the first sample of the next word (mask 2). Edges on its
+// lower border go to the right from samples of the row below (0x55555555). The lattice has `size` + 2 samples.
 @compute @workgroup_size(BLOCK)
 fn contour_tiles_find(
   @builtin(workgroup_id) workgroup: vec3<u32>,

@@ -1,9 +1,10 @@
 // Stage `contour_walls`: walks along the contours of each tile, fits segments to their crossings, and lists a wall over each
-// segment: a quadrilateral along rays of the light, from the nearer surface to the farther one. It lists flaps, too: they
-// join the top of a wall to samples of the nearer surface. After `contour_places`, in three passes:
-// `contour_walls_take` counts walls: a workgroup for up to two listed tiles, by the dispatch that `contour_tiles` wrote; an
-// invocation for four cells. `contour_walls_places`, one workgroup, scans the counts. `contour_walls_take` with LISTS lists.
-// Reads depths, `marks`, tiles, `places`. Writes `walls` and `draws`, and for the near cap `counts` and moved `places`.
+// segment. A wall is a quadrilateral along rays of the light, from the nearer surface to the farther one. It lists flaps,
+// too: they join the top of a wall to samples of the nearer surface. After `contour_places`, in three passes.
+// `contour_walls_take` counts walls: a workgroup for up to two listed tiles, an invocation for four cells, by the dispatch
+// that `contour_tiles` wrote. `contour_walls_places`, one workgroup, scans the counts. `contour_walls_take` with LISTS
+// lists. Reads depths, `marks`, tiles, `places`. Writes `walls` and `draws`, and for the near cap `counts` and moved
+// `places`.
 // Walls are in order of tiles, invocations, cells and edges, the same on every device. Each marked edge is crossed by one
 // wall, no other edge by any. Ends of segments do not depend on the direction of a walk, so walls close where they meet
 // (docs/numerics/contours.md, "Closed walls").
@@ -15,8 +16,8 @@
 // Crossings, from `contour_places`. The listing pass moves those between the ends of a segment onto it, after its walk has
 // read them. Within a tile only one invocation has an edge, but edges of two tiles may share a word.
 @group(0) @binding(3) var<storage, read_write> places: array<atomic<u32>>;
-// Four parts. For each index of the list of tiles its count of walls, then their prefix sum. From the offset `tiles.y` on,
-// for each index the counts of its WALKERS invocations. Then the list of tiles. Then its length.
+// Four parts (contour_tiles.wgsl): for each index of the list of tiles the count of its walls, then the index of its first
+// wall; for each index the counts of its WALKERS invocations; the list of tiles; its length.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 // The number of walls and three words of 0. Then 12 words a wall: four vertices of x and y on the lattice, in 1/256 texel,
 // and a distance.

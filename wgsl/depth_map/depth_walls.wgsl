@@ -2,8 +2,8 @@
 // `depth_surface`. A contour is where a surface ends before another as the light sees it. A wall stands over it along rays
 // of the light. A flap joins the top of a wall to samples of the nearer surface.
 // `DepthMapFrame::draw` draws both, by the indirect draw of `contour_walls`: six vertices a quadrilateral. Depth is tested
-// and not written. Then `depth_walls_near_cap_fragment`, with the vertex shader `depth_near_cap`, inverts the bit where the
-// near rectangle is in shadow: the part of the eye's near plane in the picture. Here `cells` is the list of walls.
+// and not written. Here `cells` is the list of walls. Then `depth_walls_near_cap_fragment`, with the vertex shader
+// `depth_near_cap`, inverts the bit where the near rectangle, the part of the eye's near plane in the picture, is in shadow.
 // The near cap must agree with what is drawn. The surface on a point's side of the contour says whether the point is in
 // shadow. An odd number of flap triangles there that say otherwise inverts the answer. If the list overflowed, triangles of
 // cells are drawn and looked up instead. docs/numerics/contours.md, "Heights".
@@ -158,8 +158,8 @@ fn list_index_of_tile(tile: u32) -> u32 {
   return select(count, low, low < count && counts[list + low] == tile);
 }
 
-// Whether flaps invert `is_behind` at a point of a device depth, `fraction` of a texel from a cell's first sample: an odd
-// number of their triangles over it say otherwise.
+// Whether flaps contradict `is_behind` at a point: an odd number of their triangles over it do. The point is at `fraction`
+// of a texel from a cell's first sample, and has a device depth.
 fn flaps_change(cell: vec2<i32>, fraction: vec2<f32>, depth: f32, is_behind: bool) -> bool {
   let tiles_across = contour.tiles.x;
   let tiles = vec2<u32>(tiles_across, contour.tiles.y / tiles_across);
@@ -248,8 +248,8 @@ fn corner_of_surface(cell: vec2<i32>, edge_code: u32, point: vec2<f32>) -> u32 {
   return best;
 }
 
-// The distance of the surface at a point of a marked cell: interpolated to neighbours of the same surface, extrapolated
-// where the neighbour is of another. `point` is in texels from the cell's first sample.
+// The distance of the surface at a point of a marked cell, which is in texels from the cell's first sample. Between
+// neighbours of the same surface it is interpolated, towards neighbours of another one extrapolated.
 fn contour_distance(cell: vec2<i32>, edge_code: u32, point: vec2<f32>) -> i32 {
   let corner = corner_offset(corner_of_surface(cell, edge_code, point));
   let sample = cell + corner;

@@ -1,8 +1,8 @@
 // Edge codes of cells: which of a cell's four edges are marked, because a border of shadow may cross them. From the code
 // follow the triangles of the cell that are drawn. Also an exact comparison of a depth difference with a threshold.
-// Imported by `depth_cells`; by `depth_edges`, which marks edges by rules of its own; by `contour_marks`, for objects; and
-// by the draws of surface.wgsl, which decide about each cell if the list overflowed. Importers bind what samples.wgsl has,
-// and `object_texture`.
+// Imported by `depth_cells`; by `depth_edges`, which marks edges by other rules; by `contour_marks`, for objects; and by
+// surface.wgsl, whose draws decide about each cell if the list overflowed. Importers bind what samples.wgsl has, and
+// `object_texture`.
 // A mark depends only on the two samples of the edge, so both cells at an edge agree. A triangle with a marked edge is
 // always drawn: one that is missing would leave a gap in the boundary, one too many changes nothing. Integers decide
 // wherever float rounding might matter. docs/numerics/depth-maps.md, "Triangles left out" and "Exact decisions".

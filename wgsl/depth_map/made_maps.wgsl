@@ -1,7 +1,7 @@
-// Depth maps that are made of a caller's depth maps, by three stages: `depth_metric` converts distances, `depth_merge` takes
-// the nearer of two maps of one camera, `depth_cube` puts the six maps around a light into one texture. Each has an
-// invocation for each texel of the result, and is dispatched before the stages and draws that read the result as
-// `depth_texture`.
+// Three stages that make depth maps of a caller's depth maps: `depth_metric` converts distances; `depth_merge` takes the
+// nearer of two maps of one camera; `depth_cube` puts the six maps around a light into one texture. An invocation makes a
+// texel.
+// They are dispatched before the stages and draws that read the result as `depth_texture`.
 // Results have depths from 0 to 1, none subnormal or NaN, and the depth of the far end where nothing casts. samples.wgsl
 // describes sizes and keys, which are integers that grow with the distance from the light.
 // docs/numerics/depth-maps.md, "Maps of distances" and "Six maps".

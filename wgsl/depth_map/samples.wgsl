@@ -1,8 +1,8 @@
 // Samples of a light's depth map as integer keys, and the lattice that holds them. All stages of this folder but
 // `mesh_depth` import it and bind `depth_map` and a depth texture.
-// A sample is the depth at the centre of a texel. Its key is an integer that grows with the distance from the light: the
-// bits of the depth or, with reversed depth, the bits of 1 less the bits of the depth. FAR_KEY: nothing casts there, because
-// the depth is at or beyond the far end, or NaN.
+// A sample is the depth at the centre of a texel. Its key is an integer that grows with the distance from the light. It is
+// the bits of the depth or, with reversed depth, the bits of 1 less those. FAR_KEY: nothing casts there, because the depth
+// is at or beyond the far end, or NaN.
 // The lattice of a single map has a border of one far sample on each side: sample (1, 1) is texel (0, 0). A cube has six
 // maps of that size in one texture, three in a row, without borders: sample (0, 0) is texel (0, 0).
 // Keys come from bits, never from float arithmetic, so every device and the CPU have the same keys
