@@ -97,7 +97,7 @@ fn fitted_crossing(count: i32, is_line: bool, axis: u32) -> i32 {
 // The crossing of a contour with an edge, by the edges that the contour crosses before and after. The middle of the edge if
 // no curve fits.
 fn crossing_by_neighbours(sample: vec2<i32>, axis: u32) -> i32 {
-  // The cells on both sides of the edge: above and below it, or to its right and left.
+  // The cells on both sides of the edge: above and below it, or to its left and right.
   var counts: array<i32, 2>;
   for (var side = 0u; side < 2u; side++) {
     let exit_edge = select(2u * side, 3u - 2u * side, axis == 1u);

@@ -36,8 +36,8 @@ const WINDOW: u32 = 32u;
 // Nodes beyond the longest segment so far that are tried as its end.
 const TRIES: u32 = 8u;
 
-// The nearer surface goes away from the light by at least so many times its slope for a texel, up to the wall. A face of a
-// body that is narrower than a texel, and turns away from the light, has no sample.
+// The nearer surface goes away from the light by at least so many times its slope for a texel, up to the wall. A steep side
+// of a body, narrower than a texel, has no sample.
 const STEEP: i32 = 4;
 
 // A way out of a cell over one of its edges: 0 top, 1 right, 2 bottom, 3 left.
@@ -103,6 +103,7 @@ fn end_rank(cell: vec2<i32>, edge: u32, is_of_junction: bool) -> u32 {
   return ((cell_in_tile.y * u32(TILE) + cell_in_tile.x) * 4u + edge) * 2u + select(0u, 1u, is_of_junction);
 }
 
+// The result of `find_walk_end` if there is no loop to find.
 const NO_RANK: u32 = 0xffffffffu;
 
 // Walks to the next tile border or junction, and returns the rank of that end; 0 for a loop. With `finds_loop` it returns 0
@@ -150,8 +151,8 @@ fn add_corner_distance(sum: i32, cell: vec2<i32>, corner: u32, corners: u32, shi
   return select(sum + (distance >> shift), FAR, sum == FAR || distance == FAR);
 }
 
-// The distance of a corner's surface in the middle of a junction: the mean over the corners of the same surface. Without
-// loops, because their iterations (src/turns.rs) would count for every node and segment.
+// The distance of a corner's surface in the middle of a junction: the mean over the corners of the same surface, which are
+// one, two or four. Without loops, because their iterations (src/turns.rs) would count for every node and segment.
 fn junction_distance(cell: vec2<i32>, edge_code: u32, corner: u32) -> i32 {
   let corners = add_connected_corners(
     add_connected_corners(add_connected_corners(1u << (corner & 3u), edge_code), edge_code), edge_code);

@@ -1,18 +1,18 @@
 // Stages `depth_near` and `depth_near_walls`: whether the near rectangle may be in shadow of a depth map, so that the near
 // cap has to be drawn. The near rectangle is the part of the eye's near plane in the picture, where all rays of the eye
-// begin. The near cap inverts the stencil bit where the rectangle is in shadow. Mostly all of it is in light.
+// begin. The near cap inverts the stencil bit where the rectangle is in shadow. Usually all of it is in light.
 // `depth_near` is for triangles of cells, `depth_near_walls` for contours. One of the two is the last dispatch of an encode:
-// one workgroup. Neither is dispatched if the CPU finds the rectangle in light (src/gpu/depth_map/near.rs). Neither is, and
-// the cap is drawn, if the CPU cannot tell which samples matter, if these are more than 65,536, or without `skip_near_caps`.
-// The CPU fills `near`. Reads the depths of a box of samples. Writes the indirect draw of `depth_near_cap`: 3 vertices, or 0
-// for light. Bounds err on one side only: a cap may be drawn for nothing, but is never missing.
-// docs/numerics/depth-maps.md, "Near caps".
+// one workgroup. There is none, and no cap, if the CPU finds the rectangle in light (src/gpu/depth_map/near.rs). There is
+// none, and the cap is drawn, if the CPU cannot find a box of up to 65,536 samples that decide, or without `skip_near_caps`.
+// Reads `near`, which the CPU fills, and the depths of the samples in its box. Writes the indirect draw of `depth_near_cap`:
+// 3 vertices, or 0 for light. Bounds err on one side only: a cap may be drawn for nothing, but is never missing
+// (docs/numerics/depth-maps.md, "Near caps").
 
 #import depth_map/contour
 #import depth_map/samples
 
 struct DepthNearBox {
-  // The first sample of the box; its columns and rows.
+  // The box of all samples whose surfaces may be before the near rectangle: its first sample; its columns and rows.
   first: vec2<u32>,
   size: vec2<u32>,
   // A surface with a larger key (samples.wgsl), or a larger distance (contour.wgsl), is behind all of the near rectangle.
@@ -26,7 +26,7 @@ struct DepthNearBox {
 @group(0) @binding(3) var<storage, read_write> draws: array<u32>;
 
 const INVOCATIONS: u32 = 256u;
-// 1: a surface may be before the rectangle. 0 at the start.
+// 1: a surface may be between the light and the rectangle. 0 at the start.
 var<workgroup> may_be_dark: atomic<u32>;
 
 // The sample of the box at an index, row by row.

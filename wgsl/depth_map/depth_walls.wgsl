@@ -13,7 +13,8 @@
 #import depth_map/samples
 #import depth_map/surface
 
-// The two triangles of a wall or flap have its vertices 0, 1, 2 and 0, 2, 3.
+// The two triangles of a wall or flap have its vertices 0, 1, 2 and 0, 2, 3. The list has 12 words a quadrilateral from
+// offset 4 on: four vertices of x and y on the lattice, in 1/256 texel, and a distance.
 @vertex
 fn depth_walls(@builtin(vertex_index) index: u32) -> SurfaceVertex {
   let corner = index % 6u;
@@ -136,8 +137,8 @@ fn triangle_changes(a: FlapVertex, b: FlapVertex, c: FlapVertex, depth: f32, is_
   let weight_b = perp_dot(c.position, a.position);
   let weight_c = perp_dot(a.position, b.position);
   let area = perp_dot(b.position, c.position) + weight_b + weight_c;
-  let above_a = (weight_b * f32(b.depth - a.depth) + weight_c * f32(c.depth - a.depth)) / area;
-  return is_behind_depth(depth, (f32(a.depth) + above_a) / f32(RANGE)) != is_behind;
+  let depth_from_a = (weight_b * f32(b.depth - a.depth) + weight_c * f32(c.depth - a.depth)) / area;
+  return is_behind_depth(depth, (f32(a.depth) + depth_from_a) / f32(RANGE)) != is_behind;
 }
 
 // The index of a tile in the list of tiles, or the list's length if it is not in the list.
