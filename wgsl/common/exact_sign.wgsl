@@ -1,14 +1,14 @@
-// The sign of det[b - a, c - a, l - w a], for a face (a, b, c) and a homogeneous light (l, w), in integers: exact, the same on
-// every device, since no compiler can round, fuse or flush them. For signs that f32 leaves undecided
+// The sign of det[b - a, c - a, l - w a], for a face (a, b, c) and a homogeneous light (l, w), in integers: exact, the same
+// on every device, since no compiler can round, fuse or flush them. For signs that f32 leaves undecided
 // (common/determinant.wgsl). First `exact_sign`, for all finite f32, rare and slow, so its code is short rather than fast.
-// Then fixed point, exact for numbers that lie in a window of bits, which says so where they do not: callers try `fixed_face`,
-// once for a face, and `fixed_sign`, for each light, and take `exact_sign` where that gives 2. Callers must leave out faces
-// that are not finite before. `exact_facing`, the query's stages of exact_shadow_depth.wgsl and, through polygon/turn.wgsl,
-// the stages of polygons use both. docs/numerics/facing.md, "Exact facing".
+// Then fixed point, exact for numbers that lie in a window of bits, which says so where they do not: callers try
+// `fixed_face`, once for a face, and `fixed_sign`, for each light, and take `exact_sign` where that gives 2. Callers must
+// leave out faces that are not finite before. `exact_facing`, the query's stages of exact_shadow_depth.wgsl and, through
+// polygon/turn.wgsl, the stages of polygons use both. docs/numerics/facing.md, "Exact facing".
 
 const DIGIT: u32 = 0xffffffu; // The bits of a digit.
-// Digits of 24 bits, the lowest first, in units of 2^-596. `exact_sign` finds and leaves them zero. 48 of them hold every sum
-// of products of four finite f32; four more are read.
+// Digits of 24 bits, the lowest first, in units of 2^-596. `exact_sign` finds and leaves them zero. 48 of them hold every
+// sum of products of four finite f32; four more are read.
 var<private> digits: array<i32, 52>;
 
 // The 48-bit product of two digits, as two digits.

@@ -1,10 +1,10 @@
-// Deform: computes the positions of deforming instances for a frame: morph targets, skin, the caller's displacement, from mesh
-// space to world space. Dispatched when the caller records a deformer, before all stages that read positions; a workgroup takes
-// up to 256 vertices of one instance, an invocation each. It reads `rest`, `morph`, `skin` and the pose that the CPU uploads, and
-// writes `positions`, three floats a vertex, which extraction, scenes, shadow volumes and queries read, and the caller draws.
-// Instances that stage `needs` found that the frame does not need become the point (0, 0, 0), so that nothing is drawn of them.
-// Sums are in the order of src/cpu/deform; rounding may differ between devices. All later stages read the positions as written,
-// so silhouettes close all the same. docs/numerics/deform.md, "Deform".
+// Deform: computes the positions of deforming instances for a frame: morph targets, skin, the caller's displacement, from
+// mesh space to world space. Dispatched when the caller records a deformer, before all stages that read positions; a
+// workgroup takes up to 256 vertices of one instance, an invocation each. It reads `rest`, `morph`, `skin` and the pose that
+// the CPU uploads, and writes `positions`, three floats a vertex, which extraction, scenes, shadow volumes and queries read,
+// and the caller draws. Instances that stage `needs` found that the frame does not need become the point (0, 0, 0), so that
+// nothing is drawn of them. Sums are in the order of src/cpu/deform; rounding may differ between devices. All later stages
+// read the positions as written, so silhouettes close all the same. docs/numerics/deform.md, "Deform".
 
 #if DISPLACED
 #else

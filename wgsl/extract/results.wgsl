@@ -1,8 +1,8 @@
-// Results: what a caller's own shaders include (by `include_wgsl`) to read what was extracted for a batch of up to 32 lights:
-// silhouette edges by instance of the light's indirect draw, facing bits, positions. The stage `outline_edges` imports it, too.
-// A light has its number among all lights of the extraction, as in `Extraction::draw`; one of another batch has no edge. GROUP
-// stands for the number of the bind group that `Extraction::bind_group` makes. If a light's list overflowed, its draw goes over
-// all edges, and `valid` tells the silhouettes. `rimline_edge_vertex` leaves out the others.
+// Results: what a caller's own shaders include (by `include_wgsl`) to read what was extracted for a batch of up to 32
+// lights: silhouette edges by instance of the light's indirect draw, facing bits, positions. The stage `outline_edges`
+// imports it, too. A light has its number among all lights of the extraction, as in `Extraction::draw`; one of another batch
+// has no edge. GROUP stands for the number of the bind group that `Extraction::bind_group` makes. If a light's list
+// overflowed, its draw goes over all edges, and `valid` tells the silhouettes. `rimline_edge_vertex` leaves out the others.
 // Names and bindings are those that callers and src/gpu/extract/include.rs use: they must stay.
 
 struct RimlineInfo {
@@ -14,8 +14,8 @@ struct RimlineInfo {
   // The word of vertex 0 in the bound positions, and the words from one vertex to the next.
   position_offset: u32,
   position_stride: u32,
-  // Where twisted masks lie behind the facing masks: for each face the lights as seen from which its polygon's outline crosses
-  // itself. 0: there are none.
+  // Where twisted masks lie behind the facing masks: for each face the lights as seen from which its polygon's outline
+  // crosses itself. 0: there are none.
   twisted_at: u32,
   // Vertices that the draw has for each edge, by `ListOptions::topology`.
   vertices_per_edge: u32,
@@ -116,16 +116,17 @@ fn rimline_silhouette(light: u32, instance: u32) -> RimlineSilhouette {
   return RimlineSilhouette(true, edge, vertices.x, vertices.y, entry >= 0x80000000u, kind);
 }
 
-// The corner of an edge's quad that vertex `vertex` of the draw is, in the order of a strip: bit 0 tells the end of the edge, and
-// bit 1 the side. A line has the corners 0 and 1.
+// The corner of an edge's quad that vertex `vertex` of the draw is, in the order of a strip: bit 0 tells the end of the
+// edge, and bit 1 the side. A line has the corners 0 and 1.
 fn rimline_corner(vertex: u32) -> u32 {
   // Two triangles share the corners 1 and 2: a digit for each vertex, the first one last.
   return select(vertex, (0x312210u >> (4u * vertex)) & 3u, rimline_info.vertices_per_edge == 6u);
 }
 
-// The end of a silhouette edge at vertex `vertex` of the draw: its position, with w = 1. A caller multiplies it by the matrix of
-// its camera. From the first end to the second, the edge's faces lie to its left as seen from the light. Where the instance is no
-// silhouette, all four components are 0, for all its vertices; they stay so under each matrix, and nothing is drawn.
+// The end of a silhouette edge at vertex `vertex` of the draw: its position, with w = 1. A caller multiplies it by the
+// matrix of its camera. From the first end to the second, the edge's faces lie to its left as seen from the light. Where the
+// instance is no silhouette, all four components are 0, for all its vertices; they stay so under each matrix, and nothing is
+// drawn.
 fn rimline_edge_vertex(light: u32, instance: u32, vertex: u32) -> vec4<f32> {
   let edge = rimline_silhouette(light, instance);
   if (!edge.valid) {

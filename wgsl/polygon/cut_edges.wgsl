@@ -17,10 +17,11 @@
 
 @group(0) @binding(8) var<storage, read> faces: array<u32>;
 
-// Bit 0: an odd number of the polygon's triangles are, as the light sees them, next to the edge's end on its left. An element
-// an invocation; with a large outline, whose invocations share an edge, the first.
+// Bit 0: an odd number of the polygon's triangles are, as the light sees them, next to the edge's end on its left. An
+// element an invocation; with a large outline, whose invocations share an edge, the first.
 var<workgroup> odd: array<atomic<u32>, 64>;
-// The window of bits of the outline's corners: its begin, as how far it is below `FAR`, and its end. An element as for `odd`.
+// The window of bits of the outline's corners: its begin, as how far it is below `FAR`, and its end. An element as for
+// `odd`.
 var<workgroup> below_far: array<atomic<i32>, 64>;
 var<workgroup> above: array<atomic<i32>, 64>;
 // How many cuts each invocation found, and the place in the light's list where the row of cuts of its edge begins.
@@ -65,8 +66,8 @@ fn runs_alike(p: vec3<u32>, q: vec3<u32>, a: vec3<u32>, b: vec3<u32>) -> bool {
   return any((p != q) & (a != b) & (up == (ordered(a) < ordered(b))));
 }
 
-// The edges that an invocation finds to cut its edge, a bit for each. With a large outline it takes every 64th edge: bit n is
-// edge 64 n + lane.
+// The edges that an invocation finds to cut its edge, a bit for each. With a large outline it takes every 64th edge: bit n
+// is edge 64 n + lane.
 struct Found {
   cuts: u32,
   // The cuts that have an end on it, in space, and the cuts of which it is the second end.
@@ -78,8 +79,9 @@ struct Found {
   span: vec2<i32>,
 }
 
-// Finds the edges that cut the edge, and whether an odd number of triangles have the directions next to its end, on its left:
-// it flips `odd` for each. Both are in one loop, first over edges, then over triangles, so that `turn` is compiled once.
+// Finds the edges that cut the edge, and whether an odd number of triangles have the directions next to its end, on its
+// left: it flips `odd` for each. Both are in one loop, first over edges, then over triangles, so that `turn` is compiled
+// once.
 fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
   let slot = select(lane, 0u, work.is_large);
   let step = select(1u, OUTLINE_LANES, work.is_large);
@@ -105,8 +107,8 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
       let face = 3u * (outline.first_triangle + item - outline.count);
       corners = array<vec3<u32>, 3>(place_of(faces[face]), place_of(faces[face + 1u]), place_of(faces[face + 2u]));
     }
-    // For an edge f the sides of e.a and e.b at f, then those of f's ends at e. For a triangle its own turn, then for each of
-    // its edges the sides of e.b and e.a.
+    // For an edge f the sides of e.a and e.b at f, then those of f's ends at e. For a triangle its own turn, then for each
+    // of its edges the sides of e.b and e.a.
     var signs: array<i32, 7>;
     var tie = IN_LINE;
     // Turns: CUT_TESTS in all.
@@ -297,8 +299,8 @@ fn is_tangled(row: Row) -> bool {
   return is_twice;
 }
 
-// The key by which cuts of a row are compared: the rank, or how far along the edge the cut is (bits of an f32 from 0 on, which
-// have its order), and then the edge that cuts. The end comes last.
+// The key by which cuts of a row are compared: the rank, or how far along the edge the cut is (bits of an f32 from 0 on,
+// which have its order), and then the edge that cuts. The end comes last.
 fn order_of(row: Row, place: u32, by_turns: bool) -> vec2<u32> {
   let at = piece_at(row.light, place);
   let cut = unpacked_cut(pieces.words[at + CUT]);
@@ -342,8 +344,8 @@ fn cut_edges_before(
   pieces.words[own.at + EARLIER] = earlier;
 }
 
-// Where a cut is, in space: `corner` for the end, the end that touches, or the point where both edges cross as the light sees
-// them.
+// Where a cut is, in space: `corner` for the end, the end that touches, or the point where both edges cross as the light
+// sees them.
 fn place_of_cut(edge: CutEdge, cut: Cut, corner: vec3<u32>) -> vec3<u32> {
   if (cut.by == CORNER) {
     return corner;

@@ -1,6 +1,7 @@
 // Cuts: where an edge of an L-twisted outline (one that crosses itself as seen from light L) is crossed by another as seen
-// from the light. First the records of cuts, then their order along the edge that they cut. Only the passes of cut_edges.wgsl
-// import this. A comment `Turns:` is about the loop below it. docs/numerics/twisted-polygons.md, "Order of cuts".
+// from the light. First the records of cuts, then their order along the edge that they cut. Only the passes of
+// cut_edges.wgsl import this. A comment `Turns:` is about the loop below it. docs/numerics/twisted-polygons.md, "Order of
+// cuts".
 
 #import extract/one_caster
 #import polygon/list_pieces
@@ -9,8 +10,8 @@
 
 // Records. `cut_edges` writes the cuts of an edge as a row, in no particular order, and the edge's end behind them, into
 // `pieces`: one record for each piece of the edge. `cut_edges_list` overwrites each record with the piece that ends at that
-// cut. So a record must fit in the words of a piece. If a row does not fit the list, the records that do have NO_POLYGON, and
-// no pass may use the row.
+// cut. So a record must fit in the words of a piece. If a row does not fit the list, the records that do have NO_POLYGON,
+// and no pass may use the row.
 
 // Where an edge is cut, or its end.
 struct Cut {
@@ -37,18 +38,18 @@ fn unpacked_cut(word: u32) -> Cut {
   return Cut(word & 0xffffu, (word & TOUCHES) != 0u, (word & IS_SECOND) != 0u, (word >> TIE_SHIFT) & 3u);
 }
 
-// Words of a cut: the polygon, or NO_POLYGON if there was no room for the row; the edge that is cut, with the highest bit if,
-// as the light sees it, an odd number of triangles are next to its end on its left, and the next one if fixed point holds the
-// outline's turns; the cut; the place in the light's list of the first of its row, and how many cuts that has, without the
-// end.
+// Words of a cut: the polygon, or NO_POLYGON if there was no room for the row; the edge that is cut, with the highest bit
+// if, as the light sees it, an odd number of triangles are next to its end on its left, and the next one if fixed point
+// holds the outline's turns; the cut; the place in the light's list of the first of its row, and how many cuts that has,
+// without the end.
 const OF_POLYGON: u32 = 0u;
 const OF_EDGE: u32 = 1u;
 const CUT: u32 = 2u;
 const ROW: u32 = 3u;
 const ROW_CUTS: u32 = 4u;
-// Then what `cut_edges_rank` writes: how many cuts of the row are before it by `is_before`; and how far along the edge it is,
-// from 0 to 1, the bits of a rounded f32. Last what `cut_edges_before` finds: the cut right before it; and how many are before
-// it, by RANK if all ranks of the row differ, else by ALONG.
+// Then what `cut_edges_rank` writes: how many cuts of the row are before it by `is_before`; and how far along the edge it
+// is, from 0 to 1, the bits of a rounded f32. Last what `cut_edges_before` finds: the cut right before it; and how many are
+// before it, by RANK if all ranks of the row differ, else by ALONG.
 const RANK: u32 = 5u;
 const ALONG: u32 = 6u;
 const CUT_BEFORE: u32 = 7u;
@@ -68,9 +69,9 @@ struct Row {
   holds_turns: bool,
 }
 
-// Takes room in a light's list for the cuts of an edge and for its end, and workgroups of the next passes for those that fit.
-// A group is GROUP_CUTS places from a multiple of it on. Rooms follow each other in the list (`take_room`), so each group is
-// counted once, by the row that has its first place.
+// Takes room in a light's list for the cuts of an edge and for its end, and workgroups of the next passes for those that
+// fit. A group is GROUP_CUTS places from a multiple of it on. Rooms follow each other in the list (`take_room`), so each
+// group is counted once, by the row that has its first place.
 fn take_row(light: u32, cuts: u32) -> u32 {
   let first = take_room(light, cuts + 1u);
   let listed = min(vec2<u32>(first, first + cuts + 1u), vec2<u32>(chunk.capacity));
@@ -142,10 +143,10 @@ fn written_cut(workgroup: u32, number: u32) -> Written {
 }
 
 // The order of two cuts. `cut_edges_rank` counts by `is_before` how many cuts are before each. Turns decide wherever one cut
-// is on one side of the other's edge: a turn is 1 if the light sees three points counter-clockwise, -1 if clockwise, with ties
-// broken by a light that is moved a little (polygon/turn.wgsl). Where three edges cross each other, how far along the edge the
-// cuts are decides, which is rounded. Each of the three must get an order that fits the other two, or pieces leave gaps: so
-// all take it from the same numbers, and a rule may be changed only with its proof.
+// is on one side of the other's edge: a turn is 1 if the light sees three points counter-clockwise, -1 if clockwise, with
+// ties broken by a light that is moved a little (polygon/turn.wgsl). Where three edges cross each other, how far along the
+// edge the cuts are decides, which is rounded. Each of the three must get an order that fits the other two, or pieces leave
+// gaps: so all take it from the same numbers, and a rule may be changed only with its proof.
 
 // The edge that is cut, and what sees it.
 struct CutEdge {
@@ -212,8 +213,8 @@ fn along_edge(e: Edge, point: vec3<u32>) -> f32 {
   return select(from_a.z / along.z, from_a.y / along.y, size.y >= size.z);
 }
 
-// The side of an edge on which two points are, by their turns: 0 if they are on different sides. A point on the edge's line is
-// on either side.
+// The side of an edge on which two points are, by their turns: 0 if they are on different sides. A point on the edge's line
+// is on either side.
 fn common_side(signs: vec2<i32>) -> i32 {
   return select(select(signs.x, signs.y, signs.x == 0), 0, signs.x * signs.y < 0);
 }
@@ -403,8 +404,8 @@ fn former(three: Three, one: u32, other: u32) -> u32 {
   return select(other, one, is_before);
 }
 
-// Which of three edges comes before the others. If nobody knows where edges that are seen in line cross, it is one of these: 0
-// and 1, 0 and 2, or 1 and 2.
+// Which of three edges comes before the others. If nobody knows where edges that are seen in line cross, it is one of these:
+// 0 and 1, 0 and 2, or 1 and 2.
 fn foremost(three: Three, in_line: vec3<bool>) -> u32 {
   if (in_line.x) {
     return former(three, 0u, 1u);
@@ -416,11 +417,11 @@ fn foremost(three: Three, in_line: vec3<bool>) -> u32 {
   return select(former(three, 0u, of_others), of_others, in_line.z);
 }
 
-// Whether cut j is before cut i on the edge that both cut. Turns decide where the one cut is on one side of the other's edge.
-// Otherwise all three edges cross each other. How far along one of the three the others cut it decides for all three. If they
-// seem to cross in one point, the moved light tells them apart. If it sees them in one point, too, each is moved to its left a
-// little, and the foremost one farther than the others, out of their crossing. Rounded distances also decide where edges cross
-// each other's opposite directions; nothing has to fit there.
+// Whether cut j is before cut i on the edge that both cut. Turns decide where the one cut is on one side of the other's
+// edge. Otherwise all three edges cross each other. How far along one of the three the others cut it decides for all three.
+// If they seem to cross in one point, the moved light tells them apart. If it sees them in one point, too, each is moved to
+// its left a little, and the foremost one farther than the others, out of their crossing. Rounded distances also decide
+// where edges cross each other's opposite directions; nothing has to fit there.
 fn is_before(own: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
   let e = own.edge;
   let j = cut_j.by;

@@ -1,10 +1,10 @@
-// The lists of pieces of L-twisted polygons (whose outlines cross themselves as seen from light L), and the points where edges
-// cross, for `cut_edges` and `cut_quads`. A piece is a part of an outline's edge, directed so that what the polygon darkens is
-// on its left as seen from the light; all pieces of a polygon are the border of what it darkens. The counts are cleared for
-// each batch of up to 32 lights before `cut_edges`. The stages `piece_crossings` and `piece_arguments` and the vertex shaders
-// of shadow/pieces.wgsl read the lists. A list comes in no particular order; its count goes on where it has no room, so that
-// readers can tell. Points are rounded, but all pieces that meet at a crossing must have its bits: `crossing_point` takes both
-// edges in the same order, whoever asks. docs/numerics/twisted-polygons.md.
+// The lists of pieces of L-twisted polygons (whose outlines cross themselves as seen from light L), and the points where
+// edges cross, for `cut_edges` and `cut_quads`. A piece is a part of an outline's edge, directed so that what the polygon
+// darkens is on its left as seen from the light; all pieces of a polygon are the border of what it darkens. The counts are
+// cleared for each batch of up to 32 lights before `cut_edges`. The stages `piece_crossings` and `piece_arguments` and the
+// vertex shaders of shadow/pieces.wgsl read the lists. A list comes in no particular order; its count goes on where it has
+// no room, so that readers can tell. Points are rounded, but all pieces that meet at a crossing must have its bits:
+// `crossing_point` takes both edges in the same order, whoever asks. docs/numerics/twisted-polygons.md.
 
 #import common/determinant
 #import extract/one_caster
@@ -31,8 +31,8 @@ fn to_unit(v: vec3<f32>) -> vec3<f32> {
   return v / max(largest_of(v), 0x1p-126);
 }
 
-// How far along edge `e` it meets the plane through a light and edge `f`, from 0 to 1, rounded. If the light looks along `f`,
-// it is where the light sees the first end of `f`.
+// How far along edge `e` it meets the plane through a light and edge `f`, from 0 to 1, rounded. If the light looks along
+// `f`, it is where the light sees the first end of `f`.
 fn cut_at(f: Edge, e: Edge, light: vec4<f32>) -> f32 {
   let a = bitcast<vec3<f32>>(e.a);
   let b = bitcast<vec3<f32>>(e.b);
@@ -49,8 +49,8 @@ fn cut_at(f: Edge, e: Edge, light: vec4<f32>) -> f32 {
   return select(clamp(at, 0.0, 1.0), 0.5, ends.x == ends.y);
 }
 
-// The point at which edges i and j of an outline cross as seen from the light: on the one of lower number. Pieces of both end
-// here, so both take this point, whichever is i.
+// The point at which edges i and j of an outline cross as seen from the light: on the one of lower number. Pieces of both
+// end here, so both take this point, whichever is i.
 fn crossing_point(outline: OutlineRange, i: u32, j: u32, place: u32) -> vec3<u32> {
   let e = edge_at(outline.first + min(i, j));
   let f = edge_at(outline.first + max(i, j));
@@ -79,8 +79,8 @@ fn piece_at(light: u32, place: u32) -> u32 {
   return PIECE_WORDS * (light * chunk.capacity + place);
 }
 
-// Writes a piece from one point to another, or, if `is_turned`, the other way round, to a place of a light's list. If that is
-// past the end, nothing is written.
+// Writes a piece from one point to another, or, if `is_turned`, the other way round, to a place of a light's list. If that
+// is past the end, nothing is written.
 fn write_piece(light: u32, place: u32, from_end: vec3<u32>, to_end: vec3<u32>, is_turned: bool, middle: vec3<u32>) {
   if (place >= chunk.capacity) {
     return;
@@ -95,15 +95,15 @@ fn write_piece(light: u32, place: u32, from_end: vec3<u32>, to_end: vec3<u32>, i
   }
 }
 
-// Stage `cut_quads`: lists the pieces of L-twisted quadrilaterals that `polygon_turns` decided. Two neighbouring corners turn
-// to the left and the others to the right, so the two edges between them cross, and each of the two lobes has the sense of its
-// corners. Dispatched after the passes of `cut_edges`, if the extractor has lists, one invocation a record of `undecided`. It
-// appends six pieces for each light behind those of `cut_edges`. It must come last: the passes of `cut_edges` take all that is
-// listed for their cuts. Both lobes share one crossing point, bit for bit.
+// Stage `cut_quads`: lists the pieces of L-twisted quadrilaterals that `polygon_turns` decided. Two neighbouring corners
+// turn to the left and the others to the right, so the two edges between them cross, and each of the two lobes has the sense
+// of its corners. Dispatched after the passes of `cut_edges`, if the extractor has lists, one invocation a record of
+// `undecided`. It appends six pieces for each light behind those of `cut_edges`. It must come last: the passes of
+// `cut_edges` take all that is listed for their cuts. Both lobes share one crossing point, bit for bit.
 
 // Lists the pieces of a quadrilateral for a light: two lobes of three. `first` is a corner that turns as the one after it
-// does, 0 or 3; `is_positive` says that corner 0, which is one of these two, turns to the left. Edges `first` + 1 and `first`
-// + 3 cross.
+// does, 0 or 3; `is_positive` says that corner 0, which is one of these two, turns to the left. Edges `first` + 1 and
+// `first` + 3 cross.
 fn cut_quad(outline: OutlineRange, light: u32, first: u32, is_positive: bool) {
   var corners: array<vec3<u32>, 4>;
   for (var corner = 0u; corner < 4u; corner++) {

@@ -1,12 +1,13 @@
 // Outline: looks at all pairs of edges of the outlines that `polygon_turns` left undecided, for each light that it left.
-// `undecided` has a record for each such polygon, and entries, each a part of the work of one record (polygon/outlines.wgsl).
-// Dispatched indirectly after `polygon_turns`, one workgroup an entry. An entry of a small outline has up to 4 edges and 16
-// lights, an invocation each; one of a large outline an edge and a light, which all invocations share. It sets bits of the
-// record, in any order: whether edges meet, how often the outline winds around on the left of each edge, whether all corners lie
-// within a half-space, whether anything is off a plane with the light. `polygon_masks`, the next stage, decides from them. All is
-// exact, by turns: 1 if the light sees three points counter-clockwise, -1 if clockwise. A tie is broken by moving the light a
-// little, the same way for all pairs and stages, so that what they find fits together. `Turns:` is the most turns of the loop
-// below it, `in all` those of all times that the loop is reached; a loop between constants needs none. docs/numerics/polygons.md.
+// `undecided` has a record for each such polygon, and entries, each a part of the work of one record
+// (polygon/outlines.wgsl). Dispatched indirectly after `polygon_turns`, one workgroup an entry. An entry of a small outline
+// has up to 4 edges and 16 lights, an invocation each; one of a large outline an edge and a light, which all invocations
+// share. It sets bits of the record, in any order: whether edges meet, how often the outline winds around on the left of
+// each edge, whether all corners lie within a half-space, whether anything is off a plane with the light. `polygon_masks`,
+// the next stage, decides from them. All is exact, by turns: 1 if the light sees three points counter-clockwise, -1 if
+// clockwise. A tie is broken by moving the light a little, the same way for all pairs and stages, so that what they find
+// fits together. `Turns:` is the most turns of the loop below it, `in all` those of all times that the loop is reached; a
+// loop between constants needs none. docs/numerics/polygons.md.
 
 #import polygon/outlines
 #import polygon/turn
@@ -27,8 +28,8 @@ const IS_ANY_LEFT: u32 = 4u;
 const IS_ANY_RIGHT: u32 = 8u;
 
 // The number that an edge (c, d) adds to the winding number on the left of an edge (a, b), which is counted along the line
-// through a and b, from just before b on. `sides` are the turns (a, b, c) and (a, b, d), and `b_of_f` is the turn (c, d, b): the
-// side of b as seen from the other edge.
+// through a and b, from just before b on. `sides` are the turns (a, b, c) and (a, b, d), and `b_of_f` is the turn (c, d, b):
+// the side of b as seen from the other edge.
 fn passes(sides: vec2<i32>, b_of_f: i32) -> i32 {
   if (sides.x <= 0 && sides.y > 0) {
     return select(0, 1, b_of_f >= 0);
@@ -39,8 +40,8 @@ fn passes(sides: vec2<i32>, b_of_f: i32) -> i32 {
   return 0;
 }
 
-// Whether two edges cross, or touch elsewhere than at an end that they share. `of_e` are the turns from `e` to both ends of `f`,
-// and `of_f` those from `f` to both ends of `e`, for the moved light.
+// Whether two edges cross, or touch elsewhere than at an end that they share. `of_e` are the turns from `e` to both ends of
+// `f`, and `of_f` those from `f` to both ends of `e`, for the moved light.
 fn meets(e: Edge, f: Edge, of_e: vec2<i32>, of_f: vec2<i32>) -> bool {
   let in_line = all(of_e == vec2<i32>(0)) && all(of_f == vec2<i32>(0));
   let shares = vec4<bool>(all(e.a == f.a), all(e.a == f.b), all(e.b == f.a), all(e.b == f.b));
@@ -64,10 +65,11 @@ fn meets(e: Edge, f: Edge, of_e: vec2<i32>, of_f: vec2<i32>) -> bool {
   return (apart_from_e == 0 && apart_from_f < 0) || (apart_from_e < 0 && apart_from_f == 0);
 }
 
-// Takes the pairs of the invocation's edge and every other; with a large outline every 64th, so of at most 1,024 edges 16, fewer
-// than the SMALL_OUTLINE that `Turns:` counts. All invocations must call it, for its barriers. One loop has eight phases, so that
-// `turn` is compiled once: all pairs, and the rightmost corner among those that the invocation sees; six steps in which 64
-// invocations of a large outline find the rightmost of all, by halves; and whether all corners are on the left of the line to it.
+// Takes the pairs of the invocation's edge and every other; with a large outline every 64th, so of at most 1,024 edges 16,
+// fewer than the SMALL_OUTLINE that `Turns:` counts. All invocations must call it, for its barriers. One loop has eight
+// phases, so that `turn` is compiled once: all pairs, and the rightmost corner among those that the invocation sees; six
+// steps in which 64 invocations of a large outline find the rightmost of all, by halves; and whether all corners are on the
+// left of the line to it.
 fn seen_by_pairs(outline: OutlineRange, work: Work, lane: u32) {
   let slot = select(lane, 0u, work.is_large);
   let step = select(1u, OUTLINE_LANES, work.is_large);

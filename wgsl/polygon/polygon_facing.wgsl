@@ -1,10 +1,11 @@
 // Facing of polygons, by the turns of their corners: a turn is 1 if the light sees three corners counter-clockwise, -1 if
-// clockwise, 0 if they and the light are in one plane. Three stages, dispatched for each batch of up to 32 lights; they stand
-// where `facing` does for triangles. `polygon_facing`, an invocation a polygon, decides convex triangles and quadrilaterals;
-// `polygon_turns`, an invocation a record of `undecided`, decides other simple cases; `polygon_masks` runs after `outline`,
-// which decided the rest exactly. Every triangle of a polygon has the same bits, and all bits are those of exact arithmetic,
-// or silhouettes would not close: bounds must not shrink. Facing masks are complete after `polygon_masks`; `edges` and others
-// read them then. A comment `Turns:` is about the loop below it, not about corners. docs/numerics/polygons.md, "Four turns".
+// clockwise, 0 if they and the light are in one plane. Three stages, dispatched for each batch of up to 32 lights; they
+// stand where `facing` does for triangles. `polygon_facing`, an invocation a polygon, decides convex triangles and
+// quadrilaterals; `polygon_turns`, an invocation a record of `undecided`, decides other simple cases; `polygon_masks` runs
+// after `outline`, which decided the rest exactly. Every triangle of a polygon has the same bits, and all bits are those of
+// exact arithmetic, or silhouettes would not close: bounds must not shrink. Facing masks are complete after `polygon_masks`;
+// `edges` and others read them then. A comment `Turns:` is about the loop below it, not about corners.
+// docs/numerics/polygons.md, "Four turns".
 
 #import common/determinant
 #import common/extraction
@@ -12,9 +13,9 @@
 #import extract/one_caster
 #import polygon/outlines
 
-// The turns at the four corners of a quadrilateral or triangle as `f32` computes them, for four lights at once, and a bound on
-// their errors. The turn at a corner is the sign of the determinant of the corner before, it and the one after. It counts only
-// where its size is above `bound` and `is_certain` holds.
+// The turns at the four corners of a quadrilateral or triangle as `f32` computes them, for four lights at once, and a bound
+// on their errors. The turn at a corner is the sign of the determinant of the corner before, it and the one after. It counts
+// only where its size is above `bound` and `is_certain` holds.
 
 // Where edge `edge` of `outlines` begins.
 fn vertex_of(edge: u32) -> vec3<u32> {
@@ -54,7 +55,7 @@ fn quad_of(outline: OutlineRange) -> Quad {
   let sizes = vec4<f32>(sum_of_sizes(ab) * sum_of_sizes(ad), sum_of_sizes(ab) * sum_of_sizes(ac),
     sum_of_sizes(cd) * sum_of_sizes(cb), sum_of_sizes(ac) * sum_of_sizes(ad));
   let size = max(max(sizes.x, sizes.y), max(sizes.z, sizes.w));
-  let bound = face_bound(size, bitcast<f32>(magnitude), lights_reach());
+  let bound = face_bound(size, bitcast<f32>(magnitude), light_magnitudes());
   return Quad(a, select(c, a, is_triangle), mat4x3<f32>(n_0, n_1, n_2, n_3), bound, magnitude < LARGE);
 }
 
@@ -88,8 +89,8 @@ fn together(bits: vec4<u32>) -> u32 {
 }
 
 // Stage `polygon_facing`: dispatched after the head of `undecided` is reset. A triangle or quadrilateral whose turns at all
-// corners are certain and 1 faces the light, one whose turns are certain and -1 is averted. It writes a bit for each light, 0
-// where it is undecided, to the masks of all triangles of a polygon. A polygon with an undecided light gets a record in
+// corners are certain and 1 faces the light, one whose turns are certain and -1 is averted. It writes a bit for each light,
+// 0 where it is undecided, to the masks of all triangles of a polygon. A polygon with an undecided light gets a record in
 // `undecided`, in any order, for `polygon_turns`, which computes all its bits anew.
 
 // Facing masks of all triangles, and after them as many words in which `polygon_masks` writes for which lights they are
@@ -109,7 +110,7 @@ fn convex_quad(outline: OutlineRange) -> Convex {
   let quad = quad_of(outline);
   let bound = vec4<f32>(quad.bound);
   // Turns: 8.
-  for (var place = 0u; place < light_places(); place += 4u) {
+  for (var place = 0u; place < light_count(); place += 4u) {
     let turns = turns_of(quad, place);
     let low = min(min(turns[0], turns[1]), min(turns[2], turns[3]));
     let high = max(max(turns[0], turns[1]), max(turns[2], turns[3]));
@@ -140,14 +141,14 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
   }
   // Turns: POLYGON_TRIANGLES.
   for (var triangle = outline.first_triangle; triangle < outline.end_triangle; triangle++) {
-    facing_masks[triangle] = convex.facing & live_lights();
+    facing_masks[triangle] = convex.facing & active_lights();
   }
-  if ((live_lights() & ~(convex.facing | convex.averted)) != 0u) {
+  if ((active_lights() & ~(convex.facing | convex.averted)) != 0u) {
     // There is room for a record of every polygon. `polygon_turns` writes its other words.
     let number = atomicAdd(&undecided[RECORD_COUNT], 1u);
     atomicStore(&undecided[record_at(number) + POLYGON], id.x);
-    // `polygon_turns` has an invocation a record. Its workgroups lie in rows (x) of at most ENTRY_ROW; y counts rows, and z is
-    // 1 from the reset.
+    // `polygon_turns` has an invocation a record. Its workgroups lie in rows (x) of at most ENTRY_ROW; y counts rows, and z
+    // is 1 from the reset.
     let workgroup = number / OUTLINE_LANES;
     atomicMax(&undecided[RECORD_WORKGROUPS], min(workgroup + 1u, ENTRY_ROW));
     atomicMax(&undecided[RECORD_WORKGROUPS + 1u], workgroup / ENTRY_ROW + 1u);
@@ -155,12 +156,12 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 // Stage `polygon_turns`: dispatched indirectly, by the words that `polygon_facing` wrote to the head of `undecided`. A
-// quadrilateral of two triangles is decided where `f32` is certain of all four turns and these do not alternate: it faces the
-// light, is averted, or is L-twisted (its outline crosses itself as seen from light L). Another loop, of at most 256 edges, is
-// decided where it is strictly convex. It overwrites the polygon's words of `facing_masks`, and writes to the record the
-// lights that are left (LIGHTS), and of a twisted quadrilateral TWISTED_QUAD, TURN_0 and TURN_1. For LIGHTS it lists entries,
-// parts of the work, for `outline`, the next stage. `polygon_masks` reads records, and `cut_quads` those of twisted
-// quadrilaterals.
+// quadrilateral of two triangles is decided where `f32` is certain of all four turns and these do not alternate: it faces
+// the light, is averted, or is L-twisted (its outline crosses itself as seen from light L). Another loop, of at most 256
+// edges, is decided where it is strictly convex. It overwrites the polygon's words of `facing_masks`, and writes to the
+// record the lights that are left (LIGHTS), and of a twisted quadrilateral TWISTED_QUAD, TURN_0 and TURN_1. For LIGHTS it
+// lists entries, parts of the work, for `outline`, the next stage. `polygon_masks` reads records, and `cut_quads` those of
+// twisted quadrilaterals.
 
 // Outlines of more edges are not tried here, so that an invocation ends soon.
 const MOST_CONVEX: u32 = 256u;
@@ -171,17 +172,18 @@ struct Turns {
   negative: u32,
 }
 
-// `turns`, as far as the turn of three points agrees with them. `largest` bounds the coordinates. Takes four lights at a time.
+// `turns`, as far as the turn of three points agrees with them. `largest` bounds the coordinates. Takes four lights at a
+// time.
 fn with_turns(turns: Turns, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, largest: f32) -> Turns {
   let u = b - a;
   let v = c - a;
   let n = cross_product(u, v);
   let size = (abs(u.x) + abs(u.y) + abs(u.z)) * (abs(v.x) + abs(v.y) + abs(v.z));
-  let bound = vec4<f32>(face_bound(size, largest, lights_reach()));
+  let bound = vec4<f32>(face_bound(size, largest, light_magnitudes()));
   var positive = 0u;
   var negative = 0u;
   // Turns: 8.
-  for (var place = 0u; place < light_places(); place += 4u) {
+  for (var place = 0u; place < light_count(); place += 4u) {
     let d = vec4<f32>(
       local_form(n, a, scaled_light(place)),
       local_form(n, a, scaled_light(place + 1u)),
@@ -197,8 +199,8 @@ fn with_turns(turns: Turns, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, largest: f
 }
 
 // The three corners of turn `number` of a loop of `count` corners: first (i, i + 1, i + 2) for each i, which is the turn at
-// corner i + 1 (`turns_of` instead counts a turn by its corner); then (0, 1, i) and (0, i - 1, i) for each i from 3 to count -
-// 2. If all are equal, corner 0 sees the others one after the other within a half-turn, so the loop goes around once; the
+// corner i + 1 (`turns_of` instead counts a turn by its corner); then (0, 1, i) and (0, i - 1, i) for each i from 3 to count
+// - 2. If all are equal, corner 0 sees the others one after the other within a half-turn, so the loop goes around once; the
 // first alone may be equal although it goes around twice.
 fn turn_corners(number: u32, count: u32) -> vec3<u32> {
   if (number < count) {
@@ -209,8 +211,8 @@ fn turn_corners(number: u32, count: u32) -> vec3<u32> {
   return select(vec3<u32>(0u, corner - 1u, corner), vec3<u32>(0u, 1u, corner), (number - count) % 2u == 0u);
 }
 
-// The lights that see a loop of at most MOST_CONVEX corners as strictly convex, by its sense. Bits past the last light may be
-// set.
+// The lights that see a loop of at most MOST_CONVEX corners as strictly convex, by its sense. Bits past the last light may
+// be set.
 fn convex_turns(outline: OutlineRange) -> Turns {
   var turns = Turns(0xffffffffu, 0xffffffffu);
   var turn_count = outline.count;
@@ -246,9 +248,9 @@ struct Decided {
   turn_1: u32,
 }
 
-// Decides a quadrilateral by the turns at its corners, four lights at a time, where all four are certain. If three are equal,
-// the outline is simple and has their sense. If two neighbours differ from the other two, two edges cross: it is L-twisted. If
-// turns alternate, it goes around the light; nothing is decided.
+// Decides a quadrilateral by the turns at its corners, four lights at a time, where all four are certain. If three are
+// equal, the outline is simple and has their sense. If two neighbours differ from the other two, two edges cross: it is
+// L-twisted. If turns alternate, it goes around the light; nothing is decided.
 fn decided_quad(outline: OutlineRange) -> Decided {
   var decided = Decided(0u, 0u, 0u, 0u, 0u);
   let quad = quad_of(outline);
@@ -257,7 +259,7 @@ fn decided_quad(outline: OutlineRange) -> Decided {
   }
   let bound = vec4<f32>(quad.bound);
   // Turns: 8.
-  for (var place = 0u; place < light_places(); place += 4u) {
+  for (var place = 0u; place < light_count(); place += 4u) {
     let turns = turns_of(quad, place);
     let up_0 = bits_of(turns[0] > bound);
     let up_1 = bits_of(turns[1] > bound);
@@ -278,7 +280,7 @@ fn decided_quad(outline: OutlineRange) -> Decided {
     decided.turn_0 |= together(up_0) << place;
     decided.turn_1 |= together(up_1) << place;
   }
-  decided.twisted &= live_lights();
+  decided.twisted &= active_lights();
   return decided;
 }
 
@@ -319,15 +321,15 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let decided = decided_outline(outline);
     // Turns: POLYGON_TRIANGLES.
     for (var triangle = outline.first_triangle; triangle < outline.end_triangle; triangle++) {
-      facing_masks[triangle] = decided.facing & live_lights();
+      facing_masks[triangle] = decided.facing & active_lights();
     }
-    let left = live_lights() & ~(decided.facing | decided.averted | decided.twisted);
-    // If f32 decides all lights, all corners are finite. If a corner is not finite, f32 decides no light: LIGHTS are then all
-    // lights, for `polygon_masks`.
+    let left = active_lights() & ~(decided.facing | decided.averted | decided.twisted);
+    // If f32 decides all lights, all corners are finite. If a corner is not finite, f32 decides no light: LIGHTS are then
+    // all lights, for `polygon_masks`.
     let is_left = (left | decided.twisted) != 0u;
     let has_finite_corners = !is_left || is_outline_finite(outline);
     atomicStore(&undecided[at + POLYGON], polygon | select(NOT_FINITE, 0u, has_finite_corners));
-    atomicStore(&undecided[at + LIGHTS], select(live_lights(), left, has_finite_corners));
+    atomicStore(&undecided[at + LIGHTS], select(active_lights(), left, has_finite_corners));
     // The words that `outline` sets bits in, from FITS to OFF_PLANE, which TWISTED_QUAD follows.
     for (var word = FITS; word < TWISTED_QUAD; word++) {
       atomicStore(&undecided[at + word], 0u);
@@ -341,13 +343,13 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
   }
 }
 
-// Stage `polygon_masks`: decides from the records whether a polygon faces each light that `polygon_turns` left, is in a plane
-// with it, or is L-twisted. Dispatched after `outline`, one invocation a record. It adds to statistics, and for the polygon's
-// triangles to the facing masks, the first half of `facing_masks`; it writes their twisted masks, the second half, and their
-// excluded masks. Twisted masks are cleared before, and excluded masks but for what a scene excludes. A polygon that is twisted or
-// in a plane counts nowhere as a face; what a twisted one darkens is cut into pieces. `edges` reads facing and twisted masks
-// next; stages of shadow volumes read facing and excluded ones. Outlines that are twisted are listed as entries for
-// `cut_edges`, except the quadrilaterals that `cut_quads` takes.
+// Stage `polygon_masks`: decides from the records whether a polygon faces each light that `polygon_turns` left, is in a
+// plane with it, or is L-twisted. Dispatched after `outline`, one invocation a record. It adds to statistics, and for the
+// polygon's triangles to the facing masks, the first half of `facing_masks`; it writes their twisted masks, the second half,
+// and their excluded masks. Twisted masks are cleared before, and excluded masks but for what a scene excludes. A polygon
+// that is twisted or in a plane counts nowhere as a face; what a twisted one darkens is cut into pieces. `edges` reads
+// facing and twisted masks next; stages of shadow volumes read facing and excluded ones. Outlines that are twisted are
+// listed as entries for `cut_edges`, except the quadrilaterals that `cut_quads` takes.
 
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
 // The statistics, not a record of `undecided`.
@@ -361,10 +363,10 @@ struct PolygonMasks {
   excluded: u32, // Twisted or in a plane, so without a cap or side of its own.
 }
 
-// The bits of the record at word `at` of `undecided`. A polygon with a corner that is not finite (its word POLYGON has bit 31,
-// NOT_FINITE) faces no light and is excluded for all: LIGHTS has them. `outline` found, over all edges of the outline: FITS,
-// all corners are in one half-space; IS_NOT_SIMPLE, some edges meet, or the winding number beside one is neither 0 nor 1;
-// WINDS_ONCE, beside one it is 1; WINDS_NEVER, beside one it is 0; OFF_PLANE, something is off the plane. If 1 and 0 both
+// The bits of the record at word `at` of `undecided`. A polygon with a corner that is not finite (its word POLYGON has bit
+// 31, NOT_FINITE) faces no light and is excluded for all: LIGHTS has them. `outline` found, over all edges of the outline:
+// FITS, all corners are in one half-space; IS_NOT_SIMPLE, some edges meet, or the winding number beside one is neither 0 nor
+// 1; WINDS_ONCE, beside one it is 1; WINDS_NEVER, beside one it is 0; OFF_PLANE, something is off the plane. If 1 and 0 both
 // occur, the outline is not simple.
 fn masks_of_record(at: u32) -> PolygonMasks {
   let lights = atomicLoad(&undecided[at + LIGHTS]);
@@ -400,8 +402,8 @@ fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         excluded_masks[triangle] |= own.excluded;
       }
     }
-    // `undecided_pairs` lacks the pairs that `polygon_turns` found twisted: LIGHTS has none of them. `non_finite_faces` counts
-    // polygons here, in the first batch only, since every batch finds the same.
+    // `undecided_pairs` lacks the pairs that `polygon_turns` found twisted: LIGHTS has none of them. `non_finite_faces`
+    // counts polygons here, in the first batch only, since every batch finds the same.
     if (atomicLoad(&undecided[at + POLYGON]) < NOT_FINITE) {
       let lights = atomicLoad(&undecided[at + LIGHTS]);
       atomicAdd(&record.statistics.undecided_pairs, countOneBits(lights));

@@ -1,10 +1,10 @@
-// The turn of three points as seen from a light, exactly: the sign of det[b - a, c - a, l - w a], 1 if the light sees a, b, c
-// counter-clockwise. For `outline` and the passes of `cut_edges`, which call `turn`. A bound on rounding decides where it can,
-// then fixed point, then integers, so all devices have the same sign. Where it is 0, the light is moved by (e, e^2, e^3) for
-// an e smaller than anything: the sign is the first that is not 0 with the axes x, y, z for the light. All callers must share
-// this rule, or what they find of one outline does not fit together. Also how large the determinant is, rounded, for the order
-// of cuts. Points are the bits of positions, and must be finite. `Turns:` is the most turns of the loop below it.
-// docs/numerics/polygons.md.
+// The turn of three points as seen from a light, exactly: the sign of det[b - a, c - a, l - w a], 1 if the light sees a, b,
+// c counter-clockwise. For `outline` and the passes of `cut_edges`, which call `turn`. A bound on rounding decides where it
+// can, then fixed point, then integers, so all devices have the same sign. Where it is 0, the light is moved by (e, e^2,
+// e^3) for an e smaller than anything: the sign is the first that is not 0 with the axes x, y, z for the light. All callers
+// must share this rule, or what they find of one outline does not fit together. Also how large the determinant is, rounded,
+// for the order of cuts. Points are the bits of positions, and must be finite. `Turns:` is the most turns of the loop below
+// it. docs/numerics/polygons.md.
 
 #import common/determinant
 #import common/exact_sign
@@ -39,7 +39,7 @@ fn certain_turn(a_bits: vec3<u32>, b_bits: vec3<u32>, c_bits: vec3<u32>, place: 
   let u = bitcast<vec3<f32>>(b_bits) - a;
   let v = bitcast<vec3<f32>>(c_bits) - a;
   let size = (abs(u.x) + abs(u.y) + abs(u.z)) * (abs(v.x) + abs(v.y) + abs(v.z));
-  let bound = face_bound(size, bitcast<f32>(magnitude), lights_reach());
+  let bound = face_bound(size, bitcast<f32>(magnitude), light_magnitudes());
   let d = local_form(cross_product(u, v), a, scaled_light(place));
   return select(0, 1, d > bound) - select(0, 1, d < -bound);
 }
@@ -78,8 +78,8 @@ fn ordered(bits: vec3<u32>) -> vec3<u32> {
   return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
 }
 
-// How large the determinant of a turn is, and not only its sign: rounded once, where fixed point holds it. So ratios of nearly
-// equal turns are exact but for the last places, however flat the light sees them.
+// How large the determinant of a turn is, and not only its sign: rounded once, where fixed point holds it. So ratios of
+// nearly equal turns are exact but for the last places, however flat the light sees them.
 
 struct TurnValue {
   // False: fixed point does not hold it.
@@ -137,8 +137,8 @@ fn times_power(value: f32, exponent: i32) -> f32 {
   return select(0.0, value * bitcast<f32>(u32(127 + max(exponent, -126)) << 23u), exponent > -64);
 }
 
-// |first| / (|first| + |second|) of two turns of contrary sense: how far along an edge from 0, at the end that has `first`, to
-// 1 another edge's plane is crossed. 0.5 if both are 0. Both must fit.
+// |first| / (|first| + |second|) of two turns of contrary sense: how far along an edge from 0, at the end that has `first`,
+// to 1 another edge's plane is crossed. 0.5 if both are 0. Both must fit.
 fn share_of_turns(first: TurnValue, second: TurnValue) -> f32 {
   if (first.value == 0.0 || second.value == 0.0) {
     return select(select(1.0, 0.0, second.value != 0.0), 0.5, first.value == second.value);

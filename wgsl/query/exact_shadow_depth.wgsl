@@ -1,12 +1,12 @@
 // Exact shadow depth: decides the faces that `shadow_depth` left undecided, and adds them to `depths`, the number of faces
-// between each point and light (polygons, where a mesh has them), which the caller reads in the end. Three stages, right after
-// `shadow_depth` and in this order, for each range of faces. `exact_shadow_depth`: an invocation a pair of point and light,
-// for the up to three faces that are noted for it. `depth_arguments`: says how many workgroups the next has.
+// between each point and light (polygons, where a mesh has them), which the caller reads in the end. Three stages, right
+// after `shadow_depth` and in this order, for each range of faces. `exact_shadow_depth`: an invocation a pair of point and
+// light, for the up to three faces that are noted for it. `depth_arguments`: says how many workgroups the next has.
 // `exact_shadow_depth_recount`: a workgroup a listed pair, which has more, and 1,024 faces. It decides all of these, since
 // `shadow_depth` counted nothing of the range for such a pair. Fixed point decides where the numbers fit, else integers, so
-// depths are the same on every device. Where the line to the light meets an edge, the tie is broken as if the light were moved
-// by (e, e^2, e^3), the same for all faces, so that a line through a shared edge passes one side of it. Counts are added by
-// atomics, in any order. docs/numerics/query.md.
+// depths are the same on every device. Where the line to the light meets an edge, the tie is broken as if the light were
+// moved by (e, e^2, e^3), the same for all faces, so that a line through a shared edge passes one side of it. Counts are
+// added by atomics, in any order. docs/numerics/query.md.
 
 #import common/exact_sign
 #import query/records
@@ -72,13 +72,13 @@ fn is_between(segment: Segment, index: u32) -> bool {
     (decision == UNDECIDED && exactly_between(face, segment.p_bits, batch.light_bits[segment.light]));
 }
 
-// A bit for each of a group's 1,024 faces: whether an odd number of triangles are between, of the polygon that begins with it
-// and ends in the group. It is cleared before use: SwiftShader was seen to leave the words of an earlier workgroup in it.
+// A bit for each of a group's 1,024 faces: whether an odd number of triangles are between, of the polygon that begins with
+// it and ends in the group. It is cleared before use: SwiftShader was seen to leave the words of an earlier workgroup in it.
 var<workgroup> odd_polygons: array<atomic<u32>, CLUSTER>;
 
-// The amount that a face that is between adds to the depth, among the faces of the group that begins with cluster `first`: 1,
-// or -1 after an odd number of triangles of the same polygon. In any order of invocations the sum is 1 for an odd number and 0
-// for an even one.
+// The amount that a face that is between adds to the depth, among the faces of the group that begins with cluster `first`:
+// 1, or -1 after an odd number of triangles of the same polygon. In any order of invocations the sum is 1 for an odd number
+// and 0 for an even one.
 fn turn_in_group(pair: u32, index: u32, first: u32) -> i32 {
   if (!POLYGONS) {
     return 1;
@@ -178,8 +178,8 @@ fn exact_shadow_depth_recount(
 }
 
 // Stage `depth_arguments`: makes the indirect dispatch of `exact_shadow_depth_recount` from the number of pairs of point and
-// light that `shadow_depth` listed: a workgroup for each pair and each group of 1,024 faces of the range. Then it empties the
-// list for the next range; the entries stay, and `recounts` says how many. Dispatched as one invocation, after
+// light that `shadow_depth` listed: a workgroup for each pair and each group of 1,024 faces of the range. Then it empties
+// the list for the next range; the entries stay, and `recounts` says how many. Dispatched as one invocation, after
 // `exact_shadow_depth` for each range.
 
 @group(0) @binding(2) var<storage, read_write> dispatch: array<u32, 3>;

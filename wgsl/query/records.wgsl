@@ -1,7 +1,7 @@
-// Structs that the stages of the shadow depth query share with each other and with src/layout.rs, which a test holds equal: no
-// member may change here alone. The query counts faces between points and lights; `shadow_boxes`, `shadow_depth`,
-// `exact_shadow_depth`, `depth_arguments` and `exact_shadow_depth_recount` run in this order. Faces are cut into clusters of 32
-// and groups of 32 clusters, in the order of the mesh, so that the triangles of a polygon follow each other.
+// Structs that the stages of the shadow depth query share with each other and with src/layout.rs, which a test holds equal:
+// no member may change here alone. The query counts faces between points and lights; `shadow_boxes`, `shadow_depth`,
+// `exact_shadow_depth`, `depth_arguments` and `exact_shadow_depth_recount` run in this order. Faces are cut into clusters of
+// 32 and groups of 32 clusters, in the order of the mesh, so that the triangles of a polygon follow each other.
 
 // The number of faces in a cluster, and of clusters in a group.
 const CLUSTER: u32 = 32u;
@@ -19,7 +19,8 @@ struct FaceCluster {
   corners: array<u32, 96>,
   // A bit for each face, set if it belongs to the same polygon as the face before it.
   continues: u32,
-  // If the first face continues a polygon, the place of the first triangle of that: 32 times its cluster plus its number in it.
+  // If the first face continues a polygon, the place of the first triangle of that: 32 times its cluster plus its number in
+  // it.
   head: u32,
   // The number that the mesh has for the first face. The others follow it.
   first_face: u32,
@@ -51,17 +52,18 @@ struct FaceRange {
 
 // The undecided faces of a pair of point and light.
 struct UndecidedFaces {
-  // The number of undecided faces, 4 for more than three. Bits 3 to 5, one for each of the first three, are set if an odd number
-  // of the decided triangles of its polygon are between, and bit 6 if an odd number of triangles of the polygon of the range's
-  // last face are.
+  // The number of undecided faces, 4 for more than three. Bits 3 to 5, one for each of the first three, are set if an odd
+  // number of the decided triangles of its polygon are between, and bit 6 if an odd number of triangles of the polygon of
+  // the range's last face are.
   state: u32,
-  // The first three of them. If there are more, the first word has bits of polygons that go on behind their group of clusters,
-  // set if an odd number of their triangles are between. Bit 0 is that of one that began before the range, and bit 1 + n that of
-  // one that began in group n of the range.
+  // The first three of them. If there are more, the first word has bits of polygons that go on behind their group of
+  // clusters, set if an odd number of their triangles are between. Bit 0 is that of one that began before the range, and bit
+  // 1 + n that of one that began in group n of the range.
   face_0: atomic<u32>,
   face_1: u32,
   face_2: u32,
-  // Word n of this member over all pairs is a list of its own: a pair of point and light that had more, and is counted again.
+  // Word n of this member over all pairs is a list of its own: a pair of point and light that had more, and is counted
+  // again.
   recount: u32,
 }
 

@@ -1,9 +1,9 @@
 // Shadow boxes: the first stage of a shadow depth query. It computes the boxes around clusters of 32 faces and groups of 32
-// clusters, from the positions of this encode. Dispatched once for each run of clusters that a binding holds; a workgroup takes a
-// group, an invocation a cluster. It writes them into `clusters`, whose faces the CPU wrote once; `shadow_depth` and
-// `exact_shadow_depth` leave out clusters and groups by them. A box must hold every face that counts: those that are finite and
-// name three different vertices. Floats are compared as keys, integers in their order, so that no device can flush or round them;
-// so boxes have the same bits everywhere. docs/numerics/query.md.
+// clusters, from the positions of this encode. Dispatched once for each run of clusters that a binding holds; a workgroup
+// takes a group, an invocation a cluster. It writes them into `clusters`, whose faces the CPU wrote once; `shadow_depth` and
+// `exact_shadow_depth` leave out clusters and groups by them. A box must hold every face that counts: those that are finite
+// and name three different vertices. Floats are compared as keys, integers in their order, so that no device can flush or
+// round them; so boxes have the same bits everywhere. docs/numerics/query.md.
 
 #import common/extraction
 #import common/positions
@@ -15,7 +15,8 @@
 
 const SIGN: u32 = 0x80000000u;
 
-// The lowest and the highest keys, and the bits of the largest absolute coordinate. `any_face` is 1 if a face counts, else 0.
+// The lowest and the highest keys, and the bits of the largest absolute coordinate. `any_face` is 1 if a face counts, else
+// 0.
 struct Keys {
   low: vec3<u32>,
   largest: u32,

@@ -1,12 +1,12 @@
-// Shadow depth: counts for each pair of point and light the faces strictly between them. Runs after `shadow_boxes`; dispatched
-// for each run of points and clusters, batch of up to 32 lights and range of faces, one invocation a pair. Faces that `f32`
-// with its bounds decides are counted here, into `depths`, which the caller reads in the end. Others are noted for
-// `exact_shadow_depth`, which runs right after: up to three. With more, nothing of the range is counted, and the pair is
-// listed, in any order, for `depth_arguments` and `exact_shadow_depth_recount`. Depths are exact: the same on every device and
-// on the CPU, so bounds must not shrink. The triangles of a polygon (they follow each other) count 1 and -1 in turn, so that
-// it counts once if an odd number of them lie between. Ranges come one after another, and the bit of a polygon that goes on
-// behind a range is handed on by `state`, or by `face_0` if the pair was listed. A point that is not finite has depth -1.
-// docs/numerics/query.md.
+// Shadow depth: counts for each pair of point and light the faces strictly between them. Runs after `shadow_boxes`;
+// dispatched for each run of points and clusters, batch of up to 32 lights and range of faces, one invocation a pair. Faces
+// that `f32` with its bounds decides are counted here, into `depths`, which the caller reads in the end. Others are noted
+// for `exact_shadow_depth`, which runs right after: up to three. With more, nothing of the range is counted, and the pair is
+// listed, in any order, for `depth_arguments` and `exact_shadow_depth_recount`. Depths are exact: the same on every device
+// and on the CPU, so bounds must not shrink. The triangles of a polygon (they follow each other) count 1 and -1 in turn, so
+// that it counts once if an odd number of them lie between. Ranges come one after another, and the bit of a polygon that
+// goes on behind a range is handed on by `state`, or by `face_0` if the pair was listed. A point that is not finite has
+// depth -1. docs/numerics/query.md.
 
 #import common/determinant
 #import common/positions

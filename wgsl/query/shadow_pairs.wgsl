@@ -1,8 +1,8 @@
 // Decides with `f32` bounds whether a face lies between a point and a light, and finds the polygon of a face. For
-// `shadow_depth`, `exact_shadow_depth` and `exact_shadow_depth_recount`. `decide` says BETWEEN or NOT_BETWEEN only where exact
-// arithmetic must agree; callers must settle UNDECIDED faces exactly. The polygon of a face is told by its head, the place of
-// its first triangle. A place is 32 times the cluster plus the face's number in it, and counts from the first cluster that is
-// bound. docs/numerics/query.md.
+// `shadow_depth`, `exact_shadow_depth` and `exact_shadow_depth_recount`. `decide` says BETWEEN or NOT_BETWEEN only where
+// exact arithmetic must agree; callers must settle UNDECIDED faces exactly. The polygon of a face is told by its head, the
+// place of its first triangle. A place is 32 times the cluster plus the face's number in it, and counts from the first
+// cluster that is bound. docs/numerics/query.md.
 
 #import common/determinant
 #import common/positions
@@ -16,8 +16,8 @@ const COUNT_MASK: u32 = 7u;
 const ODD_FACES: u32 = 3u;
 const ODD_AT_END: u32 = 64u;
 
-// The sign of d = det[u, v, t], given `uv`, the product of the sums of sizes of u and v, and `t`, the largest size in t. 0 if the
-// sign is not certain.
+// The sign of d = det[u, v, t], given `uv`, the product of the sums of sizes of u and v, and `t`, the largest size in t. 0
+// if the sign is not certain.
 fn certain_sign(d: f32, uv: f32, t: f32, underflow: f32) -> i32 {
   let bound = (RELATIVE * t) * uv + underflow * (1.0 + 3.0 * t);
   return select(0, 1, d > bound) - select(0, 1, d < -bound);
@@ -52,8 +52,8 @@ fn is_named(segment: Segment, index: u32) -> bool {
   return NAMES_FACES && clusters[index / CLUSTER].first_face + index % CLUSTER == segment.on_face;
 }
 
-// Whether a polygon of the mesh has several triangles. The triangles of a polygon that are between count 1 and -1 in turn, so
-// that it counts once if they are odd in number.
+// Whether a polygon of the mesh has several triangles. The triangles of a polygon that are between count 1 and -1 in turn,
+// so that it counts once if they are odd in number.
 override POLYGONS: bool = false;
 
 // The place of the first triangle of the polygon of a face. It has no loop: a polygon may have any number of triangles.
@@ -67,9 +67,9 @@ fn head_of(index: u32) -> u32 {
   return CLUSTER * cluster + firstLeadingBit(begins);
 }
 
-// The mask, in `UndecidedFaces.face_0`, of the polygon that begins at `head` and goes on behind its group of clusters. At most
-// one polygon that begins in a group does. `first` is the first cluster of the range; bit 0 is for a polygon that begins before
-// it.
+// The mask, in `UndecidedFaces.face_0`, of the polygon that begins at `head` and goes on behind its group of clusters. At
+// most one polygon that begins in a group does. `first` is the first cluster of the range; bit 0 is for a polygon that
+// begins before it.
 fn odd_bit(head: u32, first: u32) -> u32 {
   let begin = CLUSTER * first;
   return select(1u, 2u << ((max(head, begin) - begin) / (CLUSTER * CLUSTER)), head >= begin);

@@ -84,8 +84,8 @@ fn segment_of(query: Query) -> Segment {
 const MARGIN: f32 = 0x1p-18;
 const TINY: f32 = 0x1p-100;
 
-// Whether certainly no face in a box lies between. Words are those of FaceCluster; the fourth are the largest size and whether
-// any face counts.
+// Whether certainly no face in a box lies between. Words are those of FaceCluster; the fourth are the largest size and
+// whether any face counts.
 fn misses(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bool {
   if (high_bits.w == 0u) {
     return true;

@@ -1,7 +1,7 @@
 // Work lists of a scene's extraction: two compute stages, dispatched for each group of casters and batch of up to 32 lights,
-// whose invocations each take chunks in turn. A chunk is 64 slots (indices in the masks), all of one caster. `clusters`, after
-// `reach`, lists chunks of faces for `facing`; `chunks`, after it, lists chunks of edges for `edges`. A cluster is 128 faces
-// of a mesh with a bound on their planes. Lists are in `work`, in no particular order. docs/numerics/clusters.md, and
+// whose invocations each take chunks in turn. A chunk is 64 slots (indices in the masks), all of one caster. `clusters`,
+// after `reach`, lists chunks of faces for `facing`; `chunks`, after it, lists chunks of edges for `edges`. A cluster is 128
+// faces of a mesh with a bound on their planes. Lists are in `work`, in no particular order. docs/numerics/clusters.md, and
 // docs/numerics/scene.md, "Cached results".
 
 #import common/casters
@@ -10,9 +10,9 @@
 #import scene/table
 
 // Stage `clusters`: decides whether all faces of a cluster face a light, or none does. It takes the lights in `taken`, which
-// `reach` chose (many_casters.wgsl; `matter`, for the caster at hand), and lists the chunks with a bit that is to be tested or
-// changed, with what is decided already; and it notes in `kept` what the masks will hold, for `chunks` and the next encode. It
-// decides only what exact facing would decide the same way, so bounds must not shrink.
+// `reach` chose (many_casters.wgsl; `active_mask`, for the caster at hand), and lists the chunks with a bit that is to be
+// tested or changed, with what is decided already; and it notes in `kept` what the masks will hold, for `chunks` and the
+// next encode. It decides only what exact facing would decide the same way, so bounds must not shrink.
 
 // For each group and batch four words, then the chunks, where SceneDispatch says.
 @group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;
@@ -46,7 +46,7 @@ fn decide(at: u32) -> Decision {
     return Decision(0u, 0u);
   }
   if (kind == AVERTED) {
-    return Decision(matter, 0u);
+    return Decision(active_mask, 0u);
   }
   let centre = bitcast<vec3<f32>>(first.xyz);
   let middle = bitcast<vec4<f32>>(four_words(at + 4u));
@@ -55,7 +55,7 @@ fn decide(at: u32) -> Decision {
   var decision = Decision(0u, 0u);
   var place = 0u;
   for (var rest = lights.allowed; rest != 0u; rest &= rest - 1u) {
-    let bit = (rest & (~rest + 1u)) & matter;
+    let bit = (rest & (~rest + 1u)) & active_mask;
     if (bit != 0u) {
       let light = scaled_light(place);
       let inexact = inexact_w(place);
@@ -79,34 +79,34 @@ fn list_faces(chunk: u32, decision: Decision) {
   atomicStore(&work[at], chunk);
   atomicStore(&work[at + 1u], decision.decided);
   atomicStore(&work[at + 2u], decision.facing);
-  atomicStore(&work[at + 3u], select(places_of(matter & ~decision.decided), 0xffffffffu, decision.decided == 0u));
-  if ((matter & ~decision.decided) != 0u) {
+  atomicStore(&work[at + 3u], select(indices_of_lights(active_mask & ~decision.decided), 0xffffffffu, decision.decided == 0u));
+  if ((active_mask & ~decision.decided) != 0u) {
     atomicAdd(&statistics.faces, faces_in(chunk));
   } else {
     atomicAdd(&statistics.spared_faces, faces_in(chunk));
   }
 }
 
-fn faces_in(chunk: u32) -> u32 { return min(CHUNK, of_faces.x + of_faces.y - CHUNK * chunk); }
+fn faces_in(chunk: u32) -> u32 { return min(CHUNK, face_range.x + face_range.y - CHUNK * chunk); }
 
 // Takes the chunks of the cluster that begins with `chunk`. `number` is the cluster's among those of the caster.
 fn take_cluster(chunk: u32, number: u32) {
   let decision = decide(caster_part(caster, 7u).w + BOUND_WORDS * number);
-  let at = kept_cluster_at(chunk);
+  let at = cached_cluster_offset(chunk);
   var before = Decision(0u, 0u);
   if (kept[0] == group.structure) {
     before = Decision(kept[at], kept[at + 1u]);
   }
-  kept[at] = (before.decided & ~matter) | decision.decided;
-  kept[at + 1u] = (before.facing & ~matter) | decision.facing;
+  kept[at] = (before.decided & ~active_mask) | decision.decided;
+  kept[at + 1u] = (before.facing & ~active_mask) | decision.facing;
   // Where the masks have these bits already, nothing is to be done.
-  let is_known = (matter & ~(decision.decided & before.decided)) == 0u &&
-    ((decision.facing ^ before.facing) & matter) == 0u;
-  let end = min(chunk + CLUSTER_CHUNKS, (of_faces.x + of_faces.y + CHUNK - 1u) / CHUNK);
+  let is_known = (active_mask & ~(decision.decided & before.decided)) == 0u &&
+    ((decision.facing ^ before.facing) & active_mask) == 0u;
+  let end = min(chunk + CLUSTER_CHUNKS, (face_range.x + face_range.y + CHUNK - 1u) / CHUNK);
   // Turns: CLUSTER_CHUNKS.
   for (var each = chunk; each < end; each++) {
     if (is_known) {
-      atomicAdd(&statistics.spared_faces, select(0u, faces_in(each), matter != 0u));
+      atomicAdd(&statistics.spared_faces, select(0u, faces_in(each), active_mask != 0u));
     } else {
       list_faces(each, decision);
     }
@@ -115,14 +115,14 @@ fn take_cluster(chunk: u32, number: u32) {
 
 // Takes the cluster that begins with a chunk, or the chunk itself where a caster has no clusters.
 fn take_chunk(chunk: u32) {
-  take_caster(caster_of(group.face_chunks_at, chunk));
+  load_caster(caster_of(group.face_chunks_at, chunk));
   if (!has_clusters(caster)) {
-    if (matter != 0u) {
+    if (active_mask != 0u) {
       list_faces(chunk, Decision(0u, 0u));
     }
     return;
   }
-  let number = chunk - of_faces.x / CHUNK;
+  let number = chunk - face_range.x / CHUNK;
   if (number % CLUSTER_CHUNKS == 0u) {
     take_cluster(chunk, number / CLUSTER_CHUNKS);
   }
@@ -138,9 +138,9 @@ fn clusters(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
   }
 }
 
-// Stage `chunks`: lists the chunks of edges of casters with a light whose list is made anew, but for chunks that clusters tell
-// to have no silhouette. It also empties lists and statistics for `facing` and the stages after it, and notes in `kept` the
-// versions that the bits are computed from. `reach` and `clusters` compare these with those of before, so all their
+// Stage `chunks`: lists the chunks of edges of casters with a light whose list is made anew, but for chunks that clusters
+// tell to have no silhouette. It also empties lists and statistics for `facing` and the stages after it, and notes in `kept`
+// the versions that the bits are computed from. `reach` and `clusters` compare these with those of before, so all their
 // dispatches, of all groups and batches, must come before the first of `chunks`. A chunk that may have a silhouette must be
 // listed.
 
@@ -160,7 +160,7 @@ fn prepare(light: u32) {
     list_counts[light] = 0u;
     kept[group.lists_at + light] = encode_number();
   }
-  kept[kept_lights_at(group.batch) + light] = light_version(group.batch, light);
+  kept[cached_light_offset(group.batch) + light] = light_version(group.batch, light);
   if (light == 0u) {
     kept[0] = group.structure;
     let zeros = list_counts[KEPT_ZEROS] | atomicLoad(&record.statistics.exact_zeros);
@@ -181,17 +181,17 @@ fn is_spared(caster: u32, chunk: u32, wanted: u32) -> bool {
   // Behind the bounds of all clusters.
   let at = bounds_at + BOUND_WORDS * ((faces.y + CLUSTER_FACES - 1u) / CLUSTER_FACES) + chunk - edges.x / CHUNK;
   let begin = cluster_words[at];
-  let rule = begin >> PLACE_BITS;
+  let rule = begin >> OFFSET_BITS;
   if (rule != SKIPPED_DECIDED && rule != SKIPPED_ALIKE) {
     return false;
   }
-  let places = (1u << PLACE_BITS) - 1u;
+  let places = (1u << OFFSET_BITS) - 1u;
   let end = bounds_at + (cluster_words[at + 1u] & places);
   var facing = 0u;
   var averted = 0u;
   // Turns: 2 * CHUNK.
   for (var name = bounds_at + (begin & places); name < end; name++) {
-    let cluster = kept_cluster_at(faces.x / CHUNK + CLUSTER_CHUNKS * cluster_words[name]);
+    let cluster = cached_cluster_offset(faces.x / CHUNK + CLUSTER_CHUNKS * cluster_words[name]);
     if ((wanted & ~kept[cluster]) != 0u) {
       return false;
     }

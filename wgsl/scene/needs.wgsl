@@ -1,9 +1,9 @@
 // Needs: a compute stage that finds which figures of a scene a frame needs, before they are deformed, from boxes that the
-// caller states. A figure is a caster (a mesh that throws shadows) whose positions `deform`, or the caller, may compute anew.
-// Dispatched if the caller asks for it, before `deform`, an invocation a figure. A frame needs a figure if a camera may see
-// it, or its shadow from a light that may reach it; tests have slack, so none that is seen is left out. It writes a word for
-// each figure: 0 if it is needed. The words are copied for `deform`, which makes the others a point, and for `reach`, which
-// leaves these out. docs/numerics/scene.md, "Deforming casters that a frame needs".
+// caller states. A figure is a caster (a mesh that throws shadows) whose positions `deform`, or the caller, may compute
+// anew. Dispatched if the caller asks for it, before `deform`, an invocation a figure. A frame needs a figure if a camera
+// may see it, or its shadow from a light that may reach it; tests have slack, so none that is seen is left out. It writes a
+// word for each figure: 0 if it is needed. The words are copied for `deform`, which makes the others a point, and for
+// `reach`, which leaves these out. docs/numerics/scene.md, "Deforming casters that a frame needs".
 
 #import common/casters
 #import shadow/shadow
@@ -27,8 +27,8 @@ struct NeedsDispatch {
 @group(0) @binding(2) var<storage, read> figures: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read_write> unneeded: array<u32>; // For each figure 1 if it is not needed, else 2. 0: this stage never ran.
 
-// Whether a camera may see the shadow that its light `number` makes of a box, and the light may reach that. Never false if it
-// does.
+// Whether a camera may see the shadow that its light `number` makes of a box, and the light may reach that. Never false if
+// it does.
 fn may_shade(view: u32, number: u32, low: vec3<f32>, high: vec3<f32>) -> bool {
   let light = seen[view * frame.lights + number].light;
   let cone = seen[view * frame.lights + number].cone;

@@ -1,11 +1,11 @@
-// Reach: the first compute stage of a scene's encode, an invocation a caster (a mesh that throws shadows) and batch of up to 32
-// lights. It finds the lights that matter to the caster, `lit`: those that are allowed, whose range and cone have the caster's
-// box, if it is rigid or the caller states one, and from which no occluder hides it. Among these it finds the ones whose bits are
-// to be computed, `taken`, because caster or light changed since; the others keep their bits. `clusters`, `facing` and
-// `exact_facing` read `taken`; `chunks`, `edges`, `bounds` and `choose` read `lit`. It also notes which lists must be made anew,
-// in `work`, and updates `kept`, what the masks are computed from. It never leaves out a light that matters: where numbers are
-// too large or rounding leaves it open, the light stays. docs/numerics/scene.md, "Occluders", "Cones of lights" and "Cached
-// results".
+// Reach: the first compute stage of a scene's encode, an invocation a caster (a mesh that throws shadows) and batch of up to
+// 32 lights. It finds the lights that matter to the caster, `lit`: those that are allowed, whose range and cone have the
+// caster's box, if it is rigid or the caller states one, and from which no occluder hides it. Among these it finds the ones
+// whose bits are to be computed, `taken`, because caster or light changed since; the others keep their bits. `clusters`,
+// `facing` and `exact_facing` read `taken`; `chunks`, `edges`, `bounds` and `choose` read `lit`. It also notes which lists
+// must be made anew, in `work`, and updates `kept`, what the masks are computed from. It never leaves out a light that
+// matters: where numbers are too large or rounding leaves it open, the light stays. docs/numerics/scene.md, "Occluders",
+// "Cones of lights" and "Cached results".
 
 #import common/casters
 #import scene/table
@@ -19,8 +19,8 @@ const TOO_LARGE: f32 = 0x1p60; // Above this size squares may overflow, and noth
 // 32 units in the last place. Rounding, division and root add fewer to a distance, relative to the largest coordinate.
 const SLACK: f32 = 0x1p-18;
 
-// Whether the light may reach the box. It is never false for a light that does. Both are in one space; `scale` is at most the
-// smallest factor by which lengths there grow in the world, where `range` is measured.
+// Whether the light may reach the box. It is never false for a light that does. Both are in one space; `scale` is at most
+// the smallest factor by which lengths there grow in the world, where `range` is measured.
 fn may_reach(light: vec4<f32>, range: f32, low: vec3<f32>, high: vec3<f32>, scale: f32) -> bool {
   if (range == 0.0 || abs(light.w) < 0x1p-30 || low.x > high.x) {
     return true;
@@ -82,8 +82,8 @@ fn lights_that_matter(caster: u32, batch: u32) -> u32 {
   return matter;
 }
 
-// The state of a caster's positions: computed, not needed by the frame, as `needs` found of a figure (a caster whose vertices may
-// be deformed), or never computed, since an encoder that should have deformed the figures was dropped.
+// The state of a caster's positions: computed, not needed by the frame, as `needs` found of a figure (a caster whose
+// vertices may be deformed), or never computed, since an encoder that should have deformed the figures was dropped.
 const COMPUTED: u32 = 2u;
 const UNNEEDED: u32 = 1u;
 const NEVER: u32 = 0u;
@@ -103,7 +103,7 @@ fn unchanged(batch: u32, lights: u32) -> u32 {
   var same = 0u;
   for (var rest = lights; rest != 0u; rest &= rest - 1u) {
     let light = firstTrailingBit(rest);
-    if (kept[kept_lights_at(batch) + light] == light_version(batch, light)) {
+    if (kept[cached_light_offset(batch) + light] == light_version(batch, light)) {
       same |= 1u << light;
     }
   }
@@ -119,7 +119,7 @@ fn take_pair(pair: u32, caster: u32, batch: u32) {
   let hidden = occluded(caster, batch, reaching);
   let matter = reaching & ~hidden;
   let last = caster_part(caster, 7u);
-  let at = kept_pair_at(pair);
+  let at = cached_pair_offset(pair);
   // Lists of lights are made anew where the caster's bits are, and where it is no longer in them.
   var keeps = 0u;
   var anew = 0xffffffffu;
@@ -205,8 +205,8 @@ fn least(box: TurnedBox, normal: vec3<f32>, on: vec3<f32>) -> f32 {
 
 fn corner_of(at: u32, number: u32) -> vec3<f32> { return bitcast<vec3<f32>>(table[at + number].xyz); }
 
-// Whether the box lies wholly behind an occluder: behind its plane, and within the planes through the light and its edges. `side`
-// is 1 if the light sees the corners counter-clockwise, else -1.
+// Whether the box lies wholly behind an occluder: behind its plane, and within the planes through the light and its edges.
+// `side` is 1 if the light sees the corners counter-clockwise, else -1.
 fn is_behind(box: TurnedBox, at: u32, light: vec4<f32>, side: f32) -> bool {
   let count = min(table[at].w, MOST_CORNERS);
   let first = corner_of(at, 0u);
