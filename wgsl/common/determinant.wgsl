@@ -35,7 +35,8 @@ fn plane_form(plane: vec4<f32>, light: vec4<f32>) -> f32 {
 // Ten units in the last place, 10 * 2^-23, and the most that underflow adds, 2^-115.
 const RELATIVE: f32 = 0x1.4p-20;
 const UNDERFLOW: f32 = 0x1p-115;
-const LARGE: u32 = 0x53800000u; // The exponent bits of 2^40. A coordinate of this size or more could overflow the determinant.
+// The exponent bits of 2^40. A coordinate of this size or more could overflow the determinant.
+const LARGE: u32 = 0x53800000u;
 const INFINITE: u32 = 0x7f800000u; // The bits of infinity. NaNs are above.
 
 // The bits of the largest absolute coordinate. It is found on bits, because WGSL allows to assume that floats are finite.

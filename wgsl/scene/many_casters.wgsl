@@ -71,7 +71,9 @@ fn position_offset() -> u32 { return face_range.w; }
 fn position_stride() -> u32 { return edge_range.w; }
 fn light_count() -> u32 { return countOneBits(lights.allowed); }
 fn given_light(light_index: u32) -> vec4<u32> { return table[lights.first + 2u * min(light_index, light_count() - 1u)]; }
-fn scaled_bits(light_index: u32) -> vec4<u32> { return table[lights.first + 2u * min(light_index, light_count() - 1u) + 1u]; }
+fn scaled_bits(light_index: u32) -> vec4<u32> {
+  return table[lights.first + 2u * min(light_index, light_count() - 1u) + 1u];
+}
 fn scaled_light(light_index: u32) -> vec4<f32> { return bitcast<vec4<f32>>(scaled_bits(light_index)); }
 
 // `LightBatch::new` (src/layout.rs) computes the same value.
