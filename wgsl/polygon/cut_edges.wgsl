@@ -20,8 +20,8 @@
 // Bit 0: an odd number of the polygon's triangles are, as the light sees them, next to the edge's end on its left. An
 // element an invocation; with a large outline, whose invocations share an edge, the first.
 var<workgroup> odd: array<atomic<u32>, 64>;
-// The window of bits of the outline's corners: its begin, as how far it is below `FAR`, and its end. An element as for
-// `odd`.
+// The window of bits of the outline's corners: its begin, as how far it is below `EXPONENT_LIMIT`, and its end. An element
+// as for `odd`.
 var<workgroup> below_far: array<atomic<i32>, 64>;
 var<workgroup> above: array<atomic<i32>, 64>;
 // How many cuts each invocation found, and the place in the light's list where the row of cuts of its edge begins.
@@ -87,7 +87,7 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
   let step = select(1u, OUTLINE_LANES, work.is_large);
   let e = work.edge;
   var found_cuts: Found;
-  found_cuts.span = select(vec2<i32>(FAR, -FAR), window_of(numbers(e.a)), work.exists);
+  found_cuts.span = select(vec2<i32>(EXPONENT_LIMIT, -EXPONENT_LIMIT), bit_window_of(float_parts(e.a)), work.exists);
   let is_up = is_below(e.a, e.b);
   let triangles = outline.end_triangle - outline.first_triangle;
   let end = select(0u, outline.count + triangles, work.exists);
@@ -100,7 +100,7 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
       if (item == work.index || !f.has_length) {
         continue;
       }
-      found_cuts.span = hull(found_cuts.span, window_of(numbers(f.a)));
+      found_cuts.span = hull(found_cuts.span, bit_window_of(float_parts(f.a)));
       corners[0] = f.a;
       corners[1] = f.b;
     } else {
@@ -203,7 +203,7 @@ fn cut_edges(
   let found = take_cuts(own, work, lane);
   found_counts[lane] = countOneBits(found.cuts);
   let slot = select(lane, 0u, work.is_large);
-  atomicMax(&below_far[slot], FAR - found.span.x);
+  atomicMax(&below_far[slot], EXPONENT_LIMIT - found.span.x);
   atomicMax(&above[slot], found.span.y);
   workgroupBarrier();
   var cuts = 0u;
@@ -221,7 +221,7 @@ fn cut_edges(
   if (!work.exists) {
     return;
   }
-  let span = vec2<i32>(FAR - atomicLoad(&below_far[slot]), atomicLoad(&above[slot]));
+  let span = vec2<i32>(EXPONENT_LIMIT - atomicLoad(&below_far[slot]), atomicLoad(&above[slot]));
   let holds = holds_turns(span, given_light(work.place));
   let is_odd_at_end = (atomicLoad(&odd[slot]) & 1u) != 0u;
   let row = Row(polygon, work.index, work.place, rows[slot], cuts, is_odd_at_end, holds);

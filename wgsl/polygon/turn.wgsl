@@ -127,8 +127,8 @@ fn turn_value(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light: vec4<u32>) -> Tur
 
 // Whether fixed point holds the turns of all points whose bits are in a window, for a light and for the axes.
 fn holds_turns(span: vec2<i32>, light: vec4<u32>) -> bool {
-  let moved = span + window_of(numbers(light.www)) - 149;
-  let of_light = hull(window_of(numbers(light.xyz)), moved);
+  let moved = span + bit_window_of(float_parts(light.www)) - 149;
+  let of_light = hull(bit_window_of(float_parts(light.xyz)), moved);
   return span.y - span.x <= FACE_BITS && of_light.y - of_light.x <= LIGHT_BITS;
 }
 
