@@ -1,7 +1,8 @@
 // Casters of a scene (meshes that throw shadows), cones of lights, and functions on vectors, for all stages of scenes and of
-// shadow volumes. A group is casters whose masks lie together; a slot is the index of a face or edge in them. src/layout.rs
-// has the same structs, and a test compares these, CHUNK and LANES. src/gpu/scene/table.rs writes them. `may_be_in_cone`
-// never denies a box with a point in the cone: `reach` and `needs` cull by it. docs/numerics/scene.md, "Cones of lights".
+// shadow volumes. A group is casters whose masks lie together. A slot is the index of a face or edge in them. src/layout.rs
+// has the same structs, and a test compares them, CHUNK and LANES. src/gpu/scene/table.rs writes the casters.
+// `may_be_in_cone` never denies a box with a point in the cone: `reach` and `needs` cull by it. Claim:
+// docs/numerics/scene.md, "Cones of lights".
 
 // Slots of a chunk, all of one caster.
 const CHUNK: u32 = 64u;

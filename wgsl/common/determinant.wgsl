@@ -1,9 +1,9 @@
-// The determinant det[b - a, c - a, l - w a] in f32, for a face (a, b, c) and a homogeneous light (l, w), with a bound on
-// its rounding error. It is positive if the light is on the counter-clockwise side of the face. The local form computes it
-// from differences, the plane form from the face's plane. Stages of extraction, polygons and queries import it. If
-// |determinant| exceeds the bound, its sign is exact on every device; callers pass other cases to common/exact_sign.wgsl.
-// The bounds hold for exactly these operations and for coordinates below LARGE. docs/numerics/facing.md, "Error band", "Per
-// edge" and "Filter".
+// The determinant det[b - a, c - a, l - w a] in f32, for a face (a, b, c) and a homogeneous light (l, w), and a bound on its
+// error. It is positive if the light is on the counter-clockwise side of the face. The local form computes it from
+// differences, the plane form from the face's plane. Stages of extraction, polygons and queries import it. If |determinant|
+// exceeds the bound, its sign is exact on every device; callers pass other cases to common/exact_sign.wgsl. The bounds hold
+// for exactly these operations and for coordinates below LARGE. Claims: docs/numerics/facing.md, "Error band", "Per edge"
+// and "Filter".
 
 override PLANE: bool = false; // Whether to compute the plane form, as published in 2003, instead of the local form.
 

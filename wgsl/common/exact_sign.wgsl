@@ -1,10 +1,10 @@
-// The sign of det[b - a, c - a, l - w a], for a face (a, b, c) and a homogeneous light (l, w), exact and the same on every
-// device: no compiler can round, fuse or flush integers. For signs that f32 leaves undecided (common/determinant.wgsl).
-// `exact_sign` takes all finite f32; it is rare and slow, so its code is short. Fixed point is faster, but takes only
-// numbers whose bits lie in a window. Callers compute `fixed_face` once for a face, then `fixed_sign` for each light, and
-// call `exact_sign` if it returns 2. Callers must reject faces that are not finite. `exact_facing`, the stages of
-// exact_shadow_depth.wgsl and, by polygon/turn.wgsl, the stages of polygons use both. docs/numerics/facing.md, "Exact
-// facing".
+// The exact sign of det[b - a, c - a, l - w a], for a face (a, b, c) and a homogeneous light (l, w), the same on every
+// device. It uses integers, because no compiler can round, fuse or flush them. For signs that f32 leaves undecided
+// (common/determinant.wgsl). `exact_sign` takes all finite f32; it is rare and slow, so its code is short. Fixed point is
+// faster, but takes only numbers whose bits lie in a window. Callers compute `fixed_face` once for a face, then `fixed_sign`
+// for each light, and call `exact_sign` if it returns 2. Callers must reject faces that are not finite. `exact_facing`, the
+// stages of exact_shadow_depth.wgsl and, by polygon/turn.wgsl, the stages of polygons use both. Claim:
+// docs/numerics/facing.md, "Exact facing".
 
 const DIGIT: u32 = 0xffffffu; // The bits of a digit.
 // A sum, as digits of 24 bits, the lowest first, in units of 2^-596. All are zero before and after `exact_sign`. 48 of them
@@ -84,9 +84,10 @@ fn exact_sign(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light: vec4<u32>) -> i32
   var highest = 0u;
   for (var term = 0u; term < 24u; term++) {
     let is_second = (term & 1u) != 0u;
-    let at = add_product(vec4<u32>(p.x, select(q.y, q.z, is_second), select(r.z, r.y, is_second), factor), term << 31u);
-    lowest = min(lowest, at);
-    highest = max(highest, at + 4u);
+    let lowest_digit = add_product(
+      vec4<u32>(p.x, select(q.y, q.z, is_second), select(r.z, r.y, is_second), factor), term << 31u);
+    lowest = min(lowest, lowest_digit);
+    highest = max(highest, lowest_digit + 4u);
     p = select(p, p.yzx, is_second);
     q = select(q, q.yzx, is_second);
     r = select(r, r.yzx, is_second);
@@ -226,7 +227,7 @@ fn normal_limbs(p: vec4<i32>, q: vec4<i32>, r: vec4<i32>, s: vec4<i32>) -> Colum
 // A face's values for all lights. If `fits` is false, the other members have no meaning.
 struct FixedFace {
   fits: bool,
-  // The exponent of the unit of its vectors u = b - a and v = c - a, whose cross product is (x, y, z).
+  // The exponent of the unit of u = b - a and v = c - a. Their cross product is (x, y, z).
   lowest: i32,
   a: FloatParts,
   x: Columns,

@@ -1,11 +1,11 @@
 // Structs and constants of batches of lights, dispatches, masks, statistics and draws, for the stages of extraction, scenes
-// and queries and for readers of results. src/layout.rs has the same structs, and a test compares them: change both. Rust
-// also has NO_FACE, INCONSISTENT (INCONSISTENT_BIT), WINDING and BLOCK (WORKGROUP); no test compares these. An edge record
-// is a directed edge (a, b) with its faces, in two words: face 0, which traverses it from a to b, with the bit INCONSISTENT;
-// face 1 or NO_FACE.
+// and queries. Readers of results import them, too. src/layout.rs has the same structs, and a test compares them: change
+// both. Rust also has NO_FACE, INCONSISTENT (INCONSISTENT_BIT), WINDING and BLOCK (WORKGROUP); no test compares these. An
+// edge record is a directed edge (a, b) with its faces, in two words. The first: face 0, which traverses it from a to b, and
+// the bit INCONSISTENT. The second: face 1, or NO_FACE.
 
 const NO_FACE: u32 = 0xffffffffu; // In the second word of a record, which never has INCONSISTENT.
-// Bit 31 of the first word of a record (in `per_edge`, of its first vertex): face 1 traverses the edge from a to b, like
+// Bit 31 of the first word of a record (in `per_edge`, of its first vertex): face 1 traverses the edge in the direction of
 // face 0.
 const INCONSISTENT: u32 = 0x80000000u;
 // Bit 31 of an entry of a list of silhouette edges: face 0 faces the list's light. It is the winding of the edge's side.
@@ -15,8 +15,8 @@ const BLOCK: u32 = 256u;
 
 // A batch of up to 32 lights, one bit each, and the layout of the positions.
 struct LightBatch {
-  // Homogeneous (x, y, z, w), scaled by a power of two so that the largest absolute component is at least 1 and below 2 (a
-  // light of zeros stays). Scaling changes no sign. Here and in the next two arrays, entries past `count` repeat the last
+  // Homogeneous (x, y, z, w), scaled by a power of two so that the largest absolute component is at least 1 and below 2. A
+  // light of zeros stays. Scaling changes no sign. Here and in the next two arrays, entries past `count` repeat the last
   // light.
   lights: array<vec4<f32>, 32>,
   light_bits: array<vec4<u32>, 32>, // The lights as given, bit for bit.
@@ -62,7 +62,7 @@ struct ExtractionStatistics {
   non_finite_faces: atomic<u32>, // Faces with an infinite or NaN vertex. They face no light.
   // Lists that overflowed. The draws of their lights have an instance for every edge; the vertex shader drops the others.
   overflowed_lists: atomic<u32>,
-  // Pairs of face and light that the filter left to exact arithmetic, and those of them whose determinant is zero.
+  // Pairs of face and light that the filter passed to exact arithmetic, and those of them whose determinant is zero.
   undecided_pairs: atomic<u32>,
   exact_zeros: atomic<u32>,
   // Lights for which a polygon is L-twisted: its boundary crosses itself as seen from light L, so it has lit and dark parts.

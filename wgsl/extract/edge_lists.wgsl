@@ -1,8 +1,8 @@
 // Edge masks and lists of a single mesh, for `edges` and `per_edge`. (Scenes have their own in edges.wgsl.) Reads the facing
 // masks, which may span up to four bindings. Writes masks of edge records, appends silhouettes to the lists of the lights in
 // no particular order, or does both. The count of a full list still grows, so that `arguments` and readers notice the
-// overflow. Bit 31 of an entry is the winding: the facing bit of face 0, or, if face 0 is twisted, the bit that face 0 would
-// have.
+// overflow. Bit 31 of an entry is the winding: the facing bit of face 0, or the bit that it would have if it were not
+// twisted.
 
 #import common/extraction
 #import extract/one_caster

@@ -1,10 +1,10 @@
-// Edges: computes the silhouette and winding masks of each edge record, a bit for each light of a batch (up to 32), from the
-// facing masks of its faces. Silhouettes are records whose two faces differ, and boundaries. Dispatched after `exact_facing`
-// (after `facing` if signs need not be exact; after `polygon_masks` for polygons), an invocation a record. By the options it
-// writes the masks, which `compact` and callers read, or appends silhouette edges to the lists of the lights, in no
-// particular order, for callers and shadow volumes, or does both. SCENE: eight invocations share a chunk (64 slots) that
-// `chunks` listed, for lights with dirty lists, and it only appends. Slots are defined in interface/caster.wgsl. Facing bits
-// must be read, never computed again: only then do silhouettes close (docs/numerics/watertight.md).
+// Edges: computes the silhouette and winding masks of each edge record from the facing masks of its faces. A mask has a bit
+// for each light of a batch (up to 32). Silhouettes are records whose two faces differ, and boundaries. Dispatched after
+// `exact_facing` (after `facing` if signs need not be exact; after `polygon_masks` for polygons), an invocation a record.
+// Options select its results: masks, for `compact` and callers; entries appended to the lists of the lights, in no
+// particular order, for callers and shadow volumes; or both. SCENE: eight invocations share a chunk (64 slots) that `chunks`
+// listed, for lights with dirty lists, and it only appends. Slots are defined in interface/caster.wgsl. Facing bits must be
+// read, never computed again: only then do silhouettes close. Claim: docs/numerics/watertight.md.
 
 #import common/extraction
 #import interface/caster
@@ -45,8 +45,9 @@ fn emit(slot: u32, silhouette: u32, winding: u32) {
 // The offset of the twisted masks behind the facing masks, for polygons. 0: no face is twisted.
 override TWISTED_AT: u32 = 0u;
 
-// Decides an edge record: `slot` is its index in masks and lists, `index` that in `edge_faces`. If both faces traverse the
-// edge the same way (INCONSISTENT), their fronts are on different sides, so the edge is a silhouette if the bits are equal.
+// Decides an edge record: `slot` is its index in masks and lists, `index` that in `edge_faces`. INCONSISTENT: both faces
+// traverse the edge the same way, so their fronts are on different sides. Then the edge is a silhouette if the bits are
+// equal.
 fn process_item(slot: u32, index: u32) {
   let faces = edge_faces[index];
   if (TWISTED_AT != 0u) {

@@ -1,10 +1,10 @@
 // Exact facing: computes the masks of the faces that `facing` left undecided, for a single mesh or a scene. Dispatched right
 // after each dispatch of `facing`, with few invocations that share the list, or all faces if the list overflowed. Bits are
 // the signs of det[b - a, c - a, l - w a], exact and the same on every device. A bound for each light decides most of them
-// (docs/numerics/facing.md, "Filter"). Integers decide the others, because no compiler can round, fuse or flush them: fixed
-// point if the numbers fit, otherwise digits for every finite f32 ("Exact facing"). The stage also writes for which lights a
-// face is excluded: those in its plane, or all if a vertex is not finite. `edges` reads the facing masks, shadow volumes
-// read both. Slots and light indices are defined in interface/caster.wgsl.
+// (docs/numerics/facing.md, "Filter"). Integers decide the others, because no compiler can round, fuse or flush them. Fixed
+// point is used if the numbers fit, otherwise digits that hold every finite f32 ("Exact facing"). The stage also writes for
+// which lights a face is excluded: those in its plane, or all if a vertex is not finite. `edges` reads the facing masks,
+// shadow volumes read both. Slots and light indices are defined in interface/caster.wgsl.
 
 #import common/determinant
 #import common/exact_sign
@@ -14,8 +14,8 @@
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
-// For each face the lights for which it is excluded: those in its plane, whose determinant is zero, and all if a vertex is
-// not finite. An extractor without lists binds a short buffer.
+// For each face the lights for which it is excluded: those in its plane (determinant 0), and all if a vertex is not finite.
+// An extractor without lists binds a short buffer.
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
 
 struct Face {

@@ -1,10 +1,10 @@
-// Facing: computes one bit for each face and light of a batch (up to 32), set if the light is strictly on the face's
+// Facing: computes one bit for each face and light of a batch (up to 32). It is set if the light is strictly on the face's
 // counter-clockwise side. Single mesh: the first stage, dispatched for each range of faces and batch, an invocation a face.
 // SCENE: runs after `chunks`; eight invocations share a chunk (64 faces of one caster) that `clusters` listed. `edges`,
 // callers and shadow volumes read the masks. The bit is the sign of det[b - a, c - a, l - w a] (docs/numerics/facing.md,
-// "Error band"). One bound for each face tells whether the signs for all lights are certain ("Filter"); it must not shrink.
-// Faces that fail are listed, in no particular order, for `exact_facing`, which runs next and makes all bits exact. Slots
-// and light indices are defined in interface/caster.wgsl.
+// "Error band"). One bound for each face decides whether the signs for all lights are certain ("Filter"); it must not
+// shrink. Faces that fail are listed, in no particular order, for `exact_facing`, which runs next and makes all bits exact.
+// Slots and light indices are defined in interface/caster.wgsl.
 
 #import common/determinant
 #import common/extraction
@@ -66,7 +66,7 @@ fn append_undecided(slot: u32) {
 }
 
 // Decides a face: `slot` is its index in the masks, `index` that in `faces`. If EXACT, `exact_facing` decides faces that are
-// not finite and faces that name a vertex twice: the determinant of those is 0, so they are listed.
+// not finite and faces that name a vertex twice. The determinant of the latter is 0, so they are listed.
 fn process_item(slot: u32, index: u32) {
   if (has_stale_exclusions() && slot < arrayLength(&excluded_masks)) {
     excluded_masks[slot] = clear_active(excluded_masks[slot]);

@@ -1,9 +1,9 @@
 // Per edge: the method that Brabec and Seidel published in 2003, for comparison. If the options ask for it, it replaces
-// `facing` and `edges`. Dispatched for each range of edge records and batch of up to 32 lights, an invocation a record (a
-// directed edge with one or two faces). It gathers four positions and tests both faces against every light, then writes
-// masks and lists as `edges` does, for `compact`, `arguments` and callers. It computes the plane form, as published, or the
-// local form (common/determinant.wgsl), in f32. Each edge decides its faces again, so loops may fail to close. Gathering and
-// testing at each edge is what is measured: do not share work. docs/numerics/facing.md, "Per edge".
+// `facing` and `edges`. Dispatched for each range of edge records and batch of up to 32 lights, an invocation a record. A
+// record is a directed edge with one or two faces. It gathers four positions and tests both faces against every light, then
+// writes masks and lists as `edges` does, for `compact`, `arguments` and callers. It computes the plane form, as published,
+// or the local form (common/determinant.wgsl), in f32. Each edge decides its faces again, so loops may fail to close.
+// Gathering and testing at each edge is what is measured: do not share work. Claim: docs/numerics/facing.md, "Per edge".
 
 #import common/determinant
 #import common/extraction
@@ -36,8 +36,8 @@ fn is_facing(face: FacePlane, light: u32) -> bool {
   return local_form(face.plane.xyz, face.a, batch.lights[light]) > 0.0;
 }
 
-// A bit for each light that the face faces. Tests four lights at a time: the batch repeats its last light up to entry 31,
-// and the last line drops the bits of these entries.
+// A bit for each light that the face faces. Tests four lights at a time. Past the last light the batch repeats it; these
+// bits are dropped at the end.
 fn facing_mask_of(face: FacePlane) -> u32 {
   var mask = 0u;
   // Turns: 8.
@@ -59,8 +59,8 @@ fn per_edge(@builtin(global_invocation_id) id: vec3<u32>) {
   let corners = edge_corners[edge];
   let a = position(corners.x & ~INCONSISTENT);
   let b = position(corners.y);
-  // The facing mask of face 0 is the winding of the edge's side. An edge without face 1 is a silhouette for every light,
-  // also if face 0 is back-facing, since the surface that ends there casts a shadow from either side.
+  // The facing mask of face 0 is the winding of the edge's side. An edge without face 1 is a silhouette for every light: the
+  // surface that ends there casts a shadow from either side.
   let winding = facing_mask_of(face_plane(a, b, position(corners.z)));
   var silhouette = batch.live;
   if (corners.w != NO_FACE) {

@@ -1,9 +1,10 @@
-// Results: the public include (`include_wgsl`) by which a caller's shaders read what was extracted for a batch of up to 32
-// lights: silhouette edges by instance of the light's indirect draw, facing bits, positions. The stage `outline_edges`
-// imports it, too. A light is given by its index among all lights of the extraction, as in `Extraction::draw`. A light of
-// another batch has no edge. GROUP is the index of the bind group that `Extraction::bind_group` makes. If a light's list
-// overflowed, its draw has an instance for every edge record, and `valid` tells the silhouettes; `rimline_edge_vertex` draws
-// nothing for the others. Callers and src/gpu/extract/include.rs use the names and bindings: they must not change.
+// Results: the public include (`include_wgsl`) by which a caller's shaders read an extraction for a batch of up to 32
+// lights. It reads silhouette edges by instance of the light's indirect draw, facing bits and positions. The stage
+// `outline_edges` imports it, too. A light is given by its index among all lights of the extraction, as in
+// `Extraction::draw`. A light of another batch has no edge. GROUP is the index of the bind group that
+// `Extraction::bind_group` makes. If a light's list overflowed, its draw has an instance for every edge record, and `valid`
+// marks the silhouettes; `rimline_edge_vertex` draws nothing for the others. Callers and src/gpu/extract/include.rs use the
+// names and bindings: they must not change.
 
 struct RimlineInfo {
   edges: u32,

@@ -3,9 +3,9 @@
 // `polygon_masks` and only with lists; each reads in `pieces` what the previous one wrote. `cut_edges`: a workgroup an entry
 // of `polygon_masks`; finds the cuts of each edge. `cut_edges_rank`: a workgroup for 8 cuts; counts the cuts of the edge
 // before each. `cut_edges_before`: an invocation a cut; finds the cut right before. `cut_edges_list`: likewise; writes the
-// piece between both. Pieces come in any order; polygon/list_pieces.wgsl names their readers. Which edges cut, and which
-// side is dark, is exact; orders are, except for those that `is_before` rounds. As many pieces begin at a point as end
-// there, bit for bit, so crossing edges must agree on order and point. `Turns:` above a loop is its most iterations.
+// piece between both. Pieces come in any order; polygon/list_pieces.wgsl names their readers. Cutting edges and dark sides
+// are exact; orders are, except for those that `is_before` rounds. At each point as many pieces begin as end, bit for bit,
+// so crossing edges must agree on order and point. `Turns:` above a loop is its most iterations. Claims:
 // docs/numerics/twisted-polygons.md.
 
 #import common/exact_sign
@@ -36,7 +36,7 @@ const MOST_ORDERED: u32 = 256u;
 // How an edge overlaps another on the same line. Sides and ends are those seen in ascending direction.
 struct Overlap {
   // It ends within the other edge and cuts it there.
-  cuts: bool,
+  is_cut: bool,
   // It lies beside the end of the other edge, on the left by that edge's own direction.
   is_left_at_end: bool,
   // Its upper end.
@@ -49,13 +49,13 @@ fn overlap_in_line(f: Edge, f_index: u32, e: Edge, e_index: u32) -> Overlap {
   let upward_f = ascending(f);
   let is_before = precedes(upward_f, f_index, upward_e, e_index);
   let is_up = all(upward_e.a == e.a);
-  let cuts = is_before && is_below(upward_e.a, upward_f.b) && is_below(upward_f.b, upward_e.b);
+  let is_cut = is_before && is_below(upward_e.a, upward_f.b) && is_below(upward_f.b, upward_e.b);
   let is_left = select(
     !is_before && all(upward_f.a == upward_e.a),
     is_before && !is_below(upward_f.b, upward_e.b),
     is_up,
   );
-  return Overlap(cuts, is_left, upward_f.b);
+  return Overlap(is_cut, is_left, upward_f.b);
 }
 
 // Whether edges (p, q) and (a, b), which must be on one line in space, have the same direction.
@@ -69,8 +69,8 @@ fn has_same_direction(p: vec3<u32>, q: vec3<u32>, a: vec3<u32>, b: vec3<u32>) ->
 struct FoundCuts {
   cuts: u32,
   // The cuts that have an end on it, in space, and those of which it is the second end.
-  touches: u32,
-  touches_second: u32,
+  touching: u32,
+  touching_second_end: u32,
   // The two bits of `tie` of each cut.
   ties: vec2<u32>,
   // The window of bits of the corners of the tested edges: begin and end.
@@ -141,24 +141,24 @@ fn find_cuts(boundary: PolygonBoundary, work: Work, lane: u32) -> FoundCuts {
     }
     if (is_edge) {
       let bit = 1u << select(item, item / OUTLINE_LANES, work.is_large);
-      var touch = signs[2] == 0 || signs[3] == 0;
-      var is_second = signs[3] == 0;
-      // Points on the line of the edge are on its right, taken as ascending.
+      var is_touching = signs[2] == 0 || signs[3] == 0;
+      var is_second_end = signs[3] == 0;
+      // Points on the line of the edge are on its right, in ascending direction.
       let left = select(vec2<bool>(signs[2] >= 0, signs[3] >= 0), vec2<bool>(signs[2] > 0, signs[3] > 0), is_up);
-      var crosses = signs[0] * signs[1] < 0 && left.x != left.y && (touch || signs[2] == signs[1]);
+      var is_crossing = signs[0] * signs[1] < 0 && left.x != left.y && (is_touching || signs[2] == signs[1]);
       if (signs[2] == 0 && signs[3] == 0) {
         let f = Edge(corners[0], corners[1], true);
         let overlap = overlap_in_line(f, item, e, work.edge_index);
-        crosses = overlap.cuts;
-        is_second = all(overlap.end == f.b);
+        is_crossing = overlap.is_cut;
+        is_second_end = all(overlap.end == f.b);
         if (overlap.is_left_at_end) {
           atomicXor(&parities[slot], 1u);
         }
       }
-      if (crosses) {
+      if (is_crossing) {
         result.cuts |= bit;
-        result.touches |= select(0u, bit, touch);
-        result.touches_second |= select(0u, bit, touch && is_second);
+        result.touching |= select(0u, bit, is_touching);
+        result.touching_second_end |= select(0u, bit, is_touching && is_second_end);
         result.ties |= select(vec2<u32>(0u), vec2<u32>(bit), (vec2<u32>(tie) & vec2<u32>(1u, 2u)) != vec2<u32>(0u));
       }
       continue;
@@ -230,8 +230,8 @@ fn cut_edges(
     let tie = select(vec2<u32>(0u), vec2<u32>(1u, 2u), (found.ties & vec2<u32>(bit)) != vec2<u32>(0u));
     let cut = Cut(
       cutting_edge,
-      (found.touches & bit) != 0u,
-      (found.touches_second & bit) != 0u,
+      (found.touching & bit) != 0u,
+      (found.touching_second_end & bit) != 0u,
       select(0u, tie.x | tie.y, holds),
     );
     write_cut(row, index, cut);
@@ -297,8 +297,8 @@ fn has_equal_ranks(row: Row) -> bool {
   return is_twice;
 }
 
-// The sort key of a cut in its row: the rank, or the fraction (bits of an f32 that is not negative), then the edge that
-// cuts. The end comes last.
+// The sort key of a cut in its row: the rank, or the bits of the fraction, which is not negative; then the edge that cuts.
+// The end comes last.
 fn order_key(row: Row, list_index: u32, by_rank: bool) -> vec2<u32> {
   let offset = piece_offset(row.light, list_index);
   let cut = unpack_cut(pieces.words[offset + CUT_WORD]);
@@ -348,9 +348,9 @@ fn cut_point(edge: CutEdge, cut: Cut, corner: vec3<u32>) -> vec3<u32> {
   if (cut.cutting_edge == CORNER) {
     return corner;
   }
-  let touch = touch_of(edge.boundary, cut);
-  if (touch.w == 1u) {
-    return touch.xyz;
+  let is_touching = touching_end(edge.boundary, cut);
+  if (is_touching.w == 1u) {
+    return is_touching.xyz;
   }
   return crossing_point(edge.boundary, edge.index, cut.cutting_edge, edge.light);
 }

@@ -1,47 +1,46 @@
-// Cuts: the points at which an edge of an L-twisted boundary (one that crosses itself as seen from light L) is crossed by
-// another, as seen from the light. First the records of cuts, then their order along the edge that they cut. Only the passes
-// of cut_edges.wgsl import this file. `Turns:` above a loop is its most iterations. docs/numerics/twisted-polygons.md,
-// "Order of cuts".
+// Cuts: where an edge of an L-twisted boundary is crossed by another as seen from light L. (Such a boundary crosses itself.)
+// First the records of cuts, then their order along the edge that they cut. Only the passes of cut_edges.wgsl import this
+// file. `Turns:` above a loop is its most iterations. Claim: docs/numerics/twisted-polygons.md, "Order of cuts".
 
 #import extract/one_caster
 #import polygon/list_pieces
 #import polygon/outlines
 #import polygon/turn
 
-// Records. `cut_edges` writes the cuts of an edge as a row, in no particular order, then the edge's end, into `pieces`: a
-// record for each piece of the edge. `cut_edges_list` overwrites each record with the piece that ends at that cut, so a
-// record must fit in the words of a piece. If the list has no room for all of a row, its records have NO_POLYGON, and no
-// pass may use the row.
+// Records. For each edge `cut_edges` writes to `pieces` a row: its cuts, in no particular order, then its end.
+// `cut_edges_list` replaces each record with the piece that ends at the cut, so a record must fit in the words of a piece.
+// If the list has no room for all of a row, its records have NO_POLYGON, and no pass may use the row.
 
 // A cut of an edge, or the edge's end.
 struct Cut {
   // The index in the boundary of the edge that cuts it, or `CORNER` for its end.
   cutting_edge: u32,
   // The cutting edge has an end on it, in space.
-  touches: bool,
+  has_touching_end: bool,
   // If it touches: the end is the second one of the cutting edge.
-  is_second: bool,
+  is_second_end: bool,
   // If it does not touch: the light that decides where it cuts, 0 the given one, 1 to 3 an axis.
   tie: u32,
 }
 
 const CORNER: u32 = 0xffffu; // Boundaries have at most 1,024 edges, so 16 bits hold their indices.
 const TIE_SHIFT: u32 = 16u;
-const TOUCHES: u32 = 0x40000000u;
-const IS_SECOND: u32 = 0x80000000u;
+const HAS_TOUCHING_END: u32 = 0x40000000u;
+const IS_SECOND_END: u32 = 0x80000000u;
 
 fn pack_cut(cut: Cut) -> u32 {
-  return cut.cutting_edge | (cut.tie << TIE_SHIFT) | select(0u, TOUCHES, cut.touches) | select(0u, IS_SECOND, cut.is_second);
+  return cut.cutting_edge | (cut.tie << TIE_SHIFT) | select(0u, HAS_TOUCHING_END, cut.has_touching_end) |
+    select(0u, IS_SECOND_END, cut.is_second_end);
 }
 
 fn unpack_cut(word: u32) -> Cut {
-  return Cut(word & 0xffffu, (word & TOUCHES) != 0u, (word & IS_SECOND) != 0u, (word >> TIE_SHIFT) & 3u);
+  return Cut(word & 0xffffu, (word & HAS_TOUCHING_END) != 0u, (word & IS_SECOND_END) != 0u, (word >> TIE_SHIFT) & 3u);
 }
 
 // Words of a record. `cut_edges` writes the first five.
 // * CUT_POLYGON: the polygon, or NO_POLYGON if there was no room for the row.
-// * CUT_EDGE: the index of the edge that is cut, with IS_ODD_AT_END if, as seen from the light, an odd number of triangles
-//   lie beside its end on its left, and HOLDS_TURNS if fixed point holds the turns of the boundary.
+// * CUT_EDGE: the index of the edge that is cut. IS_ODD_AT_END: an odd number of triangles lie, as seen from the light,
+//   beside its end on its left. HOLDS_TURNS: fixed point holds the turns of the boundary.
 // * CUT_WORD: the packed cut.
 // * ROW_FIRST, ROW_CUTS: the index in the light's list of the row's first record, and the number of its cuts without the
 //   end.
@@ -50,10 +49,10 @@ const CUT_EDGE: u32 = 1u;
 const CUT_WORD: u32 = 2u;
 const ROW_FIRST: u32 = 3u;
 const ROW_CUTS: u32 = 4u;
-// `cut_edges_rank` writes RANK, the number of cuts of the row that `is_before` puts before this one, and FRACTION, the
-// fraction of the edge at which it is, from 0 to 1, the bits of a rounded f32. `cut_edges_before` writes PREVIOUS_CUT, the
-// packed cut right before it, and EARLIER_COUNT, the number of cuts before it: by RANK if all ranks of the row differ, else
-// by FRACTION.
+// `cut_edges_rank` writes RANK, the number of cuts of the row before this one by `is_before`. It also writes FRACTION, the
+// rounded fraction of the edge at which the cut is, from 0 to 1. `cut_edges_before` writes PREVIOUS_CUT, the packed cut
+// right before it, and EARLIER_COUNT, the number of cuts before it. It sorts by RANK if all ranks of the row differ, else by
+// FRACTION.
 const RANK: u32 = 5u;
 const FRACTION: u32 = 6u;
 const PREVIOUS_CUT: u32 = 7u;
@@ -73,8 +72,8 @@ struct Row {
   holds_turns: bool,
 }
 
-// Reserves records in a light's list for the cuts of an edge and for its end, and workgroups of the next passes for those
-// that fit. Returns the index of the first record. A group is GROUP_CUTS records from a multiple of it on. Rows follow each
+// Reserves records in a light's list for the cuts of an edge and its end, and workgroups of the next passes for those with
+// room. Returns the index of the first record. A group is GROUP_CUTS records from a multiple of it on. Rows follow each
 // other in the list, so each group is counted once, by the row with its first record.
 fn reserve_row(light: u32, cuts: u32) -> u32 {
   let first = reserve_pieces(light, cuts + 1u);
@@ -183,8 +182,8 @@ fn ascending(e: Edge) -> Edge {
   return Edge(e.b, e.a, e.has_length);
 }
 
-// Whether edge `f` is on the left of edge `e` on the same line, both taken as ascending: it begins before `e`, or ends
-// behind it. Equal edges have the order of their indices.
+// Whether edge `f` is on the left of edge `e` on the same line, both in ascending direction. It is if it begins before `e`,
+// or ends behind it. Equal edges have the order of their indices.
 fn precedes(f: Edge, item: u32, e: Edge, index: u32) -> bool {
   if (any(f.a != e.a)) {
     return is_below(f.a, e.a);
@@ -196,12 +195,12 @@ fn precedes(f: Edge, item: u32, e: Edge, index: u32) -> bool {
 }
 
 // xyz: the end of the cutting edge that is on the edge, w: 1; or 0 if the cut does not touch.
-fn touch_of(boundary: PolygonBoundary, cut: Cut) -> vec4<u32> {
-  if (!cut.touches) {
+fn touching_end(boundary: PolygonBoundary, cut: Cut) -> vec4<u32> {
+  if (!cut.has_touching_end) {
     return vec4<u32>(0u);
   }
   let f = load_edge(boundary.first + cut.cutting_edge);
-  return vec4<u32>(select(f.a, f.b, cut.is_second), 1u);
+  return vec4<u32>(select(f.a, f.b, cut.is_second_end), 1u);
 }
 
 // The fraction of an edge at which a point on it lies, rounded.
@@ -222,15 +221,15 @@ fn common_side(signs: vec2<i32>) -> i32 {
   return select(select(signs.x, signs.y, signs.x == 0), 0, signs.x * signs.y < 0);
 }
 
-// The sign of the turns to points on the right of an edge, taken as ascending.
+// The sign of the turns to points on the right of an edge, in ascending direction.
 fn right_sign(e: Edge) -> i32 {
   return select(1, -1, is_below(e.a, e.b));
 }
 
 // The side of an edge `other` on which an edge with the end turns `sides` cuts by touching: the side of the end that
 // touches. If it touches both in space, it is on the right of both, and farther from the one that precedes.
-fn side_of_touch(sides: vec2<i32>, is_second: bool, other: Edge, is_nearest: bool) -> i32 {
-  let side = select(sides.x, sides.y, is_second);
+fn touching_side(sides: vec2<i32>, is_second_end: bool, other: Edge, is_nearest: bool) -> i32 {
+  let side = select(sides.x, sides.y, is_second_end);
   return select(side, select(sides.x + sides.y, right_sign(other), is_nearest), side == 0);
 }
 
@@ -262,8 +261,8 @@ struct CutOrder {
 
 const NONE: u32 = 3u;
 
-// The order of three edges by the fractions at which the others cut each: edges 1 and 2 along edge 0, 0 and 2 along 1, 0 and
-// 1 along 2. The edge with the lowest index decides. If some are seen in line, others see these cross in one point, so the
+// The order of three edges by the fractions at which the others cut each: 1 and 2 along edge 0, 0 and 2 along 1, 0 and 1
+// along 2. The edge with the lowest index decides. If some are seen in line, others see these cross in one point, so the
 // edge along which the others are farthest apart decides.
 fn order_by_fractions(indices: vec3<u32>, ties: array<vec2<u32>, 3>, fractions: array<vec2<f32>, 3>) -> CutOrder {
   let difference = vec3<f32>(
@@ -288,8 +287,8 @@ fn lowest_of(indices: vec3<u32>) -> u32 {
   return select(select(2u, 1u, is_earliest.y), 0u, is_earliest.x);
 }
 
-// Determinants of the ends of an edge at two others: of a and b at one, then of a and b at the other, for the given light
-// and for the axes. Each is a value of at most 1 times a power of two.
+// Determinants of the ends a and b of an edge, first at one other edge, then at another. Components: for the given light and
+// for the axes. Each is a value of at most 1 times a power of two.
 struct EndTurns {
   values: array<vec4<f32>, 4>,
   exponents: array<vec4<i32>, 4>,
@@ -337,20 +336,20 @@ const ROUNDING: f32 = 0x1p-20;
 
 // The order of the cuts of three edges: by fractions, and, if these do not decide, as the moved light sees them. If 1 and 2
 // do not cross each other, only along edge 0. One loop, so that turns are compiled once.
-fn order_by_turns(triple: EdgeTriple, cut_edge: CutEdge, crosses: bool) -> CutOrder {
+fn order_by_turns(triple: EdgeTriple, cut_edge: CutEdge, is_crossing: bool) -> CutOrder {
   let light = cut_edge.light;
   var fractions: array<vec2<f32>, 3>;
-  var before: TurnValue;
+  var previous: TurnValue;
   var turns: EndTurns;
   // The edge with the lowest index, and the others in their order.
-  let first = select(0u, lowest_of(triple.indices), crosses);
+  let first = select(0u, lowest_of(triple.indices), is_crossing);
   var others = vec2<u32>(select(0u, 1u, first == 0u), select(2u, 1u, first == 2u));
   others = select(others, others.yx, triple.indices[others.x] > triple.indices[others.y]);
   // Turns: 28.
-  for (var iteration = select(12u, 0u, crosses); iteration < 28u; iteration++) {
+  for (var iteration = select(12u, 0u, is_crossing); iteration < 28u; iteration++) {
     if (iteration == 12u) {
       var order = CutOrder(NONE, false);
-      if (crosses) {
+      if (is_crossing) {
         order = order_by_fractions(triple.indices, triple.ties, fractions);
       }
       if (order.deciding_edge != NONE || !cut_edge.holds_turns) {
@@ -379,12 +378,12 @@ fn order_by_turns(triple: EdgeTriple, cut_edge: CutEdge, crosses: bool) -> CutOr
       turns.values[2u * other + end][tie] = parts.fract;
       turns.exponents[2u * other + end][tie] = parts.exp + value.exponent;
     } else if (end == 1u) {
-      fractions[cut][other] = fraction_from_turns(before, value);
-      if (!before.fits || !value.fits) {
+      fractions[cut][other] = fraction_from_turns(previous, value);
+      if (!previous.fits || !value.fits) {
         fractions[cut][other] = cut_fraction(f, triple.edges[cut], scaled_light(light));
       }
     }
-    before = value;
+    previous = value;
   }
   let side = order_for_moved_light(turns) * sign_for_moved_light(turns.values[1]) * sign_for_moved_light(turns.values[3]);
   return CutOrder(select(NONE, first, side != 0), (side > 0) == (others.x < others.y));
@@ -430,11 +429,11 @@ fn is_before(cut_edge: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
   let e = cut_edge.edge;
   let j = cut_j.cutting_edge;
   let i = cut_i.cutting_edge;
-  let touch_j = touch_of(cut_edge.boundary, cut_j);
-  let touch_i = touch_of(cut_edge.boundary, cut_i);
+  let touching_end_j = touching_end(cut_edge.boundary, cut_j);
+  let touching_end_i = touching_end(cut_edge.boundary, cut_i);
   let is_up = is_below(e.a, e.b);
-  if (touch_j.w + touch_i.w == 2u && any(touch_j != touch_i)) {
-    return is_below(touch_j.xyz, touch_i.xyz) == is_up;
+  if (touching_end_j.w + touching_end_i.w == 2u && any(touching_end_j != touching_end_i)) {
+    return is_below(touching_end_j.xyz, touching_end_i.xyz) == is_up;
   }
   let f = load_edge(cut_edge.boundary.first + i);
   let g = load_edge(cut_edge.boundary.first + j);
@@ -443,7 +442,7 @@ fn is_before(cut_edge: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
   var signs: array<i32, 10>;
   // The `tie` of the cuts of g and of f by the two others.
   var ties = array<vec2<u32>, 2>(vec2<u32>(IN_LINE), vec2<u32>(IN_LINE));
-  var crosses = false;
+  var is_crossing = false;
   for (var test = 0u; test < 10u; test++) {
     if (test == 6u) {
       let turns_of_g = vec2<i32>(signs[2], signs[3]);
@@ -453,17 +452,17 @@ fn is_before(cut_edge: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
         let is_first = precedes(ascending(g), j, ascending(f), i);
         return select(is_first == (signs[0] == right_sign(f)), is_first != is_up, signs[0] == 0);
       }
-      if (touch_j.w + touch_i.w == 2u) {
+      if (touching_end_j.w + touching_end_i.w == 2u) {
         // Both touch at one point of e. An edge in line with e has no side of the other.
         return select(turns_of_g.x + turns_of_g.y != signs[0], turns_of_f.x + turns_of_f.y == signs[1], signs[0] == 0);
       }
-      if (touch_j.w == 1u) {
+      if (touching_end_j.w == 1u) {
         let is_nearest = signs[1] == 0 || precedes(ascending(f), i, ascending(e), cut_edge.index);
-        return side_of_touch(turns_of_g, cut_j.is_second, f, is_nearest) != signs[0];
+        return touching_side(turns_of_g, cut_j.is_second_end, f, is_nearest) != signs[0];
       }
-      if (touch_i.w == 1u) {
+      if (touching_end_i.w == 1u) {
         let is_nearest = signs[0] == 0 || precedes(ascending(g), j, ascending(e), cut_edge.index);
-        return side_of_touch(turns_of_f, cut_i.is_second, g, is_nearest) == signs[1];
+        return touching_side(turns_of_f, cut_i.is_second_end, g, is_nearest) == signs[1];
       }
       // The cut of g is on this side of f, or the cut of f on this side of g.
       if (common_side(turns_of_g) != 0) {
@@ -473,8 +472,8 @@ fn is_before(cut_edge: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
         return common_side(turns_of_f) == signs[1];
       }
       // If they cross each other's opposite directions, no other order must fit.
-      crosses = signs[2] == signs[5];
-      if (!crosses) {
+      is_crossing = signs[2] == signs[5];
+      if (!is_crossing) {
         break;
       }
     }
@@ -502,7 +501,7 @@ fn is_before(cut_edge: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
     }
   }
   var is_nearer = false;
-  if (!crosses) {
+  if (!is_crossing) {
     let fractions = vec2<f32>(fraction_along(cut_edge, cut_j), fraction_along(cut_edge, cut_i));
     is_nearer = fractions.x < fractions.y || (fractions.x == fractions.y && j < i);
     if (abs(fractions.x - fractions.y) > SAME_POINT) {
@@ -517,9 +516,9 @@ fn is_before(cut_edge: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
     vec3<u32>(cut_edge.index, j, i),
     array<vec2<u32>, 3>(vec2<u32>(cut_j.tie, cut_i.tie), ties[0] & known, ties[1] & known),
   );
-  let order = order_by_turns(triple, cut_edge, crosses);
+  let order = order_by_turns(triple, cut_edge, is_crossing);
   if (order.deciding_edge == NONE) {
-    if (!crosses) {
+    if (!is_crossing) {
       return is_nearer;
     }
     switch (foremost(triple, in_line)) {
@@ -532,8 +531,8 @@ fn is_before(cut_edge: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
   if (order.deciding_edge == 0u) {
     return !order.is_after;
   }
-  // The product of the order along the deciding edge, the sides of its end at e and at the other, and the sides of the end
-  // of e here.
+  // The product of: the order along the deciding edge; the sides of its end at e and at the other; the sides of the end of e
+  // here.
   let is_at_f = order.deciding_edge == 2u;
   let end_turns = select(vec2<i32>(signs[7], signs[3]), vec2<i32>(signs[9], -signs[5]), is_at_f);
   return signs[0] * signs[1] * end_turns.x * end_turns.y * select(-1, 1, order.is_after) > 0;
@@ -541,8 +540,8 @@ fn is_before(cut_edge: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
 
 // The fraction of the edge at which a cut lies, rounded.
 fn fraction_along(cut_edge: CutEdge, cut: Cut) -> f32 {
-  let touch = touch_of(cut_edge.boundary, cut);
+  let touching = touching_end(cut_edge.boundary, cut);
   let cutting_edge = load_edge(cut_edge.boundary.first + cut.cutting_edge);
   let crossing = cut_fraction_for_tie(cutting_edge, cut_edge.edge, cut_edge.light, cut.tie);
-  return select(crossing, fraction_of_point(cut_edge.edge, touch.xyz), touch.w == 1u);
+  return select(crossing, fraction_of_point(cut_edge.edge, touching.xyz), touching.w == 1u);
 }

@@ -1,10 +1,10 @@
-// The lists of pieces of L-twisted polygons (whose boundaries cross themselves as seen from light L), and the points where
-// edges cross, for `cut_edges` and `cut_quads`. A piece is a part of a boundary edge, directed so that the shadow is on its
-// left as seen from the light. All pieces of a polygon are the border of its shadow. The counts are cleared for each batch
-// of up to 32 lights before `cut_edges`. `piece_crossings`, `piece_arguments` and the vertex shaders of shadow/pieces.wgsl
-// read the lists. A list has no particular order. The count of a full list still grows, so that readers notice the overflow.
-// Points are rounded, but all pieces at a crossing must have the same bits: `crossing_point` does not depend on the order of
-// its edges. docs/numerics/twisted-polygons.md.
+// The lists of pieces of L-twisted polygons, and the points where edges cross, for `cut_edges` and `cut_quads`. The boundary
+// of an L-twisted polygon crosses itself as seen from light L. A piece is a part of a boundary edge, directed so that the
+// shadow is on its left as seen from the light. All pieces of a polygon are the border of its shadow. The counts are cleared
+// for each batch of up to 32 lights before `cut_edges`. `piece_crossings`, `piece_arguments` and the vertex shaders of
+// shadow/pieces.wgsl read the lists. A list has no particular order. The count of a full list still grows, so that readers
+// notice the overflow. Points are rounded, but all pieces at a crossing must have the same bits: `crossing_point` does not
+// depend on the order of its edges. Claims: docs/numerics/twisted-polygons.md.
 
 #import common/determinant
 #import extract/one_caster
@@ -58,8 +58,8 @@ fn crossing_point(boundary: PolygonBoundary, i: u32, j: u32, light_index: u32) -
   return bitcast<vec3<u32>>(a + cut_fraction(f, e, scaled_light(light_index)) * (bitcast<vec3<f32>>(e.b) - a));
 }
 
-// The mean of four corners of a polygon. It is hardly ever in the plane of a triangle of its surface, so faces that pieces
-// make with it do not lie on the surface. No operation can be fused, so it has the same bits for all pieces.
+// The mean of four corners of a polygon. It is hardly ever in the plane of a triangle of the polygon. Faces that pieces make
+// with it then do not lie on the surface. No operation can be fused, so it has the same bits for all pieces.
 fn middle_point(boundary: PolygonBoundary) -> vec3<u32> {
   var corners: array<vec3<f32>, 4>;
   for (var quarter = 0u; quarter < 4u; quarter++) {
@@ -95,10 +95,10 @@ fn write_piece(light: u32, index: u32, from_end: vec3<u32>, to_end: vec3<u32>, i
 }
 
 // Stage `cut_quads`: lists the pieces of L-twisted quadrilaterals that `polygon_turns` decided. Two neighbouring corners
-// turn left and the others right, so the two edges between them cross, and each of the two lobes has the sense of its
-// corners. Dispatched after the passes of `cut_edges`, if the extractor has lists, an invocation a record of `undecided`. It
-// appends six pieces for each light. It must come last: the passes of `cut_edges` take all listed pieces for their cuts.
-// Both lobes share one crossing point, bit for bit.
+// turn left and the others right, so the two edges between them cross. Each of the two lobes has the sense of its corners.
+// Dispatched after the passes of `cut_edges`, if the extractor has lists, an invocation a record of `undecided`. It appends
+// six pieces for each light. It must come last, because the passes of `cut_edges` read all listed pieces as their cuts. Both
+// lobes share one crossing point, bit for bit.
 
 // Lists the pieces of a quadrilateral for a light: two lobes of three pieces. `first`, 0 or 3, is a corner with the turn of
 // the next corner. `is_positive`: corner 0, one of these two, turns left. Edges `first` + 1 and `first` + 3 cross.
@@ -136,7 +136,7 @@ fn cut_quads(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgrou
       let light = firstTrailingBit(remaining);
       let is_positive = ((turn_0 >> light) & 1u) != 0u;
       let has_next_same_turn = ((turn_1 >> light) & 1u) == select(0u, 1u, is_positive);
-      // If corner 1 turns otherwise, corner 3, before corner 0, turns alike.
+      // If corner 1 turns otherwise, corner 3, before corner 0, turns as corner 0 does.
       cut_quad(boundary, light, select(3u, 0u, has_next_same_turn), is_positive);
     }
   }

@@ -2,10 +2,10 @@
 // `undecided` has a record for each such polygon, and entries, parts of the work of a record (polygon/outlines.wgsl).
 // Dispatched indirectly after `polygon_turns`, a workgroup an entry. For a small boundary an entry has up to 4 edges and 16
 // lights, an invocation each; for a large one it has an edge and a light, which all invocations share. It sets bits of the
-// record, in any order: whether edges meet, the winding number on the left of each edge, whether all corners lie in a
-// half-space, whether anything is off a plane with the light. `polygon_masks` decides from them. All turns are exact: 1 if
-// the light sees three points counter-clockwise, -1 if clockwise. A tie is broken by moving the light, in the same way for
-// all pairs and stages. `Turns:` above a loop is its most iterations, with `in all` for all times that it is reached.
+// record, in any order: edges meet; winding numbers on the left of edges; all corners lie in a half-space; something is off
+// a plane with the light. `polygon_masks` decides from them. All turns are exact: 1 if the light sees three points
+// counter-clockwise, -1 if clockwise. A tie is broken by moving the light, in the same way for all pairs and stages.
+// `Turns:` above a loop is its most iterations, with `in all` for all times that it is reached. Claims:
 // docs/numerics/polygons.md.
 
 #import polygon/outlines
@@ -25,9 +25,9 @@ const LEAVES_PLANE: u32 = 2u;
 const IS_ANY_LEFT: u32 = 4u;
 const IS_ANY_RIGHT: u32 = 8u;
 
-// The change by an edge (c, d) of the winding number on the left of an edge (a, b), counted along the line through a and b,
-// from just before b on. `sides` are the turns (a, b, c) and (a, b, d); `turn_of_b` is (c, d, b), the side of b seen from
-// (c, d).
+// The change by an edge (c, d) of the winding number on the left of an edge (a, b). It is counted along the line through a
+// and b, from just before b on. `sides` are the turns (a, b, c) and (a, b, d); `turn_of_b` is (c, d, b), the side of b seen
+// from (c, d).
 fn winding_change(sides: vec2<i32>, turn_of_b: i32) -> i32 {
   if (sides.x <= 0 && sides.y > 0) {
     return select(0, 1, turn_of_b >= 0);

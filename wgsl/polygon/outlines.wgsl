@@ -9,9 +9,9 @@
 #import common/positions
 #import extract/one_caster
 
-// For each polygon, and once more at the end: the index of its first edge among the edges, with ONE_LOOP if the boundary is
-// one loop of at least three edges, each beginning where the previous one ends; and its first triangle. Then the directed
-// edges of all boundaries, as two vertices each.
+// For each polygon, and once more at the end: the index of its first edge among the edges, and its first triangle. ONE_LOOP
+// in the first word: the boundary is one loop of at least three edges, each beginning where the previous one ends. Then the
+// directed edges of all boundaries, as two vertices each.
 @group(0) @binding(6) var<storage, read> outlines: array<vec2<u32>>;
 // The head, a record for each polygon, and the entries.
 @group(0) @binding(7) var<storage, read_write> undecided: array<atomic<u32>>;
@@ -57,8 +57,8 @@ const TURN_0: u32 = 8u;
 const TURN_1: u32 = 9u;
 const NOT_FINITE: u32 = 0x80000000u;
 
-// A boundary with up to this many edges, of a polygon with up to as many triangles, is small: an invocation takes an edge
-// and a light. For a large boundary a workgroup takes an edge and a light.
+// A boundary with up to this many edges, of a polygon with up to as many triangles, is small. For a small boundary an
+// invocation has an edge and a light, for a large one a workgroup does.
 const SMALL_OUTLINE: u32 = 32u;
 // Invocations of a workgroup of `polygon_turns`, `outline`, `polygon_masks`, `cut_edges`, `cut_quads`: their
 // @workgroup_size.

@@ -2,9 +2,9 @@
 // clockwise, 0 if they and the light are in one plane. Three stages for each batch of up to 32 lights replace `facing`.
 // `polygon_facing`, an invocation a polygon, decides convex triangles and quadrilaterals. `polygon_turns`, an invocation a
 // record of `undecided`, decides other simple cases. `polygon_masks` runs after `outline`, which decides the others exactly.
-// All triangles of a polygon have the same bits, and all bits are those of exact arithmetic, or silhouettes would not close:
-// bounds must not shrink. Facing masks are complete after `polygon_masks`; then `edges` and others read them. `Turns:` above
-// a loop is its most iterations. docs/numerics/polygons.md, "Four turns".
+// All triangles of a polygon have the same bits. All bits are those of exact arithmetic, or silhouettes would not close:
+// bounds must not shrink. The facing masks are complete after `polygon_masks`; then `edges` and others read them. `Turns:`
+// above a loop is its most iterations. Claim: docs/numerics/polygons.md, "Four turns".
 
 #import common/determinant
 #import common/extraction
@@ -158,11 +158,11 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 // Stage `polygon_turns`: dispatched indirectly, by the words that `polygon_facing` wrote to the head of `undecided`. It
-// decides a quadrilateral of two triangles if f32 is certain of all four turns and these do not alternate: front-facing,
-// back-facing, or L-twisted (its boundary crosses itself as seen from light L). It decides another loop, of at most 256
-// edges, if it is strictly convex. It overwrites the polygon's facing masks, and writes to the record the undecided lights
-// (LIGHTS), and TWISTED_QUAD, TURN_0 and TURN_1 of a twisted quadrilateral. For LIGHTS it lists entries, parts of the work,
-// for `outline`, the next stage. `polygon_masks` reads records, and `cut_quads` those of twisted quadrilaterals.
+// decides a quadrilateral of two triangles if f32 is certain of all four turns and these do not alternate. It is
+// front-facing, back-facing, or L-twisted: its boundary crosses itself as seen from light L. It decides another loop, of at
+// most 256 edges, if it is strictly convex. It overwrites the polygon's facing masks, and writes to the record the undecided
+// lights (LIGHTS), and TWISTED_QUAD, TURN_0 and TURN_1 of a twisted quadrilateral. For LIGHTS it lists entries, parts of the
+// work, for `outline`, the next stage. `polygon_masks` reads records, and `cut_quads` those of twisted quadrilaterals.
 
 // Loops of more edges are not tried here, so that an invocation ends soon.
 const MOST_CONVEX: u32 = 256u;
@@ -290,7 +290,8 @@ fn decided_quad(boundary: PolygonBoundary) -> Decided {
 
 // Decides simple cases. Only quadrilaterals of two triangles can be twisted here.
 fn decided_boundary(boundary: PolygonBoundary) -> Decided {
-  // With more than two triangles it has edges that it walks both ways, and four turns do not tell where its surface is dark.
+  // With more than two triangles it has edges that it walks both ways. Four turns then do not decide where its surface is
+  // dark.
   if (boundary.is_loop && boundary.count == 4u && boundary.end_triangle - boundary.first_triangle == 2u) {
     return decided_quad(boundary);
   }
@@ -348,11 +349,11 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
 
 // Stage `polygon_masks`: decides from the records whether a polygon faces each light that `polygon_turns` left undecided, is
 // in a plane with it, or is L-twisted. Dispatched after `outline`, an invocation a record. It adds facing bits of the
-// polygon's triangles (first half of `facing_masks`), writes their twisted masks (second half) and their masks of excluding
-// lights, and adds to statistics. Twisted masks are cleared before, and excluding ones except for exclusions by the caller.
-// A polygon that is twisted or in a plane counts as absent; the shadow of a twisted one is cut into pieces. `edges` reads
-// facing and twisted masks next; stages of shadow volumes read facing and excluding ones. It lists entries of twisted
-// boundaries for `cut_edges`, except for the quadrilaterals of `cut_quads`.
+// polygon's triangles (first half of `facing_masks`) and writes their twisted masks (second half) and masks of excluding
+// lights. Twisted masks are cleared before, and excluding ones except for exclusions by the caller. It also adds to
+// statistics. A polygon that is twisted or in a plane counts as absent; the shadow of a twisted one is cut into pieces.
+// `edges` reads facing and twisted masks next; stages of shadow volumes read facing and excluding ones. It lists entries of
+// twisted boundaries for `cut_edges`, except for the quadrilaterals of `cut_quads`.
 
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
 // The statistics; not a record of `undecided`.

@@ -1,10 +1,10 @@
-// The turn of three points as seen from a light, exactly: the sign of det[b - a, c - a, l - w a], 1 if the light sees a, b,
-// c counter-clockwise, -1 if clockwise. `outline` and the passes of `cut_edges` call `turn`. A bound on rounding decides if
-// it can, then fixed point, then `exact_sign`, so all devices have the same sign. If the determinant is 0, the light moves
-// by (e, e^2, e^3) for an infinitely small e: the sign is the first that is not 0 with the axes x, y, z for the light. All
-// callers must share this rule, or their results for one boundary contradict each other. Also the rounded value of the
-// determinant, for the order of cuts. Points are the bits of positions, and must be finite. `Turns:` above a loop is its
-// most iterations. docs/numerics/polygons.md.
+// The exact turn of three points as seen from a light: the sign of det[b - a, c - a, l - w a]. It is 1 if the light sees a,
+// b, c counter-clockwise, -1 if clockwise. `outline` and the passes of `cut_edges` call `turn`. A bound on rounding decides
+// if it can, then fixed point, then `exact_sign`, so all devices have the same sign. If the determinant is 0, the light
+// moves by (e, e^2, e^3) for an infinitely small e. Then the sign is the first that is not 0 with the axes x, y, z for the
+// light. All callers must share this rule, or their results for one boundary contradict each other. Also the rounded value
+// of the determinant, for the order of cuts. Points are the bits of positions, and must be finite. `Turns:` above a loop is
+// its most iterations. Claims: docs/numerics/polygons.md.
 
 #import common/determinant
 #import common/exact_sign
@@ -137,8 +137,8 @@ fn times_power(value: f32, exponent: i32) -> f32 {
   return select(0.0, value * bitcast<f32>(u32(127 + max(exponent, -126)) << 23u), exponent > -64);
 }
 
-// |first| / (|first| + |second|) for turns of opposite signs: the fraction of an edge, from the end with turn `first`, at
-// which it crosses another edge's plane. 0.5 if both are 0. Both must fit.
+// |first| / (|first| + |second|) for turns of opposite signs. It is the fraction of an edge, from the end with turn `first`,
+// at which it crosses another edge's plane. 0.5 if both are 0. Both must fit.
 fn fraction_from_turns(first: TurnValue, second: TurnValue) -> f32 {
   if (first.value == 0.0 || second.value == 0.0) {
     return select(select(1.0, 0.0, second.value != 0.0), 0.5, first.value == second.value);

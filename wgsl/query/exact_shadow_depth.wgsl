@@ -1,11 +1,10 @@
-// Exact shadow depth: decides the faces that `shadow_depth` left undecided, and adds them to `depths`, the occluder counts
-// of points and lights, which the caller reads in the end. Three stages run after `shadow_depth`, in this order, for each
-// range of faces. `exact_shadow_depth`: an invocation a pair of point and light, for its up to three stored faces.
-// `depth_arguments`: writes the dispatch of the next. `exact_shadow_depth_recount`: a workgroup a listed pair (one with
-// more) and a group of 1,024 faces; it decides all of them, since `shadow_depth` counted nothing of the range for the pair.
-// Fixed point decides if the numbers fit, otherwise `exact_sign`, so counts are the same on every device. If the line meets
-// an edge, the light moves by (e, e^2, e^3), the same for all faces, so that the line passes a shared edge on one side.
-// docs/numerics/query.md.
+// Exact shadow depth: decides the faces that `shadow_depth` left undecided, and adds them to the occluder counts (`depths`)
+// that the caller reads. Three stages after `shadow_depth`, in this order, for each range of faces. `exact_shadow_depth`: an
+// invocation a pair of point and light, for its up to three stored faces. `depth_arguments`: writes the dispatch of the next
+// stage. `exact_shadow_depth_recount`: a workgroup a listed pair (one with more) and a group of 1,024 faces. It decides all
+// of them, since `shadow_depth` counted nothing of the range for the pair. Fixed point decides if the numbers fit, otherwise
+// `exact_sign`, so counts are the same on every device. If the line meets an edge, the light moves by (e, e^2, e^3) for all
+// faces, so that the line passes a shared edge on one side. Claim: docs/numerics/query.md.
 
 #import common/exact_sign
 #import query/records
@@ -23,7 +22,8 @@ fn light_or_axis(light: vec4<u32>, tie: u32) -> vec4<u32> {
 }
 
 // Whether point and light are strictly on opposite sides of the face's plane, and the line between them passes through the
-// face: the sign for each edge with point and light is that of face and light. Only the signs for edges have ties broken.
+// face. It does if the sign for each edge with point and light is that of face and light. Only the signs for edges have ties
+// broken.
 fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
   var light_side = 0;
   // Tests 0 and 1: the sides of the point and of the light at the plane. Tests 2 to 4: the three edges. One loop computes
@@ -71,8 +71,9 @@ fn is_between(segment: Segment, index: u32) -> bool {
     (decision == UNDECIDED && exactly_between(face, segment.p_bits, batch.light_bits[segment.light]));
 }
 
-// A bit for each of a group's 1,024 faces: an odd number of triangles lie between, of the polygon that begins with it and
-// ends in the group. The stage clears it, because SwiftShader was seen to keep the words of an earlier workgroup.
+// A bit for each of a group's 1,024 faces, for the polygon that begins with it and ends in the group. It is set if an odd
+// number of triangles of the polygon lie between. The stage clears the bits, because SwiftShader was seen to keep those of
+// an earlier workgroup.
 var<workgroup> odd_polygons: array<atomic<u32>, CLUSTER>;
 
 // The change of the count for a face that lies between, in the group that begins with cluster `first`: 1, or -1 after an odd
@@ -176,9 +177,9 @@ fn exact_shadow_depth_recount(
   }
 }
 
-// Stage `depth_arguments`: writes the indirect dispatch of `exact_shadow_depth_recount`: a workgroup for each listed pair of
-// point and light and each group of 1,024 faces of the range. It moves the number of listed pairs to `recounts` and empties
-// the list for the next range. Dispatched as one invocation, after `exact_shadow_depth`, for each range.
+// Stage `depth_arguments`: writes the indirect dispatch of `exact_shadow_depth_recount`, a workgroup for each listed pair of
+// point and light and each group of the range. It moves the number of listed pairs to `recounts` and empties the list for
+// the next range. Dispatched as one invocation, after `exact_shadow_depth`, for each range.
 
 @group(0) @binding(2) var<storage, read_write> dispatch: array<u32, 3>;
 

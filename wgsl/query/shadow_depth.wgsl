@@ -1,12 +1,11 @@
 // Shadow depth: computes occluder counts, the number of faces strictly between each point and light. Runs after
-// `shadow_boxes`, dispatched for each range of points and clusters, batch of up to 32 lights and range of faces, an
-// invocation a pair of point and light. Faces that f32 decides within its error bounds are counted in `depths`, which the
-// caller reads in the end. Up to three others are stored for `exact_shadow_depth`, which runs next. A pair with more counts
-// nothing of this range; it is listed, in any order, for `depth_arguments` and `exact_shadow_depth_recount`. Counts are
-// exact, the same on every device and on the CPU, so bounds must not shrink. The triangles of a polygon follow each other
-// and count 1 and -1 alternately: an odd number counts once. Ranges run one after another. For a polygon that continues
-// after a range the parity is passed on, in `state`, or in `face_0` if the pair was listed. A point that is not finite has
-// the count -1. docs/numerics/query.md.
+// `shadow_boxes` for each range of points and clusters, batch of up to 32 lights and range of faces; an invocation a pair of
+// point and light. It counts faces that f32 decides within its error bounds in `depths`, which the caller reads. Up to three
+// others are stored for `exact_shadow_depth`, which runs next. A pair with more counts nothing of this range; it is listed,
+// in any order, for `depth_arguments` and `exact_shadow_depth_recount`. Counts are exact, the same on every device and on
+// the CPU, so bounds must not shrink. The triangles of a polygon follow each other and count 1 and -1 alternately: an odd
+// number counts once. Ranges run one after another. A polygon that continues after a range passes on its parity, in `state`,
+// or in `face_0` if the pair was listed. A point that is not finite has the count -1. Claim: docs/numerics/query.md.
 
 #import common/determinant
 #import common/positions

@@ -1,7 +1,7 @@
-// Decides with f32 and error bounds whether a face lies between a point and a light, and finds the polygon of a face, for
+// Decides with f32 and error bounds whether a face lies between a point and a light, and finds the polygon of a face. For
 // `shadow_depth`, `exact_shadow_depth` and `exact_shadow_depth_recount`. `decide_face` returns BETWEEN or NOT_BETWEEN only
 // if exact arithmetic agrees; callers must decide UNDECIDED faces exactly. A polygon is identified by the face index of its
-// first triangle (query/records.wgsl). docs/numerics/query.md.
+// first triangle (query/records.wgsl). Claim: docs/numerics/query.md.
 
 #import common/determinant
 #import common/positions
@@ -51,8 +51,8 @@ fn is_on_face(segment: Segment, index: u32) -> bool {
   return NAMES_FACES && clusters[index / CLUSTER].first_face + index % CLUSTER == segment.on_face;
 }
 
-// Whether a polygon of the mesh has several triangles. Those that lie between count 1 and -1 alternately, so that the
-// polygon counts once if their number is odd.
+// Whether a polygon of the mesh has several triangles. The triangles that lie between count 1 and -1 alternately, so that
+// the polygon counts once if their number is odd.
 override POLYGONS: bool = false;
 
 // The face index of the first triangle of a face's polygon. It has no loop: a polygon may have any number of triangles.
@@ -131,8 +131,8 @@ fn decide_by_bounds(segment: Segment, face: Face, largest: u32) -> u32 {
 // The bits of 1.0.
 const ONE: u32 = 0x3f800000u;
 
-// Whether the point or the light is in the plane of the face, found without arithmetic: the point is a corner, or the face
-// has one coordinate in common with point or light.
+// Whether the point or the light is in the plane of the face, found without arithmetic. Found are points at a corner, and
+// points and lights that have one coordinate in common with all corners.
 fn is_coplanar(segment: Segment, face: Face) -> bool {
   if (all(segment.p_bits == face.a) || all(segment.p_bits == face.b) || all(segment.p_bits == face.c)) {
     return true;

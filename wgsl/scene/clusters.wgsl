@@ -142,18 +142,18 @@ fn clusters(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
   }
 }
 
-// Stage `chunks`: lists chunks of edges of casters with a light whose list is dirty, except chunks that have no silhouette
+// Stage `chunks`: lists chunks of edges of casters with a light whose list is dirty. It skips chunks that have no silhouette
 // by the decisions about clusters. A chunk that may have one must be listed. It also empties lists and statistics for
 // `facing` and later stages, and writes to `kept` the versions of this encode. `reach` and `clusters` compare those of the
-// encode before: all their dispatches, for all groups and batches, must come before the first of `chunks`.
+// encode before. All their dispatches, for all groups and batches, must come before the first of `chunks`.
 
 @group(0) @binding(3) var<storage, read> lit: array<u32>;
 // For each light of the batch the number of its silhouette edges. Then word KEPT_ZEROS: not 0 if a light was in the plane of
 // a face whose bits are cached.
 @group(0) @binding(5) var<storage, read_write> list_counts: array<u32, 64>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
-// Rules for a chunk to have no silhouette: all its clusters are decided (its edges lie within clusters), or all are decided
-// with the same facing. By other rules it may always have one.
+// Rules for a chunk to have no silhouette. Rule 1: all its clusters are decided, and its edges lie within clusters. Rule 2:
+// all are decided with the same facing. By other rules it may always have one.
 const SKIPPED_DECIDED: u32 = 1u;
 const SKIPPED_SAME_FACING: u32 = 2u;
 

@@ -1,10 +1,11 @@
 // Reach: the first stage of a scene's encode, an invocation a caster (a mesh that throws shadows) and batch of up to 32
-// lights. It finds the relevant lights of the caster, `lit`: allowed lights that are not culled by range or cone, if the
-// caster is rigid or the caller states its box, nor by an occluder. Among these it finds the active lights, `taken`: caster
-// or light changed since their bits were computed. Other bits are cached. `clusters`, `facing` and `exact_facing` read
-// `taken`; `chunks`, `edges`, `bounds` and `choose` read `lit`. The stage also writes which lists are dirty, in `work`, and
-// updates the versions in `kept`. It never culls a light that affects the caster: if numbers are too large or rounding
-// leaves a test open, the light stays. docs/numerics/scene.md, "Occluders", "Cones of lights" and "Cached results".
+// lights. It finds the relevant lights of the caster, `lit`: allowed lights that are culled neither by range or cone nor by
+// an occluder. Only casters with a known box (rigid, or stated by the caller) are culled. Among the relevant lights it finds
+// the active ones, `taken`: caster or light changed since their bits were computed. Other bits are cached. `clusters`,
+// `facing` and `exact_facing` read `taken`; `chunks`, `edges`, `bounds` and `choose` read `lit`. The stage also writes which
+// lists are dirty, in `work`, and updates the versions in `kept`. It never culls a light that affects the caster. If numbers
+// are too large or rounding leaves a test open, the light stays. Claims: docs/numerics/scene.md, "Occluders", "Cones of
+// lights" and "Cached results".
 
 #import common/casters
 #import scene/table

@@ -51,8 +51,9 @@ struct SceneDispatch {
   // Chunks of the group.
   face_chunks: u32,
   edge_chunks: u32,
-  // Words of the work lists. `work_count`: the first of four words of the group and batch: the number of listed face chunks,
-  // that of edge chunks, the lights with a dirty list, the lights of which bits are cached. Then where listed chunks begin.
+  // Words of the work lists. `work_count`: the first of four words of the group and batch. These are the number of listed
+  // face chunks, that of edge chunks, the lights with a dirty list, and the lights with cached bits. `face_work`,
+  // `edge_work`: the first listed chunk.
   work_count: u32,
   face_work: u32,
   edge_work: u32,
@@ -73,8 +74,8 @@ struct SceneDispatch {
 // Part `part` of a caster, four words, in the order of SceneCaster.
 fn caster_part(caster: u32, part: u32) -> vec4<u32> { return table[8u * caster + part]; }
 
-// Words of a listed chunk of faces: the chunk, the lights that are decided for all of its faces, those of them that the
-// faces face, and the index mask of the lights to test.
+// Words of a listed chunk of faces: the chunk; the lights that are decided for all its faces; those of them that the faces
+// face; the index mask of the lights to test.
 const FACE_ENTRY: u32 = 4u;
 
 fn encode_number() -> u32 { return table[group.ranges_at + 16u * group.batches].x; }
@@ -121,6 +122,6 @@ fn has_clusters(caster: u32) -> bool {
   return caster_part(caster, 7u).w != NO_CLUSTERS && (caster_part(caster, 4u).w & RIGID) != 0u;
 }
 
-// The first of two words of `kept` for a chunk of faces. Only the first chunk of a cluster uses them: the lights for which
-// all faces of the cluster have the same bit in the masks, and those of them that the faces face.
+// The first of two words of `kept` for a chunk of faces. Only the first chunk of a cluster uses them. They describe the
+// masks: the lights for which all faces of the cluster have the same bit; those of them that the faces face.
 fn cached_cluster_offset(chunk: u32) -> u32 { return group.clusters_at + 2u * chunk; }
