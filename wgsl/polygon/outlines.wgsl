@@ -96,12 +96,14 @@ fn is_large(boundary: PolygonBoundary) -> bool {
   return max(boundary.count, boundary.end_triangle - boundary.first_triangle) > SMALL_OUTLINE;
 }
 
+// The offset of a record in `undecided`.
 fn record_offset(index: u32) -> u32 {
   return UNDECIDED_HEAD + RECORD_WORDS * index;
 }
 
-fn polygon_of(record: u32) -> u32 {
-  return atomicLoad(&undecided[record + POLYGON]) & ~NOT_FINITE;
+// The polygon of the record at word `offset` of `undecided`.
+fn polygon_of(offset: u32) -> u32 {
+  return atomicLoad(&undecided[offset + POLYGON]) & ~NOT_FINITE;
 }
 
 // Reserves items of a dispatch, a workgroup each, and returns the index of the first. `count_word` and `workgroups_word` are
@@ -114,21 +116,21 @@ fn reserve_entries(count_word: u32, workgroups_word: u32, entries: u32) -> u32 {
   return first;
 }
 
-fn write_entry(index: u32, record: u32, part: u32) {
-  atomicStore(&undecided[entry_offset(index)], record);
+fn write_entry(index: u32, record_index: u32, part: u32) {
+  atomicStore(&undecided[entry_offset(index)], record_index);
   atomicStore(&undecided[entry_offset(index) + 1u], part);
 }
 
 // Lists entries for some lights of a record: ENTRY_EDGES edges and ENTRY_LIGHTS lights each for a small boundary, one edge
 // and light for a large one.
-fn list_entries(record: u32, boundary: PolygonBoundary, lights: u32, count_word: u32, workgroups_word: u32) {
+fn list_entries(record_index: u32, boundary: PolygonBoundary, lights: u32, count_word: u32, workgroups_word: u32) {
   let edges = boundary.count;
   if (is_large(boundary)) {
     var index = reserve_entries(count_word, workgroups_word, edges * countOneBits(lights));
     for (var remaining = lights; remaining != 0u; remaining &= remaining - 1u) {
       // Turns: OUTLINE_EDGES.
       for (var edge = 0u; edge < edges; edge++) {
-        write_entry(index, record, edge | (firstTrailingBit(remaining) << 16u));
+        write_entry(index, record_index, edge | (firstTrailingBit(remaining) << 16u));
         index++;
       }
     }
@@ -141,10 +143,11 @@ fn list_entries(record: u32, boundary: PolygonBoundary, lights: u32, count_word:
   // Turns: SMALL_OUTLINE / ENTRY_EDGES.
   for (var entry_row = 0u; entry_row < entry_rows; entry_row++) {
     if (has_half.x) {
-      write_entry(first + entry_row, record, ENTRY_EDGES * entry_row);
+      write_entry(first + entry_row, record_index, ENTRY_EDGES * entry_row);
     }
     if (has_half.y) {
-      write_entry(first + select(0u, entry_rows, has_half.x) + entry_row, record, (ENTRY_EDGES * entry_row) | (1u << 16u));
+      write_entry(
+        first + select(0u, entry_rows, has_half.x) + entry_row, record_index, (ENTRY_EDGES * entry_row) | (1u << 16u));
     }
   }
 }

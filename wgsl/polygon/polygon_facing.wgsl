@@ -147,11 +147,11 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
   }
   if ((active_lights() & ~(convex.facing | convex.back_facing)) != 0u) {
     // There is room for a record of every polygon. `polygon_turns` writes the other words.
-    let record = atomicAdd(&undecided[RECORD_COUNT], 1u);
-    atomicStore(&undecided[record_offset(record) + POLYGON], id.x);
+    let record_index = atomicAdd(&undecided[RECORD_COUNT], 1u);
+    atomicStore(&undecided[record_offset(record_index) + POLYGON], id.x);
     // `polygon_turns` has an invocation a record. Its workgroups lie in rows (x) of at most ENTRY_ROW; y is the number of
     // rows. The reset wrote 1 to z.
-    let workgroup = record / OUTLINE_LANES;
+    let workgroup = record_index / OUTLINE_LANES;
     atomicMax(&undecided[RECORD_WORKGROUPS], min(workgroup + 1u, ENTRY_ROW));
     atomicMax(&undecided[RECORD_WORKGROUPS + 1u], workgroup / ENTRY_ROW + 1u);
   }

@@ -20,12 +20,12 @@ fn process_faces(first: u32, step: u32) {
 
 // Processes every LANES-th face of a listed chunk. `item` is LANES times the chunk's rank in the list, plus the lane.
 fn process_face_chunk(item: u32) {
-  let entry = group.face_work + FACE_ENTRY * (item / LANES);
-  let chunk = work[entry];
+  let entry_offset = group.face_work + FACE_ENTRY * (item / LANES);
+  let chunk = work[entry_offset];
   load_caster(caster_of(group.face_chunks_at, chunk));
-  decided = work[entry + 1u];
-  decided_facing = work[entry + 2u];
-  tested = work[entry + 3u];
+  decided = work[entry_offset + 1u];
+  decided_facing = work[entry_offset + 2u];
+  tested = work[entry_offset + 3u];
   let end = min(CHUNK * (chunk + 1u), face_range.x + face_range.y);
   // Turns: CHUNK / LANES.
   for (var slot = CHUNK * chunk + item % LANES; slot < end; slot += LANES) {

@@ -71,7 +71,8 @@ struct SceneDispatch {
 @group(0) @binding(0) var<uniform> group: SceneDispatch;
 @group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
 
-// Part `part` of a caster, four words, in the order of SceneCaster.
+// Part `part` of a caster, four words of SceneCaster. 0 to 2: rows of the matrix; 3: low, scale; 4: high, flags; 5: face
+// slots, faces, position offset; 6: edge slots, edges, position stride; 7: version, group, first caster, clusters.
 fn caster_part(caster: u32, part: u32) -> vec4<u32> { return table[8u * caster + part]; }
 
 // Words of a listed chunk of faces: the chunk; the lights that are decided for all its faces; those of them that the faces
