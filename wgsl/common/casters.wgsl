@@ -1,23 +1,24 @@
 // Casters of a scene (meshes that throw shadows), cones of lights, and functions on vectors, for all stages of scenes and of
-// shadow volumes. A group is casters whose masks lie together. A slot is the index of a face or edge in them. src/layout.rs
-// has the same structs, and a test compares them, CHUNK and LANES. src/gpu/scene/table.rs writes the casters.
-// `may_be_in_cone` never denies a box with a point in the cone: `reach` and `needs` cull by it. Claim:
+// shadow volumes. A page is a buffer with the topology of several meshes. A group is the casters of a page whose masks lie
+// together. A slot is the index of a face or edge in these masks. src/layout.rs has the same structs, and a test compares
+// them, CHUNK and LANES. src/gpu/scene/table.rs writes the casters in each encode (the recording of a frame).
+// `may_be_in_cone` returns false only for a box without a point in the cone: `reach` and `needs` cull by it. Claim:
 // docs/numerics/scene.md, "Cones of lights".
 
-// Slots of a chunk, all of one caster.
+// Slots of a chunk, which all belong to one caster. Invocations that share a chunk.
 const CHUNK: u32 = 64u;
-// Invocations that share a chunk.
 const LANES: u32 = 8u;
 // Flags of a caster.
-const CLOSED: u32 = 1u;
-const MIRRORED: u32 = 2u; // By its matrix.
+const CLOSED: u32 = 1u; // Closed and consistently oriented: each edge has two faces that traverse it in opposite directions.
+const MIRRORED: u32 = 2u; // Its matrix mirrors.
 const RIGID: u32 = 4u; // Its lights are moved to its mesh space, and its box is known.
-const HOLED: u32 = 8u; // A face is not finite.
+const HOLED: u32 = 8u; // A face has a vertex that is not finite.
 const EXCLUDING: u32 = 16u; // The caller excludes faces.
 const CHANGING: u32 = 32u; // Positions may have changed.
-// The caller excludes faces of a caster of the group. The masks of excluding lights of the group are then copied each frame.
+// The caller excludes faces of a caster of the group. The excluded masks of the group are then copied from the caller's in
+// each frame.
 const GIVEN: u32 = 64u;
-const PROXY: u32 = 128u; // Not in the depth buffer.
+const PROXY: u32 = 128u; // It is not drawn into the depth buffer.
 const BOUNDED: u32 = 256u; // The caller states its box, in world space.
 // A word of a scene's counts of silhouettes: not 0 if a light was in the plane of a face whose bits are cached.
 const KEPT_ZEROS: u32 = 32u;
@@ -61,10 +62,11 @@ struct LightCone {
   axis: vec4<f32>,
 }
 
-// Sizes beyond these may overflow or underflow. `may_be_in_cone` then returns true.
+// Sizes outside this range may overflow or underflow. `may_be_in_cone` then returns true.
 const CONE_LARGEST: f32 = 0x1p60;
 const CONE_LEAST: f32 = 0x1p-30;
-const CONE_SLACK: f32 = 0x1p-14; // 512 units in the last place of the largest coordinate. Less than a quarter is needed.
+// 512 units in the last place of the largest coordinate. Rounding needs less than a quarter of it.
+const CONE_SLACK: f32 = 0x1p-14;
 
 // The part of a vector at right angles to the axis, scaled to length 1.
 fn across_axis(v: vec3<f32>, axis: vec3<f32>) -> vec3<f32> {
@@ -82,21 +84,21 @@ fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, term_bound: 
   if (cone.apex.w == 0.0 || low.x > high.x || !(size < CONE_LARGEST) || size < CONE_LEAST) {
     return true;
   }
-  let begin = low - cone.apex.xyz;
-  let end = high - cone.apex.xyz;
+  let low_from_apex = low - cone.apex.xyz;
+  let high_from_apex = high - cone.apex.xyz;
   if (cosine < 0.0) {
-    // The outside of the cone is convex: it contains the box if it contains the corners.
+    // A cone wider than a half-space. Its outside is convex: it contains the box if it contains the corners.
     for (var corner_index = 0u; corner_index < 8u; corner_index++) {
-      let corner = select(begin, end, (vec3<u32>(corner_index) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
+      let corner = select(low_from_apex, high_from_apex, (vec3<u32>(corner_index) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
       if (!(dot_3(corner, axis) < cosine * sqrt(dot_3(corner, corner)) - CONE_SLACK * size)) {
         return true;
       }
     }
     return false;
   }
-  // A separating plane through the apex. It touches the cone along the line nearest to the middle of the box, or at the
-  // apex.
-  let middle = 0.5 * (begin + end);
+  // Tests for a separating plane through the apex. It touches the cone along the line nearest to the middle of the box. If
+  // the apex is nearest to the middle, the plane is perpendicular to the direction to the middle.
+  let middle = 0.5 * (low_from_apex + high_from_apex);
   let along = dot_3(middle, axis);
   let distance = sqrt(dot_3(middle, middle));
   let sine = sqrt((1.0 - cosine) * (1.0 + cosine));
@@ -108,14 +110,14 @@ fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, term_bound: 
   }
   let across = across_axis(across_axis(direction, axis), axis);
   let normal = select(cosine * across - sine * axis, middle / distance, along < -sine * distance);
-  let smallest = min(normal * begin, normal * end);
+  let smallest = min(normal * low_from_apex, normal * high_from_apex);
   return !(smallest.x + smallest.y + smallest.z > CONE_SLACK * size);
 }
 
 // Written out, so that all devices compute the same bits.
 fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-// The bits of floats as integers with the order of the floats, and back.
+// `ordered`: the bits of floats as integers with the order of the floats. `unordered`: back to floats.
 fn ordered(bits: vec3<u32>) -> vec3<u32> {
   return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
 }

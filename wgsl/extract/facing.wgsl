@@ -13,11 +13,11 @@
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
-// The masks of excluding lights, as in exact_facing.wgsl, which writes them if signs are exact.
+// The excluded masks, as in exact_facing.wgsl, which writes them if signs are exact.
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
 override EXACT: bool = true; // If false, bits are the signs of f32 determinants.
 
-// The determinant for one light.
+// The determinant for one light, in the form that PLANE selects (common/determinant.wgsl).
 fn determinant(n: vec3<f32>, a: vec3<f32>, light_index: u32) -> f32 {
   if (PLANE) {
     return plane_form(plane_through(n, a), bitcast<vec4<f32>>(given_light(light_index)));
@@ -32,7 +32,7 @@ struct Signs {
 }
 
 // Tests four lights at a time, because the loop itself costs about as much as a test. Skips four lights if none needs a
-// test. `lights_of_indices` drops bits past the last light.
+// test. Reads past the last light repeat it, and `lights_of_indices` drops their bits.
 fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
   var signs = Signs(0u, 0x1p127);
   // Turns: 8.
@@ -57,7 +57,7 @@ fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
   return signs;
 }
 
-// Lists a face for `exact_facing`. The count also counts faces that find no room. `exact_facing` then decides all faces.
+// Lists a face for `exact_facing`. If the list is full, the count still grows, and `exact_facing` decides all faces.
 fn append_undecided(slot: u32) {
   let index = atomicAdd(&record.undecided_count, 1u);
   if (index < arrayLength(&record.undecided)) {
@@ -71,6 +71,7 @@ fn process_item(slot: u32, index: u32) {
   if (has_stale_exclusions() && slot < arrayLength(&excluded_masks)) {
     excluded_masks[slot] = clear_active(excluded_masks[slot]);
   }
+  // The cluster decided all lights; `updated_bits` inserts its bits.
   if (tested_indices() == 0u) {
     facing_masks[slot] = updated_bits(facing_masks[slot], 0u);
     return;

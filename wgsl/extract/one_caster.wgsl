@@ -37,7 +37,7 @@ fn active_lights() -> u32 { return batch.live; }
 fn tested_indices() -> u32 { return 0xffffffffu; }
 fn lights_of_indices(index_mask: u32) -> u32 { return index_mask & batch.live; }
 
-// No mask has bits of an earlier encode: `Extractor::encode` clears the masks of excluding lights before the first stage.
+// No mask has bits of an earlier encode: `Extractor::encode` clears the excluded masks before the first stage.
 // `clear_active` is never called.
 fn updated_bits(mask: u32, bits: u32) -> u32 { return bits; }
 fn clear_active(mask: u32) -> u32 { return 0u; }

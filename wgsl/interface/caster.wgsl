@@ -23,7 +23,7 @@
 // * `updated_bits(mask, bits) -> u32`: `mask` with `bits` for the active lights. `clear_active(mask) -> u32`: with zeros
 //   for them.
 // * `is_first_active_batch() -> bool`: whether this dispatch counts faces that are not finite.
-// * `has_stale_exclusions() -> bool`: whether the face's mask of excluding lights (those in its plane, or all for a face
+// * `has_stale_exclusions() -> bool`: whether the face's excluded mask (those in its plane, or all for a face
 //   that is not finite) may hold bits of an earlier frame. `facing` then clears it. Else it was cleared or copied before.
 
 #if SCENE
