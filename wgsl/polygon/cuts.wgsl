@@ -184,14 +184,14 @@ fn ascending(e: Edge) -> Edge {
 
 // Whether edge `f` is on the left of edge `e` on the same line, both in ascending direction. It is if it begins before `e`,
 // or ends behind it. Equal edges have the order of their indices.
-fn precedes(f: Edge, item: u32, e: Edge, index: u32) -> bool {
+fn precedes(f: Edge, f_index: u32, e: Edge, e_index: u32) -> bool {
   if (any(f.a != e.a)) {
     return is_below(f.a, e.a);
   }
   if (any(f.b != e.b)) {
     return is_below(e.b, f.b);
   }
-  return item < index;
+  return f_index < e_index;
 }
 
 // xyz: the end of the cutting edge that is on the edge, w: 1; or 0 if the cut does not touch.
@@ -282,9 +282,10 @@ fn order_by_fractions(indices: vec3<u32>, ties: array<vec2<u32>, 3>, fractions: 
   return CutOrder(first, difference[min(first, 2u)] > 0.0);
 }
 
+// Which of three edges has the lowest index.
 fn lowest_of(indices: vec3<u32>) -> u32 {
-  let is_earliest = indices == vec3<u32>(min(indices.x, min(indices.y, indices.z)));
-  return select(select(2u, 1u, is_earliest.y), 0u, is_earliest.x);
+  let is_lowest = indices == vec3<u32>(min(indices.x, min(indices.y, indices.z)));
+  return select(select(2u, 1u, is_lowest.y), 0u, is_lowest.x);
 }
 
 // Determinants of the ends a and b of an edge, first at one other edge, then at another. Components: for the given light and

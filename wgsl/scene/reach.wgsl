@@ -48,11 +48,11 @@ fn world_box(caster: u32, low: vec3<f32>, high: vec3<f32>) -> WorldBox {
   var box: WorldBox;
   for (var axis = 0u; axis < 3u; axis++) {
     let row = bitcast<vec4<f32>>(caster_part(caster, axis));
-    let begin = min(row.xyz * low, row.xyz * high);
-    let end = max(row.xyz * low, row.xyz * high);
-    let sizes = max(abs(begin), abs(end));
-    box.low[axis] = begin.x + begin.y + begin.z + row.w;
-    box.high[axis] = end.x + end.y + end.z + row.w;
+    let low_terms = min(row.xyz * low, row.xyz * high);
+    let high_terms = max(row.xyz * low, row.xyz * high);
+    let sizes = max(abs(low_terms), abs(high_terms));
+    box.low[axis] = low_terms.x + low_terms.y + low_terms.z + row.w;
+    box.high[axis] = high_terms.x + high_terms.y + high_terms.z + row.w;
     box.term_bound = max(box.term_bound, sizes.x + sizes.y + sizes.z + abs(row.w));
   }
   return box;
@@ -67,7 +67,7 @@ fn lights_in_range(caster: u32, batch: u32) -> u32 {
     return lights.allowed;
   }
   let box = world_box(caster, bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz));
-  var relevant = 0u;
+  var in_range = 0u;
   var offset = lights.first;
   for (var remaining = lights.allowed; remaining != 0u; remaining &= remaining - 1u) {
     let light = firstTrailingBit(remaining);
@@ -75,11 +75,11 @@ fn lights_in_range(caster: u32, batch: u32) -> u32 {
     let scaled = bitcast<vec4<f32>>(table[offset + 1u]);
     if (may_be_in_range(scaled, range, bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz), bitcast<f32>(low.w)) &&
       may_be_in_cone(light_cone(batch, light), box.low, box.high, box.term_bound)) {
-      relevant |= 1u << light;
+      in_range |= 1u << light;
     }
     offset += 2u;
   }
-  return relevant;
+  return in_range;
 }
 
 // The state of a caster's positions: computed; culled, because `needs` found that the frame does not need the deforming
@@ -118,6 +118,7 @@ fn process_pair(pair: u32, caster: u32, batch: u32) {
   let in_range = select(lights_in_range(caster, batch), 0u, is_culled);
   let occluded = occluded_lights(caster, batch, in_range);
   let relevant = in_range & ~occluded;
+  // x: the caster's version; y: its group.
   let version_and_group = caster_part(caster, 7u);
   let pair_offset = cached_pair_offset(pair);
   // A list is dirty if bits of a caster in it are computed again, or if a caster leaves it.
@@ -157,8 +158,9 @@ fn reach(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
   }
 }
 
+// The most corners of an occluder.
 const MOST_CORNERS: u32 = 8u;
-// Later occluders cull nothing.
+// The most occluders that are tested. Later ones cull nothing.
 const MOST_OCCLUDERS: u32 = 128u;
 const TOO_LARGE_TO_OCCLUDE: f32 = 0x1p36; // Above this size products may overflow. Nothing is then culled.
 const MOST_FLUSHED: f32 = 0x1p-100; // The most that flushing of small numbers loses.
@@ -199,12 +201,13 @@ fn oriented_box(caster: u32) -> OrientedBox {
   );
 }
 
-// The smallest normal * (p - origin) over all points p of the box.
+// The smallest dot product of `normal` and p - origin over all points p of the box.
 fn smallest_height(box: OrientedBox, normal: vec3<f32>, origin: vec3<f32>) -> f32 {
   return dot_3(normal, box.middle - origin) - abs(dot_3(normal, box.half_x)) - abs(dot_3(normal, box.half_y)) -
     abs(dot_3(normal, box.half_z));
 }
 
+// A corner of an occluder. The w of the first one is the number of corners.
 fn occluder_corner(occluder_offset: u32, corner: u32) -> vec3<f32> {
   return bitcast<vec3<f32>>(table[occluder_offset + corner].xyz);
 }
@@ -222,10 +225,10 @@ fn is_behind(box: OrientedBox, occluder_offset: u32, light: vec4<f32>, side: f32
     let size = box.term_bound + l1_norm(a) + l1_norm(b);
     let e = b - a;
     // Within the plane through the light and the edge.
-    let t = light.xyz - light.w * a;
-    let toward = l1_norm(light.xyz) + light.w * size;
-    let within = smallest_height(box, side * cross(t, e), a);
-    let error = SLACK * toward * (size * (l1_norm(e) + separation) + 2.0 * l1_norm(e) * separation) + MOST_FLUSHED;
+    let to_light = light.xyz - light.w * a;
+    let light_bound = l1_norm(light.xyz) + light.w * size;
+    let within = smallest_height(box, side * cross(to_light, e), a);
+    let error = SLACK * light_bound * (size * (l1_norm(e) + separation) + 2.0 * l1_norm(e) * separation) + MOST_FLUSHED;
     if (!(within > error) || !(size < TOO_LARGE_TO_OCCLUDE)) {
       return false;
     }
@@ -262,6 +265,8 @@ fn occluded_lights(caster: u32, batch: u32, lights: u32) -> u32 {
   var occluded = 0u;
   // Turns: MOST_OCCLUDERS.
   for (var index = 0u; index < min(group.occluders, MOST_OCCLUDERS); index++) {
+    // x: lights that it can hide; y: those of them that see its corners counter-clockwise; z: its caster; w: the offset of
+    // its corners.
     let occluder = table[group.occluders_at + batch * group.occluders + index];
     if (occluder.z == caster) {
       continue;
