@@ -163,7 +163,7 @@ fn find_cuts(boundary: PolygonBoundary, work: Work, lane: u32) -> FoundCuts {
       }
       continue;
     }
-    var holds = signs[0] != 0;
+    var is_beside_end = signs[0] != 0;
     for (var side = 0u; side < 3u; side++) {
       var sign = signs[2u * side + 1u];
       if (sign == 0) {
@@ -172,9 +172,9 @@ fn find_cuts(boundary: PolygonBoundary, work: Work, lane: u32) -> FoundCuts {
       if (sign == 0) {
         sign = select(-1, 1, has_same_direction(corners[side], corners[(side + 1u) % 3u], e.a, e.b));
       }
-      holds = holds && sign == signs[0];
+      is_beside_end = is_beside_end && sign == signs[0];
     }
-    if (holds) {
+    if (is_beside_end) {
       atomicXor(&parities[slot], 1u);
     }
   }
@@ -204,6 +204,7 @@ fn cut_edges(
   atomicMax(&lowest_exponents[slot], EXPONENT_LIMIT - found.span.x);
   atomicMax(&highest_exponents[slot], found.span.y);
   workgroupBarrier();
+  // The cuts of the row, and the index in it of the invocation's first cut.
   var cuts = 0u;
   var index = 0u;
   // Turns: OUTLINE_LANES.
@@ -220,9 +221,9 @@ fn cut_edges(
     return;
   }
   let span = vec2<i32>(EXPONENT_LIMIT - atomicLoad(&lowest_exponents[slot]), atomicLoad(&highest_exponents[slot]));
-  let holds = holds_turns(span, given_light(work.light_index));
+  let has_fixed_turns = holds_turns(span, given_light(work.light_index));
   let is_odd_at_end = (atomicLoad(&parities[slot]) & 1u) != 0u;
-  let row = Row(polygon, work.edge_index, work.light_index, row_starts[slot], cuts, is_odd_at_end, holds);
+  let row = Row(polygon, work.edge_index, work.light_index, row_starts[slot], cuts, is_odd_at_end, has_fixed_turns);
   for (var remaining = found.cuts; remaining != 0u; remaining &= remaining - 1u) {
     let item = firstTrailingBit(remaining);
     let bit = 1u << item;
@@ -232,7 +233,7 @@ fn cut_edges(
       cutting_edge,
       (found.touching & bit) != 0u,
       (found.touching_second_end & bit) != 0u,
-      select(0u, tie.x | tie.y, holds),
+      select(0u, tie.x | tie.y, has_fixed_turns),
     );
     write_cut(row, index, cut);
     index++;
