@@ -23,8 +23,9 @@
 // * `updated_bits(mask, bits) -> u32`: `mask` with `bits` for the active lights. `clear_active(mask) -> u32`: with zeros
 //   for them.
 // * `is_first_active_batch() -> bool`: whether this dispatch counts faces that are not finite.
-// * `has_stale_exclusions() -> bool`: whether the face's excluded mask (those in its plane, or all for a face
-//   that is not finite) may hold bits of an earlier frame. `facing` then clears it. Else it was cleared or copied before.
+// * `has_stale_exclusions() -> bool`: whether the face's excluded mask may hold bits of an earlier frame. `facing` then
+//   clears it. Else it was cleared or copied before. The mask has the lights in the face's plane, or all for a face that is
+//   not finite.
 
 #if SCENE
 #import scene/listed_chunks
