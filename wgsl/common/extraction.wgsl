@@ -20,7 +20,7 @@ struct LightBatch {
   // light.
   lights: array<vec4<f32>, 32>,
   light_bits: array<vec4<u32>, 32>, // The lights as given, bit for bit.
-  // |w| of the scaled lights, four lights a vector, as far as it adds to the error of products: 0 if w is a power of two,
+  // |w| of the scaled lights, four lights a vector, for the error of products: 0 if w is a power of two,
   // since products are then exact; at least 2^-36 if scaling and flushing may lose w.
   inexact_w: array<vec4<f32>, 8>,
   // x: the largest of |x|, |y|, |z| of all scaled lights. y: the largest of all their |w| and `inexact_w`.

@@ -85,7 +85,7 @@ fn scan_light(light: u32, lane: u32) {
   }
 }
 
-// A workgroup takes a light. If the device allows fewer workgroups than lights, it takes several in turn.
+// A workgroup takes a light. If the device allows fewer workgroups than lights, it takes several.
 @compute @workgroup_size(BLOCK)
 fn compact_scan(
   @builtin(workgroup_id) group: vec3<u32>,

@@ -22,8 +22,7 @@ struct Pieces {
 // Words of a piece: its begin, its end, and the middle of its polygon, three floats each.
 const PIECE_WORDS: u32 = 9u;
 
-// The least sine of the angle between an edge and the ray to the light. Below it, rounding decides more of their plane than
-// they do.
+// The least sine of the angle between an edge and the ray to the light. Below it, rounding decides the plane through both.
 const LEAST_SINE: f32 = 0x1p-17;
 
 // A vector scaled so that its largest component is 1. Products then neither vanish nor overflow.

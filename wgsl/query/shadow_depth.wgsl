@@ -33,12 +33,12 @@ fn enter_polygon(face: u32) {
 
 // Stores an undecided face, with the parity of its polygon's decided triangles up to here.
 fn store_undecided(face: u32) {
-  let is_slot = vec3<bool>(undecided == 0u, undecided == 1u, undecided == 2u);
-  undecided_faces = select(undecided_faces, vec3<u32>(face), is_slot);
+  let is_next_slot = vec3<bool>(undecided == 0u, undecided == 1u, undecided == 2u);
+  undecided_faces = select(undecided_faces, vec3<u32>(face), is_next_slot);
   if (POLYGONS) {
     enter_polygon(face);
-    undecided_polygons = select(undecided_polygons, vec3<u32>(current_polygon), is_slot);
-    is_undecided_odd = select(is_undecided_odd, vec3<bool>(is_current_odd), is_slot);
+    undecided_polygons = select(undecided_polygons, vec3<u32>(current_polygon), is_next_slot);
+    is_undecided_odd = select(is_undecided_odd, vec3<bool>(is_current_odd), is_next_slot);
   }
   undecided++;
 }

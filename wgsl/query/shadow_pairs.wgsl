@@ -145,7 +145,7 @@ fn is_coplanar(segment: Segment, face: Face) -> bool {
   return any(is_flat & ((segment.p_bits == face.a) | is_light_level));
 }
 
-// Decides a face as far as error bounds allow.
+// Decides a face, or returns UNDECIDED if error bounds do not allow it.
 fn decide_face(segment: Segment, face: Face) -> u32 {
   let largest = largest_magnitude(face.a, face.b, face.c);
   let is_degenerate =
