@@ -1,34 +1,36 @@
-// Casters of a scene, meshes that throw shadows, as the table has them; the cones of lights; and small functions on vectors, for
-// all stages of scenes and of shadow volumes. A slot is the index of a face or edge in the masks of casters that are drawn
-// together, a group. src/layout.rs has the same structs, src/gpu/scene/table.rs writes them; a test holds structs, CHUNK and
-// LANES equal. `may_be_in_cone` may say true too often, never false for a box with a point in the cone: `reach` and `needs` leave
-// out what it denies. docs/numerics/scene.md, "Cones of lights".
+// Casters of a scene (meshes that throw shadows), cones of lights, and functions on vectors, for all stages of scenes and of
+// shadow volumes. A page is a buffer with the topology of several meshes. A group is the casters of a page whose masks lie
+// together. A slot is the index of a face or edge in these masks. src/layout.rs has the same structs, and a test compares
+// them, CHUNK and LANES. src/gpu/scene/table.rs writes the casters in each encode (the recording of a frame).
+// `may_be_in_cone` returns false only for a box without a point in the cone: `reach` and `needs` cull by it. Claim:
+// docs/numerics/scene.md, "Cones of lights".
 
-// Slots of a chunk, all of one caster.
+// Slots of a chunk, which all belong to one caster. Invocations that share a chunk.
 const CHUNK: u32 = 64u;
-// Invocations that share a chunk.
 const LANES: u32 = 8u;
 // Flags of a caster.
-const CLOSED: u32 = 1u;
-const MIRRORED: u32 = 2u; // By its matrix.
-const RIGID: u32 = 4u; // Lights are moved to its mesh space, and its box is known.
-const HOLED: u32 = 8u; // A face is not finite.
+const CLOSED: u32 = 1u; // Closed and consistently oriented: each edge has two faces that traverse it in opposite directions.
+const MIRRORED: u32 = 2u; // Its matrix mirrors.
+const RIGID: u32 = 4u; // Its lights are moved to its mesh space, and its box is known.
+const HOLED: u32 = 8u; // A face has a vertex that is not finite.
 const EXCLUDING: u32 = 16u; // The caller excludes faces.
 const CHANGING: u32 = 32u; // Positions may have changed.
-// The caller excludes faces of some caster of the group. Then masks of excluded faces of the group are copied anew.
+// The caller excludes faces of a caster of the group. The excluded masks of the group are then copied from the caller's in
+// each frame.
 const GIVEN: u32 = 64u;
-const PROXY: u32 = 128u; // Not in the depth buffer.
-const BOUNDED: u32 = 256u; // The box is one that the caller states, in world space.
-// The word of a scene's counts of silhouettes that tells whether a light was in the plane of a face whose bits are kept.
+const PROXY: u32 = 128u; // It is not drawn into the depth buffer.
+const BOUNDED: u32 = 256u; // The caller states its box, in world space.
+// A word of a scene's counts of silhouettes: not 0 if a light was in the plane of a face whose bits are cached.
 const KEPT_ZEROS: u32 = 32u;
 
-// A caster in the table of casters. `first_face` and `first_edge` are indices in the bound buffers of faces and edge records.
+// A caster in the table of casters. `first_face` and `first_edge` are indices in the bound buffers of faces and edge
+// records.
 struct SceneCaster {
   // Rows of the matrix from mesh space to world space.
   row_0: vec4<f32>,
   row_1: vec4<f32>,
   row_2: vec4<f32>,
-  // The box of the finite faces, in mesh space, or a box that the caller states. Low is above high if there is none.
+  // The box of the finite faces, in mesh space, or the box that the caller states. An empty box has low above high.
   low: vec3<f32>,
   // At most the smallest factor by which the matrix scales a length.
   scale: f32,
@@ -44,26 +46,27 @@ struct SceneCaster {
   edges: u32,
   first_edge: u32,
   position_stride: u32, // Words from one vertex to the next.
-  // The encode that was the first to have it as it is, and its group of casters.
+  // The first encode with the caster in its present state, and the caster's group.
   version: u32,
   group: u32,
   first_caster: u32, // The first caster of the group.
-  // For a rigid caster the word of the page's clusters where those of its mesh begin, or NO_CLUSTERS. For another its number
-  // among the figures that may not be needed, counted from 1, or 0 if it is none.
+  // For a rigid caster the word of the page's clusters where those of its mesh begin, or NO_CLUSTERS. For a deforming caster
+  // that a frame may not need its index among these, from 1. Otherwise 0.
   clusters_or_figure: u32,
 }
 
-// A light's cone, in world space: the apex and 1 (0: the light has no cone), the axis of length 1 and the cosine of the angle
-// from the axis to the border.
+// A light's cone, in world space. `apex`: xyz; w 1, or 0 if the light has no cone. `axis`: xyz of length 1; w the cosine of
+// the angle from the axis to the border.
 struct LightCone {
   apex: vec4<f32>,
   axis: vec4<f32>,
 }
 
-// Sizes beyond these may overflow or underflow, and nothing is said.
+// Sizes outside this range may overflow or underflow. `may_be_in_cone` then returns true.
 const CONE_LARGEST: f32 = 0x1p60;
 const CONE_LEAST: f32 = 0x1p-30;
-const CONE_SLACK: f32 = 0x1p-14; // 512 units in the last place of the largest coordinate. Less than a quarter is needed.
+// 512 units in the last place of the largest coordinate. Rounding needs less than a quarter of it.
+const CONE_SLACK: f32 = 0x1p-14;
 
 // The part of a vector at right angles to the axis, scaled to length 1.
 fn across_axis(v: vec3<f32>, axis: vec3<f32>) -> vec3<f32> {
@@ -71,50 +74,50 @@ fn across_axis(v: vec3<f32>, axis: vec3<f32>) -> vec3<f32> {
   return across / sqrt(dot_3(across, across));
 }
 
-// Whether a box may have a point in the cone. It is never false for one that has. `low` and `high` may be rounded sums: `terms`
-// is at least the size of each term, so that CONE_SLACK covers the rounding of those that cancel.
-fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, terms: f32) -> bool {
+// Whether a box may have a point in the cone; false only if it has none. `low` and `high` may be rounded sums: `term_bound`
+// is at least the size of each term, so that CONE_SLACK covers their rounding.
+fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, term_bound: f32) -> bool {
   let axis = cone.axis.xyz;
   let cosine = cone.axis.w;
   let sizes = max(max(abs(low), abs(high)), abs(cone.apex.xyz));
-  let size = max(max(max(sizes.x, sizes.y), sizes.z), terms);
+  let size = max(max(max(sizes.x, sizes.y), sizes.z), term_bound);
   if (cone.apex.w == 0.0 || low.x > high.x || !(size < CONE_LARGEST) || size < CONE_LEAST) {
     return true;
   }
-  let begin = low - cone.apex.xyz;
-  let end = high - cone.apex.xyz;
+  let low_from_apex = low - cone.apex.xyz;
+  let high_from_apex = high - cone.apex.xyz;
   if (cosine < 0.0) {
-    // The outside is convex, so it holds the box if it holds the corners.
-    for (var number = 0u; number < 8u; number++) {
-      let corner = select(begin, end, (vec3<u32>(number) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
+    // A cone wider than a half-space. Its outside is convex: it contains the box if it contains the corners.
+    for (var corner_index = 0u; corner_index < 8u; corner_index++) {
+      let corner = select(low_from_apex, high_from_apex, (vec3<u32>(corner_index) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
       if (!(dot_3(corner, axis) < cosine * sqrt(dot_3(corner, corner)) - CONE_SLACK * size)) {
         return true;
       }
     }
     return false;
   }
-  // A plane through the apex that has the cone on one side. It touches the cone where that is next to the middle of the box:
-  // along a line, or at the apex.
-  let middle = 0.5 * (begin + end);
+  // Tests for a separating plane through the apex. It touches the cone along the line nearest to the middle of the box. If
+  // the apex is nearest to the middle, the plane is perpendicular to the direction to the middle.
+  let middle = 0.5 * (low_from_apex + high_from_apex);
   let along = dot_3(middle, axis);
   let distance = sqrt(dot_3(middle, middle));
   let sine = sqrt((1.0 - cosine) * (1.0 + cosine));
-  let off = middle - along * axis;
-  var guide = middle;
-  if (!(dot_3(off, off) > 0x1p-20 * dot_3(middle, middle))) {
+  let off_axis = middle - along * axis;
+  var direction = middle;
+  if (!(dot_3(off_axis, off_axis) > 0x1p-20 * dot_3(middle, middle))) {
     // The middle is on the axis. Any plane will do.
-    guide = select(vec3<f32>(0.0, 1.0, 0.0), vec3<f32>(1.0, 0.0, 0.0), abs(axis.x) < 0.5);
+    direction = select(vec3<f32>(0.0, 1.0, 0.0), vec3<f32>(1.0, 0.0, 0.0), abs(axis.x) < 0.5);
   }
-  let across = across_axis(across_axis(guide, axis), axis);
+  let across = across_axis(across_axis(direction, axis), axis);
   let normal = select(cosine * across - sine * axis, middle / distance, along < -sine * distance);
-  let least = min(normal * begin, normal * end);
-  return !(least.x + least.y + least.z > CONE_SLACK * size);
+  let smallest = min(normal * low_from_apex, normal * high_from_apex);
+  return !(smallest.x + smallest.y + smallest.z > CONE_SLACK * size);
 }
 
-// Written out, so that all devices compute the same.
+// Written out, so that all devices compute the same bits.
 fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-// The bits of floats as integers with the same order as the floats, and back.
+// `ordered`: the bits of floats as integers with the order of the floats. `unordered`: back to floats.
 fn ordered(bits: vec3<u32>) -> vec3<u32> {
   return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
 }

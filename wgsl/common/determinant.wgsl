@@ -1,11 +1,11 @@
-// det[b - a, c - a, l - w a] in f32, for a face (a, b, c) and a homogeneous light (l, w), and a bound on its rounding error.
-// Its sign tells the light's side of the face: positive on the counter-clockwise side. The local form takes differences only;
-// the plane form takes the face's plane. Stages of extraction, of polygons and of queries use it. Where |determinant| exceeds
-// the bound, its sign is exact on every device; callers take the others to common/exact_sign.wgsl. Bounds are derived for
-// these operations, one by one, and for coordinates below LARGE: change neither alone. docs/numerics/facing.md, "Error band",
-// "Per edge" and "Filter".
+// The determinant det[b - a, c - a, l - w a] in f32, for a face (a, b, c) and a homogeneous light (l, w), and a bound on its
+// error. It is positive if the light is on the counter-clockwise side of the face. The local form computes it from
+// differences, the plane form from the face's plane. Stages of extraction, polygons and queries import it. If |determinant|
+// exceeds the bound, its sign is exact on every device; callers pass other cases to common/exact_sign.wgsl. The bounds hold
+// for exactly these operations and for coordinates below LARGE. Claims: docs/numerics/facing.md, "Error band", "Per edge"
+// and "Filter".
 
-override PLANE: bool = false; // Whether to use the plane form, as published in 2003, instead of the local form.
+override PLANE: bool = false; // Whether to compute the plane form, as published in 2003, instead of the local form.
 
 // u x v. For b - a and c - a it is the normal on the counter-clockwise side.
 fn cross_product(u: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
@@ -16,7 +16,7 @@ fn sum_of_sizes(v: vec3<f32>) -> f32 { return abs(v.x) + abs(v.y) + abs(v.z); }
 
 fn largest_of(v: vec3<f32>) -> f32 { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 
-// n . (l - w a). `light` is scaled as LightBatch says, or the bounds below do not hold.
+// n . (l - w a). The bounds below hold only if `light` is scaled as in LightBatch.
 fn local_form(n: vec3<f32>, a: vec3<f32>, light: vec4<f32>) -> f32 {
   let to_light = light.xyz - light.w * a;
   return n.x * to_light.x + n.y * to_light.y + n.z * to_light.z;
@@ -35,7 +35,8 @@ fn plane_form(plane: vec4<f32>, light: vec4<f32>) -> f32 {
 // Ten units in the last place, 10 * 2^-23, and the most that underflow adds, 2^-115.
 const RELATIVE: f32 = 0x1.4p-20;
 const UNDERFLOW: f32 = 0x1p-115;
-const LARGE: u32 = 0x53800000u; // The exponent bits of 2^40. A coordinate of this size or more could overflow the determinant.
+// The exponent bits of 2^40. A coordinate of this size or more could overflow the determinant.
+const LARGE: u32 = 0x53800000u;
 const INFINITE: u32 = 0x7f800000u; // The bits of infinity. NaNs are above.
 
 // The bits of the largest absolute coordinate. It is found on bits, because WGSL allows to assume that floats are finite.
@@ -45,17 +46,17 @@ fn largest_magnitude(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>) -> u32 {
   return max(max(magnitudes.x, magnitudes.y), magnitudes.z);
 }
 
-// The most that underflow adds to the error for a face with coordinates up to `largest`, for a light of size 1; callers
-// multiply.
+// The most that underflow adds to the error for a face with coordinates up to `largest` and a light of size 1. Callers
+// multiply it by the size of their light.
 fn underflow_bound(largest: f32) -> f32 {
-  let reach = max(2.0 * largest, 1.0);
-  return UNDERFLOW * reach * reach;
+  let span = max(2.0 * largest, 1.0);
+  return UNDERFLOW * span * span;
 }
 
-// One bound for all lights of a batch. `size` is the product of `sum_of_sizes` of b - a and c - a. `largest` bounds the
-// coordinates of the face. `reach` is that of LightBatch: the largest |x|, |y| or |z|, and the largest of all |w| and
+// One bound for all lights of a batch. `size`: `sum_of_sizes` of b - a times that of c - a. `largest`: the largest absolute
+// coordinate of the face. `light_magnitudes`: LightBatch.reach, the largest |x|, |y| or |z|, and the largest |w| or
 // inexact_w.
-fn face_bound(size: f32, largest: f32, reach: vec2<f32>) -> f32 {
-  let to_light = reach.x + largest * reach.y;
+fn face_bound(size: f32, largest: f32, light_magnitudes: vec2<f32>) -> f32 {
+  let to_light = light_magnitudes.x + largest * light_magnitudes.y;
   return (RELATIVE * to_light) * size + underflow_bound(largest) * (1.0 + to_light);
 }

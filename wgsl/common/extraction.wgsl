@@ -1,26 +1,27 @@
-// Shared by the stages of extraction, of scenes and of queries, and by those that read results: structs and constants of
-// batches of lights, ranges of dispatches, masks, statistics, draws. src/layout.rs has the same structs, which a test holds
-// equal: no member may change here alone. Rust has the values of the four constants below, too (NO_FACE, INCONSISTENT_BIT,
-// WINDING; for BLOCK it is WORKGROUP), and no test compares them: change both. An edge record is a directed edge (a, b) with
-// the faces beside it, in two words: face 0, which traverses it from a to b and always exists, with INCONSISTENT; and face 1,
-// or NO_FACE.
+// Structs and constants of batches of lights, dispatches, masks, statistics and draws, for the stages of extraction, scenes
+// and queries. Readers of results import them, too. src/layout.rs has the same structs, and a test compares them: change
+// both. Rust also has NO_FACE, INCONSISTENT (INCONSISTENT_BIT), WINDING and BLOCK (WORKGROUP); no test compares these. An
+// edge record is a directed edge (a, b) with its faces, in two words. The first: face 0, which traverses it from a to b, and
+// the bit INCONSISTENT. The second: face 1, or NO_FACE.
 
 const NO_FACE: u32 = 0xffffffffu; // In the second word of a record, which never has INCONSISTENT.
-// Bit 31 of the first word of a record (in `per_edge`, of its first vertex): face 1 traverses the edge from a to b, too.
+// Bit 31 of the first word of a record (in `per_edge`, of its first vertex): face 1 traverses the edge in the direction of
+// face 0.
 const INCONSISTENT: u32 = 0x80000000u;
-// Bit 31 of an entry of a list of silhouette edges: face 0 faces the list's light, which tells how the edge's side is wound.
+// Bit 31 of an entry of a list of silhouette edges: face 0 faces the list's light. It is the winding of the edge's side.
 const WINDING: u32 = 0x80000000u;
-// Edges that a workgroup of `compact` takes, and its invocations.
+// Edges of a workgroup of `compact`, and its invocations.
 const BLOCK: u32 = 256u;
 
 // A batch of up to 32 lights, one bit each, and the layout of the positions.
 struct LightBatch {
-  // Homogeneous (x, y, z, w), scaled by a power of two so that the largest absolute component is at least 1 and below 2 (a
-  // light of zeros stays). This changes no side. Here and in the next two, entries past `count` repeat the last light.
+  // Homogeneous (x, y, z, w), scaled by a power of two so that the largest absolute component is at least 1 and below 2. A
+  // light of zeros stays. Scaling changes no sign. Here and in the next two arrays, entries past `count` repeat the last
+  // light.
   lights: array<vec4<f32>, 32>,
   light_bits: array<vec4<u32>, 32>, // The lights as given, bit for bit.
-  // |w| of the scaled lights, four lights in each vector, as far as it adds to the error of products. It is 0 if w is a
-  // power of two, since products are then exact. It is at least 2^-36 if scaling and flushing may lose w.
+  // |w| of the scaled lights, four lights a vector, for the error of products: 0 if w is a power of two,
+  // since products are then exact; at least 2^-36 if scaling and flushing may lose w.
   inexact_w: array<vec4<f32>, 8>,
   // x: the largest of |x|, |y|, |z| of all scaled lights. y: the largest of all their |w| and `inexact_w`.
   reach: vec2<f32>,
@@ -33,16 +34,16 @@ struct LightBatch {
   reserved_1: u32,
 }
 
-// The range of faces, edges or polygons of one dispatch. Arrays with an element for each item are bound from item `first` on.
+// The range of faces, edges or polygons of one dispatch. Bindings with an element for each item begin at item `first`.
 struct Chunk {
   first: u32,
   count: u32,
-  first_light: u32, // The number of the batch's first light among all lights: 32 times that of the batch.
+  first_light: u32, // The index of the batch's first light among all lights, a multiple of 32.
   capacity: u32, // Entries that the list of each light has room for; for polygons, pieces.
   blocks: u32, // Blocks of BLOCK edges in the whole mesh; the last one may not be full. 0 for polygons.
 }
 
-// How counts of edges become draws.
+// How counts of silhouette edges become draws.
 struct DrawShape {
   lights: u32,
   capacity: u32,
@@ -51,29 +52,29 @@ struct DrawShape {
   vertices_per_edge: u32,
 }
 
-// The findings for an edge record, one bit for each light of a batch.
+// The bits of an edge record, one for each light of a batch.
 struct EdgeMasks {
   silhouette: u32,
-  winding: u32, // Face 0 faces the light; where only face 1 counts, as face 0 would have it (edges.wgsl).
+  winding: u32, // Face 0 faces the light. If only face 1 counts: the bit that face 0 would have (edges.wgsl).
 }
 
 struct ExtractionStatistics {
   non_finite_faces: atomic<u32>, // Faces with an infinite or NaN vertex. They face no light.
-  // Lists that overflowed. The draws of their lights go over all edges; the vertex shader drops those that are no silhouettes.
+  // Lists that overflowed. The draws of their lights have an instance for every edge; the vertex shader drops the others.
   overflowed_lists: atomic<u32>,
-  // Pairs of face and light that the filter left to exact arithmetic, and those of them whose determinant is zero.
+  // Pairs of face and light that the filter passed to exact arithmetic, and those of them whose determinant is zero.
   undecided_pairs: atomic<u32>,
   exact_zeros: atomic<u32>,
-  // Lights for which a polygon is L-twisted: its outline crosses itself as seen from light L, so it has lit and dark parts.
-  // Bit n is set if one of the lights n, n + 32, … is among them.
+  // Lights for which a polygon is L-twisted: its boundary crosses itself as seen from light L, so it has lit and dark parts.
+  // Bit n stands for the lights n, n + 32, …
   twisted_lights: atomic<u32>,
 }
 
-// Statistics and the list of undecided faces, in one binding, because a stage may have only eight storage buffers.
+// Statistics and the list of undecided faces. They share a binding, because a stage may have only eight storage buffers.
 struct FacingRecord {
   statistics: ExtractionStatistics,
-  // How many faces are undecided, also beyond the list's room; then their slots, in a single mesh counted from the chunk's
-  // first.
+  // The number of undecided faces, including those that the list has no room for. Then their slots, in a single mesh counted
+  // from the chunk's first face.
   undecided_count: atomic<u32>,
   undecided: array<u32>,
 }

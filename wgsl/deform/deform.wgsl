@@ -1,10 +1,10 @@
-// Deform: computes the positions of deforming instances for a frame: morph targets, skin, the caller's displacement, from mesh
-// space to world space. Dispatched when the caller records a deformer, before all stages that read positions; a workgroup takes
-// up to 256 vertices of one instance, an invocation each. It reads `rest`, `morph`, `skin` and the pose that the CPU uploads, and
-// writes `positions`, three floats a vertex, which extraction, scenes, shadow volumes and queries read, and the caller draws.
-// Instances that stage `needs` found that the frame does not need become the point (0, 0, 0), so that nothing is drawn of them.
-// Sums are in the order of src/cpu/deform; rounding may differ between devices. All later stages read the positions as written,
-// so silhouettes close all the same. docs/numerics/deform.md, "Deform".
+// Deform: computes the positions of deforming instances for a frame: morph targets, skin, the caller's displacement, from
+// mesh space to world space. Dispatched when the caller records a deformer, before all stages that read positions. A
+// workgroup has up to 256 vertices of one instance, an invocation each. It reads `rest`, `morph`, `skin` and the pose that
+// the CPU uploads. It writes `positions`, three floats a vertex, for extraction, scenes, shadow volumes, queries and the
+// caller's draws. All vertices of an instance that `needs` culled become (0, 0, 0), so that nothing of it is drawn. Sums
+// have the order of src/cpu/deform; rounding may differ between devices. Later stages read the positions as written, so
+// silhouettes always close. docs/numerics/deform.md, "Deform".
 
 #if DISPLACED
 #else
@@ -13,18 +13,18 @@
 
 // A dispatch of the deform stage.
 struct DeformDispatch {
-  // The word in `pose` where the chunks of its workgroups begin, a word each.
+  // The word in `pose` where a word for each workgroup begins: the word of its chunk.
   workgroups: u32,
-  // 0: `displace` is not called.
+  // 0: do not call `displace`.
   displaced: u32,
   time: f32,
   // Instances of the model.
   instances: u32,
 }
 
-// A run of vertices of one instance, for whole workgroups. Words count from where the dispatch binds the arrays.
+// A range of vertices of one instance, for whole workgroups. Words count from where the dispatch binds the arrays.
 struct DeformChunk {
-  // The number of its first workgroup in the dispatch.
+  // The index of its first workgroup in the dispatch.
   first_workgroup: u32,
   // Vertices.
   count: u32,
@@ -34,15 +34,15 @@ struct DeformChunk {
   skin: u32,
   sources: u32,
   positions: u32,
-  // The word in `pose` where the matrices begin (12 words each, three rows of four), the word where the active morph
-  // targets begin (two words each, index and weight), and the number of these targets.
+  // The word in `pose` where the matrices begin (12 words each, three rows of four). The word where the active morph targets
+  // begin (two words each, index and weight), and the number of these targets.
   palette: u32,
   targets: u32,
   target_count: u32,
   // 0: all vertices follow the first matrix of the palette.
   skinned: u32,
-  // The word in `pose` that is 1 if the positions of the instance are a point, since it was not needed before. The word
-  // `dispatch.instances` words behind it is 1 if it is not needed now.
+  // The word in `pose` that is 1 if the positions of the instance are all (0, 0, 0), because it was culled before. The word
+  // `dispatch.instances` words behind it is 1 if it is culled now.
   before: u32,
 }
 
@@ -52,8 +52,8 @@ struct DeformChunk {
 @group(0) @binding(2) var<storage, read> morph: array<f32>;
 // For each chunk first the offset of each vertex's influences, and one more; then joint and weight of each influence.
 @group(0) @binding(3) var<storage, read> skin: array<u32>;
-// Chunks, for each instance a word that is 1 if its positions are a point, for each one that is 1 if it is not needed, then
-// matrices and morph weights, then the word of the chunk of each workgroup.
+// In this order: chunks; a word for each instance, 1 if its positions are all (0, 0, 0); another, 1 if it is culled;
+// matrices and morph weights; for each workgroup the word of its chunk.
 @group(0) @binding(4) var<storage, read> pose: array<u32>;
 @group(0) @binding(5) var<storage, read> source_vertices: array<u32>;
 @group(0) @binding(6) var<storage, read_write> positions: array<f32>;
@@ -61,11 +61,11 @@ struct DeformChunk {
 // The chunk of this workgroup.
 var<private> chunk: DeformChunk;
 
-// Reads a chunk from word `at` of the pose.
-fn take_chunk(at: u32) {
+// Loads a chunk from the pose.
+fn load_chunk(word: u32) {
   chunk = DeformChunk(
-    pose[at], pose[at + 1u], pose[at + 2u], pose[at + 3u], pose[at + 4u], pose[at + 5u], pose[at + 6u], pose[at + 7u],
-    pose[at + 8u], pose[at + 9u], pose[at + 10u], pose[at + 11u]);
+    pose[word], pose[word + 1u], pose[word + 2u], pose[word + 3u], pose[word + 4u], pose[word + 5u], pose[word + 6u],
+    pose[word + 7u], pose[word + 8u], pose[word + 9u], pose[word + 10u], pose[word + 11u]);
 }
 
 fn pose_row(word: u32) -> vec4<f32> {
@@ -76,7 +76,7 @@ fn transform_row(row: vec4<f32>, p: vec3<f32>) -> f32 {
   return row.x * p.x + row.y * p.y + row.z * p.z + row.w;
 }
 
-// A position moved by a matrix of the instance's palette.
+// A position transformed by a matrix of the instance's palette.
 fn transform(joint: u32, p: vec3<f32>) -> vec3<f32> {
   let word = chunk.palette + 12u * joint;
   return vec3<f32>(
@@ -87,15 +87,15 @@ fn transform(joint: u32, p: vec3<f32>) -> vec3<f32> {
 }
 
 @compute @workgroup_size(256)
-fn deform(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-  take_chunk(pose[dispatch.workgroups + workgroup.x]);
-  let vertex = 256u * (workgroup.x - chunk.first_workgroup) + thread;
+fn deform(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+  load_chunk(pose[dispatch.workgroups + workgroup.x]);
+  let vertex = 256u * (workgroup.x - chunk.first_workgroup) + lane;
   if (vertex >= chunk.count) {
     return;
   }
   let word = chunk.positions + 3u * vertex;
   if (pose[chunk.before + dispatch.instances] == 1u) {
-    // An instance that was a point before is one already.
+    // The positions of an instance that was culled before are (0, 0, 0) already.
     if (pose[chunk.before] != 1u) {
       positions[word] = 0.0;
       positions[word + 1u] = 0.0;
@@ -103,8 +103,8 @@ fn deform(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation
     }
     return;
   }
-  let at = chunk.rest + 3u * vertex;
-  var p = vec3<f32>(rest[at], rest[at + 1u], rest[at + 2u]);
+  let rest_offset = chunk.rest + 3u * vertex;
+  var p = vec3<f32>(rest[rest_offset], rest[rest_offset + 1u], rest[rest_offset + 2u]);
   // Turns: DEFORM_TERMS in all.
   for (var active_target = 0u; active_target < chunk.target_count; active_target++) {
     let word = chunk.morph + 3u * (pose[chunk.targets + 2u * active_target] * chunk.count + vertex);
@@ -118,10 +118,10 @@ fn deform(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation
     p = vec3<f32>(0.0);
     let first = skin[chunk.skin + vertex];
     let end = skin[chunk.skin + vertex + 1u];
-    // These turns count among those of the loop above: DEFORM_TERMS (src/turns.rs) bounds targets and influences together.
+    // DEFORM_TERMS (src/turns.rs) bounds the iterations of both loops together: targets and influences.
     // Turns: 0.
-    for (var at = first; at < end; at++) {
-      let influence = chunk.skin + chunk.count + 1u + 2u * at;
+    for (var index = first; index < end; index++) {
+      let influence = chunk.skin + chunk.count + 1u + 2u * index;
       p += bitcast<f32>(skin[influence + 1u]) * transform(skin[influence], morphed);
     }
   }

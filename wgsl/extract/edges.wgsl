@@ -1,11 +1,10 @@
-// Edges: a compute stage that computes the silhouette and winding mask of each edge record, a bit for each light of a batch
-// (up to 32), from the facing masks of its faces: where two faces differ, and at boundaries. Dispatched after `exact_facing`
-// (after `facing` where signs need not be exact), or after `polygon_masks` for a mesh of polygons, an invocation a record. The
-// options say whether it writes the masks, which `compact` and callers read; or appends silhouette edges to the lists of the
-// lights, in no particular order, for callers and shadow volumes; or does both. In the variant SCENE eight invocations share a
-// chunk (64 slots) that `chunks` listed, for lights whose lists are made anew, and it only appends. A slot is the index of a
-// face or record in masks and lists (interface/caster.wgsl). Facing must be read as it is written, never decided again: so
-// loops of silhouettes close. docs/numerics/watertight.md.
+// Edges: computes the silhouette and winding masks of each edge record from the facing masks of its faces. A mask has a bit
+// for each light of a batch (up to 32). Silhouettes are records whose two faces differ, and boundaries. Dispatched after
+// `exact_facing` (after `facing` if signs need not be exact; after `polygon_masks` for polygons), an invocation a record.
+// Options select its results: masks, for `compact` and callers; entries appended to the lists of the lights, in no
+// particular order, for callers and shadow volumes; or both. SCENE: eight invocations share a chunk (64 slots) that `chunks`
+// listed, for lights with dirty lists, and it only appends. Slots are defined in interface/caster.wgsl. Facing bits must be
+// read, never computed again: only then do silhouettes close. Claim: docs/numerics/watertight.md.
 
 #import common/extraction
 #import interface/caster
@@ -15,8 +14,8 @@
 
 @group(0) @binding(2) var<storage, read> facing_masks: array<u32>;
 
-// The number of silhouette edges of each light, with those that its list has no room for; then, behind 256 bytes, the lists.
-// An entry is an edge slot, with the winding bit as bit 31. Word 32 of the counts is KEPT_ZEROS (common/casters.wgsl).
+// `counts`: the number of silhouette edges of each light, including those that its list has no room for; then word
+// KEPT_ZEROS (common/casters.wgsl). `entries`: a list a light. An entry is an edge slot with the winding as bit 31.
 struct SceneLists {
   counts: array<atomic<u32>, 64>,
   entries: array<u32>,
@@ -24,16 +23,17 @@ struct SceneLists {
 
 @group(0) @binding(7) var<storage, read_write> lists: SceneLists;
 
-// The facing mask of a face of the caster at hand.
-fn facing_mask(face: u32) -> u32 { return facing_masks[of_faces.x + face]; }
+// The facing mask of a face of the loaded caster.
+fn facing_mask(face: u32) -> u32 { return facing_masks[face_range.x + face]; }
 
-// Lists an edge slot for the lights of `silhouette`. There are no masks to write: no reader of a scene needs them.
+// Appends an edge slot to the lists of the lights in `silhouette`. Scenes have no edge masks, since no stage would read
+// them.
 fn emit(slot: u32, silhouette: u32, winding: u32) {
-  for (var rest = silhouette; rest != 0u; rest &= rest - 1u) {
-    let light = firstTrailingBit(rest);
-    let place = atomicAdd(&lists.counts[light], 1u);
-    if (place < group.capacity) {
-      lists.entries[light * group.capacity + place] = slot | (((winding >> light) & 1u) << 31u);
+  for (var remaining = silhouette; remaining != 0u; remaining &= remaining - 1u) {
+    let light = firstTrailingBit(remaining);
+    let index = atomicAdd(&lists.counts[light], 1u);
+    if (index < group.capacity) {
+      lists.entries[light * group.capacity + index] = slot | (((winding >> light) & 1u) << 31u);
     }
   }
 }
@@ -42,12 +42,13 @@ fn emit(slot: u32, silhouette: u32, winding: u32) {
 #endif
 
 @group(0) @binding(6) var<storage, read> edge_faces: array<vec2<u32>>;
-override TWISTED_AT: u32 = 0u; // Where the twisted masks lie behind the facing masks, for polygons. 0: no face is twisted.
+// The offset of the twisted masks behind the facing masks, for polygons. 0: no face is twisted.
+override TWISTED_AT: u32 = 0u;
 
-// Decides an edge record. `slot` is its index in masks and lists, `index` that in `edge_faces`. The first word of its faces
-// has bit 31 set (INCONSISTENT) if both traverse the edge the same way: then their fronts are on different sides, and equal
-// bits differ.
-fn take_item(slot: u32, index: u32) {
+// Decides an edge record: `slot` is its index in masks and lists, `index` that in `edge_faces`. INCONSISTENT: both faces
+// traverse the edge the same way, so their fronts are on different sides. Then the edge is a silhouette if the bits are
+// equal.
+fn process_item(slot: u32, index: u32) {
   let faces = edge_faces[index];
   if (TWISTED_AT != 0u) {
     let masks = masks_beside_twisted(faces);
@@ -55,38 +56,38 @@ fn take_item(slot: u32, index: u32) {
     return;
   }
   let winding = facing_mask(faces.x & ~INCONSISTENT);
-  var silhouette = live_lights();
+  var silhouette = active_lights();
   if (faces.y != NO_FACE) {
     silhouette = winding ^ facing_mask(faces.y);
     if ((faces.x & INCONSISTENT) != 0u) {
       silhouette = ~silhouette;
     }
-    silhouette &= live_lights();
+    silhouette &= active_lights();
   }
   emit(slot, silhouette, winding);
 }
 
-// The masks of a record where faces may be twisted: such a face counts as absent. If one face is left, the record is a
-// boundary of it, and the winding is that face's as face 0 would have it; if none is left, no silhouette.
+// The masks of a record whose faces may be twisted. A twisted face counts as absent. If one face remains, the record is its
+// boundary, and the winding is the bit that face 0 would have. If none remains, the record is no silhouette.
 fn masks_beside_twisted(faces: vec2<u32>) -> EdgeMasks {
   let first = faces.x & ~INCONSISTENT;
-  let counts_0 = live_lights() & ~facing_mask(TWISTED_AT + first);
+  let is_present_0 = active_lights() & ~facing_mask(TWISTED_AT + first);
   let facing_0 = facing_mask(first);
-  var counts_1 = 0u;
-  // The facing of face 1 as face 0 would have it: the contrary, since it runs against it, unless both run the same way.
-  var turned_1 = 0u;
+  var is_present_1 = 0u;
+  // The bit of face 1 for the direction of face 0: inverted, unless both traverse the edge the same way.
+  var aligned_facing_1 = 0u;
   if (faces.y != NO_FACE) {
-    counts_1 = live_lights() & ~facing_mask(TWISTED_AT + faces.y);
-    turned_1 = ~facing_mask(faces.y);
+    is_present_1 = active_lights() & ~facing_mask(TWISTED_AT + faces.y);
+    aligned_facing_1 = ~facing_mask(faces.y);
     if ((faces.x & INCONSISTENT) != 0u) {
-      turned_1 = ~turned_1;
+      aligned_facing_1 = ~aligned_facing_1;
     }
   }
-  let silhouette = (counts_0 ^ counts_1) | (counts_0 & counts_1 & ~(facing_0 ^ turned_1));
-  return EdgeMasks(silhouette, (counts_0 & facing_0) | (~counts_0 & counts_1 & turned_1));
+  let silhouette = (is_present_0 ^ is_present_1) | (is_present_0 & is_present_1 & ~(facing_0 ^ aligned_facing_1));
+  return EdgeMasks(silhouette, (is_present_0 & facing_0) | (~is_present_0 & is_present_1 & aligned_facing_1));
 }
 
 @compute @workgroup_size(256)
 fn edges(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  take_edges(id.x, 256u * groups.x);
+  process_edges(id.x, 256u * groups.x);
 }

@@ -1,11 +1,10 @@
-// Facing: a compute stage that computes one bit for each face and light of a batch (up to 32), set if the light lies strictly on
-// the face's counter-clockwise side. For a single mesh it is the first stage, dispatched for each range of faces and batch, an
-// invocation a face; the variant SCENE runs after `chunks`, and eight invocations share a chunk (64 faces of one caster) that
-// `clusters` listed. A slot is a face's index in the masks; a place is a light's number among those of the caster, its bit for a
-// single mesh (interface/caster.wgsl). The bit is the sign of det[b - a, c - a, l - w a] (docs/numerics/facing.md, "Error band").
-// One bound for each face, which must not shrink, tells whether all its signs are certain ("Filter"). A face with others is
-// listed, in no particular order, for `exact_facing`, which runs right after and makes all bits exact. `edges`, callers and
-// shadow volumes read the masks.
+// Facing: computes one bit for each face and light of a batch (up to 32). It is set if the light is strictly on the face's
+// counter-clockwise side. Single mesh: the first stage, dispatched for each range of faces and batch, an invocation a face.
+// SCENE: runs after `chunks`; eight invocations share a chunk (64 faces of one caster) that `clusters` listed. `edges`,
+// callers and shadow volumes read the masks. The bit is the sign of det[b - a, c - a, l - w a] (docs/numerics/facing.md,
+// "Error band"). One bound for each face decides whether the signs for all lights are certain ("Filter"); it must not
+// shrink. Faces that fail are listed, in no particular order, for `exact_facing`, which runs next and makes all bits exact.
+// Slots and light indices are defined in interface/caster.wgsl.
 
 #import common/determinant
 #import common/extraction
@@ -14,66 +13,67 @@
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
-// The same masks as in exact_facing.wgsl, which writes them if signs are exact.
+// The excluded masks, as in exact_facing.wgsl, which writes them if signs are exact.
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
-override EXACT: bool = true; // If false, signs are those that f32 gives.
+override EXACT: bool = true; // If false, bits are the signs of f32 determinants.
 
-// The determinant for one light.
-fn determinant(n: vec3<f32>, a: vec3<f32>, place: u32) -> f32 {
+// The determinant for one light, in the form that PLANE selects (common/determinant.wgsl).
+fn determinant(n: vec3<f32>, a: vec3<f32>, light_index: u32) -> f32 {
   if (PLANE) {
-    return plane_form(plane_through(n, a), bitcast<vec4<f32>>(given_light(place)));
+    return plane_form(plane_through(n, a), bitcast<vec4<f32>>(given_light(light_index)));
   }
-  return local_form(n, a, scaled_light(place));
+  return local_form(n, a, scaled_light(light_index));
 }
 
-// The bits of the lights, and, if EXACT, the smallest absolute determinant of those that were computed.
+// `mask`: a bit for each light that the face faces. `smallest`: if EXACT, the smallest absolute determinant.
 struct Signs {
   mask: u32,
   smallest: f32,
 }
 
-// Four lights at a time: the loop itself costs about as much as a test of a dozen operations. Four of which none is tested are
-// skipped; `lights_at` drops bits of places past the last, which repeat the last light.
+// Tests four lights at a time, because the loop itself costs about as much as a test. Skips four lights if none needs a
+// test. Reads past the last light repeat it, and `lights_of_indices` drops their bits.
 fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
   var signs = Signs(0u, 0x1p127);
   // Turns: 8.
-  for (var place = 0u; place < light_places(); place += 4u) {
-    if (((tested_places() >> place) & 15u) == 0u) {
+  for (var light_index = 0u; light_index < light_count(); light_index += 4u) {
+    if (((tested_indices() >> light_index) & 15u) == 0u) {
       continue;
     }
     let d = vec4<f32>(
-      determinant(n, a, place),
-      determinant(n, a, place + 1u),
-      determinant(n, a, place + 2u),
-      determinant(n, a, place + 3u),
+      determinant(n, a, light_index),
+      determinant(n, a, light_index + 1u),
+      determinant(n, a, light_index + 2u),
+      determinant(n, a, light_index + 3u),
     );
     let bits = select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), d > vec4<f32>(0.0));
-    signs.mask |= (bits.x | bits.y | bits.z | bits.w) << place;
+    signs.mask |= (bits.x | bits.y | bits.z | bits.w) << light_index;
     if (EXACT) {
       let size = abs(d);
       signs.smallest = min(signs.smallest, min(min(size.x, size.y), min(size.z, size.w)));
     }
   }
-  signs.mask = lights_at(signs.mask);
+  signs.mask = lights_of_indices(signs.mask);
   return signs;
 }
 
-// Lists a face for `exact_facing`. The count goes on where there is no room; then that stage takes all faces.
-fn list(slot: u32) {
-  let place = atomicAdd(&record.undecided_count, 1u);
-  if (place < arrayLength(&record.undecided)) {
-    record.undecided[place] = slot;
+// Lists a face for `exact_facing`. If the list is full, the count still grows, and `exact_facing` decides all faces.
+fn append_undecided(slot: u32) {
+  let index = atomicAdd(&record.undecided_count, 1u);
+  if (index < arrayLength(&record.undecided)) {
+    record.undecided[index] = slot;
   }
 }
 
-// Decides a face. `slot` is its index in the masks, `index` that in `faces`. If EXACT, `exact_facing` decides those that are not
-// finite and those that name a vertex twice (their determinant is 0, so they are listed).
-fn take_item(slot: u32, index: u32) {
-  if (excluded_are_old() && slot < arrayLength(&excluded_masks)) {
-    excluded_masks[slot] = cleared(excluded_masks[slot]);
+// Decides a face: `slot` is its index in the masks, `index` that in `faces`. If EXACT, `exact_facing` decides faces that are
+// not finite and faces that name a vertex twice. The determinant of the latter is 0, so they are listed.
+fn process_item(slot: u32, index: u32) {
+  if (has_stale_exclusions() && slot < arrayLength(&excluded_masks)) {
+    excluded_masks[slot] = clear_active(excluded_masks[slot]);
   }
-  if (tested_places() == 0u) {
-    facing_masks[slot] = renewed(facing_masks[slot], 0u);
+  // The cluster decided all lights; `updated_bits` inserts its bits.
+  if (tested_indices() == 0u) {
+    facing_masks[slot] = updated_bits(facing_masks[slot], 0u);
     return;
   }
   let corners = vec3<u32>(faces[3u * index], faces[3u * index + 1u], faces[3u * index + 2u]);
@@ -87,27 +87,27 @@ fn take_item(slot: u32, index: u32) {
   let magnitude = largest_magnitude(a_bits, b_bits, c_bits);
   if (EXACT) {
     let size = sum_of_sizes(u) * sum_of_sizes(v);
-    facing_masks[slot] = renewed(facing_masks[slot], signs.mask);
-    let bound = face_bound(size, bitcast<f32>(magnitude), lights_reach());
-    // A large magnitude also covers numbers that are not finite.
+    facing_masks[slot] = updated_bits(facing_masks[slot], signs.mask);
+    let bound = face_bound(size, bitcast<f32>(magnitude), light_magnitudes());
+    // Infinities and NaNs have a large magnitude, too.
     if (signs.smallest <= bound || magnitude >= LARGE) {
-      list(slot);
+      append_undecided(slot);
     }
   } else if (magnitude >= INFINITE) {
-    facing_masks[slot] = renewed(facing_masks[slot], 0u);
+    facing_masks[slot] = updated_bits(facing_masks[slot], 0u);
     if (slot < arrayLength(&excluded_masks)) {
-      excluded_masks[slot] |= live_lights();
+      excluded_masks[slot] |= active_lights();
     }
-    if (counts_non_finite()) {
+    if (is_first_active_batch()) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);
     }
   } else {
     let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;
-    facing_masks[slot] = renewed(facing_masks[slot], select(signs.mask, 0u, is_degenerate));
+    facing_masks[slot] = updated_bits(facing_masks[slot], select(signs.mask, 0u, is_degenerate));
   }
 }
 
 @compute @workgroup_size(256)
 fn facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  take_faces(id.x, 256u * groups.x);
+  process_faces(id.x, 256u * groups.x);
 }

@@ -1,29 +1,31 @@
-// Results: what a caller's own shaders include (by `include_wgsl`) to read what was extracted for a batch of up to 32 lights:
-// silhouette edges by instance of the light's indirect draw, facing bits, positions. The stage `outline_edges` imports it, too.
-// A light has its number among all lights of the extraction, as in `Extraction::draw`; one of another batch has no edge. GROUP
-// stands for the number of the bind group that `Extraction::bind_group` makes. If a light's list overflowed, its draw goes over
-// all edges, and `valid` tells the silhouettes. `rimline_edge_vertex` leaves out the others.
-// Names and bindings are those that callers and src/gpu/extract/include.rs use: they must stay.
+// Results: the public include (`include_wgsl`) by which a caller's shaders read an extraction for a batch of up to 32
+// lights. It reads silhouette edges by instance of the light's indirect draw, facing bits and positions. The stage
+// `outline_edges` imports it, too. A light is given by its index among all lights of the extraction, as in
+// `Extraction::draw`. A light of another batch has no edge. GROUP is the index of the bind group that
+// `Extraction::bind_group` makes. If a light's list overflowed, its draw has an instance for every edge record, and `valid`
+// marks the silhouettes; `rimline_edge_vertex` draws nothing for the others. Callers and src/gpu/extract/include.rs use the
+// names and bindings: they must not change.
 
 struct RimlineInfo {
   edges: u32,
   capacity: u32, // Entries that the list of each light has room for.
-  // The first light of this batch among all lights.
+  // The index of the batch's first light among all lights, and the number of its lights.
   first_light: u32,
   lights: u32,
   // The word of vertex 0 in the bound positions, and the words from one vertex to the next.
   position_offset: u32,
   position_stride: u32,
-  // Where twisted masks lie behind the facing masks: for each face the lights as seen from which its polygon's outline crosses
-  // itself. 0: there are none.
+  // The offset of the twisted masks behind the facing masks: for each face the lights for which its polygon's boundary
+  // crosses itself. 0: there are none.
   twisted_at: u32,
-  // Vertices that the draw has for each edge, by `ListOptions::topology`.
+  // Vertices of the draw for each edge, by `ListOptions::topology`.
   vertices_per_edge: u32,
 }
 
 // A silhouette edge for one light.
 struct RimlineSilhouette {
-  valid: bool, // False: draw nothing, the other members mean nothing. The list overflowed, and this edge is no silhouette.
+  // False: draw nothing; the other members have no meaning. The list overflowed, and this edge is no silhouette.
+  valid: bool,
   // The index of the edge record, and its vertices. Face 0 traverses the edge a -> b.
   edge: u32,
   a: u32,
@@ -41,7 +43,7 @@ struct RimlineSilhouette {
 @group(GROUP) @binding(5) var<storage, read> rimline_list: array<u32>;
 @group(GROUP) @binding(6) var<storage, read> rimline_counts: array<u32>;
 
-// The position of a vertex, in the space of the positions of the extraction.
+// The position of a vertex, in the space of the extracted positions.
 fn rimline_position(vertex: u32) -> vec3<f32> {
   let word = rimline_info.position_offset + vertex * rimline_info.position_stride;
   return bitcast<vec3<f32>>(
@@ -70,7 +72,7 @@ fn rimline_faces_light(face: u32, light: u32) -> bool {
   return rimline_has_light(light) && (rimline_facing[face] & rimline_light_bit(light)) != 0u;
 }
 
-// Whether a face is L-twisted as seen from a light. Such a face counts nowhere: its neighbours' edges to it are boundaries.
+// Whether a face is L-twisted for a light. Such a face counts as absent: its neighbours' edges to it are boundaries.
 fn rimline_is_twisted(face: u32, light: u32) -> bool {
   return rimline_info.twisted_at != 0u && rimline_has_light(light)
     && (rimline_facing[rimline_info.twisted_at + face] & rimline_light_bit(light)) != 0u;
@@ -81,26 +83,27 @@ fn rimline_silhouettes(light: u32) -> u32 {
   return rimline_counts[light];
 }
 
-// Edge record `edge` for a light, by the facing bits of its faces. It is a silhouette edge if it is `valid`.
+// Edge record `edge` for a light, decided by the facing bits of its faces. `valid`: it is a silhouette edge.
 fn rimline_edge(light: u32, edge: u32) -> RimlineSilhouette {
   let vertices = rimline_edge_vertices[edge];
   let faces = rimline_edge_faces[edge];
   let face_0 = faces.x & 0x7fffffffu;
   let is_boundary = faces.y == 0xffffffffu;
   let kind = select(faces.x >> 31u, 2u, is_boundary);
-  // `counts_…`: the face exists and is not twisted. `turned_1`: whether face 1, run through as face 0 is, faces the light.
-  let counts_0 = !rimline_is_twisted(face_0, light);
+  // `is_present_…`: the face exists and is not twisted. `aligned_facing_1`: the facing of face 1 for the direction of face
+  // 0.
+  let is_present_0 = !rimline_is_twisted(face_0, light);
   let faces_0 = rimline_faces_light(face_0, light);
-  var counts_1 = false;
-  var turned_1 = false;
+  var is_present_1 = false;
+  var aligned_facing_1 = false;
   if (!is_boundary) {
-    counts_1 = !rimline_is_twisted(faces.y, light);
-    turned_1 = rimline_faces_light(faces.y, light) == (kind == 1u);
+    is_present_1 = !rimline_is_twisted(faces.y, light);
+    aligned_facing_1 = rimline_faces_light(faces.y, light) == (kind == 1u);
   }
-  let is_silhouette = counts_0 != counts_1 || (counts_0 && faces_0 == turned_1);
+  let is_silhouette = is_present_0 != is_present_1 || (is_present_0 && faces_0 == aligned_facing_1);
   let valid = rimline_has_light(light) && is_silhouette;
-  // The facing of the face that counts, as face 0 would have it.
-  return RimlineSilhouette(valid, edge, vertices.x, vertices.y, select(turned_1, faces_0, counts_0), kind);
+  // The winding is the facing of a present face, for the direction of face 0.
+  return RimlineSilhouette(valid, edge, vertices.x, vertices.y, select(aligned_facing_1, faces_0, is_present_0), kind);
 }
 
 // The silhouette edge of instance `instance` of a light's indirect draw.
@@ -116,16 +119,16 @@ fn rimline_silhouette(light: u32, instance: u32) -> RimlineSilhouette {
   return RimlineSilhouette(true, edge, vertices.x, vertices.y, entry >= 0x80000000u, kind);
 }
 
-// The corner of an edge's quad that vertex `vertex` of the draw is, in the order of a strip: bit 0 tells the end of the edge, and
-// bit 1 the side. A line has the corners 0 and 1.
+// The corner of an edge's quad at vertex `vertex` of the draw, in the order of a triangle strip. Bit 0: which end of the
+// edge; bit 1: which side of the quad. A line has the corners 0 and 1.
 fn rimline_corner(vertex: u32) -> u32 {
-  // Two triangles share the corners 1 and 2: a digit for each vertex, the first one last.
+  // Two triangles share the corners 1 and 2. The constant has a hexadecimal digit for each vertex, the first one last.
   return select(vertex, (0x312210u >> (4u * vertex)) & 3u, rimline_info.vertices_per_edge == 6u);
 }
 
-// The end of a silhouette edge at vertex `vertex` of the draw: its position, with w = 1. A caller multiplies it by the matrix of
-// its camera. From the first end to the second, the edge's faces lie to its left as seen from the light. Where the instance is no
-// silhouette, all four components are 0, for all its vertices; they stay so under each matrix, and nothing is drawn.
+// The end of a silhouette edge at vertex `vertex` of the draw: its position, with w = 1. A caller multiplies it by its
+// camera's matrix. Seen from the light, the edge's faces lie to the left from the first end to the second. If the instance
+// is no silhouette, all components are 0 for all its vertices. They stay 0 under each matrix, so nothing is drawn.
 fn rimline_edge_vertex(light: u32, instance: u32, vertex: u32) -> vec4<f32> {
   let edge = rimline_silhouette(light, instance);
   if (!edge.valid) {

@@ -1,32 +1,35 @@
-// The interface through which the stages `facing`, `exact_facing` and `edges` know casters: a single mesh, or all casters of a
-// scene. Either side of the `#if` gives these functions, so one text serves both; src/compose.rs expands `#import` and `#if`. A
-// caster is a mesh that throws shadows. A slot is the index of a face or edge record in masks and lists; an index is that in the
-// bound faces or edge records. Lights come in batches of up to 32, a bit each. The place of a light is its bit for a single mesh,
-// and its number among the lights of the caster in a scene. In a scene the functions tell of the caster that was taken last, by
-// `face_in_slot` or before `take_item`.
+// The interface through which `facing`, `exact_facing` and `edges` read casters: one mesh, or all casters of a scene. Both
+// sides of the `#if` define these functions, so the stages have one text. src/compose.rs expands `#import` and `#if`.
 //
-// Walks:
+// Terms. A caster is a mesh that throws shadows. A slot is the index of a face or edge record in the masks and lists. A
+// batch has up to 32 lights, a bit each. A light index counts the lights that a caster has in the batch; it is the light's
+// bit for a single mesh. In an index mask bit i is the light with index i. In a scene, functions refer to the caster loaded
+// last.
+//
+// Items:
 // * `face_slots() -> u32`: the number of slots of faces.
-// * `face_in_slot(slot) -> Item`: the face in a slot, or none. Takes its caster.
-// * `take_faces(first, step)`, `take_edges(first, step)`: calls `take_item(slot, index)` of the importing file for the faces or
-//   edge records that invocation `first` of `step` takes.
+// * `load_face(slot) -> Item`: the face in a slot, or none. Loads its caster.
+// * `process_faces(first, step)`, `process_edges(first, step)`: call `process_item(slot, index)` of the importing file for
+//   the faces or edge records of invocation `first` of `step`. `index` counts the bound faces or edge records.
 // Positions:
-// * `position_bits(vertex, position_offset(), position_stride()) -> vec3<u32>`: a vertex.
+// * `position_bits(vertex, position_offset(), position_stride()) -> vec3<u32>`: the position of a vertex.
 // Lights:
-// * `light_places() -> u32`: the number of places. `lights_at(places) -> u32`: the bits of the lights at some places.
-// * `live_lights() -> u32`: the bits of the lights that are computed. `live_places() -> u32`: the bits of their places.
-// * `tested_places() -> u32`: the bits of the places that are not decided already. Bits past the last place may be set.
-// * `given_light(place) -> vec4<u32>`: the light as given, bit for bit. `scaled_light(place) -> vec4<f32>`: scaled by a power
-//   of two. `inexact_w(place) -> f32`, `lights_reach() -> vec2<f32>`: see `LightBatch`.
-// Results, of the face that was taken:
-// * `renewed(mask, bits) -> u32`: `mask` with `bits` for the lights that are computed. `cleared(mask) -> u32`: with zeros there.
-// * `counts_non_finite() -> bool`: whether this dispatch counts faces that are not finite.
-// * `excluded_are_old() -> bool`: whether the face's mask of lights for which it is excluded (its plane has the light, or it is
-//   not finite) still has bits of an earlier frame, so that `facing` clears it. Else it was cleared or copied anew before.
+// * `light_count() -> u32`: the number of light indices. `lights_of_indices(mask) -> u32`: index mask to bits of lights.
+// * `active_lights() -> u32`: the bits of the lights to compute. `active_indices() -> u32`: their index mask.
+// * `tested_indices() -> u32`: the index mask of lights that no cluster decided. Bits past the last index may be set.
+// * `given_light(light_index) -> vec4<u32>`: the light as given, bit for bit. `scaled_light(light_index) -> vec4<f32>`:
+//   scaled by a power of two. `inexact_w(light_index) -> f32`, `light_magnitudes() -> vec2<f32>`: see `LightBatch`.
+// Results of the current face:
+// * `updated_bits(mask, bits) -> u32`: `mask` with `bits` for the active lights. `clear_active(mask) -> u32`: with zeros
+//   for them.
+// * `is_first_active_batch() -> bool`: whether this dispatch counts faces that are not finite.
+// * `has_stale_exclusions() -> bool`: whether the face's excluded mask may hold bits of an earlier frame. `facing` then
+//   clears it. Else it was cleared or copied before. The mask has the lights in the face's plane, or all for a face that is
+//   not finite.
 
 #if SCENE
+#import scene/listed_chunks
 #import scene/many_casters
-#import scene/walks
 #else
 #import common/positions
 #import extract/one_caster

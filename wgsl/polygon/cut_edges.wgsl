@@ -1,12 +1,12 @@
-// Cut edges: lists the pieces of L-twisted polygons, whose outlines cross themselves as seen from light L. A piece is a part
-// of an edge between cuts, wound so that what the polygon darkens is on its left. Four passes for each batch, after
-// `polygon_masks` and only with lists; each reads in `pieces` what the one before wrote. `cut_edges`: a workgroup an entry,
-// edges and lights that `polygon_masks` listed; finds what cuts each edge. `cut_edges_rank`: a workgroup for 8 cuts; counts
-// how many cuts of its edge come before each. `cut_edges_before`: an invocation a cut; finds the one right before.
-// `cut_edges_list`: the same; writes the piece between both. Pieces come in any order; polygon/list_pieces.wgsl names their
-// readers. Cutting edges and dark sides are exact; orders are, but for those that `is_before` rounds. The same number of
-// pieces begin at a point as end there, bit for bit, so edges that cross must agree on order and point. `turn` is that of
-// three points (polygon/turn.wgsl); `Turns:` is the most turns of the loop below it. docs/numerics/twisted-polygons.md.
+// Cut edges: lists the pieces of L-twisted polygons, whose boundaries cross themselves as seen from light L. A piece is a
+// part of an edge between two cuts, directed so that the polygon's shadow is on its left. Four passes for each batch, after
+// `polygon_masks` and only with lists; each reads in `pieces` what the previous one wrote. `cut_edges`: a workgroup an entry
+// of `polygon_masks`; finds the cuts of each edge. `cut_edges_rank`: a workgroup for 8 cuts; counts the cuts of the edge
+// before each. `cut_edges_before`: an invocation a cut; finds the cut right before. `cut_edges_list`: likewise; writes the
+// piece between both. Pieces come in any order; polygon/list_pieces.wgsl names their readers. Cutting edges and dark sides
+// are exact; orders are, except for those that `is_before` rounds. At each point as many pieces begin as end, bit for bit,
+// so crossing edges must agree on order and point. `Turns:` above a loop is its most iterations. Claims:
+// docs/numerics/twisted-polygons.md.
 
 #import common/exact_sign
 #import extract/one_caster
@@ -17,95 +17,94 @@
 
 @group(0) @binding(8) var<storage, read> faces: array<u32>;
 
-// Bit 0: an odd number of the polygon's triangles are, as the light sees them, next to the edge's end on its left. An element
-// an invocation; with a large outline, whose invocations share an edge, the first.
-var<workgroup> odd: array<atomic<u32>, 64>;
-// The window of bits of the outline's corners: its begin, as how far it is below `FAR`, and its end. An element as for `odd`.
-var<workgroup> below_far: array<atomic<i32>, 64>;
-var<workgroup> above: array<atomic<i32>, 64>;
-// How many cuts each invocation found, and the place in the light's list where the row of cuts of its edge begins.
-var<workgroup> found_counts: array<u32, 64>;
-var<workgroup> rows: array<u32, 64>;
-// For each of 8 cuts of a workgroup of `cut_edges_rank` how many are before it.
+// Bit 0: an odd number of the polygon's triangles lie, as seen from the light, beside the end of the edge on its left. An
+// element an invocation; for a large boundary, whose invocations share an edge, only the first.
+var<workgroup> parities: array<atomic<u32>, 64>;
+// The window of bits of the boundary's corners: EXPONENT_LIMIT minus its begin, and its end. Elements as for `parities`.
+var<workgroup> lowest_exponents: array<atomic<i32>, 64>;
+var<workgroup> highest_exponents: array<atomic<i32>, 64>;
+// The number of cuts that each invocation found, and the index in the light's list of the row of its edge.
+var<workgroup> cut_counts: array<u32, 64>;
+var<workgroup> row_starts: array<u32, 64>;
+// For each of the 8 cuts of a workgroup of `cut_edges_rank` the number of cuts before it.
 var<workgroup> ranks: array<atomic<u32>, 8>;
-// Invocations that share the orders of a cut with all others.
+// Invocations that share the comparisons of a cut with all others.
 const RANK_LANES: u32 = 8u;
-// With more cuts, those of an edge are ordered by how far along they are, which is rounded.
+// The most cuts of an edge that are compared pairwise. More have the order of their rounded fractions.
 const MOST_ORDERED: u32 = 256u;
 
-// How an edge lies on another that is on the same line. Sides and ends are those seen in the direction in which coordinates
-// grow.
-struct InLine {
-  // It ends within the other, which it cuts there.
-  cuts: bool,
-  // It lies beside the end of the other, on the left of the other's own direction.
+// How an edge overlaps another on the same line. Sides and ends are those seen in ascending direction.
+struct Overlap {
+  // It ends within the other edge and cuts it there.
+  is_cut: bool,
+  // It lies beside the end of the other edge, on the left by that edge's own direction.
   is_left_at_end: bool,
   // Its upper end.
   end: vec3<u32>,
 }
 
-// Finds how edge `f`, number `item` of the outline, overlaps edge `e`, number `index`, on the same line in space.
-fn in_line(f: Edge, item: u32, e: Edge, index: u32) -> InLine {
-  let own = in_space(e);
-  let theirs = in_space(f);
-  let is_before = precedes(theirs, item, own, index);
-  let is_up = all(own.a == e.a);
-  let cuts = is_before && is_below(own.a, theirs.b) && is_below(theirs.b, own.b);
+// Finds how edge `f` with index `f_index` overlaps edge `e` with index `e_index` on the same line in space.
+fn overlap_in_line(f: Edge, f_index: u32, e: Edge, e_index: u32) -> Overlap {
+  let upward_e = ascending(e);
+  let upward_f = ascending(f);
+  let is_before = precedes(upward_f, f_index, upward_e, e_index);
+  let is_up = all(upward_e.a == e.a);
+  let is_cut = is_before && is_below(upward_e.a, upward_f.b) && is_below(upward_f.b, upward_e.b);
   let is_left = select(
-    !is_before && all(theirs.a == own.a),
-    is_before && !is_below(theirs.b, own.b),
+    !is_before && all(upward_f.a == upward_e.a),
+    is_before && !is_below(upward_f.b, upward_e.b),
     is_up,
   );
-  return InLine(cuts, is_left, theirs.b);
+  return Overlap(is_cut, is_left, upward_f.b);
 }
 
 // Whether edges (p, q) and (a, b), which must be on one line in space, have the same direction.
-fn runs_alike(p: vec3<u32>, q: vec3<u32>, a: vec3<u32>, b: vec3<u32>) -> bool {
-  let up = ordered(p) < ordered(q);
-  return any((p != q) & (a != b) & (up == (ordered(a) < ordered(b))));
+fn has_same_direction(p: vec3<u32>, q: vec3<u32>, a: vec3<u32>, b: vec3<u32>) -> bool {
+  let is_ascending = ordered(p) < ordered(q);
+  return any((p != q) & (a != b) & (is_ascending == (ordered(a) < ordered(b))));
 }
 
-// The edges that an invocation finds to cut its edge, a bit for each. With a large outline it takes every 64th edge: bit n is
+// The edges that an invocation finds to cut its edge, a bit each. For a large boundary it tests every 64th edge: bit n is
 // edge 64 n + lane.
-struct Found {
+struct FoundCuts {
   cuts: u32,
-  // The cuts that have an end on it, in space, and the cuts of which it is the second end.
-  touches: u32,
-  touches_second: u32,
+  // The cuts that have an end on it, in space, and those of which it is the second end.
+  touching: u32,
+  touching_second_end: u32,
   // The two bits of `tie` of each cut.
   ties: vec2<u32>,
-  // The window of bits of the corners of the edges it took: begin and end.
+  // The window of bits of the corners of the tested edges: begin and end.
   span: vec2<i32>,
 }
 
-// Finds the edges that cut the edge, and whether an odd number of triangles have the directions next to its end, on its left:
-// it flips `odd` for each. Both are in one loop, first over edges, then over triangles, so that `turn` is compiled once.
-fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
+// Finds the edges that cut the invocation's edge, and the parity of triangles beside its end on its left: it flips
+// `parities` for each. One loop runs over edges, then over triangles, so that `turn` is compiled once.
+fn find_cuts(boundary: PolygonBoundary, work: Work, lane: u32) -> FoundCuts {
   let slot = select(lane, 0u, work.is_large);
   let step = select(1u, OUTLINE_LANES, work.is_large);
   let e = work.edge;
-  var found_cuts: Found;
-  found_cuts.span = select(vec2<i32>(FAR, -FAR), window_of(numbers(e.a)), work.exists);
+  var result: FoundCuts;
+  result.span = select(vec2<i32>(EXPONENT_LIMIT, -EXPONENT_LIMIT), bit_window_of(float_parts(e.a)), work.exists);
   let is_up = is_below(e.a, e.b);
-  let triangles = outline.end_triangle - outline.first_triangle;
-  let end = select(0u, outline.count + triangles, work.exists);
+  let triangles = boundary.end_triangle - boundary.first_triangle;
+  let end = select(0u, boundary.count + triangles, work.exists);
   // Turns: CUT_ITEMS.
   for (var item = select(0u, lane, work.is_large); item < end; item += step) {
-    let is_edge = item < outline.count;
+    let is_edge = item < boundary.count;
     var corners: array<vec3<u32>, 3>;
     if (is_edge) {
-      let f = edge_at(outline.first + item);
-      if (item == work.index || !f.has_length) {
+      let f = load_edge(boundary.first + item);
+      if (item == work.edge_index || !f.has_length) {
         continue;
       }
-      found_cuts.span = hull(found_cuts.span, window_of(numbers(f.a)));
+      result.span = hull(result.span, bit_window_of(float_parts(f.a)));
       corners[0] = f.a;
       corners[1] = f.b;
     } else {
-      let face = 3u * (outline.first_triangle + item - outline.count);
-      corners = array<vec3<u32>, 3>(place_of(faces[face]), place_of(faces[face + 1u]), place_of(faces[face + 2u]));
+      let face = 3u * (boundary.first_triangle + item - boundary.count);
+      corners = array<vec3<u32>, 3>(position_of(faces[face]), position_of(faces[face + 1u]), position_of(faces[face + 2u]));
     }
-    // For an edge f the sides of e.a and e.b at f, then those of f's ends at e. For a triangle its own turn, then for each of
+    // For an edge f: the sides of e.a and e.b at f, then of f's ends at e. For a triangle: its own turn, then for each of
     // its edges the sides of e.b and e.a.
     var signs: array<i32, 7>;
     var tie = IN_LINE;
@@ -136,50 +135,50 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) -> Found {
           r = e.a;
         }
       }
-      let found = turn(p, q, r, work.place);
-      signs[test] = found.moved;
-      tie = select(tie, min(tie, found.tie), test < 2u);
+      let turn_result = turn(p, q, r, work.light_index);
+      signs[test] = turn_result.sign;
+      tie = select(tie, min(tie, turn_result.tie), test < 2u);
     }
     if (is_edge) {
       let bit = 1u << select(item, item / OUTLINE_LANES, work.is_large);
-      var touch = signs[2] == 0 || signs[3] == 0;
-      var is_second = signs[3] == 0;
-      // Points on the line of the edge are on the right of the direction in which coordinates grow.
+      var is_touching = signs[2] == 0 || signs[3] == 0;
+      var is_second_end = signs[3] == 0;
+      // Points on the line of the edge are on its right, in ascending direction.
       let left = select(vec2<bool>(signs[2] >= 0, signs[3] >= 0), vec2<bool>(signs[2] > 0, signs[3] > 0), is_up);
-      var crosses = signs[0] * signs[1] < 0 && left.x != left.y && (touch || signs[2] == signs[1]);
+      var is_crossing = signs[0] * signs[1] < 0 && left.x != left.y && (is_touching || signs[2] == signs[1]);
       if (signs[2] == 0 && signs[3] == 0) {
         let f = Edge(corners[0], corners[1], true);
-        let found = in_line(f, item, e, work.index);
-        crosses = found.cuts;
-        is_second = all(found.end == f.b);
-        if (found.is_left_at_end) {
-          atomicXor(&odd[slot], 1u);
+        let overlap = overlap_in_line(f, item, e, work.edge_index);
+        is_crossing = overlap.is_cut;
+        is_second_end = all(overlap.end == f.b);
+        if (overlap.is_left_at_end) {
+          atomicXor(&parities[slot], 1u);
         }
       }
-      if (crosses) {
-        found_cuts.cuts |= bit;
-        found_cuts.touches |= select(0u, bit, touch);
-        found_cuts.touches_second |= select(0u, bit, touch && is_second);
-        found_cuts.ties |= select(vec2<u32>(0u), vec2<u32>(bit), (vec2<u32>(tie) & vec2<u32>(1u, 2u)) != vec2<u32>(0u));
+      if (is_crossing) {
+        result.cuts |= bit;
+        result.touching |= select(0u, bit, is_touching);
+        result.touching_second_end |= select(0u, bit, is_touching && is_second_end);
+        result.ties |= select(vec2<u32>(0u), vec2<u32>(bit), (vec2<u32>(tie) & vec2<u32>(1u, 2u)) != vec2<u32>(0u));
       }
       continue;
     }
-    var holds = signs[0] != 0;
+    var is_beside_end = signs[0] != 0;
     for (var side = 0u; side < 3u; side++) {
       var sign = signs[2u * side + 1u];
       if (sign == 0) {
         sign = signs[2u * side + 2u];
       }
       if (sign == 0) {
-        sign = select(-1, 1, runs_alike(corners[side], corners[(side + 1u) % 3u], e.a, e.b));
+        sign = select(-1, 1, has_same_direction(corners[side], corners[(side + 1u) % 3u], e.a, e.b));
       }
-      holds = holds && sign == signs[0];
+      is_beside_end = is_beside_end && sign == signs[0];
     }
-    if (holds) {
-      atomicXor(&odd[slot], 1u);
+    if (is_beside_end) {
+      atomicXor(&parities[slot], 1u);
     }
   }
-  return found_cuts;
+  return result;
 }
 
 @compute @workgroup_size(64)
@@ -187,55 +186,57 @@ fn cut_edges(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(local_invocation_index) lane: u32,
 ) {
-  let number = group.y * ENTRY_ROW + group.x;
+  let entry = group.y * ENTRY_ROW + group.x;
   var work: Work;
-  var own: OutlineRange;
+  var boundary: PolygonBoundary;
   var polygon = 0u;
-  if (number < atomicLoad(&undecided[CUT_COUNT])) {
-    let record = record_at(atomicLoad(&undecided[entry_at(number)]));
+  if (entry < atomicLoad(&undecided[CUT_COUNT])) {
+    let record = record_offset(atomicLoad(&undecided[entry_offset(entry)]));
     polygon = polygon_of(record);
-    own = outline_of(polygon);
-    // Its lights are those for which it is cut by now.
-    work = work_of(own, atomicLoad(&undecided[entry_at(number) + 1u]), atomicLoad(&undecided[record + LIGHTS]), lane);
+    boundary = boundary_of(polygon);
+    // After `polygon_masks` LIGHTS are those for which the boundary is cut.
+    work = work_of(
+      boundary, atomicLoad(&undecided[entry_offset(entry) + 1u]), atomicLoad(&undecided[record + LIGHTS]), lane);
   }
-  let found = take_cuts(own, work, lane);
-  found_counts[lane] = countOneBits(found.cuts);
+  let found = find_cuts(boundary, work, lane);
+  cut_counts[lane] = countOneBits(found.cuts);
   let slot = select(lane, 0u, work.is_large);
-  atomicMax(&below_far[slot], FAR - found.span.x);
-  atomicMax(&above[slot], found.span.y);
+  atomicMax(&lowest_exponents[slot], EXPONENT_LIMIT - found.span.x);
+  atomicMax(&highest_exponents[slot], found.span.y);
   workgroupBarrier();
+  // The cuts of the row, and the index in it of the invocation's first cut.
   var cuts = 0u;
-  var place = 0u;
+  var index = 0u;
   // Turns: OUTLINE_LANES.
   for (var other = slot; other < select(lane + 1u, OUTLINE_LANES, work.is_large); other++) {
-    place = select(place, cuts, other == lane);
-    cuts += found_counts[other];
+    index = select(index, cuts, other == lane);
+    cuts += cut_counts[other];
   }
   let has_row = work.exists && slot == lane;
   if (has_row) {
-    rows[slot] = take_row(work.place, cuts);
+    row_starts[slot] = reserve_row(work.light_index, cuts);
   }
   workgroupBarrier();
   if (!work.exists) {
     return;
   }
-  let span = vec2<i32>(FAR - atomicLoad(&below_far[slot]), atomicLoad(&above[slot]));
-  let holds = holds_turns(span, given_light(work.place));
-  let is_odd_at_end = (atomicLoad(&odd[slot]) & 1u) != 0u;
-  let row = Row(polygon, work.index, work.place, rows[slot], cuts, is_odd_at_end, holds);
-  for (var rest = found.cuts; rest != 0u; rest &= rest - 1u) {
-    let item = firstTrailingBit(rest);
+  let span = vec2<i32>(EXPONENT_LIMIT - atomicLoad(&lowest_exponents[slot]), atomicLoad(&highest_exponents[slot]));
+  let has_fixed_turns = holds_turns(span, given_light(work.light_index));
+  let is_odd_at_end = (atomicLoad(&parities[slot]) & 1u) != 0u;
+  let row = Row(polygon, work.edge_index, work.light_index, row_starts[slot], cuts, is_odd_at_end, has_fixed_turns);
+  for (var remaining = found.cuts; remaining != 0u; remaining &= remaining - 1u) {
+    let item = firstTrailingBit(remaining);
     let bit = 1u << item;
-    let by = select(item, OUTLINE_LANES * item + lane, work.is_large);
+    let cutting_edge = select(item, OUTLINE_LANES * item + lane, work.is_large);
     let tie = select(vec2<u32>(0u), vec2<u32>(1u, 2u), (found.ties & vec2<u32>(bit)) != vec2<u32>(0u));
     let cut = Cut(
-      by,
-      (found.touches & bit) != 0u,
-      (found.touches_second & bit) != 0u,
-      select(0u, tie.x | tie.y, holds),
+      cutting_edge,
+      (found.touching & bit) != 0u,
+      (found.touching_second_end & bit) != 0u,
+      select(0u, tie.x | tie.y, has_fixed_turns),
     );
-    write_cut(row, place, cut);
-    place++;
+    write_cut(row, index, cut);
+    index++;
   }
   if (has_row) {
     write_cut(row, cuts, Cut(CORNER, false, false, 0u));
@@ -244,8 +245,8 @@ fn cut_edges(
 
 // The edge that the cuts of a row cut.
 fn edge_of(row: Row) -> CutEdge {
-  let outline = outline_of(row.polygon);
-  return CutEdge(outline, edge_at(outline.first + row.edge), row.edge, row.light, row.holds_turns);
+  let boundary = boundary_of(row.polygon);
+  return CutEdge(boundary, load_edge(boundary.first + row.edge), row.edge, row.light, row.holds_turns);
 }
 
 @compute @workgroup_size(64)
@@ -254,58 +255,58 @@ fn cut_edges_rank(
   @builtin(local_invocation_index) lane: u32,
 ) {
   let slot = lane / RANK_LANES;
-  let own = written_cut(group.y * ENTRY_ROW + group.x, slot);
-  let is_cut = own.has_row && own.cut.by != CORNER;
+  let stored = load_cut(group.y * ENTRY_ROW + group.x, slot);
+  let is_cut = stored.has_row && stored.cut.cutting_edge != CORNER;
   var edge: CutEdge;
   if (is_cut) {
-    edge = edge_of(own.row);
+    edge = edge_of(stored.row);
   }
-  let count = select(0u, own.row.cuts, is_cut && own.row.cuts <= MOST_ORDERED);
+  let count = select(0u, stored.row.cut_count, is_cut && stored.row.cut_count <= MOST_ORDERED);
   var rank = 0u;
   // Turns: MOST_ORDERED / RANK_LANES.
-  for (var number = lane % RANK_LANES; number < count; number += RANK_LANES) {
-    let place = own.row.first + number;
-    let other = unpacked_cut(pieces.words[piece_at(own.row.light, place) + CUT]);
-    if (place != own.place && is_before(edge, other, own.cut)) {
+  for (var index = lane % RANK_LANES; index < count; index += RANK_LANES) {
+    let list_index = stored.row.first + index;
+    let other = unpack_cut(pieces.words[piece_offset(stored.row.light, list_index) + CUT_WORD]);
+    if (list_index != stored.index && is_before(edge, other, stored.cut)) {
       rank++;
     }
   }
   atomicAdd(&ranks[slot], rank);
   workgroupBarrier();
   if (is_cut && lane % RANK_LANES == 0u) {
-    pieces.words[own.at + RANK] = atomicLoad(&ranks[slot]);
-    // Bits of numbers that are not negative have their order, and tell it of those that are none, too.
-    pieces.words[own.at + ALONG] = bitcast<u32>(abs(place_along(edge, own.cut)));
+    pieces.words[stored.offset + RANK] = atomicLoad(&ranks[slot]);
+    // Bits of numbers that are not negative have their order, those of infinity and NaN included.
+    pieces.words[stored.offset + FRACTION] = bitcast<u32>(abs(fraction_along(edge, stored.cut)));
   }
 }
 
 // Whether the ranks of a row are no order: two are equal, or they were not computed.
-fn is_tangled(row: Row) -> bool {
-  if (row.cuts > MOST_ORDERED) {
+fn has_equal_ranks(row: Row) -> bool {
+  if (row.cut_count > MOST_ORDERED) {
     return true;
   }
-  // A bit for each rank.
-  var taken: array<u32, 8>;
+  // A bit for each rank that occurred.
+  var occurred: array<u32, 8>;
   var is_twice = false;
   // Turns: MOST_ORDERED.
-  for (var number = 0u; number < row.cuts; number++) {
-    let rank = pieces.words[piece_at(row.light, row.first + number) + RANK];
+  for (var index = 0u; index < row.cut_count; index++) {
+    let rank = pieces.words[piece_offset(row.light, row.first + index) + RANK];
     let bit = 1u << (rank % 32u);
-    is_twice = is_twice || (taken[(rank / 32u) % 8u] & bit) != 0u;
-    taken[(rank / 32u) % 8u] |= bit;
+    is_twice = is_twice || (occurred[(rank / 32u) % 8u] & bit) != 0u;
+    occurred[(rank / 32u) % 8u] |= bit;
   }
   return is_twice;
 }
 
-// The key by which cuts of a row are compared: the rank, or how far along the edge the cut is (bits of an f32 from 0 on, which
-// have its order), and then the edge that cuts. The end comes last.
-fn order_of(row: Row, place: u32, by_turns: bool) -> vec2<u32> {
-  let at = piece_at(row.light, place);
-  let cut = unpacked_cut(pieces.words[at + CUT]);
-  if (cut.by == CORNER) {
+// The sort key of a cut in its row: the rank, or the bits of the fraction, which is not negative; then the edge that cuts.
+// The end comes last.
+fn order_key(row: Row, list_index: u32, by_rank: bool) -> vec2<u32> {
+  let offset = piece_offset(row.light, list_index);
+  let cut = unpack_cut(pieces.words[offset + CUT_WORD]);
+  if (cut.cutting_edge == CORNER) {
     return vec2<u32>(0xffffffffu);
   }
-  return vec2<u32>(pieces.words[at + select(ALONG, RANK, by_turns)], cut.by);
+  return vec2<u32>(pieces.words[offset + select(FRACTION, RANK, by_rank)], cut.cutting_edge);
 }
 
 fn is_less(p: vec2<u32>, q: vec2<u32>) -> bool {
@@ -317,42 +318,42 @@ fn cut_edges_before(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(local_invocation_index) lane: u32,
 ) {
-  let own = written_cut(group.y * ENTRY_ROW + group.x, lane);
-  if (!own.has_row) {
+  let stored = load_cut(group.y * ENTRY_ROW + group.x, lane);
+  if (!stored.has_row) {
     return;
   }
-  let by_turns = !is_tangled(own.row);
-  let end = order_of(own.row, own.place, by_turns);
+  let by_rank = !has_equal_ranks(stored.row);
+  let own_key = order_key(stored.row, stored.index, by_rank);
   var earlier = 0u;
   var last = vec2<u32>(0u);
-  var before = packed_cut(Cut(CORNER, false, false, 0u));
+  var before = pack_cut(Cut(CORNER, false, false, 0u));
   // Turns: OUTLINE_EDGES.
-  for (var number = 0u; number < own.row.cuts; number++) {
-    let place = own.row.first + number;
-    let order = order_of(own.row, place, by_turns);
-    if (is_less(order, end)) {
-      if (earlier == 0u || is_less(last, order)) {
-        last = order;
-        before = pieces.words[piece_at(own.row.light, place) + CUT];
+  for (var index = 0u; index < stored.row.cut_count; index++) {
+    let list_index = stored.row.first + index;
+    let key = order_key(stored.row, list_index, by_rank);
+    if (is_less(key, own_key)) {
+      if (earlier == 0u || is_less(last, key)) {
+        last = key;
+        before = pieces.words[piece_offset(stored.row.light, list_index) + CUT_WORD];
       }
       earlier++;
     }
   }
-  pieces.words[own.at + CUT_BEFORE] = before;
-  pieces.words[own.at + EARLIER] = earlier;
+  pieces.words[stored.offset + PREVIOUS_CUT] = before;
+  pieces.words[stored.offset + EARLIER_COUNT] = earlier;
 }
 
-// Where a cut is, in space: `corner` for the end, the end that touches, or the point where both edges cross as the light sees
-// them.
-fn place_of_cut(edge: CutEdge, cut: Cut, corner: vec3<u32>) -> vec3<u32> {
-  if (cut.by == CORNER) {
+// The point of a cut: `corner` for the end, the end that touches, or the point where both edges cross as seen from the
+// light.
+fn cut_point(edge: CutEdge, cut: Cut, corner: vec3<u32>) -> vec3<u32> {
+  if (cut.cutting_edge == CORNER) {
     return corner;
   }
-  let touch = touch_of(edge.outline, cut);
-  if (touch.w == 1u) {
-    return touch.xyz;
+  let is_touching = touching_end(edge.boundary, cut);
+  if (is_touching.w == 1u) {
+    return is_touching.xyz;
   }
-  return crossing_point(edge.outline, edge.index, cut.by, edge.light);
+  return crossing_point(edge.boundary, edge.index, cut.cutting_edge, edge.light);
 }
 
 @compute @workgroup_size(8)
@@ -360,22 +361,22 @@ fn cut_edges_list(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(local_invocation_index) lane: u32,
 ) {
-  let own = written_cut(group.y * ENTRY_ROW + group.x, lane);
-  if (!own.exists) {
+  let stored = load_cut(group.y * ENTRY_ROW + group.x, lane);
+  if (!stored.exists) {
     return;
   }
-  let light = own.row.light;
-  if (!own.has_row) {
-    // The list is too short, as its count tells. Until it is made anew this is a piece without length.
-    write_piece(light, own.place, vec3<u32>(0u), vec3<u32>(0u), false, vec3<u32>(0u));
+  let light = stored.row.light;
+  if (!stored.has_row) {
+    // The list is too short, which its count shows. Until the list is made again, this is a piece without length.
+    write_piece(light, stored.index, vec3<u32>(0u), vec3<u32>(0u), false, vec3<u32>(0u));
     return;
   }
-  let edge = edge_of(own.row);
-  let before = unpacked_cut(pieces.words[own.at + CUT_BEFORE]);
-  // The last piece ends at the end of the edge, and each cut exchanges the sides.
-  let later = own.row.cuts - pieces.words[own.at + EARLIER];
-  let is_odd = own.row.is_odd_at_end == (later % 2u == 0u);
-  let from_end = place_of_cut(edge, before, edge.edge.a);
-  let to_end = place_of_cut(edge, own.cut, edge.edge.b);
-  write_piece(light, own.place, from_end, to_end, !is_odd, middle_of(edge.outline));
+  let edge = edge_of(stored.row);
+  let before = unpack_cut(pieces.words[stored.offset + PREVIOUS_CUT]);
+  // The last piece ends at the end of the edge, and the dark side changes at each cut.
+  let later = stored.row.cut_count - pieces.words[stored.offset + EARLIER_COUNT];
+  let is_odd = stored.row.is_odd_at_end == (later % 2u == 0u);
+  let from_end = cut_point(edge, before, edge.edge.a);
+  let to_end = cut_point(edge, stored.cut, edge.edge.b);
+  write_piece(light, stored.index, from_end, to_end, !is_odd, middle_point(edge.boundary));
 }

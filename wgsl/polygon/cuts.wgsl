@@ -1,116 +1,120 @@
-// Cuts: where an edge of an L-twisted outline (one that crosses itself as seen from light L) is crossed by another as seen
-// from the light. First the records of cuts, then their order along the edge that they cut. Only the passes of cut_edges.wgsl
-// import this. A comment `Turns:` is about the loop below it. docs/numerics/twisted-polygons.md, "Order of cuts".
+// Cuts: where an edge of an L-twisted boundary is crossed by another as seen from light L. (Such a boundary crosses itself.)
+// First the records of cuts, then their order along the edge that they cut. Only the passes of cut_edges.wgsl import this
+// file. `Turns:` above a loop is its most iterations. Claim: docs/numerics/twisted-polygons.md, "Order of cuts".
 
 #import extract/one_caster
 #import polygon/list_pieces
 #import polygon/outlines
 #import polygon/turn
 
-// Records. `cut_edges` writes the cuts of an edge as a row, in no particular order, and the edge's end behind them, into
-// `pieces`: one record for each piece of the edge. `cut_edges_list` overwrites each record with the piece that ends at that
-// cut. So a record must fit in the words of a piece. If a row does not fit the list, the records that do have NO_POLYGON, and
-// no pass may use the row.
+// Records. For each edge `cut_edges` writes to `pieces` a row: its cuts, in no particular order, then its end.
+// `cut_edges_list` replaces each record with the piece that ends at the cut, so a record must fit in the words of a piece.
+// If the list has no room for all of a row, its records have NO_POLYGON, and no pass may use the row.
 
-// Where an edge is cut, or its end.
+// A cut of an edge, or the edge's end.
 struct Cut {
-  // The edge that cuts it, counted from the first of the outline, or `CORNER` for its end.
-  by: u32,
+  // The index in the boundary of the edge that cuts it, or `CORNER` for its end.
+  cutting_edge: u32,
   // The cutting edge has an end on it, in space.
-  touches: bool,
-  // If it touches: this is the cutting edge's second end.
-  is_second: bool,
-  // If it does not touch: the light that tells where it cuts, 0 as given, 1 to 3 an axis.
+  has_touching_end: bool,
+  // If it touches: the end is the second one of the cutting edge.
+  is_second_end: bool,
+  // If it does not touch: the light that decides where it cuts, 0 the given one, 1 to 3 an axis.
   tie: u32,
 }
 
-const CORNER: u32 = 0xffffu; // Outlines have at most 1,024 edges, so 16 bits hold them.
+const CORNER: u32 = 0xffffu; // Boundaries have at most 1,024 edges, so 16 bits hold their indices.
 const TIE_SHIFT: u32 = 16u;
-const TOUCHES: u32 = 0x40000000u;
-const IS_SECOND: u32 = 0x80000000u;
+const HAS_TOUCHING_END: u32 = 0x40000000u;
+const IS_SECOND_END: u32 = 0x80000000u;
 
-fn packed_cut(cut: Cut) -> u32 {
-  return cut.by | (cut.tie << TIE_SHIFT) | select(0u, TOUCHES, cut.touches) | select(0u, IS_SECOND, cut.is_second);
+fn pack_cut(cut: Cut) -> u32 {
+  return cut.cutting_edge | (cut.tie << TIE_SHIFT) | select(0u, HAS_TOUCHING_END, cut.has_touching_end) |
+    select(0u, IS_SECOND_END, cut.is_second_end);
 }
 
-fn unpacked_cut(word: u32) -> Cut {
-  return Cut(word & 0xffffu, (word & TOUCHES) != 0u, (word & IS_SECOND) != 0u, (word >> TIE_SHIFT) & 3u);
+fn unpack_cut(word: u32) -> Cut {
+  return Cut(word & 0xffffu, (word & HAS_TOUCHING_END) != 0u, (word & IS_SECOND_END) != 0u, (word >> TIE_SHIFT) & 3u);
 }
 
-// Words of a cut: the polygon, or NO_POLYGON if there was no room for the row; the edge that is cut, with the highest bit if,
-// as the light sees it, an odd number of triangles are next to its end on its left, and the next one if fixed point holds the
-// outline's turns; the cut; the place in the light's list of the first of its row, and how many cuts that has, without the
-// end.
-const OF_POLYGON: u32 = 0u;
-const OF_EDGE: u32 = 1u;
-const CUT: u32 = 2u;
-const ROW: u32 = 3u;
+// Words of a record. `cut_edges` writes the first five.
+// * CUT_POLYGON: the polygon, or NO_POLYGON if there was no room for the row.
+// * CUT_EDGE: the index of the edge that is cut. IS_ODD_AT_END: an odd number of triangles lie, as seen from the light,
+//   beside its end on its left. HOLDS_TURNS: fixed point holds the turns of the boundary.
+// * CUT_WORD: the packed cut.
+// * ROW_FIRST, ROW_CUTS: the index in the light's list of the row's first record, and the number of its cuts without the
+//   end.
+const CUT_POLYGON: u32 = 0u;
+const CUT_EDGE: u32 = 1u;
+const CUT_WORD: u32 = 2u;
+const ROW_FIRST: u32 = 3u;
 const ROW_CUTS: u32 = 4u;
-// Then what `cut_edges_rank` writes: how many cuts of the row are before it by `is_before`; and how far along the edge it is,
-// from 0 to 1, the bits of a rounded f32. Last what `cut_edges_before` finds: the cut right before it; and how many are before
-// it, by RANK if all ranks of the row differ, else by ALONG.
+// `cut_edges_rank` writes RANK, the number of cuts of the row before this one by `is_before`. It also writes FRACTION, the
+// rounded fraction of the edge at which the cut is, from 0 to 1. `cut_edges_before` writes PREVIOUS_CUT, the packed cut
+// right before it, and EARLIER_COUNT, the number of cuts before it. It sorts by RANK if all ranks of the row differ, else by
+// FRACTION.
 const RANK: u32 = 5u;
-const ALONG: u32 = 6u;
-const CUT_BEFORE: u32 = 7u;
-const EARLIER: u32 = 8u;
+const FRACTION: u32 = 6u;
+const PREVIOUS_CUT: u32 = 7u;
+const EARLIER_COUNT: u32 = 8u;
 const NO_POLYGON: u32 = 0xffffffffu;
 const IS_ODD_AT_END: u32 = 0x80000000u;
 const HOLDS_TURNS: u32 = 0x40000000u;
 
-// The part that all cuts of an edge have in common.
+// The values that all cuts of an edge have in common.
 struct Row {
   polygon: u32,
   edge: u32,
   light: u32,
   first: u32,
-  cuts: u32,
+  cut_count: u32,
   is_odd_at_end: bool,
   holds_turns: bool,
 }
 
-// Takes room in a light's list for the cuts of an edge and for its end, and workgroups of the next passes for those that fit.
-// A group is GROUP_CUTS places from a multiple of it on. Rooms follow each other in the list (`take_room`), so each group is
-// counted once, by the row that has its first place.
-fn take_row(light: u32, cuts: u32) -> u32 {
-  let first = take_room(light, cuts + 1u);
+// Reserves records in a light's list for the cuts of an edge and its end, and workgroups of the next passes for those with
+// room. Returns the index of the first record. A group is GROUP_CUTS records from a multiple of it on. Rows follow each
+// other in the list, so each group is counted once, by the row with its first record.
+fn reserve_row(light: u32, cuts: u32) -> u32 {
+  let first = reserve_pieces(light, cuts + 1u);
   let listed = min(vec2<u32>(first, first + cuts + 1u), vec2<u32>(chunk.capacity));
   let groups = (listed + GROUP_CUTS - 1u) / GROUP_CUTS;
   if (groups.y > groups.x) {
-    allot(ROW_COUNT, ROW_WORKGROUPS, groups.y - groups.x);
+    reserve_entries(ROW_COUNT, ROW_WORKGROUPS, groups.y - groups.x);
   }
   return first;
 }
 
-// Writes cut `number` of a row; the end is number `row.cuts`. Past the end of the list nothing is written.
-fn write_cut(row: Row, number: u32, cut: Cut) {
-  let place = row.first + number;
-  if (place >= chunk.capacity) {
+// Writes cut `index` of a row; the end is cut `row.cut_count`. Past the end of the list it writes nothing.
+fn write_cut(row: Row, index: u32, cut: Cut) {
+  let list_index = row.first + index;
+  if (list_index >= chunk.capacity) {
     return;
   }
-  let at = piece_at(row.light, place);
-  let fits = row.first + row.cuts < chunk.capacity;
-  pieces.words[at + OF_POLYGON] = select(NO_POLYGON, row.polygon, fits);
-  pieces.words[at + OF_EDGE] = row.edge | select(0u, IS_ODD_AT_END, row.is_odd_at_end)
+  let offset = piece_offset(row.light, list_index);
+  let fits = row.first + row.cut_count < chunk.capacity;
+  pieces.words[offset + CUT_POLYGON] = select(NO_POLYGON, row.polygon, fits);
+  pieces.words[offset + CUT_EDGE] = row.edge | select(0u, IS_ODD_AT_END, row.is_odd_at_end)
     | select(0u, HOLDS_TURNS, row.holds_turns);
-  pieces.words[at + CUT] = packed_cut(cut);
-  pieces.words[at + ROW] = row.first;
-  pieces.words[at + ROW_CUTS] = row.cuts;
+  pieces.words[offset + CUT_WORD] = pack_cut(cut);
+  pieces.words[offset + ROW_FIRST] = row.first;
+  pieces.words[offset + ROW_CUTS] = row.cut_count;
 }
 
-// A record that is read.
-struct Written {
-  exists: bool, // The list has a place of this number. If not, all else but `place` is 0.
-  has_row: bool, // There was room for the whole row. If not, `row` and `cut` mean nothing but for `row.light`.
-  place: u32, // Its place in the light's list.
-  // Where its words are.
-  at: u32,
+// A record as loaded.
+struct StoredCut {
+  exists: bool, // The list has a record of this index. If not, all else but `index` is 0.
+  has_row: bool, // There was room for the whole row. If not, `row` and `cut` have no meaning but for `row.light`.
+  index: u32, // Its index in the light's list.
+  // The offset of its words.
+  offset: u32,
   row: Row,
   cut: Cut,
 }
 
-// Record `number` of a workgroup. Workgroups count through the groups of light 0, then those of light 1, and so on.
-fn written_cut(workgroup: u32, number: u32) -> Written {
-  var written: Written;
+// Record `index` of a workgroup. Workgroups count through the groups of light 0, then those of light 1, and so on.
+fn load_cut(workgroup: u32, index: u32) -> StoredCut {
+  var stored: StoredCut;
   var group = workgroup;
   var light = 0u;
   var count = 0u;
@@ -124,41 +128,40 @@ fn written_cut(workgroup: u32, number: u32) -> Written {
     group -= groups;
     count = 0u;
   }
-  written.place = GROUP_CUTS * group + number;
-  written.exists = written.place < count;
-  if (!written.exists) {
-    return written;
+  stored.index = GROUP_CUTS * group + index;
+  stored.exists = stored.index < count;
+  if (!stored.exists) {
+    return stored;
   }
-  written.at = piece_at(light, written.place);
-  let polygon = pieces.words[written.at + OF_POLYGON];
-  written.has_row = polygon != NO_POLYGON;
-  let edge = pieces.words[written.at + OF_EDGE];
-  let first = pieces.words[written.at + ROW];
-  let cuts = pieces.words[written.at + ROW_CUTS];
+  stored.offset = piece_offset(light, stored.index);
+  let polygon = pieces.words[stored.offset + CUT_POLYGON];
+  stored.has_row = polygon != NO_POLYGON;
+  let edge = pieces.words[stored.offset + CUT_EDGE];
+  let first = pieces.words[stored.offset + ROW_FIRST];
+  let cuts = pieces.words[stored.offset + ROW_CUTS];
   let holds = (edge & HOLDS_TURNS) != 0u;
-  written.row = Row(polygon, edge & 0xffffu, light, first, cuts, edge >= IS_ODD_AT_END, holds);
-  written.cut = unpacked_cut(pieces.words[written.at + CUT]);
-  return written;
+  stored.row = Row(polygon, edge & 0xffffu, light, first, cuts, edge >= IS_ODD_AT_END, holds);
+  stored.cut = unpack_cut(pieces.words[stored.offset + CUT_WORD]);
+  return stored;
 }
 
-// The order of two cuts. `cut_edges_rank` counts by `is_before` how many cuts are before each. Turns decide wherever one cut
-// is on one side of the other's edge: a turn is 1 if the light sees three points counter-clockwise, -1 if clockwise, with ties
-// broken by a light that is moved a little (polygon/turn.wgsl). Where three edges cross each other, how far along the edge the
-// cuts are decides, which is rounded. Each of the three must get an order that fits the other two, or pieces leave gaps: so
-// all take it from the same numbers, and a rule may be changed only with its proof.
+// The order of two cuts. `cut_edges_rank` counts by `is_before` how many cuts are before each. Turns decide if one cut is on
+// one side of the other's edge (polygon/turn.wgsl). If three edges cross each other, the fractions of the edge at which the
+// cuts lie decide; these are rounded. All three edges must get orders that fit each other, or pieces leave gaps. So all
+// compute the order from the same numbers; change a rule only with its proof.
 
-// The edge that is cut, and what sees it.
+// The edge that is cut, and the light.
 struct CutEdge {
-  outline: OutlineRange,
+  boundary: PolygonBoundary,
   edge: Edge,
   index: u32,
   light: u32,
-  // Fixed point holds the outline's turns. If not, nothing tells where edges that are seen in line cut each other, and cuts
-  // have no `tie`.
+  // Fixed point holds the boundary's turns. If not, it is unknown where edges seen in line cut each other, and cuts have no
+  // `tie`.
   holds_turns: bool,
 }
 
-// Whether a point comes before another on a line, in the direction in which coordinates grow: the first that differs.
+// Whether a point comes before another on a line, in ascending order: by the first coordinate that differs.
 fn is_below(p: vec3<u32>, q: vec3<u32>) -> bool {
   let lower = ordered(p);
   let upper = ordered(q);
@@ -171,37 +174,37 @@ fn is_below(p: vec3<u32>, q: vec3<u32>) -> bool {
   return lower.z < upper.z;
 }
 
-// An edge in the direction in which coordinates grow.
-fn in_space(e: Edge) -> Edge {
+// The edge in ascending direction.
+fn ascending(e: Edge) -> Edge {
   if (is_below(e.a, e.b)) {
     return e;
   }
   return Edge(e.b, e.a, e.has_length);
 }
 
-// Whether one of two edges on a line is on the left of the other, seen in the direction in which coordinates grow, in which
-// both run: it begins before it, or ends behind it.
-fn precedes(f: Edge, item: u32, e: Edge, index: u32) -> bool {
+// Whether edge `f` is on the left of edge `e` on the same line, both in ascending direction. It is if it begins before `e`,
+// or ends behind it. Equal edges have the order of their indices.
+fn precedes(f: Edge, f_index: u32, e: Edge, e_index: u32) -> bool {
   if (any(f.a != e.a)) {
     return is_below(f.a, e.a);
   }
   if (any(f.b != e.b)) {
     return is_below(e.b, f.b);
   }
-  return item < index;
+  return f_index < e_index;
 }
 
-// The end of an edge that is on the edge it cuts, in space, and 1; or 0 if that is not how it cuts.
-fn touch_of(outline: OutlineRange, cut: Cut) -> vec4<u32> {
-  if (!cut.touches) {
+// xyz: the end of the cutting edge that is on the edge, w: 1; or 0 if the cut does not touch.
+fn touching_end(boundary: PolygonBoundary, cut: Cut) -> vec4<u32> {
+  if (!cut.has_touching_end) {
     return vec4<u32>(0u);
   }
-  let f = edge_at(outline.first + cut.by);
-  return vec4<u32>(select(f.a, f.b, cut.is_second), 1u);
+  let f = load_edge(boundary.first + cut.cutting_edge);
+  return vec4<u32>(select(f.a, f.b, cut.is_second_end), 1u);
 }
 
-// How far along an edge a point on it is, from 0 to 1, rounded.
-fn along_edge(e: Edge, point: vec3<u32>) -> f32 {
+// The fraction of an edge at which a point on it lies, rounded.
+fn fraction_of_point(e: Edge, point: vec3<u32>) -> f32 {
   let a = bitcast<vec3<f32>>(e.a);
   let along = bitcast<vec3<f32>>(e.b) - a;
   let from_a = bitcast<vec3<f32>>(point) - a;
@@ -212,93 +215,95 @@ fn along_edge(e: Edge, point: vec3<u32>) -> f32 {
   return select(from_a.z / along.z, from_a.y / along.y, size.y >= size.z);
 }
 
-// The side of an edge on which two points are, by their turns: 0 if they are on different sides. A point on the edge's line is
-// on either side.
+// The side of an edge on which two points are, by their turns, or 0 if they are on different sides. A point on the edge's
+// line is on both sides.
 fn common_side(signs: vec2<i32>) -> i32 {
   return select(select(signs.x, signs.y, signs.x == 0), 0, signs.x * signs.y < 0);
 }
 
-// The sign of the turns to points on the right of an edge, seen in the direction in which coordinates grow.
-fn right_of(e: Edge) -> i32 {
+// The sign of the turns to points on the right of an edge, in ascending direction.
+fn right_sign(e: Edge) -> i32 {
   return select(1, -1, is_below(e.a, e.b));
 }
 
-// The side of an edge on which another, whose ends have these sides there, cuts the edge that is cut: one of its ends is on
-// that. If it is on both in space, it is on the right of both, and farther from the one that precedes.
-fn side_of_touch(sides: vec2<i32>, is_second: bool, other: Edge, is_nearest: bool) -> i32 {
-  let own = select(sides.x, sides.y, is_second);
-  return select(own, select(sides.x + sides.y, right_of(other), is_nearest), own == 0);
+// The side of an edge `other` on which an edge with the end turns `sides` cuts by touching: the side of the end that
+// touches. If it touches both in space, it is on the right of both, and farther from the one that precedes.
+fn touching_side(sides: vec2<i32>, is_second_end: bool, other: Edge, is_nearest: bool) -> i32 {
+  let side = select(sides.x, sides.y, is_second_end);
+  return select(side, select(sides.x + sides.y, right_sign(other), is_nearest), side == 0);
 }
 
-// How far along an edge another is, as the light sees it, or the axis that breaks the tie.
-fn seen_cut_at(f: Edge, e: Edge, light: u32, tie: u32) -> f32 {
+// The fraction of edge `e` at which edge `f` cuts it, as seen from the light, or from the axis that breaks the tie.
+fn cut_fraction_for_tie(f: Edge, e: Edge, light: u32, tie: u32) -> f32 {
   let axis = bitcast<vec4<f32>>(light_or_axis(light, tie));
-  return cut_at(f, e, select(axis, scaled_light(light), tie == 0u));
+  return cut_fraction(f, e, select(axis, scaled_light(light), tie == 0u));
 }
 
-// Parts of an edge that are taken for one point of it.
-const ONE_POINT: f32 = 0x1p-18;
+// Cuts of an edge that are at most this fraction apart count as one point.
+const SAME_POINT: f32 = 0x1p-18;
 
-// The edges of which the order of two cuts of the first is sought.
-struct Three {
+// An edge and two others that cut it.
+struct EdgeTriple {
   edges: array<Edge, 3>,
-  // Their places in the outline.
+  // Their indices in the boundary.
   indices: vec3<u32>,
-  // The lights that tell where along each the others are, in their order, as `tie` of a cut.
+  // For each edge, the `tie` of the cuts by the others, in their order.
   ties: array<vec2<u32>, 3>,
 }
 
-// The order of the cuts of three edges.
-struct Told {
-  // The edge along which the others come in an order, or `NONE`: all three seem to cross in one point.
-  first: u32,
-  // Whether the first of the others, in their order, comes after the second.
+// The result of ordering the cuts of three edges.
+struct CutOrder {
+  // The edge along which the order is decided, or `NONE` if all three seem to cross in one point.
+  deciding_edge: u32,
+  // Whether the first of the two others comes after the second.
   is_after: bool,
 }
 
 const NONE: u32 = 3u;
 
-// The order of three edges by how far along each the two others cut it: along edge 0 those of 1 and 2, along 1 of 0 and 2,
-// along 2 of 0 and 1. The earliest edge tells it. If some are seen in line, others see these cross in one point, so the edge
-// along which the others are farthest apart tells it.
-fn told_by_places(indices: vec3<u32>, ties: array<vec2<u32>, 3>, places: array<vec2<f32>, 3>) -> Told {
-  let apart = vec3<f32>(places[0].x - places[0].y, places[1].x - places[1].y, places[2].x - places[2].y);
-  let size = abs(apart);
-  var first = earliest_of(indices);
+// The order of three edges by the fractions at which the others cut each: 1 and 2 along edge 0, 0 and 2 along 1, 0 and 1
+// along 2. The edge with the lowest index decides. If some are seen in line, others see these cross in one point, so the
+// edge along which the others are farthest apart decides.
+fn order_by_fractions(indices: vec3<u32>, ties: array<vec2<u32>, 3>, fractions: array<vec2<f32>, 3>) -> CutOrder {
+  let difference = vec3<f32>(
+    fractions[0].x - fractions[0].y, fractions[1].x - fractions[1].y, fractions[2].x - fractions[2].y);
+  let size = abs(difference);
+  var first = lowest_of(indices);
   if (all((ties[0] | ties[1] | ties[2]) == vec2<u32>(0u))) {
-    first = select(first, NONE, any(size <= vec3<f32>(ONE_POINT)));
+    first = select(first, NONE, any(size <= vec3<f32>(SAME_POINT)));
   } else {
-    // The earliest of those that are equal.
+    // Among equals the edge with the lowest index decides.
     for (var edge = 0u; edge < 3u; edge++) {
       let is_earlier = size[edge] == size[first] && indices[edge] < indices[first];
       first = select(first, edge, size[edge] > size[first] || is_earlier);
     }
-    first = select(first, NONE, size[first] <= ONE_POINT);
+    first = select(first, NONE, size[first] <= SAME_POINT);
   }
-  return Told(first, apart[min(first, 2u)] > 0.0);
+  return CutOrder(first, difference[min(first, 2u)] > 0.0);
 }
 
-fn earliest_of(indices: vec3<u32>) -> u32 {
-  let is_earliest = indices == vec3<u32>(min(indices.x, min(indices.y, indices.z)));
-  return select(select(2u, 1u, is_earliest.y), 0u, is_earliest.x);
+// Which of three edges has the lowest index.
+fn lowest_of(indices: vec3<u32>) -> u32 {
+  let is_lowest = indices == vec3<u32>(min(indices.x, min(indices.y, indices.z)));
+  return select(select(2u, 1u, is_lowest.y), 0u, is_lowest.x);
 }
 
-// Turns of the ends of an edge at two others: of a and b at the one, and of a and b at the other, for the light as given and
+// Determinants of the ends a and b of an edge, first at one other edge, then at another. Components: for the given light and
 // for the axes. Each is a value of at most 1 times a power of two.
 struct EndTurns {
   values: array<vec4<f32>, 4>,
   exponents: array<vec4<i32>, 4>,
 }
 
-// The sign of how much farther along the edge the one is than the other, times the signs of the turns of its end at both,
-// where the light as given sees no difference. If the moved light sees none either, or the given one does see it, it is 0.
-fn sign_apart(turns: EndTurns) -> i32 {
-  // Their places are t/(t - t'), where t and t' are polynomials in how far the light moves. So is what they differ by.
+// The sign of the distance along the edge from one cut to the other, times the signs of the turns of its end at both. It is
+// 0 if the given light sees a distance, or if the moved light sees none either.
+fn order_for_moved_light(turns: EndTurns) -> i32 {
+  // The cuts are at t/(t - t'), where t and t' are polynomials in the distance that the light moves. So is their difference.
   for (var power = 0u; power < 7u; power++) {
     var exponent = -0x10000;
     var sum = 0.0;
     var size = 0.0;
-    // First the largest exponent, then the sum.
+    // The first four steps find the largest exponent, the others add.
     for (var step = 0u; step < 8u; step++) {
       let i = step % 4u;
       let k = power - i;
@@ -320,155 +325,156 @@ fn sign_apart(turns: EndTurns) -> i32 {
       sum += p - q;
       size += abs(p) + abs(q);
     }
-    if (abs(sum) > SAME * size) {
+    if (abs(sum) > ROUNDING * size) {
       return select(0, select(-1, 1, sum > 0.0), power > 0u);
     }
   }
   return 0;
 }
 
-// Parts of a sum of products that may be rounding.
-const SAME: f32 = 0x1p-20;
+// A sum below this part of the size of its products may be rounding.
+const ROUNDING: f32 = 0x1p-20;
 
-// The order of the cuts of three edges, by turns of ends of edges at others: by where each is along each, and, if this does
-// not tell, as the moved light sees them. If 1 and 2 do not cross each other, only that along 0. One loop, so that turns are
-// compiled once.
-fn told_by(three: Three, own: CutEdge, crosses: bool) -> Told {
-  let light = own.light;
-  var places: array<vec2<f32>, 3>;
-  var before: TurnValue;
+// The order of the cuts of three edges: by fractions, and, if these do not decide, as the moved light sees them. If 1 and 2
+// do not cross each other, only along edge 0. One loop, so that turns are compiled once.
+fn order_by_turns(triple: EdgeTriple, cut_edge: CutEdge, is_crossing: bool) -> CutOrder {
+  let light = cut_edge.light;
+  var fractions: array<vec2<f32>, 3>;
+  var previous: TurnValue;
   var turns: EndTurns;
-  // The earliest edge, and the others in their order.
-  let first = select(0u, earliest_of(three.indices), crosses);
+  // The edge with the lowest index, and the others in their order.
+  let first = select(0u, lowest_of(triple.indices), is_crossing);
   var others = vec2<u32>(select(0u, 1u, first == 0u), select(2u, 1u, first == 2u));
-  others = select(others, others.yx, three.indices[others.x] > three.indices[others.y]);
+  others = select(others, others.yx, triple.indices[others.x] > triple.indices[others.y]);
   // Turns: 28.
-  for (var part = select(12u, 0u, crosses); part < 28u; part++) {
-    if (part == 12u) {
-      var told = Told(NONE, false);
-      if (crosses) {
-        told = told_by_places(three.indices, three.ties, places);
+  for (var iteration = select(12u, 0u, is_crossing); iteration < 28u; iteration++) {
+    if (iteration == 12u) {
+      var order = CutOrder(NONE, false);
+      if (is_crossing) {
+        order = order_by_fractions(triple.indices, triple.ties, fractions);
       }
-      if (told.first != NONE || !own.holds_turns) {
-        return told;
+      if (order.deciding_edge != NONE || !cut_edge.holds_turns) {
+        return order;
       }
     }
-    let is_place = part < 12u;
-    // A place takes both ends of an edge at another. Then come each end of the earliest edge at each other for each light.
-    var cut = part / 4u;
-    let number = select((part - 12u) / 8u, (part / 2u) % 2u, is_place);
-    let end = select((part / 4u + 1u) % 2u, part % 2u, is_place);
-    var by = select(number, number + 1u, number >= cut);
-    var tie = part % 4u;
-    if (is_place) {
-      tie = three.ties[cut][number];
+    let is_fraction = iteration < 12u;
+    // The first 12 iterations: for a fraction both ends of an edge at another. Then each end of the first edge at each
+    // other, for each light.
+    var cut = iteration / 4u;
+    let other = select((iteration - 12u) / 8u, (iteration / 2u) % 2u, is_fraction);
+    let end = select((iteration / 4u + 1u) % 2u, iteration % 2u, is_fraction);
+    var cutting_edge = select(other, other + 1u, other >= cut);
+    var tie = iteration % 4u;
+    if (is_fraction) {
+      tie = triple.ties[cut][other];
     } else {
       cut = first;
-      by = others[number];
+      cutting_edge = others[other];
     }
-    let f = three.edges[by];
-    let point = select(three.edges[cut].a, three.edges[cut].b, vec3<bool>(end == 1u));
+    let f = triple.edges[cutting_edge];
+    let point = select(triple.edges[cut].a, triple.edges[cut].b, vec3<bool>(end == 1u));
     let value = turn_value(f.a, f.b, point, light_or_axis(light, tie));
-    if (!is_place) {
+    if (!is_fraction) {
       let parts = frexp(value.value);
-      turns.values[2u * number + end][tie] = parts.fract;
-      turns.exponents[2u * number + end][tie] = parts.exp + value.exponent;
+      turns.values[2u * other + end][tie] = parts.fract;
+      turns.exponents[2u * other + end][tie] = parts.exp + value.exponent;
     } else if (end == 1u) {
-      places[cut][number] = share_of_turns(before, value);
-      if (!before.fits || !value.fits) {
-        places[cut][number] = cut_at(f, three.edges[cut], scaled_light(light));
+      fractions[cut][other] = fraction_from_turns(previous, value);
+      if (!previous.fits || !value.fits) {
+        fractions[cut][other] = cut_fraction(f, triple.edges[cut], scaled_light(light));
       }
     }
-    before = value;
+    previous = value;
   }
-  let side = sign_apart(turns) * moved_sign(turns.values[1]) * moved_sign(turns.values[3]);
-  return Told(select(NONE, first, side != 0), (side > 0) == (others.x < others.y));
+  let side = order_for_moved_light(turns) * sign_for_moved_light(turns.values[1]) * sign_for_moved_light(turns.values[3]);
+  return CutOrder(select(NONE, first, side != 0), (side > 0) == (others.x < others.y));
 }
 
-// The sign of a turn of the moved light, by the values for the light as given and for the axes.
-fn moved_sign(values: vec4<f32>) -> i32 {
+// The sign of a turn for the moved light, by the values for the given light and for the axes.
+fn sign_for_moved_light(values: vec4<f32>) -> i32 {
   let signs = vec4<i32>(sign(values));
-  let of_axes = select(select(signs.w, signs.z, signs.z != 0), signs.y, signs.y != 0);
-  return select(of_axes, signs.x, signs.x != 0);
+  let sign_for_axes = select(select(signs.w, signs.z, signs.z != 0), signs.y, signs.y != 0);
+  return select(sign_for_axes, signs.x, signs.x != 0);
 }
 
-// Which of two of three edges comes before the other in the order of `precedes`.
-fn former(three: Three, one: u32, other: u32) -> u32 {
+// The one of two edges that precedes the other.
+fn preceding(triple: EdgeTriple, one: u32, other: u32) -> u32 {
   let is_before = precedes(
-    in_space(three.edges[one]),
-    three.indices[one],
-    in_space(three.edges[other]),
-    three.indices[other],
+    ascending(triple.edges[one]),
+    triple.indices[one],
+    ascending(triple.edges[other]),
+    triple.indices[other],
   );
   return select(other, one, is_before);
 }
 
-// Which of three edges comes before the others. If nobody knows where edges that are seen in line cross, it is one of these: 0
-// and 1, 0 and 2, or 1 and 2.
-fn foremost(three: Three, in_line: vec3<bool>) -> u32 {
+// The edge that precedes the others. If it is unknown where two edges seen in line cross, one of these: 0 and 1, 0 and 2, or
+// 1 and 2.
+fn foremost(triple: EdgeTriple, in_line: vec3<bool>) -> u32 {
   if (in_line.x) {
-    return former(three, 0u, 1u);
+    return preceding(triple, 0u, 1u);
   }
   if (in_line.y) {
-    return former(three, 0u, 2u);
+    return preceding(triple, 0u, 2u);
   }
-  let of_others = former(three, 1u, 2u);
-  return select(former(three, 0u, of_others), of_others, in_line.z);
+  let first_of_others = preceding(triple, 1u, 2u);
+  return select(preceding(triple, 0u, first_of_others), first_of_others, in_line.z);
 }
 
-// Whether cut j is before cut i on the edge that both cut. Turns decide where the one cut is on one side of the other's edge.
-// Otherwise all three edges cross each other. How far along one of the three the others cut it decides for all three. If they
-// seem to cross in one point, the moved light tells them apart. If it sees them in one point, too, each is moved to its left a
-// little, and the foremost one farther than the others, out of their crossing. Rounded distances also decide where edges cross
-// each other's opposite directions; nothing has to fit there.
-fn is_before(own: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
-  let e = own.edge;
-  let j = cut_j.by;
-  let i = cut_i.by;
-  let touch_j = touch_of(own.outline, cut_j);
-  let touch_i = touch_of(own.outline, cut_i);
+// Whether cut j is before cut i on the edge that both cut. Turns decide if one cut is on one side of the other's edge.
+// Otherwise all three edges cross each other, and the fractions along one of them decide for all three. If they seem to
+// cross in one point, the moved light decides. If it sees one point, too, each edge is moved to its left a little, and the
+// foremost one farther, out of the others' crossing. Rounded fractions also decide if edges cross each other's opposite
+// directions; no other order must fit then.
+fn is_before(cut_edge: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
+  let e = cut_edge.edge;
+  let j = cut_j.cutting_edge;
+  let i = cut_i.cutting_edge;
+  let touching_end_j = touching_end(cut_edge.boundary, cut_j);
+  let touching_end_i = touching_end(cut_edge.boundary, cut_i);
   let is_up = is_below(e.a, e.b);
-  if (touch_j.w + touch_i.w == 2u && any(touch_j != touch_i)) {
-    return is_below(touch_j.xyz, touch_i.xyz) == is_up;
+  if (touching_end_j.w + touching_end_i.w == 2u && any(touching_end_j != touching_end_i)) {
+    return is_below(touching_end_j.xyz, touching_end_i.xyz) == is_up;
   }
-  let f = edge_at(own.outline.first + i);
-  let g = edge_at(own.outline.first + j);
-  // The sides of the end of e at f and g; those of the ends of g at f, and of f at g; those of the ends of g and f at e.
+  let f = load_edge(cut_edge.boundary.first + i);
+  let g = load_edge(cut_edge.boundary.first + j);
+  // Tests 0 and 1: the sides of the end of e at f and at g. 2 and 3: of the ends of g at f. 4 and 5: of the ends of f at g.
+  // 6 to 9: of the ends of g, then of f, at e.
   var signs: array<i32, 10>;
-  // The lights that tell where along g and f the two others are.
+  // The `tie` of the cuts of g and of f by the two others.
   var ties = array<vec2<u32>, 2>(vec2<u32>(IN_LINE), vec2<u32>(IN_LINE));
-  var crosses = false;
+  var is_crossing = false;
   for (var test = 0u; test < 10u; test++) {
     if (test == 6u) {
-      let of_g = vec2<i32>(signs[2], signs[3]);
-      let of_f = vec2<i32>(signs[4], signs[5]);
-      if (all(of_g == vec2<i32>(0))) {
-        // All in one line: what is nearer cuts first upwards.
-        let is_first = precedes(in_space(g), j, in_space(f), i);
-        return select(is_first == (signs[0] == right_of(f)), is_first != is_up, signs[0] == 0);
+      let turns_of_g = vec2<i32>(signs[2], signs[3]);
+      let turns_of_f = vec2<i32>(signs[4], signs[5]);
+      if (all(turns_of_g == vec2<i32>(0))) {
+        // All are in one line: the nearer one cuts first in ascending direction.
+        let is_first = precedes(ascending(g), j, ascending(f), i);
+        return select(is_first == (signs[0] == right_sign(f)), is_first != is_up, signs[0] == 0);
       }
-      if (touch_j.w + touch_i.w == 2u) {
-        // Both from one point on e. One that is in line with e says nothing of the other.
-        return select(of_g.x + of_g.y != signs[0], of_f.x + of_f.y == signs[1], signs[0] == 0);
+      if (touching_end_j.w + touching_end_i.w == 2u) {
+        // Both touch at one point of e. An edge in line with e has no side of the other.
+        return select(turns_of_g.x + turns_of_g.y != signs[0], turns_of_f.x + turns_of_f.y == signs[1], signs[0] == 0);
       }
-      if (touch_j.w == 1u) {
-        let is_nearest = signs[1] == 0 || precedes(in_space(f), i, in_space(e), own.index);
-        return side_of_touch(of_g, cut_j.is_second, f, is_nearest) != signs[0];
+      if (touching_end_j.w == 1u) {
+        let is_nearest = signs[1] == 0 || precedes(ascending(f), i, ascending(e), cut_edge.index);
+        return touching_side(turns_of_g, cut_j.is_second_end, f, is_nearest) != signs[0];
       }
-      if (touch_i.w == 1u) {
-        let is_nearest = signs[0] == 0 || precedes(in_space(g), j, in_space(e), own.index);
-        return side_of_touch(of_f, cut_i.is_second, g, is_nearest) == signs[1];
+      if (touching_end_i.w == 1u) {
+        let is_nearest = signs[0] == 0 || precedes(ascending(g), j, ascending(e), cut_edge.index);
+        return touching_side(turns_of_f, cut_i.is_second_end, g, is_nearest) == signs[1];
       }
-      // The cut of g is on this side of f, or that of f on this side of g.
-      if (common_side(of_g) != 0) {
-        return common_side(of_g) != signs[0];
+      // The cut of g is on this side of f, or the cut of f on this side of g.
+      if (common_side(turns_of_g) != 0) {
+        return common_side(turns_of_g) != signs[0];
       }
-      if (common_side(of_f) != 0) {
-        return common_side(of_f) == signs[1];
+      if (common_side(turns_of_f) != 0) {
+        return common_side(turns_of_f) == signs[1];
       }
-      // Where they cross each other's opposite directions, nothing has to fit.
-      crosses = signs[2] == signs[5];
-      if (!crosses) {
+      // If they cross each other's opposite directions, no other order must fit.
+      is_crossing = signs[2] == signs[5];
+      if (!is_crossing) {
         break;
       }
     }
@@ -486,55 +492,57 @@ fn is_before(own: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
       case 5u, 9u: { r = f.b; }
       default: {}
     }
-    let found = turn(p.a, p.b, r, own.light);
-    signs[test] = found.moved;
+    let result = turn(p.a, p.b, r, cut_edge.light);
+    signs[test] = result.sign;
     if (test >= 2u) {
-      let of_f = (test / 2u) % 2u == 0u;
-      let is_of = vec2<bool>(test >= 6u, test < 6u);
-      ties[select(0u, 1u, of_f)] = min(ties[select(0u, 1u, of_f)], select(vec2<u32>(IN_LINE), vec2<u32>(found.tie), is_of));
+      let is_end_of_f = (test / 2u) % 2u == 0u;
+      let is_cut_by = vec2<bool>(test >= 6u, test < 6u);
+      ties[select(0u, 1u, is_end_of_f)] = min(
+        ties[select(0u, 1u, is_end_of_f)], select(vec2<u32>(IN_LINE), vec2<u32>(result.tie), is_cut_by));
     }
   }
   var is_nearer = false;
-  if (!crosses) {
-    let places = vec2<f32>(place_along(own, cut_j), place_along(own, cut_i));
-    is_nearer = places.x < places.y || (places.x == places.y && j < i);
-    if (abs(places.x - places.y) > ONE_POINT) {
+  if (!is_crossing) {
+    let fractions = vec2<f32>(fraction_along(cut_edge, cut_j), fraction_along(cut_edge, cut_i));
+    is_nearer = fractions.x < fractions.y || (fractions.x == fractions.y && j < i);
+    if (abs(fractions.x - fractions.y) > SAME_POINT) {
       return is_nearer;
     }
   }
-  // Whether e and g, e and f, and g and f are seen in line, and nobody knows where they cross.
-  let in_line = vec3<bool>(!own.holds_turns) & (vec3<u32>(ties[0].x, ties[1].x, ties[0].y) > vec3<u32>(0u));
-  let known = select(vec2<u32>(0u), vec2<u32>(0xffffffffu), own.holds_turns);
-  let three = Three(
+  // Whether e and g, e and f, and g and f are seen in line, and it is unknown where they cross.
+  let in_line = vec3<bool>(!cut_edge.holds_turns) & (vec3<u32>(ties[0].x, ties[1].x, ties[0].y) > vec3<u32>(0u));
+  let known = select(vec2<u32>(0u), vec2<u32>(0xffffffffu), cut_edge.holds_turns);
+  let triple = EdgeTriple(
     array<Edge, 3>(e, g, f),
-    vec3<u32>(own.index, j, i),
+    vec3<u32>(cut_edge.index, j, i),
     array<vec2<u32>, 3>(vec2<u32>(cut_j.tie, cut_i.tie), ties[0] & known, ties[1] & known),
   );
-  let told = told_by(three, own, crosses);
-  if (told.first == NONE) {
-    if (!crosses) {
+  let order = order_by_turns(triple, cut_edge, is_crossing);
+  if (order.deciding_edge == NONE) {
+    if (!is_crossing) {
       return is_nearer;
     }
-    switch (foremost(three, in_line)) {
-      case 2u: { return right_of(f) != signs[0]; }
-      case 1u: { return right_of(g) == signs[1]; }
-      // It is cut where the others have left their crossing: by the end of g on its left.
-      default: { return select(signs[2], signs[3], signs[6] == right_of(e)) != signs[0]; }
+    switch (foremost(triple, in_line)) {
+      case 2u: { return right_sign(f) != signs[0]; }
+      case 1u: { return right_sign(g) == signs[1]; }
+      // e is cut after the others have left their crossing: by the end of g on its left.
+      default: { return select(signs[2], signs[3], signs[6] == right_sign(e)) != signs[0]; }
     }
   }
-  if (told.first == 0u) {
-    return !told.is_after;
+  if (order.deciding_edge == 0u) {
+    return !order.is_after;
   }
-  // The sign of the product of what the first tells of e and the other one, and of the sides of its end there and of the end
-  // of e here.
-  let is_of_f = told.first == 2u;
-  let of_end = select(vec2<i32>(signs[7], signs[3]), vec2<i32>(signs[9], -signs[5]), is_of_f);
-  return signs[0] * signs[1] * of_end.x * of_end.y * select(-1, 1, told.is_after) > 0;
+  // The product of: the order along the deciding edge; the sides of its end at e and at the other; the sides of the end of e
+  // here.
+  let is_at_f = order.deciding_edge == 2u;
+  let end_turns = select(vec2<i32>(signs[7], signs[3]), vec2<i32>(signs[9], -signs[5]), is_at_f);
+  return signs[0] * signs[1] * end_turns.x * end_turns.y * select(-1, 1, order.is_after) > 0;
 }
 
-// How far along the edge a cut is, rounded.
-fn place_along(own: CutEdge, cut: Cut) -> f32 {
-  let touch = touch_of(own.outline, cut);
-  let crossing = seen_cut_at(edge_at(own.outline.first + cut.by), own.edge, own.light, cut.tie);
-  return select(crossing, along_edge(own.edge, touch.xyz), touch.w == 1u);
+// The fraction of the edge at which a cut lies, rounded.
+fn fraction_along(cut_edge: CutEdge, cut: Cut) -> f32 {
+  let touching = touching_end(cut_edge.boundary, cut);
+  let cutting_edge = load_edge(cut_edge.boundary.first + cut.cutting_edge);
+  let crossing = cut_fraction_for_tie(cutting_edge, cut_edge.edge, cut_edge.light, cut.tie);
+  return select(crossing, fraction_of_point(cut_edge.edge, touching.xyz), touching.w == 1u);
 }

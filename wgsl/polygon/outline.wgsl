@@ -1,52 +1,51 @@
-// Outline: looks at all pairs of edges of the outlines that `polygon_turns` left undecided, for each light that it left.
-// `undecided` has a record for each such polygon, and entries, each a part of the work of one record (polygon/outlines.wgsl).
-// Dispatched indirectly after `polygon_turns`, one workgroup an entry. An entry of a small outline has up to 4 edges and 16
-// lights, an invocation each; one of a large outline an edge and a light, which all invocations share. It sets bits of the
-// record, in any order: whether edges meet, how often the outline winds around on the left of each edge, whether all corners lie
-// within a half-space, whether anything is off a plane with the light. `polygon_masks`, the next stage, decides from them. All is
-// exact, by turns: 1 if the light sees three points counter-clockwise, -1 if clockwise. A tie is broken by moving the light a
-// little, the same way for all pairs and stages, so that what they find fits together. `Turns:` is the most turns of the loop
-// below it, `in all` those of all times that the loop is reached; a loop between constants needs none. docs/numerics/polygons.md.
+// Outline: tests all pairs of edges of the boundaries that `polygon_turns` left undecided, for each undecided light.
+// `undecided` has a record for each such polygon, and entries, parts of the work of a record (polygon/outlines.wgsl).
+// Dispatched indirectly after `polygon_turns`, a workgroup an entry. For a small boundary an entry has up to 4 edges and 16
+// lights, an invocation each; for a large one it has an edge and a light, which all invocations share. It sets bits of the
+// record, in any order: edges meet; winding numbers on the left of edges; all corners lie in a half-space; something is off
+// a plane with the light. `polygon_masks` decides from them. All turns are exact: 1 if the light sees three points
+// counter-clockwise, -1 if clockwise. A tie is broken by moving the light, in the same way for all pairs and stages.
+// `Turns:` above a loop is its most iterations, with `in all` for all times that it is reached. Claims:
+// docs/numerics/polygons.md.
 
 #import polygon/outlines
 #import polygon/turn
 
-// The findings for an edge and a light: the winding number on the edge's left, and the bits below. With a small outline each
-// invocation has one, with a large one all share the first. WGSL sets workgroup variables to zero, and a workgroup takes one
-// entry.
+// The results for an edge and a light: the winding number on the edge's left, and the bits below. For a small boundary each
+// invocation has an element, for a large one all share the first. A workgroup has one entry and starts with zeros.
 var<workgroup> windings: array<atomic<i32>, 64>;
-var<workgroup> found: array<atomic<u32>, 64>;
-// The rightmost corner among those that each invocation saw, as seen from the edge's first corner; w: 1 if it saw any.
+var<workgroup> results: array<atomic<u32>, 64>;
+// The rightmost corner that each invocation saw, seen from the edge's first corner; w: 1 if it saw any.
 var<workgroup> rightmost: array<vec4<u32>, 64>;
 
-// Bits of `found`: the edge crosses or touches another; an edge and a corner are not in one plane with the light as given; a
+// Bits of `results`: the edge crosses or touches another; an edge and a corner are not in one plane with the given light; a
 // corner is on the left, or on the right, of the line from the edge's first corner to the rightmost corner seen from there.
-const MEETS: u32 = 1u;
+const HAS_CONTACT: u32 = 1u;
 const LEAVES_PLANE: u32 = 2u;
 const IS_ANY_LEFT: u32 = 4u;
 const IS_ANY_RIGHT: u32 = 8u;
 
-// The number that an edge (c, d) adds to the winding number on the left of an edge (a, b), which is counted along the line
-// through a and b, from just before b on. `sides` are the turns (a, b, c) and (a, b, d), and `b_of_f` is the turn (c, d, b): the
-// side of b as seen from the other edge.
-fn passes(sides: vec2<i32>, b_of_f: i32) -> i32 {
+// The change by an edge (c, d) of the winding number on the left of an edge (a, b). It is counted along the line through a
+// and b, from just before b on. `sides` are the turns (a, b, c) and (a, b, d); `turn_of_b` is (c, d, b), the side of b seen
+// from (c, d).
+fn winding_change(sides: vec2<i32>, turn_of_b: i32) -> i32 {
   if (sides.x <= 0 && sides.y > 0) {
-    return select(0, 1, b_of_f >= 0);
+    return select(0, 1, turn_of_b >= 0);
   }
   if (sides.x > 0 && sides.y <= 0) {
-    return select(0, -1, b_of_f <= 0);
+    return select(0, -1, turn_of_b <= 0);
   }
   return 0;
 }
 
-// Whether two edges cross, or touch elsewhere than at an end that they share. `of_e` are the turns from `e` to both ends of `f`,
-// and `of_f` those from `f` to both ends of `e`, for the moved light.
-fn meets(e: Edge, f: Edge, of_e: vec2<i32>, of_f: vec2<i32>) -> bool {
-  let in_line = all(of_e == vec2<i32>(0)) && all(of_f == vec2<i32>(0));
+// Whether two edges cross, or touch elsewhere than at a common end. `turns_at_e` are the turns from `e` to both ends of `f`,
+// and `turns_at_f` those from `f` to both ends of `e`, for the moved light.
+fn has_contact(e: Edge, f: Edge, turns_at_e: vec2<i32>, turns_at_f: vec2<i32>) -> bool {
+  let in_line = all(turns_at_e == vec2<i32>(0)) && all(turns_at_f == vec2<i32>(0));
   let shares = vec4<bool>(all(e.a == f.a), all(e.a == f.b), all(e.b == f.a), all(e.b == f.b));
   if (any(shares)) {
-    // The edges share `from_end`; `end` and `other` are their other ends. Edges in line overlap unless `from_end` is between
-    // these. The second argument of `is_between` is the point in the middle.
+    // The edges share `from_end`; `end` and `other` are their other ends. Edges in line overlap unless `from_end` lies
+    // between these.
     let shares_a = shares.x || shares.y;
     let end = select(e.a, e.b, shares_a);
     let from_end = select(e.b, e.a, shares_a);
@@ -56,19 +55,20 @@ fn meets(e: Edge, f: Edge, of_e: vec2<i32>, of_f: vec2<i32>) -> bool {
   if (in_line) {
     return is_between(e.a, f.a, e.b) || is_between(e.a, f.b, e.b) || is_between(f.a, e.a, f.b);
   }
-  let apart_from_e = of_e.x * of_e.y;
-  let apart_from_f = of_f.x * of_f.y;
-  if (apart_from_e < 0 && apart_from_f < 0) {
-    return of_e.x == of_f.y;
+  let sides_at_e = turns_at_e.x * turns_at_e.y;
+  let sides_at_f = turns_at_f.x * turns_at_f.y;
+  if (sides_at_e < 0 && sides_at_f < 0) {
+    return turns_at_e.x == turns_at_f.y;
   }
-  return (apart_from_e == 0 && apart_from_f < 0) || (apart_from_e < 0 && apart_from_f == 0);
+  return (sides_at_e == 0 && sides_at_f < 0) || (sides_at_e < 0 && sides_at_f == 0);
 }
 
-// Takes the pairs of the invocation's edge and every other; with a large outline every 64th, so of at most 1,024 edges 16, fewer
-// than the SMALL_OUTLINE that `Turns:` counts. All invocations must call it, for its barriers. One loop has eight phases, so that
-// `turn` is compiled once: all pairs, and the rightmost corner among those that the invocation sees; six steps in which 64
-// invocations of a large outline find the rightmost of all, by halves; and whether all corners are on the left of the line to it.
-fn seen_by_pairs(outline: OutlineRange, work: Work, lane: u32) {
+// Tests the pairs of the invocation's edge and every other; for a large boundary every 64th, so at most 16 of 1,024 edges,
+// fewer than the SMALL_OUTLINE that `Turns:` counts. All invocations must call it, for its barriers. One loop has eight
+// phases, so that `turn` is compiled once. Phase 0: all pairs, and the rightmost corner that the invocation sees. Phases 1
+// to 6: 64 invocations of a large boundary reduce to the rightmost corner of all, by halves. Phase 7: whether all corners
+// are left of the line to it.
+fn seen_by_pairs(boundary: PolygonBoundary, work: Work, lane: u32) {
   let slot = select(lane, 0u, work.is_large);
   let step = select(1u, OUTLINE_LANES, work.is_large);
   var best = vec4<u32>(0u);
@@ -80,7 +80,7 @@ fn seen_by_pairs(outline: OutlineRange, work: Work, lane: u32) {
       best = rightmost[0];
     }
     var first = select(0u, lane, work.is_large);
-    var end = outline.count;
+    var end = boundary.count;
     if (!is_pairs && !is_check) {
       first = 0u;
       end = select(0u, 1u, work.is_large && lane < half);
@@ -91,18 +91,18 @@ fn seen_by_pairs(outline: OutlineRange, work: Work, lane: u32) {
       var f: Edge;
       var is_corner = true;
       if (is_pairs || is_check) {
-        f = edge_at(outline.first + other);
-        is_corner = f.has_length && other != work.index;
+        f = load_edge(boundary.first + other);
+        is_corner = f.has_length && other != work.edge_index;
       } else {
-        let theirs = rightmost[lane + half];
-        f.a = theirs.xyz;
-        is_corner = theirs.w != 0u;
+        let other_best = rightmost[lane + half];
+        f.a = other_best.xyz;
+        is_corner = other_best.w != 0u;
       }
       if (!is_corner) {
         continue;
       }
-      var of_e = vec2<i32>(0);
-      var of_f = vec2<i32>(0);
+      var turns_at_e = vec2<i32>(0);
+      var turns_at_f = vec2<i32>(0);
       // Turns: 6 * SMALL_OUTLINE + 6 in all.
       for (var test = select(4u, 0u, is_pairs); test < 5u; test++) {
         var p = work.edge.a;
@@ -122,34 +122,34 @@ fn seen_by_pairs(outline: OutlineRange, work: Work, lane: u32) {
           }
           continue;
         }
-        let found_turn = turn(p, q, r, work.place);
-        let sign = found_turn.moved;
+        let turn_result = turn(p, q, r, work.light_index);
+        let sign = turn_result.sign;
         switch (test) {
-          case 0u: { of_e.x = sign; }
-          case 1u: { of_e.y = sign; }
-          case 2u: { of_f.x = sign; }
-          case 3u: { of_f.y = sign; }
+          case 0u: { turns_at_e.x = sign; }
+          case 1u: { turns_at_e.y = sign; }
+          case 2u: { turns_at_f.x = sign; }
+          case 3u: { turns_at_f.y = sign; }
           default: {}
         }
-        if (test < 4u && found_turn.tie == 0u) {
-          atomicOr(&found[slot], LEAVES_PLANE);
+        if (test < 4u && turn_result.tie == 0u) {
+          atomicOr(&results[slot], LEAVES_PLANE);
         }
         if (test == 4u) {
           if (is_check) {
-            atomicOr(&found[slot], select(0u, IS_ANY_LEFT, sign > 0) | select(0u, IS_ANY_RIGHT, sign < 0));
+            atomicOr(&results[slot], select(0u, IS_ANY_LEFT, sign > 0) | select(0u, IS_ANY_RIGHT, sign < 0));
           } else if (sign < 0) {
             best = vec4<u32>(r, 1u);
           }
         }
       }
       if (is_pairs) {
-        atomicAdd(&windings[slot], passes(of_e, of_f.y));
-        if (meets(work.edge, f, of_e, of_f)) {
-          atomicOr(&found[slot], MEETS);
+        atomicAdd(&windings[slot], winding_change(turns_at_e, turns_at_f.y));
+        if (has_contact(work.edge, f, turns_at_e, turns_at_f)) {
+          atomicOr(&results[slot], HAS_CONTACT);
         }
       }
     }
-    // Each step reads what the half behind it left.
+    // Each phase reads the result of the other half.
     if (is_pairs || (!is_check && lane < half)) {
       rightmost[lane] = best;
     }
@@ -157,15 +157,15 @@ fn seen_by_pairs(outline: OutlineRange, work: Work, lane: u32) {
   }
 }
 
-// Adds what was found for an edge to the record of its polygon.
-fn note(record: u32, slot: u32, place: u32) {
-  let bit = 1u << place;
+// Adds the results for an edge to the record of its polygon.
+fn add_to_record(record: u32, slot: u32, light_index: u32) {
+  let bit = 1u << light_index;
   let winding = atomicLoad(&windings[slot]);
-  let seen = atomicLoad(&found[slot]);
-  if ((seen & IS_ANY_LEFT) != 0u && (seen & IS_ANY_RIGHT) == 0u) {
-    atomicOr(&undecided[record + FITS], bit);
+  let bits = atomicLoad(&results[slot]);
+  if ((bits & IS_ANY_LEFT) != 0u && (bits & IS_ANY_RIGHT) == 0u) {
+    atomicOr(&undecided[record + IN_HALF_SPACE], bit);
   }
-  if ((seen & MEETS) != 0u || (winding != 0 && winding != 1)) {
+  if ((bits & HAS_CONTACT) != 0u || (winding != 0 && winding != 1)) {
     atomicOr(&undecided[record + IS_NOT_SIMPLE], bit);
   }
   if (winding == 1) {
@@ -174,7 +174,7 @@ fn note(record: u32, slot: u32, place: u32) {
   if (winding == 0) {
     atomicOr(&undecided[record + WINDS_NEVER], bit);
   }
-  if ((seen & LEAVES_PLANE) != 0u) {
+  if ((bits & LEAVES_PLANE) != 0u) {
     atomicOr(&undecided[record + OFF_PLANE], bit);
   }
 }
@@ -184,20 +184,20 @@ fn outline(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(local_invocation_index) lane: u32,
 ) {
-  let number = group.y * ENTRY_ROW + group.x;
+  let entry = group.y * ENTRY_ROW + group.x;
   // The last row is not full.
-  let exists = number < atomicLoad(&undecided[ENTRY_COUNT]);
+  let exists = entry < atomicLoad(&undecided[ENTRY_COUNT]);
   var record = UNDECIDED_HEAD;
   var work: Work;
-  var own: OutlineRange;
+  var boundary: PolygonBoundary;
   if (exists) {
-    record = record_at(atomicLoad(&undecided[entry_at(number)]));
-    own = outline_of(polygon_of(record));
-    let part = atomicLoad(&undecided[entry_at(number) + 1u]);
-    work = work_of(own, part, atomicLoad(&undecided[record + LIGHTS]), lane);
+    record = record_offset(atomicLoad(&undecided[entry_offset(entry)]));
+    boundary = boundary_of(polygon_of(record));
+    let part = atomicLoad(&undecided[entry_offset(entry) + 1u]);
+    work = work_of(boundary, part, atomicLoad(&undecided[record + LIGHTS]), lane);
   }
-  seen_by_pairs(own, work, lane);
+  seen_by_pairs(boundary, work, lane);
   if (work.exists && (!work.is_large || lane == 0u)) {
-    note(record, select(lane, 0u, work.is_large), work.place);
+    add_to_record(record, select(lane, 0u, work.is_large), work.light_index);
   }
 }

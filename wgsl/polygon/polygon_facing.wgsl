@@ -1,10 +1,10 @@
-// Facing of polygons, by the turns of their corners: a turn is 1 if the light sees three corners counter-clockwise, -1 if
-// clockwise, 0 if they and the light are in one plane. Three stages, dispatched for each batch of up to 32 lights; they stand
-// where `facing` does for triangles. `polygon_facing`, an invocation a polygon, decides convex triangles and quadrilaterals;
-// `polygon_turns`, an invocation a record of `undecided`, decides other simple cases; `polygon_masks` runs after `outline`,
-// which decided the rest exactly. Every triangle of a polygon has the same bits, and all bits are those of exact arithmetic,
-// or silhouettes would not close: bounds must not shrink. Facing masks are complete after `polygon_masks`; `edges` and others
-// read them then. A comment `Turns:` is about the loop below it, not about corners. docs/numerics/polygons.md, "Four turns".
+// Facing of polygons, from the turns of their corners. A turn is 1 if the light sees three corners counter-clockwise, -1 if
+// clockwise, 0 if they and the light are in one plane. Three stages for each batch of up to 32 lights replace `facing`.
+// `polygon_facing`, an invocation a polygon, decides convex triangles and quadrilaterals. `polygon_turns`, an invocation a
+// record of `undecided`, decides other simple cases. `polygon_masks` runs after `outline`, which decides the others exactly.
+// All triangles of a polygon have the same bits. All bits are those of exact arithmetic, or silhouettes would not close:
+// bounds must not shrink. The facing masks are complete after `polygon_masks`; then `edges` and others read them. `Turns:`
+// above a loop is its most iterations. Claim: docs/numerics/polygons.md, "Four turns".
 
 #import common/determinant
 #import common/extraction
@@ -12,32 +12,32 @@
 #import extract/one_caster
 #import polygon/outlines
 
-// The turns at the four corners of a quadrilateral or triangle as `f32` computes them, for four lights at once, and a bound on
-// their errors. The turn at a corner is the sign of the determinant of the corner before, it and the one after. It counts only
-// where its size is above `bound` and `is_certain` holds.
+// f32 determinants at the four corners of a quadrilateral or triangle, for four lights at once, with a bound on their
+// errors. The turn at a corner is the sign of the determinant of the previous corner, it and the next. It is certain only if
+// the determinant exceeds `bound` and `is_certain` holds.
 
-// Where edge `edge` of `outlines` begins.
+// The position bits of the first vertex of an edge of `outlines`.
 fn vertex_of(edge: u32) -> vec3<u32> {
   return position_bits(outlines[edge].x, position_offset(), position_stride());
 }
 
-// A quadrilateral a, b, c, d: for each corner the normal of it and its neighbours, from which its turns follow.
+// A quadrilateral a, b, c, d: for each corner the normal of it and its neighbours.
 struct Quad {
   a: vec3<f32>,
-  c: vec3<f32>, // For a triangle a.
+  c: vec3<f32>, // Equal to a for a triangle.
   normals: mat4x3<f32>,
-  bound: f32, // On the errors of all turns for all lights.
-  // Whether f32 may decide.
+  bound: f32, // Bounds the errors of all determinants for all lights.
+  // Whether the coordinates are small enough for f32 to decide.
   is_certain: bool,
 }
 
-// The outline must be one loop of three or four edges. A triangle has the same turn at all corners.
-fn quad_of(outline: OutlineRange) -> Quad {
-  let is_triangle = outline.count == 3u;
-  let a_bits = vertex_of(outline.first);
-  let b_bits = vertex_of(outline.first + 1u);
-  let c_bits = vertex_of(outline.first + 2u);
-  let d_bits = vertex_of(outline.first + select(3u, 2u, is_triangle));
+// The boundary must be one loop of three or four edges. A triangle has the same turn at all corners.
+fn quad_of(boundary: PolygonBoundary) -> Quad {
+  let is_triangle = boundary.count == 3u;
+  let a_bits = vertex_of(boundary.first);
+  let b_bits = vertex_of(boundary.first + 1u);
+  let c_bits = vertex_of(boundary.first + 2u);
+  let d_bits = vertex_of(boundary.first + select(3u, 2u, is_triangle));
   let magnitude = max(largest_magnitude(a_bits, b_bits, c_bits), largest_magnitude(d_bits, d_bits, d_bits));
   let a = bitcast<vec3<f32>>(a_bits);
   let c = bitcast<vec3<f32>>(c_bits);
@@ -46,7 +46,7 @@ fn quad_of(outline: OutlineRange) -> Quad {
   let ad = bitcast<vec3<f32>>(d_bits) - a;
   let cd = bitcast<vec3<f32>>(d_bits) - c;
   let cb = bitcast<vec3<f32>>(b_bits) - c;
-  // At corner 0 the turn of d, a, b; at 1 that of a, b, c; at 2 that of b, c, d; at 3 that of c, d, a.
+  // Corner 0 has the turn of d, a, b; corner 1 of a, b, c; corner 2 of b, c, d; corner 3 of c, d, a.
   let n_1 = cross_product(ab, ac);
   let n_0 = cross_product(ab, ad);
   let n_2 = select(cross_product(cd, cb), n_1, is_triangle);
@@ -54,14 +54,19 @@ fn quad_of(outline: OutlineRange) -> Quad {
   let sizes = vec4<f32>(sum_of_sizes(ab) * sum_of_sizes(ad), sum_of_sizes(ab) * sum_of_sizes(ac),
     sum_of_sizes(cd) * sum_of_sizes(cb), sum_of_sizes(ac) * sum_of_sizes(ad));
   let size = max(max(sizes.x, sizes.y), max(sizes.z, sizes.w));
-  let bound = face_bound(size, bitcast<f32>(magnitude), lights_reach());
+  let bound = face_bound(size, bitcast<f32>(magnitude), light_magnitudes());
   return Quad(a, select(c, a, is_triangle), mat4x3<f32>(n_0, n_1, n_2, n_3), bound, magnitude < LARGE);
 }
 
-// The determinants at the four corners (columns) for the lights `place` to `place + 3` (rows).
-fn turns_of(quad: Quad, place: u32) -> mat4x4<f32> {
+// The determinants at the four corners (columns) for four lights (rows), from `light_index` on.
+fn corner_determinants(quad: Quad, light_index: u32) -> mat4x4<f32> {
   let lights = transpose(
-    mat4x4<f32>(scaled_light(place), scaled_light(place + 1u), scaled_light(place + 2u), scaled_light(place + 3u)));
+    mat4x4<f32>(
+      scaled_light(light_index),
+      scaled_light(light_index + 1u),
+      scaled_light(light_index + 2u),
+      scaled_light(light_index + 3u),
+    ));
   let a = quad.a;
   let c = quad.c;
   let n = quad.normals;
@@ -75,46 +80,45 @@ fn turns_of(quad: Quad, place: u32) -> mat4x4<f32> {
   );
 }
 
-// One bit for each of four lights.
+// A bit for each of four lights.
 const FOUR_BITS: vec4<u32> = vec4<u32>(1u, 2u, 4u, 8u);
 
-fn bits_of(lights: vec4<bool>) -> vec4<u32> {
+fn light_bits(lights: vec4<bool>) -> vec4<u32> {
   return select(vec4<u32>(0u), FOUR_BITS, lights);
 }
 
-// The four bits as one number.
-fn together(bits: vec4<u32>) -> u32 {
+// Four bits in one word.
+fn combined_bits(bits: vec4<u32>) -> u32 {
   return bits.x | bits.y | bits.z | bits.w;
 }
 
-// Stage `polygon_facing`: dispatched after the head of `undecided` is reset. A triangle or quadrilateral whose turns at all
-// corners are certain and 1 faces the light, one whose turns are certain and -1 is averted. It writes a bit for each light, 0
-// where it is undecided, to the masks of all triangles of a polygon. A polygon with an undecided light gets a record in
-// `undecided`, in any order, for `polygon_turns`, which computes all its bits anew.
+// Stage `polygon_facing`: dispatched after the head of `undecided` is reset. A triangle or quadrilateral faces the light if
+// all turns are certain and 1, and is back-facing if all are certain and -1. It writes these bits, 0 for undecided lights,
+// to the masks of all triangles of the polygon. A polygon with an undecided light gets a record in `undecided`, in any
+// order, for `polygon_turns`, which computes all its bits again.
 
-// Facing masks of all triangles, and after them as many words in which `polygon_masks` writes for which lights they are
-// twisted.
+// The facing masks of all triangles, then as many twisted masks, which `polygon_masks` writes.
 @group(0) @binding(8) var<storage, read_write> facing_masks: array<u32>;
 
-// The lights for which all turns are certain and 1, and those for which they are certain and -1.
+// Lights for which all turns are certain and 1, and lights for which all are certain and -1.
 struct Convex {
   facing: u32,
-  averted: u32,
+  back_facing: u32,
 }
 
-// The outline must be a triangle or quadrilateral; a triangle has four equal turns. None if f32 is not
-// certain of the positions, which is tested last: the loop is the same for all invocations.
-fn convex_quad(outline: OutlineRange) -> Convex {
+// Decides a triangle or quadrilateral. Decides nothing if the coordinates are too large for f32; this is tested last, so
+// that the loop is the same for all invocations.
+fn convex_quad(boundary: PolygonBoundary) -> Convex {
   var convex = Convex(0u, 0u);
-  let quad = quad_of(outline);
+  let quad = quad_of(boundary);
   let bound = vec4<f32>(quad.bound);
   // Turns: 8.
-  for (var place = 0u; place < light_places(); place += 4u) {
-    let turns = turns_of(quad, place);
+  for (var light_index = 0u; light_index < light_count(); light_index += 4u) {
+    let turns = corner_determinants(quad, light_index);
     let low = min(min(turns[0], turns[1]), min(turns[2], turns[3]));
     let high = max(max(turns[0], turns[1]), max(turns[2], turns[3]));
-    convex.facing |= together(bits_of(low > bound)) << place;
-    convex.averted |= together(bits_of(high < -bound)) << place;
+    convex.facing |= combined_bits(light_bits(low > bound)) << light_index;
+    convex.back_facing |= combined_bits(light_bits(high < -bound)) << light_index;
   }
   if (!quad.is_certain) {
     return Convex(0u, 0u);
@@ -128,295 +132,295 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
   if (id.x >= chunk.count) {
     return;
   }
-  let outline = outline_of(id.x);
-  // The polygon walks each edge both ways, so none is left in its outline, and no edge record names it. No stage writes its
-  // masks: they keep the zeros of a new buffer.
-  if (outline.count == 0u) {
+  let boundary = boundary_of(id.x);
+  // The polygon walks each edge both ways, so no edge record names it. Its masks keep the zeros of a new buffer.
+  if (boundary.count == 0u) {
     return;
   }
   var convex = Convex(0u, 0u);
-  if (outline.is_loop && (outline.count == 3u || outline.count == 4u)) {
-    convex = convex_quad(outline);
+  if (boundary.is_loop && (boundary.count == 3u || boundary.count == 4u)) {
+    convex = convex_quad(boundary);
   }
   // Turns: POLYGON_TRIANGLES.
-  for (var triangle = outline.first_triangle; triangle < outline.end_triangle; triangle++) {
-    facing_masks[triangle] = convex.facing & live_lights();
+  for (var triangle = boundary.first_triangle; triangle < boundary.end_triangle; triangle++) {
+    facing_masks[triangle] = convex.facing & active_lights();
   }
-  if ((live_lights() & ~(convex.facing | convex.averted)) != 0u) {
-    // There is room for a record of every polygon. `polygon_turns` writes its other words.
-    let number = atomicAdd(&undecided[RECORD_COUNT], 1u);
-    atomicStore(&undecided[record_at(number) + POLYGON], id.x);
-    // `polygon_turns` has an invocation a record. Its workgroups lie in rows (x) of at most ENTRY_ROW; y counts rows, and z is
-    // 1 from the reset.
-    let workgroup = number / OUTLINE_LANES;
+  if ((active_lights() & ~(convex.facing | convex.back_facing)) != 0u) {
+    // There is room for a record of every polygon. `polygon_turns` writes the other words.
+    let record_index = atomicAdd(&undecided[RECORD_COUNT], 1u);
+    atomicStore(&undecided[record_offset(record_index) + POLYGON], id.x);
+    // `polygon_turns` has an invocation a record. Its workgroups lie in rows (x) of at most ENTRY_ROW; y is the number of
+    // rows. The reset wrote 1 to z.
+    let workgroup = record_index / OUTLINE_LANES;
     atomicMax(&undecided[RECORD_WORKGROUPS], min(workgroup + 1u, ENTRY_ROW));
     atomicMax(&undecided[RECORD_WORKGROUPS + 1u], workgroup / ENTRY_ROW + 1u);
   }
 }
 
-// Stage `polygon_turns`: dispatched indirectly, by the words that `polygon_facing` wrote to the head of `undecided`. A
-// quadrilateral of two triangles is decided where `f32` is certain of all four turns and these do not alternate: it faces the
-// light, is averted, or is L-twisted (its outline crosses itself as seen from light L). Another loop, of at most 256 edges, is
-// decided where it is strictly convex. It overwrites the polygon's words of `facing_masks`, and writes to the record the
-// lights that are left (LIGHTS), and of a twisted quadrilateral TWISTED_QUAD, TURN_0 and TURN_1. For LIGHTS it lists entries,
-// parts of the work, for `outline`, the next stage. `polygon_masks` reads records, and `cut_quads` those of twisted
-// quadrilaterals.
+// Stage `polygon_turns`: dispatched indirectly, by the words that `polygon_facing` wrote to the head of `undecided`. It
+// decides a quadrilateral of two triangles if f32 is certain of all four turns and these do not alternate. It is
+// front-facing, back-facing, or L-twisted: its boundary crosses itself as seen from light L. It decides another loop, of at
+// most 256 edges, if it is strictly convex. It overwrites the polygon's facing masks, and writes to the record the undecided
+// lights (LIGHTS), and TWISTED_QUAD, TURN_0 and TURN_1 of a twisted quadrilateral. For LIGHTS it lists entries, parts of the
+// work, for `outline`, the next stage. `polygon_masks` reads records, and `cut_quads` those of twisted quadrilaterals.
 
-// Outlines of more edges are not tried here, so that an invocation ends soon.
+// Loops of more edges are not tried here, so that an invocation ends soon.
 const MOST_CONVEX: u32 = 256u;
 
-// The lights for which the turns at some corners are certainly all 1, and those for which they are certainly all -1.
+// Lights for which the turns at some corners are certainly all 1, and lights for which they are certainly all -1.
 struct Turns {
   positive: u32,
   negative: u32,
 }
 
-// `turns`, as far as the turn of three points agrees with them. `largest` bounds the coordinates. Takes four lights at a time.
-fn with_turns(turns: Turns, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, largest: f32) -> Turns {
+// Removes the lights from `turns` for which the turn of three points is not certainly the same. `largest` bounds the
+// coordinates. Tests four lights at a time.
+fn narrowed_turns(turns: Turns, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, largest: f32) -> Turns {
   let u = b - a;
   let v = c - a;
   let n = cross_product(u, v);
   let size = (abs(u.x) + abs(u.y) + abs(u.z)) * (abs(v.x) + abs(v.y) + abs(v.z));
-  let bound = vec4<f32>(face_bound(size, largest, lights_reach()));
+  let bound = vec4<f32>(face_bound(size, largest, light_magnitudes()));
   var positive = 0u;
   var negative = 0u;
   // Turns: 8.
-  for (var place = 0u; place < light_places(); place += 4u) {
+  for (var light_index = 0u; light_index < light_count(); light_index += 4u) {
     let d = vec4<f32>(
-      local_form(n, a, scaled_light(place)),
-      local_form(n, a, scaled_light(place + 1u)),
-      local_form(n, a, scaled_light(place + 2u)),
-      local_form(n, a, scaled_light(place + 3u)),
+      local_form(n, a, scaled_light(light_index)),
+      local_form(n, a, scaled_light(light_index + 1u)),
+      local_form(n, a, scaled_light(light_index + 2u)),
+      local_form(n, a, scaled_light(light_index + 3u)),
     );
     let above = select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), d > bound);
     let below = select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), d < -bound);
-    positive |= (above.x | above.y | above.z | above.w) << place;
-    negative |= (below.x | below.y | below.z | below.w) << place;
+    positive |= (above.x | above.y | above.z | above.w) << light_index;
+    negative |= (below.x | below.y | below.z | below.w) << light_index;
   }
   return Turns(turns.positive & positive, turns.negative & negative);
 }
 
-// The three corners of turn `number` of a loop of `count` corners: first (i, i + 1, i + 2) for each i, which is the turn at
-// corner i + 1 (`turns_of` instead counts a turn by its corner); then (0, 1, i) and (0, i - 1, i) for each i from 3 to count -
-// 2. If all are equal, corner 0 sees the others one after the other within a half-turn, so the loop goes around once; the
-// first alone may be equal although it goes around twice.
-fn turn_corners(number: u32, count: u32) -> vec3<u32> {
-  if (number < count) {
-    let next = select(number + 1u, 0u, number + 1u == count);
-    return vec3<u32>(number, next, select(next + 1u, 0u, next + 1u == count));
+// The three corners of test `index` of a loop of `count` corners. First (i, i + 1, i + 2) for each i, the turn at corner i +
+// 1. Then (0, 1, i) and (0, i - 1, i) for each i from 3 to count - 2. If all turns are equal, corner 0 sees the others in
+// order within a half-turn, so the loop goes around once. The first tests alone may agree although it goes around twice.
+fn turn_corners(index: u32, count: u32) -> vec3<u32> {
+  if (index < count) {
+    let next = select(index + 1u, 0u, index + 1u == count);
+    return vec3<u32>(index, next, select(next + 1u, 0u, next + 1u == count));
   }
-  let corner = 3u + (number - count) / 2u;
-  return select(vec3<u32>(0u, corner - 1u, corner), vec3<u32>(0u, 1u, corner), (number - count) % 2u == 0u);
+  let corner = 3u + (index - count) / 2u;
+  return select(vec3<u32>(0u, corner - 1u, corner), vec3<u32>(0u, 1u, corner), (index - count) % 2u == 0u);
 }
 
-// The lights that see a loop of at most MOST_CONVEX corners as strictly convex, by its sense. Bits past the last light may be
-// set.
-fn convex_turns(outline: OutlineRange) -> Turns {
+// The lights that see a loop of at most MOST_CONVEX corners as strictly convex, by its sense. Bits past the last light may
+// be set.
+fn convex_turns(boundary: PolygonBoundary) -> Turns {
   var turns = Turns(0xffffffffu, 0xffffffffu);
-  var turn_count = outline.count;
-  if (outline.count == 3u) {
+  var turn_count = boundary.count;
+  if (boundary.count == 3u) {
     turn_count = 1u;
-  } else if (outline.count > 4u) {
-    turn_count = outline.count + 2u * (outline.count - 4u);
+  } else if (boundary.count > 4u) {
+    turn_count = boundary.count + 2u * (boundary.count - 4u);
   }
   // Turns: 3 * MOST_CONVEX.
-  for (var number = 0u; number < turn_count && (turns.positive | turns.negative) != 0u; number++) {
-    let corners = turn_corners(number, outline.count);
-    let a = vertex_of(outline.first + corners.x);
-    let b = vertex_of(outline.first + corners.y);
-    let c = vertex_of(outline.first + corners.z);
+  for (var index = 0u; index < turn_count && (turns.positive | turns.negative) != 0u; index++) {
+    let corners = turn_corners(index, boundary.count);
+    let a = vertex_of(boundary.first + corners.x);
+    let b = vertex_of(boundary.first + corners.y);
+    let c = vertex_of(boundary.first + corners.z);
     let magnitude = largest_magnitude(a, b, c);
     if (magnitude >= LARGE) {
       return Turns(0u, 0u);
     }
-    turns = with_turns(turns, bitcast<vec3<f32>>(a), bitcast<vec3<f32>>(b), bitcast<vec3<f32>>(c), bitcast<f32>(magnitude));
+    turns = narrowed_turns(
+      turns, bitcast<vec3<f32>>(a), bitcast<vec3<f32>>(b), bitcast<vec3<f32>>(c), bitcast<f32>(magnitude));
   }
   return turns;
 }
 
-// The findings of this stage about an outline, a bit for each light. A light is decided if its bit is in `facing`, `averted`
-// or `twisted`. Bits past the last light may be set, except in `twisted`.
+// The decisions of this stage about a boundary, a bit for each light. A light is decided if its bit is in `facing`,
+// `back_facing` or `twisted`. Bits past the last light may be set, except in `twisted`.
 struct Decided {
   facing: u32,
-  averted: u32,
-  // The lights for which two neighbouring turns of a quadrilateral are certainly 1 and the others certainly -1.
+  back_facing: u32,
+  // Lights for which two neighbouring turns of a quadrilateral are certainly 1 and the others certainly -1.
   twisted: u32,
-  // The lights for which its turns at corner 0 and at corner 1 are certainly 1. Only lights of `twisted` count.
+  // Lights for which its turns at corner 0 and at corner 1 are certainly 1. They are valid only for lights of `twisted`.
   turn_0: u32,
   turn_1: u32,
 }
 
-// Decides a quadrilateral by the turns at its corners, four lights at a time, where all four are certain. If three are equal,
-// the outline is simple and has their sense. If two neighbours differ from the other two, two edges cross: it is L-twisted. If
-// turns alternate, it goes around the light; nothing is decided.
-fn decided_quad(outline: OutlineRange) -> Decided {
+// Decides a quadrilateral by the turns at its corners, four lights at a time, if all four are certain. If three are equal,
+// the loop is simple and has their sense. If two neighbours differ from the other two, two edges cross: it is L-twisted. If
+// turns alternate, it goes around the light, and nothing is decided.
+fn decided_quad(boundary: PolygonBoundary) -> Decided {
   var decided = Decided(0u, 0u, 0u, 0u, 0u);
-  let quad = quad_of(outline);
+  let quad = quad_of(boundary);
   if (!quad.is_certain) {
     return decided;
   }
   let bound = vec4<f32>(quad.bound);
   // Turns: 8.
-  for (var place = 0u; place < light_places(); place += 4u) {
-    let turns = turns_of(quad, place);
-    let up_0 = bits_of(turns[0] > bound);
-    let up_1 = bits_of(turns[1] > bound);
-    let up_2 = bits_of(turns[2] > bound);
-    let up_3 = bits_of(turns[3] > bound);
-    let down_0 = bits_of(turns[0] < -bound);
-    let down_1 = bits_of(turns[1] < -bound);
-    let down_2 = bits_of(turns[2] < -bound);
-    let down_3 = bits_of(turns[3] < -bound);
-    let certain = (up_0 | down_0) & (up_1 | down_1) & (up_2 | down_2) & (up_3 | down_3);
-    let facing = certain & ((up_0 & up_1 & (up_2 | up_3)) | (up_2 & up_3 & (up_0 | up_1)));
-    let averted = certain & ((down_0 & down_1 & (down_2 | down_3)) | (down_2 & down_3 & (down_0 | down_1)));
-    decided.facing |= together(facing) << place;
-    decided.averted |= together(averted) << place;
-    // Turns alternate. Such an outline is left to `outline`, and what it darkens to `cut_edges`, not to `cut_quads`.
-    let around = (up_0 & up_2) | (down_0 & down_2);
-    decided.twisted |= together(certain & ~facing & ~averted & ~around) << place;
-    decided.turn_0 |= together(up_0) << place;
-    decided.turn_1 |= together(up_1) << place;
+  for (var light_index = 0u; light_index < light_count(); light_index += 4u) {
+    let turns = corner_determinants(quad, light_index);
+    let positive_0 = light_bits(turns[0] > bound);
+    let positive_1 = light_bits(turns[1] > bound);
+    let positive_2 = light_bits(turns[2] > bound);
+    let positive_3 = light_bits(turns[3] > bound);
+    let negative_0 = light_bits(turns[0] < -bound);
+    let negative_1 = light_bits(turns[1] < -bound);
+    let negative_2 = light_bits(turns[2] < -bound);
+    let negative_3 = light_bits(turns[3] < -bound);
+    let certain = (positive_0 | negative_0) & (positive_1 | negative_1) & (positive_2 | negative_2) &
+      (positive_3 | negative_3);
+    let facing = certain & ((positive_0 & positive_1 & (positive_2 | positive_3)) |
+      (positive_2 & positive_3 & (positive_0 | positive_1)));
+    let back_facing = certain & ((negative_0 & negative_1 & (negative_2 | negative_3)) |
+      (negative_2 & negative_3 & (negative_0 | negative_1)));
+    decided.facing |= combined_bits(facing) << light_index;
+    decided.back_facing |= combined_bits(back_facing) << light_index;
+    // Turns alternate. `outline` decides such a boundary, and `cut_edges`, not `cut_quads`, cuts it.
+    let alternating = (positive_0 & positive_2) | (negative_0 & negative_2);
+    decided.twisted |= combined_bits(certain & ~facing & ~back_facing & ~alternating) << light_index;
+    decided.turn_0 |= combined_bits(positive_0) << light_index;
+    decided.turn_1 |= combined_bits(positive_1) << light_index;
   }
-  decided.twisted &= live_lights();
+  decided.twisted &= active_lights();
   return decided;
 }
 
-// Decides what can be decided here. Nothing is twisted but quadrilaterals of two triangles.
-fn decided_outline(outline: OutlineRange) -> Decided {
-  // With more triangles than two it has edges that it walks both ways, and four turns do not tell where its surface is dark.
-  if (outline.is_loop && outline.count == 4u && outline.end_triangle - outline.first_triangle == 2u) {
-    return decided_quad(outline);
+// Decides simple cases. Only quadrilaterals of two triangles can be twisted here.
+fn decided_boundary(boundary: PolygonBoundary) -> Decided {
+  // With more than two triangles it has edges that it walks both ways. Four turns then do not decide where its surface is
+  // dark.
+  if (boundary.is_loop && boundary.count == 4u && boundary.end_triangle - boundary.first_triangle == 2u) {
+    return decided_quad(boundary);
   }
-  if (outline.is_loop && outline.count <= MOST_CONVEX) {
-    let turns = convex_turns(outline);
+  if (boundary.is_loop && boundary.count <= MOST_CONVEX) {
+    let turns = convex_turns(boundary);
     return Decided(turns.positive, turns.negative, 0u, 0u, 0u);
   }
   return Decided(0u, 0u, 0u, 0u, 0u);
 }
 
-fn is_outline_finite(outline: OutlineRange) -> bool {
+fn is_boundary_finite(boundary: PolygonBoundary) -> bool {
   // Turns: OUTLINE_EDGES.
-  for (var edge = 0u; edge < outline.count; edge++) {
-    if (!is_finite(vertex_of(outline.first + edge))) {
+  for (var edge = 0u; edge < boundary.count; edge++) {
+    if (!is_finite(vertex_of(boundary.first + edge))) {
       return false;
     }
   }
   return true;
 }
 
-// 64 is OUTLINE_LANES, by which `polygon_facing` counts workgroups. So there is an invocation for each record, and it takes
-// one.
+// The workgroup size is OUTLINE_LANES, by which `polygon_facing` counts workgroups: an invocation has at most one record.
 @compute @workgroup_size(64)
 fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  let records = atomicLoad(&undecided[RECORD_COUNT]);
+  let record_count = atomicLoad(&undecided[RECORD_COUNT]);
   let row = OUTLINE_LANES * groups.x;
   // Turns: 1.
-  for (var number = id.y * row + id.x; number < records; number += groups.y * row) {
-    let at = record_at(number);
-    let polygon = atomicLoad(&undecided[at + POLYGON]);
-    let outline = outline_of(polygon);
-    let decided = decided_outline(outline);
+  for (var index = id.y * row + id.x; index < record_count; index += groups.y * row) {
+    let offset = record_offset(index);
+    let polygon = atomicLoad(&undecided[offset + POLYGON]);
+    let boundary = boundary_of(polygon);
+    let decided = decided_boundary(boundary);
     // Turns: POLYGON_TRIANGLES.
-    for (var triangle = outline.first_triangle; triangle < outline.end_triangle; triangle++) {
-      facing_masks[triangle] = decided.facing & live_lights();
+    for (var triangle = boundary.first_triangle; triangle < boundary.end_triangle; triangle++) {
+      facing_masks[triangle] = decided.facing & active_lights();
     }
-    let left = live_lights() & ~(decided.facing | decided.averted | decided.twisted);
-    // If f32 decides all lights, all corners are finite. If a corner is not finite, f32 decides no light: LIGHTS are then all
-    // lights, for `polygon_masks`.
-    let is_left = (left | decided.twisted) != 0u;
-    let has_finite_corners = !is_left || is_outline_finite(outline);
-    atomicStore(&undecided[at + POLYGON], polygon | select(NOT_FINITE, 0u, has_finite_corners));
-    atomicStore(&undecided[at + LIGHTS], select(live_lights(), left, has_finite_corners));
-    // The words that `outline` sets bits in, from FITS to OFF_PLANE, which TWISTED_QUAD follows.
-    for (var word = FITS; word < TWISTED_QUAD; word++) {
-      atomicStore(&undecided[at + word], 0u);
+    let undecided_lights = active_lights() & ~(decided.facing | decided.back_facing | decided.twisted);
+    // If f32 decides all lights, all corners are finite. If a corner is not finite, f32 decides no light: LIGHTS are then
+    // all active lights, for `polygon_masks`.
+    let is_undecided = (undecided_lights | decided.twisted) != 0u;
+    let has_finite_corners = !is_undecided || is_boundary_finite(boundary);
+    atomicStore(&undecided[offset + POLYGON], polygon | select(NOT_FINITE, 0u, has_finite_corners));
+    atomicStore(&undecided[offset + LIGHTS], select(active_lights(), undecided_lights, has_finite_corners));
+    // The words that `outline` sets bits in, from IN_HALF_SPACE to OFF_PLANE, before TWISTED_QUAD.
+    for (var word = IN_HALF_SPACE; word < TWISTED_QUAD; word++) {
+      atomicStore(&undecided[offset + word], 0u);
     }
-    atomicStore(&undecided[at + TWISTED_QUAD], decided.twisted);
-    atomicStore(&undecided[at + TURN_0], decided.turn_0);
-    atomicStore(&undecided[at + TURN_1], decided.turn_1);
-    if (has_finite_corners && left != 0u) {
-      list_work(number, outline, left, ENTRY_COUNT, WORKGROUPS);
+    atomicStore(&undecided[offset + TWISTED_QUAD], decided.twisted);
+    atomicStore(&undecided[offset + TURN_0], decided.turn_0);
+    atomicStore(&undecided[offset + TURN_1], decided.turn_1);
+    if (has_finite_corners && undecided_lights != 0u) {
+      list_entries(index, boundary, undecided_lights, ENTRY_COUNT, WORKGROUPS);
     }
   }
 }
 
-// Stage `polygon_masks`: decides from the records whether a polygon faces each light that `polygon_turns` left, is in a plane
-// with it, or is L-twisted. Dispatched after `outline`, one invocation a record. It adds to statistics, and for the polygon's
-// triangles to the facing masks, the first half of `facing_masks`; it writes their twisted masks, the second half, and their
-// excluded masks. Twisted masks are cleared before, and excluded masks but for what a scene excludes. A polygon that is twisted or
-// in a plane counts nowhere as a face; what a twisted one darkens is cut into pieces. `edges` reads facing and twisted masks
-// next; stages of shadow volumes read facing and excluded ones. Outlines that are twisted are listed as entries for
-// `cut_edges`, except the quadrilaterals that `cut_quads` takes.
+// Stage `polygon_masks`: decides from the records whether a polygon faces each light that `polygon_turns` left undecided, is
+// in a plane with it, or is L-twisted. Dispatched after `outline`, an invocation a record. It adds facing bits of the
+// polygon's triangles (first half of `facing_masks`) and writes their twisted masks (second half) and masks of excluding
+// lights. Twisted masks are cleared before, and excluding ones except for exclusions by the caller. It also adds to
+// statistics. A polygon that is twisted or in a plane counts as absent; the shadow of a twisted one is cut into pieces.
+// `edges` reads facing and twisted masks next; stages of shadow volumes read facing and excluding ones. It lists entries of
+// twisted boundaries for `cut_edges`, except for the quadrilaterals of `cut_quads`.
 
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
-// The statistics, not a record of `undecided`.
+// The statistics; not a record of `undecided`.
 @group(0) @binding(2) var<storage, read_write> record: FacingRecord;
 
-// Bits of lights. Lights that were decided before are in none of them, except those for which `polygon_turns` found a
-// quadrilateral twisted: these are in `twisted` and `excluded`.
+// Bits of lights that `polygon_turns` left undecided. `twisted` and `excluded` also have those for which it found a
+// quadrilateral twisted.
 struct PolygonMasks {
   facing: u32,
   twisted: u32,
   excluded: u32, // Twisted or in a plane, so without a cap or side of its own.
 }
 
-// The bits of the record at word `at` of `undecided`. A polygon with a corner that is not finite (its word POLYGON has bit 31,
-// NOT_FINITE) faces no light and is excluded for all: LIGHTS has them. `outline` found, over all edges of the outline: FITS,
-// all corners are in one half-space; IS_NOT_SIMPLE, some edges meet, or the winding number beside one is neither 0 nor 1;
-// WINDS_ONCE, beside one it is 1; WINDS_NEVER, beside one it is 0; OFF_PLANE, something is off the plane. If 1 and 0 both
-// occur, the outline is not simple.
-fn masks_of_record(at: u32) -> PolygonMasks {
-  let lights = atomicLoad(&undecided[at + LIGHTS]);
-  if (atomicLoad(&undecided[at + POLYGON]) >= NOT_FINITE) {
+// The bits of the record at word `offset` of `undecided`. A polygon with a corner that is not finite faces no light and is
+// excluded for all: LIGHTS has them. `outline` found bits over all edges (polygon/outlines.wgsl). If winding numbers 1 and 0
+// both occur on the left of edges, the boundary is not simple.
+fn masks_of_record(offset: u32) -> PolygonMasks {
+  let lights = atomicLoad(&undecided[offset + LIGHTS]);
+  if (atomicLoad(&undecided[offset + POLYGON]) >= NOT_FINITE) {
     return PolygonMasks(0u, 0u, lights);
   }
-  let once = atomicLoad(&undecided[at + WINDS_ONCE]);
-  let never = atomicLoad(&undecided[at + WINDS_NEVER]);
-  let in_plane = lights & ~atomicLoad(&undecided[at + OFF_PLANE]);
-  let simple = atomicLoad(&undecided[at + FITS]) & ~atomicLoad(&undecided[at + IS_NOT_SIMPLE]) & ~(once & never);
-  let twisted = (lights & ~in_plane & ~simple) | atomicLoad(&undecided[at + TWISTED_QUAD]);
-  return PolygonMasks(lights & ~in_plane & simple & once, twisted, twisted | in_plane);
+  let winds_once = atomicLoad(&undecided[offset + WINDS_ONCE]);
+  let winds_never = atomicLoad(&undecided[offset + WINDS_NEVER]);
+  let in_plane = lights & ~atomicLoad(&undecided[offset + OFF_PLANE]);
+  let simple = atomicLoad(&undecided[offset + IN_HALF_SPACE]) & ~atomicLoad(&undecided[offset + IS_NOT_SIMPLE]) &
+    ~(winds_once & winds_never);
+  let twisted = (lights & ~in_plane & ~simple) | atomicLoad(&undecided[offset + TWISTED_QUAD]);
+  return PolygonMasks(lights & ~in_plane & simple & winds_once, twisted, twisted | in_plane);
 }
 
-// 64 is OUTLINE_LANES, by which `polygon_facing` counts workgroups. So there is an invocation for each record, and it takes
-// one.
+// The workgroup size is OUTLINE_LANES, by which `polygon_facing` counts workgroups: an invocation has at most one record.
 @compute @workgroup_size(64)
 fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  let records = atomicLoad(&undecided[RECORD_COUNT]);
+  let record_count = atomicLoad(&undecided[RECORD_COUNT]);
   let row = OUTLINE_LANES * groups.x;
   // Turns: 1.
-  for (var number = id.y * row + id.x; number < records; number += groups.y * row) {
-    let at = record_at(number);
-    let own = masks_of_record(at);
-    let outline = outline_of(polygon_of(at));
+  for (var index = id.y * row + id.x; index < record_count; index += groups.y * row) {
+    let offset = record_offset(index);
+    let masks = masks_of_record(offset);
+    let boundary = boundary_of(polygon_of(offset));
     let triangles = arrayLength(&facing_masks) / 2u;
     // Turns: POLYGON_TRIANGLES.
-    for (var triangle = outline.first_triangle; triangle < outline.end_triangle; triangle++) {
-      facing_masks[triangle] |= own.facing;
-      facing_masks[triangles + triangle] = own.twisted;
-      // Without lists there is no buffer of excluded masks. A short buffer is bound, and what is written to it is not read.
+    for (var triangle = boundary.first_triangle; triangle < boundary.end_triangle; triangle++) {
+      facing_masks[triangle] |= masks.facing;
+      facing_masks[triangles + triangle] = masks.twisted;
+      // An extractor without lists binds a short buffer, and nobody reads the words written to it.
       if (triangle < arrayLength(&excluded_masks)) {
-        excluded_masks[triangle] |= own.excluded;
+        excluded_masks[triangle] |= masks.excluded;
       }
     }
-    // `undecided_pairs` lacks the pairs that `polygon_turns` found twisted: LIGHTS has none of them. `non_finite_faces` counts
-    // polygons here, in the first batch only, since every batch finds the same.
-    if (atomicLoad(&undecided[at + POLYGON]) < NOT_FINITE) {
-      let lights = atomicLoad(&undecided[at + LIGHTS]);
+    // `undecided_pairs` does not count the pairs that `polygon_turns` found twisted. `non_finite_faces` counts polygons
+    // here, in the first batch only, since every batch finds the same.
+    if (atomicLoad(&undecided[offset + POLYGON]) < NOT_FINITE) {
+      let lights = atomicLoad(&undecided[offset + LIGHTS]);
       atomicAdd(&record.statistics.undecided_pairs, countOneBits(lights));
-      atomicAdd(&record.statistics.exact_zeros, countOneBits(own.excluded & ~own.twisted));
-      atomicOr(&record.statistics.twisted_lights, own.twisted);
+      atomicAdd(&record.statistics.exact_zeros, countOneBits(masks.excluded & ~masks.twisted));
+      atomicOr(&record.statistics.twisted_lights, masks.twisted);
     } else if (chunk.first_light == 0u) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);
     }
-    // `cut_quads` cuts for the lights of `quad`, and `cut_edges` for the other twisted ones. Up to here LIGHTS were the
-    // undecided lights; from here on they are those of `cut_edges`.
-    let quad = atomicLoad(&undecided[at + TWISTED_QUAD]);
-    let cut = own.twisted & ~quad;
-    atomicStore(&undecided[at + LIGHTS], cut);
+    // `cut_quads` cuts for the lights of `quad`, and `cut_edges` for the other twisted ones. From here on LIGHTS are those
+    // of `cut_edges`.
+    let quad = atomicLoad(&undecided[offset + TWISTED_QUAD]);
+    let cut = masks.twisted & ~quad;
+    atomicStore(&undecided[offset + LIGHTS], cut);
     if (cut != 0u) {
-      list_work(number, outline, cut, CUT_COUNT, CUT_WORKGROUPS);
+      list_entries(index, boundary, cut, CUT_COUNT, CUT_WORKGROUPS);
     }
   }
 }

@@ -1,20 +1,18 @@
-// Exact shadow depth: decides the faces that `shadow_depth` left undecided, and adds them to `depths`, the number of faces
-// between each point and light (polygons, where a mesh has them), which the caller reads in the end. Three stages, right after
-// `shadow_depth` and in this order, for each range of faces. `exact_shadow_depth`: an invocation a pair of point and light,
-// for the up to three faces that are noted for it. `depth_arguments`: says how many workgroups the next has.
-// `exact_shadow_depth_recount`: a workgroup a listed pair, which has more, and 1,024 faces. It decides all of these, since
-// `shadow_depth` counted nothing of the range for such a pair. Fixed point decides where the numbers fit, else integers, so
-// depths are the same on every device. Where the line to the light meets an edge, the tie is broken as if the light were moved
-// by (e, e^2, e^3), the same for all faces, so that a line through a shared edge passes one side of it. Counts are added by
-// atomics, in any order. docs/numerics/query.md.
+// Exact shadow depth: decides the faces that `shadow_depth` left undecided, and adds them to the occluder counts (`depths`)
+// that the caller reads. Three stages after `shadow_depth`, in this order, for each range of faces. `exact_shadow_depth`: an
+// invocation a pair of point and light, for its up to three stored faces. `depth_arguments`: writes the dispatch of the next
+// stage. `exact_shadow_depth_recount`: a workgroup a listed pair (one with more) and a group of 1,024 faces. It decides all
+// of them, since `shadow_depth` counted nothing of the range for the pair. Fixed point decides if the numbers fit, otherwise
+// `exact_sign`, so counts are the same on every device. If the line meets an edge, the light moves by (e, e^2, e^3) for all
+// faces, so that the line passes a shared edge on one side. Claim: docs/numerics/query.md.
 
 #import common/exact_sign
 #import query/records
 #import query/shadow_pairs
 #import query/shadow_segments
 
-// The light, or the axis along which it moves in a tie.
-fn light_at(light: vec4<u32>, tie: u32) -> vec4<u32> {
+// The light, or for tie 1 to 3 the axis along which it moves, as a light at infinity.
+fn light_or_axis(light: vec4<u32>, tie: u32) -> vec4<u32> {
   switch (tie) {
     case 0u: { return light; }
     case 1u: { return vec4<u32>(ONE, 0u, 0u, 0u); }
@@ -24,11 +22,12 @@ fn light_at(light: vec4<u32>, tie: u32) -> vec4<u32> {
 }
 
 // Whether point and light are strictly on opposite sides of the face's plane, and the line between them passes through the
-// face: for each edge the sign of edge, point and light is that of face and light. Ties are broken for edges only.
+// face. It does if the sign for each edge with point and light is that of face and light. Only the signs for edges have ties
+// broken.
 fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
   var light_side = 0;
-  // The sides of the point, of the light, and of three edges. One loop computes them, so that the integers are compiled
-  // once.
+  // Tests 0 and 1: the sides of the point and of the light at the plane. Tests 2 to 4: the three edges. One loop computes
+  // them all, so that the integer code is compiled once.
   for (var test = 0u; test < 5u; test++) {
     var a = face.a;
     var b = face.b;
@@ -41,15 +40,15 @@ fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
       b = face.a;
     }
     let fixed = fixed_face(a, b, c);
-    let towards = select(light, vec4<u32>(p, ONE), test == 0u);
+    let test_point = select(light, vec4<u32>(p, ONE), test == 0u);
     let ties = select(1u, 4u, test >= 2u);
     var sign = 0;
     // Turns: 4.
     for (var tie = 0u; tie < ties && sign == 0; tie++) {
-      let at = light_at(towards, tie);
-      sign = fixed_sign(fixed, at);
+      let moving_light = light_or_axis(test_point, tie);
+      sign = fixed_sign(fixed, moving_light);
       if (sign == 2) {
-        sign = exact_sign(a, b, c, at);
+        sign = exact_sign(a, b, c, moving_light);
       }
     }
     if (sign == 0) {
@@ -64,45 +63,45 @@ fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
   return true;
 }
 
-// Whether a face is between, by bounds or exactly. The face that the point is on is not.
+// Whether a face lies between, decided by error bounds or exactly. The face that the point is on does not.
 fn is_between(segment: Segment, index: u32) -> bool {
   let face = face_of(index);
-  let decision = select(decide(segment, face), NOT_BETWEEN, is_named(segment, index));
+  let decision = select(decide_face(segment, face), NOT_BETWEEN, is_on_face(segment, index));
   return decision == BETWEEN ||
     (decision == UNDECIDED && exactly_between(face, segment.p_bits, batch.light_bits[segment.light]));
 }
 
-// A bit for each of a group's 1,024 faces: whether an odd number of triangles are between, of the polygon that begins with it
-// and ends in the group. It is cleared before use: SwiftShader was seen to leave the words of an earlier workgroup in it.
+// A bit for each of a group's 1,024 faces, for the polygon that begins with it and ends in the group. It is set if an odd
+// number of triangles of the polygon lie between. The stage clears the bits, because SwiftShader was seen to keep those of
+// an earlier workgroup.
 var<workgroup> odd_polygons: array<atomic<u32>, CLUSTER>;
 
-// The amount that a face that is between adds to the depth, among the faces of the group that begins with cluster `first`: 1,
-// or -1 after an odd number of triangles of the same polygon. In any order of invocations the sum is 1 for an odd number and 0
-// for an even one.
-fn turn_in_group(pair: u32, index: u32, first: u32) -> i32 {
+// The change of the count for a face that lies between, in the group that begins with cluster `first`: 1, or -1 after an odd
+// number of triangles of the same polygon. The sum is the parity, in any order of invocations.
+fn count_change_in_group(pair: u32, index: u32, first: u32) -> i32 {
   if (!POLYGONS) {
     return 1;
   }
-  let head = head_of(index);
+  let polygon = polygon_of(index);
   let begin = CLUSTER * first;
   let end = begin + CLUSTER * CLUSTER;
-  var goes_on = false;
+  var continues_after_group = false;
   if (first + CLUSTER < arrayLength(&clusters)) {
-    goes_on = head_of(end) == head;
+    continues_after_group = polygon_of(end) == polygon;
   }
-  var bit = odd_bit(head, range.first);
-  var before = 0u;
-  // A polygon with triangles in other groups has its bit with the pair: a listed pair has bits in place of its first face.
-  if (head < begin || goes_on) {
-    before = atomicXor(&undecided_pairs.pairs[pair].face_0, bit);
+  var bit = polygon_bit(polygon, range.first);
+  var bits_before = 0u;
+  // For a polygon with triangles in other groups the bit is stored with the pair: `face_0` of a listed pair holds such bits.
+  if (polygon < begin || continues_after_group) {
+    bits_before = atomicXor(&undecided_pairs.pairs[pair].face_0, bit);
   } else {
-    bit = 1u << (head % CLUSTER);
-    before = atomicXor(&odd_polygons[(head - begin) / CLUSTER], bit);
+    bit = 1u << (polygon % CLUSTER);
+    bits_before = atomicXor(&odd_polygons[(polygon - begin) / CLUSTER], bit);
   }
-  return select(1, -1, (before & bit) != 0u);
+  return select(1, -1, (bits_before & bit) != 0u);
 }
 
-// Settles the noted faces of each pair of point and light.
+// Decides the stored faces of each pair of point and light.
 @compute @workgroup_size(64)
 fn exact_shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
   let pair = id.x;
@@ -114,42 +113,43 @@ fn exact_shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
   if (count > MOST_UNDECIDED) {
     return;
   }
-  let query = query_of(pair);
-  let segment = segment_of(query);
+  let point_light = point_and_light(pair);
+  let segment = segment_of(point_light);
   let face_0 = atomicLoad(&undecided_pairs.pairs[pair].face_0);
   let face_1 = undecided_pairs.pairs[pair].face_1;
   let face_2 = undecided_pairs.pairs[pair].face_2;
   // Turns: MOST_UNDECIDED.
-  for (var at = 0u; at < count; at++) {
-    let face = select(select(face_2, face_1, at == 1u), face_0, at == 0u);
+  for (var index = 0u; index < count; index++) {
+    let face = select(select(face_2, face_1, index == 1u), face_0, index == 0u);
     if (!is_between(segment, face)) {
       continue;
     }
-    var turn = 1;
+    var change = 1;
     if (POLYGONS) {
-      turn = select(1, -1, ((state >> (ODD_FACES + at)) & 1u) != 0u);
-      // The other noted faces of the polygon come after one more, and so does what the next range has of it.
-      let head = head_of(face);
-      state ^= select(0u, 2u << ODD_FACES, head_of(face_1) == head) | select(0u, 4u << ODD_FACES, head_of(face_2) == head) |
-        select(0u, ODD_AT_END, head_of(CLUSTER * range.end - 1u) == head);
+      change = select(1, -1, ((state >> (ODD_FACES + index)) & 1u) != 0u);
+      // The parity changes for the polygon's other stored faces, and for its part in the next range.
+      let polygon = polygon_of(face);
+      state ^= select(0u, 2u << ODD_FACES, polygon_of(face_1) == polygon) |
+        select(0u, 4u << ODD_FACES, polygon_of(face_2) == polygon) |
+        select(0u, ODD_AT_END, polygon_of(CLUSTER * range.end - 1u) == polygon);
     }
-    atomicAdd(&depths[query.at], turn);
+    atomicAdd(&depths[point_light.count_index], change);
   }
   if (POLYGONS) {
     undecided_pairs.pairs[pair].state = state;
   }
 }
 
-// Counts the pairs with more faces. A workgroup takes a pair and a group of faces, so no invocation has many to settle.
+// Counts listed pairs again. A workgroup takes a pair and a group of faces, so that no invocation decides many.
 @compute @workgroup_size(64)
 fn exact_shadow_depth_recount(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(num_workgroups) groups: vec3<u32>,
-  @builtin(local_invocation_index) local: u32,
+  @builtin(local_invocation_index) lane: u32,
 ) {
   if (POLYGONS) {
-    if (local < CLUSTER) {
-      atomicStore(&odd_polygons[local], 0u);
+    if (lane < CLUSTER) {
+      atomicStore(&odd_polygons[lane], 0u);
     }
     workgroupBarrier();
   }
@@ -159,28 +159,27 @@ fn exact_shadow_depth_recount(
     return;
   }
   let pair = undecided_pairs.pairs[item / range_groups].recount;
-  let query = query_of(pair);
-  let segment = segment_of(query);
+  let point_light = point_and_light(pair);
+  let segment = segment_of(point_light);
   let first = range.first + CLUSTER * (item % range_groups);
-  if (misses(segment, clusters[first].group_low, clusters[first].group_high)) {
+  if (misses_box(segment, clusters[first].group_low, clusters[first].group_high)) {
     return;
   }
   let end = min(first + CLUSTER, range.end) * CLUSTER;
   // Turns: CLUSTER * CLUSTER / 64.
-  for (var at = first * CLUSTER + local; at < end; at += 64u) {
-    if (misses(segment, clusters[at / CLUSTER].low, clusters[at / CLUSTER].high)) {
+  for (var face = first * CLUSTER + lane; face < end; face += 64u) {
+    if (misses_box(segment, clusters[face / CLUSTER].low, clusters[face / CLUSTER].high)) {
       continue;
     }
-    if (is_between(segment, at)) {
-      atomicAdd(&depths[query.at], turn_in_group(pair, at, first));
+    if (is_between(segment, face)) {
+      atomicAdd(&depths[point_light.count_index], count_change_in_group(pair, face, first));
     }
   }
 }
 
-// Stage `depth_arguments`: makes the indirect dispatch of `exact_shadow_depth_recount` from the number of pairs of point and
-// light that `shadow_depth` listed: a workgroup for each pair and each group of 1,024 faces of the range. Then it empties the
-// list for the next range; the entries stay, and `recounts` says how many. Dispatched as one invocation, after
-// `exact_shadow_depth` for each range.
+// Stage `depth_arguments`: writes the indirect dispatch of `exact_shadow_depth_recount`, a workgroup for each listed pair of
+// point and light and each group of the range. It moves the number of listed pairs to `recounts` and empties the list for
+// the next range. Dispatched as one invocation, after `exact_shadow_depth`, for each range.
 
 @group(0) @binding(2) var<storage, read_write> dispatch: array<u32, 3>;
 

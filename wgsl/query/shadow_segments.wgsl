@@ -1,8 +1,7 @@
-// The pairs of point and light of a shadow depth query as segments, and whether a segment misses a box. For `shadow_depth`,
-// `exact_shadow_depth` and `exact_shadow_depth_recount`, which share these bindings; `depth_arguments` has `range` and
-// `undecided_pairs` of them. A pair's number is the point's number in the dispatch times the lights of the batch, plus the
-// light. `misses` may say false where the segment misses the box, but true only where certainly no face in it lies between:
-// its margins must not shrink. docs/numerics/query.md.
+// Pairs of point and light as segments, and whether a segment misses a box, for `shadow_depth`, `exact_shadow_depth` and
+// `exact_shadow_depth_recount`, which share these bindings; `depth_arguments` uses `range` and `undecided_pairs`. The index
+// of a pair is the point's index in the dispatch times the lights of the batch, plus the light's. `misses_box` returns true
+// only if certainly no face in the box lies between: its margins must not shrink. docs/numerics/query.md.
 
 #import common/determinant
 #import common/extraction
@@ -13,17 +12,17 @@
 @group(0) @binding(6) var<uniform> range: FaceRange;
 @group(0) @binding(7) var<storage, read> clusters: array<FaceCluster>;
 @group(0) @binding(8) var<storage, read> points: array<u32>;
-// One number for each light, point after point.
+// The occluder counts, one for each light, point after point.
 @group(0) @binding(9) var<storage, read_write> depths: array<atomic<i32>>;
 @group(0) @binding(10) var<storage, read_write> undecided_pairs: UndecidedPairs;
 
-// Whether groups and clusters are skipped if the segment misses their box.
+// Whether to cull groups and clusters whose box the segment misses.
 override SKIP: bool = true;
 
 // Whether points name the face that they are on.
 override NAMES_FACES: bool = false;
 
-// The segment from a point to a light, or the whole ray if the light is a direction.
+// The segment from a point to a light, or the ray if the light is at infinity.
 struct Segment {
   p_bits: vec3<u32>,
   // The index of the light in the batch.
@@ -35,58 +34,58 @@ struct Segment {
   d: vec3<f32>,
   // The largest component of `sizes`.
   size: f32,
-  // |d|, and |w p| where its error counts.
+  // |d|, plus |w p| if w p is inexact.
   sizes: vec3<f32>,
-  // Whether f32 may decide.
+  // Whether the coordinates are small enough for f32 to decide.
   is_certain: bool,
-  // |w|, or the value that replaces it in the bounds.
+  // |w|, or inexact_w if that is larger.
   w_size: f32,
-  // The face that the point is on, which does not count, or NO_FACE.
+  // The index in the mesh of the face that the point is on, which does not count, or NO_FACE.
   on_face: u32,
 }
 
 // A pair of point and light.
-struct Query {
-  // The index of its depth.
-  at: u32,
+struct PointAndLight {
+  // The index of its occluder count.
+  count_index: u32,
   p_bits: vec3<u32>,
   light: u32,
-  // The face that the point is on, or NO_FACE.
+  // The index in the mesh of the face that the point is on, or NO_FACE.
   on_face: u32,
 }
 
-// The pair of point and light with a number, below the points of the chunk times the lights of the batch.
-fn query_of(index: u32) -> Query {
+// The pair of point and light with an index below `chunk.count * batch.count`.
+fn point_and_light(index: u32) -> PointAndLight {
   let point = index / batch.count;
   let light = index % batch.count;
-  let from_word = chunk.offset + point * chunk.stride;
-  let bits = vec3<u32>(points[from_word], points[from_word + 1u], points[from_word + 2u]);
+  let word = chunk.offset + point * chunk.stride;
+  let bits = vec3<u32>(points[word], points[word + 1u], points[word + 2u]);
   var on_face = NO_FACE;
   if (NAMES_FACES) {
-    on_face = points[from_word + chunk.on_face];
+    on_face = points[word + chunk.on_face];
   }
-  return Query(point * chunk.lights + chunk.first_light + light, bits, light, on_face);
+  return PointAndLight(point * chunk.lights + chunk.first_light + light, bits, light, on_face);
 }
 
-fn segment_of(query: Query) -> Segment {
-  let p = bitcast<vec3<f32>>(query.p_bits);
-  let light = batch.lights[query.light];
-  let inexact_w = batch.inexact_w[query.light / 4u][query.light % 4u];
+fn segment_of(pair: PointAndLight) -> Segment {
+  let p = bitcast<vec3<f32>>(pair.p_bits);
+  let light = batch.lights[pair.light];
+  let inexact_w = batch.inexact_w[pair.light / 4u][pair.light % 4u];
   let d = light.xyz - light.w * p;
   let sizes = abs(d) + inexact_w * abs(p);
-  let largest = largest_magnitude(query.p_bits, query.p_bits, query.p_bits);
+  let largest = largest_magnitude(pair.p_bits, pair.p_bits, pair.p_bits);
   let size = max(max(sizes.x, sizes.y), sizes.z);
   let w_size = max(abs(light.w), inexact_w);
-  return Segment(query.p_bits, query.light, p, largest, d, size, sizes, largest < LARGE, w_size, query.on_face);
+  return Segment(pair.p_bits, pair.light, p, largest, d, size, sizes, largest < LARGE, w_size, pair.on_face);
 }
 
-// The most that rounding adds in a box test, and the most that underflow adds.
+// The most that rounding adds in a box test, relative to the size of the terms, and the most that underflow adds.
 const MARGIN: f32 = 0x1p-18;
 const TINY: f32 = 0x1p-100;
 
-// Whether certainly no face in a box lies between. Words are those of FaceCluster; the fourth are the largest size and whether
-// any face counts.
-fn misses(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bool {
+// Whether certainly no face in a box lies between. The words are those of FaceCluster. `low_bits.w`: the largest absolute
+// coordinate; `high_bits.w`: whether any face can count.
+fn misses_box(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bool {
   if (high_bits.w == 0u) {
     return true;
   }
@@ -108,7 +107,7 @@ fn misses(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bool {
   if (any(is_before | is_beyond)) {
     return true;
   }
-  // The box is beside the line, seen along an axis.
+  // The line passes beside the box, seen along an axis.
   let middle = 0.5 * (to_low + to_high);
   let half_size = 0.5 * (to_high - to_low);
   let extent = half_size + MARGIN * (half_size + abs(middle)) + TINY;

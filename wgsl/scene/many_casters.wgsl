@@ -1,16 +1,15 @@
-// Casters of a scene, for the stages `facing`, `exact_facing`, `edges` and `clusters`: what interface/caster.wgsl tells, but
-// for `take_faces` and `take_edges` (scene/walks.wgsl). extract/one_caster.wgsl and common/positions.wgsl have the same
-// functions for a single mesh. The functions tell of the caster that was taken last: call `take_caster` or `face_in_slot`
-// before any other. A caster has its lights one after the other, in the order of their bits in the batch (up to 32 lights): a
-// light's place is its number among them. Only lights that `reach` wrote to `taken` are computed, and bits of all others must
-// stay (`renewed`, `cleared`). For `edges` another array of `reach` is bound as `taken`: `lit`, the lights that matter to each
-// caster. A slot is the index of a face or edge in the masks of the group.
+// The casters of a scene: implements interface/caster.wgsl for the SCENE variants of `facing`, `exact_facing` and `edges`,
+// but for the loops over chunks (scene/listed_chunks.wgsl). `clusters` imports it, too. Functions refer to the caster loaded
+// last: call `load_caster` or `load_face` first. The table has the lights of a caster one after the other, in the order of
+// their bits. A light index is a light's rank among them. Only active lights are computed; the bits of other lights are
+// cached and must not change (`updated_bits`, `clear_active`). `reach` writes the active lights.
 
 #import common/casters
 #import scene/table
 
 @group(0) @binding(2) var<storage, read> positions: array<u32>;
-// For each batch and caster the lights that the stage takes; `reach` writes it.
+// For each batch and caster the active lights of the stage. `edges` binds the relevant lights (`lit` of `reach`) instead,
+// since a dirty list has the edges of all casters.
 @group(0) @binding(3) var<storage, read> taken: array<u32>;
 
 struct Item {
@@ -19,29 +18,29 @@ struct Item {
   index: u32, // Its index in the page.
 }
 
-// The caster of the face or edge record at hand. `of_faces`: its first face slot, their number, the first face in the page, the
-// word of vertex 0. `of_edges`: the same of edge records; w: words from one vertex to the next. `matter`: the bits of `lights`
-// that are taken.
+// The loaded caster.
 var<private> caster: u32;
-var<private> flags: u32;
-var<private> of_faces: vec4<u32>;
-var<private> of_edges: vec4<u32>;
+var<private> caster_flags: u32;
+// x: first face slot; y: number of faces; z: index of the first face in the page; w: word of vertex 0 in `positions`.
+var<private> face_range: vec4<u32>;
+// x: first edge slot; y: number of edge records; z: index of the first record in the page; w: words from vertex to vertex.
+var<private> edge_range: vec4<u32>;
 var<private> lights: CasterLights;
-var<private> matter: u32;
-// `decided`: lights for which all faces of the cluster have the same bit. `decided_facing`: those of them that the faces face.
-// `tested`: the places of the lights that are tested for each face.
+var<private> active_mask: u32; // The bits of the active lights.
+// `decided`: lights for which all faces of the cluster have the same facing. `decided_facing`: those of them that the
+// cluster faces. `tested`: the index mask of lights that need a test for each face.
 var<private> decided: u32;
 var<private> decided_facing: u32;
 var<private> tested: u32;
 
-// Makes a caster the one at hand, with nothing decided for its faces.
-fn take_caster(index: u32) {
+// Loads a caster. No light is decided for its faces.
+fn load_caster(index: u32) {
   caster = index;
-  flags = caster_part(caster, 4u).w;
-  of_faces = caster_part(caster, 5u);
-  of_edges = caster_part(caster, 6u);
+  caster_flags = caster_part(caster, 4u).w;
+  face_range = caster_part(caster, 5u);
+  edge_range = caster_part(caster, 6u);
   lights = caster_lights(caster, group.batch);
-  matter = taken[group.batch * group.casters + caster];
+  active_mask = taken[group.batch * group.casters + caster];
   decided = 0u;
   decided_facing = 0u;
   tested = 0xffffffffu;
@@ -49,15 +48,15 @@ fn take_caster(index: u32) {
 
 fn face_slots() -> u32 { return CHUNK * group.face_chunks; }
 
-// The face in a slot, unless the slot is beyond the faces of its caster or no light of the caster is taken.
-fn face_in_slot(slot: u32) -> Item {
-  take_caster(caster_of(group.face_chunks_at, slot / CHUNK));
-  let number = slot - of_faces.x;
-  return Item(number < of_faces.y && matter != 0u, slot, of_faces.z + number);
+// The face in a slot. There is none past the last face of the caster, or if the caster has no active light.
+fn load_face(slot: u32) -> Item {
+  load_caster(caster_of(group.face_chunks_at, slot / CHUNK));
+  let face = slot - face_range.x;
+  return Item(face < face_range.y && active_mask != 0u, slot, face_range.z + face);
 }
 
-// Whether faces that are not finite are counted here: in the first batch that takes a light of the caster.
-fn counts_non_finite() -> bool {
+// The statistics count faces that are not finite once, in the first batch in which the caster has an active light.
+fn is_first_active_batch() -> bool {
   // Turns: 31.
   for (var batch = 0u; batch < group.batch; batch++) {
     if (taken[batch * group.casters + caster] != 0u) {
@@ -67,17 +66,19 @@ fn counts_non_finite() -> bool {
   return true;
 }
 
-fn position_offset() -> u32 { return of_faces.w; }
-fn position_stride() -> u32 { return of_edges.w; }
-fn light_places() -> u32 { return countOneBits(lights.allowed); }
-fn given_light(place: u32) -> vec4<u32> { return table[lights.first + 2u * min(place, light_places() - 1u)]; }
-fn scaled_bits(place: u32) -> vec4<u32> { return table[lights.first + 2u * min(place, light_places() - 1u) + 1u]; }
-fn scaled_light(place: u32) -> vec4<f32> { return bitcast<vec4<f32>>(scaled_bits(place)); }
+fn position_offset() -> u32 { return face_range.w; }
+fn position_stride() -> u32 { return edge_range.w; }
+fn light_count() -> u32 { return countOneBits(lights.allowed); }
+fn given_light(light_index: u32) -> vec4<u32> { return table[lights.first + 2u * min(light_index, light_count() - 1u)]; }
+fn scaled_bits(light_index: u32) -> vec4<u32> {
+  return table[lights.first + 2u * min(light_index, light_count() - 1u) + 1u];
+}
+fn scaled_light(light_index: u32) -> vec4<f32> { return bitcast<vec4<f32>>(scaled_bits(light_index)); }
 
-// The same value as `LightBatch::new` in src/layout.rs has for it.
-fn inexact_w(place: u32) -> f32 {
-  let w = scaled_bits(place).w & 0x7fffffffu;
-  let is_zero = (given_light(place).w & 0x7fffffffu) == 0u;
+// `LightBatch::new` (src/layout.rs) computes the same value.
+fn inexact_w(light_index: u32) -> f32 {
+  let w = scaled_bits(light_index).w & 0x7fffffffu;
+  let is_zero = (given_light(light_index).w & 0x7fffffffu) == 0u;
   // The bits of 2^-60.
   if (!is_zero && w < 0x21800000u) {
     return 0x1p-36;
@@ -85,43 +86,41 @@ fn inexact_w(place: u32) -> f32 {
   return select(bitcast<f32>(w), 0.0, is_zero || (w & 0x7fffffu) == 0u);
 }
 
-fn lights_reach() -> vec2<f32> { return lights.reach; }
-fn live_lights() -> u32 { return matter; }
+fn light_magnitudes() -> vec2<f32> { return lights.reach; }
+fn active_lights() -> u32 { return active_mask; }
+fn updated_bits(mask: u32, bits: u32) -> u32 { return (mask & ~active_mask) | (bits & ~decided) | decided_facing; }
+fn clear_active(mask: u32) -> u32 { return mask & ~active_mask; }
 
-// A mask with new bits, or without any, for the lights that are taken.
-fn renewed(mask: u32, bits: u32) -> u32 { return (mask & ~matter) | (bits & ~decided) | decided_facing; }
-fn cleared(mask: u32) -> u32 { return mask & ~matter; }
+fn tested_indices() -> u32 { return tested; }
+fn has_stale_exclusions() -> bool { return (caster_flags & GIVEN) == 0u; }
+fn active_indices() -> u32 { return indices_of_lights(active_mask); }
 
-fn tested_places() -> u32 { return tested; }
-fn excluded_are_old() -> bool { return (flags & GIVEN) == 0u; }
-fn live_places() -> u32 { return places_of(matter); }
-
-// The bits of the places of some lights.
-fn places_of(bits: u32) -> u32 {
-  var places = 0u;
-  var place = 0u;
+// The index mask of lights given by their bits.
+fn indices_of_lights(bits: u32) -> u32 {
+  var index_mask = 0u;
+  var light_index = 0u;
   // Turns: LIGHTS.
-  for (var rest = lights.allowed; rest != 0u; rest &= rest - 1u) {
-    places |= ((bits >> firstTrailingBit(rest)) & 1u) << place;
-    place++;
+  for (var remaining = lights.allowed; remaining != 0u; remaining &= remaining - 1u) {
+    index_mask |= ((bits >> firstTrailingBit(remaining)) & 1u) << light_index;
+    light_index++;
   }
-  return places;
+  return index_mask;
 }
 
-// The bits of the lights at some places, as far as they are taken.
-fn lights_at(places: u32) -> u32 {
-  // Most casters have the first lights, so that places are bits.
+// The bits of the active lights of an index mask.
+fn lights_of_indices(index_mask: u32) -> u32 {
+  // Most casters have the first lights of the batch. Then indices and bits are equal.
   if ((lights.allowed & (lights.allowed + 1u)) == 0u) {
-    return places & matter;
+    return index_mask & active_mask;
   }
   var bits = 0u;
-  var left = places;
+  var remaining_indices = index_mask;
   // Turns: LIGHTS.
-  for (var rest = lights.allowed; rest != 0u; rest &= rest - 1u) {
-    bits |= (left & 1u) << firstTrailingBit(rest);
-    left >>= 1u;
+  for (var remaining = lights.allowed; remaining != 0u; remaining &= remaining - 1u) {
+    bits |= (remaining_indices & 1u) << firstTrailingBit(remaining);
+    remaining_indices >>= 1u;
   }
-  return bits & matter;
+  return bits & active_mask;
 }
 
 fn position_bits(vertex: u32, offset: u32, stride: u32) -> vec3<u32> {

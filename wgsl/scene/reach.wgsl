@@ -1,27 +1,27 @@
-// Reach: the first compute stage of a scene's encode, an invocation a caster (a mesh that throws shadows) and batch of up to 32
-// lights. It finds the lights that matter to the caster, `lit`: those that are allowed, whose range and cone have the caster's
-// box, if it is rigid or the caller states one, and from which no occluder hides it. Among these it finds the ones whose bits are
-// to be computed, `taken`, because caster or light changed since; the others keep their bits. `clusters`, `facing` and
-// `exact_facing` read `taken`; `chunks`, `edges`, `bounds` and `choose` read `lit`. It also notes which lists must be made anew,
-// in `work`, and updates `kept`, what the masks are computed from. It never leaves out a light that matters: where numbers are
-// too large or rounding leaves it open, the light stays. docs/numerics/scene.md, "Occluders", "Cones of lights" and "Cached
-// results".
+// Reach: the first stage of a scene's encode, an invocation a caster (a mesh that throws shadows) and batch of up to 32
+// lights. It finds the relevant lights of the caster, `lit`: allowed lights that are culled neither by range or cone nor by
+// an occluder. Only casters with a known box (rigid, or stated by the caller) are culled. Among the relevant lights it finds
+// the active ones, `taken`: caster or light changed since their bits were computed. Other bits are cached. `clusters`,
+// `facing` and `exact_facing` read `taken`; `chunks`, `edges`, `bounds` and `choose` read `lit`. The stage also writes which
+// lists are dirty, in `work`, and updates the versions in `kept`. It never culls a light that affects the caster. If numbers
+// are too large or rounding leaves a test open, the light stays. Claims: docs/numerics/scene.md, "Occluders", "Cones of
+// lights" and "Cached results".
 
 #import common/casters
 #import scene/table
 
-@group(0) @binding(3) var<storage, read_write> lit: array<u32>; // For each batch and caster the bits of these lights.
+@group(0) @binding(3) var<storage, read_write> lit: array<u32>; // The relevant lights of each batch and caster.
 @group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;
-@group(0) @binding(5) var<storage, read_write> taken: array<u32>;
+@group(0) @binding(5) var<storage, read_write> taken: array<u32>; // The active lights, likewise.
 @group(0) @binding(6) var<storage, read_write> kept: array<u32>;
 @group(0) @binding(7) var<storage, read_write> statistics: SceneStatistics;
-const TOO_LARGE: f32 = 0x1p60; // Above this size squares may overflow, and nothing is said.
-// 32 units in the last place. Rounding, division and root add fewer to a distance, relative to the largest coordinate.
+const TOO_LARGE: f32 = 0x1p60; // Above this size squares may overflow. The light then stays.
+// 32 units in the last place. Rounding, division and root add less to a distance, relative to the largest coordinate.
 const SLACK: f32 = 0x1p-18;
 
-// Whether the light may reach the box. It is never false for a light that does. Both are in one space; `scale` is at most the
-// smallest factor by which lengths there grow in the world, where `range` is measured.
-fn may_reach(light: vec4<f32>, range: f32, low: vec3<f32>, high: vec3<f32>, scale: f32) -> bool {
+// Whether the box may be within the light's range; false only if it is not. Both are in one space. `scale` is at most the
+// smallest factor from lengths in this space to lengths in the world, where `range` is measured.
+fn may_be_in_range(light: vec4<f32>, range: f32, low: vec3<f32>, high: vec3<f32>, scale: f32) -> bool {
   if (range == 0.0 || abs(light.w) < 0x1p-30 || low.x > high.x) {
     return true;
   }
@@ -31,117 +31,120 @@ fn may_reach(light: vec4<f32>, range: f32, low: vec3<f32>, high: vec3<f32>, scal
   if (!(size < TOO_LARGE)) {
     return true;
   }
-  let apart = point - clamp(point, low, high);
-  let distance = sqrt(apart.x * apart.x + apart.y * apart.y + apart.z * apart.z);
+  let separation = point - clamp(point, low, high);
+  let distance = sqrt(separation.x * separation.x + separation.y * separation.y + separation.z * separation.z);
   return !(scale * (distance - SLACK * size) > range * (1.0 + SLACK));
 }
 
-// The box of a caster in world space, and a bound on the terms of its ends.
-struct PlacedBox {
+// The box of a caster in world space. `term_bound` bounds the terms of the sums that its corners are.
+struct WorldBox {
   low: vec3<f32>,
   high: vec3<f32>,
-  terms: f32,
+  term_bound: f32,
 }
 
-// The box around a box that the caster's matrix moves.
-fn placed_box(caster: u32, low: vec3<f32>, high: vec3<f32>) -> PlacedBox {
-  var own: PlacedBox;
+// The axis-aligned box around a box that the caster's matrix transforms.
+fn world_box(caster: u32, low: vec3<f32>, high: vec3<f32>) -> WorldBox {
+  var box: WorldBox;
   for (var axis = 0u; axis < 3u; axis++) {
     let row = bitcast<vec4<f32>>(caster_part(caster, axis));
-    let begin = min(row.xyz * low, row.xyz * high);
-    let end = max(row.xyz * low, row.xyz * high);
-    let sizes = max(abs(begin), abs(end));
-    own.low[axis] = begin.x + begin.y + begin.z + row.w;
-    own.high[axis] = end.x + end.y + end.z + row.w;
-    own.terms = max(own.terms, sizes.x + sizes.y + sizes.z + abs(row.w));
+    let low_terms = min(row.xyz * low, row.xyz * high);
+    let high_terms = max(row.xyz * low, row.xyz * high);
+    let sizes = max(abs(low_terms), abs(high_terms));
+    box.low[axis] = low_terms.x + low_terms.y + low_terms.z + row.w;
+    box.high[axis] = high_terms.x + high_terms.y + high_terms.z + row.w;
+    box.term_bound = max(box.term_bound, sizes.x + sizes.y + sizes.z + abs(row.w));
   }
-  return own;
+  return box;
 }
 
-// The allowed lights whose range and cone may have the caster's box; all, if it has none that is known here.
-fn lights_that_matter(caster: u32, batch: u32) -> u32 {
+// The allowed lights that are not culled by range or cone: all, if the caster has no known box.
+fn lights_in_range(caster: u32, batch: u32) -> u32 {
   let lights = caster_lights(caster, batch);
   let low = caster_part(caster, 3u);
   let high = caster_part(caster, 4u);
   if ((high.w & (RIGID | BOUNDED)) == 0u) {
     return lights.allowed;
   }
-  let placed = placed_box(caster, bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz));
-  var matter = 0u;
-  var at = lights.first;
-  for (var rest = lights.allowed; rest != 0u; rest &= rest - 1u) {
-    let light = firstTrailingBit(rest);
+  let box = world_box(caster, bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz));
+  var in_range = 0u;
+  var offset = lights.first;
+  for (var remaining = lights.allowed; remaining != 0u; remaining &= remaining - 1u) {
+    let light = firstTrailingBit(remaining);
     let range = bitcast<f32>(table[group.ranges_at + 8u * batch + light / 4u][light % 4u]);
-    let scaled = bitcast<vec4<f32>>(table[at + 1u]);
-    if (may_reach(scaled, range, bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz), bitcast<f32>(low.w)) &&
-      may_be_in_cone(light_cone(batch, light), placed.low, placed.high, placed.terms)) {
-      matter |= 1u << light;
+    let scaled = bitcast<vec4<f32>>(table[offset + 1u]);
+    if (may_be_in_range(scaled, range, bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz), bitcast<f32>(low.w)) &&
+      may_be_in_cone(light_cone(batch, light), box.low, box.high, box.term_bound)) {
+      in_range |= 1u << light;
     }
-    at += 2u;
+    offset += 2u;
   }
-  return matter;
+  return in_range;
 }
 
-// The state of a caster's positions: computed, not needed by the frame, as `needs` found of a figure (a caster whose vertices may
-// be deformed), or never computed, since an encoder that should have deformed the figures was dropped.
-const COMPUTED: u32 = 2u;
-const UNNEEDED: u32 = 1u;
-const NEVER: u32 = 0u;
+// The state of a caster's positions: computed; culled, because `needs` found that the frame does not need the deforming
+// caster; or missing, because an encoder that should have deformed it was dropped.
+const POSITIONS_COMPUTED: u32 = 2u;
+const POSITIONS_CULLED: u32 = 1u;
+const POSITIONS_MISSING: u32 = 0u;
 
-fn positions_of(caster: u32) -> u32 {
-  let figure = caster_part(caster, 7u).w;
-  let at = table[group.ranges_at + 16u * group.batches].y;
+fn position_state(caster: u32) -> u32 {
+  let deforming_index = caster_part(caster, 7u).w;
+  let first_word = table[group.ranges_at + 16u * group.batches].y;
   let is_rigid = (caster_part(caster, 4u).w & RIGID) != 0u;
-  if (is_rigid || figure == 0u || at == 0u) {
-    return COMPUTED;
+  if (is_rigid || deforming_index == 0u || first_word == 0u) {
+    return POSITIONS_COMPUTED;
   }
-  return atomicLoad(&work[at + figure - 1u]);
+  return atomicLoad(&work[first_word + deforming_index - 1u]);
 }
 
-// The bits of `lights` that did not change since the masks were computed.
-fn unchanged(batch: u32, lights: u32) -> u32 {
-  var same = 0u;
-  for (var rest = lights; rest != 0u; rest &= rest - 1u) {
-    let light = firstTrailingBit(rest);
-    if (kept[kept_lights_at(batch) + light] == light_version(batch, light)) {
-      same |= 1u << light;
+// The lights that did not change since their bits were computed.
+fn unchanged_lights(batch: u32, lights: u32) -> u32 {
+  var result = 0u;
+  for (var remaining = lights; remaining != 0u; remaining &= remaining - 1u) {
+    let light = firstTrailingBit(remaining);
+    if (kept[cached_light_offset(batch) + light] == light_version(batch, light)) {
+      result |= 1u << light;
     }
   }
-  return same;
+  return result;
 }
 
-// Finds the lights of a caster in a batch, and writes all that follows from them.
-fn take_pair(pair: u32, caster: u32, batch: u32) {
-  let state = positions_of(caster);
-  let unneeded = state == UNNEEDED;
-  // For a figure that was not deformed nothing is computed, and no bits are kept.
-  let reaching = select(lights_that_matter(caster, batch), 0u, unneeded);
-  let hidden = occluded(caster, batch, reaching);
-  let matter = reaching & ~hidden;
-  let last = caster_part(caster, 7u);
-  let at = kept_pair_at(pair);
-  // Lists of lights are made anew where the caster's bits are, and where it is no longer in them.
-  var keeps = 0u;
-  var anew = 0xffffffffu;
+// Finds the relevant and active lights of a caster in a batch, and which lists are dirty.
+fn process_pair(pair: u32, caster: u32, batch: u32) {
+  let state = position_state(caster);
+  let is_culled = state == POSITIONS_CULLED;
+  // A caster that was not deformed has no relevant light, so no bit of it is cached.
+  let in_range = select(lights_in_range(caster, batch), 0u, is_culled);
+  let occluded = occluded_lights(caster, batch, in_range);
+  let relevant = in_range & ~occluded;
+  // x: the caster's version; y: its group.
+  let version_and_group = caster_part(caster, 7u);
+  let pair_offset = cached_pair_offset(pair);
+  // A list is dirty if bits of a caster in it are computed again, or if a caster leaves it.
+  var cached = 0u;
+  var dirty = 0xffffffffu;
   if (group.keeps != 0u && kept[0] == group.structure) {
-    let before = kept[at + 1u];
-    if (kept[at] == last.x && state != NEVER && (caster_part(caster, 4u).w & (CHANGING | GIVEN)) == 0u) {
-      keeps = unchanged(batch, matter & before);
+    let cached_before = kept[pair_offset + 1u];
+    let has_valid_positions = kept[pair_offset] == version_and_group.x && state != POSITIONS_MISSING;
+    if (has_valid_positions && (caster_part(caster, 4u).w & (CHANGING | GIVEN)) == 0u) {
+      cached = unchanged_lights(batch, relevant & cached_before);
     }
-    anew = (matter & ~keeps) | (before & ~matter);
+    dirty = (relevant & ~cached) | (cached_before & ~relevant);
   }
-  lit[pair] = matter;
-  taken[pair] = matter & ~keeps;
-  kept[at] = select(last.x, 0u, state == NEVER);
-  kept[at + 1u] = matter;
-  let words = 4u * (last.y * group.batches + batch);
-  atomicOr(&work[words + 2u], anew);
-  atomicOr(&work[words + 3u], keeps);
-  atomicAdd(&statistics.pairs, countOneBits(matter));
-  atomicAdd(&statistics.kept_pairs, countOneBits(keeps));
-  atomicAdd(&statistics.unreached_pairs, select(countOneBits(caster_lights(caster, batch).allowed & ~reaching), 0u, unneeded));
-  atomicAdd(&statistics.occluded_pairs, countOneBits(hidden));
-  if (unneeded && batch == 0u) {
+  lit[pair] = relevant;
+  taken[pair] = relevant & ~cached;
+  kept[pair_offset] = select(version_and_group.x, 0u, state == POSITIONS_MISSING);
+  kept[pair_offset + 1u] = relevant;
+  let words = 4u * (version_and_group.y * group.batches + batch);
+  atomicOr(&work[words + 2u], dirty);
+  atomicOr(&work[words + 3u], cached);
+  atomicAdd(&statistics.pairs, countOneBits(relevant));
+  atomicAdd(&statistics.kept_pairs, countOneBits(cached));
+  let out_of_range = caster_lights(caster, batch).allowed & ~in_range;
+  atomicAdd(&statistics.unreached_pairs, select(countOneBits(out_of_range), 0u, is_culled));
+  atomicAdd(&statistics.occluded_pairs, countOneBits(occluded));
+  if (is_culled && batch == 0u) {
     atomicAdd(&statistics.unneeded, 1u);
   }
 }
@@ -151,31 +154,31 @@ fn reach(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
   let row = 64u * groups.x;
   // Turns: 1.
   for (var pair = id.y * row + id.x; pair < group.casters * group.batches; pair += groups.y * row) {
-    take_pair(pair, pair % group.casters, pair / group.casters);
+    process_pair(pair, pair % group.casters, pair / group.casters);
   }
 }
 
 // The most corners of an occluder.
 const MOST_CORNERS: u32 = 8u;
-// Occluders that are tried.
+// The most occluders that are tested. Later ones cull nothing.
 const MOST_OCCLUDERS: u32 = 128u;
-const TOO_LARGE_TO_HIDE: f32 = 0x1p36; // Above this size products may overflow, and nothing is hidden.
-const LOST: f32 = 0x1p-100; // The most that is lost where small numbers are flushed.
+const TOO_LARGE_TO_OCCLUDE: f32 = 0x1p36; // Above this size products may overflow. Nothing is then culled.
+const MOST_FLUSHED: f32 = 0x1p-100; // The most that flushing of small numbers loses.
 
-// A box in world space, whose edges need not be parallel to the axes.
-struct TurnedBox {
+// A box in world space with any orientation.
+struct OrientedBox {
   middle: vec3<f32>,
-  // Half of each of its edges.
+  // Half of each edge.
   half_x: vec3<f32>,
   half_y: vec3<f32>,
   half_z: vec3<f32>,
-  size: f32, // Bounds the sum of the terms of any of its points, also relative to a camera.
-  reach: f32, // Bounds |x| + |y| + |z| from the middle to any of its points.
+  term_bound: f32, // The largest sum of terms of any of its points, also relative to a camera.
+  extent: f32, // The largest |x| + |y| + |z| from the middle to any of its points.
 }
 
-fn sum_of(v: vec3<f32>) -> f32 { return abs(v.x) + abs(v.y) + abs(v.z); }
+fn l1_norm(v: vec3<f32>) -> f32 { return abs(v.x) + abs(v.y) + abs(v.z); }
 
-fn turned_box(caster: u32) -> TurnedBox {
+fn oriented_box(caster: u32) -> OrientedBox {
   let low = bitcast<vec3<f32>>(caster_part(caster, 3u).xyz);
   let high = bitcast<vec3<f32>>(caster_part(caster, 4u).xyz);
   let x = bitcast<vec4<f32>>(caster_part(caster, 0u));
@@ -183,57 +186,62 @@ fn turned_box(caster: u32) -> TurnedBox {
   let z = bitcast<vec4<f32>>(caster_part(caster, 2u));
   let middle = 0.5 * low + 0.5 * high;
   let half = 0.5 * high - 0.5 * low;
-  // The largest |origin| of a camera: positions are drawn relative to it.
+  // The largest |origin| of a camera. Positions are drawn relative to it.
   let origin = bitcast<f32>(table[group.ranges_at + 16u * group.batches].z);
   let sizes = max(abs(low), abs(high));
-  let size = sum_of(x.xyz * sizes) + sum_of(y.xyz * sizes) + sum_of(z.xyz * sizes) + abs(x.w) + abs(y.w) + abs(z.w);
+  let size = l1_norm(x.xyz * sizes) + l1_norm(y.xyz * sizes) + l1_norm(z.xyz * sizes) + abs(x.w) + abs(y.w) + abs(z.w);
   let half_x = half.x * vec3<f32>(x.x, y.x, z.x);
   let half_y = half.y * vec3<f32>(x.y, y.y, z.y);
   let half_z = half.z * vec3<f32>(x.z, y.z, z.z);
-  return TurnedBox(
+  return OrientedBox(
     vec3<f32>(dot_3(x.xyz, middle) + x.w, dot_3(y.xyz, middle) + y.w, dot_3(z.xyz, middle) + z.w),
     half_x, half_y, half_z,
     size + 3.0 * origin,
-    sum_of(half_x) + sum_of(half_y) + sum_of(half_z),
+    l1_norm(half_x) + l1_norm(half_y) + l1_norm(half_z),
   );
 }
 
-// The least of normal * (p - on) for all p of the box.
-fn least(box: TurnedBox, normal: vec3<f32>, on: vec3<f32>) -> f32 {
-  return dot_3(normal, box.middle - on) - abs(dot_3(normal, box.half_x)) - abs(dot_3(normal, box.half_y)) - abs(dot_3(normal, box.half_z));
+// The smallest dot product of `normal` and p - origin over all points p of the box.
+fn smallest_height(box: OrientedBox, normal: vec3<f32>, origin: vec3<f32>) -> f32 {
+  return dot_3(normal, box.middle - origin) - abs(dot_3(normal, box.half_x)) - abs(dot_3(normal, box.half_y)) -
+    abs(dot_3(normal, box.half_z));
 }
 
-fn corner_of(at: u32, number: u32) -> vec3<f32> { return bitcast<vec3<f32>>(table[at + number].xyz); }
+// A corner of an occluder. The w of the first one is the number of corners.
+fn occluder_corner(occluder_offset: u32, corner: u32) -> vec3<f32> {
+  return bitcast<vec3<f32>>(table[occluder_offset + corner].xyz);
+}
 
-// Whether the box lies wholly behind an occluder: behind its plane, and within the planes through the light and its edges. `side`
-// is 1 if the light sees the corners counter-clockwise, else -1.
-fn is_behind(box: TurnedBox, at: u32, light: vec4<f32>, side: f32) -> bool {
-  let count = min(table[at].w, MOST_CORNERS);
-  let first = corner_of(at, 0u);
+// Whether all of the box is behind an occluder: behind its plane, and within the planes through the light and its edges.
+// `side` is 1 if the light sees the corners counter-clockwise, else -1.
+fn is_behind(box: OrientedBox, occluder_offset: u32, light: vec4<f32>, side: f32) -> bool {
+  let count = min(table[occluder_offset].w, MOST_CORNERS);
+  let first = occluder_corner(occluder_offset, 0u);
   // Turns: MOST_CORNERS.
-  for (var number = 0u; number < count; number++) {
-    let a = corner_of(at, number);
-    let b = corner_of(at, select(number + 1u, 0u, number + 1u == count));
-    let apart = sum_of(box.middle - a) + box.reach;
-    let size = box.size + sum_of(a) + sum_of(b);
+  for (var corner = 0u; corner < count; corner++) {
+    let a = occluder_corner(occluder_offset, corner);
+    let b = occluder_corner(occluder_offset, select(corner + 1u, 0u, corner + 1u == count));
+    let separation = l1_norm(box.middle - a) + box.extent;
+    let size = box.term_bound + l1_norm(a) + l1_norm(b);
     let e = b - a;
     // Within the plane through the light and the edge.
-    let t = light.xyz - light.w * a;
-    let toward = sum_of(light.xyz) + light.w * size;
-    let within = least(box, side * cross(t, e), a);
-    let error = SLACK * toward * (size * (sum_of(e) + apart) + 2.0 * sum_of(e) * apart) + LOST;
-    if (!(within > error) || !(size < TOO_LARGE_TO_HIDE)) {
+    let to_light = light.xyz - light.w * a;
+    let light_bound = l1_norm(light.xyz) + light.w * size;
+    let within = smallest_height(box, side * cross(to_light, e), a);
+    let error = SLACK * light_bound * (size * (l1_norm(e) + separation) + 2.0 * l1_norm(e) * separation) + MOST_FLUSHED;
+    if (!(within > error) || !(size < TOO_LARGE_TO_OCCLUDE)) {
       return false;
     }
-    // Behind the plane of the corner, the next one and the first.
-    if (number > 0u && number + 1u < count) {
+    // Behind the plane of this corner, the next one and the first.
+    if (corner > 0u && corner + 1u < count) {
       let v = b - first;
       let u = a - first;
-      let behind = least(box, -side * cross(u, v), first);
-      let apart = sum_of(box.middle - first) + box.reach;
-      let size = size + sum_of(first);
-      let spread = sum_of(u) * sum_of(v);
-      let error = SLACK * (size * (spread + (sum_of(u) + sum_of(v)) * apart) + 2.0 * spread * apart) + LOST;
+      let behind = smallest_height(box, -side * cross(u, v), first);
+      let separation = l1_norm(box.middle - first) + box.extent;
+      let size = size + l1_norm(first);
+      let spread = l1_norm(u) * l1_norm(v);
+      let error = SLACK * (size * (spread + (l1_norm(u) + l1_norm(v)) * separation) + 2.0 * spread * separation) +
+        MOST_FLUSHED;
       if (!(behind > error)) {
         return false;
       }
@@ -242,8 +250,8 @@ fn is_behind(box: TurnedBox, at: u32, light: vec4<f32>, side: f32) -> bool {
   return true;
 }
 
-// The bits of `lights` from which an occluder hides the caster's box wholly.
-fn occluded(caster: u32, batch: u32, lights: u32) -> u32 {
+// The lights for which an occluder hides all of the caster's box.
+fn occluded_lights(caster: u32, batch: u32, lights: u32) -> u32 {
   if (group.occluders == 0u || lights == 0u) {
     return 0u;
   }
@@ -253,24 +261,25 @@ fn occluded(caster: u32, batch: u32, lights: u32) -> u32 {
   if (!is_boxed) {
     return 0u;
   }
-  let box = turned_box(caster);
-  var hidden = 0u;
-  // Occluders past the first MOST_OCCLUDERS hide nothing.
+  let box = oriented_box(caster);
+  var occluded = 0u;
   // Turns: MOST_OCCLUDERS.
-  for (var number = 0u; number < min(group.occluders, MOST_OCCLUDERS); number++) {
-    let occluder = table[group.occluders_at + batch * group.occluders + number];
+  for (var index = 0u; index < min(group.occluders, MOST_OCCLUDERS); index++) {
+    // x: lights that it can hide; y: those of them that see its corners counter-clockwise; z: its caster; w: the offset of
+    // its corners.
+    let occluder = table[group.occluders_at + batch * group.occluders + index];
     if (occluder.z == caster) {
       continue;
     }
     // Turns: 32.
-    for (var rest = occluder.x & lights & ~hidden; rest != 0u; rest &= rest - 1u) {
-      let light = firstTrailingBit(rest);
+    for (var remaining = occluder.x & lights & ~occluded; remaining != 0u; remaining &= remaining - 1u) {
+      let light = firstTrailingBit(remaining);
       let scaled = bitcast<vec4<f32>>(table[group.world_lights_at + 32u * batch + light]);
       let side = select(-1.0, 1.0, ((occluder.y >> light) & 1u) != 0u);
       if (is_behind(box, occluder.w, scaled, side)) {
-        hidden |= 1u << light;
+        occluded |= 1u << light;
       }
     }
   }
-  return hidden;
+  return occluded;
 }
