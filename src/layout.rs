@@ -732,6 +732,26 @@ shared_structs! {
         reserved: u32,
     }
 
+    /// A group of a scene's casters and a light, whose outlines are drawn.
+    struct OutlinedGroup {
+        /// Where the casters of the chunks of edges begin in the table, in units of 16 bytes.
+        edge_chunks_at: u32,
+        /// The word of the lights of casters that is that of the first caster, in the light's batch.
+        lit_at: u32,
+        /// Entries that the list of each light has room for.
+        capacity: u32,
+        /// Where twisted masks lie behind the facing masks. 0: there are none.
+        twisted_at: u32,
+        /// The light's bit in its batch.
+        bit: u32,
+        /// 0.
+        reserved_0: u32,
+        /// 0.
+        reserved_1: u32,
+        /// 0.
+        reserved_2: u32,
+    }
+
     /// Casters that are drawn together, and the caller's options for their volumes.
     struct ShadowShape {
         /// Casters in the table.

@@ -1,8 +1,8 @@
 //! A picture of outlines: the model's depth, then its lines, read back.
 
 use rimline::gpu::{
-    Extractor, ExtractorOptions, ListOptions, OutlineFormat, OutlineInputs, OutlinePipeline, OutlineStyle,
-    PositionBuffer, read_back_vec,
+    Extractor, ExtractorOptions, ListOptions, OutlineFormat, OutlineInputs, OutlinePipeline, OutlineSource,
+    OutlineStyle, PositionBuffer, read_back_vec,
 };
 use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_testkit::cases::Case;
@@ -114,8 +114,7 @@ pub(crate) fn render(gpu: &Gpu, inputs: &Inputs<'_>) -> Result<Vec<u8>, String> 
         let extraction = extractor.encode(encoder, place, &[light]).map_err(text)?;
         let outline = outlines
             .prepare(&OutlineInputs {
-                extraction: &extraction,
-                light: 0,
+                of: OutlineSource::Extraction(&extraction, 0),
                 camera,
                 depth: &depth_view,
                 style,

@@ -1,0 +1,106 @@
+// Edges of a group of a scene's casters as interface/outlined.wgsl has them, for the stage `outline_edges` in the variant SCENE.
+// The number of an edge is its slot, and its index is that in the page. Whether an edge is a silhouette is read from the masks
+// of its faces, as for sides (shadow/lists.wgsl): so lists and draws over all edges agree. A caster has an outline if the light
+// may reach it: masks of other casters have no meaning.
+//
+// Expects: `outline`, `NO_EDGE`.
+
+#import common/casters
+#import common/extraction
+#import extract/results
+#import shadow/caster
+#import shadow/lists
+#import shadow/shadow
+
+// A group of casters and a light.
+struct OutlinedGroup {
+  edge_chunks_at: u32, // Where the casters of the chunks of edges begin in the table.
+  lit_at: u32, // The word of `lit` of the first caster of the table, in the light's batch.
+  capacity: u32, // Entries that the list of each light has room for.
+  twisted_at: u32, // Where twisted masks lie behind the facing masks. 0: there are none.
+  bit: u32, // The light's bit in its batch.
+  reserved_0: u32,
+  reserved_1: u32,
+  reserved_2: u32,
+}
+
+@group(0) @binding(0) var<uniform> outlined: OutlinedGroup;
+@group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
+@group(0) @binding(2) var<storage, read> lit: array<u32>;
+@group(0) @binding(3) var<storage, read> positions: array<u32>;
+@group(0) @binding(4) var<storage, read> edge_vertices: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read> edge_faces: array<vec2<u32>>;
+@group(0) @binding(6) var<storage, read> facing_masks: array<u32>;
+@group(0) @binding(7) var<storage, read> silhouettes: array<u32>; // The numbers of entries, then the lists.
+const LISTS_HEAD: u32 = 64u; // Words before the lists.
+
+var<private> outlined_caster: u32;
+
+fn outlined_silhouette(instance: u32) -> RimlineSilhouette {
+  if (silhouettes[outlined.bit] > outlined.capacity) {
+    return outlined_record(instance);
+  }
+  return outlined_record(silhouettes[LISTS_HEAD + outlined.bit * outlined.capacity + instance] & ~WINDING);
+}
+
+// The light's bits of the masks of two faces.
+fn outlined_bits(first: u32, slots: vec2<u32>) -> vec2<bool> {
+  let masks = vec2<u32>(facing_masks[first + slots.x], facing_masks[first + slots.y]);
+  return ((masks >> vec2<u32>(outlined.bit)) & vec2<u32>(1u)) != vec2<u32>(0u);
+}
+
+fn outlined_record(number: u32) -> RimlineSilhouette {
+  outlined_caster = caster_of(outlined.edge_chunks_at, number);
+  let run = edge_run(outlined_caster);
+  let is_lit = ((lit[outlined.lit_at + outlined_caster] >> outlined.bit) & 1u) != 0u;
+  if (number - run.x >= run.y || !is_lit) {
+    return RimlineSilhouette(false, 0u, 0u, 0u, false, NO_EDGE);
+  }
+  let edge = run.z + number - run.x;
+  let faces = edge_faces[edge];
+  let is_boundary = faces.y == NO_FACE;
+  let slots = vec2<u32>(face_run(outlined_caster).x) + vec2<u32>(faces.x & ~INCONSISTENT, select(faces.y, 0u, is_boundary));
+  var twisted = vec2<bool>(false);
+  if (outlined.twisted_at != 0u) {
+    twisted = outlined_bits(outlined.twisted_at, slots);
+  }
+  let side = side_of_edge(CAST_EVERY, faces, outlined_bits(0u, slots), twisted);
+  let vertices = edge_vertices[edge];
+  let kind = select(faces.x >> 31u, 2u, is_boundary);
+  return RimlineSilhouette(side.weight != 0u, edge, vertices.x, vertices.y, side.winding, kind);
+}
+
+fn outlined_faces(edge: u32) -> vec2<u32> { return edge_faces[edge]; }
+fn outlined_first_face() -> u32 { return face_run(outlined_caster).z; }
+
+// The rows of the caster's matrix.
+struct OutlinedRows {
+  x: vec4<f32>,
+  y: vec4<f32>,
+  z: vec4<f32>,
+}
+
+fn outlined_rows() -> OutlinedRows {
+  if (!is_in_mesh_space(outlined_caster)) {
+    return OutlinedRows(vec4<f32>(1.0, 0.0, 0.0, 0.0), vec4<f32>(0.0, 1.0, 0.0, 0.0), vec4<f32>(0.0, 0.0, 1.0, 0.0));
+  }
+  return OutlinedRows(
+    bitcast<vec4<f32>>(caster_part(outlined_caster, 0u)),
+    bitcast<vec4<f32>>(caster_part(outlined_caster, 1u)),
+    bitcast<vec4<f32>>(caster_part(outlined_caster, 2u)));
+}
+
+fn outlined_position(vertex: u32) -> vec3<f32> {
+  let rows = outlined_rows();
+  let position = vertex_position(outlined_caster, vertex);
+  return vec3<f32>(dot_3(rows.x.xyz, position), dot_3(rows.y.xyz, position), dot_3(rows.z.xyz, position));
+}
+
+// The origin is taken from the matrix first, as for shadow volumes (`view_of`).
+fn outlined_offset(vertex: u32) -> vec3<f32> {
+  let rows = outlined_rows();
+  return outlined_position(vertex) + (vec3<f32>(rows.x.w, rows.y.w, rows.z.w) - outline.origin);
+}
+
+// Callers mark edges of extractions only.
+fn outlined_is_marked(edge: u32) -> bool { return false; }
