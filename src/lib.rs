@@ -6,86 +6,101 @@
 //! Rimline follows Brabec and Seidel, "Shadow Volumes on Programmable Graphics Hardware" (2003). Unlike their method,
 //! it decides a face's side once, so silhouettes close whatever the rounding.
 //!
-//! * [`Mesh`]: welds any triangles and finds their edge records. The surface may be closed, open, non-manifold or
-//!   inconsistently oriented.
-//! * [`gpu::Extractor`]: extracts silhouettes on your device, in your encoder, from your position buffer.
-//! * [`gpu::Pipelines`]: the compiled pipelines, which many meshes on one device share.
-//! * [`gpu::Deformer`]: computes morph targets, skins and your own displacement, from a [`Model`] and a [`Pose`].
-//! * [`gpu::OutlinePipeline`]: draws silhouettes, boundaries, creases and marked edges as lines of a width, hidden behind your depth.
-//! * [`gpu::Extraction::read_edges`]: a light's silhouette as oriented edges and chains, for tools.
-//! * [`gpu::include_wgsl`]: WGSL that reads the results in your own shaders.
-//! * [`gpu::Scene`]: stencil shadows of one caster or many in your render pass. The GPU chooses the counting method for each
-//!   caster, light and view. It deforms models itself, as far as a frame needs them.
-//! * [`gpu::ShadowMasks`]: the same as masks, from depth without a stencil.
-//! * [`gpu::DepthMapVolumes`]: stencil shadows of what has no mesh, rebuilt from the depth map of a light. [`gpu::DepthMapCube`]
-//!   takes six maps around a light, [`gpu::DepthMapMerge`] makes two maps one, [`gpu::DepthMapConversion`]
-//!   takes distances, and [`gpu::MeshDepth`] and [`gpu::SceneDepth`] draw a mesh or a scene into a map.
-//! * [`gpu::ShadowQuery`]: counts the faces between points and lights.
+//! # Five tasks
+//!
+//! **Outlines** as lines of a width in pixels, behind your depth. The eye is the light:
+//!
+//! ```no_run
+//! # use rimline::{gpu::*, *};
+//! # fn f(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, mesh: &Mesh, vertices: PositionBuffer<'_>, eye: [f32; 3],
+//! #     camera: &ShadowCamera, depth: &wgpu::TextureView, pass: &wgpu::RenderPassDescriptor<'_>,
+//! # ) -> Result<(), Box<dyn std::error::Error>> {
+//! // Once:
+//! let outlines = OutlinePipeline::new(device, &OutlineFormat::default())?;
+//! let mut extractor = Extractor::new(device, mesh, ExtractorOptions::default())?;
+//! // Every frame, after your depth pass:
+//! let extraction = &extractor.encode(encoder, vertices, &[Light::point(eye)])?;
+//! let style = OutlineStyle { width: 3.0, ..OutlineStyle::default() };
+//! let outline = outlines.prepare(&OutlineInputs { extraction, light: 0, camera, depth, style, marked: None })?;
+//! outline.draw(&mut encoder.begin_render_pass(pass))?;
+//! # Ok(()) }
+//! ```
+//!
+//! **Shadows in your pass**, by the stencil. One mesh or many, rigid or deformed:
+//!
+//! ```no_run
+//! # use rimline::{gpu::*, *};
+//! # fn f(device: &wgpu::Device, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder, mesh: &Mesh, rest: &[[f32; 3]],
+//! #     camera: ShadowCamera, light_pass: &wgpu::RenderPassDescriptor<'_>) -> Result<(), Box<dyn std::error::Error>> {
+//! // Once:
+//! let format = ShadowFormat::of_pass(light_pass, &camera)?;
+//! let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
+//! let mut scene = Scene::new(device, queue, SceneOptions::default())?;
+//! let mesh = scene.add_mesh(mesh, rest)?;
+//! scene.insert(Caster::rigid(mesh, glam::Affine3A::IDENTITY))?;
+//! let light = scene.add_light(Light::point([0.0, 5.0, 2.0]))?;
+//! // Every frame; then for each light, where the stencil is 0 the light is seen (`ShadowFormat::light_pass_depth_stencil`):
+//! let frame = scene.encode(encoder, FrameInputs::new(&[camera.into()]))?;
+//! let mut pass = format.begin_pass(encoder, light_pass)?;
+//! frame.draw(&mut pass, &pipelines, 0, light)?;
+//! # Ok(()) }
+//! ```
+//!
+//! **Shadow masks**, for a renderer without a stencil: a bit for each light and pixel, or a share of light:
+//!
+//! ```no_run
+//! # use rimline::{gpu::*, *};
+//! # fn f(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, frame: &SceneFrame, lights: &[LightHandle],
+//! #     depth: &wgpu::TextureView, target: &wgpu::Texture) -> Result<(), MaskError> {
+//! let mut masks = ShadowMasks::new(device)?; // once
+//! frame.write_masks(encoder, &mut masks, &MaskInputs { depth, view: 0, lights, target })?;
+//! # Ok(()) }
+//! ```
+//!
+//! **The list of edges**, for a tool, with or without a device:
+//!
+//! ```
+//! use rimline::cpu::{Threads, extract};
+//! use rimline::{Light, Mesh, Predicate, mesh::Weld};
+//!
+//! let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0_f32]];
+//! let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+//! let mesh = Mesh::new(&positions, &faces, Weld::Position)?;
+//! let eye = Light::point([5.0, 4.0, 3.0]);
+//! let found = extract(&positions, &mesh, &[eye], Predicate::Exact, Threads::all())?;
+//! let silhouette = found.silhouette(&mesh, 0); // on the GPU: `Extraction::read_edges`
+//! assert_eq!((silhouette.edges().len(), silhouette.chains().len()), (3, 1));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! **How many faces are between points and lights**, exactly: `0` is lit.
+//!
+//! ```no_run
+//! # use rimline::{gpu::*, *};
+//! # fn f(device: &wgpu::Device, queue: &wgpu::Queue, mesh: &Mesh, vertices: PositionBuffer<'_>, points: PositionBuffer<'_>)
+//! #     -> Result<Vec<u32>, Box<dyn std::error::Error>> {
+//! let mut query = ShadowQuery::new(device, mesh, ShadowQueryOptions::default())?;
+//! let mut encoder = device.create_command_encoder(&Default::default());
+//! query.encode_at(&mut encoder, vertices, points, 1000, &[Light::point([0.0, 5.0, 2.0])])?;
+//! queue.submit([encoder.finish()]);
+//! Ok(read_back_vec(device, queue, query.depths())?)
+//! # }
+//! ```
+//!
+//! # What else there is
+//!
+//! * [`Mesh`] welds any triangles and polygons: closed, open, non-manifold or inconsistently oriented.
+//! * [`gpu::Extractor`] and [`gpu::include_wgsl`]: silhouettes for your own shaders. [`gpu::Pipelines`] are shared by many meshes.
+//! * [`Model`], [`Pose`], [`gpu::Deformer`]: morph targets, skins and your own displacement. A [`gpu::Scene`] deforms the models that a
+//!   frame needs. `gltf` (a feature, on by default) loads them from glTF 2.0.
+//! * [`gpu::depth_map`]: shadows of what has no mesh, from depth maps of a light (feature `depth-map`, on by default).
 //! * [`AreaLight`]: samples lights that have an area. The samples share one extraction.
-//! * [`cpu`]: extraction, deformation and the shadow depth query without a device. Extraction and query give the same
-//!   bits as the GPU.
-//! * `gltf`: loads models from glTF 2.0 files (feature `gltf`, on by default).
-//! * Without the feature `gpu`, on by default, the library brings neither wgpu nor naga: meshes, models, lights and [`cpu`] stay.
+//! * [`cpu`]: extraction, deformation and the query without a device, with the same bits as on the GPU. Without the feature `gpu`, on
+//!   by default, the library brings neither wgpu nor naga.
 //! * [`Origin`]: moves models with large coordinates, such as those of surveys, to where `f32` is fine.
 //!
 //! Files of `docs/numerics` that these pages name, with error bounds and proofs, and those of `tests` lie in the repository, not in
 //! the package.
-//!
-//! ```no_run
-//! use rimline::gpu::{Extraction, Extractor, ExtractorOptions, PositionBuffer};
-//! use rimline::{Light, Mesh, mesh::Weld, wgpu};
-//!
-//! /// Call this once for each mesh.
-//! fn prepare(
-//!     device: &wgpu::Device,
-//!     positions: &[[f32; 3]],
-//!     faces: &[[u32; 3]],
-//! ) -> Result<Extractor, Box<dyn std::error::Error>> {
-//!     let mesh = Mesh::new(positions, faces, Weld::Position)?;
-//!     Ok(Extractor::new(device, &mesh, ExtractorOptions { max_lights: 2, ..Default::default() })?)
-//! }
-//!
-//! /// Call this every frame, after whatever moves the vertices.
-//! fn silhouettes(
-//!     extractor: &mut Extractor,
-//!     encoder: &mut wgpu::CommandEncoder,
-//!     position_buffer: &wgpu::Buffer,
-//! ) -> Result<Extraction, Box<dyn std::error::Error>> {
-//!     let vertices = PositionBuffer { buffer: position_buffer, offset: 0, stride: 12 };
-//!     let lights = [Light::point([0.0, 5.0, 2.0]), Light::directional([1.0, 1.0, 0.0])];
-//!     // `Extraction::draw` then draws a light's silhouette edges with your pipeline.
-//!     Ok(extractor.encode(encoder, vertices, &lights)?)
-//! }
-//! ```
-//!
-//! Whatever writes depth casts: distance fields, alpha-tested leaves, points. A depth map of a light is all that it takes:
-//!
-//! ```no_run
-//! use rimline::gpu::{DepthMap, DepthMapFrame, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
-//! use rimline::{ShadowCamera, wgpu};
-//!
-//! /// Call this once for each size of map. A draw turns bit 0 of the stencil round where there is shadow. Where volumes of
-//! /// meshes count in the same stencil, take `DepthMapPipelines::beside_meshes`.
-//! fn prepare(
-//!     device: &wgpu::Device,
-//!     format: &ShadowFormat,
-//! ) -> Result<(DepthMapPipelines, DepthMapVolumes), Box<dyn std::error::Error>> {
-//!     let pipelines = DepthMapPipelines::new(device, format, 0)?;
-//!     let volumes = DepthMapVolumes::new(&pipelines, [1024, 1024], DepthMapOptions::default())?;
-//!     Ok((pipelines, volumes))
-//! }
-//!
-//! /// Call this every frame, after whatever draws the map.
-//! fn shadows(
-//!     volumes: &mut DepthMapVolumes,
-//!     encoder: &mut wgpu::CommandEncoder,
-//!     map: &DepthMap<'_>,
-//!     eye: &ShadowCamera,
-//! ) -> Result<DepthMapFrame, Box<dyn std::error::Error>> {
-//!     // `DepthMapFrame::draw` then draws into a pass that has your depth and a stencil of 0.
-//!     Ok(volumes.encode(encoder, map, eye)?)
-//! }
-//! ```
 
 #![forbid(unsafe_code)]
 #![cfg_attr(

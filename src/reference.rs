@@ -48,8 +48,8 @@ pub mod origin {
 /// of distances.
 pub mod depth_map {
     use crate::ShadowCamera;
-    use crate::gpu::DepthMapError;
-    use crate::gpu::DepthMetric;
+    use crate::gpu::depth_map::DepthMapError;
+    use crate::gpu::depth_map::DepthMetric;
     pub use crate::gpu::depth_map::frame::DepthMapNearCap;
     use crate::gpu::depth_map::metric;
     use crate::gpu::depth_map::near::{NearReach, near_reach};

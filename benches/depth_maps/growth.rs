@@ -1,7 +1,7 @@
 //! Table 2 of the paper on shadow volumes from depth maps (2000): how many triangles volumes have, and how many times more where the map's side is doubled.
 
 use glam::{DQuat, DVec3, Vec3};
-use rimline::gpu::DepthMapMethod;
+use rimline::gpu::depth_map::DepthMapMethod;
 use rimline_bench::Error;
 use rimline_bench::random::Random;
 use rimline_bench::shapes::{self, Shape};

@@ -10,7 +10,8 @@ use std::cell::RefCell;
 
 use glam::DVec3;
 use rimline::Light;
-use rimline::gpu::{DepthMapMethod, ShadowFormat, ShadowPipelines};
+use rimline::gpu::depth_map::DepthMapMethod;
+use rimline::gpu::{ShadowFormat, ShadowPipelines};
 use rimline_bench::engine::{Contender, Rounds, interleave};
 use rimline_bench::record::{Meshes, Recorder as _, Until};
 use rimline_bench::row::{Entry, Row};

@@ -1,10 +1,10 @@
 //! Parts that all measurements share: the device, cameras, maps, passes, and times of commands.
 
 use glam::{DMat4, DVec3, DVec4};
-use rimline::gpu::{
-    DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, MeshDepth, PositionBuffer,
-    ShadowFormat,
+use rimline::gpu::depth_map::{
+    DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, MeshDepth,
 };
+use rimline::gpu::{PositionBuffer, ShadowFormat};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_bench::Error;
 use rimline_bench::gpu::{Gpu, Stopwatch};

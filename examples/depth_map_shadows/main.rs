@@ -7,10 +7,8 @@ mod stage;
 #[path = "../support/mod.rs"]
 mod support;
 
-use rimline::gpu::{
-    Caster, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, FrameInputs, Pipelines, Scene, SceneOptions,
-    ShadowFormat, ShadowPipelines, StencilCounts,
-};
+use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes};
+use rimline::gpu::{Caster, FrameInputs, Pipelines, Scene, SceneOptions, ShadowFormat, ShadowPipelines, StencilCounts};
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera, wgpu};
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};

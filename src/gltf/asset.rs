@@ -4,22 +4,20 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use gltf::json::Value;
+use serde_json::Value;
 
 use super::animation::{self, LoadedAnimation};
 use super::budget::Budget;
-use super::buffers::Bytes;
-use super::document::{self, Document, Part};
+use super::document::{Document, Mesh, Mode, Named, Part, Skin};
 use super::error::GltfError;
-use super::files::{self, Folder};
+use super::files::{self, Bytes, Folder};
 use super::graph::Graph;
-use super::info::{AnimationInfo, MeshInfo, SkinInfo, SkippedPrimitives};
+use super::info::{AnimationInfo, LoadOptions, MeshInfo, SkinInfo, SkippedPrimitives};
 use super::instances::{self, Built};
-use super::options::LoadOptions;
 use super::reader::Reader;
 use super::skin::{self, LoadedSkin};
 use super::warning::{GltfWarning, Warnings};
-use super::{buffers, container, estimate, named_files, parse};
+use super::{container, estimate, parse};
 use crate::mesh::WeldCounts;
 use crate::model::{Geometry, Influences, Model};
 use crate::origin::Origin;
@@ -44,7 +42,7 @@ pub struct Asset {
     pub(super) document: Document,
     pub(super) graph: Graph,
     pub(super) skins: Vec<Part<LoadedSkin>>,
-    pub(super) animations: Vec<Part<LoadedAnimation>>,
+    pub(super) animations: Vec<LoadedAnimation>,
     pub(super) animation_infos: Vec<AnimationInfo>,
     pub(super) skin_infos: Vec<SkinInfo>,
     pub(super) mesh_infos: Vec<MeshInfo>,
@@ -71,14 +69,8 @@ impl Asset {
         let (path, options) = (path.as_ref(), options.into());
         let budget = Budget::new(options.memory_limit);
         // The JSON of a GLB comes first: it says what all the rest is going to take.
-        let header = match files::glb_json(path, &budget)? {
-            None => None,
-            Some((json, length)) => {
-                let header = Header::read(&json, path.parent(), &budget)?;
-                estimate::check(&header.document, &header.graph, length, &budget)?;
-                Some(header)
-            }
-        };
+        let json = files::glb_json(path, &budget)?;
+        let header = json.map(|(json, length)| Header::read(&json, path.parent(), length, &budget)).transpose()?;
         let bytes = files::read(path, u64::MAX, &budget)?;
         match header {
             Some(header) => Self::load(header, container::split(&bytes)?.1, (path.parent(), options), &budget),
@@ -102,8 +94,7 @@ impl Asset {
 
     fn of_bytes(bytes: &[u8], base: Option<&Path>, options: LoadOptions, budget: &Budget) -> Result<Self, GltfError> {
         let (json, binary) = container::split(bytes)?;
-        let header = Header::read(json, base, budget)?;
-        estimate::check(&header.document, &header.graph, 0, budget)?;
+        let header = Header::read(json, base, 0, budget)?;
         Self::load(header, binary, (base, options), budget)
     }
 
@@ -115,18 +106,18 @@ impl Asset {
     ) -> Result<Self, GltfError> {
         let Header { mut document, graph, named_files, warnings } = header;
         let folder = Folder { path: base, allow_outside: options.allow_outside };
-        let buffers = buffers::load(&document.buffers, binary, folder, budget, &warnings)?;
-        let reader = Reader::new(&document, &buffers, budget, &warnings);
+        let buffers = files::buffers(&document.buffers, binary, folder, budget, &warnings)?;
+        let reader = Reader { document: &document, buffers: &buffers, budget, warnings: &warnings };
         let skins = skin::load(&reader)?;
         let built = instances::build(&reader, &graph, &skins, options.weld)?;
-        instances::Draft::charge_lights(&reader, &graph)?;
+        instances::charge_lights(&reader, &graph)?;
         let (animations, animation_infos) = animation::load(&reader)?;
-        let skipped = SkippedPrimitives::count(&document);
+        let skipped = skipped_primitives(&document);
         if skipped != SkippedPrimitives::default() {
             warnings.push(GltfWarning::Skipped(skipped))?;
         }
-        warnings.damaged(skins.iter().filter_map(|skin| skin.as_ref().err()))?;
-        warnings.damaged(animations.iter().filter_map(|animation| animation.as_ref().err()))?;
+        warnings.damaged(faults(&skins))?;
+        warnings.damaged(faults(&animations))?;
         warn_of_the_rest(&document, &graph, &buffers, &warnings)?;
         let warnings = warnings.finish();
         document.buffers = Vec::new();
@@ -219,21 +210,23 @@ struct Header<'a> {
 }
 
 impl<'a> Header<'a> {
-    fn read(json: &[u8], base: Option<&Path>, budget: &'a Budget) -> Result<Self, GltfError> {
+    /// Reads the JSON and refuses what is not going to fit with `files` bytes of files that are yet to be read.
+    fn read(json: &[u8], base: Option<&Path>, files: u64, budget: &'a Budget) -> Result<Self, GltfError> {
         let warnings = Warnings::new(budget);
         // A byte order mark is not allowed, but harmless.
         let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
         let (json, zeros) = container::unpadded(json);
         if zeros > 0 {
-            warnings.push(GltfWarning::Padding { bytes: zeros })?;
+            let problem = format!(" has {zeros} zero bytes at its end, where only spaces may be; they are ignored");
+            warnings.push(GltfWarning::Changed { place: "the JSON".to_owned(), problem })?;
         }
         budget.charge_json(json)?;
-        let parsed = gltf::json::deserialize::from_slice(json);
-        let value: Value = parsed.map_err(|error| GltfError::Json(Arc::new(error)))?;
+        let value: Value = serde_json::from_slice(json).map_err(|error| GltfError::Json(Arc::new(error)))?;
         let document = parse::document(&value, budget, &warnings)?;
-        let named_files = named_files::find(&value, base);
+        let named_files = files::named(&value, base);
         drop(value);
         let graph = Graph::new(&document, &warnings)?;
+        estimate::check(&document, &graph, files, budget)?;
         Ok(Self { document, graph, named_files, warnings })
     }
 }
@@ -249,27 +242,47 @@ fn warn_of_the_rest(
         warnings.leave_out::<()>(Err(fault))?;
     }
     let nodes = document.nodes.iter().filter_map(|node| node.light.as_ref()?.as_ref().err());
-    let lights = document.lights.iter().filter_map(|light| light.light.as_ref().err());
+    let lights = document.lights.iter().filter_map(|light| light.part.as_ref().err());
     warnings.damaged(nodes.chain(lights))?;
-    warnings.damaged(document.scenes.iter().filter_map(|scene| scene.as_ref().err()))?;
-    warnings.damaged(buffers.iter().filter_map(|buffer| buffer.as_ref().err()))?;
-    warnings.damaged(document.views.iter().filter_map(|view| view.as_ref().err()))?;
-    warnings.damaged(document.accessors.iter().filter_map(|accessor| accessor.as_ref().err()))
+    warnings.damaged(faults(&document.scenes))?;
+    warnings.damaged(faults(buffers))?;
+    warnings.damaged(faults(&document.views))?;
+    warnings.damaged(faults(&document.accessors))
+}
+
+fn faults<T>(parts: &[Part<T>]) -> impl Iterator<Item = &Box<GltfError>> {
+    parts.iter().filter_map(|part| part.as_ref().err())
+}
+
+fn skipped_primitives(document: &Document) -> SkippedPrimitives {
+    let mut skipped = SkippedPrimitives::default();
+    for primitive in document.meshes.iter().flat_map(|mesh| &mesh.part).flat_map(|mesh| &mesh.primitives) {
+        match primitive.mode {
+            Mode::Points => skipped.points += 1,
+            Mode::Lines => skipped.lines += 1,
+            _ if primitive.position.is_none() => skipped.without_position += 1,
+            _ => {}
+        }
+    }
+    skipped
 }
 
 fn skin_infos(document: &Document) -> Vec<SkinInfo> {
-    let info = |skin: &document::Skin| SkinInfo { name: skin.name.clone(), joints: skin.joints.len() };
+    let info = |Named { name, part }: &Named<Skin>| SkinInfo {
+        name: name.clone(),
+        joints: part.as_ref().map_or(0, |skin| skin.joints.len()),
+    };
     document.skins.iter().map(info).collect()
 }
 
 fn mesh_infos(document: &Document, built: &Built) -> Vec<MeshInfo> {
-    let info = |mesh: &document::Mesh| MeshInfo {
-        name: mesh.name.clone(),
-        primitives: mesh.primitives.len(),
-        morph_targets: mesh.targets,
+    let info = |(mesh, Named { name, part }): (usize, &Named<Mesh>)| MeshInfo {
+        name: name.clone(),
+        primitives: part.as_ref().map_or(0, |mesh| mesh.primitives.len()),
+        morph_targets: document.targets(mesh),
         geometries: Vec::new(),
     };
-    let mut infos: Vec<MeshInfo> = document.meshes.iter().map(info).collect();
+    let mut infos: Vec<MeshInfo> = document.meshes.iter().enumerate().map(info).collect();
     for (geometry, &mesh) in built.meshes.iter().enumerate() {
         infos[mesh].geometries.push(geometry);
     }

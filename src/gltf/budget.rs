@@ -2,9 +2,8 @@
 
 use std::cell::Cell;
 
-use super::document::Node;
+use super::document::{Node, Placement};
 use super::error::GltfError;
-use super::placement::Placement;
 use crate::mesh::Weld;
 use crate::model::{Geometry, Influences, Instance, InstancePose};
 
@@ -66,7 +65,7 @@ pub(super) const RIGID_INSTANCE: u64 = INSTANCE + MATRIX;
 /// Bytes for a joint in the set of those in use.
 const USED_JOINT: u64 = 24;
 /// Bytes for a node besides its JSON: the struct, its place in the forest, its matrices in a pose.
-const NODE: u64 = GROWTH * size_of::<Node>() as u64 + 512;
+pub(super) const NODE: u64 = GROWTH * size_of::<Node>() as u64 + 512;
 
 /// More bytes for a vertex that is welded by distance: its cell, boxes of its cell, and its group without and with its data.
 const WELD_BY_DISTANCE: u64 = 256;
@@ -143,10 +142,6 @@ impl Budget {
         self.charge(objects, JSON_OBJECT, &what)?;
         self.charge(values, JSON_VALUE, &what)?;
         self.charge(text.len() as u64, JSON_TEXT, &what)
-    }
-
-    pub(super) fn charge_nodes(&self, nodes: usize) -> Result<(), GltfError> {
-        self.charge(nodes as u64, NODE, &|| "nodes".to_owned())
     }
 
     /// Charges the welding of a mesh, and the list of its joints in use.

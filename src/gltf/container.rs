@@ -1,6 +1,6 @@
 //! The two forms of a glTF file: JSON text, or a GLB with a JSON chunk and a binary chunk.
 //!
-//! `gltf::binary::Glb` is not used. It subtracts without checking, takes chunks beyond the length that the header
+//! `Glb` of the `gltf` crate is not used. It subtracts without checking, takes chunks beyond the length that the header
 //! states, and refuses chunk types that readers must ignore.
 
 use super::error::GltfError;
@@ -21,10 +21,10 @@ pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), GltfError> {
     let length = word(bytes, 8)? as usize;
     let content = bytes
         .get(..length)
-        .ok_or_else(|| damaged(8, format!("the header states {length} bytes, there are {}", bytes.len())))?;
+        .ok_or_else(|| damaged(8, &format!("the header states {length} bytes, there are {}", bytes.len())))?;
     let (kind, json, mut offset) = chunk(content, HEADER_BYTES)?;
     if &kind != b"JSON" {
-        return Err(damaged(HEADER_BYTES, "the first chunk is not JSON".to_owned()));
+        return Err(damaged(HEADER_BYTES, "the first chunk is not JSON"));
     }
     let mut binary = None;
     while offset < content.len() {
@@ -62,7 +62,7 @@ fn chunk(content: &[u8], offset: usize) -> Result<([u8; 4], &[u8], usize), GltfE
     let start = offset + CHUNK_HEADER_BYTES;
     let data = content.get(start..).and_then(|rest| rest.get(..length)).ok_or_else(|| {
         let there = content.len().saturating_sub(start);
-        damaged(offset, format!("the chunk states {length} bytes, there are {there}"))
+        damaged(offset, &format!("the chunk states {length} bytes, there are {there}"))
     })?;
     Ok((kind, data, start + length))
 }
@@ -72,9 +72,10 @@ fn word(bytes: &[u8], offset: usize) -> Result<u32, GltfError> {
         .get(offset..)
         .and_then(|rest| rest.first_chunk())
         .map(|word| u32::from_le_bytes(*word))
-        .ok_or_else(|| damaged(offset, "the GLB ends inside a header".to_owned()))
+        .ok_or_else(|| damaged(offset, "the GLB ends inside a header"))
 }
 
-fn damaged(offset: usize, problem: String) -> GltfError {
-    GltfError::Glb { offset, problem }
+fn damaged(offset: usize, problem: &str) -> GltfError {
+    let problem = format!(": {problem}; the file is cut short or damaged, export it again");
+    GltfError::invalid(format!("GLB, byte {offset}"), problem)
 }

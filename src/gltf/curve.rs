@@ -1,8 +1,6 @@
 //! Keyframe curves (glTF 2.0, appendix C).
 
-use gltf::json::animation::Interpolation;
-
-use super::transforms::unit;
+use super::document::{Interpolation, unit};
 
 /// Values over time. There is at least one key, and times never decrease. Keys of one time are a step: before it the first
 /// counts, at it and after it the last.
@@ -14,14 +12,6 @@ pub(super) struct Curve {
     pub(super) values: Vec<f32>,
     pub(super) width: usize,
     pub(super) interpolation: Interpolation,
-}
-
-/// A part of a key, in the order of cubic splines.
-#[derive(Clone, Copy)]
-enum Part {
-    InTangent,
-    Value,
-    OutTangent,
 }
 
 impl Curve {
@@ -62,30 +52,26 @@ impl Curve {
 
     /// The value of a key.
     pub(super) fn value(&self, key: usize) -> Vec<f64> {
-        (0..self.width).map(|c| self.part(key, Part::Value, c)).collect()
+        self.part(key, usize::from(self.interpolation == Interpolation::CubicSpline)).collect()
     }
 
-    fn part(&self, key: usize, part: Part, component: usize) -> f64 {
-        let offset = match (self.interpolation, part) {
-            (Interpolation::CubicSpline, Part::Value) => self.width,
-            (Interpolation::CubicSpline, Part::OutTangent) => 2 * self.width,
-            // An in-tangent comes first; a key without tangents has only the value.
-            _ => 0,
-        };
-        let stride = Self::stride(self.interpolation, self.width);
-        f64::from(self.values[key * stride + offset + component])
+    /// A part of a key. A key of a spline has an in-tangent, the value and an out-tangent.
+    fn part(&self, key: usize, part: usize) -> impl Iterator<Item = f64> {
+        let start = key * Self::stride(self.interpolation, self.width) + part * self.width;
+        self.values[start..start + self.width].iter().map(|&value| f64::from(value))
     }
 
     fn spline(&self, key: usize, interval: f64, t: f64) -> Vec<f64> {
         let (t2, t3) = (t * t, t * t * t);
-        (0..self.width)
-            .map(|c| {
-                (2.0 * t3 - 3.0 * t2 + 1.0) * self.part(key, Part::Value, c)
-                    + interval * (t3 - 2.0 * t2 + t) * self.part(key, Part::OutTangent, c)
-                    + (3.0 * t2 - 2.0 * t3) * self.part(key + 1, Part::Value, c)
-                    + interval * (t3 - t2) * self.part(key + 1, Part::InTangent, c)
-            })
-            .collect()
+        let [starts, ends] =
+            [self.part(key, 1).zip(self.part(key, 2)), self.part(key + 1, 1).zip(self.part(key + 1, 0))];
+        let mix = |((start, leaving), (end, arriving))| {
+            (2.0 * t3 - 3.0 * t2 + 1.0) * start
+                + interval * (t3 - 2.0 * t2 + t) * leaving
+                + (3.0 * t2 - 2.0 * t3) * end
+                + interval * (t3 - t2) * arriving
+        };
+        starts.zip(ends).map(mix).collect()
     }
 }
 

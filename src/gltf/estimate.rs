@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::budget::{self, Budget};
-use super::document::{Accessor, Document, Mesh, Node};
+use super::document::{Document, Mesh, Node};
 use super::error::GltfError;
 use super::graph::Graph;
 use super::triangles;
@@ -19,7 +19,8 @@ struct Size {
 /// Refuses a document whose meshes and instances do not fit with `files` bytes of files that are yet to be read. Everything
 /// is charged when it is made; this only knows earlier.
 pub(super) fn check(document: &Document, graph: &Graph, files: u64, budget: &Budget) -> Result<(), GltfError> {
-    let sizes: Vec<Size> = document.meshes.iter().map(|mesh| size(document, mesh)).collect();
+    let sizes: Vec<Size> =
+        document.meshes.iter().map(|mesh| mesh.part.as_ref().map_or(Size::default(), |m| size(document, m))).collect();
     let buffers = document.buffers.iter().flatten().filter(|buffer| buffer.uri.is_some());
     let files = buffers.fold(files, |sum, buffer| sum.saturating_add(buffer.bytes));
     // The most that is in use at one time, and what for: the error is to name what is enough for all.
@@ -60,33 +61,19 @@ pub(super) fn check(document: &Document, graph: &Graph, files: u64, budget: &Bud
 /// The elements of an accessor, if its view can hold them. Else reading it says what is wrong. Zeros without a view take no
 /// time to read, and are charged then.
 fn count(document: &Document, accessor: usize) -> u64 {
-    let fits = |accessor: &&Accessor| {
-        let view = accessor.view.and_then(|view| document.views.get(view)?.as_ref().ok());
-        let size = (accessor.kind.multiplicity() * accessor.component.size()) as u64;
-        view.is_some_and(|view| {
-            let steps = accessor.count.saturating_sub(1).saturating_mul(view.stride.unwrap_or(size));
-            let data = if accessor.count == 0 { 0 } else { steps.saturating_add(size) };
-            let end = view.offset.saturating_add(view.bytes);
-            let has_room = document
-                .buffers
-                .get(view.buffer)
-                .is_some_and(|buffer| buffer.as_ref().is_ok_and(|buffer| end <= buffer.bytes));
-            has_room && data.saturating_add(accessor.offset) <= view.bytes
-        })
-    };
-    document
-        .accessors
-        .get(accessor)
-        .and_then(|accessor| accessor.as_ref().ok())
-        .filter(fits)
-        .map_or(0, |accessor| accessor.count)
+    let Ok(accessor) = &document.accessors[accessor] else { return 0 };
+    let Some(Ok(view)) = accessor.view.map(|view| &document.views[view]) else { return 0 };
+    let Ok(buffer) = &document.buffers[view.buffer] else { return 0 };
+    let [_, length] = view.extent(accessor.count, accessor.element() as u64);
+    let is_there = view.offset.saturating_add(view.bytes) <= buffer.bytes;
+    if is_there && length.saturating_add(accessor.offset) <= view.bytes { accessor.count } else { 0 }
 }
 
 /// Primitives with the same positions mostly share their vertices.
 fn size(document: &Document, mesh: &Mesh) -> Size {
     let mut size = Size { targets: mesh.targets, ..Size::default() };
     let mut counted = HashSet::new();
-    for primitive in mesh.primitives.iter().filter(|primitive| triangles::has_triangles(primitive.mode)) {
+    for primitive in mesh.primitives.iter().filter(|primitive| primitive.mode.has_triangles()) {
         let Some(position) = primitive.position else { continue };
         if counted.insert(position) {
             size.vertices = size.vertices.saturating_add(count(document, position));
@@ -99,6 +86,6 @@ fn size(document: &Document, mesh: &Mesh) -> Size {
 
 /// The instances that a node makes of its mesh.
 fn instances(document: &Document, node: &Node) -> u64 {
-    let attributes = node.instancing.as_ref().map(|i| [i.translation, i.rotation, i.scale]);
-    attributes.map_or(1, |all| all.into_iter().flatten().map(|accessor| count(document, accessor)).min().unwrap_or(0))
+    node.instancing
+        .map_or(1, |all| all.into_iter().flatten().map(|accessor| count(document, accessor)).min().unwrap_or(0))
 }

@@ -19,64 +19,59 @@ pub(super) const DRACO_ADVICE: &str =
 /// The name of the Draco extension.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
-/// The extensions that the loader reads. Each channel of an animation that names a pointer gets a warning of its own.
-const READ: &[&str] = &[
+/// The extensions that a file may require. The loader reads the first of them; each channel of an animation that names a
+/// pointer gets a warning of its own. The others are of surfaces, sounds and descriptions, and do not change where triangles
+/// are. A star stands for the rest of a name.
+const SUPPORTED: &[&str] = &[
     "KHR_mesh_quantization",
     "KHR_lights_punctual",
     "KHR_node_visibility",
     "KHR_animation_pointer",
     "EXT_mesh_gpu_instancing",
     "CESIUM_RTC",
-];
-
-/// Extensions of surfaces, sounds and descriptions. They do not change where triangles are.
-const HARMLESS_PREFIXES: &[&str] = &[
-    "KHR_materials_",
-    "KHR_texture_",
-    "KHR_audio",
-    "KHR_node_hoverability",
-    "KHR_node_selectability",
-    "EXT_materials_",
-    "EXT_texture_",
-    "ADOBE_materials_",
-    "MSFT_audio_",
-    "MSFT_packing_",
-    "NV_materials_",
-    "OMI_audio_",
-    "VRMC_materials_",
-];
-const HARMLESS: &[&str] = &[
+    MESHOPT[0],
+    MESHOPT[1],
+    "KHR_materials_*",
+    "KHR_texture_*",
+    "KHR_audio*",
+    "KHR_node_hoverability*",
+    "KHR_node_selectability*",
     "KHR_techniques_webgl",
     "KHR_xmp",
     "KHR_xmp_json_ld",
+    "EXT_materials_*",
+    "EXT_texture_*",
     "EXT_lights_image_based",
     "EXT_lights_ies",
     "EXT_mesh_features",
     "EXT_instance_features",
     "EXT_structural_metadata",
     "EXT_mesh_manifold",
+    "ADOBE_materials_*",
+    "AGI_articulations",
+    "AGI_stk_metadata",
     "CESIUM_primitive_outline",
-    "MSFT_texture_dds",
     "FB_geometry_metadata",
     "FB_ngon_encoding",
     "GRIFFEL_bim_data",
-    "AGI_articulations",
-    "AGI_stk_metadata",
+    "MSFT_audio_*",
+    "MSFT_packing_*",
+    "MSFT_texture_dds",
+    "NV_materials_*",
+    "OMI_audio_*",
+    "VRMC_materials_*",
 ];
 
-fn is_harmless(name: &str) -> bool {
-    READ.contains(&name)
-        || MESHOPT.contains(&name)
-        || HARMLESS.contains(&name)
-        || HARMLESS_PREFIXES.iter().any(|prefix| name.starts_with(prefix))
+fn is_supported(name: &str) -> bool {
+    SUPPORTED.iter().any(|known| known.strip_suffix('*').map_or(*known == name, |prefix| name.starts_with(prefix)))
 }
 
 /// Refuses required extensions that are not supported, and warns of others that may matter. Returns all that the file
 /// uses.
 pub(super) fn check(root: &Json<'_>, warnings: &Warnings<'_>) -> Result<Vec<String>, GltfError> {
-    let required = root.strings("extensionsRequired")?;
+    let required: Vec<&str> = root.list("extensionsRequired")?;
     for &name in &required {
-        if !is_harmless(name) {
+        if !is_supported(name) {
             return Err(GltfError::Extension {
                 name: shorten(name),
                 place: "the file (extensionsRequired)".to_owned(),
@@ -84,14 +79,15 @@ pub(super) fn check(root: &Json<'_>, warnings: &Warnings<'_>) -> Result<Vec<Stri
             });
         }
     }
-    let used = warnings.leave_out(root.strings("extensionsUsed"))?.unwrap_or_default();
+    let used = warnings.leave_out(root.list("extensionsUsed"))?.unwrap_or_default();
     // A file ought to list what its nodes have, and may not do so.
     let nodes = root.elements("nodes").into_iter().flatten().flatten();
-    let of_nodes = nodes.filter_map(|node| node.object("extensions").ok().flatten()).flat_map(|own| own.keys());
+    let of_nodes =
+        nodes.filter_map(|node| node.get::<Json<'_>>("extensions").ok().flatten()).flat_map(|own| own.keys());
     let unlisted: BTreeSet<&str> = of_nodes.filter(|name| !used.contains(name)).collect();
     for &name in used.iter().chain(&unlisted) {
         // Where the plain data beside Draco data is missing, the mesh is refused.
-        if !is_harmless(name) && name != DRACO {
+        if !is_supported(name) && name != DRACO {
             warnings.push(GltfWarning::Extension { name: shorten(name) })?;
         }
     }

@@ -1,16 +1,24 @@
-//! Files beside a glTF: which may be read, and reading them within the budget.
+//! The bytes of a file's buffers, and the files beside a glTF: which it names, which may be read, and reading them within the
+//! budget.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
+use serde_json::Value;
 
 use super::budget::Budget;
 use super::container;
+use super::document::{Buffer, Part, checked};
 use super::error::GltfError;
 use super::json::shorten;
+use super::warning::Warnings;
 
 /// Where to look for the files that a glTF names.
 #[derive(Clone, Copy)]
@@ -25,7 +33,7 @@ impl Folder<'_> {
     /// The file that a relative URI names. A symbolic link in the folder may lead out of it, so the path returned is
     /// the one that the system resolved.
     pub(super) fn find(&self, uri: &str, place: &dyn Fn() -> String) -> Result<PathBuf, GltfError> {
-        let refuse = |problem| GltfError::Uri { place: place(), uri: shorten(uri), problem };
+        let refuse = |problem| bad_uri(uri, place, problem);
         let outside = |path| Err(GltfError::Outside { place: place(), uri: shorten(uri), path });
         let relative = relative(uri).map_err(refuse)?;
         let leaves = leaves(&relative);
@@ -77,37 +85,159 @@ fn leaves(path: &Path) -> bool {
 /// The JSON of a GLB file, and the file's length. `None` for any other file, and for a GLB that is damaged there: whoever
 /// reads the whole file says what is wrong with it.
 pub(super) fn glb_json(path: &Path, budget: &Budget) -> Result<Option<(Vec<u8>, u64)>, GltfError> {
-    let Ok(metadata) = std::fs::metadata(path) else { return Ok(None) };
-    if !metadata.is_file() {
-        return Ok(None);
-    }
-    let Ok(mut file) = File::open(path) else { return Ok(None) };
     let mut start = [0; container::START_BYTES];
-    if file.read_exact(&mut start).is_err() {
-        return Ok(None);
-    }
-    let json_bytes = container::json_bytes(&start).filter(|&bytes| bytes <= metadata.len());
-    let Some(json_bytes) = json_bytes else { return Ok(None) };
-    budget.charge_file(json_bytes, &|| path.display().to_string())?;
-    let mut json = Vec::new();
-    let is_read =
-        json.try_reserve_exact(json_bytes as usize).is_ok() && file.take(json_bytes).read_to_end(&mut json).is_ok();
-    Ok((is_read && json.len() as u64 == json_bytes).then_some((json, metadata.len())))
+    let opened = open(path).and_then(|(mut file, length)| file.read_exact(&mut start).map(|()| (file, length)));
+    let Ok((file, length)) = opened else { return Ok(None) };
+    let Some(bytes) = container::json_bytes(&start).filter(|&bytes| bytes <= length) else { return Ok(None) };
+    budget.charge_file(bytes, &|| path.display().to_string())?;
+    let json = take(file, bytes).ok().filter(|json| json.len() as u64 == bytes);
+    Ok(json.map(|json| (json, length)))
 }
 
-/// Reads at most `most` bytes of a regular file. It never reads a device or a pipe, which may have no end.
+/// Reads at most `most` bytes of a regular file.
 pub(super) fn read(path: &Path, most: u64, budget: &Budget) -> Result<Vec<u8>, GltfError> {
     let failed = |source| GltfError::Read { path: path.to_owned(), source: Arc::new(source) };
-    let metadata = std::fs::metadata(path).map_err(failed)?;
-    if !metadata.is_file() {
-        return Err(failed(Error::other("it is not a regular file")));
-    }
+    let (file, length) = open(path).map_err(failed)?;
     // A file that grows meanwhile is cut to the length that was charged.
-    let length = metadata.len().min(most);
-    budget.charge_file(length, &|| path.display().to_string())?;
+    budget.charge_file(length.min(most), &|| path.display().to_string())?;
+    take(file, length.min(most)).map_err(failed)
+}
+
+/// A regular file and its length. A device or a pipe, which may have no end, is never opened.
+fn open(path: &Path) -> Result<(File, u64), Error> {
+    let metadata = std::fs::metadata(path)?;
+    if metadata.is_file() {
+        return Ok((File::open(path)?, metadata.len()));
+    }
+    Err(Error::other("it is not a regular file"))
+}
+
+fn take(file: File, bytes: u64) -> Result<Vec<u8>, Error> {
     let mut content = Vec::new();
-    content.try_reserve_exact(length as usize).map_err(|_| failed(ErrorKind::OutOfMemory.into()))?;
-    let file = File::open(path).map_err(failed)?;
-    file.take(length).read_to_end(&mut content).map_err(failed)?;
+    content.try_reserve_exact(bytes as usize).map_err(|_| Error::from(ErrorKind::OutOfMemory))?;
+    file.take(bytes).read_to_end(&mut content)?;
     Ok(content)
+}
+
+/// Some exporters omit the padding.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
+
+/// The bytes of a buffer. One without data is `None`; it matters only where something uses it.
+pub(super) type Bytes<'a> = Option<Cow<'a, [u8]>>;
+
+/// Loads all buffers. One that cannot be read matters only where something uses it, too.
+pub(super) fn buffers<'a>(
+    buffers: &[Part<Buffer>],
+    binary: Option<&'a [u8]>,
+    folder: Folder<'_>,
+    budget: &Budget,
+    warnings: &Warnings<'_>,
+) -> Result<Vec<Part<Bytes<'a>>>, GltfError> {
+    let load = |(index, buffer): (usize, &Part<Buffer>)| {
+        let read = checked(buffer).and_then(|buffer| bytes(buffer, index, binary, folder, budget));
+        warnings.keep(read)
+    };
+    buffers.iter().enumerate().map(load).collect()
+}
+
+fn bytes<'a>(
+    buffer: &Buffer,
+    index: usize,
+    binary: Option<&'a [u8]>,
+    folder: Folder<'_>,
+    budget: &Budget,
+) -> Result<Bytes<'a>, GltfError> {
+    let place = || format!("buffers[{index}].uri");
+    let bytes = match &buffer.uri {
+        Some(uri) if is_data(uri) => {
+            // The URI with percent signs decoded, in a list that doubles, and the bytes.
+            let mark = budget.mark();
+            budget.charge(uri.len() as u64, 4, &place)?;
+            let bytes = data_uri(uri).map_err(|problem| bad_uri(uri, &place, problem))?;
+            budget.settle(mark, 0);
+            budget.charge_file(bytes.capacity() as u64, &place)?;
+            Cow::Owned(bytes)
+        }
+        Some(uri) => Cow::Owned(read(&folder.find(uri, &place)?, buffer.bytes, budget)?),
+        None => match binary.filter(|_| index == 0) {
+            Some(binary) => Cow::Borrowed(binary),
+            None => return Ok(None),
+        },
+    };
+    let available = bytes.len() as u64;
+    if available < buffer.bytes {
+        return Err(GltfError::too_short(format!("buffers[{index}].byteLength"), buffer.bytes, available));
+    }
+    Ok(Some(bytes))
+}
+
+fn is_data(uri: &str) -> bool {
+    uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
+}
+
+/// A URI that is not read. It is quoted, shortened.
+fn bad_uri(uri: &str, place: &dyn Fn() -> String, problem: &str) -> GltfError {
+    GltfError::invalid(place(), format!(": {:?} {problem}", shorten(uri)))
+}
+
+fn data_uri(uri: &str) -> Result<Vec<u8>, &'static str> {
+    let (kind, data) = uri.split_once(',').ok_or("is a data URI without a comma before the data")?;
+    let data: Cow<'_, [u8]> = percent_decode_str(data).into();
+    if kind.to_ascii_lowercase().ends_with(";base64") {
+        BASE64.decode(data).map_err(|_| "is a data URI whose base64 is damaged")
+    } else {
+        Ok(data.into_owned())
+    }
+}
+
+/// All files that a glTF names, in no order: buffers, images, and what extensions name by a `uri`. They need not exist.
+pub(super) fn named(json: &Value, base: Option<&Path>) -> Vec<PathBuf> {
+    let Some(base) = base else { return Vec::new() };
+    let (mut files, mut rest) = (Vec::new(), vec![json]);
+    while let Some(value) = rest.pop() {
+        match value {
+            Value::Array(values) => rest.extend(values),
+            Value::Object(object) => {
+                rest.extend(object.values());
+                if let Some(Value::String(uri)) = object.get("uri") {
+                    add(&mut files, uri, base);
+                }
+            }
+            _ => {}
+        }
+    }
+    files
+}
+
+fn add(files: &mut Vec<PathBuf>, uri: &str, base: &Path) {
+    if is_data(uri) {
+        return;
+    }
+    let decoded = percent_decode_str(uri).decode_utf8_lossy();
+    // Some exporters write names as they are, with percent signs.
+    if decoded != uri {
+        files.push(base.join(uri));
+    }
+    files.push(base.join(&*decoded));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn buffers_pictures_and_extensions() {
+        let json: Value = serde_json::from_str(
+            r#"{"buffers": [{"uri": "a.bin"}, {"uri": "data:;base64,AA"}, {}], "images": [{"uri": "b%20c.png"}],
+                "extensions": {"X": {"sounds": [{"uri": "../d.mp3"}]}}, "extras": {"uri": 5}}"#,
+        )
+        .expect("it is JSON");
+        let mut files = named(&json, Some(Path::new("m")));
+        files.sort();
+        assert_eq!(files, ["m/../d.mp3", "m/a.bin", "m/b c.png", "m/b%20c.png"].map(PathBuf::from));
+        assert!(named(&json, None).is_empty());
+    }
 }

@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 
 use super::budget::grown;
-use super::document::{InfluenceSet, Mesh, Primitive};
+use super::document::{Mesh, Primitive, checked};
 use super::error::GltfError;
 use super::extensions;
 use super::reader::Reader;
-use super::triangles::{self, Place};
+use super::triangles;
 use super::vertices::{self, HighestJoint, Vertices};
 use crate::model::{Geometry, GeometryOptions, Influences, ModelError};
 
@@ -19,24 +19,15 @@ pub(super) struct Merged {
     pub(super) highest_joints: Vec<HighestJoint>,
 }
 
-/// Primitives of a mesh with equal keys share vertices.
-#[derive(PartialEq, Eq, Hash)]
-struct Key<'a> {
-    position: usize,
-    targets: &'a [Option<usize>],
-    influences: Vec<(u32, usize, usize)>,
-}
-
 /// Merges all triangle primitives of mesh `index`. Vertices of the other primitives are read too, so that their errors
 /// are told, and then dropped. `skinned_by` is a node that gives the mesh a skin. Without such a node the joints are
 /// dropped.
 pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>) -> Result<Merged, GltfError> {
-    let mesh = &reader.document.meshes[index];
-    if let Some(fault) = &mesh.fault {
-        return Err(GltfError::clone(fault));
-    }
+    let named = &reader.document.meshes[index];
+    let mesh = checked(&named.part)?;
     let mut draft = Draft::new(mesh, skinned_by.is_some());
     let mut highest_joints = Vec::new();
+    // The first vertex of each block. Primitives with the same accessors share vertices.
     let mut blocks = HashMap::new();
     let mark = reader.budget.mark();
     for (p, primitive) in mesh.primitives.iter().enumerate() {
@@ -47,42 +38,35 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
         };
         let place = format!("meshes[{index}].primitives[{p}]");
         let read = || vertices::read(reader, primitive, position, skinned_by.is_some(), &place);
-        let checked = check_compression(reader, primitive, &place);
-        if !triangles::has_triangles(primitive.mode) {
-            reader.warnings.leave_out(checked.and_then(|()| read()))?;
+        let compression = check_compression(reader, primitive, &place);
+        if !primitive.mode.has_triangles() {
+            reader.warnings.leave_out(compression.and_then(|()| read()))?;
             continue;
         }
-        checked?;
+        compression?;
         if let Some(node) = skinned_by
-            && primitive.influences.is_empty()
-            && primitive.influences_fault.is_none()
+            && primitive.influences.as_ref().is_ok_and(Vec::is_empty)
         {
-            return Err(GltfError::NotSkinned { node, mesh: index, primitive: p });
+            let problem = format!(" has a skin, but {place} has no JOINTS_0 and WEIGHTS_0");
+            return Err(GltfError::invalid(format!("nodes[{node}]"), problem));
         }
-        let first = if let Some(&first) = blocks.get(&key(primitive, position)) {
+        let key = (position, &primitive.targets, primitive.influences.as_ref().ok());
+        let first = if let Some(&first) = blocks.get(&key) {
             first
         } else {
             let vertices = read()?;
             highest_joints.extend(vertices.bindings.highest.clone());
             let first = draft.append(&vertices, reader, &place)?;
-            blocks.insert(key(primitive, position), first);
+            blocks.insert(key, first);
             first
         };
-        let at = Place { mesh: index, primitive: p };
-        let faces = triangles::read(reader, primitive, reader.count(position)?, at)?;
+        let faces = triangles::read(reader, primitive, reader.count(position)?, &place)?;
         reader.charge(grown(&draft.faces, faces.len()), 1, &|| place.clone())?;
-        let faces = faces.into_iter().map(|face| face.map(|v| v + first));
-        draft.faces.extend(faces);
+        draft.faces.extend(faces.into_iter().map(|face| face.map(|v| v + first)));
     }
     reader.budget.settle(mark, draft.bytes());
-    let geometry =
-        draft.finish(mesh).map_err(|source| GltfError::Model { place: format!("meshes[{index}]"), source })?;
+    let geometry = draft.finish(named.name.clone()).map_err(GltfError::model(format!("meshes[{index}]")))?;
     Ok(Merged { geometry, highest_joints })
-}
-
-fn key(primitive: &Primitive, position: usize) -> Key<'_> {
-    let set = |s: &InfluenceSet| (s.set, s.joints, s.weights);
-    Key { position, targets: &primitive.targets, influences: primitive.influences.iter().map(set).collect() }
 }
 
 /// Refuses a primitive whose plain data was left out in compression. It would read as zeros.
@@ -91,11 +75,8 @@ fn check_compression(reader: &Reader<'_>, primitive: &Primitive, place: &str) ->
         reader.accessor(accessor).is_ok_and(|accessor| accessor.view.is_none() && accessor.sparse.is_none())
     };
     if primitive.draco && primitive.position.into_iter().chain(primitive.indices).any(empty) {
-        return Err(GltfError::Extension {
-            name: extensions::DRACO.to_owned(),
-            place: place.to_owned(),
-            advice: extensions::DRACO_ADVICE,
-        });
+        let (name, place) = (extensions::DRACO.to_owned(), place.to_owned());
+        return Err(GltfError::Extension { name, place, advice: extensions::DRACO_ADVICE });
     }
     Ok(())
 }
@@ -105,17 +86,23 @@ struct Draft {
     positions: Vec<[f32; 3]>,
     faces: Vec<[u32; 3]>,
     morph_targets: Vec<Vec<[f32; 3]>>,
-    /// Offsets, joints and weights.
-    influences: Option<(Vec<u32>, Vec<u32>, Vec<f32>)>,
+    is_skinned: bool,
+    /// Where the joints of each vertex end. Empty without a skin, as the lists below.
+    ends: Vec<u32>,
+    joints: Vec<u32>,
+    weights: Vec<f32>,
 }
 
 impl Draft {
-    fn new(mesh: &Mesh, skinned: bool) -> Self {
+    fn new(mesh: &Mesh, is_skinned: bool) -> Self {
         Self {
             positions: Vec::new(),
             faces: Vec::new(),
             morph_targets: vec![Vec::new(); mesh.targets],
-            influences: skinned.then(|| (vec![0], Vec::new(), Vec::new())),
+            is_skinned,
+            ends: if is_skinned { vec![0] } else { Vec::new() },
+            joints: Vec::new(),
+            weights: Vec::new(),
         }
     }
 
@@ -124,17 +111,14 @@ impl Draft {
         let vectors = self.positions.capacity()
             + self.faces.capacity()
             + self.morph_targets.iter().map(Vec::capacity).sum::<usize>();
-        let influences = self
-            .influences
-            .as_ref()
-            .map_or(0, |(offsets, joints, weights)| offsets.capacity() + joints.capacity() + weights.capacity());
+        let influences = self.ends.capacity() + self.joints.capacity() + self.weights.capacity();
         (12 * vectors + 4 * (influences + self.positions.len())) as u64
     }
 
-    fn finish(self, mesh: &Mesh) -> Result<Geometry, ModelError> {
-        let influences = self.influences.map(|(offsets, joints, weights)| Influences::new(offsets, joints, weights));
+    fn finish(self, name: Option<String>) -> Result<Geometry, ModelError> {
+        let influences = self.is_skinned.then(|| Influences::new(self.ends, self.joints, self.weights));
         let options = GeometryOptions {
-            name: mesh.name.clone(),
+            name,
             morph_targets: self.morph_targets,
             influences: influences.transpose()?,
             source_vertices: None,
@@ -144,35 +128,36 @@ impl Draft {
 
     /// Adds vertices and returns the index of the first.
     fn append(&mut self, vertices: &Vertices, reader: &Reader<'_>, place: &str) -> Result<u32, GltfError> {
+        let Vertices { positions, targets, bindings } = vertices;
         let first = self.positions.len();
-        let entries = self.influences.as_ref().map_or(0, |(_, joints, _)| joints.len());
         // Indices and offsets are u32.
-        let over = (first + vertices.positions.len()).max(entries + vertices.bindings.joints.len()) as u64;
+        let over = (first + positions.len()).max(self.joints.len() + bindings.joints.len()) as u64;
         if over > u64::from(u32::MAX) {
-            return Err(GltfError::TooManyVertices { place: place.to_owned() });
+            let problem = ": its mesh has more vertices or joints than 32-bit indices can name; split it";
+            return Err(GltfError::invalid(place, problem));
         }
-        let (count, joints) = (vertices.positions.len(), vertices.bindings.joints.len());
-        let targets: u64 = self.morph_targets.iter().map(|target| grown(target, count)).sum();
-        let influences = self
-            .influences
-            .as_ref()
-            .map_or(0, |(offsets, all, weights)| grown(offsets, count) + grown(all, joints) + grown(weights, joints));
-        reader.charge(grown(&self.positions, count) + targets + influences, 1, &|| place.to_owned())?;
+        let (count, joints) = (positions.len(), bindings.joints.len());
+        let mut bytes = grown(&self.positions, count);
+        bytes += self.morph_targets.iter().map(|target| grown(target, count)).sum::<u64>();
+        if self.is_skinned {
+            bytes += grown(&self.ends, count) + grown(&self.joints, joints) + grown(&self.weights, joints);
+        }
+        reader.charge(bytes, 1, &|| place.to_owned())?;
         // The number of each vertex in the file, once the mesh is complete.
         reader.charge(count as u64, 4, &|| place.to_owned())?;
-        self.positions.extend_from_slice(&vertices.positions);
-        for (target, offsets) in self.morph_targets.iter_mut().zip(&vertices.targets) {
+        self.positions.extend_from_slice(positions);
+        for (target, offsets) in self.morph_targets.iter_mut().zip(targets) {
             target.extend_from_slice(offsets);
         }
-        if let Some((offsets, joints, weights)) = &mut self.influences {
-            let mut end = entries as u32;
-            offsets.reserve(vertices.bindings.counts.len());
-            for count in &vertices.bindings.counts {
+        if self.is_skinned {
+            let mut end = self.joints.len() as u32;
+            self.ends.reserve(bindings.counts.len());
+            for count in &bindings.counts {
                 end += count;
-                offsets.push(end);
+                self.ends.push(end);
             }
-            joints.extend_from_slice(&vertices.bindings.joints);
-            weights.extend_from_slice(&vertices.bindings.weights);
+            self.joints.extend_from_slice(&bindings.joints);
+            self.weights.extend_from_slice(&bindings.weights);
         }
         Ok(first as u32)
     }

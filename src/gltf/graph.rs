@@ -2,7 +2,7 @@
 
 use glam::DAffine3;
 
-use super::document::Document;
+use super::document::{Document, checked};
 use super::error::GltfError;
 use super::warning::{GltfWarning, Warnings};
 
@@ -27,7 +27,7 @@ impl Graph {
     pub(super) fn new(document: &Document, warnings: &Warnings<'_>) -> Result<Self, GltfError> {
         let nodes = &document.nodes;
         let scene = match document.scene.or((!document.scenes.is_empty()).then_some(0)) {
-            Some(scene) => Some(document.scenes[scene].as_ref().map_err(|fault| GltfError::clone(fault))?),
+            Some(scene) => Some(checked(&document.scenes[scene])?),
             None => None,
         };
         let (parents, children) = trees(document, scene.map_or(&[][..], Vec::as_slice), warnings)?;
@@ -52,10 +52,7 @@ impl Graph {
 
     /// Checks that the place of a node is known.
     pub(super) fn check(&self, document: &Document, node: usize) -> Result<(), GltfError> {
-        match self.spoilt_by[node] {
-            Some(by) => Err(fault(document, by)),
-            None => Ok(()),
-        }
+        self.spoilt_by[node].map_or(Ok(()), |by| Err(fault(document, by)))
     }
 
     /// Faults that leave the transforms of nodes unknown.
@@ -64,9 +61,9 @@ impl Graph {
         // All nodes of cycles together are one fault.
         let mut cycles = 0;
         (0..self.parents.len()).filter(is_at_fault).filter_map(move |node| {
-            let fault = fault(document, node);
-            cycles += usize::from(matches!(fault, GltfError::NodeCycle { .. }));
-            (cycles < 2 || !matches!(fault, GltfError::NodeCycle { .. })).then_some(fault)
+            let is_cycle = document.nodes[node].fault.is_none();
+            cycles += usize::from(is_cycle);
+            (cycles < 2 || !is_cycle).then(|| fault(document, node))
         })
     }
 
@@ -86,10 +83,8 @@ impl Graph {
 
 /// The fault of a node whose transform is unknown. A node without a fault of its own is in a cycle or below one.
 fn fault(document: &Document, node: usize) -> GltfError {
-    match &document.nodes[node].fault {
-        Some(fault) => GltfError::clone(fault),
-        None => GltfError::NodeCycle { node },
-    }
+    let cycle = || GltfError::invalid(format!("nodes[{node}]"), " is its own ancestor; nodes must form trees");
+    document.nodes[node].fault.as_ref().map_or_else(cycle, |fault| GltfError::clone(fault))
 }
 
 /// The parent and the children of each node. A child of two nodes stays with the first that a walk from `roots` meets, or
@@ -101,15 +96,9 @@ fn trees(
 ) -> Result<(Vec<Option<usize>>, Children), GltfError> {
     let listed: Children = document.nodes.iter().map(|node| node.children.clone()).collect();
     let count = listed.len();
-    let mut is_listed = vec![false; count];
-    let mut is_tree = true;
-    for &child in listed.iter().flatten() {
-        is_tree &= !std::mem::replace(&mut is_listed[child], true);
-    }
-    let walk = if is_tree { Vec::new() } else { preorder(&listed, roots, |_| true) };
     let (mut parents, mut children) = (vec![None; count], vec![Vec::new(); count]);
     let mut is_met = vec![false; count];
-    for parent in walk.into_iter().chain(0..count) {
+    for parent in preorder(&listed, roots, |_| true).into_iter().chain(0..count) {
         if std::mem::replace(&mut is_met[parent], true) {
             continue;
         }
@@ -120,7 +109,10 @@ fn trees(
                     children[parent].push(node);
                 }
                 Some(first) => {
-                    warnings.push(GltfWarning::SharedChild { node, parent: first, other: parent })?;
+                    let twice =
+                        format!(" is a child of nodes[{first}] and again of nodes[{parent}]; nodes must form trees");
+                    let problem = format!("{twice}, so it is placed below nodes[{first}] only");
+                    warnings.push(GltfWarning::Changed { place: format!("nodes[{node}]"), problem })?;
                 }
             }
         }

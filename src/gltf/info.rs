@@ -1,9 +1,56 @@
-//! Descriptions of a file's animations, skins, meshes and skipped primitives.
+//! How a file is loaded, and descriptions of its parts.
 
-use gltf::json::mesh::Mode;
-
-use super::document::Document;
 use super::error::GltfError;
+use crate::light::Light;
+use crate::mesh::Weld;
+
+/// Options of [`Asset::open`](super::Asset::open) and [`Asset::from_slice`](super::Asset::from_slice).
+///
+/// ```no_run
+/// use rimline::gltf::{Asset, LoadOptions};
+///
+/// // An upload: refuse it if it takes more than 256 MiB.
+/// let asset = Asset::open("upload.glb", LoadOptions { memory_limit: 256 << 20, ..LoadOptions::default() })?;
+/// # Ok::<(), rimline::gltf::GltfError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LoadOptions {
+    /// Which vertices are welded.
+    pub weld: Weld,
+    /// The largest memory, in bytes, that the file may take. It counts the files read, their JSON and data, the asset,
+    /// and one pose, the lights and the mesh of all instances ([`Model::mesh`]). [`GltfError::TooLarge`] refuses the
+    /// asset before more is taken.
+    ///
+    /// The most that is in use at one time counts. A mesh of a million faces and one instance counts about 0.1 GiB. It is
+    /// refused by the counts that the JSON states, before its data is read. All allocations together, also those given
+    /// back, may be eight times the limit, which bounds the time. The bytes given to
+    /// [`Asset::from_slice`](super::Asset::from_slice) do not count, nor does later data such as a copy on the GPU.
+    /// Default: [`LoadOptions::DEFAULT_MEMORY_LIMIT`].
+    ///
+    /// [`Model::mesh`]: crate::Model::mesh
+    /// [`GltfError::TooLarge`]: super::GltfError::TooLarge
+    pub memory_limit: u64,
+    /// Whether to read buffers outside the folder of the glTF, by `..`, an absolute path or a symbolic link. The author
+    /// of the glTF chooses these files. Default: no, which gives [`GltfError::Outside`](super::GltfError::Outside).
+    pub allow_outside: bool,
+}
+
+impl LoadOptions {
+    /// 4 GiB, which is about forty million faces.
+    pub const DEFAULT_MEMORY_LIMIT: u64 = 4 << 30;
+}
+
+impl Default for LoadOptions {
+    fn default() -> Self {
+        Self { weld: Weld::default(), memory_limit: Self::DEFAULT_MEMORY_LIMIT, allow_outside: false }
+    }
+}
+
+impl From<Weld> for LoadOptions {
+    fn from(weld: Weld) -> Self {
+        Self { weld, ..Self::default() }
+    }
+}
 
 /// An animation of the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,17 +99,47 @@ pub struct SkippedPrimitives {
     pub without_position: usize,
 }
 
-impl SkippedPrimitives {
-    pub(super) fn count(document: &Document) -> Self {
-        let mut skipped = Self::default();
-        for primitive in document.meshes.iter().flat_map(|mesh| &mesh.primitives) {
-            match primitive.mode {
-                Mode::Points => skipped.points += 1,
-                Mode::Lines | Mode::LineLoop | Mode::LineStrip => skipped.lines += 1,
-                _ if primitive.position.is_none() => skipped.without_position += 1,
-                _ => {}
-            }
-        }
-        skipped
-    }
+/// The kind of a light in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum SceneLightKind {
+    /// A light at infinity.
+    Directional,
+    /// A light at a point that shines to all sides.
+    Point,
+    /// A light at a point that shines in a cone.
+    Spot,
+}
+
+/// A light of the file at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneLight {
+    /// The name of the light, or that of its node.
+    pub name: Option<String>,
+    /// The light in world space, relative to [`Asset::origin`](super::Asset::origin), without a range. A point or spot light
+    /// has the node's position and w = 1. A directional light has the node's +Z at length 1 and w = 0: it shines along −Z,
+    /// and [`Light`] points towards the light.
+    pub light: Light,
+    /// The kind of the light.
+    pub kind: SceneLightKind,
+    /// Red, green and blue, linear.
+    pub color: [f32; 3],
+    /// In candela for a point or spot light, in lux for a directional one.
+    pub intensity: f32,
+    /// The distance where a point or spot light ends, in the unit of the file. Nodes do not scale it. `None`: it does
+    /// not end.
+    pub range: Option<f32>,
+    /// The cone of a spot light. `None` for other lights, and for a node without extent along Z.
+    pub cone: Option<SpotCone>,
+}
+
+/// The cone of a spot light. It shines fully within the inner angle and not at all beyond the outer one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpotCone {
+    /// The direction in which it shines, in world space, at length 1: the node's −Z.
+    pub direction: [f32; 3],
+    /// The angle from the direction to where the light begins to fade, in radians.
+    pub inner_angle: f32,
+    /// The angle from the direction to where the light has faded, in radians. It is at least the inner angle.
+    pub outer_angle: f32,
 }

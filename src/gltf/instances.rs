@@ -3,16 +3,14 @@
 use glam::{DAffine3, DVec3};
 
 use super::budget;
-use super::document::{Document, Instancing, Node, Part, Trs};
+use super::document::{Document, Frame, INSTANCED, Node, Part, Placement, Trs, checked, unit};
 use super::error::GltfError;
-use super::formats;
 use super::geometry::{self, Merged};
 use super::graph::Graph;
-use super::placement::{Frame, Placement};
-use super::reader::Reader;
-use super::scene_light::SceneLight;
+use super::info::SceneLight;
+use super::reader::{self, Reader};
 use super::skin::LoadedSkin;
-use super::transforms::unit;
+use super::vertices::HighestJoint;
 use super::warning::GltfWarning;
 use crate::mesh::{Weld, WeldCounts};
 use crate::model::{Geometry, GeometryOptions, Instance, Model};
@@ -30,8 +28,9 @@ pub(super) struct Built {
 }
 
 /// The parts of a model during construction.
-#[derive(Default)]
-pub(super) struct Draft {
+struct Draft<'a> {
+    reader: &'a Reader<'a>,
+    skins: &'a [Part<LoadedSkin>],
     geometries: Vec<Geometry>,
     instances: Vec<Instance>,
     placements: Vec<Placement>,
@@ -47,45 +46,21 @@ pub(super) fn build(
     weld: Weld,
 ) -> Result<Built, GltfError> {
     let document = reader.document;
-    let mut draft = Draft::default();
-    let mut rigid_variants = vec![None; document.meshes.len()];
-    let mut extra = Vec::new();
+    let (geometries, instances, placements) = (Vec::new(), Vec::new(), Vec::new());
+    let (meshes, weld_counts) = (Vec::new(), Vec::new());
+    let mut draft = Draft { reader, skins, geometries, instances, placements, meshes, weld_counts };
     let users = users(document, graph);
+    let (is_skinned, is_rigid) = (|user: &User| user.skin.is_some(), |user: &User| user.skin.is_none());
     for (mesh, users) in users.iter().enumerate() {
-        let mark = reader.budget.mark();
-        let merged = geometry::merge(reader, mesh, users.skinned.first().copied());
-        let is_needed = users.is_shown(!users.skinned.is_empty(), document);
-        let geometry = match merged {
-            Ok(merged) => {
-                check_joints(reader, &users.skinned, users.skinned_shown, &merged, skins)?;
-                merged.geometry
-            }
-            Err(fault) if is_needed => return Err(fault),
-            Err(fault) => left_out(reader, mesh, fault)?,
-        };
-        let kept = draft.push(reader, mesh, &geometry, weld)?;
-        drop(geometry);
-        reader.budget.settle(mark, kept);
-        if !users.skinned.is_empty() && users.rigid {
-            extra.push(mesh);
+        draft.add(mesh, users, users.iter().any(is_skinned), weld)?;
+    }
+    let mut rigid_variants = vec![None; users.len()];
+    for (mesh, users) in users.iter().enumerate() {
+        if users.iter().any(is_skinned) && users.iter().any(is_rigid) {
+            rigid_variants[mesh] = Some(draft.geometries.len());
+            draft.add(mesh, users, false, weld)?;
         }
     }
-    for mesh in extra {
-        rigid_variants[mesh] = Some(draft.geometries.len());
-        let mark = reader.budget.mark();
-        let geometry = match geometry::merge(reader, mesh, None) {
-            Ok(merged) => merged.geometry,
-            Err(fault) if users[mesh].is_shown(false, document) => return Err(fault),
-            Err(fault) => left_out(reader, mesh, fault)?,
-        };
-        let kept = draft.push(reader, mesh, &geometry, weld)?;
-        drop(geometry);
-        reader.budget.settle(mark, kept);
-    }
-    let geometry_of = |mesh: usize, node: &Node| match node.skin {
-        Some(_) => mesh,
-        None => rigid_variants[mesh].unwrap_or(mesh),
-    };
     for &n in &graph.scene {
         graph.check(document, n)?;
         let node = &document.nodes[n];
@@ -93,223 +68,173 @@ pub(super) fn build(
             continue;
         };
         if let Some(skin) = node.skin {
-            let skin = skins[skin].as_ref().map_err(|fault| GltfError::clone(fault))?;
-            skin.joints.iter().try_for_each(|&joint| graph.check(document, joint))?;
+            checked(&skins[skin])?.joints.iter().try_for_each(|&joint| graph.check(document, joint))?;
         }
+        let rigid = rigid_variants[mesh].filter(|_| node.skin.is_none());
         for frame in frames(reader, n, node)? {
             let placement = Placement { mesh, node: Some(n), frame };
-            draft.place(reader, geometry_of(mesh, node), node.name.as_ref(), placement, skins)?;
+            draft.place(rigid.unwrap_or(mesh), node.name.as_ref(), placement)?;
         }
     }
     if document.scenes.is_empty() {
-        for (mesh, _) in users.iter().enumerate().filter(|(_, users)| users.none()) {
+        for (mesh, _) in users.iter().enumerate().filter(|(_, users)| users.is_empty()) {
             let placement = Placement { mesh, node: None, frame: Frame::Node(DAffine3::IDENTITY) };
-            let name = document.meshes[mesh].name.as_ref();
-            draft.place(reader, mesh, name, placement, skins)?;
+            draft.place(mesh, document.meshes[mesh].name.as_ref(), placement)?;
         }
     }
-    let Draft { geometries, instances, placements, meshes, weld_counts } = draft;
-    let model =
-        Model::new(geometries, instances).map_err(|source| GltfError::Model { place: "nodes".to_owned(), source })?;
+    let Draft { geometries, instances, placements, meshes, weld_counts, .. } = draft;
+    let model = Model::new(geometries, instances).map_err(GltfError::model("nodes"))?;
     Ok(Built { model, placements, meshes, weld_counts })
 }
 
-/// An empty geometry for a mesh that is at fault, and that nothing shows.
-fn left_out(reader: &Reader<'_>, mesh: usize, fault: GltfError) -> Result<Geometry, GltfError> {
-    reader.warnings.leave_out::<()>(Err(fault))?;
-    let options = GeometryOptions { name: reader.document.meshes[mesh].name.clone(), ..GeometryOptions::default() };
-    let empty = Geometry::new(Vec::new(), Vec::new(), options);
-    empty.map_err(|source| GltfError::Model { place: format!("meshes[{mesh}]"), source })
-}
-
-/// The nodes that use a mesh, in any scene.
-#[derive(Clone, Debug, Default)]
-struct Users {
-    /// Nodes with a skin. Nodes that are shown come first.
-    skinned: Vec<usize>,
-    /// How many of them are shown.
-    skinned_shown: usize,
-    /// Whether nodes without a skin use it.
-    rigid: bool,
-    /// Whether one of these is shown.
-    rigid_shown: bool,
-}
-
-impl Users {
-    fn none(&self) -> bool {
-        self.skinned.is_empty() && !self.rigid
-    }
-
-    /// Whether the mesh is shown, with a skin or without.
-    fn is_shown(&self, skinned: bool, document: &Document) -> bool {
-        // A file without scenes shows meshes that no node names.
-        let is_alone = self.none() && document.scenes.is_empty();
-        if skinned { self.skinned_shown > 0 } else { self.rigid_shown || is_alone }
-    }
-}
-
-fn users(document: &Document, graph: &Graph) -> Vec<Users> {
-    let mut users = vec![Users::default(); document.meshes.len()];
-    let mut is_shown = vec![false; document.nodes.len()];
-    graph.scene.iter().for_each(|&n| is_shown[n] = true);
-    let shown = (0..is_shown.len()).filter(|&n| is_shown[n]);
-    for n in shown.chain((0..is_shown.len()).filter(|&n| !is_shown[n])) {
+/// Charges the lights of the chosen scene, as they are when they are asked for, with their names.
+pub(super) fn charge_lights(reader: &Reader<'_>, graph: &Graph) -> Result<(), GltfError> {
+    let document = reader.document;
+    for &n in &graph.scene {
         let node = &document.nodes[n];
-        let Some(users) = node.mesh.map(|mesh| &mut users[mesh]) else { continue };
-        if node.skin.is_some() {
-            users.skinned.push(n);
-            users.skinned_shown += usize::from(is_shown[n]);
-        } else {
-            users.rigid = true;
-            users.rigid_shown |= is_shown[n];
-        }
-    }
-    users
-}
-
-/// Checks that every joint that a vertex follows is in each skin that is used with the mesh. It is an error for the first
-/// `shown` of the mesh's users.
-fn check_joints(
-    reader: &Reader<'_>,
-    users: &[usize],
-    shown: usize,
-    merged: &Merged,
-    skins: &[Part<LoadedSkin>],
-) -> Result<(), GltfError> {
-    let Some(highest) = merged.highest_joints.iter().max_by_key(|highest| highest.joint) else {
-        return Ok(());
-    };
-    for (number, &node) in users.iter().enumerate() {
-        let Some(skin) = reader.document.nodes[node].skin else { continue };
-        let Ok(loaded) = &skins[skin] else { continue };
-        let joints = loaded.joints.len();
-        if highest.joint as usize >= joints {
-            let fault = GltfError::JointOutOfRange {
-                place: highest.place.clone(),
-                vertex: highest.vertex,
-                joint: highest.joint,
-                node,
-                skin,
-                joints,
-            };
-            if number < shown {
-                return Err(fault);
-            }
-            reader.warnings.leave_out::<()>(Err(fault))?;
+        if let Some(Ok(light)) = node.light {
+            let name = document.lights[light].name.as_ref().or(node.name.as_ref()).map_or(0, String::len);
+            // A list that doubles.
+            let bytes = 3 * size_of::<SceneLight>() + name;
+            reader.charge(1, bytes as u64, &|| format!("nodes[{n}] (its light)"))?;
         }
     }
     Ok(())
 }
 
+/// A node that uses a mesh, in any scene.
+#[derive(Clone, Copy, Debug)]
+struct User {
+    node: usize,
+    skin: Option<usize>,
+    is_shown: bool,
+}
+
+/// The users of each mesh. Nodes that are shown come first.
+fn users(document: &Document, graph: &Graph) -> Vec<Vec<User>> {
+    let mut users = vec![Vec::new(); document.meshes.len()];
+    let mut is_shown = vec![false; document.nodes.len()];
+    graph.scene.iter().for_each(|&n| is_shown[n] = true);
+    for shown in [true, false] {
+        for (node, of_node) in document.nodes.iter().enumerate().filter(|&(node, _)| is_shown[node] == shown) {
+            if let Some(mesh) = of_node.mesh {
+                users[mesh].push(User { node, skin: of_node.skin, is_shown: shown });
+            }
+        }
+    }
+    users
+}
+
 /// The frames of a node's mesh: one, or one for each of its GPU instances.
 fn frames(reader: &Reader<'_>, n: usize, node: &Node) -> Result<Vec<Frame>, GltfError> {
-    match (node.skin, &node.instancing) {
-        (Some(_), Some(_)) => Err(GltfError::InstancedSkin { node: n }),
+    match (node.skin, node.instancing) {
+        (Some(_), Some(_)) => {
+            let problem = " has both a skin and EXT_mesh_gpu_instancing; remove one";
+            Err(GltfError::invalid(format!("nodes[{n}]"), problem))
+        }
         (Some(skin), None) => Ok(vec![Frame::Skin(skin)]),
         (None, None) => Ok(vec![Frame::Node(DAffine3::IDENTITY)]),
         (None, Some(instancing)) => instanced(reader, n, instancing),
     }
 }
 
-fn instanced(reader: &Reader<'_>, n: usize, instancing: &Instancing) -> Result<Vec<Frame>, GltfError> {
+fn instanced(reader: &Reader<'_>, n: usize, accessors: [Option<usize>; 3]) -> Result<Vec<Frame>, GltfError> {
     let place = format!("nodes[{n}].extensions.EXT_mesh_gpu_instancing.attributes");
-    let attributes =
-        [("TRANSLATION", instancing.translation), ("ROTATION", instancing.rotation), ("SCALE", instancing.scale)];
+    let places = INSTANCED.map(|name| format!("{place}.{name}"));
     let mut count = None;
-    for (name, accessor) in attributes {
-        let Some(accessor) = accessor else {
-            continue;
-        };
+    for (accessor, place) in accessors.iter().zip(&places) {
+        let Some(accessor) = *accessor else { continue };
         let found = reader.count(accessor)?;
-        let expected = *count.get_or_insert(found);
-        if found != expected {
-            return Err(GltfError::Count { place: format!("{place}.{name}"), count: found, expected });
-        }
+        reader.check_count(accessor, *count.get_or_insert(found), place)?;
     }
-    let count = count.ok_or_else(|| GltfError::Missing { place: format!("{place}.TRANSLATION") })?;
-    let vectors = |name: &str, accessor: Option<usize>| {
-        let place = format!("{place}.{name}");
-        accessor.map(|accessor| reader.vectors::<3>(accessor, formats::VECTORS, &place)).transpose()
+    let count = count.ok_or_else(|| GltfError::missing(&*places[0]))?;
+    let vectors = |at: usize| {
+        accessors[at].map(|accessor| reader.vectors::<3>(accessor, reader::VECTORS, &places[at])).transpose()
     };
-    let translations = vectors("TRANSLATION", instancing.translation)?;
-    let scales = vectors("SCALE", instancing.scale)?;
-    let rotations = match instancing.rotation {
-        Some(accessor) => Some(reader.vectors::<4>(accessor, formats::ROTATIONS, &format!("{place}.ROTATION"))?),
-        None => None,
-    };
+    let (translations, scales) = (vectors(0)?, vectors(2)?);
+    let rotations = accessors[1].map(|accessor| reader.vectors::<4>(accessor, reader::ROTATIONS, &places[1]));
+    let rotations = rotations.transpose()?;
     let is_zero = |rotation: &[f32; 4]| *rotation == [0.0; 4];
     if let Some(first) = rotations.iter().flatten().position(is_zero) {
-        let place = format!("{place}.ROTATION, instance {first}");
-        reader.warnings.push(GltfWarning::Rotation { place })?;
+        reader.warnings.push(GltfWarning::no_rotation(format!("{}, instance {first}", places[1])))?;
     }
     reader.charge(count as u64, 3 * size_of::<Frame>() as u64, &|| place.clone())?;
     let vector = |vectors: &Option<Vec<[f32; 3]>>, i: usize| {
         vectors.as_ref().map(|vectors| DVec3::from_array(vectors[i].map(f64::from)))
     };
-    (0..count)
-        .map(|i| {
-            let mut trs = Trs::IDENTITY;
-            trs.translation = vector(&translations, i).unwrap_or(trs.translation);
-            trs.scale = vector(&scales, i).unwrap_or(trs.scale);
-            if let Some(rotations) = &rotations {
-                let given = if is_zero(&rotations[i]) { [0.0, 0.0, 0.0, 1.0] } else { rotations[i] };
-                trs.rotation = unit(given.map(f64::from)).ok_or_else(|| GltfError::Transform {
-                    place: format!("{place}.ROTATION, instance {i}"),
-                    problem: "the quaternion is not finite",
-                })?;
-            }
-            Ok(Frame::Node(trs.matrix()))
-        })
-        .collect()
+    let frame = |i: usize| {
+        let mut trs = Trs::default();
+        trs.translation = vector(&translations, i).unwrap_or(trs.translation);
+        trs.scale = vector(&scales, i).unwrap_or(trs.scale);
+        if let Some(rotation) = rotations.as_ref().map(|all| all[i]).filter(|rotation| !is_zero(rotation)) {
+            let place = || format!("{}, instance {i}", places[1]);
+            trs.rotation = unit(rotation.map(f64::from))
+                .ok_or_else(|| GltfError::invalid(place(), ": the quaternion is not finite"))?;
+        }
+        Ok(Frame::Node(trs.matrix()))
+    };
+    (0..count).map(frame).collect()
 }
 
-impl Draft {
-    /// Welds a mesh, and returns the bytes that are kept of it.
-    fn push(&mut self, reader: &Reader<'_>, mesh: usize, geometry: &Geometry, weld: Weld) -> Result<u64, GltfError> {
-        reader.budget.charge_welding(geometry, weld, &|| format!("meshes[{mesh}]"))?;
+impl Draft<'_> {
+    /// Merges and welds a mesh, with a skin or without. A fault is an error only where something shows the mesh.
+    fn add(&mut self, mesh: usize, users: &[User], is_skinned: bool, weld: Weld) -> Result<(), GltfError> {
+        let Reader { document, budget, warnings, .. } = self.reader;
+        let mark = budget.mark();
+        let mut these = users.iter().filter(|user| user.skin.is_some() == is_skinned);
+        let skinned_by = these.clone().next().filter(|_| is_skinned).map(|user| user.node);
+        // A file without scenes shows meshes that no node names.
+        let is_alone = users.is_empty() && document.scenes.is_empty();
+        let geometry = match geometry::merge(self.reader, mesh, skinned_by) {
+            Ok(Merged { geometry, highest_joints }) => {
+                let highest = highest_joints.iter().max_by_key(|highest| highest.joint);
+                these.try_for_each(|user| highest.map_or(Ok(()), |highest| self.check_joints(user, highest)))?;
+                geometry
+            }
+            Err(fault) if is_alone || these.any(|user| user.is_shown) => return Err(fault),
+            Err(fault) => {
+                warnings.leave_out::<()>(Err(fault))?;
+                let name = document.meshes[mesh].name.clone();
+                let empty = Geometry::new(Vec::new(), Vec::new(), GeometryOptions { name, ..Default::default() });
+                empty.map_err(GltfError::model(format!("meshes[{mesh}]")))?
+            }
+        };
+        budget.charge_welding(&geometry, weld, &|| format!("meshes[{mesh}]"))?;
         let (welded, counts) = geometry.welded(weld);
-        let kept = budget::kept(&welded);
+        drop(geometry);
+        budget.settle(mark, budget::kept(&welded));
         self.geometries.push(welded);
         self.weld_counts.push(counts);
         self.meshes.push(mesh);
-        Ok(kept)
-    }
-
-    /// Charges the lights of the chosen scene, as they are when they are asked for, with their names.
-    pub(super) fn charge_lights(reader: &Reader<'_>, graph: &Graph) -> Result<(), GltfError> {
-        let document = reader.document;
-        for &n in &graph.scene {
-            let node = &document.nodes[n];
-            let Some(Ok(light)) = node.light else {
-                continue;
-            };
-            let name = document.lights[light].name.as_ref().or(node.name.as_ref()).map_or(0, String::len);
-            // A list that doubles.
-            let bytes = 3 * size_of::<SceneLight>() + name;
-            reader.charge(1, bytes as u64, &|| format!("nodes[{n}] (its light)"))?;
-        }
         Ok(())
     }
 
+    /// Checks that the skin of a user has the highest joint that its mesh names. It is an error where the user is shown.
+    fn check_joints(&self, user: &User, highest: &HighestJoint) -> Result<(), GltfError> {
+        let &User { node, is_shown, .. } = user;
+        let Some(skin) = user.skin else { return Ok(()) };
+        let (joint, joints) = (highest.joint, self.skins[skin].as_ref().map_or(usize::MAX, |skin| skin.joints.len()));
+        if (joint as usize) < joints {
+            return Ok(());
+        }
+        let place = format!("{}, vertex {}", highest.place, highest.vertex);
+        let problem = format!(" names joint {joint}, but skins[{skin}] of nodes[{node}] has {joints} joints");
+        let fault = Err(GltfError::invalid(place, problem));
+        if is_shown { fault } else { self.reader.warnings.leave_out(fault).map(drop) }
+    }
+
     /// Adds an instance, unless its geometry has no faces.
-    fn place(
-        &mut self,
-        reader: &Reader<'_>,
-        geometry: usize,
-        name: Option<&String>,
-        placement: Placement,
-        skins: &[Part<LoadedSkin>],
-    ) -> Result<(), GltfError> {
+    fn place(&mut self, geometry: usize, name: Option<&String>, placement: Placement) -> Result<(), GltfError> {
         let shape = &self.geometries[geometry];
         if shape.faces().is_empty() {
             return Ok(());
         }
         let matrices = match placement.frame {
             Frame::Node(_) => 1,
-            Frame::Skin(skin) => skins[skin].as_ref().map_or(0, |skin| skin.joints.len()),
+            Frame::Skin(skin) => self.skins[skin].as_ref().map_or(0, |skin| skin.joints.len()),
         };
         let what = || format!("meshes[{}] (its instances)", placement.mesh);
-        reader.budget.charge_instance(shape, matrices, name, &what)?;
+        self.reader.budget.charge_instance(shape, matrices, name, &what)?;
         self.instances.push(Instance::new(geometry, name.cloned()));
         self.placements.push(placement);
         Ok(())

@@ -1,6 +1,9 @@
 //! A view of JSON that knows its path, so that every error names its place.
+//!
+//! Derived types of serde are not used. They take an array for an object and null for nothing, and their messages speak
+//! of Rust's types. Faults of single parts, and the lengths of lists that indices point into, would still need a walk.
 
-use gltf::json::Value;
+use serde_json::{Map, Value};
 
 use super::error::GltfError;
 use super::warning::Warnings;
@@ -8,25 +11,80 @@ use super::warning::Warnings;
 /// A JSON object and its path.
 #[derive(Clone, Debug)]
 pub(super) struct Json<'a> {
-    object: &'a Value,
+    object: &'a Map<String, Value>,
     path: String,
 }
 
-const INDEX: &str = "an index (a whole number of 0 or more)";
-const WHOLE: &str = "a whole number of 0 or more";
+/// A list of the document that indices point into.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct List {
+    pub(super) name: &'static str,
+    pub(super) length: usize,
+}
+
+/// A JSON path, made where an error needs it.
+type Place<'p> = &'p dyn Fn() -> String;
+
+/// A type of values that properties have.
+pub(super) trait FromJson<'a>: Sized {
+    fn read(value: &'a Value, place: Place<'_>) -> Result<Self, GltfError>;
+}
+
+pub(super) const INDEX: &str = "an index (a whole number of 0 or more)";
+
+impl<'a> FromJson<'a> for Json<'a> {
+    fn read(value: &'a Value, place: Place<'_>) -> Result<Self, GltfError> {
+        Ok(Self { object: expect(value.as_object(), "an object", value, place)?, path: place() })
+    }
+}
+
+impl<'a> FromJson<'a> for &'a str {
+    fn read(value: &'a Value, place: Place<'_>) -> Result<Self, GltfError> {
+        expect(value.as_str(), "a string", value, place)
+    }
+}
+
+impl FromJson<'_> for bool {
+    fn read(value: &Value, place: Place<'_>) -> Result<Self, GltfError> {
+        expect(value.as_bool(), "true or false", value, place)
+    }
+}
+
+impl FromJson<'_> for u64 {
+    fn read(value: &Value, place: Place<'_>) -> Result<Self, GltfError> {
+        expect(whole(value), "a whole number of 0 or more", value, place)
+    }
+}
+
+impl FromJson<'_> for f64 {
+    fn read(value: &Value, place: Place<'_>) -> Result<Self, GltfError> {
+        expect(value.as_f64(), "a number", value, place)
+    }
+}
+
+impl<'a, T: FromJson<'a>> FromJson<'a> for Vec<T> {
+    fn read(value: &'a Value, place: Place<'_>) -> Result<Self, GltfError> {
+        let values = expect(value.as_array(), "an array", value, place)?;
+        values.iter().enumerate().map(|(i, value)| T::read(value, &|| format!("{}[{i}]", place()))).collect()
+    }
+}
+
+impl<const N: usize> FromJson<'_> for [f64; N] {
+    fn read(value: &Value, place: Place<'_>) -> Result<Self, GltfError> {
+        let numbers = Vec::read(value, place)?;
+        let count = numbers.len();
+        numbers.try_into().map_err(|_| GltfError::count(place(), count, N))
+    }
+}
 
 impl<'a> Json<'a> {
-    pub(super) fn new(value: &'a Value, path: String) -> Result<Self, GltfError> {
-        match value {
-            Value::Object(_) => Ok(Self { object: value, path }),
-            other if path.is_empty() => Err(wrong("the file".to_owned(), "an object", other)),
-            other => Err(wrong(path, "an object", other)),
-        }
+    /// The file as a whole. Its path is empty.
+    pub(super) fn root(value: &'a Value) -> Result<Self, GltfError> {
+        Ok(Self { path: String::new(), ..Self::read(value, &|| "the file".to_owned())? })
     }
 
-    /// The path of this object.
     pub(super) fn path(&self) -> &str {
-        if self.path.is_empty() { "the file" } else { &self.path }
+        &self.path
     }
 
     /// The path of one of its properties.
@@ -35,125 +93,74 @@ impl<'a> Json<'a> {
     }
 
     pub(super) fn keys(&self) -> impl Iterator<Item = &'a str> + use<'a> {
-        self.object.as_object().into_iter().flat_map(|object| object.keys().map(String::as_str))
+        self.object.keys().map(String::as_str)
     }
 
-    pub(super) fn value(&self, key: &str) -> Option<&'a Value> {
-        self.object.get(key)
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.object.contains_key(key)
     }
 
-    pub(super) fn object(&self, key: &str) -> Result<Option<Self>, GltfError> {
-        self.value(key).map(|v| Self::new(v, self.at(key))).transpose()
+    /// A property, or `None` if it is missing.
+    pub(super) fn get<T: FromJson<'a>>(&self, key: &str) -> Result<Option<T>, GltfError> {
+        self.object.get(key).map(|value| T::read(value, &|| self.at(key))).transpose()
     }
 
-    /// An extension's object.
-    pub(super) fn extension(&self, name: &str) -> Result<Option<Self>, GltfError> {
-        match self.object("extensions")? {
-            Some(extensions) => extensions.object(name),
-            None => Ok(None),
-        }
+    /// A property that must be there.
+    pub(super) fn need<T: FromJson<'a>>(&self, key: &str) -> Result<T, GltfError> {
+        self.get(key)?.ok_or_else(|| GltfError::missing(self.at(key)))
+    }
+
+    /// The elements of an array, or none if it is missing.
+    pub(super) fn list<T: FromJson<'a>>(&self, key: &str) -> Result<Vec<T>, GltfError> {
+        Ok(self.get(key)?.unwrap_or_default())
     }
 
     fn values(&self, key: &str) -> Result<&'a [Value], GltfError> {
-        match self.value(key) {
-            None => Ok(&[]),
-            Some(Value::Array(values)) => Ok(values),
-            Some(other) => Err(wrong(self.at(key), "an array", other)),
-        }
+        let Some(value) = self.object.get(key) else { return Ok(&[]) };
+        expect(value.as_array().map(Vec::as_slice), "an array", value, &|| self.at(key))
     }
 
-    /// The length of an array, or 0 if it is missing.
-    pub(super) fn count(&self, key: &str) -> Result<usize, GltfError> {
-        Ok(self.values(key)?.len())
+    /// An array that indices point into. It is empty if it is missing.
+    pub(super) fn length(&self, name: &'static str) -> Result<List, GltfError> {
+        Ok(List { name, length: self.values(name)?.len() })
     }
 
-    /// The objects of an array, or none if it is missing.
-    pub(super) fn objects(&self, key: &str) -> Result<Vec<Self>, GltfError> {
-        self.values(key)?.iter().enumerate().map(|(i, v)| Self::new(v, format!("{}[{i}]", self.at(key)))).collect()
-    }
-
-    /// The elements of an array, or none if it is missing. Each that is no object is a fault of its own.
+    /// The objects of an array, or none if it is missing. Each that is no object is a fault of its own.
     pub(super) fn elements(
         &self,
         key: &str,
     ) -> Result<impl Iterator<Item = Result<Self, GltfError>> + use<'a>, GltfError> {
         let list = self.at(key);
-        let element = move |(i, v): (usize, &'a Value)| Self::new(v, format!("{list}[{i}]"));
+        let element = move |(i, value): (usize, &'a Value)| Self::read(value, &|| format!("{list}[{i}]"));
         Ok(self.values(key)?.iter().enumerate().map(element))
     }
 
-    pub(super) fn strings(&self, key: &str) -> Result<Vec<&'a str>, GltfError> {
-        let text = |(i, v): (usize, &'a Value)| {
-            v.as_str().ok_or_else(|| wrong(format!("{}[{i}]", self.at(key)), "a string", v))
-        };
-        self.values(key)?.iter().enumerate().map(text).collect()
-    }
-
-    pub(super) fn string(&self, key: &str) -> Result<Option<&'a str>, GltfError> {
-        self.value(key).map(|v| v.as_str().ok_or_else(|| wrong(self.at(key), "a string", v))).transpose()
+    /// An extension's object.
+    pub(super) fn extension(&self, name: &str) -> Result<Option<Self>, GltfError> {
+        self.get::<Self>("extensions")?.map_or(Ok(None), |extensions| extensions.get(name))
     }
 
     /// The name. One that is no text is left out.
     pub(super) fn name(&self, warnings: &Warnings<'_>) -> Result<Option<String>, GltfError> {
-        Ok(warnings.leave_out(self.string("name"))?.flatten().map(str::to_owned))
+        Ok(warnings.leave_out(self.get::<&str>("name"))?.flatten().map(str::to_owned))
     }
 
-    pub(super) fn flag(&self, key: &str) -> Result<bool, GltfError> {
-        match self.value(key) {
-            None => Ok(false),
-            Some(Value::Bool(flag)) => Ok(*flag),
-            Some(other) => Err(wrong(self.at(key), "true or false", other)),
-        }
+    pub(super) fn index(&self, key: &str, list: List) -> Result<Option<usize>, GltfError> {
+        self.object.get(key).map(|value| index(value, list, &|| self.at(key))).transpose()
     }
 
-    pub(super) fn whole(&self, key: &str) -> Result<Option<u64>, GltfError> {
-        self.value(key).map(|v| whole(v).ok_or_else(|| wrong(self.at(key), WHOLE, v))).transpose()
+    pub(super) fn need_index(&self, key: &str, list: List) -> Result<usize, GltfError> {
+        self.index(key, list)?.ok_or_else(|| GltfError::missing(self.at(key)))
     }
 
-    /// An index into an array of `count` elements of the given kind.
-    pub(super) fn index(&self, key: &str, kind: &'static str, count: usize) -> Result<Option<usize>, GltfError> {
-        self.value(key).map(|v| index(v, || self.at(key), kind, count)).transpose()
-    }
-
-    pub(super) fn indices(&self, key: &str, kind: &'static str, count: usize) -> Result<Vec<usize>, GltfError> {
-        self.values(key)?
-            .iter()
-            .enumerate()
-            .map(|(i, v)| index(v, || format!("{}[{i}]", self.at(key)), kind, count))
-            .collect()
-    }
-
-    pub(super) fn number(&self, key: &str) -> Result<Option<f64>, GltfError> {
-        self.value(key).map(|v| v.as_f64().ok_or_else(|| wrong(self.at(key), "a number", v))).transpose()
-    }
-
-    pub(super) fn numbers(&self, key: &str) -> Result<Option<Vec<f64>>, GltfError> {
-        if self.value(key).is_none() {
-            return Ok(None);
-        }
-        let number =
-            |(i, v): (usize, &Value)| v.as_f64().ok_or_else(|| wrong(format!("{}[{i}]", self.at(key)), "a number", v));
-        self.values(key)?.iter().enumerate().map(number).collect::<Result<_, _>>().map(Some)
-    }
-
-    /// Exactly `N` numbers.
-    pub(super) fn vector<const N: usize>(&self, key: &str) -> Result<Option<[f64; N]>, GltfError> {
-        let Some(numbers) = self.numbers(key)? else {
-            return Ok(None);
-        };
-        let count = numbers.len();
-        let vector = numbers.try_into().map_err(|_| GltfError::Count { place: self.at(key), count, expected: N })?;
-        Ok(Some(vector))
-    }
-
-    /// The property, or an error that it is missing.
-    pub(super) fn required<T>(&self, key: &str, value: Option<T>) -> Result<T, GltfError> {
-        value.ok_or_else(|| GltfError::Missing { place: self.at(key) })
+    pub(super) fn indices(&self, key: &str, list: List) -> Result<Vec<usize>, GltfError> {
+        let values = self.values(key)?.iter().enumerate();
+        values.map(|(i, value)| index(value, list, &|| format!("{}[{i}]", self.at(key)))).collect()
     }
 
     /// An error about the value of a property.
-    pub(super) fn wrong(&self, key: &str, expected: &'static str) -> GltfError {
-        wrong(self.at(key), expected, self.value(key).unwrap_or(&Value::Null))
+    pub(super) fn wrong(&self, key: &str, expected: &str) -> GltfError {
+        wrong(self.at(key), expected, self.object.get(key).unwrap_or(&Value::Null))
     }
 }
 
@@ -165,24 +172,27 @@ pub(super) fn whole(value: &Value) -> Option<u64> {
     })
 }
 
-fn index(value: &Value, place: impl Fn() -> String, kind: &'static str, count: usize) -> Result<usize, GltfError> {
-    let index = whole(value).ok_or_else(|| wrong(place(), INDEX, value))?;
-    if index < count as u64 {
-        Ok(index as usize)
-    } else {
-        let place = place();
-        Err(GltfError::Reference { place, kind, index, count })
+fn index(value: &Value, list: List, place: Place<'_>) -> Result<usize, GltfError> {
+    let index = expect(whole(value), INDEX, value, place)?;
+    let List { name, length } = list;
+    if index < length as u64 {
+        return Ok(index as usize);
     }
+    Err(GltfError::invalid(place(), format!(" is {index}, but the file has {length} {name}")))
+}
+
+fn expect<T>(found: Option<T>, expected: &str, value: &Value, place: Place<'_>) -> Result<T, GltfError> {
+    found.ok_or_else(|| wrong(place(), expected, value))
 }
 
 /// An error about a value. It quotes the value, shortened.
-pub(super) fn wrong(place: String, expected: &'static str, value: &Value) -> GltfError {
+pub(super) fn wrong(place: String, expected: &str, value: &Value) -> GltfError {
     let found = match value {
         Value::Array(_) => "an array".to_owned(),
         Value::Object(_) => "an object".to_owned(),
         other => shorten(&other.to_string()),
     };
-    GltfError::Property { place, expected, found }
+    GltfError::invalid(place, format!(": expected {expected}, found {found}"))
 }
 
 /// At most the first 60 characters.

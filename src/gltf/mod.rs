@@ -41,7 +41,6 @@
 mod animation;
 mod asset;
 mod budget;
-mod buffers;
 mod container;
 mod curve;
 mod document;
@@ -49,34 +48,25 @@ mod error;
 mod estimate;
 mod extensions;
 mod files;
-mod formats;
 mod geometry;
 mod graph;
 mod info;
 mod instances;
 mod json;
-mod lengths;
-mod named_files;
-mod node_state;
-mod options;
 mod origin;
 mod parse;
-mod parse_mesh;
 mod parse_scene;
-mod placement;
 mod pose;
 mod reader;
-mod scene_light;
 mod skin;
-mod transforms;
 mod triangles;
 mod vertices;
 mod warning;
 
 pub use asset::Asset;
-pub use error::{AccessorProblem, GltfError};
-pub use info::{AnimationInfo, MeshInfo, SkinInfo, SkippedPrimitives};
-pub use options::LoadOptions;
+pub use error::GltfError;
+pub use info::{
+    AnimationInfo, LoadOptions, MeshInfo, SceneLight, SceneLightKind, SkinInfo, SkippedPrimitives, SpotCone,
+};
 pub use origin::SceneExtent;
-pub use scene_light::{SceneLight, SceneLightKind, SpotCone};
 pub use warning::GltfWarning;

@@ -3,9 +3,9 @@
 use glam::{DAffine3, DVec3};
 
 use super::asset::Asset;
+use super::document::Placement;
 use super::error::GltfError;
-use super::node_state::State;
-use super::placement::Placement;
+use super::pose::State;
 use crate::model::Geometry;
 use crate::origin::{Origin, bounds, half_step, smallest};
 

@@ -1,157 +1,107 @@
-//! Reads [`Document`] from JSON.
+//! Reads [`Document`] from JSON: buffers, accessors, meshes, skins.
 
 use std::fmt::Write as _;
 
 use glam::DVec3;
-use gltf::json::Value;
-use gltf::json::accessor::{ComponentType, Type};
+use serde_json::Value;
 
-use super::budget::Budget;
-use super::document::{Accessor, Buffer, Document, Node, Part, Sparse, View};
+use super::budget::{Budget, NODE};
+use super::document::{
+    Accessor, Buffer, Component, Document, InfluenceSet, KINDS, Mesh, Mode, Named, Node, Part, Primitive, Skin, Sparse,
+    View,
+};
 use super::error::GltfError;
-use super::json::{Json, whole, wrong};
-use super::lengths::Lengths;
-use super::warning::Warnings;
-use super::{extensions, parse_mesh, parse_scene};
+use super::extensions;
+use super::json::{INDEX, Json, List, shorten, whole, wrong};
+use super::warning::{GltfWarning, Warnings};
 
-const COMPONENT: &str = "a component type (5120, 5121, 5122, 5123, 5125 or 5126)";
+/// The lists that indices point into, and the warnings so far.
+pub(super) struct Parser<'w> {
+    buffers: List,
+    views: List,
+    pub(super) accessors: List,
+    pub(super) meshes: List,
+    pub(super) skins: List,
+    pub(super) nodes: List,
+    pub(super) lights: List,
+    pub(super) warnings: &'w Warnings<'w>,
+}
 
 /// Reads a document and checks its version, its required extensions, and every index that is used. A fault of a part that the
 /// scene may not need is kept with the part.
 pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) -> Result<Document, GltfError> {
-    let root = Json::new(value, String::new())?;
+    let root = Json::root(value)?;
     version(&root)?;
     let used = extensions::check(&root, warnings)?;
-    warnings.leave_out(texture_indices(value, &mut String::new()))?;
+    warnings.leave_out(texture_indices(value))?;
     let punctual = warnings.leave_out(root.extension("KHR_lights_punctual"))?.flatten();
     // A list that is none leaves out what it was to hold.
-    let count = |json: &Json<'_>, key: &str| warnings.leave_out(json.count(key)).map(Option::unwrap_or_default);
-    let lengths = Lengths {
-        buffers: root.count("buffers")?,
-        views: root.count("bufferViews")?,
-        accessors: root.count("accessors")?,
-        meshes: root.count("meshes")?,
-        skins: count(&root, "skins")?,
-        nodes: root.count("nodes")?,
-        scenes: root.count("scenes")?,
-        lights: punctual.as_ref().map_or(Ok(0), |lights| count(lights, "lights"))?,
+    let lenient =
+        |json: &Json<'_>, name| Ok(warnings.leave_out(json.length(name))?.unwrap_or(List { name, length: 0 }));
+    let parser = Parser {
+        buffers: root.length("buffers")?,
+        views: root.length("bufferViews")?,
+        accessors: root.length("accessors")?,
+        meshes: root.length("meshes")?,
+        skins: lenient(&root, "skins")?,
+        nodes: root.length("nodes")?,
+        lights: punctual.as_ref().map_or(Ok(List { name: "lights", length: 0 }), |all| lenient(all, "lights"))?,
+        warnings,
     };
-    budget.charge_nodes(lengths.nodes)?;
-    let animations = count(&root, "animations")?;
-    let mut document = Document {
-        buffers: parts(&root, "buffers", warnings, buffer)?,
-        accessors: parts(&root, "accessors", warnings, |a| accessor(a, lengths))?,
-        views: Vec::new(),
-        meshes: all(&root, "meshes", lengths.meshes, |mesh| parse_mesh::mesh(mesh, lengths, warnings))?,
-        skins: all(&root, "skins", lengths.skins, |skin| parse_mesh::skin(skin, lengths, warnings))?,
-        nodes: all(&root, "nodes", lengths.nodes, |node| parse_scene::node(node, lengths, warnings))?,
-        scenes: parts(&root, "scenes", warnings, |scene| scene.indices("nodes", "nodes", lengths.nodes))?,
-        scene: root.index("scene", "scenes", lengths.scenes)?,
-        animations: all(&root, "animations", animations, |json| parse_scene::animation(json, lengths, warnings))?,
-        lights: match &punctual {
-            Some(lights) => all(lights, "lights", lengths.lights, |light| parse_scene::light(light, warnings))?,
-            None => Vec::new(),
-        },
+    let (scenes, animations) = (root.length("scenes")?, lenient(&root, "animations")?);
+    budget.charge(parser.nodes.length as u64, NODE, &|| "nodes".to_owned())?;
+    let buffers = parser.parts(&root, parser.buffers, buffer)?;
+    let meshes = parser.named(&root, parser.meshes, |mesh| parser.mesh(mesh))?;
+    Ok(Document {
+        accessors: parser.parts(&root, parser.accessors, |json| parser.accessor(json))?,
+        views: parser.parts(&root, parser.views, |json| parser.view(json, &buffers))?,
+        skins: parser.named(&root, parser.skins, |skin| parser.skin(skin))?,
+        nodes: parser.nodes(&root, &meshes)?,
+        scenes: parser.parts(&root, scenes, |scene| scene.indices("nodes", parser.nodes))?,
+        scene: root.index("scene", scenes)?,
+        animations: parser.named(&root, animations, |animation| parser.animation(animation))?,
+        lights: punctual
+            .map_or(Ok(Vec::new()), |json| parser.named(&json, parser.lights, super::parse_scene::light))?,
         quantized: used.iter().any(|name| name == "KHR_mesh_quantization"),
         center: center(&root)?,
-    };
-    for (index, json) in root.elements("bufferViews")?.enumerate() {
-        let read = json.and_then(|json| view(&json, index, lengths, &document.buffers));
-        document.views.push(warnings.keep(read)?);
-    }
-    check_weights(&mut document, warnings)?;
-    Ok(document)
-}
-
-/// The elements of a list, each with its fault.
-fn parts<T>(
-    root: &Json<'_>,
-    key: &str,
-    warnings: &Warnings<'_>,
-    read: impl Fn(&Json<'_>) -> Result<T, GltfError>,
-) -> Result<Vec<Part<T>>, GltfError> {
-    root.elements(key)?.map(|json| warnings.keep(json.and_then(|json| read(&json)))).collect()
-}
-
-/// The elements of a list, which know their faults themselves. There are none where the list is none.
-fn all<'a, T>(
-    root: &Json<'a>,
-    key: &str,
-    count: usize,
-    read: impl Fn(Result<Json<'a>, GltfError>) -> Result<T, GltfError>,
-) -> Result<Vec<T>, GltfError> {
-    if count == 0 { Ok(Vec::new()) } else { root.elements(key)?.map(read).collect() }
-}
-
-/// Checks that each node has as many morph weights as its mesh has targets.
-fn check_weights(document: &mut Document, warnings: &Warnings<'_>) -> Result<(), GltfError> {
-    let Document { nodes, meshes, .. } = document;
-    for (n, node) in nodes.iter_mut().enumerate() {
-        let Node { weights, mesh, fault, .. } = node;
-        let (Some(given), targets) = (weights.take(), mesh.map_or(0, |mesh| meshes[mesh].targets)) else { continue };
-        if mesh.is_some_and(|mesh| meshes[mesh].fault.is_some()) {
-            continue;
-        }
-        let checked = parse_mesh::checked_weights(given, targets, || format!("nodes[{n}].weights"), warnings);
-        match warnings.keep(checked)? {
-            Ok(checked) => *weights = checked,
-            Err(wrong) => *fault = fault.take().or(Some(wrong)),
-        }
-    }
-    Ok(())
+        buffers,
+        meshes,
+    })
 }
 
 /// The center of `CESIUM_RTC`. The file's list of used extensions may lack it.
 fn center(root: &Json<'_>) -> Result<DVec3, GltfError> {
-    let Some(relative) = root.extension("CESIUM_RTC")? else { return Ok(DVec3::ZERO) };
-    Ok(DVec3::from_array(relative.required("center", relative.vector("center")?)?))
+    root.extension("CESIUM_RTC")?.map_or(Ok(DVec3::ZERO), |json| json.need("center").map(DVec3::from_array))
 }
 
 fn version(root: &Json<'_>) -> Result<(), GltfError> {
-    let asset = root.required("asset", root.object("asset")?)?;
-    let version = asset.required("version", asset.string("version")?)?;
-    let needed = asset.string("minVersion")?.unwrap_or("2.0");
-    for version in [version, needed] {
-        if version.split('.').next() != Some("2") {
-            let version = super::json::shorten(version);
-            return Err(GltfError::Version { version });
-        }
+    let asset: Json<'_> = root.need("asset")?;
+    let version: &str = asset.need("version")?;
+    let needed = asset.get("minVersion")?.unwrap_or("2.0");
+    let is_other = |version: &&str| version.split('.').next() != Some("2");
+    match [version, needed].into_iter().find(is_other).or((needed != "2.0").then_some(needed)) {
+        Some(version) => Err(GltfError::Version { version: shorten(version) }),
+        None => Ok(()),
     }
-    if needed != "2.0" {
-        let version = super::json::shorten(needed);
-        return Err(GltfError::Version { version });
-    }
-    Ok(())
 }
 
 /// Checks texture indices. Textures are not read, but an impossible index tells that the file is damaged.
-fn texture_indices(root: &Value, path: &mut String) -> Result<(), GltfError> {
-    let Some(materials) = root.get("materials") else {
-        return Ok(());
-    };
-    path.push_str("materials");
-    walk(materials, path, false)
+fn texture_indices(root: &Value) -> Result<(), GltfError> {
+    root.get("materials").map_or(Ok(()), |materials| walk(materials, &mut "materials".to_owned(), false))
 }
 
 fn walk(value: &Value, path: &mut String, in_texture: bool) -> Result<(), GltfError> {
     let length = path.len();
-    if let Some(items) = value.as_array() {
-        for (i, item) in items.iter().enumerate() {
-            // Writing to a string cannot fail.
-            let _ = write!(path, "[{i}]");
-            walk(item, path, false)?;
-            path.truncate(length);
-        }
+    for (i, item) in value.as_array().into_iter().flatten().enumerate() {
+        // Writing to a string cannot fail.
+        let _ = write!(path, "[{i}]");
+        walk(item, path, false)?;
+        path.truncate(length);
     }
-    for (key, item) in value.as_object().into_iter().flatten() {
-        if key == "extras" {
-            continue;
-        }
-        path.push('.');
-        path.push_str(key);
+    for (key, item) in value.as_object().into_iter().flatten().filter(|(key, _)| *key != "extras") {
+        let _ = write!(path, ".{key}");
         if in_texture && key == "index" && whole(item).is_none() {
-            let expected = "an index (a whole number of 0 or more)";
-            return Err(wrong(path.clone(), expected, item));
+            return Err(wrong(path.clone(), INDEX, item));
         }
         walk(item, path, key.ends_with("Texture"))?;
         path.truncate(length);
@@ -160,86 +110,185 @@ fn walk(value: &Value, path: &mut String, in_texture: bool) -> Result<(), GltfEr
 }
 
 fn buffer(json: &Json<'_>) -> Result<Buffer, GltfError> {
-    Ok(Buffer {
-        uri: json.string("uri")?.map(str::to_owned),
-        bytes: json.required("byteLength", json.whole("byteLength")?)?,
-    })
+    Ok(Buffer { uri: json.get("uri")?.map(str::to_owned), bytes: json.need("byteLength")? })
 }
 
-fn view(json: &Json<'_>, index: usize, lengths: Lengths, buffers: &[Part<Buffer>]) -> Result<View, GltfError> {
-    let mut compressed = None;
-    for name in extensions::MESHOPT {
-        if json.extension(name)?.is_some() {
-            compressed = Some(name);
+fn component(json: &Json<'_>) -> Result<Component, GltfError> {
+    let number: u64 = json.need("componentType")?;
+    let component = Component::ALL.into_iter().find(|component| *component as u64 == number);
+    let expected = "a component type (5120, 5121, 5122, 5123, 5125 or 5126)";
+    component.ok_or_else(|| json.wrong("componentType", expected))
+}
+
+fn offset(json: &Json<'_>) -> Result<u64, GltfError> {
+    Ok(json.get("byteOffset")?.unwrap_or(0))
+}
+
+impl Parser<'_> {
+    /// The elements of a list, each with its fault.
+    fn parts<T>(
+        &self,
+        root: &Json<'_>,
+        list: List,
+        read: impl Fn(&Json<'_>) -> Result<T, GltfError>,
+    ) -> Result<Vec<Part<T>>, GltfError> {
+        root.elements(list.name)?.map(|json| self.warnings.keep(json.and_then(|json| read(&json)))).collect()
+    }
+
+    /// The same for parts that have names. There are none where the list is none.
+    fn named<T>(
+        &self,
+        root: &Json<'_>,
+        list: List,
+        read: impl Fn(&Json<'_>) -> Result<T, GltfError>,
+    ) -> Result<Vec<Named<T>>, GltfError> {
+        if list.length == 0 {
+            return Ok(Vec::new());
+        }
+        let element = |json| match self.warnings.keep(json)? {
+            Ok(json) => Ok(Named { name: Json::name(&json, self.warnings)?, part: self.warnings.keep(read(&json))? }),
+            Err(fault) => Ok(Named { name: None, part: Err(fault) }),
+        };
+        root.elements(list.name)?.map(element).collect()
+    }
+
+    fn nodes(&self, root: &Json<'_>, meshes: &[Named<Mesh>]) -> Result<Vec<Node>, GltfError> {
+        let nodes = self.named(root, self.nodes, |json| self.node(json, meshes))?;
+        let node = |(Named { name, part }, json): (_, Result<Json<'_>, _>)| {
+            // The light of a node is there even if the rest has a fault.
+            let light = json.map_or(Ok(None), |json| self.light_index(&json))?;
+            let content = part.unwrap_or_else(|fault| Node { fault: Some(fault), ..Node::default() });
+            Ok(Node { name, light, ..content })
+        };
+        nodes.into_iter().zip(root.elements("nodes")?).map(node).collect()
+    }
+
+    fn view(&self, json: &Json<'_>, buffers: &[Part<Buffer>]) -> Result<View, GltfError> {
+        let mut compressed = None;
+        for name in extensions::MESHOPT {
+            compressed = json.extension(name)?.map(|_| name).or(compressed);
+        }
+        let view = View {
+            buffer: json.need_index("buffer", self.buffers)?,
+            offset: offset(json)?,
+            bytes: json.need("byteLength")?,
+            stride: json.get("byteStride")?,
+            compressed,
+        };
+        // A buffer that cannot be read is refused where it is read.
+        let available = buffers[view.buffer].as_ref().map_or(u64::MAX, |buffer| buffer.bytes);
+        let needed = view.offset.saturating_add(view.bytes);
+        if needed > available {
+            let place = format!("{} (byteOffset and byteLength)", json.path());
+            return Err(GltfError::too_short(place, needed, available));
+        }
+        Ok(view)
+    }
+
+    fn accessor(&self, json: &Json<'_>) -> Result<Accessor, GltfError> {
+        let name: &str = json.need("type")?;
+        let kind = KINDS.into_iter().find(|kind| kind.0 == name);
+        let kind = kind.ok_or_else(|| json.wrong("type", "SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4"))?;
+        Ok(Accessor {
+            view: json.index("bufferView", self.views)?,
+            offset: offset(json)?,
+            count: json.need("count")?,
+            component: component(json)?,
+            kind,
+            normalized: json.get("normalized")?.unwrap_or(false),
+            sparse: json.get("sparse")?.map(|sparse| self.sparse(&sparse)).transpose()?,
+        })
+    }
+
+    fn sparse(&self, json: &Json<'_>) -> Result<Sparse, GltfError> {
+        let (indices, values): (Json<'_>, Json<'_>) = (json.need("indices")?, json.need("values")?);
+        let (view, at, component) =
+            (indices.need_index("bufferView", self.views)?, offset(&indices)?, component(&indices)?);
+        if !matches!(component, Component::U8 | Component::U16 | Component::U32) {
+            return Err(indices.wrong("componentType", "an unsigned integer type (5121, 5123 or 5125)"));
+        }
+        Ok(Sparse {
+            count: json.need("count")?,
+            indices: (view, at, component),
+            values: (values.need_index("bufferView", self.views)?, offset(&values)?),
+        })
+    }
+
+    fn mesh(&self, json: &Json<'_>) -> Result<Mesh, GltfError> {
+        let primitives: Vec<Json<'_>> = json.list("primitives")?;
+        let primitives: Vec<_> = primitives.iter().map(|json| self.primitive(json)).collect::<Result<_, _>>()?;
+        let targets = primitives.first().map_or(0, |p| p.targets.len());
+        if let Some(other) = primitives.iter().position(|p| p.targets.len() != targets) {
+            let place = format!("{}.primitives[{other}].targets", json.path());
+            return Err(GltfError::count(place, primitives[other].targets.len(), targets));
+        }
+        let weights = self.weights(json.get("weights")?, targets, || json.at("weights"))?;
+        Ok(Mesh { primitives, weights, targets })
+    }
+
+    /// Checks that there are as many morph weights as targets. Weights without any target are left out.
+    pub(super) fn weights(
+        &self,
+        weights: Option<Vec<f64>>,
+        targets: usize,
+        place: impl Fn() -> String,
+    ) -> Result<Option<Vec<f64>>, GltfError> {
+        match weights.as_ref().map(Vec::len) {
+            Some(count) if targets == 0 && count > 0 => {
+                let problem = format!(" has {count} morph weights, but there are no morph targets; they are ignored");
+                self.warnings.push(GltfWarning::Changed { place: place(), problem })?;
+                Ok(None)
+            }
+            Some(count) if count != targets => Err(GltfError::count(place(), count, targets)),
+            _ => Ok(weights),
         }
     }
-    let view = View {
-        buffer: json.required("buffer", json.index("buffer", "buffers", lengths.buffers)?)?,
-        offset: json.whole("byteOffset")?.unwrap_or(0),
-        bytes: json.required("byteLength", json.whole("byteLength")?)?,
-        stride: json.whole("byteStride")?,
-        compressed,
-    };
-    // A buffer that cannot be read is refused where it is read.
-    let available = buffers[view.buffer].as_ref().map_or(u64::MAX, |buffer| buffer.bytes);
-    let needed = view.offset.saturating_add(view.bytes);
-    if needed > available {
-        let place = format!("bufferViews[{index}] (byteOffset and byteLength)");
-        return Err(GltfError::TooShort { place, needed, available });
+
+    fn primitive(&self, json: &Json<'_>) -> Result<Primitive, GltfError> {
+        let mode = match json.get("mode")? {
+            Some(0) => Mode::Points,
+            Some(1..=3) => Mode::Lines,
+            None | Some(4) => Mode::Triangles,
+            Some(5) => Mode::Strip,
+            Some(6) => Mode::Fan,
+            Some(_) => return Err(json.wrong("mode", "a primitive mode from 0 to 6")),
+        };
+        let attributes: Json<'_> = json.need("attributes")?;
+        let targets: Vec<Json<'_>> = json.list("targets")?;
+        let position = |json: &Json<'_>| json.index("POSITION", self.accessors);
+        Ok(Primitive {
+            mode,
+            targets: targets.iter().map(position).collect::<Result<_, _>>()?,
+            influences: self.warnings.keep(self.influences(&attributes))?,
+            indices: json.index("indices", self.accessors)?,
+            position: position(&attributes)?,
+            draco: json.extension(extensions::DRACO)?.is_some(),
+        })
     }
-    Ok(view)
-}
 
-fn accessor(json: &Json<'_>, lengths: Lengths) -> Result<Accessor, GltfError> {
-    let kind = match json.required("type", json.string("type")?)? {
-        "SCALAR" => Type::Scalar,
-        "VEC2" => Type::Vec2,
-        "VEC3" => Type::Vec3,
-        "VEC4" => Type::Vec4,
-        "MAT2" => Type::Mat2,
-        "MAT3" => Type::Mat3,
-        "MAT4" => Type::Mat4,
-        _ => return Err(json.wrong("type", "SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4")),
-    };
-    Ok(Accessor {
-        view: json.index("bufferView", "bufferViews", lengths.views)?,
-        offset: json.whole("byteOffset")?.unwrap_or(0),
-        count: json.required("count", json.whole("count")?)?,
-        component: component(json)?,
-        kind,
-        normalized: json.flag("normalized")?,
-        sparse: json.object("sparse")?.map(|s| sparse(&s, lengths)).transpose()?,
-    })
-}
-
-fn component(json: &Json<'_>) -> Result<ComponentType, GltfError> {
-    Ok(match json.required("componentType", json.whole("componentType")?)? {
-        5120 => ComponentType::I8,
-        5121 => ComponentType::U8,
-        5122 => ComponentType::I16,
-        5123 => ComponentType::U16,
-        5125 => ComponentType::U32,
-        5126 => ComponentType::F32,
-        _ => return Err(json.wrong("componentType", COMPONENT)),
-    })
-}
-
-fn sparse(json: &Json<'_>, lengths: Lengths) -> Result<Sparse, GltfError> {
-    let indices = json.required("indices", json.object("indices")?)?;
-    let values = json.required("values", json.object("values")?)?;
-    let place = |json: &Json<'_>| {
-        let view = json.index("bufferView", "bufferViews", lengths.views)?;
-        let offset = json.whole("byteOffset")?.unwrap_or(0);
-        Ok::<_, GltfError>((json.required("bufferView", view)?, offset))
-    };
-    let (view, offset) = place(&indices)?;
-    let component = component(&indices)?;
-    if !matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
-        return Err(indices.wrong("componentType", "an unsigned integer type (5121, 5123 or 5125)"));
+    /// Pairs `JOINTS_n` with `WEIGHTS_n`. It is an error if one of them is missing.
+    fn influences(&self, attributes: &Json<'_>) -> Result<Vec<InfluenceSet>, GltfError> {
+        let mut sets = Vec::new();
+        for key in attributes.keys() {
+            if let Some(joints) = key.strip_prefix("WEIGHTS_").map(|set| format!("JOINTS_{set}"))
+                && !attributes.has(&joints)
+            {
+                return Err(GltfError::missing(attributes.at(&joints)));
+            }
+            let Some(text) = key.strip_prefix("JOINTS_") else { continue };
+            let Ok(set) = text.parse() else { continue };
+            let index = |key: &str| attributes.need_index(key, self.accessors);
+            sets.push(InfluenceSet { set, joints: index(key)?, weights: index(&format!("WEIGHTS_{text}"))? });
+        }
+        sets.sort_by_key(|set| set.set);
+        Ok(sets)
     }
-    Ok(Sparse {
-        count: json.required("count", json.whole("count")?)?,
-        indices: (view, offset, component),
-        values: place(&values)?,
-    })
+
+    fn skin(&self, json: &Json<'_>) -> Result<Skin, GltfError> {
+        let joints = json.indices("joints", self.nodes)?;
+        if joints.is_empty() {
+            return Err(GltfError::missing(json.at("joints")));
+        }
+        Ok(Skin { joints, inverse_binds: json.index("inverseBindMatrices", self.accessors)? })
+    }
 }

@@ -2,17 +2,22 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DQuat, DVec3};
 
-use super::animation::LoadedAnimation;
+use super::animation::Channel;
 use super::asset::Asset;
-use super::document::{NamedLight, Part, Transform};
+use super::document::{Frame, Named, Part, Placement, Property, Trs};
 use super::error::GltfError;
-use super::node_state::{State, apply, property_name, rows};
-use super::placement::{Frame, Placement};
-use super::scene_light::{SceneLight, SceneLightKind, SpotCone};
+use super::info::{SceneLight, SceneLightKind, SpotCone};
 use crate::light::Light;
-use crate::model::{Geometry, InstancePose, ModelError, Pose};
+use crate::model::{InstancePose, Matrix3x4, ModelError, Pose};
+
+/// World matrices and morph weights of the nodes at one time, as animations set them.
+pub(super) struct State {
+    pub(super) world: Vec<DAffine3>,
+    /// Only for nodes whose weights an animation moves.
+    weights: HashMap<usize, Vec<f64>>,
+}
 
 impl Asset {
     /// The state of the model at a time of its animations, in seconds. Several animations play together from the same
@@ -26,8 +31,7 @@ impl Asset {
         let state = self.state(animations, time_s)?;
         let (mut instances, mut mixed_determinants) = (Vec::with_capacity(self.built.placements.len()), 0);
         for (placement, instance) in self.built.placements.iter().zip(self.built.model.instances()) {
-            let geometry = &self.built.model.geometries()[instance.geometry()];
-            let (posed, mixed) = self.instance(placement, geometry, instance.geometry(), &state);
+            let (posed, mixed) = self.instance(placement, instance.geometry(), &state);
             let Ok(posed) = posed else {
                 let place = match placement.node {
                     Some(node) => format!("nodes[{node}]"),
@@ -84,7 +88,7 @@ impl Asset {
     /// The light of node `n`, whose world matrix is given.
     fn light(&self, n: usize, light: &Part<usize>, world: &DAffine3, time_s: f32) -> Result<SceneLight, GltfError> {
         let damaged = |fault: &GltfError| GltfError::DamagedLight { node: n, source: Box::new(fault.clone()) };
-        let NamedLight { name, light } = &self.document.lights[*light.as_ref().map_err(|fault| damaged(fault))?];
+        let Named { name, part: light } = &self.document.lights[*light.as_ref().map_err(|fault| damaged(fault))?];
         let light = light.as_ref().map_err(|fault| damaged(fault))?;
         let (w, xyz) = match light.kind {
             SceneLightKind::Directional => (0.0, world.matrix3.z_axis.normalize()),
@@ -117,14 +121,13 @@ impl Asset {
         if time_s.is_nan() {
             return Err(GltfError::Time);
         }
-        let mut transforms: Vec<Transform> = self.document.nodes.iter().map(|node| node.transform).collect();
+        let nodes = &self.document.nodes;
+        let mut moved: Vec<Trs> = nodes.iter().map(|node| node.trs).collect();
         let mut weights = HashMap::new();
-        for animation in self.playing(animations)? {
-            for channel in &animation.channels {
-                apply(channel, f64::from(time_s), &mut transforms, &mut weights);
-            }
+        for channel in self.playing(animations)? {
+            apply(channel, f64::from(time_s), &mut moved[channel.node], &mut weights);
         }
-        let mut world = self.graph.world(|node| transforms[node].matrix());
+        let mut world = self.graph.world(|node| nodes[node].matrix.unwrap_or_else(|| moved[node].matrix()));
         let shift = self.shift();
         // A sum with zero would turn −0 into 0.
         if shift != DVec3::ZERO {
@@ -135,25 +138,25 @@ impl Asset {
         Ok(State { world, weights })
     }
 
-    /// The animations, each once. No two move the same property of a node.
-    fn playing(&self, animations: impl IntoIterator<Item = usize>) -> Result<Vec<&LoadedAnimation>, GltfError> {
+    /// The channels of the animations, each once. No two animations move the same property of a node.
+    fn playing(&self, animations: impl IntoIterator<Item = usize>) -> Result<Vec<&Channel>, GltfError> {
         let count = self.animations.len();
         let (mut playing, mut taken, mut moved) = (Vec::new(), BTreeSet::new(), HashMap::new());
         for index in animations {
-            let animation = self.animations.get(index).ok_or(GltfError::NoAnimation { index, count })?;
-            let animation =
-                animation.as_ref().map_err(|fault| GltfError::DamagedAnimation { index, source: fault.clone() })?;
+            let channels = self.animations.get(index).ok_or(GltfError::NoAnimation { index, count })?;
+            let channels =
+                channels.as_ref().map_err(|fault| GltfError::DamagedAnimation { index, source: fault.clone() })?;
             if !taken.insert(index) {
                 continue;
             }
-            for channel in &animation.channels {
-                let (node, property) = (channel.node, property_name(channel.property));
+            for &Channel { node, property, .. } in channels {
                 let first = *moved.entry((node, property)).or_insert(index);
                 if first != index {
+                    let property = property.name();
                     return Err(GltfError::SameProperty { first, second: index, node, property });
                 }
             }
-            playing.push(animation);
+            playing.extend(channels);
         }
         Ok(playing)
     }
@@ -184,82 +187,45 @@ impl Asset {
     fn instance(
         &self,
         placement: &Placement,
-        geometry: &Geometry,
-        geometry_index: usize,
+        geometry: usize,
         state: &State,
     ) -> (Result<InstancePose, ModelError>, bool) {
         let matrices = self.matrices(placement, state);
-        let used = &self.used_joints[geometry_index];
-        let mirrors = |matrix: &DAffine3| matrix.matrix3.determinant() < 0.0;
-        let keeps = |matrix: &DAffine3| matrix.matrix3.determinant() > 0.0;
-        let (mirrored, kept) = if geometry.influences().is_some() {
-            let of = |test: &dyn Fn(&DAffine3) -> bool| used.iter().filter(|&&j| test(&matrices[j as usize])).count();
-            (of(&mirrors), of(&keeps))
-        } else {
-            (usize::from(mirrors(&matrices[0])), usize::from(keeps(&matrices[0])))
-        };
+        let is_rigid = self.built.model.geometries()[geometry].influences().is_none();
+        let used = if is_rigid { &[0] } else { &self.used_joints[geometry][..] };
+        let determinants = used.iter().map(|&joint| matrices[joint as usize].matrix3.determinant());
+        let mirrored = determinants.clone().filter(|determinant| *determinant < 0.0).count();
+        let kept = determinants.filter(|determinant| *determinant > 0.0).count();
         let palette = matrices.iter().map(rows).collect();
         let pose = InstancePose::with(palette, self.morph_weights(placement, state), mirrored > kept);
         (pose, mirrored > 0 && kept > 0)
     }
 
     pub(super) fn morph_weights(&self, placement: &Placement, state: &State) -> Vec<f32> {
-        let mesh = &self.document.meshes[placement.mesh];
         let animated = placement.node.and_then(|node| state.weights.get(&node));
         let own = placement.node.and_then(|node| self.document.nodes[node].weights.as_ref());
-        match animated.or(own).or(mesh.weights.as_ref()) {
+        let mesh = self.document.meshes[placement.mesh].part.as_ref().ok();
+        match animated.or(own).or(mesh.and_then(|mesh| mesh.weights.as_ref())) {
             Some(weights) => weights.iter().map(|&w| w as f32).collect(),
-            None => vec![0.0; mesh.targets],
+            None => vec![0.0; self.document.targets(placement.mesh)],
         }
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mesh::Weld;
-
-    /// The lights of a file with one light, on a node that is turned about X by half a turn and stretched.
-    fn lights(light: &str) -> Result<Vec<SceneLight>, GltfError> {
-        let json = format!(
-            r#"{{ "asset": {{ "version": "2.0" }}, "extensionsUsed": ["KHR_lights_punctual"],
-                "extensions": {{ "KHR_lights_punctual": {{ "lights": [{light}] }} }},
-                "nodes": [{{ "rotation": [1, 0, 0, 0], "scale": [2, 2, 2],
-                    "extensions": {{ "KHR_lights_punctual": {{ "light": 0 }} }} }}],
-                "scenes": [{{ "nodes": [0] }}], "scene": 0 }}"#
-        );
-        Asset::from_slice(json.as_bytes(), None, Weld::Data).expect("a good file beside the light").lights(None, 0.0)
+/// Sets the property that a channel moves.
+fn apply(channel: &Channel, time: f64, trs: &mut Trs, weights: &mut HashMap<usize, Vec<f64>>) {
+    let value = channel.curve.sample(time, channel.property == Property::Rotation);
+    match (channel.property, &value[..]) {
+        (Property::Translation, &[x, y, z]) => trs.translation = DVec3::new(x, y, z),
+        (Property::Scale, &[x, y, z]) => trs.scale = DVec3::new(x, y, z),
+        (Property::Rotation, &[x, y, z, w]) => trs.rotation = DQuat::from_xyzw(x, y, z, w),
+        _ => drop(weights.insert(channel.node, value)),
     }
+}
 
-    #[test]
-    fn lights_bring_colour_range_and_cone() {
-        let plain = &lights(r#"{ "type": "point" }"#).expect("a good file")[0];
-        assert_eq!((plain.color, plain.intensity, plain.range, plain.cone), ([1.0; 3], 1.0, None, None));
-        let spot = r#"{ "type": "spot", "color": [1, 0.5, 0], "intensity": 40, "range": 7,
-            "spot": { "innerConeAngle": 0.25, "outerConeAngle": 0.5 } }"#;
-        let spot = &lights(spot).expect("a good file")[0];
-        assert_eq!((spot.color, spot.intensity, spot.range), ([1.0, 0.5, 0.0], 40.0, Some(7.0)));
-        let cone = spot.cone.expect("it is a spot light");
-        assert_eq!((cone.inner_angle, cone.outer_angle), (0.25, 0.5));
-        assert!(cone.direction[2] > 0.999, "{:?}", cone.direction);
-        let cone = lights(r#"{ "type": "spot" }"#).expect("a good file")[0].cone.expect("it is a spot light");
-        assert_eq!((cone.inner_angle, cone.outer_angle), (0.0, std::f32::consts::FRAC_PI_4));
-        let sun = &lights(r#"{ "type": "directional", "range": 3, "intensity": 2 }"#).expect("a good file")[0];
-        assert_eq!((sun.range, sun.intensity, sun.light.w), (None, 2.0, 0.0));
-    }
-
-    #[test]
-    fn what_no_light_can_be_is_refused_by_place() {
-        for (light, place) in [
-            (r#"{ "type": "point", "range": 0 }"#, "range"),
-            (r#"{ "type": "point", "range": "far" }"#, "range"),
-            (r#"{ "type": "point", "intensity": -1 }"#, "intensity"),
-            (r#"{ "type": "point", "color": [1, -1, 0] }"#, "color"),
-            (r#"{ "type": "spot", "spot": { "outerConeAngle": 2 } }"#, "outerConeAngle"),
-            (r#"{ "type": "spot", "spot": { "innerConeAngle": 1 } }"#, "innerConeAngle"),
-        ] {
-            let error = lights(light).expect_err(light).to_string();
-            assert!(error.contains("lights[0]") && error.contains(place), "{error}");
-        }
-    }
+/// The rows of the matrix, rounded to `f32`.
+fn rows(matrix: &DAffine3) -> Matrix3x4 {
+    let DAffine3 { matrix3, translation } = matrix;
+    [0, 1, 2]
+        .map(|row| [matrix3.x_axis[row], matrix3.y_axis[row], matrix3.z_axis[row], translation[row]].map(|c| c as f32))
 }

@@ -1,45 +1,117 @@
-//! Reads accessors: checks them against the data, puts sparse elements in, converts components.
+//! Reads accessors: checks them against their use and the data, puts sparse elements in, converts components.
 
-use gltf::json::accessor::ComponentType;
+use std::fmt::Display;
 
 use super::budget::Budget;
-use super::buffers::Bytes;
-use super::document::{Accessor, Document, Part, Sparse};
-use super::error::{AccessorProblem, GltfError};
+use super::document::Component::{F32, I8, I16, U8, U16, U32};
+use super::document::{Accessor, Component, Document, Kind, MAT4, Part, SCALAR, Sparse, VEC3, VEC4, View, checked};
+use super::error::GltfError;
 use super::extensions;
-use super::formats::{Component, Format};
+use super::files::Bytes;
 use super::warning::Warnings;
+
+/// The accessors that fit a use.
+#[derive(Clone, Copy)]
+pub(super) struct Format {
+    kind: Kind,
+    components: &'static [Fit],
+    text: &'static str,
+}
+
+/// A component type. `Some(true)`: it must be normalised. `Some(false)`: it must not be. `None`: both are allowed.
+type Fit = (Component, Option<bool>);
+
+pub(super) const POSITION: Format = Format { kind: VEC3, components: FLOATS, text: "F32 Vec3" };
+/// Positions with `KHR_mesh_quantization`, also those of morph targets.
+pub(super) const POSITION_QUANTIZED: Format = Format {
+    kind: VEC3,
+    components: &[(F32, None), (I8, None), (U8, None), (I16, None), (U16, None)],
+    text: "Vec3 of F32, I8, U8, I16 or U16",
+};
+pub(super) const JOINTS: Format = Format {
+    kind: VEC4,
+    components: &[(U8, Some(false)), (U16, Some(false))],
+    text: "U8 Vec4 or U16 Vec4, not normalised",
+};
+pub(super) const WEIGHTS: Format = Format {
+    kind: VEC4,
+    components: &[(F32, None), (U8, Some(true)), (U16, Some(true))],
+    text: "Vec4 of F32, normalised U8 or normalised U16",
+};
+pub(super) const INDICES: Format = Format {
+    kind: SCALAR,
+    components: &[(U8, Some(false)), (U16, Some(false)), (U32, Some(false))],
+    text: "U8, U16 or U32 Scalar",
+};
+pub(super) const MATRICES: Format = Format { kind: MAT4, components: FLOATS, text: "F32 Mat4" };
+/// Keyframe times.
+pub(super) const TIMES: Format = Format { kind: SCALAR, components: FLOATS, text: "F32 Scalar" };
+/// Translations and scales of keyframes and instances.
+pub(super) const VECTORS: Format = Format { kind: VEC3, components: FLOATS, text: "F32 Vec3" };
+/// Rotations of keyframes and instances.
+pub(super) const ROTATIONS: Format =
+    Format { kind: VEC4, components: NORMALIZED, text: "Vec4 of F32 or a normalised I8, U8, I16 or U16" };
+/// Morph weights of keyframes.
+pub(super) const MORPH_WEIGHTS: Format =
+    Format { kind: SCALAR, components: NORMALIZED, text: "Scalar of F32 or a normalised I8, U8, I16 or U16" };
+
+const FLOATS: &[Fit] = &[(F32, None)];
+const NORMALIZED: &[Fit] = &[(F32, None), (I8, Some(true)), (U8, Some(true)), (I16, Some(true)), (U16, Some(true))];
 
 /// Reads a document's accessors.
 pub(super) struct Reader<'a> {
     pub(super) document: &'a Document,
-    buffers: &'a [Part<Bytes<'a>>],
+    pub(super) buffers: &'a [Part<Bytes<'a>>],
     pub(super) budget: &'a Budget,
     pub(super) warnings: &'a Warnings<'a>,
 }
 
-impl<'a> Reader<'a> {
-    pub(super) fn new(
-        document: &'a Document,
-        buffers: &'a [Part<Bytes<'a>>],
-        budget: &'a Budget,
-        warnings: &'a Warnings<'a>,
-    ) -> Self {
-        Self { document, buffers, budget, warnings }
+/// An accessor, and the JSON path of the property that names it.
+#[derive(Clone, Copy)]
+struct Use<'u> {
+    accessor: usize,
+    user: &'u str,
+}
+
+impl Use<'_> {
+    fn place(&self) -> String {
+        format!("accessors[{}], used as {}", self.accessor, self.user)
     }
 
+    fn fault(&self, problem: impl Display) -> GltfError {
+        GltfError::invalid(self.place(), format!(": {problem}"))
+    }
+
+    /// There are no bytes for a view.
+    fn no_data(&self, view: usize, View { buffer, compressed, .. }: &View) -> GltfError {
+        let Some(name) = compressed else { return self.fault(format_args!("buffers[{buffer}] has no data")) };
+        GltfError::Extension {
+            name: (*name).to_owned(),
+            place: format!("bufferViews[{view}], used by accessors[{}] as {},", self.accessor, self.user),
+            advice: extensions::MESHOPT_ADVICE,
+        }
+    }
+}
+
+impl<'a> Reader<'a> {
     /// Charges `count` elements of `size` bytes that are about to be allocated.
     pub(super) fn charge(&self, count: u64, size: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
         self.budget.charge(count, size, what)
     }
 
     pub(super) fn accessor(&self, index: usize) -> Result<&'a Accessor, GltfError> {
-        self.document.accessors[index].as_ref().map_err(|fault| GltfError::clone(fault))
+        checked(&self.document.accessors[index])
     }
 
     /// The number of elements of an accessor, without checks.
     pub(super) fn count(&self, accessor: usize) -> Result<usize, GltfError> {
         Ok(usize::try_from(self.accessor(accessor)?.count).unwrap_or(usize::MAX))
+    }
+
+    /// Checks that an accessor has so many elements.
+    pub(super) fn check_count(&self, accessor: usize, expected: usize, place: &str) -> Result<(), GltfError> {
+        let count = self.count(accessor)?;
+        if count == expected { Ok(()) } else { Err(GltfError::count(place, count, expected)) }
     }
 
     /// Vectors of floats. Normalised integers are dequantised, others are converted.
@@ -64,12 +136,12 @@ impl<'a> Reader<'a> {
         let scale = |largest: f32| if normalized { largest } else { 1.0 };
         let signed = |value: f32, largest: f32| (value / scale(largest)).max(if normalized { -1.0 } else { f32::MIN });
         Ok(match component {
-            ComponentType::I8 => bytes.iter().map(|&b| signed(f32::from(b as i8), 127.0)).collect(),
-            ComponentType::U8 => bytes.iter().map(|&b| f32::from(b) / scale(255.0)).collect(),
-            ComponentType::I16 => words(&bytes, |w| signed(f32::from(i16::from_le_bytes(w)), 32767.0)),
-            ComponentType::U16 => words(&bytes, |w| f32::from(u16::from_le_bytes(w)) / scale(65535.0)),
-            ComponentType::U32 => words(&bytes, |w| u32::from_le_bytes(w) as f32),
-            ComponentType::F32 => words(&bytes, f32::from_le_bytes),
+            I8 => bytes.iter().map(|&b| signed(f32::from(b as i8), 127.0)).collect(),
+            U8 => bytes.iter().map(|&b| f32::from(b) / scale(255.0)).collect(),
+            I16 => words(&bytes, |w| signed(f32::from(i16::from_le_bytes(w)), 32767.0)),
+            U16 => words(&bytes, |w| f32::from(u16::from_le_bytes(w)) / scale(65535.0)),
+            U32 => words(&bytes, |w| u32::from_le_bytes(w) as f32),
+            F32 => words(&bytes, f32::from_le_bytes),
         })
     }
 
@@ -85,128 +157,85 @@ impl<'a> Reader<'a> {
 
     /// The bytes of the elements without gaps, in the accessor's own component type.
     fn raw(&self, index: usize, format: Format, user: &str) -> Result<Vec<u8>, GltfError> {
-        let accessor = self.accessor(index)?;
-        self.elements(accessor, format, &|| format!("accessors[{index}], used as {user}"))
-            .map_err(|failure| failure.at(index, user))
-    }
-
-    fn elements(&self, accessor: &Accessor, format: Format, place: &dyn Fn() -> String) -> Result<Vec<u8>, Failure> {
-        let fits = |&(component, normalized): &Component| {
-            component == accessor.component && normalized.is_none_or(|n| n == accessor.normalized)
-        };
-        if accessor.kind != format.kind || !format.components.iter().any(fits) {
-            let found = describe(accessor);
+        let (accessor, at) = (self.accessor(index)?, Use { accessor: index, user });
+        let &Accessor { view, offset, count, component, kind, normalized, sparse } = accessor;
+        let fits = |&(fit, is_normalized): &Fit| fit == component && is_normalized.is_none_or(|n| n == normalized);
+        if kind != format.kind || !format.components.iter().any(fits) {
+            let normalized = if normalized { "normalised " } else { "" };
             let expected = format.text;
-            return Err(AccessorProblem::Format { found, expected }.into());
+            return Err(at.fault(format_args!("it holds {normalized}{component:?} {}, expected {expected}", kind.1)));
         }
-        let (components, size) = (accessor.kind.multiplicity(), accessor.component.size());
-        let element = components * size;
+        let (components, element) = (kind.2, accessor.element());
         // The check against the data comes first, so that a wrong number gets its own error.
-        let source = match accessor.view {
-            Some(view) => Some(self.strided(view, accessor.offset, accessor.count, element as u64)?),
-            None => None,
-        };
+        let source = view.map(|view| self.strided(view, offset, count, element, at)).transpose()?;
         // The bytes as they are stored and the numbers, or the numbers in one list and in one of vectors.
-        self.charge(accessor.count, (element.max(4 * components) + 4 * components) as u64, place)?;
+        self.charge(count, (element.max(4 * components) + 4 * components) as u64, &|| at.place())?;
         let mut bytes = match source {
-            Some((data, stride)) => pack(data, stride, element, accessor.count as usize),
-            None => vec![0; accessor.count as usize * element],
+            Some((data, stride)) => pack(data, stride, element, count as usize),
+            None => vec![0; count as usize * element],
         };
-        if let Some(sparse) = &accessor.sparse {
-            self.replace(&mut bytes, sparse, element, accessor.count, place)?;
+        if let Some(sparse) = sparse {
+            self.replace(&mut bytes, sparse, element, count, at)?;
         }
         Ok(bytes)
     }
 
     /// The bytes from the first to the last of `count` elements, and the distance between two elements.
-    fn strided(&self, view_index: usize, offset: u64, count: u64, size: u64) -> Result<(&'a [u8], usize), Failure> {
-        let view = self.document.views[view_index].as_ref().map_err(|fault| GltfError::clone(fault))?;
-        let stride = view.stride.unwrap_or(size);
-        if stride < size {
-            let view = view_index;
-            return Err(AccessorProblem::Stride { view, stride, size }.into());
+    fn strided(
+        &self,
+        index: usize,
+        offset: u64,
+        count: u64,
+        size: usize,
+        at: Use<'_>,
+    ) -> Result<(&'a [u8], usize), GltfError> {
+        let view = checked(&self.document.views[index])?;
+        let [stride, length] = view.extent(count, size as u64);
+        if stride < size as u64 {
+            return Err(at.fault(format_args!(
+                "the byteStride {stride} of bufferViews[{index}] is smaller than an element's {size} bytes"
+            )));
         }
-        let length = match count.checked_sub(1) {
-            Some(steps) => steps.checked_mul(stride).and_then(|bytes| bytes.checked_add(size)),
-            None => Some(0),
-        };
-        let needed = length.and_then(|length| length.checked_add(offset)).unwrap_or(u64::MAX);
-        if needed > view.bytes {
-            return Err(AccessorProblem::TooShort { view: view_index, needed, available: view.bytes }.into());
+        let (needed, available) = (length.saturating_add(offset), view.bytes);
+        if needed > available {
+            return Err(
+                at.fault(format_args!("it needs {needed} bytes of bufferViews[{index}], which has {available}"))
+            );
         }
-        let no_data = || match view.compressed {
-            Some(name) => Failure::Compressed(name, view_index),
-            None => AccessorProblem::NoData { buffer: view.buffer }.into(),
-        };
-        let buffer = self.buffers[view.buffer].as_ref().map_err(|fault| GltfError::clone(fault))?;
-        let buffer = buffer.as_deref().ok_or_else(no_data)?;
+        let buffer = checked(&self.buffers[view.buffer])?.as_deref();
         let start = (view.offset + offset) as usize;
-        let data = buffer.get(start..start + length.unwrap_or(0) as usize).ok_or_else(no_data)?;
-        Ok((data, stride as usize))
+        let data = buffer.and_then(|buffer| buffer.get(start..start + length as usize));
+        Ok((data.ok_or_else(|| at.no_data(index, view))?, stride as usize))
     }
 
     fn replace(
         &self,
         bytes: &mut [u8],
-        sparse: &Sparse,
+        sparse: Sparse,
         element: usize,
         elements: u64,
-        place: &dyn Fn() -> String,
-    ) -> Result<(), Failure> {
-        let count = sparse.count;
+        at: Use<'_>,
+    ) -> Result<(), GltfError> {
+        let Sparse { count, indices: (view, offset, component), values } = sparse;
         if count > elements {
-            return Err(AccessorProblem::SparseCount { count, elements }.into());
+            return Err(at.fault(format_args!("it replaces {count} elements of {elements}")));
         }
-        let (view, offset, component) = sparse.indices;
-        let (indices, stride) = self.strided(view, offset, count, component.size() as u64)?;
-        self.charge(count, (component.size() + 4 + element) as u64, place)?;
+        let (indices, stride) = self.strided(view, offset, count, component.size(), at)?;
+        self.charge(count, (component.size() + 4 + element) as u64, &|| at.place())?;
         let indices = unsigned(&pack(indices, stride, component.size(), count as usize), component);
-        let (view, offset) = sparse.values;
-        let (values, stride) = self.strided(view, offset, count, element as u64)?;
+        let (values, stride) = self.strided(values.0, values.1, count, element, at)?;
         let values = pack(values, stride, element, count as usize);
         let mut least = 0;
         for (position, (&index, value)) in indices.iter().zip(values.chunks_exact(element)).enumerate() {
             if u64::from(index) < least || u64::from(index) >= elements {
-                let problem = AccessorProblem::SparseIndex { position, index, elements };
-                return Err(problem.into());
+                return Err(at.fault(format_args!(
+                    "sparse index {position} is {index}; they must increase and stay below {elements}"
+                )));
             }
             least = u64::from(index) + 1;
             bytes[index as usize * element..][..element].copy_from_slice(value);
         }
         Ok(())
-    }
-}
-
-/// Why an accessor cannot be read, without its place.
-enum Failure {
-    Problem(AccessorProblem),
-    Compressed(&'static str, usize),
-    Whole(GltfError),
-}
-
-impl From<AccessorProblem> for Failure {
-    fn from(problem: AccessorProblem) -> Self {
-        Self::Problem(problem)
-    }
-}
-
-impl From<GltfError> for Failure {
-    fn from(error: GltfError) -> Self {
-        Self::Whole(error)
-    }
-}
-
-impl Failure {
-    fn at(self, accessor: usize, user: &str) -> GltfError {
-        match self {
-            Self::Problem(problem) => GltfError::Accessor { accessor, user: user.to_owned(), problem },
-            Self::Compressed(name, view) => GltfError::Extension {
-                name: name.to_owned(),
-                place: format!("bufferViews[{view}], used by accessors[{accessor}] as {user},"),
-                advice: extensions::MESHOPT_ADVICE,
-            },
-            Self::Whole(error) => error,
-        }
     }
 }
 
@@ -226,15 +255,10 @@ fn words<const N: usize, T>(bytes: &[u8], convert: impl Fn([u8; N]) -> T) -> Vec
     bytes.as_chunks().0.iter().map(|word| convert(*word)).collect()
 }
 
-fn unsigned(bytes: &[u8], component: ComponentType) -> Vec<u32> {
+fn unsigned(bytes: &[u8], component: Component) -> Vec<u32> {
     match component {
-        ComponentType::I8 | ComponentType::U8 => bytes.iter().map(|&b| u32::from(b)).collect(),
-        ComponentType::I16 | ComponentType::U16 => words(bytes, |w| u32::from(u16::from_le_bytes(w))),
-        ComponentType::U32 | ComponentType::F32 => words(bytes, u32::from_le_bytes),
+        I8 | U8 => bytes.iter().map(|&b| u32::from(b)).collect(),
+        I16 | U16 => words(bytes, |w| u32::from(u16::from_le_bytes(w))),
+        U32 | F32 => words(bytes, u32::from_le_bytes),
     }
-}
-
-fn describe(accessor: &Accessor) -> String {
-    let normalized = if accessor.normalized { "normalised " } else { "" };
-    format!("{normalized}{:?} {:?}", accessor.component, accessor.kind)
 }

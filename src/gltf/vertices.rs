@@ -1,9 +1,8 @@
 //! A primitive's vertices: positions, morph offsets, joints.
 
-use super::document::Primitive;
+use super::document::{InfluenceSet, Primitive, checked};
 use super::error::GltfError;
-use super::formats;
-use super::reader::Reader;
+use super::reader::{self, Reader};
 use super::warning::GltfWarning;
 
 /// Vertices that primitives with the same accessors share.
@@ -41,56 +40,33 @@ pub(super) fn read(
     skinned: bool,
     place: &str,
 ) -> Result<Vertices, GltfError> {
-    let (positions, bad) = offsets(reader, position, &format!("{place}.attributes.POSITION"))?;
-    if let Some(NonFinite { count: vertices, first }) = bad {
-        let place = format!("{place}.attributes.POSITION");
-        reader.warnings.push(GltfWarning::NonFinitePositions { place, vertices, first })?;
-    }
-    let mut targets = Vec::new();
-    for (t, &target) in primitive.targets.iter().enumerate() {
+    let positions = vectors(reader, position, format!("{place}.attributes.POSITION"), false)?;
+    let target = |(t, target): (usize, &Option<usize>)| {
         let place = format!("{place}.targets[{t}].POSITION");
-        targets.push(if let Some(target) = target {
-            same_count(reader.count(target)?, positions.len(), &place)?;
-            let (offsets, bad) = offsets(reader, target, &place)?;
-            if let Some(NonFinite { count: vertices, first }) = bad {
-                reader.warnings.push(GltfWarning::NonFiniteOffsets { place, vertices, first })?;
-            }
-            offsets
-        } else {
+        let Some(target) = *target else {
             reader.charge(positions.len() as u64, 12, &|| place.clone())?;
-            vec![[0.0; 3]; positions.len()]
-        });
-    }
-    let bindings = match &primitive.influences_fault {
-        Some(fault) => Err(GltfError::clone(fault)),
-        None => bindings(reader, primitive, positions.len(), place),
+            return Ok(vec![[0.0; 3]; positions.len()]);
+        };
+        reader.check_count(target, positions.len(), &place)?;
+        vectors(reader, target, place, true)
     };
+    let targets = primitive.targets.iter().enumerate().map(target).collect::<Result<_, GltfError>>()?;
+    let bindings = checked(&primitive.influences).and_then(|sets| bindings(reader, sets, positions.len(), place));
     // Without a skin nobody asks for joints.
     let bindings = if skinned { bindings? } else { reader.warnings.leave_out(bindings)?.unwrap_or_default() };
     Ok(Vertices { positions, targets, bindings })
 }
 
-/// Vectors that are not finite.
-struct NonFinite {
-    count: usize,
-    first: usize,
-}
-
-/// Vectors, and those of them that are not finite.
-fn offsets(reader: &Reader<'_>, accessor: usize, place: &str) -> Result<(Vec<[f32; 3]>, Option<NonFinite>), GltfError> {
-    let format = if reader.document.quantized { formats::POSITION_QUANTIZED } else { formats::POSITION };
-    let vectors = reader.vectors(accessor, format, place)?;
+/// Positions, or offsets of a morph target. There is a warning if some are not finite.
+fn vectors(reader: &Reader<'_>, accessor: usize, place: String, is_target: bool) -> Result<Vec<[f32; 3]>, GltfError> {
+    let format = if reader.document.quantized { reader::POSITION_QUANTIZED } else { reader::POSITION };
+    let vectors = reader.vectors(accessor, format, &place)?;
     let mut bad = (0..vectors.len()).filter(|&v| !vectors[v].iter().all(|c: &f32| c.is_finite()));
-    let first = bad.next();
-    let count = 1 + bad.count();
-    Ok((vectors, first.map(|first| NonFinite { count, first })))
-}
-
-fn same_count(count: usize, expected: usize, place: &str) -> Result<(), GltfError> {
-    if count == expected {
-        return Ok(());
+    if let Some(first) = bad.next() {
+        let vertices = 1 + bad.count();
+        reader.warnings.push(GltfWarning::NonFinite { place, vertices, first, is_target })?;
     }
-    Err(GltfError::Count { place: place.to_owned(), count, expected })
+    Ok(vectors)
 }
 
 struct Set {
@@ -99,26 +75,24 @@ struct Set {
     joints_place: String,
 }
 
-fn bindings(reader: &Reader<'_>, primitive: &Primitive, vertices: usize, place: &str) -> Result<Bindings, GltfError> {
+fn bindings(reader: &Reader<'_>, sets: &[InfluenceSet], vertices: usize, place: &str) -> Result<Bindings, GltfError> {
     let mark = reader.budget.mark();
-    let mut sets = Vec::new();
-    for set in &primitive.influences {
-        let joints_place = format!("{place}.attributes.JOINTS_{}", set.set);
-        let weights_place = format!("{place}.attributes.WEIGHTS_{}", set.set);
-        same_count(reader.count(set.joints)?, vertices, &joints_place)?;
-        same_count(reader.count(set.weights)?, vertices, &weights_place)?;
-        let joints = reader.integers(set.joints, formats::JOINTS, &joints_place)?;
-        let weights: Vec<[f32; 4]> = reader.vectors(set.weights, formats::WEIGHTS, &weights_place)?;
-        let bad = |w: &f32| !(w.is_finite() && *w >= 0.0);
-        if let Some((vertex, weights)) = weights.iter().enumerate().find(|(_, w)| w.iter().any(bad)) {
-            return Err(GltfError::Weight {
-                place: weights_place,
-                vertex,
-                weight: weights.iter().copied().find(bad).unwrap_or(f32::NAN),
-            });
+    let set = |&InfluenceSet { set, joints, weights }: &InfluenceSet| {
+        let [joints_place, weights_place] =
+            ["JOINTS", "WEIGHTS"].map(|name| format!("{place}.attributes.{name}_{set}"));
+        reader.check_count(joints, vertices, &joints_place)?;
+        reader.check_count(weights, vertices, &weights_place)?;
+        let joints = reader.integers(joints, reader::JOINTS, &joints_place)?.as_chunks().0.to_vec();
+        let weights: Vec<[f32; 4]> = reader.vectors(weights, reader::WEIGHTS, &weights_place)?;
+        let is_bad = |weight: f32| !(weight.is_finite() && weight >= 0.0);
+        let mut each = weights.as_flattened().iter().copied().enumerate();
+        if let Some((at, weight)) = each.find(|&(_, weight)| is_bad(weight)) {
+            let place = format!("{weights_place}, vertex {}", at / 4);
+            return Err(GltfError::invalid(place, format!(": weight {weight} is not a finite number of 0 or more")));
         }
-        sets.push(Set { joints: joints.as_chunks().0.to_vec(), weights, joints_place });
-    }
+        Ok(Set { joints, weights, joints_place })
+    };
+    let sets: Vec<Set> = sets.iter().map(set).collect::<Result<_, _>>()?;
     let mut bindings = Bindings::default();
     if sets.is_empty() {
         return Ok(bindings);

@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::collections::HashSet;
 
 use super::budget::Budget;
+use super::document::Part;
 use super::error::GltfError;
 use super::info::SkippedPrimitives;
 
@@ -31,103 +32,46 @@ pub enum GltfWarning {
         .0.without_position
     )]
     Skipped(SkippedPrimitives),
-    /// Positions are infinite or NaN. Their faces face no light, cast no shadow and are not drawn.
-    #[error("{place}: {vertices} positions are infinite or NaN, first that of vertex {first}")]
-    NonFinitePositions {
+    /// Positions, or offsets of a morph target, are infinite or NaN. The faces of these vertices face no light, cast no shadow
+    /// and are not drawn, whatever the weights.
+    #[error(
+        "{place}: {vertices} {} are infinite or NaN, first that of vertex {first}{}",
+        if *.is_target { "offsets" } else { "positions" },
+        if *.is_target { "; the faces of these vertices are not drawn" } else { "" }
+    )]
+    NonFinite {
         /// JSON path of the attribute.
         place: String,
-        /// The number of such positions.
+        /// The number of such vectors.
         vertices: usize,
         /// The first vertex.
         first: usize,
+        /// Whether they are offsets of a morph target.
+        is_target: bool,
     },
-    /// Offsets of a morph target are infinite or NaN. The faces of these vertices face no light, cast no shadow and are
-    /// not drawn, whatever the weights.
-    #[error(
-        "{place}: {vertices} offsets are infinite or NaN, first that of vertex {first}; the faces of these vertices are \
-         not drawn"
-    )]
-    NonFiniteOffsets {
-        /// JSON path of the morph target's attribute.
+    /// A part breaks the specification. It was read in another way than it is written, or ignored: left-over corners, indices
+    /// that restart, children of two nodes, rotations of length 0, weights without morph targets, channels that move nothing,
+    /// zero bytes after the JSON.
+    #[error("{place}{problem}")]
+    Changed {
+        /// JSON path of the part.
         place: String,
-        /// The number of such offsets.
-        vertices: usize,
-        /// The first vertex.
-        first: usize,
-    },
-    /// The number of corners of a list of triangles is not a multiple of three. The last one or two were left out.
-    #[error(
-        "meshes[{mesh}].primitives[{primitive}]: {corners} corners are no whole number of triangles; the last {} are left \
-         out", .corners % 3
-    )]
-    CornerCount {
-        /// Index of the mesh.
-        mesh: usize,
-        /// Index of the primitive in it.
-        primitive: usize,
-        /// Indices, or vertices if there are no indices.
-        corners: usize,
-    },
-    /// An index has the value that restarts a strip, which glTF forbids. In a list of triangles it names a vertex if there
-    /// are so many. Otherwise it begins a new triangle, strip or fan.
-    #[error(
-        "meshes[{mesh}].primitives[{primitive}]: index {position} is the primitive restart value {index}, which glTF \
-         forbids; it is read as {}", if *.is_vertex { "a vertex" } else { "a restart" }
-    )]
-    PrimitiveRestart {
-        /// Index of the mesh.
-        mesh: usize,
-        /// Index of the primitive in it.
-        primitive: usize,
-        /// The first such position in the index accessor.
-        position: usize,
-        /// The index: the largest value of its type.
-        index: u32,
-        /// Whether it names a vertex.
-        is_vertex: bool,
-    },
-    /// Two nodes list the same child, or one node lists it twice. It is placed once. The parent that comes first in the
-    /// chosen scene has it.
-    #[error(
-        "nodes[{node}] is a child of nodes[{parent}] and again of nodes[{other}]; nodes must form trees, so it is placed \
-         below nodes[{parent}] only"
-    )]
-    SharedChild {
-        /// Index of the child.
-        node: usize,
-        /// Index of the parent that has it.
-        parent: usize,
-        /// Index of the other parent, or of the same one again.
-        other: usize,
-    },
-    /// Bytes of value 0 follow the JSON. They were ignored.
-    #[error("{bytes} zero bytes follow the JSON, where only spaces may; they are ignored")]
-    Padding {
-        /// Their number.
-        bytes: usize,
-    },
-    /// A rotation has length 0. It was read as no rotation.
-    #[error("{place} is a quaternion without a direction; it is read as no rotation, (0, 0, 0, 1)")]
-    Rotation {
-        /// JSON path of the rotation.
-        place: String,
-    },
-    /// There are morph weights, but no morph targets. The weights were ignored.
-    #[error("{place} has {weights} morph weights, but there are no morph targets; they are ignored")]
-    MorphWeights {
-        /// JSON path of the weights.
-        place: String,
-        /// Their number.
-        weights: usize,
-    },
-    /// A channel of an animation moves nothing.
-    #[error("{place}: {problem}, so the channel moves nothing")]
-    Channel {
-        /// JSON path of the channel.
-        place: String,
-        /// Why it moves nothing.
+        /// The fault, and how it was read: the words that follow the place in the message.
         problem: String,
     },
+}
+
+impl GltfWarning {
+    /// A rotation has length 0.
+    pub(super) fn no_rotation(place: String) -> Self {
+        let problem = " is a quaternion without a direction; it is read as no rotation, (0, 0, 0, 1)".to_owned();
+        Self::Changed { place, problem }
+    }
+
+    /// A channel of an animation moves nothing.
+    pub(super) fn channel(place: &str, problem: &str) -> Self {
+        Self::Changed { place: place.to_owned(), problem: format!(": {problem}, so the channel moves nothing") }
+    }
 }
 
 /// Warnings while a file is loaded. Their memory is charged.
@@ -158,42 +102,27 @@ impl<'a> Warnings<'a> {
         Ok(())
     }
 
-    /// Makes a fault of what a part is refused for, to be kept until somebody asks for the part. The memory limit is the
-    /// whole file's matter, so [`GltfError::TooLarge`] is no part's fault.
-    pub(super) fn fault(&self, error: GltfError) -> Result<Box<GltfError>, GltfError> {
-        if let GltfError::TooLarge { .. } = error {
-            return Err(error);
+    /// The part, or its fault, to be kept until somebody asks for the part. The memory limit is the whole file's matter, so
+    /// [`GltfError::TooLarge`] is no part's fault.
+    pub(super) fn keep<T>(&self, result: Result<T, GltfError>) -> Result<Part<T>, GltfError> {
+        match result {
+            Err(error @ GltfError::TooLarge { .. }) => Err(error),
+            Err(error) => self.charge(&error.to_string()).map(|()| Err(Box::new(error))),
+            Ok(value) => Ok(Ok(value)),
         }
-        self.charge(&error.to_string())?;
-        Ok(Box::new(error))
-    }
-
-    /// The value, or a fault that is kept.
-    pub(super) fn keep<T>(&self, result: Result<T, GltfError>) -> Result<Result<T, Box<GltfError>>, GltfError> {
-        Ok(match result {
-            Ok(value) => Ok(value),
-            Err(error) => Err(self.fault(error)?),
-        })
     }
 
     /// The value, or a warning that a part is damaged.
     pub(super) fn leave_out<T>(&self, result: Result<T, GltfError>) -> Result<Option<T>, GltfError> {
-        match result {
+        match self.keep(result)? {
             Ok(value) => Ok(Some(value)),
-            Err(error) => {
-                let fault = self.fault(error)?;
-                self.push(GltfWarning::Damaged { fault })?;
-                Ok(None)
-            }
+            Err(fault) => self.push(GltfWarning::Damaged { fault }).map(|()| None),
         }
     }
 
     /// Warns of faults that were kept and that nobody asked for.
     pub(super) fn damaged<'f>(&self, faults: impl Iterator<Item = &'f Box<GltfError>>) -> Result<(), GltfError> {
-        for fault in faults {
-            self.push(GltfWarning::Damaged { fault: fault.clone() })?;
-        }
-        Ok(())
+        faults.cloned().try_for_each(|fault| self.push(GltfWarning::Damaged { fault }))
     }
 
     pub(super) fn finish(self) -> Vec<GltfWarning> {

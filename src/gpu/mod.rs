@@ -3,7 +3,8 @@
 
 mod common;
 mod deform;
-pub(crate) mod depth_map;
+#[cfg(feature = "depth-map")]
+pub mod depth_map;
 mod extract;
 mod masks;
 mod outline;
@@ -20,11 +21,6 @@ pub use common::positions::PositionBuffer;
 pub use common::readback::{read_back, read_back_async, read_back_vec, read_back_vec_async};
 pub use common::timer::{StageTimer, StageTimes};
 pub use deform::deformer::{DeformError, Deformer, DeformerOptions, PoseInputs};
-pub use depth_map::{
-    DanglingEdges, DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapFrame,
-    DepthMapMerge, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapStatistics, DepthMapVolumes,
-    DepthMetric, MeshDepth, SceneDepth, SceneDepthCounts,
-};
 pub use extract::errors::ExtractorError;
 pub use extract::extraction::Extraction;
 pub use extract::extractor::Extractor;
@@ -39,7 +35,6 @@ pub use query::options::ShadowQueryOptions;
 pub use query::points::QueryPoints;
 pub use query::shadow_query::ShadowQuery;
 pub use scene::caster::{Caster, CasterPositions};
-pub use scene::depths::SceneDepthCasters;
 pub use scene::frame::SceneFrame;
 #[cfg(feature = "reference")]
 pub use scene::frame::{SceneGroupResults, SceneResults};

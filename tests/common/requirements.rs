@@ -1,9 +1,9 @@
 //! A device that has less than the stages need: one typed error that names it, and no error of the device.
 
+use rimline::gpu::depth_map::{DepthMap, DepthMapError, DepthMapOptions, DepthMapPipelines, DepthMapVolumes};
 use rimline::gpu::{
-    DeformError, Deformer, DeformerOptions, DepthMap, DepthMapError, DepthMapOptions, DepthMapPipelines,
-    DepthMapVolumes, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions, Pipelines, QueryError,
-    ShadowError, ShadowFormat, ShadowPipelines, ShadowQuery, ShadowQueryOptions,
+    DeformError, Deformer, DeformerOptions, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions,
+    Pipelines, QueryError, ShadowError, ShadowFormat, ShadowPipelines, ShadowQuery, ShadowQueryOptions,
 };
 use rimline::reference::Method;
 use rimline::{Counting, Light};

@@ -140,7 +140,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("depth_near", "tests/depth_map/near.rs"),
     ("depth_near_walls", "tests/depth_map/near.rs"),
     ("depth_metric", "tests/depth_map/metric.rs"),
-    ("depth_merge", "tests/depth_map/merge.rs"),
+    ("depth_merge", "tests/depth_map/metric.rs"),
     ("depth_cube", "tests/depth_map/cube.rs"),
     ("depth_edges", "tests/depth_map/stages.rs"),
     ("depth_cells", "tests/depth_map/stages.rs"),

@@ -102,13 +102,46 @@ fn triangles(
     triangles
 }
 
-impl Boundary {
-    /// The boundary of a map. Edges are marked where depths differ by more than the threshold, or everywhere if it is negative.
-    pub(crate) fn new(map: &Map, camera: &ShadowCamera, light: DVec4, threshold: f64) -> Self {
-        Self::edited(map, camera, light, threshold, None)
-    }
+fn near(camera: &ShadowCamera) -> f64 {
+    if camera.depth == DepthDirection::Reversed { 1.0 } else { 0.0 }
+}
 
-    /// The same, moved by parts of a texel.
+/// The places of a map's samples, moved by parts of a texel, at a depth.
+pub(crate) fn places(
+    camera: &ShadowCamera,
+    size: [u32; 2],
+    [right, down]: [f64; 2],
+) -> impl Fn([i64; 2], f64) -> DVec3 + use<> {
+    let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse();
+    let origin = DVec3::from_array(camera.origin.map(f64::from));
+    let [width, height] = size.map(f64::from);
+    move |[x, y], depth| {
+        let [x, y] = [(x as f64 + 0.5 + right) / width * 2.0 - 1.0, 1.0 - (y as f64 + 0.5 + down) / height * 2.0];
+        let point = matrix * DVec4::new(x, y, depth, 1.0);
+        point.truncate() / point.w + origin
+    }
+}
+
+/// Names of the rays of samples of a cube's maps. Along the axes of the cube, with the largest component as many as there are cells,
+/// all are near integers.
+pub(crate) fn names(cameras: &[ShadowCamera; 6], side: u32) -> impl Fn(usize, [i64; 2]) -> [i64; 3] + use<> {
+    let way = cameras.map(|camera| {
+        let place = places(&camera, [side; 2], [0.0; 2]);
+        move |at| place(at, 0.5) - place(at, near(&camera))
+    });
+    let cells = f64::from(side) - 1.0;
+    // The middle of a map is between its outermost samples.
+    let middle = |face: usize| (way[face]([0, 0]) + way[face]([i64::from(side) - 1; 2])).normalize();
+    let axes = [middle(0), middle(2), middle(4)];
+    move |face, at| {
+        let ray = DVec3::from_array(axes.map(|axis| axis.dot(way[face](at))));
+        (ray / ray.abs().max_element() * cells).to_array().map(|part| part.round() as i64)
+    }
+}
+
+impl Boundary {
+    /// The boundary of a map, moved by parts of a texel. Edges are marked where depths differ by more than the threshold, or everywhere
+    /// if it is negative.
     pub(crate) fn edited(map: &Map, camera: &ShadowCamera, light: DVec4, threshold: f64, by: Option<[f64; 2]>) -> Self {
         Self::moved(map, camera, light, threshold, by, &|[x, y]| sample(map, x, y))
     }
@@ -123,54 +156,29 @@ impl Boundary {
         moved: &dyn Fn([i64; 2]) -> Option<f64>,
     ) -> Self {
         let [right, down] = by.unwrap_or([0.0; 2]);
-        let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse();
-        let origin = DVec3::from_array(camera.origin.map(f64::from));
-        let [width, height] = map.size.map(f64::from);
-        let place = |x: i64, y: i64, depth: f64| {
-            let [x, y] = [(x as f64 + 0.5 + right) / width * 2.0 - 1.0, 1.0 - (y as f64 + 0.5 + down) / height * 2.0];
-            let point = matrix * DVec4::new(x, y, depth, 1.0);
-            point.truncate() / point.w + origin
-        };
-        let vertex = |x: i64, y: i64| {
-            if let Some(depth) = moved([x, y]) {
-                return place(x, y, depth).extend(1.0);
+        let place = places(camera, map.size, [right, down]);
+        let vertex = |at: [i64; 2]| {
+            if let Some(depth) = moved(at) {
+                return place(at, depth).extend(1.0);
             }
-            let near = if camera.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
-            (place(x, y, 0.5) - place(x, y, near)).normalize().extend(0.0)
+            (place(at, 0.5) - place(at, near(camera))).normalize().extend(0.0)
         };
-        let places = (-1..height as i64).flat_map(|y| (-1..width as i64).map(move |x| [x, y]));
-        let triangles =
-            triangles(map.is_reversed, threshold, by.is_some(), places, &|[x, y]| sample(map, x, y), &|[x, y]| {
-                vertex(x, y)
-            });
+        let [width, height] = map.size.map(i64::from);
+        let cells = (-1..height).flat_map(|y| (-1..width).map(move |x| [x, y]));
+        let sample = |[x, y]: [i64; 2]| sample(map, x, y);
+        let triangles = triangles(map.is_reversed, threshold, by.is_some(), cells, &sample, &vertex);
         Self { triangles, light }
     }
 
     /// The boundary of six maps around a light. Samples whose rays are the same are one.
     pub(crate) fn cube(maps: &[Option<Map>; 6], cameras: &[ShadowCamera; 6], light: DVec3, threshold: f64) -> Self {
-        let side = maps.iter().flatten().map(|map| i64::from(map.size[0])).max().unwrap_or(3);
+        let side = maps.iter().flatten().map(|map| map.size[0]).max().unwrap_or(3);
         let is_reversed = cameras[0].depth == DepthDirection::Reversed;
-        let near = if is_reversed { 1.0 } else { 0.0 };
-        let place = |face: usize, x: i64, y: i64, depth: f64| {
-            let [x, y] = [x, y].map(|place| (place as f64 + 0.5) / side as f64 * 2.0 - 1.0);
-            let matrix = Mat4::from_cols_array_2d(&cameras[face].view_projection).as_dmat4().inverse();
-            let point = matrix * DVec4::new(x, -y, depth, 1.0);
-            point.truncate() / point.w + DVec3::from_array(cameras[face].origin.map(f64::from))
-        };
-        // Along the axes of the cube, the largest component as many as there are cells: all are near integers.
-        let middle = |face: usize| {
-            let matrix = Mat4::from_cols_array_2d(&cameras[face].view_projection).as_dmat4().inverse();
-            let point = matrix * DVec4::new(0.0, 0.0, near, 1.0);
-            (point.truncate() / point.w + DVec3::from_array(cameras[face].origin.map(f64::from)) - light).normalize()
-        };
-        let axes = [middle(0), middle(2), middle(4)];
-        let name = |face: usize, [x, y]: [i64; 2]| {
-            let ray = place(face, x, y, near) - light;
-            let ray = DVec3::from_array(axes.map(|axis| axis.dot(ray)));
-            (ray / ray.abs().max_element() * (side as f64 - 1.0)).to_array().map(|part| part.round() as i64)
-        };
+        let place = cameras.each_ref().map(|camera| places(camera, [side; 2], [0.0; 2]));
+        let name = names(cameras, side);
         // The nearest depth of each ray, and the first sample that it has.
         let mut rays: HashMap<[i64; 3], (Option<f64>, DVec4)> = HashMap::new();
+        let side = i64::from(side);
         let all = || (0..6).flat_map(move |face| (0..side * side).map(move |at| (face, [at % side, at / side])));
         for (face, at) in all() {
             let own = maps[face].as_ref().and_then(|map| sample(map, at[0], at[1]));
@@ -182,14 +190,14 @@ impl Boundary {
         }
         for (face, at) in all() {
             if let Some((depth, vertex)) = rays.get_mut(&name(face, at)).filter(|ray| ray.1 == DVec4::ZERO) {
-                let far = || (place(face, at[0], at[1], near) - light).normalize().extend(0.0);
-                *vertex = depth.map_or_else(far, |depth| place(face, at[0], at[1], depth).extend(1.0));
+                let far = || (place[face](at, near(&cameras[face])) - light).normalize().extend(0.0);
+                *vertex = depth.map_or_else(far, |depth| place[face](at, depth).extend(1.0));
             }
         }
         let of_face = |face: usize| {
-            let places = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| [x, y]));
+            let cells = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| [x, y]));
             let ray = |at: [i64; 2]| rays[&name(face, at)];
-            triangles(is_reversed, threshold, false, places, &|at| ray(at).0, &|at| ray(at).1)
+            triangles(is_reversed, threshold, false, cells, &|at| ray(at).0, &|at| ray(at).1)
         };
         Self { triangles: (0..6).flat_map(of_face).collect(), light: light.extend(1.0) }
     }

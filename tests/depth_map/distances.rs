@@ -1,7 +1,7 @@
 //! Distances of places from a light, and back, in `f64`, from the rows of the light's matrix.
 
 use glam::{DMat3, DVec2, DVec3, DVec4, Mat4};
-use rimline::gpu::DepthMetric;
+use rimline::gpu::depth_map::DepthMetric;
 use rimline::{DepthDirection, ShadowCamera};
 
 /// A light's camera: the rows of its matrix and its origin.

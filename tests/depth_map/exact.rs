@@ -100,11 +100,6 @@ pub(crate) struct Exact {
     columns: [DVec4; 4],
     /// The same for directions away from the light: of x, y and 1.
     far: [DVec4; 3],
-    /// The depth at infinity, of x, y and 1; `None` for a parallel light.
-    infinity: Option<DVec3>,
-    /// From the eye's clip space to the light's, before jitter.
-    back: DMat4,
-    near_z: f64,
     size: DVec2,
     jitter: DVec2,
 }
@@ -145,14 +140,7 @@ impl Exact {
             let away = if light.depth == DepthDirection::Reversed { -1.0 } else { 1.0 };
             [DVec4::ZERO, DVec4::ZERO, direction(away * z)]
         };
-        // The near rectangle in the light's clip space, column by column.
-        let back = |unit: DVec4| {
-            let point = solve(to_eye, unit);
-            matrix(light) * (point.truncate() - point.w * apart).extend(point.w)
-        };
-        let back = DMat4::from_cols(back(DVec4::X), back(DVec4::Y), back(DVec4::Z), back(DVec4::W));
-        let near_z = if eye.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
-        Self { columns, far, infinity, back, near_z, size, jitter: DVec2::from_array(jitter) }
+        Self { columns, far, size, jitter: DVec2::from_array(jitter) }
     }
 
     /// The device coordinates of a place in texels, of which (0, 0) is the middle of the first: its sum, and its terms.
@@ -183,39 +171,5 @@ impl Exact {
         };
         // A term's column, its product, and three sums.
         Held { value, bound: HIGHER * (5.0 * ROUNDING * terms + moved) + FLUSHED }
-    }
-
-    /// The depth at infinity of a place in texels, and the sum of the sizes of its terms. `None` for a parallel light.
-    pub(crate) fn infinity(&self, texel: DVec2) -> Option<(f64, f64)> {
-        let (at, _) = self.device(texel);
-        let depth = self.infinity?;
-        let value = depth.dot(at.extend(1.0));
-        Some((value, depth.abs().dot(at.abs().extend(1.0))))
-    }
-
-    /// A place on the near rectangle, each from -1 to 1, in texels and depths of the map, and what floats may be off by. `None`
-    /// if it is beside or behind the light; `Err` if floats may tell neither.
-    pub(crate) fn near(&self, place: DVec2) -> Result<Option<(DVec3, DVec3)>, ()> {
-        let lattice = |clip: DVec4| {
-            let half = self.size / 2.0;
-            let jitter = self.jitter * clip.w;
-            let texel = DVec2::new(clip.x, -clip.y) * half + (half + 0.5) * clip.w - jitter;
-            DVec4::new(texel.x, texel.y, clip.z, clip.w)
-        };
-        let [x, y, z, one] = [self.back.x_axis, self.back.y_axis, self.back.z_axis, self.back.w_axis].map(lattice);
-        let middle = self.near_z * z + one;
-        let point = place.x * x + place.y * y + middle;
-        let off = 4.0 * ROUNDING * (place.x.abs() * x.abs() + place.y.abs() * y.abs() + middle.abs()) + FLUSHED;
-        if point.w.abs() <= off.w {
-            return Err(());
-        }
-        if point.w < 0.0 {
-            return Ok(None);
-        }
-        let found = point.truncate() / point.w;
-        // And a quotient, 2.5 units.
-        let bound = (off.truncate() + found.abs() * off.w) / (point.w - off.w) + 3.0 * ROUNDING * found.abs();
-        // The lattice has one row more, before texel 0.
-        Ok(Some((found - DVec3::new(1.0, 1.0, 0.0), HIGHER * bound)))
     }
 }

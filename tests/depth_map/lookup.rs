@@ -1,23 +1,26 @@
 //! Volumes of a depth map against a lookup in the same map, without filter, as shaders of receivers do it: wrong pixels of the
-//! same views.
+//! same views. And volumes in other units.
 
-use std::cell::OnceCell;
+use std::collections::HashSet;
 
 use glam::DVec2;
-use rimline::DepthDirection;
-use rimline::gpu::{DepthMapMethod, DepthMapOptions};
+use rimline::ShadowCamera;
+use rimline::gpu::depth_map::DepthMapMethod;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::is_long;
 use rimline_testkit::random::Random;
+use rimline_testkit::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
-use crate::parity::middle;
-use crate::picture::Picture;
+use crate::maps::Map;
+use crate::parity::{device_depth, middle};
+use crate::picture::{AUTOMATIC, EVERY_CELL, Maps, REVERSED, Target, by, contours, differences};
+use crate::rules::CELL;
 use crate::textures::{read, texture};
-use crate::views::{MapOf, Near, SIDE, View, worlds};
+use crate::views::{MapOf, Near, Seen, Tally, View, worlds};
 
-pub(crate) const TESTS: &[Test] = &[("volumes_have_no_acne_and_lookups_have", compare)];
+pub(crate) const TESTS: &[Test] =
+    &[("volumes_have_no_acne_and_lookups_have", compare), ("detectors_list_the_same_in_every_unit", units)];
 
 /// Else upright edges of boxes lie along the columns of a map, where the run of a contour does not tell a place.
 const TURN: f64 = 0.5;
@@ -27,37 +30,7 @@ const TURN: f64 = 0.5;
 enum Way {
     Volumes(DepthMapMethod),
     /// With a bias of a map that is drawn: steps of its format, and multiples of its slope, as `wgpu::DepthBiasState` has them.
-    Lookup {
-        constant: f64,
-        slope_scale: f64,
-    },
-}
-
-const MARKED: DepthMapMethod = DepthMapMethod::Differences { threshold: 0.0005, dangling: None };
-const CONTOURS: DepthMapMethod = DepthMapMethod::Contours { threshold: 0.0005, sideways: 0.1, depth: 0.002 };
-
-const WAYS: [(&str, Way); 6] = [
-    ("volumes, every cell", Way::Volumes(DepthMapMethod::EveryCell)),
-    ("volumes, differences above 0.0005", Way::Volumes(MARKED)),
-    ("contours, differences above 0.0005", Way::Volumes(CONTOURS)),
-    ("lookup, no bias", Way::Lookup { constant: 0.0, slope_scale: 0.0 }),
-    // The bias of wgpu's example of shadows.
-    ("lookup, bias of 2 steps and 2 slopes", Way::Lookup { constant: 2.0, slope_scale: 2.0 }),
-    ("volumes, automatic", Way::Volumes(DepthMapMethod::Automatic { dangling: None })),
-];
-
-/// Pixels that are wrong.
-#[derive(Clone, Copy, Debug, Default)]
-struct Wrong {
-    /// Dark in the light, farther than a texel from a border and a fold: acne.
-    acne: usize,
-    /// Lit in the shadow, as far away.
-    leaks: usize,
-    at_folds: usize,
-    /// Dark in the light, within a texel of a border.
-    too_large: usize,
-    /// Lit in the shadow, there.
-    too_small: usize,
+    Lookup([f64; 2]),
 }
 
 /// The step between depths of a format at a depth, as polygon offsets count it.
@@ -71,14 +44,14 @@ fn step(format: TextureFormat, depth: f64) -> f64 {
 
 /// The depths that a map has if its triangles are drawn with a bias.
 fn biased(view: &View<'_>, format: TextureFormat, [constant, slope_scale]: [f64; 2]) -> Vec<f32> {
-    let is_reversed = view.sun.camera.depth == DepthDirection::Reversed;
+    let is_reversed = view.sun.cameras[0].depth == REVERSED;
     let (far, away) = if is_reversed { (0.0, -1.0) } else { (1.0, 1.0) };
-    let depth = |(texel, seen): (u32, &crate::views::Seen)| {
+    let depth = |(texel, seen): (u32, &Seen)| {
         let Some((point, normal)) = *seen else { return far };
-        let middle = middle(texel, view.side);
+        let middle = middle(texel, view.sun.side);
         // The depth of the surface's tangent plane.
         let on_plane = |place: DVec2| {
-            let (from, direction) = view.light_rays.at(place);
+            let (from, direction) = view.sun.rays[0].at(place);
             let t = (point - from).dot(normal) / direction.dot(normal);
             view.sun.in_map(from + t * direction).z
         };
@@ -87,38 +60,30 @@ fn biased(view: &View<'_>, format: TextureFormat, [constant, slope_scale]: [f64;
         let bias = slope_scale * slope(DVec2::X).max(slope(DVec2::Y)) + constant * step(format, own);
         (own + away * bias).clamp(0.0, 1.0) as f32
     };
-    (0..).zip(&view.light_seen).map(depth).collect()
+    (0..).zip(&view.light_seen()[0]).map(depth).collect()
 }
 
-/// Whether each pixel is in shadow.
-fn dark(gpu: &Gpu, view: &View<'_>, format: TextureFormat, way: Way) -> Result<Vec<bool>, String> {
-    let [light_depths, eye_depths] = view.depths();
-    let (light, eye) = (view.sun.camera, view.eye);
-    match way {
+/// The stencil, or 1 for each pixel that a lookup tells to be in shadow.
+fn dark(gpu: &Gpu, view: &View<'_>, format: TextureFormat, way: Way) -> Result<Vec<u8>, String> {
+    let bias = match way {
         Way::Volumes(method) => {
-            let map = &texture(gpu, [view.side; 2], format, &light_depths)?;
-            let options = DepthMapOptions { method, ..Default::default() };
-            let picture =
-                Picture { map, objects: None, light, eye, depths: &eye_depths, side: SIDE, options, bits: 7..8 };
-            Ok(picture.stencil(gpu)?.into_iter().map(|value| value != 0).collect())
+            return Target::new(view.eye, &view.eye_depths()).stencil(gpu, &view.maps(gpu, format)?, by(method));
         }
-        Way::Lookup { constant, slope_scale } => {
-            let map = texture(gpu, [view.side; 2], format, &biased(view, format, [constant, slope_scale]))?;
-            let stored = read(gpu, &map)?;
-            let dark = |seen: &crate::views::Seen| {
-                let Some((point, _)) = *seen else { return false };
-                let place = view.sun.in_map(point);
-                let side = f64::from(view.side);
-                let [x, y] = [place.x, place.y].map(|at| (at * side).floor());
-                if x.min(y) < 0.0 || x.max(y) >= side {
-                    return false;
-                }
-                let (own, stored) = (place.z as f32, stored[(y * side + x) as usize]);
-                if light.depth == DepthDirection::Reversed { own < stored } else { own > stored }
-            };
-            Ok(view.eye_seen.iter().map(dark).collect())
+        Way::Lookup(bias) => bias,
+    };
+    let size = view.sun.side;
+    let stored = read(gpu, &texture(gpu, [size; 2], format, &biased(view, format, bias))?)?;
+    let dark = |seen: &Seen| {
+        let Some((point, _)) = *seen else { return 0 };
+        let place = view.sun.in_map(point);
+        let [x, y] = [place.x, place.y].map(|at| (at * f64::from(size)).floor());
+        if x.min(y) < 0.0 || x.max(y) >= f64::from(size) {
+            return 0;
         }
-    }
+        let (own, stored) = (place.z as f32, stored[(y * f64::from(size) + x) as usize]);
+        u8::from(if view.sun.cameras[0].depth == REVERSED { own < stored } else { own > stored })
+    };
+    Ok(view.eye_seen.iter().map(dark).collect())
 }
 
 fn compare() -> Result<(), String> {
@@ -133,63 +98,131 @@ fn compare() -> Result<(), String> {
 
 /// Wrong pixels with such maps.
 fn compare_with(map: MapOf, rounds: usize) -> Result<(), String> {
+    let ways = [
+        ("volumes, every cell", Way::Volumes(EVERY_CELL)),
+        ("volumes, differences above 0.0005", Way::Volumes(differences(0.0005))),
+        ("contours, differences above 0.0005", Way::Volumes(contours([0.0005, 0.1, 0.002]))),
+        ("lookup, no bias", Way::Lookup([0.0, 0.0])),
+        // The bias of wgpu's example of shadows.
+        ("lookup, bias of 2 steps and 2 slopes", Way::Lookup([2.0, 2.0])),
+        ("volumes, automatic", Way::Volumes(AUTOMATIC)),
+    ];
     let seed = 1635;
     println!("seed {seed}, maps of {}², turned by {}", map.side, map.turn);
     let gpu = Gpu::shared()?;
     let mut random = Random::new(seed);
-    let (mut lit, mut pixels) = (0, 0);
-    let mut wrong = [Wrong::default(); 6];
-    // Wrong pixels on bodies without narrow facets at their rims, and on the ground.
-    let (mut of_fields, mut on_ground) = ([0; 6], [0; 6]);
+    let mut tallies = ways.map(|_| Tally::default());
+    // Wrong pixels on the ground.
+    let mut on_ground = [0; 6];
     for format in [TextureFormat::Depth32Float, TextureFormat::Depth24Plus, TextureFormat::Depth16Unorm] {
         for _ in 0..rounds {
-            for (number, world) in worlds(&mut random).into_iter().enumerate() {
+            for world in worlds(&mut random) {
                 let Some(view) = View::lit(&mut random, &world, map) else { continue };
-                let dark = WAYS.map(|(_, way)| dark(&gpu, &view, format, way));
-                let dark = dark.into_iter().collect::<Result<Vec<_>, _>>()?;
-                for (pixel, seen) in view.receivers() {
-                    let (is_lit, near) = (view.is_lit(seen), OnceCell::new());
-                    pixels += 1;
-                    lit += usize::from(is_lit);
-                    let tallies = wrong.iter_mut().zip(&mut of_fields).zip(&mut on_ground);
-                    for (((wrong, of_fields), on_ground), dark) in tallies.zip(&dark) {
-                        if dark[pixel] != is_lit {
-                            continue;
-                        }
-                        let count = match (near.get_or_init(|| view.near(seen, 1.0)), is_lit) {
-                            (Near::Border, true) => &mut wrong.too_large,
-                            (Near::Border, false) => &mut wrong.too_small,
-                            (Near::Fold, _) => &mut wrong.at_folds,
-                            (Near::Nothing, true) => &mut wrong.acne,
-                            (Near::Nothing, false) => &mut wrong.leaks,
-                        };
-                        *count += 1;
-                        *of_fields += usize::from(number < 5);
-                        *on_ground += usize::from(seen.0.y < 1e-7);
-                    }
+                for ((tally, on_ground), (_, way)) in tallies.iter_mut().zip(&mut on_ground).zip(ways) {
+                    let dark = dark(&gpu, &view, format, way)?;
+                    tally.add(&view, &dark, 1);
+                    let ground = view.receivers.iter().filter(|receiver| receiver.seen.0.y < 1e-7);
+                    *on_ground += ground.filter(|receiver| (dark[receiver.pixel] == 0) != receiver.is_lit).count();
                 }
             }
         }
     }
-    println!("{pixels} pixels, {lit} of them lit");
-    println!("| way | acne | leaks | at folds | dark at borders | lit at borders | on the ground | without facets |");
-    println!("|---|---:|---:|---:|---:|---:|---:|---:|");
-    let rows = WAYS.iter().zip(wrong).zip(on_ground.iter().zip(of_fields));
-    for (((name, _), Wrong { acne, leaks, at_folds, too_large, too_small }), (on_ground, of_fields)) in rows {
-        println!("| {name} | {acne} | {leaks} | {at_folds} | {too_large} | {too_small} | {on_ground} | {of_fields} |");
+    let pixels = tallies[0].pixels();
+    println!("{pixels} pixels, {} of them lit", tallies[0].lit);
+    println!("| way | acne, leaks | at folds | at borders | on the ground |\n|---|---:|---:|---:|---:|");
+    for (((name, _), tally), on_ground) in ways.iter().zip(&tallies).zip(on_ground) {
+        println!("| {name} | {} | {} | {} | {on_ground} |", tally.wrong, tally.at_folds, tally.at_borders);
     }
-    let far = wrong.map(|wrong| wrong.acne + wrong.leaks);
-    let all = wrong.map(|wrong| wrong.acne + wrong.leaks + wrong.at_folds + wrong.too_large + wrong.too_small);
-    // The lookup without bias has acne, so the counts tell it.
-    let has_acne = wrong[3].acne * 50 > lit;
+    let far = tallies.map(|tally| tally.wrong);
+    let all = tallies.map(|tally| tally.wrong + tally.at_folds + tally.at_borders);
     println!("contours: {:.2} of the lookup with bias", all[2] as f64 / all[4] as f64);
     // On the ground contours have half of what the lookup has, and in all, with steep sides of bodies, 0.65.
-    if on_ground[2] * 2 > on_ground[4] || all[2] * 20 > all[4] * 13 {
-        return Err(format!("{all:?}, {on_ground:?} on the ground"));
+    let is_better = on_ground[2] * 2 <= on_ground[4] && all[2] * 20 <= all[4] * 13;
+    // The lookup without bias has acne, so the counts tell it.
+    let has_acne = far[3] * 50 > tallies[0].lit;
+    let is_right = far[0] == 0 && far[1].max(far[5]) * 100_000 <= pixels && far[2] * 5000 <= pixels;
+    if is_better && is_right && has_acne { Ok(()) } else { Err(format!("{tallies:?}, {on_ground:?} on the ground")) }
+}
+
+/// The camera of a scene whose lengths are `by` times as large, near and far plane among them.
+fn scaled(camera: &ShadowCamera, by: f64) -> ShadowCamera {
+    let [x, y, z, w] = camera.view_projection.map(|column| column.map(f64::from));
+    let is_parallel = [x, y, z].iter().all(|column| column[3] == 0.0);
+    // Clip space in the scene's unit for perspective, and without one for parallel rays.
+    let [of_axes, of_origin] = if is_parallel { [1.0 / by, 1.0] } else { [1.0, by] };
+    let axis = |column: [f64; 4]| column.map(|value| (value * of_axes) as f32);
+    ShadowCamera {
+        view_projection: [axis(x), axis(y), axis(z), w.map(|value| (value * of_origin) as f32)],
+        origin: camera.origin.map(|value| (f64::from(value) * by) as f32),
+        depth: camera.depth,
     }
-    if far[0] == 0 && far[1].max(far[5]) * 100_000 <= pixels && far[2] * 5000 <= pixels && has_acne {
+}
+
+/// The depths of a map, a list of cells, and stencils.
+type Drawn = (Vec<f32>, Vec<u32>, Vec<u8>);
+
+/// A view in another unit.
+fn in_unit(gpu: &Gpu, view: &View<'_>, method: DepthMapMethod, unit: f64) -> Result<Drawn, String> {
+    let depths = |camera: &ShadowCamera, seen: &[Seen]| {
+        let far = if camera.depth == REVERSED { 0.0 } else { 1.0 };
+        seen.iter().map(|seen| seen.map_or(far, |(place, _)| device_depth(camera, unit * place))).collect::<Vec<_>>()
+    };
+    let [light, eye] = [&view.sun.cameras[0], &view.eye].map(|camera| scaled(camera, unit));
+    let of_light = depths(&light, &view.light_seen()[0]);
+    let map = Map { size: [view.sun.side; 2], is_reversed: light.depth == REVERSED, depths: of_light };
+    let maps = Maps::of(gpu, &map, TextureFormat::Depth32Float, light)?;
+    let (stencil, encoded) = Target::new(eye, &depths(&eye, &view.eye_seen)).draw(gpu, &maps, by(method))?;
+    Ok((map.depths, encoded.list(gpu)?, stencil))
+}
+
+/// A scene in metres and in millimetres, and in units that are powers of two apart. Detectors without a threshold list the same
+/// cells, and pictures are the same.
+fn units() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(16_501)?;
+    // Cells listed, cells listed in one unit alone, pixels, pixels that differ, views.
+    let mut tally = [0; 5];
+    for _ in 0..if is_long() { 6 } else { 1 } {
+        for (number, world) in worlds(&mut random).iter().enumerate() {
+            if !is_long() && ![1, 3, 5].contains(&number) {
+                continue;
+            }
+            let Some(view) = View::random(&mut random, world) else { continue };
+            let mut lists = Vec::new();
+            for method in [AUTOMATIC, EVERY_CELL] {
+                let own = in_unit(&gpu, &view, method, 1.0)?;
+                for unit in [1.0 / 4096.0, 1024.0, 1000.0, 0.001] {
+                    let found = in_unit(&gpu, &view, method, unit)?;
+                    let what = format!("world {number}, {method:?}, {unit} times as large");
+                    if unit != 1000.0 && unit != 0.001 {
+                        same(&format!("{what}: depths"), &found.0, &own.0)?;
+                        same(&format!("{what}: cells"), &found.1, &own.1)?;
+                        same(&format!("{what}: stencil"), &found.2, &own.2)?;
+                        continue;
+                    }
+                    let cells = |list: &[u32]| list[1..].iter().map(|entry| entry & CELL).collect::<HashSet<_>>();
+                    let apart = cells(&found.1).symmetric_difference(&cells(&own.1)).count();
+                    tally[0] += own.1.len() - 1;
+                    tally[1] += apart;
+                    let is_every = method == EVERY_CELL;
+                    for receiver in &view.receivers {
+                        tally[2] += 1;
+                        let differs = found.2[receiver.pixel] != own.2[receiver.pixel];
+                        tally[3] += usize::from(differs);
+                        if (is_every && apart > 0) || (differs && view.near(receiver, 1) == Near::Nothing) {
+                            return Err(format!("{what}: pixel {}, {apart} cells", receiver.pixel));
+                        }
+                    }
+                }
+                lists.push(own.1);
+            }
+            must_fail("another detector", &same("cells", &lists[0], &lists[1]))?;
+            tally[4] += 1;
+        }
+    }
+    println!("cells, in one unit alone, pixels, that differ, views: {tally:?}");
+    if tally[1] * 500 < tally[0] && tally[3] * 500 < tally[2] && tally[4] > 1 {
         Ok(())
     } else {
-        Err(format!("{far:?} of {pixels} are wrong: {wrong:?}"))
+        Err(format!("{tally:?}"))
     }
 }

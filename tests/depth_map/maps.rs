@@ -1,7 +1,9 @@
 //! Depth maps of tests: random ones, and ones that are hard to take.
 
+use rimline::DepthDirection;
 use rimline::reference::layout::DepthMapShape;
 use rimline_testkit::random::Random;
+use wgpu::TextureFormat;
 
 /// A map: texels across and down, whether near is 1, and depths.
 #[derive(Clone, Debug)]
@@ -14,6 +16,22 @@ pub(crate) struct Map {
 impl Map {
     pub(crate) fn new(size: [u32; 2], is_reversed: bool, depth: impl FnMut(u32) -> f32) -> Self {
         Self { size, is_reversed, depths: (0..size[0] * size[1]).map(depth).collect() }
+    }
+
+    /// The depth where nothing casts.
+    pub(crate) fn far(&self) -> f32 {
+        if self.is_reversed { 0.0 } else { 1.0 }
+    }
+
+    pub(crate) fn direction(&self) -> DepthDirection {
+        if self.is_reversed { DepthDirection::Reversed } else { DepthDirection::Standard }
+    }
+
+    /// The map that a format may hold: a depth attachment takes finite depths from 0 to 1 alone.
+    pub(crate) fn for_format(&self, format: TextureFormat) -> Self {
+        let clamped = |depth: &f32| if depth.is_nan() { 0.5 } else { depth.clamp(0.0, 1.0) };
+        let is_plain = format == TextureFormat::R32Float;
+        Self { depths: self.depths.iter().map(|d| if is_plain { *d } else { clamped(d) }).collect(), ..*self }
     }
 
     /// The shape of the map with these options. A negative threshold marks every cell.

@@ -1,52 +1,50 @@
 //! The depth of a mesh in a map against rays of the light.
 
 use glam::{DVec2, DVec3};
-use rimline::gpu::{DepthMapError, DeviceError, MeshDepth, PositionBuffer};
-use rimline::mesh::Weld;
+use rimline::gpu::PositionBuffer;
+use rimline::gpu::depth_map::MeshDepth;
+use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{DepthDirection, Mesh, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::{rays, shapes};
-use wgpu::TextureFormat::Depth32Float;
+use rimline_testkit::{must_fail, rays, same, shapes};
+use wgpu::TextureFormat::{self, Depth32Float};
 
 use crate::parity::{device_depth, middle};
 use crate::scene::{Eye, Rays};
-use crate::textures::{read, texture};
+use crate::stages::camera;
+use crate::textures::{pass, read, texture};
 
-pub(crate) const TESTS: &[Test] = &[("the_depth_of_a_mesh_is_that_of_rays", depths)];
+pub(crate) const TESTS: &[Test] =
+    &[("the_depth_of_a_mesh_is_that_of_rays", depths), ("meshes_without_a_triangle_have_no_depth", without_triangles)];
 
 pub(crate) const SIDE: u32 = 48;
 
 fn drawn(gpu: &Gpu, shape: &shapes::Shape, light: &ShadowCamera, made: DepthDirection) -> Result<Vec<f32>, String> {
     let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Keep).map_err(text)?;
-    let far = if light.depth == DepthDirection::Reversed { 0.0 } else { 1.0 };
-    let map = texture(gpu, [SIDE; 2], Depth32Float, &vec![far; (SIDE * SIDE) as usize])?;
-    let view = map.create_view(&wgpu::TextureViewDescriptor::default());
     let renderer = MeshDepth::new(&gpu.pipelines, &mesh, Depth32Float, made).map_err(text)?;
     // An offset that no binding may have, and a stride beyond the position.
     let mut words = vec![9.0_f32; 3];
     words.extend(shape.positions.iter().flat_map(|&[x, y, z]| [x, y, z, 7.0, 8.0]));
     let buffer = gpu.storage(&words);
-    gpu.submit(|encoder| {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &view,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        let short = PositionBuffer { buffer: &buffer, offset: 32, stride: 20 };
-        if !matches!(
-            renderer.draw(&mut pass, short, light),
-            Err(DepthMapError::Device(DeviceError::PositionsTooShort { .. }) | DepthMapError::Depth { .. })
-        ) {
-            return Err("a buffer that is too short was taken".to_owned());
-        }
-        renderer.draw(&mut pass, PositionBuffer { offset: 12, ..short }, light).map_err(text)
-    })?;
-    read(gpu, &map)
+    map(gpu, Depth32Float, light, |pass| {
+        let positions = PositionBuffer { buffer: &buffer, offset: 12, stride: 20 };
+        renderer.draw(pass, positions, light).map_err(text)
+    })
+}
+
+/// The texels of a map after a pass.
+pub(crate) fn map(
+    gpu: &Gpu,
+    format: TextureFormat,
+    light: &ShadowCamera,
+    draw: impl FnOnce(&mut wgpu::RenderPass<'_>) -> Result<(), String>,
+) -> Result<Vec<f32>, String> {
+    let far = if light.depth == DepthDirection::Reversed { 0.0 } else { 1.0 };
+    let target = texture(gpu, [SIDE; 2], format, &[far; (SIDE * SIDE) as usize])?;
+    pass(gpu, &target, (Some(wgpu::LoadOp::Load), None), draw)?;
+    read(gpu, &target)
 }
 
 /// Texels that are wrong, of those where nearby rays tell a bounded depth.
@@ -97,9 +95,29 @@ fn depths() -> Result<(), String> {
             }
         }
     }
-    let light = crate::stages::camera(DepthDirection::Reversed);
-    match drawn(&gpu, &shape, &light, DepthDirection::Standard) {
-        Err(message) if message.contains("the light has Reversed depth, and Standard is needed") => Ok(()),
-        other => Err(format!("a light of the other direction: {other:?}")),
+    Ok(())
+}
+
+/// Meshes without a triangle, and polygons that are walked back, draw nothing.
+fn without_triangles() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let light = camera(DepthDirection::Reversed);
+    let corners = [[1.0, -3.0, 3.0], [4.0, -3.0, 3.0], [2.5, -3.0, 6.0]];
+    let walked_back = PolygonLoops { polygon_loops: &[1], loop_sizes: &[4], loop_corners: &[0, 1, 1, 0] };
+    let drawn = |mesh: &Mesh| {
+        let buffer = gpu.storage(&corners);
+        let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+        let renderer = MeshDepth::new(&gpu.pipelines, mesh, Depth32Float, light.depth).map_err(text)?;
+        map(&gpu, Depth32Float, &light, |pass| renderer.draw(pass, positions, &light).map_err(text))
+    };
+    let nothing = map(&gpu, Depth32Float, &light, |_| Ok(()))?;
+    for mesh in [
+        Mesh::from_faces(1, vec![[0; 3]]),
+        Mesh::from_polygons(&corners, walked_back, Weld::Keep),
+        Mesh::from_polygons_by_loop(&corners, walked_back, Weld::Keep),
+    ] {
+        same("depths", &drawn(&mesh.map_err(text)?)?, &nothing)?;
     }
+    let face = Mesh::from_faces(3, vec![[0, 1, 2]]).map_err(text)?;
+    must_fail("a face", &same("depths", &drawn(&face)?, &nothing))
 }

@@ -1,10 +1,10 @@
 //! Maps of distances: the depths that `depth_metric` makes from them against `f64`, within the bound of
-//! docs/numerics/depth-maps.md, "Maps of distances", and shadows of maps that were converted.
+//! docs/numerics/depth-maps.md, "Maps of distances", and shadows of maps that were converted. Two maps in one by `depth_merge`.
 
 use glam::{DVec2, DVec3, Mat4};
-use rimline::gpu::{DepthMap, DepthMapConversion, DepthMapError, DepthMapOptions, DepthMetric};
-use rimline::reference::depth_map::{metric_steps, metric_view};
-use rimline::{CameraError, DepthDirection, ShadowCamera};
+use rimline::gpu::depth_map::{DepthMap, DepthMapConversion, DepthMapMerge, DepthMapOptions, DepthMetric};
+use rimline::reference::depth_map::metric_steps;
+use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
@@ -13,9 +13,12 @@ use rimline_testkit::{must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::distances::Measured;
+use crate::maps::{Map, maps};
 use crate::parity::device_depth;
-use crate::picture::Picture;
+use crate::picture::{EVERY_CELL, Encoded, Maps, REVERSED, STANDARD, Target, by, look, pipelines};
+use crate::rules::{Rule, listed};
 use crate::scene::{Eye, Rays};
+use crate::stages::camera;
 use crate::textures::{depth_view, read, texture};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -23,13 +26,14 @@ pub(crate) const TESTS: &[Test] = &[
     ("distances_that_are_none_are_far_or_near", special),
     ("device_depths_are_converted_to_themselves", device_depths),
     ("a_flat_ground_of_distances_has_no_specks", flat),
-    ("conversions_that_cannot_be_made_or_recorded", refused),
+    ("merged_maps_have_the_nearer_depth", nearer),
+    ("merged_maps_are_taken_as_maps", taken),
 ];
 
 const DISTANCES: [DepthMetric; 2] = [DepthMetric::AlongAxis, DepthMetric::AlongRay];
 
 /// The camera with its picture moved aside, so that rays that meet lie askew around the axis, and parallel ones askew to it.
-fn aside(camera: ShadowCamera, by: [f32; 2]) -> ShadowCamera {
+pub(crate) fn aside(camera: ShadowCamera, by: [f32; 2]) -> ShadowCamera {
     let mut rows = Mat4::from_cols_array_2d(&camera.view_projection).transpose();
     let is_parallel = rows.w_axis.truncate() == glam::Vec3::ZERO;
     let sheared = if is_parallel { rows.z_axis } else { rows.w_axis };
@@ -113,16 +117,14 @@ pub(crate) fn converted(
 ) -> Result<wgpu::Texture, String> {
     let map = texture(gpu, size, TextureFormat::R32Float, given)?;
     let conversion = DepthMapConversion::new(&gpu.pipelines, size).map_err(text)?;
-    let map = DepthMap { texture: &depth_view(&map), light: *camera, objects: None };
+    let view = depth_view(&map);
+    let map = DepthMap::new(&view, *camera);
     gpu.submit(|encoder| conversion.encode(encoder, &map, metric).map_err(text))?;
     Ok(conversion.texture().texture().clone())
 }
 
 fn depths() -> Result<(), String> {
-    const SEED: u64 = 1701;
-    println!("seed {SEED}");
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(SEED);
+    let (gpu, mut random) = Gpu::seeded(1701)?;
     let (mut texels, mut most, mut others) = (0, 0.0_f64, 0);
     for number in 0..48 {
         let (camera, planes) = light(&mut random, number);
@@ -156,8 +158,7 @@ fn depths() -> Result<(), String> {
 
 /// Values that are no distance get the depth of the far end or of the near end, to the bit.
 fn special() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(1702);
+    let (gpu, mut random) = Gpu::seeded(1702)?;
     let nan = f32::from_bits(0xffc0_1234);
     let far = [f32::INFINITY, f32::NAN, nan, f32::MAX, 1e38];
     let near = [f32::NEG_INFINITY, -1.0, -f32::MAX, -0.0, 0.0, f32::from_bits(1), f32::from_bits(0x8000_0001)];
@@ -174,7 +175,6 @@ fn special() -> Result<(), String> {
         let last = middle(size, given.len());
         let measured = Measured::new(&camera);
         given.extend([0.0, 1e10, 1e30].iter().take(beyond));
-        let bits = |depths: &[f32]| depths.iter().map(|depth| depth.to_bits()).collect::<Vec<_>>();
         for metric in DISTANCES {
             if beyond > 0 {
                 let place = measured.place(DepthMetric::AlongAxis, last, 1.00001 * planes[1]);
@@ -191,32 +191,23 @@ fn special() -> Result<(), String> {
 
 /// Device depths are clamped, and cleared of what is no depth, as merging a map with itself does.
 fn device_depths() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(1703);
-    for map in crate::maps::maps(&mut random) {
-        let camera = crate::stages::camera(crate::stages::direction(&map));
-        let found = read(&gpu, &converted(&gpu, &camera, DepthMetric::Device, (map.size, &map.depths))?)?;
-        let far = if map.is_reversed { 0.0 } else { 1.0_f32 };
-        let clean = |&depth: &f32| match depth {
-            depth if depth.is_nan() => far,
-            depth if f64::from(depth) < 2.0_f64.powi(-126) => 0.0,
-            depth => depth.min(1.0),
-        };
-        let truth: Vec<f32> = map.depths.iter().map(clean).collect();
+    let (gpu, mut random) = Gpu::seeded(1703)?;
+    let mut given: Vec<_> = maps(&mut random).into_iter().map(|map| (map, TextureFormat::R32Float)).collect();
+    given.push((Map { size: [2, 1], is_reversed: false, depths: vec![0.25, 1.0] }, TextureFormat::Depth16Unorm));
+    for (map, format) in given {
+        let texture = texture(&gpu, map.size, format, &map.depths)?;
+        let conversion = DepthMapConversion::new(&gpu.pipelines, map.size).map_err(text)?;
+        let view = depth_view(&texture);
+        let given = DepthMap::new(&view, camera(map.direction()));
+        gpu.submit(|encoder| conversion.encode(encoder, &given, DepthMetric::Device).map_err(text))?;
+        let found = read(&gpu, conversion.texture().texture())?;
+        let truth: Vec<f32> = read(&gpu, &texture)?.into_iter().map(|depth| cleaned(depth, map.far())).collect();
         same("depths", &found, &truth)?;
         let mut moved = truth.clone();
         moved[0] = if moved[0] == 0.25 { 0.75 } else { 0.25 };
         must_fail("one element", &same("depths", &found, &moved))?;
     }
-    let depth16 = texture(&gpu, [2, 1], TextureFormat::Depth16Unorm, &[0.25, 1.0])?;
-    let conversion = DepthMapConversion::new(&gpu.pipelines, [2, 1]).map_err(text)?;
-    let map = DepthMap {
-        texture: &depth_view(&depth16),
-        light: crate::stages::camera(DepthDirection::Standard),
-        objects: None,
-    };
-    gpu.submit(|encoder| conversion.encode(encoder, &map, DepthMetric::Device).map_err(text))?;
-    same("a depth texture", &read(&gpu, conversion.texture().texture())?, &read(&gpu, &depth16)?)
+    Ok(())
 }
 
 /// Dark pixels of a ground at right angles to the light's axis, where no slope moves the boundary, and all pixels.
@@ -226,9 +217,8 @@ fn dark(gpu: &Gpu, random: &mut Random, number: usize, is_covered: bool) -> Resu
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][number % 2];
     // The ground is close to the far plane, or close to the near plane of a camera without one, or between them.
     let (near, far) = [(5.0, Some(100.0)), (60.0, None), (0.1, Some(90.5)), (75.0, Some(110.0))][number / 2 % 4];
-    let place = DVec3::new(0.0, 90.0, 0.0);
-    let forward = DVec3::NEG_Y;
-    let camera = Eye { place, forward, near, is_relative: random.below(2) == 0, depth, far, half_width: None }.camera();
+    let is_relative = random.below(2) == 0;
+    let camera = Eye { is_relative, depth, far, ..look(DVec3::new(0.0, 90.0, 0.0), DVec3::NEG_Y, near) }.camera();
     let rays = Rays::new(&camera, TEXELS);
     let measured = Measured::new(&camera);
     let metric = DISTANCES[1];
@@ -241,25 +231,18 @@ fn dark(gpu: &Gpu, random: &mut Random, number: usize, is_covered: bool) -> Resu
     let map = converted(gpu, &camera, metric, ([TEXELS; 2], &distances))?;
     // All pixels are well within the map, and the eye's depth is more precise than the map's.
     let mut aside = || f64::from(random.between(-40.0, 40.0));
-    let place = DVec3::new(aside(), 2.0, aside());
-    let depth = DepthDirection::Reversed;
-    let eye = Eye { place, forward, near: 1.9, is_relative: true, depth, far: None, half_width: None }.camera();
+    let eye = look(DVec3::new(aside(), 2.0, aside()), DVec3::NEG_Y, 1.9).camera();
     let eye_rays = Rays::new(&eye, SIDE);
     let depths: Vec<f32> =
         (0..SIDE * SIDE).map(|pixel| device_depth(&eye, on_ground((&eye_rays, SIDE), pixel))).collect();
     let metric = if is_covered { metric } else { DepthMetric::Device };
     let options = DepthMapOptions { metric, ..Default::default() };
-    let picture =
-        Picture { map: &map, objects: None, light: camera, eye, depths: &depths, side: SIDE, options, bits: 7..8 };
-    let stencil = picture.stencil(gpu)?;
+    let stencil = Target::new(eye, &depths).stencil(gpu, &Maps::one(&map, camera), options)?;
     Ok([stencil.iter().filter(|&&stencil| stencil != 0).count(), stencil.len()])
 }
 
 fn flat() -> Result<(), String> {
-    const SEED: u64 = 1704;
-    println!("seed {SEED}");
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(SEED);
+    let (gpu, mut random) = Gpu::seeded(1704)?;
     let mut counts = [[0; 2]; 2];
     for number in 0..16 {
         for (counts, is_covered) in counts.iter_mut().zip([true, false]) {
@@ -272,64 +255,99 @@ fn flat() -> Result<(), String> {
     if counts[0][0] == 0 && counts[1][0] > 20 { Ok(()) } else { Err(format!("{counts:?}")) }
 }
 
-fn refused() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let most = gpu.device.limits().max_texture_dimension_2d;
-    let found = DepthMapConversion::new(&gpu.pipelines, [0, 4]).err();
-    same("size", &[found], &[Some(DepthMapError::Size(0, 4))])?;
-    let size = [1, most + 1];
-    let found = DepthMapConversion::new(&gpu.pipelines, size).err();
-    same("size", &[found], &[Some(DepthMapError::Texture { size, most })])?;
-    let conversion = DepthMapConversion::new(&gpu.pipelines, [4, 4]).map_err(text)?;
-    let right = depth_view(&texture(&gpu, [4, 4], TextureFormat::R32Float, &[0.5; 16])?);
-    let large = depth_view(&texture(&gpu, [4, 5], TextureFormat::R32Float, &[0.5; 20])?);
-    let depth = depth_view(&texture(&gpu, [4, 4], TextureFormat::Depth32Float, &[0.5; 16])?);
-    let light = crate::stages::camera(DepthDirection::Standard);
-    let singular = ShadowCamera { view_projection: [[0.0; 4]; 4], ..light };
-    let eye = |near: f64, far: Option<f64>| {
-        let (place, forward, depth) = (DVec3::ZERO, DVec3::NEG_Z, DepthDirection::Reversed);
-        Eye { place, forward, near, is_relative: true, depth, far, half_width: None }.camera()
-    };
-    // Planes that are too close to each other, and a near plane that is too close to the light.
-    let narrow = eye(1.0, Some(1.0005));
-    let tiny = eye(1e-31, None);
-    let good = eye(1e-29, None);
-    let found = gpu.submit(|encoder| {
-        let mut encode =
-            |texture, light, metric| conversion.encode(encoder, &DepthMap { texture, light, objects: None }, metric);
-        Ok([
-            encode(&large, light, DepthMetric::AlongRay),
-            encode(conversion.texture(), light, DepthMetric::AlongRay),
-            encode(&depth, light, DepthMetric::AlongAxis),
-            encode(&right, singular, DepthMetric::AlongAxis),
-            encode(&right, singular, DepthMetric::Device),
-            encode(&right, light, DepthMetric::AlongRay),
-            encode(&depth, light, DepthMetric::Device),
-            encode(&right, good, DepthMetric::AlongRay),
-            encode(&right, narrow, DepthMetric::Device),
-        ])
-    })?;
-    let truth = [
-        Err(DepthMapError::MapSize { map: "the map".to_owned(), given: [4, 5], made: [4, 4] }),
-        Err(DepthMapError::OwnResult),
-        Err(DepthMapError::MapFormat {
-            map: "the map".to_owned(),
-            format: TextureFormat::Depth32Float,
-            taken: "R32Float for distances, or `DepthMetric::Device` for device depths",
-        }),
-        Err(DepthMapError::Light(CameraError::Singular)),
-        Err(DepthMapError::Light(CameraError::Singular)),
-        Ok(()),
-        Ok(()),
-        Ok(()),
-        Ok(()),
-    ];
-    same("maps", &found, &truth)?;
-    for camera in [narrow, tiny, aside(light, [3000.0, 0.0])] {
-        match metric_view(&camera, [4, 4], DepthMetric::AlongRay) {
-            Err(DepthMapError::Distances { .. }) => {}
-            other => return Err(format!("{camera:?}: {other:?}")),
+const FORMATS: [[TextureFormat; 2]; 4] = [
+    [TextureFormat::R32Float; 2],
+    [TextureFormat::Depth32Float, TextureFormat::R32Float],
+    [TextureFormat::Depth16Unorm, TextureFormat::Depth24PlusStencil8],
+    [TextureFormat::R32Float, TextureFormat::Depth16Unorm],
+];
+
+/// A depth as it is taken: NaN is far, numbers are clamped, and what is smaller than every normal number is 0.
+pub(crate) fn cleaned(depth: f32, far: f32) -> f32 {
+    match depth {
+        depth if depth.is_nan() => far,
+        depth if f64::from(depth) < 2.0_f64.powi(-126) => 0.0,
+        depth => depth.min(1.0),
+    }
+}
+
+pub(crate) fn bits(depths: &[f32]) -> Vec<u32> {
+    depths.iter().map(|depth| depth.to_bits()).collect()
+}
+
+/// Pairs of maps of one size and direction.
+fn pairs(random: &mut Random) -> Vec<[Map; 2]> {
+    let mut other = maps(random);
+    // Hostile maps meet others of their size.
+    for chunk in other.chunks_mut(5) {
+        chunk.rotate_left(1);
+    }
+    maps(random).into_iter().zip(other).map(|(a, b)| [a, b]).collect()
+}
+
+fn nearer() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(1641)?;
+    let (mut texels, mut taken) = (0, [0; 2]);
+    for formats in FORMATS {
+        for pair in pairs(&mut random) {
+            let (size, is_reversed) = (pair[0].size, pair[0].is_reversed);
+            let texture = |at: usize| texture(&gpu, size, formats[at], &pair[at].for_format(formats[at]).depths);
+            let textures = [texture(0)?, texture(1)?];
+            let depths = [read(&gpu, &textures[0])?, read(&gpu, &textures[1])?];
+            let merge = DepthMapMerge::new(&gpu.pipelines, size).map_err(text)?;
+            let views = textures.each_ref().map(depth_view);
+            let found = |depth| {
+                gpu.submit(|encoder| merge.encode(encoder, views.each_ref(), depth).map_err(text))?;
+                read(&gpu, merge.texture().texture())
+            };
+            let merged = found(pair[0].direction())?;
+            let both = || depths[0].iter().zip(&depths[1]);
+            let truth: Vec<_> = both()
+                .map(|(&a, &b)| {
+                    let [a, b] = [a, b].map(|depth| cleaned(depth, pair[0].far()));
+                    if is_reversed { a.max(b) } else { a.min(b) }
+                })
+                .collect();
+            let what = format!("{formats:?} {size:?}, reversed {is_reversed}");
+            same(&what, &bits(&merged), &bits(&truth))?;
+            texels += truth.len();
+            for (at, depths) in depths.iter().enumerate() {
+                taken[at] += depths.iter().zip(&truth).filter(|(own, truth)| own == truth).count();
+            }
+            if both().any(|(a, b)| a != b && (0.1..0.9).contains(a) && (0.1..0.9).contains(b)) {
+                // Negative control: the other direction takes the farther depth.
+                let other = found(if is_reversed { STANDARD } else { REVERSED })?;
+                must_fail("the other direction", &same(&what, &bits(&other), &bits(&truth)))?;
+            }
         }
     }
-    Ok(())
+    println!("{texels} texels, {taken:?} taken from the first and the second");
+    if taken.iter().any(|&taken| taken * 4 < texels) { Err(format!("{taken:?} of {texels}")) } else { Ok(()) }
+}
+
+/// Three maps, merged in two steps, have the cells of the nearest depths.
+fn taken() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let size = [20, 13];
+    let depths = [0.3, 0.4, 0.5, 1.0];
+    let all = Map::new(size, false, |texel| depths[(texel % 20 / 5) as usize]);
+    let of_band = |band: u32| {
+        let map = Map::new(size, false, |texel| if texel % 20 / 5 == band { depths[band as usize] } else { 1.0 });
+        let texture = texture(&gpu, size, TextureFormat::R32Float, &map.depths)?;
+        Ok::<_, String>((map, depth_view(&texture)))
+    };
+    let [first, second, third] = [of_band(0)?, of_band(1)?, of_band(2)?];
+    let merges = [DepthMapMerge::new(&gpu.pipelines, size), DepthMapMerge::new(&gpu.pipelines, size)];
+    let [one, two] = merges.map(|merge| merge.map_err(text));
+    let (one, two) = (one?, two?);
+    gpu.submit(|encoder| {
+        one.encode(encoder, [&first.1, &second.1], STANDARD).map_err(text)?;
+        two.encode(encoder, [&third.1, one.texture()], STANDARD).map_err(text)
+    })?;
+    let maps = Maps::one(two.texture().texture(), camera(STANDARD));
+    let encoded = Encoded::new(&gpu, &*pipelines(&gpu, REVERSED, 7..8)?, &maps, &camera(REVERSED), by(EVERY_CELL))?;
+    let rule = Rule::new(EVERY_CELL, 1, false, TextureFormat::R32Float);
+    let found = encoded.list(&gpu)?;
+    same("cells", &found, &listed(&all, &[], &rule, None).0)?;
+    must_fail("one map alone", &same("cells", &found, &listed(&first.0, &[], &rule, None).0))
 }

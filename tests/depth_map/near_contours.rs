@@ -3,23 +3,21 @@
 
 use std::collections::HashSet;
 
-use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
-use rimline::gpu::{DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
-use rimline::{DepthDirection, ShadowCamera};
+use glam::{DVec2, DVec3, DVec4};
+use rimline::ShadowCamera;
+use rimline::gpu::depth_map::DepthMapOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, same};
 use wgpu::TextureFormat;
 
 use crate::contours::{Quad, UNIT, listed};
 use crate::maps::Map;
-use crate::near_rectangles::{eye_at, place};
-use crate::parity::{self, SIDE, light, seen, seen_depths, vector};
-use crate::picture::stencil_of;
+use crate::near_rectangles::{both, eye_at, place};
+use crate::parity::{self, SIDE, clip, light, seen, seen_depths, vector};
+use crate::picture::{Maps, REVERSED, STANDARD, Target, by, contours, look};
 use crate::scene::{Eye, Rays};
-use crate::textures::{depth_view, texture};
 
 pub(crate) const TESTS: &[Test] = &[
     ("near_rectangles_behind_a_rim_are_told_by_what_is_drawn", behind_a_rim),
@@ -67,14 +65,12 @@ impl Leaf {
         let middle = DVec2::new(f64::from(random.between(9.0, 14.0)), f64::from(random.between(9.0, 14.0)));
         let radius = f64::from(random.between(4.5, 7.0));
         let [near, ahead] = [0.0, 0.5].map(|depth| {
-            let depth = if light.depth == DepthDirection::Reversed { 1.0 - depth } else { depth };
+            let depth = if light.depth == REVERSED { 1.0 - depth } else { depth };
             place(&light, [TEXELS; 2], [11.5; 2], depth)
         });
         let depth_at = |distance: f64| {
-            let matrix = Mat4::from_cols_array_2d(&light.view_projection).as_dmat4();
-            let there = near + distance * (ahead - near).normalize() - DVec3::from_array(light.origin.map(f64::from));
-            let clip = matrix * there.extend(1.0);
-            if light.depth == DepthDirection::Reversed { 1.0 - clip.z / clip.w } else { clip.z / clip.w }
+            let clip = clip(&light, near + distance * (ahead - near).normalize());
+            if light.depth == REVERSED { 1.0 - clip.z / clip.w } else { clip.z / clip.w }
         };
         let mut plane = |distance: f64, steepness: f32| {
             let [own, step] = [depth_at(distance), depth_at(distance + 1.0)];
@@ -104,7 +100,7 @@ impl Leaf {
     }
 
     fn map(&self) -> Map {
-        let is_reversed = self.light.depth == DepthDirection::Reversed;
+        let is_reversed = self.light.depth == REVERSED;
         Map::new([TEXELS; 2], is_reversed, |texel| {
             let [x, y] = [texel % TEXELS, texel / TEXELS].map(f64::from);
             let plane = if self.away(x, y) < 0.0 { Some(self.plane) } else { self.ground };
@@ -115,11 +111,10 @@ impl Leaf {
 
     /// Texels across and down, and the depth from the near plane on, all times w.
     fn seen_by_light(&self, place: DVec3) -> DVec4 {
-        let matrix: DMat4 = Mat4::from_cols_array_2d(&self.light.view_projection).as_dmat4();
-        let clip = matrix * (place - DVec3::from_array(self.light.origin.map(f64::from))).extend(1.0);
+        let clip = clip(&self.light, place);
         let side = f64::from(TEXELS);
         let texel = |at: f64| ((at + clip.w) * side - clip.w) / 2.0;
-        let depth = if self.light.depth == DepthDirection::Reversed { clip.w - clip.z } else { clip.z };
+        let depth = if self.light.depth == REVERSED { clip.w - clip.z } else { clip.z };
         DVec4::new(texel(clip.x), texel(-clip.y), depth, clip.w)
     }
 
@@ -205,26 +200,14 @@ pub(crate) fn among(quads: &[Quad], at: DVec4) -> (bool, Vec<(usize, bool)>) {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
-    dark: usize,
-    lit: usize,
+    pixels: parity::Tally,
     /// Pixels whose point of the near rectangle is between the leaf and a flap.
     between: usize,
-    near_borders: usize,
-    wrong: usize,
 }
 
 fn behind_a_rim() -> Result<(), String> {
-    const SEED: u64 = 16_304;
-    println!("seed {SEED}");
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(SEED);
+    let (gpu, mut random) = Gpu::seeded(16_304)?;
     let mut tally = Tally::default();
-    let pipelines = [DepthDirection::Reversed, DepthDirection::Standard].map(|depth| {
-        let format = ShadowFormat { depth, ..Default::default() };
-        DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)
-    });
-    let [reversed, standard] = pipelines;
-    let [reversed, standard] = [reversed?, standard?];
     for round in 0..if is_long() { 2000 } else { 120 } {
         let leaf = Leaf::random(&mut random);
         if !leaf.has_slopes() {
@@ -246,31 +229,14 @@ fn behind_a_rim() -> Result<(), String> {
         let rays = Rays::new(&eye, SIDE);
         let seen = seen(&mut random, &rays);
         let depths = seen_depths(&eye, SIDE, &seen);
-        let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
         let threshold = (leaf.small * 100.0) as f32;
-        let options = DepthMapOptions {
-            method: DepthMapMethod::Contours {
-                threshold,
-                sideways: [0.0, 0.25, 0.5][random.below(3)],
-                depth: threshold,
-            },
-            slope_bias: leaf.slope_bias as f32,
-            ..Default::default()
-        };
-        let pipelines = if eye.depth == DepthDirection::Reversed { &reversed } else { &standard };
-        let picture = |skip_near_caps| {
-            let options = DepthMapOptions { skip_near_caps, ..options };
-            let mut volumes = DepthMapVolumes::new(pipelines, map.size, options).map_err(text)?;
-            let stencil = stencil_of(&gpu, pipelines, (SIDE, &depths), |encoder| {
-                let map = DepthMap { texture: &depth_view(&texture), light: leaf.light, objects: None };
-                volumes.encode(encoder, &map, &eye).map_err(text)
-            })?;
-            Ok::<_, String>((stencil, listed(&volumes, &gpu)?))
-        };
-        let (stencil, (count, quads)) = picture(true)?;
-        same("walls that there is room for", &[count as usize], &[quads.len()])?;
-        same("with near caps that are always drawn", &picture(false)?.0, &stencil)?;
-        let before = tally.wrong;
+        let method = contours([threshold, [0.0, 0.25, 0.5][random.below(3)], threshold]);
+        let options = DepthMapOptions { slope_bias: leaf.slope_bias as f32, ..by(method) };
+        let maps = Maps::of(&gpu, &map, TextureFormat::R32Float, leaf.light)?;
+        let target = Target::new(eye, &depths);
+        let stencil = both(&gpu, &target, &maps, options)?;
+        let quads = listed(&gpu, target.draw(&gpu, &maps, options)?.1.volumes.cells())?.1;
+        let before = tally.pixels.wrong;
         for at in 0..SIDE * SIDE {
             let (near, place) = seen(parity::middle(at, SIDE));
             let [from, to] = [near, place].map(|place| leaf.seen_by_light(place));
@@ -282,26 +248,19 @@ fn behind_a_rim() -> Result<(), String> {
                 |x: f64, y: f64| among(&quads, leaf.seen_by_light(seen(parity::middle(at, SIDE) + DVec2::new(x, y)).0));
             let own = among_there(0.0, 0.0);
             let around = [(-0.05, 0.0), (0.05, 0.0), (0.0, -0.05), (0.0, 0.05)];
-            if around.into_iter().any(|(x, y)| among_there(x, y) != own) {
-                tally.near_borders += 1;
-                continue;
-            }
+            let is_clear = around.into_iter().all(|(x, y)| among_there(x, y) == own);
             let is_behind = leaf.is_behind(&leaf.plane, from) == Some(true);
-            tally.between += usize::from(is_behind && own.1.iter().any(|&(_, is_behind)| !is_behind));
-            *(if is_dark { &mut tally.dark } else { &mut tally.lit }) += 1;
-            tally.wrong += usize::from((stencil[at as usize] != 0) != is_dark);
+            tally.between += usize::from(is_clear && is_behind && own.1.iter().any(|&(_, is_behind)| !is_behind));
+            tally.pixels.add(is_clear.then_some((is_dark, is_behind)), stencil[at as usize] != 0);
         }
-        if tally.wrong > before {
-            println!("round {round}: {} wrong", tally.wrong - before);
+        if tally.pixels.wrong > before {
+            println!("round {round}: {} wrong", tally.pixels.wrong - before);
         }
     }
     println!("{tally:?}");
-    let told = tally.dark + tally.lit;
-    if tally.wrong == 0 && tally.dark.min(tally.lit) > 1500 && tally.between * 100 > told {
-        Ok(())
-    } else {
-        Err(format!("{tally:?}"))
-    }
+    let parity::Tally { dark, lit, wrong, .. } = tally.pixels;
+    let is_tried = dark.min(lit) > 1500 && tally.between * 100 > dark + lit;
+    if wrong == 0 && is_tried { Ok(()) } else { Err(format!("{tally:?}")) }
 }
 
 /// A surface that bends away from the light between the ends of a segment. The flap does not, so a near rectangle may be behind it
@@ -309,9 +268,8 @@ fn behind_a_rim() -> Result<(), String> {
 fn behind_a_flap() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let camera = |place: DVec3, half_width| {
-        let (forward, far) = (DVec3::new(0.3, -0.8, 0.2), Some(40.0));
-        let depth = DepthDirection::Standard;
-        Eye { place, forward, near: 0.5, is_relative: false, depth, far, half_width: Some(half_width) }.camera()
+        let eye = look(place, DVec3::new(0.3, -0.8, 0.2), 0.5);
+        Eye { is_relative: false, depth: STANDARD, far: Some(40.0), half_width: Some(half_width), ..eye }.camera()
     };
     let light = camera(DVec3::new(1.0, 9.0, 2.0), 4.0);
     let depth_of = |row: f64| 0.5 + 0.015 * (1.0 - ((row - 7.0) / 7.0).powi(2));
@@ -319,30 +277,15 @@ fn behind_a_flap() -> Result<(), String> {
         ..12 => depth_of(f64::from(texel / TEXELS)) as f32,
         _ => 1.0,
     });
-    let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
-    let format = ShadowFormat { depth: DepthDirection::Standard, ..Default::default() };
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 0).map_err(text)?;
+    let maps = Maps::of(&gpu, &map, TextureFormat::R32Float, light)?;
     let near = place(&light, map.size, [10.8, 7.0], 0.508);
     let forward = (near - place(&light, map.size, [10.8, 7.0], 0.0)).normalize();
-    let eye = camera(near - 0.5 * forward, 0.02);
-    for skip_near_caps in [true, false] {
-        let options = DepthMapOptions {
-            method: DepthMapMethod::Contours { threshold: 0.01, sideways: 0.25, depth: 0.02 },
-            slope_bias: 0.0,
-            skip_near_caps,
-            ..Default::default()
-        };
-        let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
-        let stencil = stencil_of(&gpu, &pipelines, (SIDE, &[0.5; (SIDE * SIDE) as usize]), |encoder| {
-            let map = DepthMap { texture: &depth_view(&texture), light, objects: None };
-            volumes.encode(encoder, &map, &eye).map_err(text)
-        })?;
-        let (_, quads) = listed(&volumes, &gpu)?;
-        let (_, flaps) = among(&quads, DVec4::new(10.8, 7.0, 0.508, 1.0));
-        same("flaps", &flaps.iter().map(|flap| flap.1).collect::<Vec<_>>(), &[true])?;
-        if stencil.contains(&0) {
-            return Err(format!("some are lit, with caps left out where they may be: {skip_near_caps}"));
-        }
-    }
-    Ok(())
+    let depths = [0.5; (SIDE * SIDE) as usize];
+    let target = Target::new(camera(near - 0.5 * forward, 0.02), &depths);
+    let options = DepthMapOptions { slope_bias: 0.0, ..by(contours([0.01, 0.25, 0.02])) };
+    let stencil = both(&gpu, &target, &maps, options)?;
+    let (_, quads) = listed(&gpu, target.draw(&gpu, &maps, options)?.1.volumes.cells())?;
+    let (_, flaps) = among(&quads, DVec4::new(10.8, 7.0, 0.508, 1.0));
+    same("flaps", &flaps.iter().map(|flap| flap.1).collect::<Vec<_>>(), &[true])?;
+    if stencil.contains(&0) { Err("some are lit".to_owned()) } else { Ok(()) }
 }

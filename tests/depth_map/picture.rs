@@ -1,103 +1,232 @@
-//! A picture of an eye whose depth buffer is given: the stencil after the volumes of a depth map.
+//! Pictures of an eye whose depth buffer is given: the stencil after the volumes of depth maps.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use rimline::gpu::{DepthMap, DepthMapFrame, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+use glam::DVec3;
+use rimline::gpu::ShadowFormat;
+use rimline::gpu::depth_map::{
+    DepthCubeMaps, DepthMap, DepthMapCube, DepthMapFrame, DepthMapMethod, DepthMapOptions, DepthMapPipelines,
+    DepthMapStatistics, DepthMapVolumes,
+};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use wgpu::TextureFormat;
 
-use crate::textures::{depth_view, texture};
+use crate::maps::Map;
+use crate::scene::Eye;
+use crate::textures::{begin, depth_view, sampled, stencils, texture};
 
-/// Input of a picture: a map of a light, and the depths that an eye sees.
-pub(crate) struct Picture<'a> {
-    pub(crate) map: &'a wgpu::Texture,
-    pub(crate) objects: Option<&'a wgpu::Texture>,
-    pub(crate) light: ShadowCamera,
-    pub(crate) eye: ShadowCamera,
-    /// Depths of the pixels of a square picture, row by row.
-    pub(crate) depths: &'a [f32],
-    pub(crate) side: u32,
-    pub(crate) options: DepthMapOptions,
-    /// The bits of the stencil that are drawn into.
-    pub(crate) bits: Range<u32>,
+pub(crate) const REVERSED: DepthDirection = DepthDirection::Reversed;
+pub(crate) const STANDARD: DepthDirection = DepthDirection::Standard;
+pub(crate) const EVERY_CELL: DepthMapMethod = DepthMapMethod::EveryCell;
+pub(crate) const AUTOMATIC: DepthMapMethod = DepthMapMethod::Automatic { dangling: None };
+pub(crate) const FACES: [usize; 6] = [0, 1, 2, 3, 4, 5];
+
+pub(crate) fn differences(threshold: f32) -> DepthMapMethod {
+    DepthMapMethod::Differences { threshold, dangling: None }
 }
 
-/// Pipelines for eyes with this direction of depth, which draw into these bits. Tests share them.
-pub(crate) fn pipelines(gpu: &Gpu, depth: DepthDirection, bits: Range<u32>) -> Result<Arc<DepthMapPipelines>, String> {
-    gpu.kept(&format!("{depth:?} {bits:?}"), || {
-        let format = ShadowFormat { depth, ..Default::default() };
-        DepthMapPipelines::antialiased(&gpu.pipelines, &format, bits.clone()).map_err(text)
-    })
+pub(crate) fn contours([threshold, sideways, depth]: [f32; 3]) -> DepthMapMethod {
+    DepthMapMethod::Contours { threshold, sideways, depth }
 }
 
-impl Picture<'_> {
-    /// The stencil of each pixel, from 0 on.
-    pub(crate) fn stencil(&self, gpu: &Gpu) -> Result<Vec<u8>, String> {
-        let pipelines = pipelines(gpu, self.eye.depth, self.bits.clone())?;
-        let size = [self.map.width(), self.map.height()];
-        let mut volumes = DepthMapVolumes::new(&pipelines, size, self.options).map_err(text)?;
-        stencil_of(gpu, &pipelines, (self.side, self.depths), |encoder| {
-            let objects = self.objects.map(|objects| objects.create_view(&wgpu::TextureViewDescriptor::default()));
-            let map = DepthMap { texture: &depth_view(self.map), light: self.light, objects: objects.as_ref() };
-            volumes.encode(encoder, &map, &self.eye).map_err(text)
-        })
+/// A method, and nothing else that differs from the default.
+pub(crate) fn by(method: DepthMapMethod) -> DepthMapOptions {
+    DepthMapOptions { method, ..Default::default() }
+}
+
+/// A perspective view of reversed depth without a far plane, whose positions are taken relative to the eye.
+pub(crate) fn look(place: DVec3, forward: DVec3, near: f64) -> Eye {
+    Eye { place, forward, near, is_relative: true, depth: REVERSED, far: None, half_width: None }
+}
+
+/// The maps of a light, one or the six of a cube, with their cameras.
+#[derive(Clone)]
+pub(crate) struct Maps {
+    pub(crate) views: Vec<Option<wgpu::TextureView>>,
+    pub(crate) lights: Vec<ShadowCamera>,
+    pub(crate) objects: Vec<Option<wgpu::TextureView>>,
+    /// Texels of each, across and down.
+    pub(crate) size: [u32; 2],
+}
+
+impl Maps {
+    pub(crate) fn one(texture: &wgpu::Texture, light: ShadowCamera) -> Self {
+        let size = [texture.width(), texture.height()];
+        Self { views: vec![Some(depth_view(texture))], lights: vec![light], objects: vec![None], size }
+    }
+
+    pub(crate) fn of(gpu: &Gpu, map: &Map, format: TextureFormat, light: ShadowCamera) -> Result<Self, String> {
+        Ok(Self::one(&texture(gpu, map.size, format, &map.depths)?, light))
+    }
+
+    /// One map, or six of which some are not there, of `side` texels.
+    pub(crate) fn all(
+        gpu: &Gpu,
+        (maps, side): (&[Option<Map>], u32),
+        format: TextureFormat,
+        lights: &[ShadowCamera],
+    ) -> Result<Self, String> {
+        let view = |map: &Option<Map>| {
+            let texture = map.as_ref().map(|map| texture(gpu, map.size, format, &map.depths)).transpose()?;
+            Ok::<_, String>(texture.map(|texture| depth_view(&texture)))
+        };
+        let views = maps.iter().map(view).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { objects: vec![None; views.len()], views, lights: lights.to_vec(), size: [side; 2] })
+    }
+
+    /// The same with maps in another order: a negative control.
+    pub(crate) fn exchanged(&self, order: [usize; 6]) -> Self {
+        Self { views: order.map(|face| self.views[face].clone()).to_vec(), ..self.clone() }
     }
 }
 
-/// The stencil of each pixel of a square picture with these depths, from 0 on, after a frame.
-pub(crate) fn stencil_of(
+/// Pipelines for eyes of a format, which draw into these bits. Tests share them.
+pub(crate) fn pipelines_of(
     gpu: &Gpu,
-    pipelines: &DepthMapPipelines,
-    (side, depths): (u32, &[f32]),
-    encode: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<DepthMapFrame, String>,
-) -> Result<Vec<u8>, String> {
-    stencil_after(gpu, (side, depths), |encoder| {
-        let frame = encode(encoder)?;
-        Ok(move |pass: &mut wgpu::RenderPass<'_>| frame.draw(pass, pipelines).map_err(text))
+    format: &ShadowFormat,
+    bits: Range<u32>,
+) -> Result<Arc<DepthMapPipelines>, String> {
+    gpu.kept(&format!("{format:?} {bits:?}"), || {
+        DepthMapPipelines::antialiased(&gpu.pipelines, format, bits.clone()).map_err(text)
     })
 }
 
-/// The same, after any draws.
-pub(crate) fn stencil_after<F: FnOnce(&mut wgpu::RenderPass<'_>) -> Result<(), String>>(
-    gpu: &Gpu,
-    (side, depths): (u32, &[f32]),
-    encode: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<F, String>,
-) -> Result<Vec<u8>, String> {
-    let target = texture(gpu, [side; 2], TextureFormat::Depth24PlusStencil8, depths)?;
-    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-    let row = side.next_multiple_of(256);
-    let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("stencil"),
-        size: u64::from(row * side),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-        mapped_at_creation: false,
-    });
-    gpu.submit(|encoder| {
-        let draw = encode(encoder)?;
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("volumes"),
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &view,
-                depth_ops: None,
-                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
-            }),
-            ..Default::default()
-        });
-        draw(&mut pass)?;
-        drop(pass);
-        encoder.copy_texture_to_buffer(
-            wgpu::TexelCopyTextureInfo { aspect: wgpu::TextureAspect::StencilOnly, ..target.as_image_copy() },
-            wgpu::TexelCopyBufferInfo {
-                buffer: &copy,
-                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
-            },
-            target.size(),
-        );
-        Ok(())
-    })?;
-    let bytes: Vec<u8> = gpu.read(&copy, (row * side) as usize)?;
-    Ok(bytes.chunks(row as usize).flat_map(|row| row[..side as usize].to_vec()).collect())
+/// The same for a direction of depth.
+pub(crate) fn pipelines(gpu: &Gpu, depth: DepthDirection, bits: Range<u32>) -> Result<Arc<DepthMapPipelines>, String> {
+    pipelines_of(gpu, &ShadowFormat { depth, ..Default::default() }, bits)
+}
+
+pub(crate) enum Volumes {
+    Map(Box<DepthMapVolumes>),
+    Cube(Box<DepthMapCube>),
+}
+
+impl Volumes {
+    /// For one map or six.
+    pub(crate) fn new(
+        pipelines: &DepthMapPipelines,
+        maps: usize,
+        size: [u32; 2],
+        options: DepthMapOptions,
+    ) -> Result<Self, String> {
+        Ok(if maps == 1 {
+            Self::Map(Box::new(DepthMapVolumes::new(pipelines, size, options).map_err(text)?))
+        } else {
+            Self::Cube(Box::new(DepthMapCube::new(pipelines, size[0], options).map_err(text)?))
+        })
+    }
+
+    pub(crate) fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        maps: &Maps,
+        eye: &ShadowCamera,
+    ) -> Result<DepthMapFrame, String> {
+        match self {
+            Self::Map(volumes) => {
+                let texture = maps.views[0].as_ref().ok_or("no map")?;
+                let map = DepthMap { texture, light: maps.lights[0], objects: maps.objects[0].as_ref() };
+                volumes.encode(encoder, &map, eye).map_err(text)
+            }
+            Self::Cube(volumes) => {
+                let lights = maps.lights[..].try_into().map_err(text)?;
+                let [textures, objects] =
+                    [&maps.views, &maps.objects].map(|views| FACES.map(|face| views[face].as_ref()));
+                volumes.encode(encoder, &DepthCubeMaps { textures, lights, objects }, eye).map_err(text)
+            }
+        }
+    }
+
+    pub(crate) fn cells(&self) -> &wgpu::Buffer {
+        match self {
+            Self::Map(volumes) => volumes.cells(),
+            Self::Cube(volumes) => volumes.cells(),
+        }
+    }
+}
+
+/// An encode, and what the GPU tells of it.
+pub(crate) struct Encoded {
+    pub(crate) volumes: Volumes,
+    pub(crate) frame: DepthMapFrame,
+    pub(crate) statistics: DepthMapStatistics,
+}
+
+impl Encoded {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        pipelines: &DepthMapPipelines,
+        maps: &Maps,
+        eye: &ShadowCamera,
+        options: DepthMapOptions,
+    ) -> Result<Self, String> {
+        Self::then(gpu, pipelines, maps, eye, options, |_, _| Ok(()))
+    }
+
+    fn then(
+        gpu: &Gpu,
+        pipelines: &DepthMapPipelines,
+        maps: &Maps,
+        eye: &ShadowCamera,
+        options: DepthMapOptions,
+        record: impl FnOnce(&mut wgpu::CommandEncoder, &DepthMapFrame) -> Result<(), String>,
+    ) -> Result<Self, String> {
+        let mut volumes = Volumes::new(pipelines, maps.lights.len(), maps.size, options)?;
+        let (frame, statistics) = gpu.submit(|encoder| {
+            let frame = volumes.encode(encoder, maps, eye)?;
+            let statistics = frame.statistics(encoder).map_err(text)?;
+            record(encoder, &frame)?;
+            Ok((frame, statistics))
+        })?;
+        Ok(Self { volumes, frame, statistics: gpu.read(&statistics, 1)?[0] })
+    }
+
+    /// Its list of cells: how many were found, and those that there is room for.
+    pub(crate) fn list(&self, gpu: &Gpu) -> Result<Vec<u32>, String> {
+        let count = self.statistics.found.min(self.statistics.capacity);
+        gpu.read(self.volumes.cells(), 1 + count as usize)
+    }
+
+    /// Whether a near cap is drawn.
+    pub(crate) fn has_cap(&self) -> bool {
+        self.statistics.near_cap_vertices != 0
+    }
+}
+
+/// A square picture: its eye, the depths of its samples row by row, and the bits that are drawn into.
+#[derive(Clone)]
+pub(crate) struct Target<'a> {
+    pub(crate) eye: ShadowCamera,
+    pub(crate) depths: &'a [f32],
+    pub(crate) format: TextureFormat,
+    pub(crate) samples: u32,
+    pub(crate) bits: Range<u32>,
+}
+
+impl<'a> Target<'a> {
+    pub(crate) fn new(eye: ShadowCamera, depths: &'a [f32]) -> Self {
+        Self { eye, depths, format: TextureFormat::Depth24PlusStencil8, samples: 1, bits: 0..1 }
+    }
+
+    /// The stencil of each sample, from 0 on.
+    pub(crate) fn stencil(&self, gpu: &Gpu, maps: &Maps, options: DepthMapOptions) -> Result<Vec<u8>, String> {
+        Ok(self.draw(gpu, maps, options)?.0)
+    }
+
+    pub(crate) fn draw(&self, gpu: &Gpu, maps: &Maps, options: DepthMapOptions) -> Result<(Vec<u8>, Encoded), String> {
+        let Self { eye, depths, format, samples, ref bits } = *self;
+        let own = ShadowFormat { depth_stencil: format, depth: eye.depth, samples, ..Default::default() };
+        let pipelines = pipelines_of(gpu, &own, bits.clone())?;
+        let side = (depths.len() / samples as usize).isqrt() as u32;
+        let target = sampled(gpu, [side; 2], (format, samples), depths)?;
+        let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+        let encoded = Encoded::then(gpu, &pipelines, maps, &eye, options, |encoder, frame| {
+            let loads = (None, Some(wgpu::LoadOp::Load));
+            frame.draw(&mut begin(encoder, &view, loads), &pipelines).map_err(text)
+        })?;
+        Ok((stencils(gpu, &target)?, encoded))
+    }
 }

@@ -6,7 +6,7 @@ use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail};
 use wgpu::TextureFormat;
 
-use crate::contours::{Fit, Traced};
+use crate::contours::{Fit, Traced, rounded};
 use crate::maps::Map;
 
 pub(crate) const TESTS: &[Test] = &[("contours_lie_on_rims", on_rims)];
@@ -124,17 +124,8 @@ impl Errors {
     }
 }
 
-/// A map as a format holds it: steps of its depths, or none.
-fn rounded(map: &Map, steps: Option<f64>) -> Map {
-    let round = |depth: &f32| steps.map_or(*depth, |steps| ((f64::from(*depth) * steps).round() / steps) as f32);
-    Map { depths: map.depths.iter().map(round).collect(), ..*map }
-}
-
 fn on_rims() -> Result<(), String> {
-    const SEED: u64 = 1691;
-    println!("seed {SEED}");
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(SEED);
+    let (gpu, mut random) = Gpu::seeded(1691)?;
     // Segments go through the places that they join, so that these stay where they are but for what a 256th of a texel rounds.
     let fit = Fit { threshold: 1.0 / 2048.0, sideways: 0.0, depth: 0.0, slope_bias: 1.0 };
     for body in [Body::Ellipsoid, Body::Disc, Body::HalfPlane] {
@@ -142,8 +133,7 @@ fn on_rims() -> Result<(), String> {
         for round in 0..if is_long() { 400 } else { 30 } {
             let placed = Placed::random(body, &mut random);
             let formats = [TextureFormat::R32Float, TextureFormat::Depth24Plus, TextureFormat::Depth16Unorm];
-            let steps = [None, Some(16_777_215.0), Some(65_535.0)];
-            let map = rounded(&placed.map(round % 2 == 1), steps[round % 3]);
+            let map = rounded(&placed.map(round % 2 == 1), formats[round % 3]);
             let traced = Traced::new(&gpu, &map, fit, Some(formats[round % 3]))?;
             let places: Vec<u32> = gpu.read(&traced.places, ((SIDE + 2) * (SIDE + 2)) as usize)?;
             for (sample, place) in (0..).zip(places) {

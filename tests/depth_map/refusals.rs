@@ -1,10 +1,10 @@
 //! Input that is refused, and the errors for it.
 
-use rimline::gpu::{
+use rimline::gpu::depth_map::{
     DanglingEdges, DepthMap, DepthMapError, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes,
-    DeviceError, ShadowError, ShadowFormat,
 };
-use rimline::{CameraError, DepthDirection, ShadowCamera};
+use rimline::gpu::{DeviceError, ShadowError, ShadowFormat};
+use rimline::{CameraError, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
@@ -12,8 +12,9 @@ use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::same;
 use wgpu::TextureFormat;
 
+use crate::picture::{REVERSED, STANDARD, by, contours};
 use crate::stages::camera;
-use crate::textures::depth_view;
+use crate::textures::{begin, depth_view};
 
 pub(crate) const TESTS: &[Test] = &[
     ("pipelines_and_volumes_that_cannot_be_made", making),
@@ -23,9 +24,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("parities_of_bits_that_counts_own", beside_meshes),
     ("errors_tell_which_texture_is_wrong", sentences),
 ];
-
-const REVERSED: DepthDirection = DepthDirection::Reversed;
-const STANDARD: DepthDirection = DepthDirection::Standard;
 
 fn pipelines(gpu: &Gpu) -> Result<DepthMapPipelines, String> {
     DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 3).map_err(text)
@@ -38,6 +36,11 @@ fn making() -> Result<(), String> {
     let made = |format: ShadowFormat, bit| DepthMapPipelines::new(&gpu.pipelines, &format, bit);
     refused([
         refusal("bit", made(ShadowFormat::default(), 8), is(DepthMapError::Bits(8..9))),
+        refusal(
+            "no bits",
+            DepthMapPipelines::antialiased(&gpu.pipelines, &ShadowFormat::default(), 3..3),
+            is(DepthMapError::Bits(3..3)),
+        ),
         refusal("stencil", made(no_stencil, 0), is(stencil)),
     ])?;
     let pipelines = pipelines(&gpu)?;
@@ -48,7 +51,7 @@ fn making() -> Result<(), String> {
     }
     // The name of the number that is refused.
     let wrong = |name| shows(&[&format!("Option {{ name: {name:?}")]);
-    let with = |method| made([4, 4], DepthMapOptions { method, ..Default::default() });
+    let with = |method| made([4, 4], by(method));
     for threshold in [-0.1, 1.5, f32::INFINITY, f32::NAN] {
         let made = with(DepthMapMethod::Differences { threshold, dangling: None });
         refused([refusal(threshold, made, wrong("threshold"))])?;
@@ -73,8 +76,32 @@ fn making() -> Result<(), String> {
             refused([refusal(format!("{method:?}"), with(method), wrong(name))])?;
         }
     }
-    let method = DepthMapMethod::Contours { threshold: 1.0, sideways: 0.25, depth: 0.01 };
-    let walled = DepthMapOptions { method, ..Default::default() };
+    let format = TextureFormat::Rgba8Unorm;
+    let rounded = DepthMapOptions { rounded_to: Some(format), ..Default::default() };
+    refused([refusal("format", made([4, 4], rounded), is(DepthMapError::RoundedTo(format)))])?;
+    for nan in [-0.1, f32::INFINITY, f32::NAN] {
+        refused([
+            refusal("threshold", with(contours([nan, 0.25, 0.01])), wrong("threshold")),
+            refusal("sideways", with(contours([0.01, nan, 0.01])), wrong("sideways")),
+            refusal("depth", with(contours([0.01, 0.25, nan])), wrong("depth")),
+        ])?;
+    }
+    let two = DepthMapPipelines::antialiased(&gpu.pipelines, &ShadowFormat::default(), 6..8).map_err(text)?;
+    let walled = by(contours([1.0, 0.25, 0.01]));
+    refused([
+        refusal("a threshold above 1", with(contours([1.5, 0.25, 0.01])), wrong("threshold")),
+        refusal("more than half a texel", with(contours([0.01, 0.6, 0.01])), wrong("sideways")),
+        refusal("a depth above 1", with(contours([0.01, 0.25, 1.5])), wrong("depth")),
+        refusal("the most", with(contours([1.0, 0.5, 1.0])), Expected::Taken),
+        refusal("bits", DepthMapVolumes::new(&two, [8, 8], walled), is(DepthMapError::OneBit(2))),
+    ])?;
+    // Eight bytes for a sample, which one binding holds.
+    let side = gpu.device.limits().max_texture_dimension_2d;
+    let limit = gpu.device.limits().max_storage_buffer_binding_size / 256 * 256;
+    let is_taken = 4 * (u64::from(side) + 2).pow(2) <= limit;
+    let too_large = shows(&["BindingTooLarge {", &format!("limit: {limit}")]);
+    let expected = if is_taken { Expected::Taken } else { too_large };
+    refused([refusal("the largest map", made([side; 2], walled), expected)])?;
     let biased = |slope_bias, options| made([4, 4], DepthMapOptions { slope_bias, ..options });
     for slope_bias in [-1.0, f32::INFINITY, f32::NAN] {
         refused([refusal(slope_bias, biased(slope_bias, DepthMapOptions::default()), wrong("slope_bias"))])?;
@@ -96,6 +123,7 @@ fn making() -> Result<(), String> {
     refused([
         refusal("enough", limited(bytes, walled), Expected::Taken),
         refusal("a byte less", limited(bytes - 1, walled), shows(&["Device(MemoryLimit {"])),
+        refusal("no memory", limited(0, walled), shows(&["Device(MemoryLimit {", "limit: 0"])),
         refusal("100 bytes", limited(100, DepthMapOptions::default()), shows(&["Device(MemoryLimit {", "limit: 100"])),
     ])
 }
@@ -193,8 +221,7 @@ fn drawing() -> Result<(), String> {
     let other = ShadowFormat { depth_stencil: other, ..Default::default() };
     let other = has_other.then(|| DepthMapPipelines::new(&gpu.pipelines, &other, 0)).transpose().map_err(text)?;
     let mut volumes = DepthMapVolumes::new(&pipelines, [8, 8], DepthMapOptions::default()).map_err(text)?;
-    let method = DepthMapMethod::Contours { threshold: 1.0, sideways: 0.25, depth: 0.001 };
-    let options = DepthMapOptions { method, ..Default::default() };
+    let options = by(contours([1.0, 0.25, 0.001]));
     let mut walled = DepthMapVolumes::new(&pipelines, [8, 8], options).map_err(text)?;
     let map = depth_view(&texture(&gpu, (TextureFormat::Depth32Float, 8), [1, 1], DRAWN | READ));
     let view = view(&texture(&gpu, (TextureFormat::Depth24PlusStencil8, 8), [1, 1], DRAWN), 0);
@@ -203,15 +230,7 @@ fn drawing() -> Result<(), String> {
         let first = volumes.encode(encoder, &map, &camera(REVERSED)).map_err(text)?;
         let second = volumes.encode(encoder, &map, &camera(REVERSED)).map_err(text)?;
         let walls = walled.encode(encoder, &map, &camera(REVERSED)).map_err(text)?;
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: None,
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &view,
-                depth_ops: None,
-                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
-            }),
-            ..Default::default()
-        });
+        let mut pass = begin(encoder, &view, (None, Some(wgpu::LoadOp::Load)));
         let mismatch = DepthMapError::Depth { what: "the pipelines", given: STANDARD, made: REVERSED };
         refused([
             refusal("an earlier frame", first.draw(&mut pass, &pipelines), is(DepthMapError::StaleFrame)),

@@ -1,10 +1,9 @@
-//! The depth of the casters of a scene in a map: against that of each mesh bit for bit, and against rays of the light.
+//! The depth of the casters of a scene in a map: against that of each mesh bit for bit, and against rays of the light. Which casters
+//! are drawn.
 
 use glam::{DAffine3, DVec3, Mat3};
-use rimline::gpu::{
-    Caster, CasterHandle, FrameInputs, MeshDepth, PositionBuffer, Scene, SceneDepth, SceneDepthCasters,
-    SceneDepthCounts, SceneOptions,
-};
+use rimline::gpu::depth_map::{MeshDepth, SceneDepth, SceneDepthCasters, SceneDepthCounts};
+use rimline::gpu::{Caster, CasterHandle, FrameInputs, LightMask, PositionBuffer, Scene, SceneOptions};
 use rimline::mesh::Weld;
 use rimline::{DepthDirection, Light, Matrix3x4, Mesh, ShadowCamera};
 use rimline_testkit::device::Gpu;
@@ -12,17 +11,20 @@ use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
-use rimline_testkit::{must_fail, same};
+use rimline_testkit::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
-use crate::mesh_depth::{SIDE, wrong};
+use crate::mesh_depth::{SIDE, map, wrong};
+use crate::metric::bits;
+use crate::picture::look;
 use crate::scene::Eye;
-use crate::textures::{read, texture};
 
 pub(crate) const TESTS: &[Test] = &[
     ("the_depth_of_a_scene_is_that_of_its_meshes", equal),
     ("the_depth_of_a_scene_is_that_of_rays", traced),
     ("a_scene_that_changes_has_the_depth_of_the_moment", changed),
+    ("casters_of_a_scene_are_chosen_for_its_depth", chosen),
+    ("casters_that_the_light_does_not_see_are_left_out", outside),
 ];
 
 pub(crate) const FORMATS: [TextureFormat; 3] =
@@ -167,48 +169,16 @@ impl Casters {
     }
 }
 
-/// The texels of a map after a pass.
-pub(crate) fn map(
-    gpu: &Gpu,
-    format: TextureFormat,
-    light: &ShadowCamera,
-    draw: impl FnOnce(&mut wgpu::RenderPass<'_>) -> Result<(), String>,
-) -> Result<Vec<f32>, String> {
-    let far = if light.depth == DepthDirection::Reversed { 0.0 } else { 1.0 };
-    let target = texture(gpu, [SIDE; 2], format, &[far; (SIDE * SIDE) as usize])?;
-    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-    gpu.submit(|encoder| {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &view,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        draw(&mut pass)
-    })?;
-    read(gpu, &target)
-}
-
 /// A light that sees casters around the origin, or a part of them.
 pub(crate) fn light(random: &mut Random, number: usize) -> ShadowCamera {
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][number % 2];
     let (far, half_width) = [(None, None), (Some(12.0), None), (Some(12.0), Some(3.0))][number / 2 % 3];
     let forward = DVec3::from_array(random.direction().map(f64::from));
-    Eye { place: -6.0 * forward, forward, near: 1.0, is_relative: random.below(2) == 0, depth, far, half_width }
-        .camera()
-}
-
-pub(crate) fn bits(depths: &[f32]) -> Vec<u32> {
-    depths.iter().map(|depth| depth.to_bits()).collect()
+    Eye { is_relative: random.below(2) == 0, depth, far, half_width, ..look(-6.0 * forward, forward, 1.0) }.camera()
 }
 
 fn equal() -> Result<(), String> {
-    const SEED: u64 = 1711;
-    println!("seed {SEED}");
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(SEED);
+    let (gpu, mut random) = Gpu::seeded(1711)?;
     let mut casters = Casters::new(&gpu)?;
     casters.fill(&gpu, &mut random, (24, 3.0))?;
     let mut covered = 0;
@@ -243,10 +213,7 @@ fn equal() -> Result<(), String> {
 
 /// Rigid casters, turned, scaled and mirrored, by both helpers.
 fn traced() -> Result<(), String> {
-    const SEED: u64 = 1712;
-    println!("seed {SEED}");
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(SEED);
+    let (gpu, mut random) = Gpu::seeded(1712)?;
     for number in 0..9 {
         let mut casters = Casters::new(&gpu)?;
         let meshes = casters.meshes()?;
@@ -313,4 +280,106 @@ fn changed() -> Result<(), String> {
         before = bits(&found);
     }
     Ok(())
+}
+
+fn chosen() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(1713)?;
+    let mut casters = Casters::new(&gpu)?;
+    casters.fill(&gpu, &mut random, (16, 2.0))?;
+    let light = light(&mut random, 1);
+    let of_scene = casters.scene.add_light(Light::point([0.0, 9.0, 0.0])).map_err(text)?;
+    let is_listed = |number: usize| number % 3 == 1;
+    let listed: Vec<_> =
+        (0..).zip(&casters.placed).filter(|(number, _)| is_listed(*number)).map(|(_, caster)| caster.handle).collect();
+    for &caster in &listed {
+        casters.scene.set_lights(caster, LightMask::ALL.without(of_scene)).map_err(text)?;
+    }
+    let twice = [&listed[..], &listed[..]].concat();
+    let draw = |which| Ok::<_, String>(casters.drawn(&gpu, FORMATS[0], &light, which)?.0);
+    let own = bits(&casters.one_by_one(&gpu, FORMATS[0], &light, is_listed)?);
+    let others = bits(&casters.one_by_one(&gpu, FORMATS[0], &light, |number| !is_listed(number))?);
+    let all = bits(&casters.one_by_one(&gpu, FORMATS[0], &light, |_| true)?);
+    same("only", &bits(&draw(SceneDepthCasters::Only(&listed))?), &own)?;
+    same("only, twice", &bits(&draw(SceneDepthCasters::Only(&twice))?), &own)?;
+    same("except", &bits(&draw(SceneDepthCasters::Except(&listed))?), &others)?;
+    same("without volumes", &bits(&draw(SceneDepthCasters::NotCastingFor(of_scene))?), &own)?;
+    same("except none", &bits(&draw(SceneDepthCasters::Except(&[]))?), &all)?;
+    let none = bits(&casters.one_by_one(&gpu, FORMATS[0], &light, |_| false)?);
+    same("none", &bits(&draw(SceneDepthCasters::Only(&[]))?), &none)?;
+    must_fail("all", &same("only", &all, &own))?;
+    must_fail("others", &same("only", &others, &own))?;
+    must_fail("nothing", &same("only", &none, &own))?;
+    // A scene without casters, and one whose casters have no place.
+    let mut empty = Casters::new(&gpu)?;
+    let (found, counts) = empty.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
+    same("no casters", &bits(&found), &none)?;
+    same("no draws", &[counts], &[SceneDepthCounts::default()])?;
+    let mesh = empty.meshes()?[0];
+    let flat = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]];
+    let not_finite = [[f32::NAN, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    for rows in [flat, not_finite] {
+        let handle = empty.scene.insert(Caster::rigid(mesh, rows)).map_err(text)?;
+        empty.placed.push(Placed { shape: 0, rows, buffer: None, handle });
+    }
+    let (found, counts) = empty.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
+    same("singular", &bits(&found), &none)?;
+    same("singular: no draws", &[counts], &[SceneDepthCounts::default()])?;
+    let each = empty.one_by_one(&gpu, FORMATS[0], &light, |_| true)?;
+    same("singular, one by one", &bits(&each), &none)?;
+    // Negative control: with a place, it is drawn.
+    empty.scene.set_transform(empty.placed[0].handle, UNMOVED).map_err(text)?;
+    let (found, _) = empty.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
+    must_fail("a place", &same("singular", &bits(&found), &none))
+}
+
+/// Leaving casters out changes no bit. Boxes of buffers are stated.
+fn outside() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(1714)?;
+    let (mut left_out, mut all) = (0, 0);
+    for number in 0..if is_long() { 48 } else { 12 } {
+        let mut casters = Casters::new(&gpu)?;
+        casters.fill(&gpu, &mut random, (24, 8.0))?;
+        for at in 0..casters.placed.len() {
+            let caster = &casters.placed[at];
+            let Some((buffer, offset, stride)) = &caster.buffer else { continue };
+            let words: Vec<f32> = gpu.read(buffer, (buffer.size() / 4) as usize)?;
+            let vertices = casters.shapes[caster.shape].0.positions.len();
+            let word = |vertex: usize, axis: usize| words[(offset + stride * vertex as u64) as usize / 4 + axis];
+            let bound = |pick: fn(f32, f32) -> f32| {
+                std::array::from_fn(|axis| (0..vertices).map(|vertex| word(vertex, axis)).reduce(pick).unwrap_or(0.0))
+            };
+            let bounds = [bound(f32::min), bound(f32::max)];
+            casters.scene.set_bounds(caster.handle, Some(bounds)).map_err(text)?;
+        }
+        let (light, format) = (light(&mut random, number), FORMATS[number % 3]);
+        let (found, counts) = casters.drawn(&gpu, format, &light, SceneDepthCasters::All)?;
+        let truth = casters.one_by_one(&gpu, format, &light, |_| true)?;
+        same(&format!("view {number}"), &bits(&found), &bits(&truth))?;
+        // Each that was left out has no texel of its own.
+        let far = if light.depth == DepthDirection::Reversed { 0.0 } else { 1.0 };
+        for at in 0..casters.placed.len() {
+            let only = [casters.placed[at].handle];
+            let (_, one) = casters.drawn(&gpu, format, &light, SceneDepthCasters::Only(&only))?;
+            let alone = casters.one_by_one(&gpu, format, &light, |number| number == at)?;
+            let is_seen = alone.iter().any(|&depth| depth != far);
+            if is_seen && one.drawn != 1 {
+                return Err(format!("view {number}: caster {at} is seen and left out"));
+            }
+        }
+        left_out += counts.outside;
+        all += counts.outside + counts.drawn;
+    }
+    println!("{left_out} of {all} left out");
+    // A box that is not finite in one corner, or not stated, tells nothing; a box elsewhere does, whatever is in the buffer.
+    let mut casters = Casters::new(&gpu)?;
+    casters.fill(&gpu, &mut random, (8, 0.1))?;
+    let light = light(&mut random, 0);
+    let (_, counts) = casters.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
+    same("in the middle", &[counts.outside], &[0])?;
+    let in_buffer = casters.placed.iter().rfind(|caster| caster.buffer.is_some()).map(|caster| caster.handle);
+    let in_buffer = in_buffer.ok_or("a caster has a buffer")?;
+    casters.scene.set_bounds(in_buffer, Some([[900.0; 3], [901.0; 3]])).map_err(text)?;
+    let (_, counts) = casters.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
+    same("stated elsewhere", &[counts.outside], &[1])?;
+    if left_out * 4 > all && left_out * 10 < all * 9 { Ok(()) } else { Err(format!("{left_out} of {all} left out")) }
 }

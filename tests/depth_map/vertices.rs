@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use bytemuck::Zeroable;
 use glam::DVec2;
-use rimline::gpu::DepthMapCube;
+use rimline::gpu::depth_map::DepthMapCube;
 use rimline::reference::depth_map::{Placing, map_view};
 use rimline::reference::layout::{DepthMapShape, DepthMapView, MeshDepthCaster, MeshDepthView};
 use rimline::reference::stages::{DEPTH_SURFACE, MESH_DEPTH};
@@ -13,18 +13,18 @@ use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::uniform;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::probe::{Bound, Probe};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail};
 use wgpu::TextureFormat;
 
-use crate::cells::{CELL, corners, entries, listed, listed_of_cube};
-use crate::cube::{at_face, cube_of, merged, on_rays};
+use crate::cube::{at_face, cube_of, merged, on_rays, parted};
 use crate::exact::{Exact, Held, Moves, ROUNDING, steps};
 use crate::maps::{Map, maps};
-use crate::parity::{light, map, vector};
-use crate::probe::{Bound, Probe};
-use crate::scene::Eye;
-use crate::textures::{objects, texture};
+use crate::parity::{any_eye, light, map, vector};
+use crate::picture::{EVERY_CELL, differences};
+use crate::rules::{CELL, Rule, corners, listed, listed_of_cube};
+use crate::textures::{depth_view, objects, texture};
 
 pub(crate) const TESTS: &[Test] = &[
     ("vertices_of_boundaries_are_those_of_f64", of_maps),
@@ -71,11 +71,7 @@ impl Tally {
 /// An eye of any kind, and a format of its depth buffer.
 pub(crate) fn eye(random: &mut Random) -> (ShadowCamera, TextureFormat) {
     let place = f64::from(random.between(0.5, 9.0)) * vector(random);
-    let forward = vector(random) * 3.0 - place;
-    let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
-    let (far, half_width) = [(None, None), (Some(60.0), None), (Some(60.0), Some(6.0))][random.below(3)];
-    let near = f64::from(random.between(0.05, 3.0));
-    let eye = Eye { place, forward, near, is_relative: random.below(2) == 0, depth, far, half_width }.camera();
+    let eye = any_eye(random, place, [0.05, 3.0]);
     (eye, [TextureFormat::Depth24PlusStencil8, TextureFormat::Depth32FloatStencil8][random.below(2)])
 }
 
@@ -105,13 +101,12 @@ impl Given {
         cells: &[u32],
         views: &[DepthMapView],
     ) -> Result<Self, String> {
-        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         Ok(Self {
             shape: uniform(gpu, shape),
-            map: view(&texture(gpu, size, TextureFormat::R32Float, depths)?),
+            map: depth_view(&texture(gpu, size, TextureFormat::R32Float, depths)?),
             cells: gpu.storage(cells),
             views: gpu.storage(views),
-            objects: view(&objects(gpu, [1, 1], &[0])),
+            objects: objects(gpu, [1, 1], &[0]),
         })
     }
 
@@ -147,10 +142,7 @@ const NOTHING: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 
 /// Maps of all kinds, and hostile ones, for lights and eyes of all kinds; moved aside and not.
 fn of_maps() -> Result<(), String> {
-    const SEED: u64 = 16_101;
-    println!("seed {SEED}");
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(SEED);
+    let (gpu, mut random) = Gpu::seeded(16_101)?;
     let (mut tally, mut vertices) = (Tally::default(), Vertices::default());
     let mut other_bias = 0;
     for round in 0..if is_long() { 2000 } else { 160 } {
@@ -170,7 +162,8 @@ fn of_maps() -> Result<(), String> {
         let placing = Placing { border: 1.0, jitter, slope_bias };
         let view = map_view((&camera, map.size, map_format), (&eye, format), &placing).map_err(text)?;
         let shape = DepthMapShape { spread: u32::from(spread), ..map.shape(0.0, u32::MAX) };
-        let cells = listed(&map, &[], 0.0, spread, None);
+        let rule = Rule::new(differences(0.0), 1 + usize::from(spread), map.is_reversed, TextureFormat::R32Float);
+        let cells = listed(&map, &[], &rule, None).0;
         let corners = drawn(&cells, |cell| [cell % (map.size[0] + 1), cell / (map.size[0] + 1)]);
         let given = Given::new(&gpu, (&shape, map.size, &map.depths), &cells, &[view])?;
         let found = vertices.run(&gpu, &given, corners.len())?;
@@ -201,10 +194,7 @@ fn of_maps() -> Result<(), String> {
 
 /// Six maps. Samples that maps share have one vertex, on the ray of each.
 fn of_cubes() -> Result<(), String> {
-    const SEED: u64 = 16_102;
-    println!("seed {SEED}");
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(SEED);
+    let (gpu, mut random) = Gpu::seeded(16_102)?;
     let (mut tally, mut vertices, mut shared) = (Tally::default(), Vertices::default(), 0);
     for round in 0..if is_long() { 400 } else { 30 } {
         let side = 3 + random.below(8) as u32;
@@ -225,13 +215,10 @@ fn of_cubes() -> Result<(), String> {
         let placing = Placing { border: 0.0, jitter: [0.0; 2], slope_bias };
         let view = |camera| map_view((camera, [side; 2], TextureFormat::R32Float), (&eye, format), &placing);
         let views = cube.cameras.iter().map(view).collect::<Result<Vec<_>, _>>().map_err(text)?;
-        let of_face = |face: u32| {
-            let texels = (0..side * side).map(|texel| at_face(side, face, [texel % side, texel / side]));
-            let depths = texels.map(|[x, y]| depths[(y * 3 * side + x) as usize]).collect();
-            Map { size: [side; 2], is_reversed, depths }
-        };
-        let faces = [0, 1, 2, 3, 4, 5].map(of_face);
-        let cells = listed_of_cube(&faces, |_, map| entries(map, &[], -1.0, false));
+        let of_face = |depths| Map { size: [side; 2], is_reversed, depths };
+        let faces: Vec<_> = parted(side, &depths).into_iter().map(of_face).collect();
+        let rule = Rule::new(EVERY_CELL, 1, is_reversed, TextureFormat::R32Float);
+        let cells = listed_of_cube(&faces, &[], &rule).0;
         let corners = drawn(&cells, |cell| {
             let (across, face) = (side - 1, cell / ((side - 1) * (side - 1)));
             let rest = cell % (across * across);
@@ -282,10 +269,7 @@ fn of_cubes() -> Result<(), String> {
 
 /// Vertices of a mesh as the light sees them.
 fn of_meshes() -> Result<(), String> {
-    const SEED: u64 = 16_103;
-    println!("seed {SEED}");
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(SEED);
+    let (gpu, mut random) = Gpu::seeded(16_103)?;
     let mut tally = Tally::default();
     let mut probe = None;
     for round in 0..if is_long() { 400 } else { 40 } {

@@ -1,41 +1,42 @@
-//! Vertices of walls against `f64`, and surfaces beside contours against goldens and integers.
+//! Vertices of walls against `f64`, surfaces beside contours against goldens, and flaps at points near contours.
 
-use glam::DVec2;
+use glam::{DVec2, DVec4};
 use rimline::DepthDirection;
 use rimline::reference::depth_map::{Placing, map_view};
 use rimline::reference::stages::DEPTH_WALLS;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::uniform;
+use rimline_testkit::goldens::golden;
 use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::probe::{Bound, Probe};
 use rimline_testkit::random::Random;
 use wgpu::TextureFormat;
 
-use crate::contours::{Fit, Traced, UNIT, distance, is_jump};
+use crate::contours::{Fit, Traced, UNIT};
 use crate::exact::{Exact, ROUNDING};
 use crate::maps::Map;
+use crate::near_contours::among;
 use crate::parity::light;
-use crate::probe::{Bound, Probe};
 use crate::vertices::{Given, Tally, eye};
-use rimline_testkit::goldens::golden;
 
 pub(crate) const TESTS: &[Test] = &[
     ("vertices_of_walls_are_those_of_f64", vertices),
     ("surfaces_beside_contours_are_the_goldens", surfaces),
-    ("surfaces_beside_contours_join_those_between_samples", joined),
+    ("flaps_change_what_f64_says_they_do", changes),
 ];
 
 /// The distance of what is far.
 const FAR: i32 = i32::MAX;
 
 /// How contours are found. The tolerance is 20 units of 2⁻¹⁰ of the range of depths.
-pub(crate) fn fit(slope_bias: f32) -> Fit {
+fn fit(slope_bias: f32) -> Fit {
     Fit { threshold: 0.005, sideways: 0.25, depth: 20.0 / 1024.0, slope_bias }
 }
 
 /// Slopes, steps between them, and holes.
-pub(crate) fn map(random: &mut Random, is_reversed: bool) -> Map {
+fn map(random: &mut Random, is_reversed: bool) -> Map {
     let size = [3 + random.below(30) as u32, 3 + random.below(30) as u32];
     let far = if is_reversed { 0.0 } else { 1.0 };
     let discs: Vec<_> = (0..4)
@@ -68,10 +69,7 @@ pub(crate) fn map(random: &mut Random, is_reversed: bool) -> Map {
 }
 
 fn vertices() -> Result<(), String> {
-    const SEED: u64 = 16_105;
-    println!("seed {SEED}");
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(SEED);
+    let (gpu, mut random) = Gpu::seeded(16_105)?;
     let (mut tally, mut probe) = (Tally::default(), None);
     for round in 0..if is_long() { 1000 } else { 60 } {
         let (camera, _) = light(&mut random);
@@ -113,48 +111,61 @@ fn vertices() -> Result<(), String> {
     if tally.far > 1000 { Ok(()) } else { Err(format!("few are far: {tally:?}")) }
 }
 
-/// The surfaces of a map at places of cells, from a probe: the code of the cell, and the distance.
-fn surfaces_at(
+/// Four words of a function of `depth_walls` for each input, from a probe: `source` and `expression` are added to the stage. A stage
+/// has eight storage buffers, so only those of `wanted` are bound.
+fn probed(
     gpu: &Gpu,
     probe: &mut Option<Probe>,
     (map, traced): (&Map, &Traced),
+    (source, expression, wanted): (&str, &str, &[u32]),
     inputs: &[[f32; 4]],
 ) -> Result<Vec<[u32; 4]>, String> {
     let shape = map.shape(0.005, u32::MAX);
-    let camera = crate::stages::camera(crate::stages::direction(map));
+    let camera = crate::stages::camera(map.direction());
     let placing = Placing { border: 1.0, jitter: [0.0; 2], slope_bias: 0.5 };
     let formats = [TextureFormat::R32Float, TextureFormat::Depth24PlusStencil8];
     let view = map_view((&camera, map.size, formats[0]), (&camera, formats[1]), &placing).map_err(text)?;
-    let given = Given::new(gpu, (&shape, map.size, &map.depths), &[0], &[view])?;
+    let given = Given::new(gpu, (&shape, map.size, &map.depths), &traced.list, &[view])?;
     let contour = uniform(gpu, &traced.shape);
     let mut bound = given.bound().to_vec();
     bound.extend([
         (5, Bound::Storage(&traced.places)),
         (6, Bound::Uniform(&contour)),
+        (7, Bound::Storage(&traced.counts)),
         (9, Bound::Storage(&traced.marks)),
     ]);
-    // A stage has eight storage buffers: cells are not read here.
-    bound.retain(|&(binding, _)| binding != 2 && binding != 3 && binding != 4);
-    let source = format!(
-        "{}
-fn probe_surface(cell: vec2<i32>, place: vec2<f32>) -> vec4<u32> {{
-  let code = code_of_cell(cell);
-  if (code == 0u) {{ return vec4<u32>(0u); }}
-  return vec4<u32>(code, bitcast<u32>(contour_distance(cell, code, place)), 0u, 0u);
-}}",
-        DEPTH_WALLS.wgsl()
-    );
-    let expression = "probe_surface(vec2<i32>(input.xy), input.zw)";
+    bound.retain(|(binding, _)| wanted.contains(binding));
+    let source = format!("{}{source}", DEPTH_WALLS.wgsl());
     let make = || Probe::new(gpu, &source, ("vec4<u32>", expression), &bound);
     probe.get_or_insert_with(make).run(gpu, &bound, inputs)
 }
 
+/// The surfaces of a map at places of cells: the code of the cell, and the distance.
+const SURFACE: (&str, &str, &[u32]) = (
+    "
+fn probe_surface(cell: vec2<i32>, place: vec2<f32>) -> vec4<u32> {
+  let code = code_of_cell(cell);
+  if (code == 0u) { return vec4<u32>(0u); }
+  return vec4<u32>(code, bitcast<u32>(contour_distance(cell, code, place)), 0u, 0u);
+}",
+    "probe_surface(vec2<i32>(input.xy), input.zw)",
+    &[0, 1, 5, 6, 9],
+);
+
+/// Whether flaps change whether a place is behind.
+const FLAPS: (&str, &str, &[u32]) = (
+    "
+fn probe_flaps(place: vec2<f32>, depth: f32, is_behind: bool) -> vec4<u32> {
+  let cell = vec2<i32>(floor(place));
+  return vec4<u32>(u32(flaps_change(cell, place - floor(place), depth, is_behind)), 0u, 0u, 0u);
+}",
+    "probe_flaps(input.xy, input.z, input.w != 0.0)",
+    &[0, 2, 6, 7],
+);
+
 /// Integers all, but for the side of the contour. Places are parts of 64 of a texel, so that is exact as well.
 fn surfaces() -> Result<(), String> {
-    const SEED: u64 = 16_106;
-    println!("seed {SEED}");
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(SEED);
+    let (gpu, mut random) = Gpu::seeded(16_106)?;
     let (mut compared, mut far, mut sides, mut probe) = (0, 0, 0, None);
     let mut words = Vec::new();
     for round in 0..60 {
@@ -169,7 +180,7 @@ fn surfaces() -> Result<(), String> {
                 [random[0], random[1], random[2], [x, y, 0.0, 0.0], [x, y, 63.0 / 64.0, 63.0 / 64.0]]
             })
             .collect();
-        let told = surfaces_at(&gpu, &mut probe, (&map, &traced), &inputs)?;
+        let told = probed(&gpu, &mut probe, (&map, &traced), SURFACE, &inputs)?;
         let marked: Vec<_> = told.chunks(5).filter(|cell| cell[0][0] != 0).collect();
         let found: Vec<_> = marked.iter().flat_map(|cell| cell.iter().map(|told| told[1])).collect();
         words.push(found.len() as u32);
@@ -191,61 +202,66 @@ fn surfaces() -> Result<(), String> {
     if compared > 5000 && far > 500 && sides > 500 { Ok(()) } else { Err("too few".to_owned()) }
 }
 
-/// On an edge without a contour a surface is the line between the two samples, as it is in the triangles on the other side.
-fn joined() -> Result<(), String> {
-    const SEED: u64 = 16_108;
-    println!("seed {SEED}");
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(SEED);
-    let (mut compared, mut others, mut probe) = (0, 0, None);
-    for round in 0..60 {
+/// Flaps change the shadow at points near contours, against `f64`.
+fn changes() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(16_107)?;
+    let (mut told, mut changed, mut several, mut unsure, mut probe) = (0, 0, 0, 0, None);
+    for round in 0..if is_long() { 1000 } else { 60 } {
         let is_reversed = random.below(2) == 0;
         let map = map(&mut random, is_reversed);
-        let traced = Traced::new(&gpu, &map, fit(0.0), None)?;
-        let threshold = i64::from(traced.shape.threshold);
-        let [width, height] = map.size.map(|texels| texels as i32);
-        let is_marked = |at: [i32; 2], step: [i32; 2]| is_jump(&map, None, threshold, at, step);
-        let (mut inputs, mut ends) = (Vec::new(), Vec::new());
-        for [x, y] in (0..=height).flat_map(|y| (0..=width).map(move |x| [x, y])) {
-            let [across, down] = [[1, 0], [0, 1]];
-            let edges = [
-                is_marked([x, y], across),
-                is_marked([x + 1, y], down),
-                is_marked([x, y + 1], across),
-                is_marked([x, y], down),
-            ];
-            // The edge at the top, and that on the left.
-            for (axis, other) in [(0, [x + 1, y]), (1, [x, y + 1])] {
-                let distances = [[x, y], other].map(|at| distance(&map, at));
-                let (true, false, [Some(first), Some(last)]) = (edges.contains(&true), edges[3 * axis], distances)
-                else {
-                    continue;
-                };
-                let at = |part: f32| {
-                    let [along, beside] = if axis == 0 { [part, 0.0] } else { [0.0, part] };
-                    [x as f32, y as f32, along, beside]
-                };
-                inputs.extend([at(0.0), at(0.25), at(0.75)]);
-                ends.push((first, last));
-            }
-        }
-        if inputs.is_empty() {
+        let traced = Traced::new(&gpu, &map, fit(1.0), None)?;
+        let walls = &traced.quads;
+        // Places beside vertices of flaps, at about their depths.
+        let flaps: Vec<_> = walls.iter().filter(|wall| wall[0][..2] != wall[1][..2]).collect();
+        if flaps.is_empty() {
             continue;
         }
-        let told = surfaces_at(&gpu, &mut probe, (&map, &traced), &inputs)?;
-        for (told, (first, last)) in told.chunks(3).zip(ends) {
-            let at = |number: usize| i64::from(told[number][1] as i32);
-            for (number, part) in [(1, 0.25), (2, 0.75)] {
-                // Both distances include the allowance for errors of depths. A 256th of a difference is rounded.
-                let off = (at(number) - at(0)) as f64 - part * (last - first) as f64;
-                if told[number][0] == 0 || off.abs() > 1000.0 {
-                    return Err(format!("round {round}, {:?}, from {first} to {last}: {told:?}, {off}", map.size));
-                }
-                compared += 1;
-                others += usize::from((last - first).abs() > 10_000);
+        let inputs: Vec<_> = (0..400)
+            .map(|_| {
+                let flap = flaps[random.below(flaps.len())];
+                let shares = [0; 3].map(|_| random.between(0.0, 1.0));
+                let whole = shares.iter().sum::<f32>().max(0.01);
+                let mean = |axis: usize| {
+                    let mean = (0..3).map(|at| flap[at][axis] as f32 * shares[at] / whole).sum::<f32>();
+                    (mean + flap[3][axis] as f32 * 1e-3) / 1.001
+                };
+                let [x, y] = [0, 1].map(|axis| {
+                    let most = map.size[axis] as f32;
+                    (mean(axis) / 256.0 + random.between(-0.2, 0.2)).clamp(0.0, most + 0.99)
+                });
+                let depth = mean(2) / UNIT as f32 + random.between(-0.004, 0.004);
+                let depth = if is_reversed { 1.0 - depth } else { depth };
+                [x, y, depth, random.below(2) as f32]
+            })
+            .collect();
+        let found = probed(&gpu, &mut probe, (&map, &traced), FLAPS, &inputs)?;
+        for (&[x, y, depth, is_behind], found) in inputs.iter().zip(found) {
+            let is_behind = is_behind != 0.0;
+            // Texel 0 is a texel after the border's, and distances begin at the near plane.
+            let at = |off: [f64; 3]| {
+                let [x, y, depth] = [x, y, depth].map(f64::from);
+                let distance = if is_reversed { 1.0 - depth } else { depth };
+                let place = DVec4::new(x - 1.0 + off[0], y - 1.0 + off[1], distance + off[2], 1.0);
+                among(walls, place).1
+            };
+            let own = at([0.0; 3]);
+            // Rounding in `f32` may move the point and its depth by this much.
+            let around = [-1.0, 1.0].map(|sign| {
+                [[1e-4, 0.0, 0.0], [0.0, 1e-4, 0.0], [0.0, 0.0, 4e-6]].map(|off| at(off.map(|off| sign * off)))
+            });
+            if around.iter().flatten().any(|there| *there != own) {
+                unsure += 1;
+                continue;
             }
+            let expected = own.iter().filter(|&&(_, behind)| behind != is_behind).count() % 2 == 1;
+            if (found[0] == 1) != expected {
+                return Err(format!("round {round}, {x} {y} {depth}: {found:?}, expected {expected}: {own:?}"));
+            }
+            told += 1;
+            changed += usize::from(expected);
+            several += usize::from(own.len() > 1);
         }
     }
-    println!("{compared} places, {others} of them on slopes");
-    if compared > 5000 && others > 2000 { Ok(()) } else { Err("too few".to_owned()) }
+    println!("{told} places, {changed} changed, {several} in several flaps, {unsure} too near to a border");
+    if changed * 10 > told && several > 100 && unsure * 5 < told { Ok(()) } else { Err("too few".to_owned()) }
 }

@@ -25,6 +25,13 @@ pub(crate) enum World {
     Mesh(rays::Tracer<()>),
     /// Triangles alone, without a ground.
     Bare(rays::Tracer<()>),
+    /// Plates of an irregular pattern at height 1.
+    Plates,
+}
+
+/// Whether a plate is over a place.
+fn has_plate(x: f64, z: f64) -> bool {
+    (x * 1.3).sin() + (z * 1.7 + 0.4 * x).cos() + 0.6 * (2.9 * x - 1.1 * z).sin() > 0.7
 }
 
 impl World {
@@ -44,7 +51,7 @@ impl World {
                 let q = (p - centre).abs() - half;
                 q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
             }
-            Self::Mesh(_) | Self::Bare(_) => f64::INFINITY,
+            Self::Mesh(_) | Self::Bare(_) | Self::Plates => f64::INFINITY,
         }
     }
 
@@ -75,6 +82,11 @@ impl World {
         match *self {
             Self::Sphere { centre, radius } => sphere(from - centre, direction, radius),
             Self::Cuboid { centre, half } => cuboid(from - centre, direction, half),
+            Self::Plates => {
+                let t = (1.0 - from.y) / direction.y;
+                let at = from + t * direction;
+                (t > 0.0 && has_plate(at.x, at.z)).then_some((t, DVec3::Y))
+            }
             _ => self.march(from, direction),
         }
     }

@@ -130,7 +130,6 @@ fn the_file_is_a_valid_gltf_binary() {
     assert!(glb::encode(&Figure::new()) == file, "the same every time");
 }
 
-#[cfg(feature = "gltf")]
 #[test]
 fn the_gltf_crate_accepts_the_file() {
     let read = gltf::Gltf::from_slice(&glb::encode(&FIGURE)).expect("valid glTF");

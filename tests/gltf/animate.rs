@@ -1,11 +1,13 @@
-//! Interpolation against values computed another way: de Casteljau for splines, angles for rotations.
+//! Interpolation against values computed another way: de Casteljau for splines, angles for rotations. Several animations at
+//! once.
 
 use libtest_mimic::Trial;
 use rimline::gltf::{Asset, GltfError};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::check::{close, map};
 use crate::maker::Maker;
+use crate::shape::same;
 use crate::{Outcome, ensure, test};
 
 pub(crate) fn tests() -> Vec<Trial> {
@@ -21,20 +23,18 @@ pub(crate) fn tests() -> Vec<Trial> {
         test("animate::bad_times", bad_times),
         test("animate::overflow_is_an_error", overflow),
         test("animate::by_name_before_number", by_name),
+        test("animate::several_objects", several),
+        test("animate::two_that_move_the_same_property", conflict),
+        test("animate::keys_of_one_time_are_a_step", same_times),
     ]
 }
 
 /// A square whose node one channel moves.
 fn animated(path: &str, interpolation: &str, times: &[f32], kind: &str, output: &[f32]) -> Maker {
     let mut maker = Maker::square();
-    let (input, output) = (maker.floats("SCALAR", times), maker.floats(kind, output));
-    add(&mut maker, path, &json!({ "input": input, "output": output, "interpolation": interpolation }));
+    let sampler = maker.keys(times, kind, output, interpolation);
+    maker.animate(0, path, &sampler);
     maker
-}
-
-fn add(maker: &mut Maker, path: &str, sampler: &Value) {
-    let channel = json!({ "sampler": 0, "target": { "node": 0, "path": path } });
-    maker.push("animations", json!({ "samplers": [sampler], "channels": [channel] }));
 }
 
 /// Where the animation takes a point of the square's space.
@@ -128,7 +128,7 @@ fn integers() -> Outcome {
         let input = maker.floats("SCALAR", &[0.0, 1.0]);
         let output = maker.accessor(component, "VEC4", 2, &data);
         maker.json["accessors"][output]["normalized"] = json!(true);
-        add(&mut maker, "rotation", &json!({ "input": input, "output": output }));
+        maker.animate(0, "rotation", &json!({ "input": input, "output": output }));
         let asset = maker.load()?;
         close(&at(&asset, 0.0, [1.0, 0.0, 0.0])?, &[0.0, 1.0, 0.0], 1e-6, "a quarter turn")?;
         close(&at(&asset, 1.0, [1.0, 0.0, 0.0])?, &[-1.0, 0.0, 0.0], 1e-6, "half a turn")?;
@@ -144,9 +144,8 @@ fn morph_weights() -> Outcome {
     let mut maker = Maker::square();
     let offsets = maker.floats("VEC3", &[1.0; 12]);
     maker.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": offsets }, {}]);
-    let weights = |maker: &Maker, animation, time| -> Result<Vec<f64>, String> {
-        let asset = maker.load().map_err(|e| e.to_string())?;
-        let pose = asset.pose(animation, time).map_err(|e| e.to_string())?;
+    let weights = |maker: &Maker, animation, time| -> Result<Vec<f64>, GltfError> {
+        let pose = maker.load()?.pose(animation, time)?;
         Ok(pose.instances()[0].morph_weights().iter().map(|&w| f64::from(w)).collect())
     };
     close(&weights(&maker, None, 0.0)?, &[0.0, 0.0], 0.0, "no weights")?;
@@ -157,7 +156,7 @@ fn morph_weights() -> Outcome {
     let input = maker.floats("SCALAR", &[0.0, 1.0]);
     let output = maker.accessor(5121, "SCALAR", 4, &[0, 255, 51, 0]);
     maker.json["accessors"][output]["normalized"] = json!(true);
-    add(&mut maker, "weights", &json!({ "input": input, "output": output }));
+    maker.animate(0, "weights", &json!({ "input": input, "output": output }));
     close(&weights(&maker, Some(0), 0.5)?, &[0.1, 0.5], 1e-6, "animated")?;
     close(&weights(&maker, None, 0.5)?, &[1.0, -2.0], 0.0, "not animated")
 }
@@ -203,4 +202,72 @@ fn by_name() -> Outcome {
     let found = ["1", "walk", "2", "0", "3", "run", ""].map(|name| asset.animation_index(name));
     let expected = [Some(0), Some(1), Some(2), Some(0), None, None, None];
     ensure(found == expected, || format!("{found:?}"))
+}
+
+/// Adds an animation of one channel, from the first value at 0 s to the second at `end`.
+fn add(maker: &mut Maker, node: usize, path: &str, end: f32, values: &[f32; 6]) {
+    let sampler = maker.keys(&[0.0, end], "VEC3", values, "LINEAR");
+    maker.animate(node, path, &sampler);
+}
+
+fn two_squares() -> Maker {
+    let mut maker = Maker::square();
+    maker.push("nodes", json!({ "mesh": 0, "translation": [3, 0, 0] }));
+    add(&mut maker, 0, "translation", 1.0, &[0.0, 0.0, 0.0, 0.0, 0.0, 4.0]);
+    add(&mut maker, 1, "translation", 2.0, &[3.0, 0.0, 0.0, 3.0, 8.0, 0.0]);
+    add(&mut maker, 0, "scale", 1.0, &[1.0, 1.0, 1.0, 3.0, 1.0, 1.0]);
+    maker
+}
+
+/// Where both squares' origins are.
+fn origins(asset: &Asset, animations: &[usize], time: f32) -> Result<Vec<[f64; 3]>, GltfError> {
+    let pose = asset.pose(animations.iter().copied(), time)?;
+    Ok(pose.instances().iter().map(|instance| map(&instance.palette()[0], [0.0; 3])).collect())
+}
+
+fn several() -> Outcome {
+    let asset = two_squares().load()?;
+    for (animations, time, expected) in [
+        (&[][..], 0.5, [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]]),
+        (&[0], 0.5, [[0.0, 0.0, 2.0], [3.0, 0.0, 0.0]]),
+        (&[0, 1], 0.5, [[0.0, 0.0, 2.0], [3.0, 2.0, 0.0]]),
+        (&[1, 0, 1], 0.5, [[0.0, 0.0, 2.0], [3.0, 2.0, 0.0]]),
+        // The first one has ended.
+        (&[0, 1, 2], 2.0, [[0.0, 0.0, 4.0], [3.0, 8.0, 0.0]]),
+    ] {
+        let found = origins(&asset, animations, time)?;
+        close(found.as_flattened(), expected.as_flattened(), 1e-6, &format!("{animations:?} at {time}"))?;
+    }
+    let corner = map(&asset.pose(0..3, 0.5)?.instances()[0].palette()[0], [1.0, 0.0, 0.0]);
+    close(&corner, &[2.0, 0.0, 2.0], 1e-6, "another property of the same node")?;
+    let missing = asset.pose([0, 3], 0.0);
+    ensure(missing == Err(GltfError::NoAnimation { index: 3, count: 3 }), || format!("{missing:?}"))
+}
+
+fn conflict() -> Outcome {
+    let mut maker = two_squares();
+    add(&mut maker, 1, "translation", 1.0, &[0.0; 6]);
+    let asset = maker.load()?;
+    asset.pose(Some(3), 0.0)?;
+    let expected = GltfError::SameProperty { first: 1, second: 3, node: 1, property: "translation" };
+    let found = asset.pose(0..4, 0.0);
+    ensure(found.as_ref() == Err(&expected), || format!("{found:?}"))?;
+    ensure(asset.lights(0..4, 0.0) == Err(expected.clone()), || "lights".to_owned())?;
+    let message = expected.to_string();
+    ensure(message.contains("animations 1 and 3") && message.contains("nodes[1]"), || message.clone())
+}
+
+fn same_times() -> Outcome {
+    let values = [0.0, 4.0, 100.0, 6.0, 8.0, 9.0];
+    for (interpolation, early, middle) in [("LINEAR", 4.0, 7.0), ("STEP", 0.0, 6.0), ("CUBICSPLINE", 4.0, 7.0)] {
+        let tangent = if interpolation == "CUBICSPLINE" { &[0.0; 3][..] } else { &[] };
+        let keys: Vec<f32> = values.iter().flat_map(|&x| [tangent, &[x, 0.0, 0.0], tangent].concat()).collect();
+        let asset = animated("translation", interpolation, &[0.0, 1.0, 1.0, 1.0, 2.0, 2.0], "VEC3", &keys).load()?;
+        same(&asset.warnings().len(), &0, "warnings")?;
+        let before = f32::from_bits(1.0_f32.to_bits() - 1);
+        for (time, x) in [(-1.0, 0.0), (before, early), (1.0, 6.0), (1.5, middle), (2.0, 9.0), (3.0, 9.0)] {
+            close(&at(&asset, time, [0.0; 3])?, &[x, 0.0, 0.0], 1e-6, &format!("{interpolation} at {time}"))?;
+        }
+    }
+    Ok(())
 }

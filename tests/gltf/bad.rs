@@ -69,7 +69,7 @@ fn refused(path: &Path, says: &[&str]) -> Outcome {
 fn warned(path: &Path, says: &[&str]) -> Outcome {
     let asset = Asset::open(path, Weld::Data)?;
     crate::check::asset(&asset, 0, false)?;
-    let warnings: Vec<String> = asset.warnings().iter().map(ToString::to_string).collect();
+    let warnings = crate::check::said(&asset);
     let one = warnings.iter().any(|warning| says.iter().all(|part| warning.contains(part)));
     ensure(one, || format!("{warnings:?} do not say {says:?}"))
 }

@@ -78,9 +78,7 @@ pub(crate) fn pose(model: &Model, pose: &Pose) -> Outcome {
 /// An asset's model, and poses and lights at several times of its first animations. Poses may be refused only as not
 /// finite, and only if `lenient`.
 pub(crate) fn asset(asset: &Asset, animations: usize, lenient: bool) -> Outcome {
-    let is_infinite = |warning: &GltfWarning| {
-        matches!(warning, GltfWarning::NonFinitePositions { .. } | GltfWarning::NonFiniteOffsets { .. })
-    };
+    let is_infinite = |warning: &GltfWarning| matches!(warning, GltfWarning::NonFinite { .. });
     sound(asset.model(), !asset.warnings().iter().any(is_infinite))?;
     let is_damaged = |animation: Option<usize>| animation.is_some_and(|a| asset.animations()[a].fault.is_some());
     let check = |animation, time| match asset.pose(animation, time) {
@@ -102,6 +100,23 @@ pub(crate) fn asset(asset: &Asset, animations: usize, lenient: bool) -> Outcome 
         check(Some(index), f32::INFINITY)?;
     }
     Ok(())
+}
+
+/// The warnings.
+pub(crate) fn said(asset: &Asset) -> Vec<String> {
+    asset.warnings().iter().map(ToString::to_string).collect()
+}
+
+/// One warning, which has all of these parts.
+pub(crate) fn warned_once(asset: &Asset, parts: &[&str]) -> Outcome {
+    let warnings = said(asset);
+    let one = warnings.len() == 1 && parts.iter().all(|part| warnings[0].contains(part));
+    ensure(one, || format!("{warnings:?}, expected one with {parts:?}"))
+}
+
+/// Where an instance of a file at rest takes a point.
+pub(crate) fn moved(asset: &Asset, instance: usize, point: [f32; 3]) -> Result<[f64; 3], GltfError> {
+    Ok(map(&asset.pose(None, 0.0)?.instances()[instance].palette()[0], point))
 }
 
 /// The same up to a tolerance.
@@ -146,28 +161,28 @@ struct Parts {
     positions: Vec<[f32; 3]>,
     faces: Vec<[u32; 3]>,
     targets: Vec<Vec<[f32; 3]>>,
-    offsets: Vec<u32>,
+    influences: [Vec<u32>; 2],
     weights: Vec<f32>,
     geometry: usize,
 }
 
 impl Parts {
-    fn of(model: &Model) -> Result<(Self, Vec<u32>), String> {
+    fn of(model: &Model) -> Result<Self, String> {
         let geometry = &model.geometries()[0];
         let influences = geometry.influences().ok_or("rigid")?;
-        let parts = Self {
+        Ok(Self {
             positions: geometry.positions().to_vec(),
             faces: geometry.faces().to_vec(),
             targets: geometry.morph_targets().to_vec(),
-            offsets: influences.offsets().to_vec(),
+            influences: [influences.offsets().to_vec(), influences.joints().to_vec()],
             weights: influences.weights().to_vec(),
             geometry: 0,
-        };
-        Ok((parts, influences.joints().to_vec()))
+        })
     }
 
-    fn build(self, joints: Vec<u32>) -> Result<Model, ModelError> {
-        let influences = Some(Influences::new(self.offsets, joints, self.weights)?);
+    fn build(self) -> Result<Model, ModelError> {
+        let [offsets, joints] = self.influences;
+        let influences = Some(Influences::new(offsets, joints, self.weights)?);
         let options = GeometryOptions { morph_targets: self.targets, influences, ..GeometryOptions::default() };
         let geometry = Geometry::new(self.positions, self.faces, options)?;
         Model::new(vec![geometry, Geometry::default()], vec![Instance::new(self.geometry, None)])
@@ -181,24 +196,21 @@ type Spoiler = (fn(&mut Parts), bool);
 fn model_control() -> Outcome {
     let good = crate::maker::everything().load()?;
     model(good.model())?;
-    let (whole, joints) = Parts::of(good.model())?;
-    model(&whole.build(joints)?)?;
+    model(&Parts::of(good.model())?.build()?)?;
     let spoilers: [Spoiler; 7] = [
         (|p| p.positions[0][1] = f32::NAN, false),
         (|p| p.faces[0][2] = 1000, true),
         (|p| p.targets[0].truncate(1), true),
         (|p| p.weights[0] += 0.1, false),
-        (|p| p.offsets[1] += 1000, true),
+        (|p| p.influences[0][1] += 1000, true),
         (|p| p.geometry = 99, true),
         (|p| p.geometry = 1, false),
     ];
     for (s, (spoil, at_once)) in spoilers.iter().enumerate() {
-        let (mut parts, joints) = Parts::of(good.model())?;
+        let mut parts = Parts::of(good.model())?;
         spoil(&mut parts);
-        let noticed = match parts.build(joints) {
-            Ok(bad) => !at_once && model(&bad).is_err(),
-            Err(_) => *at_once,
-        };
+        let built = parts.build();
+        let noticed = built.as_ref().map_or(*at_once, |bad| !at_once && model(bad).is_err());
         ensure(noticed, || format!("spoiler {s} went unnoticed"))?;
     }
     Ok(())

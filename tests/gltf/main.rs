@@ -13,13 +13,10 @@ mod origin;
 mod outside;
 mod place;
 mod refuse;
-mod refuse_moving;
-mod refuse_square;
+mod rows;
 mod shape;
-mod together;
 mod visible;
 mod warned;
-mod warned_rows;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use rimline_models::maker;
@@ -37,7 +34,6 @@ fn main() {
         shape::tests,
         place::tests,
         animate::tests,
-        together::tests,
         visible::tests,
         warned::tests,
         cases::tests,

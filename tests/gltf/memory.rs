@@ -9,8 +9,8 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use peak_alloc::PeakAlloc;
 use rimline::gltf::{Asset, GltfError, LoadOptions};
 use rimline::mesh::Weld;
-use rimline_models::maker::{F32, Maker, U8, everything};
-use rimline_testkit::harness;
+use rimline_models::maker::{F32, Maker, U8, U32, everything, flat};
+use rimline_testkit::{harness, shapes};
 use serde_json::{Value, json};
 
 #[global_allocator]
@@ -44,6 +44,10 @@ fn main() {
     libtest_mimic::run(&arguments, trials).exit();
 }
 
+fn ensure(condition: bool, message: impl FnOnce() -> String) -> Outcome {
+    if condition { Ok(()) } else { Err(message().into()) }
+}
+
 /// Loads a file, poses it and makes its mesh; the most memory that was taken meanwhile, and what came of it.
 fn measured(bytes: &[u8], base: Option<&Path>, limit: u64) -> (u64, Result<(), GltfError>) {
     let before = ALLOCATOR.current_usage();
@@ -61,9 +65,7 @@ fn measured(bytes: &[u8], base: Option<&Path>, limit: u64) -> (u64, Result<(), G
 
 fn within(bytes: &[u8], base: Option<&Path>, limit: u64) -> Result<Result<(), GltfError>, Failed> {
     let (peak, result) = measured(bytes, base, limit);
-    if peak > limit + SLACK {
-        return Err(format!("{peak} bytes taken of {limit}; then {:?}", result.err()).into());
-    }
+    ensure(peak <= limit + SLACK, || format!("{peak} bytes taken of {limit}; then {result:?}"))?;
     Ok(result)
 }
 
@@ -71,19 +73,19 @@ fn within(bytes: &[u8], base: Option<&Path>, limit: u64) -> Result<Result<(), Gl
 type Bomb = (&'static str, fn() -> Maker, &'static str);
 
 const BOMBS: &[Bomb] = &[
-    ("faces_of_instances", || faces_of_instances(2400), "meshes[0] (its instances)"),
-    ("faces_of_nodes", faces_of_nodes, "meshes[0] (its instances)"),
+    ("faces_of_instances", || instances(zeros(2400), 880), "meshes[0] (its instances)"),
+    ("faces_of_nodes", || repeat(zeros(6000), "/nodes", 500), "meshes[0] (its instances)"),
     ("names_of_instances", names_of_instances, "meshes[0] (its instances)"),
-    ("morph_weights_of_instances", morph_weights, "meshes[0] (its instances)"),
-    ("palettes", palettes, "meshes[0] (its instances)"),
-    ("instances_without_faces", instances_without_faces, "EXT_mesh_gpu_instancing"),
+    ("morph_weights_of_instances", || targets(instances(zeros(3), 20_000), 2000), "meshes[0] (its instances)"),
+    ("palettes", || repeat(many_joints(), "/nodes", 1000), "meshes[0] (its instances)"),
+    ("instances_without_faces", || instances(zeros(0), 5_000_000), "EXT_mesh_gpu_instancing"),
     ("zero_positions", || zeros(1 << 30), "accessors[0], used as meshes[0].primitives[0].attributes.POSITION"),
-    ("zero_targets", zero_targets, "meshes[0].primitives[0].targets["),
-    ("meshes_of_one_accessor", meshes_of_one_accessor, "meshes["),
-    ("primitives_of_one_accessor", primitives_of_one_accessor, "meshes[0]"),
-    ("points_of_one_accessor", points_of_one_accessor, "meshes[0].primitives["),
+    ("zero_targets", || targets(zeros(100_000), 1000), "meshes[0].primitives[0].targets["),
+    ("meshes_of_one_accessor", || repeat(zeros(6000), "/meshes", 500), "meshes["),
+    ("primitives_of_one_accessor", || repeat(one_vertex(), "/meshes/0/primitives", 1000), "meshes[0]"),
+    ("points_of_one_accessor", || repeat(points(), "/meshes/0/primitives", 1000), "meshes[0].primitives["),
     ("influences", influences, "meshes[0].primitives[0]"),
-    ("sparse_over_zeros", sparse, "meshes["),
+    ("sparse_over_zeros", || repeat(sparse(), "/meshes", 200), "meshes["),
     ("channels_of_one_accessor", channels, "animations[0].samplers[0]"),
     ("names_of_lights", names_of_lights, "(its light)"),
 ];
@@ -108,71 +110,65 @@ const LISTS: &[Named] = &[
     ("images", || repeated("images", &json!({}))),
 ];
 
-fn instanced(maker: &mut Maker, count: u64) {
-    let places = bare(maker, count);
-    let attributes = json!({ "TRANSLATION": places });
-    maker.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
-}
-
-/// An accessor of zeros, for which the file has no bytes.
-fn bare(maker: &mut Maker, count: u64) -> usize {
-    maker.push("accessors", json!({ "componentType": F32, "type": "VEC3", "count": count }))
-}
-
+/// A mesh of zeros, for which the file has no bytes.
 fn zeros(count: u64) -> Maker {
     let mut maker = Maker::new();
-    let positions = bare(&mut maker, count);
+    let positions = maker.zeros(count);
     maker.mesh(&json!({ "attributes": { "POSITION": positions } }));
     maker.push("nodes", json!({ "mesh": 0 }));
     maker
 }
 
-/// A reproduction: a file of 371 bytes, with 2,400,000 vertices, took more than 8 GB and ended the process, since an instance was charged a few
-/// hundred bytes, whatever its faces.
-fn faces_of_instances(vertices: u64) -> Maker {
-    let mut maker = zeros(vertices);
-    instanced(&mut maker, 880);
+/// The node places the mesh so often. A reproduction of 371 bytes, with 2,400,000 vertices and 880 instances, took more than
+/// 8 GB and ended the process, since an instance was charged a few hundred bytes, whatever its faces.
+fn instances(mut maker: Maker, count: u64) -> Maker {
+    let attributes = json!({ "TRANSLATION": maker.zeros(count) });
+    maker.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
     maker
 }
 
-fn faces_of_nodes() -> Maker {
-    let mut maker = zeros(6000);
-    maker.json["nodes"] = json!(vec![json!({ "mesh": 0 }); 500]);
+/// Morph targets that move nothing.
+fn targets(mut maker: Maker, count: usize) -> Maker {
+    maker.json["meshes"][0]["primitives"][0]["targets"] = json!(vec![json!({}); count]);
     maker
 }
 
-fn names_of_instances() -> Maker {
-    let mut maker = zeros(3);
-    instanced(&mut maker, 10_000);
-    maker.json["nodes"][0]["name"] = json!("n".repeat(10_000));
+/// The first element of a list, so often.
+fn repeat(mut maker: Maker, list: &str, count: usize) -> Maker {
+    let list = maker.json.pointer_mut(list).expect("a list");
+    *list = json!(vec![list[0].clone(); count]);
     maker
 }
 
-fn zero_targets() -> Maker {
-    let mut maker = zeros(100_000);
-    maker.json["meshes"][0]["primitives"][0]["targets"] = json!(vec![json!({}); 1000]);
-    maker
-}
-
-fn meshes_of_one_accessor() -> Maker {
-    let mut maker = zeros(6000);
-    maker.json["meshes"] = json!(vec![maker.json["meshes"][0].clone(); 500]);
-    maker
-}
-
-fn primitives_of_one_accessor() -> Maker {
+fn one_vertex() -> Maker {
     let mut maker = Maker::square();
     let indices = maker.indices(U8, &vec![0; 30_000]);
-    let primitive = json!({ "attributes": { "POSITION": 0 }, "indices": indices });
-    maker.json["meshes"][0]["primitives"] = json!(vec![primitive; 1000]);
+    maker.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
     maker
 }
 
 /// The loader charges accessors that it only reads to check, since reading takes time.
-fn points_of_one_accessor() -> Maker {
+fn points() -> Maker {
     let mut maker = zeros(60_000);
-    let points = json!({ "attributes": { "POSITION": 0 }, "mode": 0 });
-    maker.json["meshes"][0]["primitives"] = json!(vec![points; 1000]);
+    maker.json["meshes"][0]["primitives"][0]["mode"] = json!(0);
+    maker
+}
+
+fn sparse() -> Maker {
+    let mut maker = zeros(9999);
+    maker.sparse(0, &[0], &[0.0; 3]);
+    maker
+}
+
+fn many_joints() -> Maker {
+    let mut maker = Maker::skinned([0; 4], [1.0; 4]);
+    maker.json["skins"][0]["joints"] = json!(vec![1; 5000]);
+    maker
+}
+
+fn names_of_instances() -> Maker {
+    let mut maker = instances(zeros(3), 10_000);
+    maker.json["nodes"][0]["name"] = json!("n".repeat(10_000));
     maker
 }
 
@@ -193,46 +189,13 @@ fn influences() -> Maker {
     maker
 }
 
-fn palettes() -> Maker {
-    let mut maker = Maker::skinned([0; 4], [1.0; 4]);
-    maker.json["skins"][0]["joints"] = json!(vec![1; 5000]);
-    maker.json["nodes"].as_array_mut().expect("a list").extend(vec![json!({ "mesh": 0, "skin": 0 }); 1000]);
-    maker
-}
-
 fn channels() -> Maker {
     let mut maker = Maker::square();
     let times: Vec<f32> = (0..20_000).map(|key| key as f32).collect();
-    let times = maker.floats("SCALAR", &times);
-    let values = bare(&mut maker, 20_000);
-    let channel = json!({ "sampler": 0, "target": { "node": 0, "path": "translation" } });
-    let sampler = json!({ "input": times, "output": values });
-    maker.push("animations", json!({ "samplers": [sampler], "channels": vec![channel; 1000] }));
-    maker
-}
-
-fn morph_weights() -> Maker {
-    let mut maker = zeros(3);
-    maker.json["meshes"][0]["primitives"][0]["targets"] = json!(vec![json!({}); 2000]);
-    instanced(&mut maker, 20_000);
-    maker
-}
-
-fn sparse() -> Maker {
-    let mut maker = zeros(9999);
-    let (at, to) = (maker.view(&[0]), maker.view(&[0; 12]));
-    maker.json["accessors"][0]["sparse"] = json!({
-        "count": 1,
-        "indices": { "bufferView": at, "componentType": U8 },
-        "values": { "bufferView": to },
-    });
-    maker.json["meshes"] = json!(vec![maker.json["meshes"][0].clone(); 200]);
-    maker
-}
-
-fn instances_without_faces() -> Maker {
-    let mut maker = zeros(0);
-    instanced(&mut maker, 5_000_000);
+    let (times, values) = (maker.floats("SCALAR", &times), maker.zeros(20_000));
+    maker.animate(0, "translation", &json!({ "input": times, "output": values }));
+    let channels = &mut maker.json["animations"][0]["channels"];
+    *channels = json!(vec![channels[0].clone(); 1000]);
     maker
 }
 
@@ -269,7 +232,7 @@ fn too_large(make: fn() -> Maker, part: &str) -> Outcome {
     match within(&bytes, None, 16 << 20)? {
         Err(GltfError::TooLarge { what, needed, limit }) => {
             let good = what.contains(part) && needed > limit && limit == 16 << 20;
-            if good { Ok(()) } else { Err(format!("{what}: {needed} of {limit}").into()) }
+            ensure(good, || format!("{what}: {needed} of {limit}"))
         }
         other => Err(format!("{other:?}").into()),
     }
@@ -278,13 +241,12 @@ fn too_large(make: fn() -> Maker, part: &str) -> Outcome {
 /// With the default limit the same holds, for what takes the most. This takes up to 4 GiB.
 fn by_default() -> Outcome {
     let makes: Vec<Named> = BOMBS.iter().map(|bomb| (bomb.0, bomb.1)).collect();
-    let large: [Named; 1] = [("reproduction", || faces_of_instances(2_400_000))];
+    let large: [Named; 1] = [("reproduction", || instances(zeros(2_400_000), 880))];
     for (name, make) in makes.into_iter().chain(large) {
         let result = within(&make().glb(), None, LoadOptions::DEFAULT_MEMORY_LIMIT)?;
         println!("{name}: {:?}", result.as_ref().err());
-        if name == "reproduction" && !matches!(result, Err(GltfError::TooLarge { .. })) {
-            return Err(format!("{name}: {result:?}").into());
-        }
+        let is_refused = matches!(result, Err(GltfError::TooLarge { .. }));
+        ensure(name != "reproduction" || is_refused, || format!("{name}: {result:?}"))?;
     }
     Ok(())
 }
@@ -295,16 +257,11 @@ fn control() -> Outcome {
     ALLOCATOR.reset_peak_usage();
     drop(std::hint::black_box(vec![1_u8; 3 << 20]));
     let peak = ALLOCATOR.peak_usage() - before;
-    if !(3 << 20..4 << 20).contains(&peak) {
-        return Err(format!("{peak} bytes counted for 3 MiB").into());
-    }
+    ensure((3 << 20..4 << 20).contains(&peak), || format!("{peak} bytes counted for 3 MiB"))?;
     let bytes = zeros(300_000).glb();
     let (peak, result) = measured(&bytes, None, u64::MAX);
     result?;
-    if peak < 3_200_000 {
-        return Err(format!("{peak} bytes for 300,000 positions").into());
-    }
-    Ok(())
+    ensure(peak >= 3_200_000, || format!("{peak} bytes for 300,000 positions"))
 }
 
 /// The limit that the error names is enough for what it was about.
@@ -319,39 +276,21 @@ fn exact() -> Outcome {
         }
         steps += 1;
     }
-    if steps < 10 || load(limit - 1).is_ok() {
-        return Err(format!("{steps} steps, {limit} bytes").into());
-    }
-    Ok(())
+    ensure(steps >= 10 && load(limit - 1).is_err(), || format!("{steps} steps, {limit} bytes"))
 }
 
-/// A torus of `rings` by twice as many quadrilaterals, each cut in two: closed. `is_soup` gives each face its own vertices.
-fn torus(rings: u32, is_soup: bool, has_normals: bool) -> Maker {
-    let sides = 2 * rings;
-    let place = |n: u32, of: u32| std::f32::consts::TAU * n as f32 / of as f32;
-    let corner = |ring: u32, side: u32| {
-        let (a, b) = (place(ring % rings, rings), place(side % sides, sides));
-        [(3.0 + a.cos()) * b.cos(), a.sin(), (3.0 + a.cos()) * b.sin()]
-    };
-    let index = |ring: u32, side: u32| ring % rings * sides + side % sides;
-    let quads = || (0..rings).flat_map(|ring| (0..sides).map(move |side| (ring, side)));
-    let faces = quads().flat_map(|(r, s)| [[(r, s), (r, s + 1), (r + 1, s + 1)], [(r, s), (r + 1, s + 1), (r + 1, s)]]);
-    let mut maker = Maker::new();
-    let (positions, indices): (Vec<f32>, Vec<u32>) = if is_soup {
-        let positions: Vec<f32> = faces.flatten().flat_map(|(r, s)| corner(r, s)).collect();
-        let count = (positions.len() / 3) as u32;
-        (positions, (0..count).collect())
-    } else {
-        let positions = quads().flat_map(|(r, s)| corner(r, s)).collect();
-        (positions, faces.flatten().map(|(r, s)| index(r, s)).collect())
-    };
-    let position = maker.floats("VEC3", &positions);
-    let mut attributes = json!({ "POSITION": position });
-    if has_normals {
-        attributes["NORMAL"] = json!(maker.floats("VEC3", &positions));
+/// A torus. `is_soup` gives each face its own vertices.
+fn torus(is_soup: bool, has_normals: bool) -> Maker {
+    let mut shape = shapes::torus(150, 300, 3.0, 1.0);
+    if is_soup {
+        shape = flat(&shape);
     }
-    let indices = maker.indices(rimline_models::maker::U32, &indices);
-    maker.mesh(&json!({ "attributes": attributes, "indices": indices }));
+    let mut maker = Maker::new();
+    let mut primitive = maker.primitive(&shape, U32);
+    if has_normals {
+        primitive["attributes"]["NORMAL"] = json!(maker.floats("VEC3", shape.positions.as_flattened()));
+    }
+    maker.mesh(&primitive);
     maker.push("nodes", json!({ "mesh": 0 }));
     maker
 }
@@ -362,7 +301,7 @@ fn estimates() -> Outcome {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("torus.glb");
     for (is_soup, has_normals) in [(false, false), (false, true), (true, false), (true, true)] {
-        std::fs::write(&path, torus(150, is_soup, has_normals).glb())?;
+        std::fs::write(&path, torus(is_soup, has_normals).glb())?;
         let open = |limit: u64| {
             let before = ALLOCATOR.current_usage();
             ALLOCATOR.reset_peak_usage();
@@ -375,17 +314,11 @@ fn estimates() -> Outcome {
         };
         let (taken, refused) = open(1 << 20);
         let Err(GltfError::TooLarge { needed, .. }) = refused else { return Err(format!("{refused:?}").into()) };
-        if taken > SLACK {
-            return Err(format!("{taken} bytes taken before it was refused").into());
-        }
+        ensure(taken <= SLACK, || format!("{taken} bytes taken before it was refused"))?;
         let (peak, made) = open(needed);
-        if made.as_ref().ok() != Some(&135_000) {
-            return Err(format!("{needed} bytes are not enough: {made:?}").into());
-        }
+        ensure(made.as_ref().ok() == Some(&135_000), || format!("{needed} bytes are not enough: {made:?}"))?;
         println!("soup {is_soup}, normals {has_normals}: {needed} bytes asked for, {peak} taken");
-        if needed < peak || 2 * needed > 3 * peak {
-            return Err(format!("{needed} bytes asked for, {peak} taken").into());
-        }
+        ensure((peak..=3 * peak / 2).contains(&needed), || format!("{needed} bytes asked for, {peak} taken"))?;
     }
     Ok(())
 }
@@ -440,10 +373,7 @@ fn within_limits(bytes: &[u8], base: Option<&Path>, most: u64) -> Outcome {
     }
     let (peak, _) = measured(bytes, base, limit);
     println!("{} bytes: at most {peak} taken, a limit of {limit} is enough", bytes.len());
-    if limit > most * (peak + SLACK) {
-        return Err(format!("{limit} bytes asked for, {peak} taken").into());
-    }
-    Ok(())
+    ensure(limit <= most * (peak + SLACK), || format!("{limit} bytes asked for, {peak} taken"))
 }
 
 fn file_within_limits(path: &Path) -> Outcome {
@@ -483,5 +413,5 @@ fn mutated() -> Outcome {
         }
     }
     println!("{cases} cases, {refused} over the limit");
-    if refused < 10 { Err(format!("only {refused} of {cases} were over the limit").into()) } else { Ok(()) }
+    ensure(refused >= 10, || format!("only {refused} of {cases} were over the limit"))
 }

@@ -9,7 +9,7 @@ use rimline::mesh::Weld;
 use serde_json::json;
 
 use crate::maker::Maker;
-use crate::refuse::uri;
+use crate::rows::uri;
 use crate::{Outcome, ensure, test};
 
 pub(crate) fn tests() -> Vec<Trial> {

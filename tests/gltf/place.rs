@@ -1,6 +1,6 @@
 //! Hand-made files: where things stand and which joints move them.
 
-use libtest_mimic::Trial;
+use libtest_mimic::{Failed, Trial};
 use rimline::gltf::{Asset, SceneLightKind};
 use rimline::reference::model::influence_range;
 use rimline::{Instance, InstancePose};
@@ -52,10 +52,8 @@ fn instances() -> Outcome {
 fn mirrored() -> Outcome {
     let mut maker = Maker::square();
     let upright = maker.load()?;
-    let faces = |asset: &Asset| -> Result<_, String> {
-        let pose = asset.pose(None, 0.0).map_err(|e| e.to_string())?;
-        Ok(asset.model().mesh(&pose).map_err(|e| e.to_string())?.faces().to_vec())
-    };
+    let faces =
+        |asset: &Asset| -> Result<_, Failed> { Ok(asset.model().mesh(&asset.pose(None, 0.0)?)?.faces().to_vec()) };
     same(&faces(&upright)?, &vec![[0, 1, 2], [0, 2, 3]], "upright")?;
     maker.json["nodes"][0]["scale"] = json!([-1, 1, 1]);
     same(&faces(&maker.load()?)?, &vec![[0, 2, 1], [0, 3, 2]], "mirrored")
@@ -127,10 +125,10 @@ fn skin_ignores_its_node() -> Outcome {
     maker.json["nodes"][2]["scale"] = json!([2, 2, 2]);
     let columns = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1].map(|v| v as f32);
     let binds = maker.floats("MAT4", &columns.repeat(2));
-    let corner = |maker: &Maker| -> Result<[f64; 3], String> {
-        let asset = maker.load().map_err(|e| e.to_string())?;
-        let pose = asset.pose(None, 0.0).map_err(|e| e.to_string())?;
-        same(&pose.instances()[0].palette().len(), &2, "palette").map_err(|_| "palette")?;
+    let corner = |maker: &Maker| -> Result<[f64; 3], Failed> {
+        let asset = maker.load()?;
+        let pose = asset.pose(None, 0.0)?;
+        same(&pose.instances()[0].palette().len(), &2, "palette")?;
         Ok(posed(&asset.model().geometries()[0], &pose.instances()[0])[1])
     };
     // The corner (1, 0, 0) by joints at (1, 0, 0) and, doubled, at (0, 10, 0).
@@ -143,9 +141,8 @@ fn mirrored_joints() -> Outcome {
     let mut maker = Maker::skinned([0, 1, 0, 0], [0.5, 0.5, 0.0, 0.0]);
     let joint = maker.push("nodes", json!({ "scale": [1, 1, -1] }));
     maker.json["skins"][0]["joints"] = json!([1, 2, joint]);
-    let state = |maker: &Maker| -> Result<(bool, usize), String> {
-        let asset = maker.load().map_err(|e| e.to_string())?;
-        let pose = asset.pose(None, 0.0).map_err(|e| e.to_string())?;
+    let state = |maker: &Maker| -> Result<(bool, usize), Failed> {
+        let pose = maker.load()?.pose(None, 0.0)?;
         Ok((pose.instances()[0].faces_turned(), pose.mixed_determinants()))
     };
     same(&state(&maker)?, &(false, 0), "a mirrored joint that no vertex follows")?;

@@ -1,7 +1,8 @@
 //! Volumes of meshes and of a depth map in one stencil: counts own the low bits, parity the high ones.
 
 use glam::DVec3;
-use rimline::gpu::{DepthMap, DepthMapOptions, DepthMapPipelines, ShadowFormat};
+use rimline::gpu::ShadowFormat;
+use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapPipelines};
 use rimline::{Counting, DepthDirection, Light};
 use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
@@ -201,7 +202,8 @@ fn batches() -> Result<(), String> {
 }
 
 fn refusals() -> Result<(), String> {
-    use rimline::gpu::{DepthMapError, FrameInputs, Scene, SceneOptions, ShadowError, ShadowPipelines, StencilCounts};
+    use rimline::gpu::depth_map::DepthMapError;
+    use rimline::gpu::{FrameInputs, Scene, SceneOptions, ShadowError, ShadowPipelines, StencilCounts};
     let gpu = &*Gpu::shared()?;
     let format = |count_bits| ShadowFormat { count_bits, ..Default::default() };
     for given in [0, 9, u32::MAX] {

@@ -1,19 +1,18 @@
 //! A frame on the GPU: the depth of everything, then each light's count in the stencil buffer, read back.
 
+use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes};
 use rimline::gpu::{
-    DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, Pipelines, PositionBuffer, Receivers, SceneOptions,
-    SceneStatistics, ShadowFormat, ShadowPipelines, read_back_vec,
+    Pipelines, PositionBuffer, Receivers, SceneOptions, SceneStatistics, ShadowFormat, ShadowPipelines, read_back_vec,
 };
 use rimline::mesh::Weld;
 use rimline::reference::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
 use rimline::{Counting, DepthDirection, Light, Mesh};
-use rimline_testkit::OneCasterOptions;
+use rimline_testkit::{OneCaster, OneCasterOptions, OneFrame};
 
 use crate::in_scene::InScene;
 use crate::scene::{Body, Frame, Placed};
-use rimline_testkit::OneCaster;
 use rimline_testkit::device::Gpu;
-use rimline_testkit::on_gpu::{chosen, draws, shadow_statistics};
+use rimline_testkit::on_gpu::{chosen, draws, shadow_statistics, text};
 use rimline_testkit::pipelines::Drawing;
 
 /// How the scene's own depth pass computes positions.
@@ -172,7 +171,6 @@ impl<'a> Renderer<'a> {
     }
 
     pub(crate) fn count(&self, frame: &Frame, counting: Counting) -> Result<Counted, String> {
-        let text = |error: &dyn std::fmt::Display| error.to_string();
         let gpu = self.gpu;
         let shadow_format = |front_face| ShadowFormat {
             front_face,
@@ -184,16 +182,14 @@ impl<'a> Renderer<'a> {
             trim: self.trim,
             ..ShadowFormat::default()
         };
-        let pipelines = |front_face| {
-            ShadowPipelines::new(&self.pipelines, &shadow_format(front_face), counting).map_err(|error| text(&error))
-        };
+        let pipelines =
+            |front_face| ShadowPipelines::new(&self.pipelines, &shadow_format(front_face), counting).map_err(text);
         let plain = pipelines(wgpu::FrontFace::Ccw)?;
         let is_mirrored = frame.bodies.iter().any(|body| body.mirror.is_some());
         let mirroring = if is_mirrored { Some(pipelines(wgpu::FrontFace::Cw)?) } else { None };
         let target = self.target(frame.size, self.samples, self.format);
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let mut casters = Vec::new();
         let depth = self.early_depth(&mut encoder, frame, &target);
         let receivers = self.receivers.map(|sky_receives| Receivers { depth: &depth, sky_receives, version: None });
         let format = shadow_format(wgpu::FrontFace::Ccw);
@@ -201,44 +197,17 @@ impl<'a> Renderer<'a> {
             Placing::Alone => None,
             _ => Some(InScene::new(self, &mut encoder, frame, counting, &format, receivers)?),
         };
-        let alone = frame.bodies.iter().filter(|body| body.casts && together.is_none());
-        for body in alone {
-            let Placed { shape, camera, lights } = frame.placed(body);
-            let mesh = match &body.polygons {
-                Some(polygons) => polygons.mesh(Weld::Position),
-                None => Mesh::from_faces(shape.positions.len(), shape.faces.clone()),
-            };
-            let mesh = mesh.map_err(|error| text(&error))?;
-            let buffer = gpu.storage(&shape.positions);
-            let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-            let lights: Vec<Light> = lights.iter().map(|light| light.with_range(self.range)).collect();
-            let pipelines = mirroring.as_ref().filter(|_| body.mirror.is_some()).unwrap_or(&plain);
-            let options = OneCasterOptions {
-                counting,
-                max_lights: lights.len(),
-                in_depth: body.in_depth,
-                list_capacity: self.list_capacity,
-                count_bits: self.count_bits,
-                ..self.options
-            };
-            let caster = OneCaster::new(&self.pipelines, &gpu.queue, &mesh, &options);
-            let shadows = caster
-                .and_then(|mut caster| caster.encode(&mut encoder, positions, &lights, Some(&camera), None))
-                .map_err(|error| text(&error))?;
-            casters.push((shadows, pipelines));
-        }
+        let casters = if together.is_none() { self.alone(&mut encoder, frame, counting)? } else { Vec::new() };
         let mut mapped = None;
         if let Some(Beside { map, pipelines, options, is_first }) = &self.beside {
             let size = [map.texture.texture().width(), map.texture.texture().height()];
-            let mut volumes = DepthMapVolumes::new(pipelines, size, *options).map_err(|error| text(&error))?;
+            let mut volumes = DepthMapVolumes::new(pipelines, size, *options).map_err(text)?;
             let camera = frame.eye.camera();
-            let shadows = volumes.encode(&mut encoder, map, &camera).map_err(|error| text(&error))?;
+            let shadows = volumes.encode(&mut encoder, map, &camera).map_err(text)?;
             mapped = Some((shadows, *pipelines, *is_first));
         }
         let draw_mapped = |pass: &mut wgpu::RenderPass<'_>, is_first: bool| match &mapped {
-            Some((shadows, pipelines, first)) if *first == is_first => {
-                shadows.draw(pass, pipelines).map_err(|error| text(&error))
-            }
+            Some((shadows, pipelines, first)) if *first == is_first => shadows.draw(pass, pipelines).map_err(text),
             _ => Ok(()),
         };
         if self.late_bodies > 0 {
@@ -249,8 +218,9 @@ impl<'a> Renderer<'a> {
         for light in 0..frame.lights.len() {
             let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Load));
             draw_mapped(&mut pass, true)?;
-            for (shadows, pipelines) in &casters {
-                shadows.draw(&mut pass, pipelines, light).map_err(|error| text(&error))?;
+            for (shadows, is_mirrored) in &casters {
+                let pipelines = mirroring.as_ref().filter(|_| *is_mirrored).unwrap_or(&plain);
+                shadows.draw(&mut pass, pipelines, light).map_err(text)?;
             }
             if let Some(together) = &together {
                 together.draw(&mut pass, light)?;
@@ -277,6 +247,38 @@ impl<'a> Renderer<'a> {
             together.read(gpu, &mut counted)?;
         }
         Ok(counted)
+    }
+
+    /// The casters of a frame, each in a scene of its own, and whether each is mirrored.
+    fn alone(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        counting: Counting,
+    ) -> Result<Vec<(OneFrame, bool)>, String> {
+        let mut casters = Vec::new();
+        for body in frame.bodies.iter().filter(|body| body.casts) {
+            let Placed { shape, camera, lights } = frame.placed(body);
+            let mesh = match &body.polygons {
+                Some(polygons) => polygons.mesh(Weld::Position),
+                None => Mesh::from_faces(shape.positions.len(), shape.faces.clone()),
+            };
+            let buffer = self.gpu.storage(&shape.positions);
+            let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+            let lights: Vec<Light> = lights.iter().map(|light| light.with_range(self.range)).collect();
+            let options = OneCasterOptions {
+                counting,
+                max_lights: lights.len(),
+                in_depth: body.in_depth,
+                list_capacity: self.list_capacity,
+                count_bits: self.count_bits,
+                ..self.options
+            };
+            let caster = OneCaster::new(&self.pipelines, &self.gpu.queue, &mesh.map_err(text)?, &options);
+            let encoded = caster.and_then(|mut one| one.encode(encoder, positions, &lights, Some(&camera), None));
+            casters.push((encoded.map_err(text)?, body.mirror.is_some()));
+        }
+        Ok(casters)
     }
 
     /// The stencil values of copies with rows of so many bytes, for pictures with so many pixels a side.

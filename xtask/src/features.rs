@@ -9,8 +9,8 @@ use crate::process;
 const OF_THE_COMMAND: [&str; 8] =
     ["clap", "epaint_default_fonts", "indicatif", "num-bigint", "png", "resvg", "rimline-bench", "zip"];
 
-/// All choices of the library's features that are on by default.
-const FEATURES: [&str; 4] = ["", "gltf", "gpu", "gltf,gpu"];
+/// Choices of the library's features.
+const FEATURES: [&str; 5] = ["", "gltf", "gpu", "gltf,gpu", "default"];
 
 /// The library builds with each of them.
 pub(crate) fn library_alone() -> Result<(), String> {

@@ -1,6 +1,7 @@
 //! Why a measurement ends.
 
-use rimline::gpu::{DeformError, DepthMapError, DeviceError, ExtractorError, QueryError, ShadowError};
+use rimline::gpu::depth_map::DepthMapError;
+use rimline::gpu::{DeformError, DeviceError, ExtractorError, QueryError, ShadowError};
 use rimline::{MeshError, ModelError};
 
 /// Why a measurement ends before its time.

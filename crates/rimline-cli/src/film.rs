@@ -54,7 +54,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 
     progress.step("opening the device");
     let gpu = open_gpu(scene)?;
-    let method = ShadowMethod::new(scene.method.counting(), &props.inputs, None);
+    let method = ShadowMethod::new(scene.method.counting(), None);
     let _compiling = method.compile(&gpu);
     progress.step("looking at the motion");
     let mut bodies = props.bodies(&gpu, time(0))?;

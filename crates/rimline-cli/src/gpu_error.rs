@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use rimline::LightError;
-use rimline::gpu::{
-    DeformError, DepthMapError, DeviceError, ExtractorError, MAX_OUTLINE_EDGES, QueryError, ShadowError,
-};
+use rimline::gpu::depth_map::DepthMapError;
+use rimline::gpu::{DeformError, DeviceError, ExtractorError, MAX_OUTLINE_EDGES, QueryError, ShadowError};
 
 use crate::device::{Gpu, describe};
 use crate::failure::{Failure, NoDevice, UsageError};
@@ -22,12 +21,8 @@ pub(crate) enum GpuError {
     Device(#[from] DeviceError),
     #[error(transparent)]
     Query(#[from] QueryError),
-    /// An error of scenes, or of what shadows of any kind have.
     #[error(transparent)]
     Shadow(#[from] ShadowError),
-    /// An error of a caster by itself.
-    #[error(transparent)]
-    Volumes(ShadowError),
     #[error(transparent)]
     DepthMap(#[from] DepthMapError),
     /// The user's depth map is the reason.
@@ -64,7 +59,6 @@ impl GpuError {
     fn of_device(self, gpu: &Gpu) -> Failure {
         match &self {
             Self::Shadow(ShadowError::ViewCamera { error: camera, .. })
-            | Self::Volumes(ShadowError::Camera(camera))
             | Self::DepthMap(DepthMapError::Camera(camera)) => return UsageError::Camera(*camera).into(),
             // The CPU would do.
             Self::Deform(DeformError::TooManyTerms { .. })
@@ -120,7 +114,6 @@ impl GpuError {
             | Self::Extractor(ExtractorError::Device(error))
             | Self::Query(QueryError::Device(error) | QueryError::Points(error))
             | Self::Shadow(ShadowError::Device(error))
-            | Self::Volumes(ShadowError::Device(error))
             | Self::DepthMap(DepthMapError::Device(error)) => Some(error).filter(|error| error.is_memory()),
             _ => None,
         }
@@ -130,8 +123,7 @@ impl GpuError {
         match self {
             Self::Extractor(ExtractorError::Light(lights))
             | Self::Query(QueryError::Light(lights))
-            | Self::Shadow(ShadowError::Light(lights))
-            | Self::Volumes(ShadowError::Light(lights)) => Some(lights),
+            | Self::Shadow(ShadowError::Light(lights)) => Some(lights),
             _ => None,
         }
     }

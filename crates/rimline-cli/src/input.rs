@@ -119,7 +119,7 @@ impl Input {
         const SHOWN: usize = 20;
         let Source::Gltf(asset) = &self.source else { return };
         // Positions that are not finite are told for every format.
-        let is_told = |warning: &&GltfWarning| !matches!(warning, GltfWarning::NonFinitePositions { .. });
+        let is_told = |warning: &&GltfWarning| !matches!(warning, GltfWarning::NonFinite { is_target: false, .. });
         let file = self.file.display();
         let warnings: Vec<&GltfWarning> = asset.warnings().iter().filter(is_told).collect();
         for warning in warnings.iter().take(SHOWN) {

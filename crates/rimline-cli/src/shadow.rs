@@ -6,6 +6,7 @@ pub(crate) mod casting;
 mod covered;
 pub(crate) mod depth;
 mod depth_shadows;
+mod extracted;
 pub(crate) mod frame;
 pub(crate) mod from_depth;
 mod given_lights;
@@ -27,7 +28,6 @@ mod shaded_lights;
 pub(crate) mod shadow_scene;
 pub(crate) mod shadows;
 mod shown_maps;
-mod single_casters;
 
 use std::time::Instant;
 
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
 
     progress.step("opening the device");
     let gpu = times.measure("device", || shadow_scene::open_gpu(scene))?;
-    let method = ShadowMethod::new(scene.method.counting(), &props.inputs, from_depth.clone());
+    let method = ShadowMethod::new(scene.method.counting(), from_depth.clone());
     let _compiling = method.compile(&gpu);
     progress.step("placing the models");
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;

@@ -1,6 +1,6 @@
 //! The small languages of the command line: lights, points and picture sizes.
 
-use rimline::gpu::{DanglingEdges, DepthMapMethod};
+use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
 use rimline::mesh::{MeshError, WeldDistance};
 use rimline::{AreaShape, Light};
 

@@ -5,7 +5,6 @@
 //! process, takes more than `--slow` seconds or needs more memory ends its worker; the supervisor makes the same case
 //! again from its number, writes it to `--out`, and starts another worker after it.
 
-mod mutate;
 mod options;
 mod supervisor;
 mod target;

@@ -76,6 +76,34 @@ impl Maker {
         self.accessor(component, "SCALAR", data.len(), &bytes)
     }
 
+    /// An accessor of 32-bit floats without bytes, all zeros.
+    pub fn zeros(&mut self, count: u64) -> usize {
+        self.push("accessors", json!({ "componentType": F32, "type": "VEC3", "count": count }))
+    }
+
+    /// Other values for some elements of an accessor.
+    pub fn sparse(&mut self, accessor: usize, elements: &[u16], values: &[f32]) {
+        let indices = self.view(&elements.iter().flat_map(|at| at.to_le_bytes()).collect::<Vec<u8>>());
+        let values = self.view(&values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>());
+        self.json["accessors"][accessor]["sparse"] = json!({
+            "count": elements.len(),
+            "indices": { "bufferView": indices, "componentType": U16 },
+            "values": { "bufferView": values },
+        });
+    }
+
+    /// A sampler of an animation. The values are of this accessor type.
+    pub fn keys(&mut self, times: &[f32], kind: &str, values: &[f32], interpolation: &str) -> Value {
+        let (input, output) = (self.floats("SCALAR", times), self.floats(kind, values));
+        json!({ "input": input, "output": output, "interpolation": interpolation })
+    }
+
+    /// An animation of one channel.
+    pub fn animate(&mut self, node: usize, path: &str, sampler: &Value) {
+        let channel = json!({ "sampler": 0, "target": { "node": node, "path": path } });
+        self.push("animations", json!({ "samplers": [sampler], "channels": [channel] }));
+    }
+
     /// Corners of a shape's faces and the positions that they name: a primitive.
     pub fn primitive(&mut self, shape: &Shape, component: u32) -> Value {
         let positions = self.floats("VEC3", shape.positions.as_flattened());
@@ -146,6 +174,14 @@ impl Maker {
         let options = LoadOptions { memory_limit: 256 << 20, ..Weld::Keep.into() };
         Asset::from_slice(&self.glb(), None, options)
     }
+}
+
+/// The same faces, each with corners of its own.
+pub fn flat(shape: &Shape) -> Shape {
+    let corners = shape.faces.as_flattened().iter();
+    let positions: Vec<_> = corners.map(|&vertex| shape.positions[vertex as usize]).collect();
+    let faces = (0..shape.faces.len() as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+    Shape { positions, faces }
 }
 
 /// A GLB of the two chunks.

@@ -6,6 +6,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rimline::gpu::Pipelines;
 
+use crate::random::Random;
+
 /// A device with its queue, its adapter's name, and pipelines that all tests on it share.
 pub struct Gpu {
     instance: wgpu::Instance,
@@ -58,6 +60,12 @@ impl Gpu {
     /// One device of `Limits::default()` that tests share.
     pub fn shared() -> Result<Arc<Self>, String> {
         Self::shared_with(0, wgpu::Features::empty())
+    }
+
+    /// The device that tests share, and random numbers from a seed, which is printed.
+    pub fn seeded(seed: u64) -> Result<(Arc<Self>, Random), String> {
+        println!("seed {seed}");
+        Ok((Self::shared()?, Random::new(seed)))
     }
 
     /// Another device that tests share: unclipped depth, and 32 bits of depth beside a stencil. Pipelines are made once.

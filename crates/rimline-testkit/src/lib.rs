@@ -9,7 +9,7 @@
 //! * [`clusters`]: what the bound of a cluster decides, in `f64`;
 //! * [`dispatch`]: a short way to pipelines; [`probe`]: functions of shaders, called; [`turns`]: how many turns the loops of a
 //!   shader have;
-//! * [`refusals`]: tables of calls that must be refused;
+//! * [`refusals`]: tables of calls that must be refused; [`mutate`]: files with something changed at random;
 //! * [`device`], `harness`: the device that GPU tests run on, and how they are run.
 #![allow(clippy::missing_errors_doc, clippy::missing_panics_doc, reason = "comparators fail and panic by design")]
 #![allow(missing_docs, reason = "fields of fixtures say by their names what they are")]
@@ -24,6 +24,7 @@ pub mod goldens;
 #[cfg(feature = "harness")]
 pub mod harness;
 pub mod models;
+pub mod mutate;
 pub mod on_gpu;
 pub mod oracle;
 pub mod polygon_oracle;

@@ -12,12 +12,12 @@ use crate::stages::DEPTH_METRIC;
 /// Makes a depth map from a map of distances, as ray-marched distance fields and range images have them.
 ///
 /// The result is a map of `R32Float` with the device depths of the map's camera, to be given to
-/// [`DepthMapVolumes`](crate::gpu::DepthMapVolumes) with the same camera, to [`DepthMapMerge`](crate::gpu::DepthMapMerge), or
-/// as a map of a cube. Set [`DepthMapOptions::metric`](crate::gpu::DepthMapOptions::metric) to the same metric, so that the
+/// [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes) with the same camera, to [`DepthMapMerge`](crate::gpu::depth_map::DepthMapMerge), or
+/// as a map of a cube. Set [`DepthMapOptions::metric`](crate::gpu::depth_map::DepthMapOptions::metric) to the same metric, so that the
 /// boundary moves by what the conversion may be off.
 ///
 /// ```no_run
-/// use rimline::gpu::{DepthMap, DepthMapConversion, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, DepthMetric};
+/// use rimline::gpu::depth_map::{DepthMap, DepthMapConversion, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, DepthMetric};
 /// use rimline::{ShadowCamera, wgpu};
 ///
 /// # fn shadows(

@@ -80,7 +80,7 @@ pub enum DepthMapError {
         /// Largest side of textures on the device.
         most: u32,
     },
-    /// A number of [`DepthMapOptions`](crate::gpu::DepthMapOptions), its method or a cube is out of range.
+    /// A number of [`DepthMapOptions`](crate::gpu::depth_map::DepthMapOptions), its method or a cube is out of range.
     #[error("`{name}` is {given}; take {range}")]
     Option {
         /// Name of the field.

@@ -88,7 +88,7 @@ impl DepthMapFrame {
 
     /// The arguments of its indirect draws, as the GPU wrote them: vertices, instances, first vertex, first instance. There are
     /// six vertices for each listed cell, and for each cell of the map if the list overflowed. With
-    /// [`DepthMapMethod::Contours`](crate::gpu::DepthMapMethod::Contours) six for each wall, or 0 if the list
+    /// [`DepthMapMethod::Contours`](crate::gpu::depth_map::DepthMapMethod::Contours) six for each wall, or 0 if the list
     /// overflowed; then the arguments of a second draw follow, with six for each cell of the map, or 0 if it did not. Usage
     /// `COPY_SRC`.
     pub fn draw_arguments(&self) -> &wgpu::Buffer {

@@ -11,8 +11,8 @@ use crate::stages::DEPTH_MERGE;
 /// Merges two depth maps of one light by the nearer depth, for example one of what never moves and one of what does. Both maps
 /// are made with the same camera. They may have different formats.
 ///
-/// The result is a map of `R32Float`, to be given to [`DepthMapVolumes`](crate::gpu::DepthMapVolumes). Where a map has a coarser
-/// format, set [`DepthMapOptions::rounded_to`](crate::gpu::DepthMapOptions::rounded_to) to it, so that the boundary moves by the
+/// The result is a map of `R32Float`, to be given to [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes). Where a map has a coarser
+/// format, set [`DepthMapOptions::rounded_to`](crate::gpu::depth_map::DepthMapOptions::rounded_to) to it, so that the boundary moves by the
 /// map's errors. More maps are merged by further merges: the result of one may be a map of another.
 #[derive(Debug)]
 pub struct DepthMapMerge {

@@ -20,9 +20,9 @@ const BINDINGS: u32 = 3;
 /// The transform that leaves positions where they are.
 pub(super) const UNMOVED: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// Draws the depth of a mesh into a depth map, for [`DepthMapVolumes`](crate::gpu::DepthMapVolumes). Front and back faces
+/// Draws the depth of a mesh into a depth map, for [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes). Front and back faces
 /// are drawn alike. Many meshes can be drawn in one pass, and anything else that writes depth beside them. For the casters of a
-/// scene there is [`SceneDepth`](crate::gpu::SceneDepth).
+/// scene there is [`SceneDepth`](crate::gpu::depth_map::SceneDepth).
 ///
 /// A mesh with an object-precision volume does not need this. It is for casters that share a map with others, and for
 /// comparing.

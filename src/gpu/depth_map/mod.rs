@@ -1,4 +1,37 @@
-//! Volumes from depth maps: the boundary between light and shadow is rebuilt from what a light sees.
+//! Shadows of what has no mesh, from depth maps of a light (feature `depth-map`). The boundary between light and shadow is
+//! rebuilt from what the light sees, after Michael `McCool` (2000).
+//!
+//! Whatever writes depth casts: distance fields, alpha-tested leaves, points. [`DepthMapVolumes`] takes a map and draws;
+//! [`DepthMapCube`] takes six maps around a light, [`DepthMapMerge`] makes two maps one, [`DepthMapConversion`] takes distances, and
+//! [`MeshDepth`] and [`SceneDepth`] draw a mesh or a scene into a map.
+//!
+//! ```no_run
+//! use rimline::gpu::ShadowFormat;
+//! use rimline::gpu::depth_map::{DepthMap, DepthMapFrame, DepthMapOptions, DepthMapPipelines, DepthMapVolumes};
+//! use rimline::{ShadowCamera, wgpu};
+//!
+//! /// Call this once for each size of map. A draw turns bit 0 of the stencil round where there is shadow. Where volumes of
+//! /// meshes count in the same stencil, take `DepthMapPipelines::beside_meshes`.
+//! fn prepare(
+//!     device: &wgpu::Device,
+//!     format: &ShadowFormat,
+//! ) -> Result<(DepthMapPipelines, DepthMapVolumes), Box<dyn std::error::Error>> {
+//!     let pipelines = DepthMapPipelines::new(device, format, 0)?;
+//!     let volumes = DepthMapVolumes::new(&pipelines, [1024, 1024], DepthMapOptions::default())?;
+//!     Ok((pipelines, volumes))
+//! }
+//!
+//! /// Call this every frame, after whatever draws the map.
+//! fn shadows(
+//!     volumes: &mut DepthMapVolumes,
+//!     encoder: &mut wgpu::CommandEncoder,
+//!     map: &DepthMap<'_>,
+//!     eye: &ShadowCamera,
+//! ) -> Result<DepthMapFrame, Box<dyn std::error::Error>> {
+//!     // `DepthMapFrame::draw` then draws into a pass that has your depth and a stencil of 0.
+//!     Ok(volumes.encode(encoder, map, eye)?)
+//! }
+//! ```
 
 mod bound;
 mod contours;
@@ -24,6 +57,7 @@ pub(crate) mod view;
 mod volumes;
 mod written;
 
+pub use crate::gpu::scene::depths::SceneDepthCasters;
 pub use conversion::DepthMapConversion;
 pub use cube::DepthMapCube;
 pub use error::DepthMapError;

@@ -14,7 +14,7 @@ pub struct DepthMap<'a> {
     /// A view of the depth aspect, or of the only aspect, of one layer. The texture has one mip level, one sample a texel, usage
     /// `TEXTURE_BINDING`, and one of these formats: `Depth16Unorm`, `Depth24Plus`, `Depth24PlusStencil8`, `Depth32Float`,
     /// `Depth32FloatStencil8`, `R32Float`. `R32Float` holds the depths that the others would hold;
-    /// [`DepthMapConversion`](crate::gpu::DepthMapConversion) makes such a map from distances.
+    /// [`DepthMapConversion`](crate::gpu::depth_map::DepthMapConversion) makes such a map from distances.
     ///
     /// Row 0 is at the top, where y is 1 in clip space. Texels at the far end of the depths cast nothing: 0 with reversed
     /// depth, else 1. Values beyond the far end and NaN cast nothing, either. Values before the near end are at the near end.
@@ -45,7 +45,7 @@ impl<'a> DepthMap<'a> {
 pub struct DepthCubeMaps<'a> {
     /// Views as [`DepthMap::texture`]. A map that is not there casts nothing.
     pub textures: [Option<&'a wgpu::TextureView>; 6],
-    /// The cameras that the maps were made with: those of [`DepthMapCube::cameras`](crate::gpu::DepthMapCube::cameras), which
+    /// The cameras that the maps were made with: those of [`DepthMapCube::cameras`](crate::gpu::depth_map::DepthMapCube::cameras), which
     /// may be turned all together.
     pub lights: [ShadowCamera; 6],
     /// Like [`DepthMap::objects`]: none, or one for each map that is there. A sample that maps share has the object of the
@@ -147,14 +147,14 @@ impl Default for DanglingEdges {
     }
 }
 
-/// Options of [`DepthMapVolumes`](crate::gpu::DepthMapVolumes).
+/// Options of [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthMapOptions {
     /// How shadows are found.
     pub method: DepthMapMethod,
     /// Cells that the list has room for. `None`: every cell, or as many as fit one binding. If more are found, every cell is
     /// drawn, and the vertex shader decides again: slower, never wrong, and
-    /// [`DepthMapFrame::statistics`](crate::gpu::DepthMapFrame::statistics) tells. With contours, walls and flaps that the list
+    /// [`DepthMapFrame::statistics`](crate::gpu::depth_map::DepthMapFrame::statistics) tells. With contours, walls and flaps that the list
     /// has room for. `None`: a fourth of the cells, and at least 1,024.
     pub capacity: Option<u32>,
     /// How far the boundary moves away from the light where it slopes: in multiples of the depth difference over half a
@@ -166,7 +166,7 @@ pub struct DepthMapOptions {
     /// own. The boundary moves by four of its steps. Without it, a map of `R32Float` that was copied or merged from
     /// `Depth16Unorm` has specks of shadow.
     pub rounded_to: Option<wgpu::TextureFormat>,
-    /// The quantity that [`DepthMapConversion`](crate::gpu::DepthMapConversion) converted the map from. The boundary also
+    /// The quantity that [`DepthMapConversion`](crate::gpu::depth_map::DepthMapConversion) converted the map from. The boundary also
     /// moves by the error of the conversion. The map itself holds device depths. Without the right value, a map converted
     /// from distances may have specks of shadow, with reversed depth above all near the far plane.
     pub metric: DepthMetric,

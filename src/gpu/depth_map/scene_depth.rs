@@ -16,7 +16,7 @@ use crate::gpu::scene::scene::Scene;
 use crate::layout::{CHUNK, MeshDepthCaster, MeshDepthView};
 use crate::shadow::DepthDirection;
 
-/// Draws the depth of casters of a [`Scene`] into a depth map, for [`DepthMapVolumes`](crate::gpu::DepthMapVolumes).
+/// Draws the depth of casters of a [`Scene`] into a depth map, for [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes).
 /// Front and back faces are drawn alike, and faces that are excluded or
 /// hidden for a light are drawn, too. The same pass may hold several draws, and anything else that writes depth.
 ///
@@ -79,7 +79,7 @@ impl SceneDepth {
     /// The draw reads the scene's pages, so what [`Scene::remove_mesh`] says of encodes holds for it.
     ///
     /// With the unit matrix as their transform, and with positions in a buffer, casters have the same depths bit for bit as
-    /// [`MeshDepth::draw`](crate::gpu::MeshDepth::draw) gives their positions.
+    /// [`MeshDepth::draw`](crate::gpu::depth_map::MeshDepth::draw) gives their positions.
     ///
     /// # Errors
     /// [`DepthMapError`] if a handle or the light is refused, or the device refuses a buffer. Nothing is drawn then.

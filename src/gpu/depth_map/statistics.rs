@@ -10,9 +10,9 @@ use crate::gpu::common::memory::filled;
 #[repr(C)]
 pub struct DepthMapStatistics {
     /// Cells that the boundary has triangles in. With
-    /// [`DepthMapMethod::Contours`](crate::gpu::DepthMapMethod::Contours), walls and flaps.
+    /// [`DepthMapMethod::Contours`](crate::gpu::depth_map::DepthMapMethod::Contours), walls and flaps.
     pub found: u32,
-    /// Entries that the list has room for: [`DepthMapOptions::capacity`](crate::gpu::DepthMapOptions::capacity).
+    /// Entries that the list has room for: [`DepthMapOptions::capacity`](crate::gpu::depth_map::DepthMapOptions::capacity).
     pub capacity: u32,
     /// Vertices of the near cap: 3 if it is drawn, 0 if it is left out.
     pub near_cap_vertices: u32,

@@ -37,7 +37,8 @@ const BLOCK: u64 = 64;
 /// Shadows are as precise as the map: a border can be off by the shadow of one texel. Outside the map nothing casts.
 ///
 /// ```no_run
-/// use rimline::gpu::{DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+/// use rimline::gpu::ShadowFormat;
+/// use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes};
 /// use rimline::{ShadowCamera, wgpu};
 ///
 /// # fn shadows(

@@ -52,7 +52,7 @@ impl Scene {
     ) -> Result<SceneFrame, ShadowError> {
         let mut timer = inputs.timer;
         check_timer(timer.as_deref(), self.pipelines.device())?;
-        let views = self.check_views(inputs.views)?;
+        let views = Self::check_views(inputs.views)?;
         let given = &*self.check_depths(inputs.views)?;
         let words = given.iter().filter_map(|view| view.depth).map(|depth| depth.words()).max().unwrap_or(0);
         let deformed = self.take_deformed(&views);
@@ -115,10 +115,7 @@ impl Scene {
     }
 
     /// The cameras as stages see them.
-    pub(super) fn check_views(&self, given: &[View<'_>]) -> Result<Vec<ShadowView>, ShadowError> {
-        if given.is_empty() {
-            return Ok(Vec::new());
-        }
+    pub(super) fn check_views(given: &[View<'_>]) -> Result<Vec<ShadowView>, ShadowError> {
         let view = |(view, given): (usize, &View<'_>)| {
             given.camera.view().map_err(|error| ShadowError::ViewCamera { view, error })
         };

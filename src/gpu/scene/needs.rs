@@ -43,7 +43,7 @@ impl Scene {
     /// The errors of [`Self::encode`].
     pub fn deform(&mut self, encoder: &mut wgpu::CommandEncoder, inputs: FrameInputs<'_>) -> Result<(), ShadowError> {
         check_timer(inputs.timer.as_deref(), self.pipelines.device())?;
-        let views = self.check_views(inputs.views)?;
+        let views = Self::check_views(inputs.views)?;
         // Lay out the scene now, so that the encode of the frame does not.
         self.prepare_views(views.len())?;
         let Some(needs) = self.find_needs(inputs.views, &views)? else { return Ok(()) };

@@ -40,7 +40,7 @@ pub struct ShadowFormat {
     /// The low bits of the stencil that counts own, 1 to 8; 2 or more for
     /// [`ShadowPipelines::in_batches`](crate::gpu::ShadowPipelines::in_batches), which take the highest of them for darkness.
     /// Volumes of meshes leave the other bits as they are. So the bits above hold parities of depth maps
-    /// ([`DepthMapPipelines::beside_meshes`](crate::gpu::DepthMapPipelines::beside_meshes)) or what the caller likes, and a
+    /// ([`DepthMapPipelines::beside_meshes`](crate::gpu::depth_map::DepthMapPipelines::beside_meshes)) or what the caller likes, and a
     /// surface is dark where any bit is set. **With the default, 8, counts own every bit:** a parity beside them would change
     /// counts. Counts wrap at 2 to the power of this: with 7 bits, a point behind 128 casting faces looks lit, see
     /// [`StencilCounts::bound_counts`](crate::gpu::StencilCounts::bound_counts).

@@ -8,6 +8,7 @@ use rimline::{Counting, Light, Mesh, ShadowCamera};
 
 /// Options of a scene of one caster. It makes its lists anew for each camera.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option of a scene")]
 pub struct OneCasterOptions {
     pub counting: Counting,
     pub max_lights: usize,

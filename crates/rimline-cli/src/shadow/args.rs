@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use rimline::gpu::{DanglingEdges, DepthMapMethod};
+use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
 use rimline::{Counting, Origin};
 
 use crate::coordinates::Coordinate;

@@ -7,11 +7,11 @@ use rimline::wgpu;
 use super::casting::{CastInputs, put};
 use super::covered::CoveredFaces;
 use super::depth_shadows::DepthShadows;
+use super::extracted::Extracted;
 use super::posed_model::PosedModel;
 use super::receiver::Receiver;
 use super::scene_shadows::SceneShadows;
 use super::shadows::{Shadows, VolumePipelines};
-use super::single_casters::{Extracted, SingleCasters};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
@@ -33,7 +33,6 @@ pub(crate) struct Casters {
 pub(crate) fn shadows(gpu: &Gpu, pipelines: &VolumePipelines, max_lights: usize) -> Result<Box<dyn Shadows>, GpuError> {
     Ok(match pipelines {
         VolumePipelines::Scene(pipelines, _) => Box::new(SceneShadows::new(gpu, pipelines.counting(), max_lights)?),
-        VolumePipelines::Single(pipelines) => Box::new(SingleCasters::new(pipelines, max_lights)),
         VolumePipelines::Depth(maps, from) => Box::new(DepthShadows::new(maps, from, max_lights)),
     })
 }

@@ -3,18 +3,19 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::{DepthMapPipelines, MeshDepth, StageTimer};
+use rimline::gpu::StageTimer;
+use rimline::gpu::depth_map::{DepthMapPipelines, MeshDepth};
 use rimline::reference::layout::ShadowStatistics;
 use rimline::{Counting, DepthDirection, Origin, ShadowCamera, wgpu};
 
 use super::casting::{CastInputs, FacingMasks, put};
+use super::extracted::Extracted;
 use super::from_depth::{DepthsFound, FromDepth, MAP, MapSource, points};
 use super::light_depths::LightMaps;
 use super::light_maps::LightCameras;
 use super::posed_model::PosedModel;
 use super::shadows::{Choice, Found, Shadows, VolumePipelines};
 use super::shown_maps::ShownDepths;
-use super::single_casters::Extracted;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};

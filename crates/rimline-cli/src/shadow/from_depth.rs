@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::{DanglingEdges, DepthMapMethod, DepthMapOptions};
+use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod, DepthMapOptions};
 use rimline::{Light, wgpu};
 
 use super::given_map::GivenMap;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use rimline::gpu::{DepthMapMethod, DepthMetric};
+use rimline::gpu::depth_map::{DepthMapMethod, DepthMetric};
 use rimline::{CameraError, DepthDirection, Light, Origin, ShadowCamera, wgpu};
 use wgpu::{TextureFormat, TextureUsages};
 

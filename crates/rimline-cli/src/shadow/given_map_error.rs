@@ -1,7 +1,7 @@
 //! Why a depth map of the user's is refused.
 
 use rimline::CameraError;
-use rimline::gpu::DepthMapError;
+use rimline::gpu::depth_map::DepthMapError;
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum GivenMapError {

@@ -1,8 +1,9 @@
 //! The depth maps of one light, and the shadows rebuilt from them.
 
-use rimline::gpu::{
+use rimline::gpu::StageTimer;
+use rimline::gpu::depth_map::{
     DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapFrame, DepthMapPipelines,
-    DepthMapVolumes, DepthMetric, StageTimer,
+    DepthMapVolumes, DepthMetric,
 };
 use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
 use wgpu::TextureUsages;

@@ -1,7 +1,7 @@
 //! The cameras of a light's depth map: one that sees all casters, or six around the light.
 
 use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3};
-use rimline::gpu::{DepthMapCube, DepthMapError};
+use rimline::gpu::depth_map::{DepthMapCube, DepthMapError};
 use rimline::{DepthDirection, Light, ShadowCamera};
 
 #[derive(Clone, Debug)]

@@ -1,4 +1,5 @@
-//! The casters of all files in one scene: a mesh for each geometry of a file, and a caster for each of its instances.
+//! The casters of all files in one scene: a mesh for each geometry of a file, and a caster for each of its instances. A file
+//! with polygons is one caster.
 
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,6 +16,7 @@ use rimline::{Counting, Light, wgpu};
 use super::casting::{CastInputs, FacingMasks, set_lights};
 use super::covered::{CoveredFaces, VERSION};
 use super::depth;
+use super::extracted::Extracted;
 use super::layers::Layers;
 use super::posed_model::{PosedModel, Topology};
 use super::shadows::{Choice, Found, Shadows, VolumePipelines, scene_options};
@@ -42,6 +44,9 @@ struct File {
     meshes: BTreeMap<Topology, MeshHandle>,
     /// For each instance.
     casters: Vec<(Topology, CasterHandle)>,
+    /// Triangles of polygons, which are drawn. A polygon may be front-facing to a light while one of its triangles is
+    /// back-facing.
+    surface: Option<Extracted>,
 }
 
 impl SceneShadows {
@@ -64,9 +69,13 @@ impl Shadows for SceneShadows {
     /// An instance that is mirrored anew has other faces, so another caster takes its place.
     fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         self.layers = None;
-        let Self { scene, files, .. } = self;
+        let Self { scene, files, max_lights, .. } = self;
         files.resize_with(bodies.len(), File::default);
-        for (File { meshes, casters }, body) in files.iter_mut().zip(bodies) {
+        for (File { meshes, casters, surface }, body) in files.iter_mut().zip(bodies) {
+            if surface.is_none() {
+                let triangles = body.triangles()?;
+                *surface = triangles.map(|mesh| Extracted::new(gpu, &mesh, body, *max_lights)).transpose()?;
+            }
             for (instance, &topology) in body.topologies.iter().enumerate() {
                 let old = casters.get(instance).copied();
                 if old.is_some_and(|(of, _)| of == topology) {
@@ -76,7 +85,8 @@ impl Shadows for SceneShadows {
                     Entry::Occupied(mesh) => *mesh.get(),
                     Entry::Vacant(place) => {
                         let rest = body.input.model().geometries()[topology.geometry].positions();
-                        *place.insert(scene.add_mesh(&body.mesh_of(topology)?, rest).on(gpu)?)
+                        let mesh = if body.has_polygons() { body.mesh()? } else { body.mesh_of(topology)? };
+                        *place.insert(scene.add_mesh(&mesh, rest).on(gpu)?)
                     }
                 };
                 let Some(positions) = body.positions.of_instance(instance) else { break };
@@ -97,8 +107,13 @@ impl Shadows for SceneShadows {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: CastInputs<'_>,
-        timer: Option<&mut StageTimer>,
+        mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
+        for (file, body) in self.files.iter_mut().zip(inputs.bodies) {
+            if let Some(surface) = &mut file.surface {
+                surface.encode(encoder, body, inputs.lights, timer.as_deref_mut())?;
+            }
+        }
         set_lights(&mut self.scene, &mut self.lights, inputs.lights)?;
         self.frame =
             Some(self.scene.encode(encoder, FrameInputs { timer, ..FrameInputs::new(&[(*inputs.camera).into()]) })?);
@@ -116,14 +131,17 @@ impl Shadows for SceneShadows {
         Ok(self.frame()?.draw(pass, own, 0, handle)?)
     }
 
-    fn facing(&self, gpu: &Gpu, _: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
+    fn facing(&self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
         let frame = self.frame()?;
         let results = frame.results()?;
         let table: Vec<[u32; 4]> = gpu.read(results.table)?;
         let buffers = |group: usize| -> Vec<wgpu::Buffer> {
             results.groups.iter().filter(|of| of.group == group).map(|of| of.facing.clone()).collect()
         };
-        let of_file = |File { casters, .. }: &File| {
+        let of_file = |(File { casters, surface, .. }, body): (&File, &PosedModel<'_>)| {
+            if let Some(surface) = surface {
+                return Ok(surface.facing(body));
+            }
             let mut masks = FacingMasks::default();
             let mut last = None;
             for &(_, handle) in casters {
@@ -145,7 +163,7 @@ impl Shadows for SceneShadows {
             }
             Ok(masks)
         };
-        self.files.iter().map(of_file).collect()
+        self.files.iter().zip(bodies).map(of_file).collect()
     }
 
     fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, GpuError> {
@@ -202,7 +220,8 @@ impl Shadows for SceneShadows {
     fn count_layers(&mut self, inputs: CastInputs<'_>, all: &[Light]) -> Result<(), Failure> {
         let CastInputs { gpu, bodies, .. } = inputs;
         self.layers = None;
-        if self.statistics(gpu).on(gpu)?.may_wrap == 0 {
+        let is_counted = self.counting != Counting::ZpPlus2005 && !bodies.iter().any(PosedModel::has_polygons);
+        if !is_counted || self.statistics(gpu).on(gpu)?.may_wrap == 0 {
             return Ok(());
         }
         let mut layers = Layers::new(gpu, bodies, self.counting, self.max_lights, all)?;
@@ -233,7 +252,7 @@ impl Shadows for SceneShadows {
 }
 
 /// The first words of a buffer whose rest is not needed.
-pub(super) fn first_words(gpu: &Gpu, buffer: &wgpu::Buffer, words: u64) -> Result<Vec<u32>, GpuError> {
+fn first_words(gpu: &Gpu, buffer: &wgpu::Buffer, words: u64) -> Result<Vec<u32>, GpuError> {
     let copy = gpu.buffer("first words", 4 * words, wgpu::BufferUsages::COPY_SRC);
     let mut encoder = gpu.encoder("first words");
     encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, 4 * words);

@@ -1,11 +1,10 @@
-//! Ways to cast shadows: a scene of all files, a single caster for each file, or depth maps of the lights.
+//! Ways to cast shadows: a scene of all files, or depth maps of the lights.
 
 use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
-use rimline::gpu::{
-    DepthMapPipelines, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, StageTimer, StencilCounts, Use,
-};
+use rimline::gpu::depth_map::DepthMapPipelines;
+use rimline::gpu::{SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, StageTimer, StencilCounts, Use};
 use rimline::reference::cpu::CHOICE_WORDS;
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::{Counting, Light, Origin, wgpu};
@@ -19,7 +18,6 @@ use super::shown_maps::ShownDepths;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
-use crate::input::Input;
 use crate::npz::DepthMapArrays;
 
 pub(crate) trait Shadows {
@@ -132,22 +130,18 @@ pub(super) fn scene_options(counting: Counting) -> SceneOptions {
 #[derive(Clone, Debug)]
 pub(crate) struct ShadowMethod {
     counting: Counting,
-    /// Each file is a caster by itself.
-    is_single: bool,
     /// Maps of the lights cast instead of meshes.
     pub(super) from_depth: Option<FromDepth>,
 }
 
 impl ShadowMethod {
-    /// Scenes have neither ZP+ as published nor polygons.
-    pub(crate) fn new(counting: Counting, inputs: &[Input], from_depth: Option<FromDepth>) -> Self {
-        let is_single = counting == Counting::ZpPlus2005 || inputs.iter().any(|input| input.polygons().is_some());
-        Self { counting, is_single, from_depth }
+    pub(crate) fn new(counting: Counting, from_depth: Option<FromDepth>) -> Self {
+        Self { counting, from_depth }
     }
 
     /// Begins to make the pipelines of a scene, if there will be one.
     pub(crate) fn compile(&self, gpu: &Gpu) -> Compiling {
-        if self.is_single || self.from_depth.is_some() {
+        if self.from_depth.is_some() {
             return Compiling(None);
         }
         let (pipelines, options) = (gpu.pipelines.clone(), scene_options(self.counting));
@@ -171,7 +165,6 @@ impl Drop for Compiling {
 #[derive(Clone)]
 pub(crate) enum VolumePipelines {
     Scene(Arc<ShadowPipelines>, BatchPipelines),
-    Single(Arc<ShadowPipelines>),
     /// Maps of the lights cast.
     Depth(Arc<DepthMapPipelines>, FromDepth),
 }
@@ -183,19 +176,14 @@ impl VolumePipelines {
             // The bit of the stencil that maps turn round. Each light has a stencil of its own.
             return Ok(Self::Depth(Arc::new(DepthMapPipelines::new(shared, format, 0)?), from.clone()));
         }
-        Ok(if method.is_single {
-            Self::Single(Arc::new(ShadowPipelines::new(shared, format, counting)?))
-        } else {
-            let batches = BatchPipelines::new(shared, format, counting);
-            Self::Scene(Arc::new(ShadowPipelines::new(shared, format, counting)?), batches)
-        })
+        let batches = BatchPipelines::new(shared, format, counting);
+        Ok(Self::Scene(Arc::new(ShadowPipelines::new(shared, format, counting)?), batches))
     }
 
     /// Why casters cannot be drawn with these, as they count otherwise.
     pub(super) fn refuse(&self, volumes: Counting) -> GpuError {
         let pipelines = match self {
             Self::Scene(pipelines, _) => pipelines.counting(),
-            Self::Single(pipelines) => pipelines.counting(),
             Self::Depth(..) => Counting::Auto,
         };
         ShadowError::OtherCounting { volumes, pipelines }.into()

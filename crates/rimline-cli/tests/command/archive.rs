@@ -148,6 +148,17 @@ pub(crate) fn words(bytes: &[u8]) -> Vec<u32> {
     words.map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
 }
 
+/// The array of an archive of this name.
+pub(crate) fn entry(archive: &[u8], name: &str) -> Result<Entry, String> {
+    let name = format!("{name}.npy");
+    read_zip(archive)?.into_iter().find(|entry| entry.name == name).ok_or_else(|| format!("there is no {name}"))
+}
+
+/// The 32-bit words of an archive's array.
+pub(crate) fn words_of(archive: &[u8], name: &str) -> Result<Vec<u32>, String> {
+    Ok(words(&entry(archive, name)?.bytes[128..]))
+}
+
 /// Nothing, or the first entry in which two archives differ.
 pub(crate) fn compare(a: &[u8], b: &[u8]) -> Outcome {
     if a == b {

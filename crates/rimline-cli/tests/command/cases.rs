@@ -7,10 +7,9 @@ use std::path::Path;
 
 use libtest_mimic::Trial;
 
-use super::draw::png;
-use super::npz_polygons::words;
+use super::archive::words_of;
+use super::pictures::apart;
 use super::run::{Folder, folder, on_cases};
-use super::shadow::apart;
 use super::{Outcome, ensure};
 
 pub(crate) fn trials() -> Vec<Trial> {
@@ -30,9 +29,9 @@ fn copied(file: &Path, name: &str) -> Result<Folder, String> {
 }
 
 /// Pixels that differ by more than rounding.
-fn differing(folder: &Path, files: [&str; 2]) -> Result<usize, String> {
-    let [a, b] = files.map(|name| png(&folder.join(name)));
-    apart([a?.pixels.as_flattened(), b?.pixels.as_flattened()], 3, 24)
+fn differing(folder: &Folder, files: [&str; 2]) -> Result<usize, String> {
+    let [a, b] = files.map(|name| folder.image(name));
+    apart([&a?.bytes, &b?.bytes], 3, 24)
 }
 
 /// The quadrilaterals look like the same bar of triangles.
@@ -46,14 +45,14 @@ fn screw(file: &Path) -> Outcome {
         let shadow = format!("shadow @{name}.obj --light dir:.6,1,.5 {view} --mask @{name}");
         folder.run(&shadow).expect(0, &[])?;
     }
-    let count = differing(folder.path(), ["quads.png", "triangles.png"])?;
+    let count = differing(&folder, ["quads.png", "triangles.png"])?;
     ensure!(count == 0, "{count} pixels of the pictures differ");
     let [quads, triangles] = ["quads.0.png", "triangles.0.png"].map(|name| folder.mask(name));
     let count = apart([&quads?.bytes, &triangles?.bytes], 1, 0)?;
     ensure!(count == 0, "{count} pixels of the masks differ");
     // By the loop rule it is another.
     folder.run(&format!("draw @quads.obj --polygons {view} --out @quads.png")).expect(0, &[])?;
-    let count = differing(folder.path(), ["quads.png", "triangles.png"])?;
+    let count = differing(&folder, ["quads.png", "triangles.png"])?;
     ensure!(count > 100, "the comparison cannot fail: {count} pixels");
     Ok(())
 }
@@ -65,7 +64,7 @@ fn twice(file: &Path) -> Outcome {
     ensure!(placed["faces"] == 24 && placed["flipped_faces"] == 12, "{placed}");
     folder.run("extract @twice.glb --device cpu --light dir:1,2,3 --out @twice.npz").expect(0, &[])?;
     let archive = folder.read("twice.npz")?;
-    let (positions, faces) = (words(&archive, "positions")?, words(&archive, "faces")?);
+    let (positions, faces) = (words_of(&archive, "positions")?, words_of(&archive, "faces")?);
     let (mut once, mut seen) = (String::new(), BTreeSet::new());
     for corner in positions.as_chunks::<3>().0 {
         let [x, y, z] = corner.map(f32::from_bits);
@@ -85,7 +84,7 @@ fn twice(file: &Path) -> Outcome {
             let line = format!("{command} @{name} --eye 4,3,5 --size 200x150 --out @{}.png", &name[..4]);
             folder.run(&line).expect(0, &[])?;
         }
-        let count = differing(folder.path(), ["twic.png", "once.png"])?;
+        let count = differing(&folder, ["twic.png", "once.png"])?;
         ensure!(count <= 60, "{command}: {count} pixels differ");
     }
     Ok(())

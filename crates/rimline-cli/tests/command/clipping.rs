@@ -8,8 +8,8 @@ use rimline_testkit::assets;
 use rimline_testkit::harness::on_files;
 use serde_json::Value;
 
+use super::pictures::Image;
 use super::run::{folder, is_long, rimline, rimline_with};
-use super::shadow::Image;
 use super::{Outcome, ensure};
 
 pub(crate) fn trials() -> Vec<Trial> {

@@ -1,24 +1,17 @@
 //! The arrays that `extract` writes, held against the contract entry by entry.
 
-use std::ffi::OsStr;
-
-use super::archive::{Entry, FIRST_DAY, array, compare, data, read_zip, words, write_zip};
-use super::run::{folder, read_file, rimline, write_file};
+use super::archive::{Entry, FIRST_DAY, data, read_zip, words};
+use super::makers::npz_mesh;
+use super::run::folder;
 use super::{Outcome, Test, ensure};
 
-pub(crate) const TESTS: &[Test] = &[
-    ("contract::entries_order_time_and_bytes", entries),
-    ("contract::bits_of_33_lights_are_exact", exact_bits),
-    ("contract::cpu_gpu_and_repeats_agree", agree),
-    ("contract::non_finite_positions_face_nothing", non_finite),
-    ("contract::displacement_moves_positions", displaced),
-    ("contract::per_edge_keeps_the_face_bits", per_edge),
-];
+pub(crate) const TESTS: &[Test] =
+    &[("contract::entries_order_time_and_bytes", entries), ("contract::bits_of_33_lights_are_exact", exact_bits)];
 
 /// An open box without a lid, of two halves that meet in doubled vertices, and a triangle that names a vertex twice.
 const POSITIONS: [[i8; 3]; 10] =
     [[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0], [0, 0, 4], [4, 0, 4], [4, 4, 4], [0, 4, 4], [4, 0, 0], [4, 4, 0]];
-const FACES: [[u8; 3]; 11] = [
+const FACES: [[u32; 3]; 11] = [
     [0, 2, 1],
     [0, 3, 2],
     [0, 1, 5],
@@ -37,32 +30,17 @@ fn lights() -> Vec<[i8; 4]> {
     (1..34).map(light).collect()
 }
 
-fn model(scale: f32) -> Vec<u8> {
-    let positions: Vec<u8> = POSITIONS.iter().flatten().flat_map(|&c| (f32::from(c) * scale).to_le_bytes()).collect();
-    write_zip(&[
-        array("positions", "<f4", "False", "(10, 3)", &positions),
-        array("faces", "|u1", "False", "(11, 3)", FACES.as_flattened()),
-    ])
+fn model() -> Vec<u8> {
+    npz_mesh(&POSITIONS.map(|position| position.map(f32::from)), &FACES)
 }
 
-/// Extracts from an archive, and again as often as there are lists of options.
-fn extract<const N: usize>(model: &[u8], lights: &[[i8; 4]], options: [&[&str]; N]) -> Result<[Vec<u8>; N], String> {
+/// The result of an extraction.
+fn extract(model: &[u8], device: &str) -> Result<Vec<u8>, String> {
     let folder = folder();
-    let file = folder.path().join("model.npz");
-    write_file(&file, model)?;
-    let specs: Vec<String> = lights.iter().map(|[x, y, z, w]| format!("hom:{x},{y},{z},{w}")).collect();
-    let mut results = [const { Vec::new() }; N];
-    for (options, result) in options.into_iter().zip(&mut results) {
-        let out = folder.path().join("out.npz");
-        let mut line = vec!["extract".as_ref(), file.as_os_str(), "--out".as_ref(), out.as_os_str()];
-        line.extend(options.iter().map(AsRef::<OsStr>::as_ref));
-        for spec in &specs {
-            line.extend([OsStr::new("--light"), OsStr::new(spec)]);
-        }
-        rimline(line).expect(0, &[])?;
-        *result = read_file(&out)?;
-    }
-    Ok(results)
+    folder.write("model.npz", model)?;
+    let lights: Vec<String> = lights().iter().map(|[x, y, z, w]| format!("--light hom:{x},{y},{z},{w}")).collect();
+    folder.run(&format!("extract @model.npz --out @out.npz --device {device} {}", lights.join(" "))).expect(0, &[])?;
+    folder.read("out.npz")
 }
 
 const NAMES: [&str; 9] =
@@ -74,7 +52,7 @@ fn named<'a>(entries: &'a [Entry], name: &str) -> Result<&'a Entry, String> {
 }
 
 fn entries() -> Outcome {
-    let [archive] = extract(&model(1.0), &lights(), [&["--device", "cpu"]])?;
+    let archive = extract(&model(), "cpu")?;
     let entries = read_zip(&archive)?;
     let names: Vec<&str> = entries.iter().map(|entry| entry.name.trim_end_matches(".npy")).collect();
     ensure!(names == NAMES, "the entries are {names:?}");
@@ -120,7 +98,7 @@ fn entries() -> Outcome {
 
 /// Everything again from whole numbers, in exact arithmetic.
 fn exact_bits() -> Outcome {
-    let [archive] = extract(&model(1.0), &lights(), [&["--device", "gpu"]])?;
+    let archive = extract(&model(), "gpu")?;
     let entries = read_zip(&archive)?;
     let edges = named(&entries, "edge_kind")?.bytes.len() - 128;
     let table = |name: &str, descr: &str, rows: usize, columns: usize| -> Result<Vec<u32>, String> {
@@ -151,87 +129,6 @@ fn exact_bits() -> Outcome {
             let expected = kinds[edge] == 2 || oracle(f0 as usize) != oracle(f1 as usize);
             ensure!(bit(&silhouette, edge) == expected, "edge {edge}, light {l}: silhouette");
             ensure!(bit(&winding, edge) == oracle(f0 as usize), "edge {edge}, light {l}: winding");
-        }
-    }
-    Ok(())
-}
-
-fn agree() -> Outcome {
-    let lights = &lights()[..5];
-    let [cpu, gpu, again] =
-        extract(&model(0.3), lights, [&["--device", "cpu"], &["--device", "gpu"], &["--device", "gpu"]])?;
-    compare(&cpu, &gpu)?;
-    compare(&gpu, &again)?;
-    let [kept] = extract(&cpu, lights, [&["--device", "gpu", "--no-weld"]])?;
-    compare(&cpu, &kept)?;
-    let [unwelded] = extract(&model(0.3), lights, [&["--device", "cpu", "--no-weld"]])?;
-    ensure!(compare(&cpu, &unwelded).is_err(), "--no-weld changed nothing");
-    Ok(())
-}
-
-fn non_finite() -> Outcome {
-    let folder = folder();
-    let (file, out) = (folder.path().join("m.npz"), folder.path().join("o.npz"));
-    let mut positions: Vec<u8> = POSITIONS.iter().flatten().flat_map(|&c| f32::from(c).to_le_bytes()).collect();
-    positions[4 * 12..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
-    let bytes = write_zip(&[
-        array("positions", "<f4", "False", "(10, 3)", &positions),
-        array("faces", "|u1", "False", "(11, 3)", FACES.as_flattened()),
-    ]);
-    write_file(&file, bytes)?;
-    for device in ["cpu", "gpu"] {
-        let line = ["extract", "--light", "dir:0,0,1", "--light", "point:9,9,9", "--json", "--device", device, "--out"];
-        let mut line: Vec<&OsStr> = line.iter().map(AsRef::as_ref).collect();
-        line.extend([out.as_os_str(), file.as_os_str()]);
-        let json = rimline(line).json()?;
-        // Vertex 4 has three faces.
-        ensure!(json["non_finite_faces"] == 2 || json["non_finite_faces"] == 3, "{device}: {json}");
-        ensure!(json["unclosed_vertices"] == serde_json::json!([0, 0]), "{device}: {json}");
-        let entries = read_zip(&read_file(&out)?)?;
-        let facing = words(data(named(&entries, "facing")?, "<u4", "(11, 1)")?);
-        let touching = FACES.iter().enumerate().filter(|(_, face)| face.contains(&4));
-        for (face, _) in touching {
-            ensure!(facing[face] == 0, "{device}: face {face} faces a light");
-        }
-    }
-    Ok(())
-}
-
-fn displaced() -> Outcome {
-    let folder = folder();
-    let wgsl = folder.path().join("shift.wgsl");
-    let source = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {\n  \
-                  return position + vec3<f32>(time, f32(vertex), 0.0);\n}\n";
-    write_file(&wgsl, source)?;
-    let path = wgsl.to_string_lossy().into_owned();
-    let options: &[&str] = &["--device", "gpu", "--displace", &path, "--time", "2"];
-    let [archive] = extract(&model(1.0), &lights()[..1], [options])?;
-    let entries = read_zip(&archive)?;
-    let positions = words(data(named(&entries, "positions")?, "<f4", "(8, 3)")?);
-    for (vertex, (found, p)) in positions.chunks(3).zip(&POSITIONS).enumerate() {
-        let expected = [f32::from(p[0]) + 2.0, f32::from(p[1]) + vertex as f32, f32::from(p[2])];
-        ensure!(found == expected.map(f32::to_bits), "vertex {vertex} is elsewhere");
-    }
-    // An error in the WGSL is reported with its own line.
-    write_file(&wgsl, source.replace("time,", "tyme,"))?;
-    let model_file = folder.path().join("m.npz");
-    write_file(&model_file, model(1.0))?;
-    let (file, out) = (model_file.to_string_lossy(), folder.path().join("o.npz"));
-    let line = ["extract", &file, "--light", "dir:0,1,0", "--displace", &path, "--out", &out.to_string_lossy()];
-    rimline(line).expect(1, &["shift.wgsl", "line 2", "tyme"])?;
-    ensure!(!out.exists(), "a result in spite of the error");
-    Ok(())
-}
-
-fn per_edge() -> Outcome {
-    for device in ["cpu", "gpu"] {
-        for predicate in ["fast", "plane"] {
-            let per_edge = ["--device", device, "--method", "per-edge", "--predicate", predicate];
-            let options: [&[&str]; 2] = [&["--device", device], &per_edge];
-            let [faces, edges] = extract(&model(1.0), &lights(), options)?;
-            let (faces, edges) = (read_zip(&faces)?, read_zip(&edges)?);
-            ensure!(named(&faces, "facing")? == named(&edges, "facing")?, "{device}: the face bits differ");
-            ensure!(edges.len() == NAMES.len(), "{device}: entries are missing");
         }
     }
     Ok(())

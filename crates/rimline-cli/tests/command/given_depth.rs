@@ -4,8 +4,9 @@ use glam::{DMat4, DVec3};
 use rimline_testkit::shapes;
 
 use super::archive::{Entry, array, data, read_zip, words, write_zip};
+use super::makers::npz_model;
+use super::pictures::apart;
 use super::run::{Folder, folder};
-use super::shadow::{apart, model};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -15,26 +16,21 @@ pub(crate) const TESTS: &[Test] = &[
     ("given_depth::objects_bound_shadows", objects),
     ("given_depth::walls_without_room_are_told_and_shown_as_every_cell", overflow),
     ("given_depth::distances_are_the_same_map", distances),
-    ("given_depth::lights_that_are_not_the_maps_end_with_2", wrong_lights),
 ];
 
 const VIEW: &str = "--ground 0 --eye 4,9,14 --target 0,1,0 --size 160x120";
 const LIGHT: &str = "point:6,12,3";
 
-fn put(folder: &Folder, name: &str, bytes: impl AsRef<[u8]>) -> Outcome {
-    folder.write(name, bytes)
-}
-
 /// A folder with a ball and a ring around it.
-pub(crate) fn models() -> Result<Folder, String> {
+fn models() -> Result<Folder, String> {
     let folder = folder();
-    put(&folder, "ball.npz", model(&shapes::sphere(8), 1.0, [0.0, 2.0, 0.0]))?;
-    put(&folder, "ring.npz", model(&shapes::torus(24, 12, 2.0, 0.5), 1.0, [0.0, 2.0, 0.5]))?;
+    folder.write("ball.npz", npz_model(&shapes::sphere(8), 1.0, [0.0, 2.0, 0.0]))?;
+    folder.write("ring.npz", npz_model(&shapes::torus(24, 12, 2.0, 0.5), 1.0, [0.0, 2.0, 0.5]))?;
     Ok(folder)
 }
 
 /// Saves the map of a light that sees both models, and a mask made with it.
-pub(crate) fn save(folder: &Folder, light: &str, side: u32) -> Result<(serde_json::Value, Vec<u8>), String> {
+fn save(folder: &Folder, light: &str, side: u32) -> Result<(serde_json::Value, Vec<u8>), String> {
     let line = format!(
         "shadow @ball.npz @ring.npz {VIEW} --light {light} --from-depth {side} --detector every --mask @own --save-depth @map --json"
     );
@@ -46,17 +42,17 @@ fn mask(folder: &Folder, name: &str) -> Result<Vec<u8>, String> {
 }
 
 /// The mask of a map, and what is said about it.
-pub(crate) fn of_map(folder: &Folder, map: &str, options: &str) -> Result<(serde_json::Value, Vec<u8>), String> {
+fn of_map(folder: &Folder, map: &str, options: &str) -> Result<(serde_json::Value, Vec<u8>), String> {
     let line = format!("shadow @ball.npz @ring.npz {VIEW} --depth @{map}.npz {options} --mask @given --json");
     Ok((folder.run(&line).json()?, mask(folder, "given")?))
 }
 
 /// The entries of a saved map: depth, matrix, origin, direction.
-pub(crate) fn entries(folder: &Folder) -> Result<Vec<Entry>, String> {
+fn entries(folder: &Folder) -> Result<Vec<Entry>, String> {
     read_zip(&folder.read("map.0.npz")?)
 }
 
-pub(crate) fn floats(bytes: &[u8]) -> Vec<f32> {
+fn floats(bytes: &[u8]) -> Vec<f32> {
     words(bytes).into_iter().map(f32::from_bits).collect()
 }
 
@@ -91,7 +87,7 @@ fn round_trip() -> Outcome {
     let mut moved = entries(&folder)?;
     let origin: Vec<u8> = [0.5_f32, 2.0, 0.25].iter().flat_map(|c| c.to_le_bytes()).collect();
     moved[2] = array("origin", "<f4", "False", "(3,)", &origin);
-    put(&folder, "moved.npz", write_zip(&moved))?;
+    folder.write("moved.npz", write_zip(&moved))?;
     let (_, given) = of_map(&folder, "moved", "")?;
     ensure!(apart([&masks[2], &given], 1, 0)? > 300, "a map that is moved has the same mask");
     Ok(())
@@ -108,7 +104,7 @@ fn types() -> Outcome {
     let matrix = floats(data(&saved[1], "<f4", "(4, 4)")?);
     let square = format!("({SIDE}, {SIDE})");
     let same = |name: &str, depth: Entry, matrix: Entry, reversed: Entry, most: usize| {
-        put(&folder, "other.npz", write_zip(&[reversed, saved[2].clone(), matrix, depth]))?;
+        folder.write("other.npz", write_zip(&[reversed, saved[2].clone(), matrix, depth]))?;
         let (_, given) = of_map(&folder, "other", &format!("--light {LIGHT}"))?;
         let differing = apart([&own, &given], 1, 0)?;
         ensure!(differing <= most, "{name}: {differing} pixels differ");
@@ -149,8 +145,8 @@ fn types() -> Outcome {
 /// A ball to the left casts by its map, and a cube to the right does not. The eye is far above.
 fn casts_alone() -> Outcome {
     let folder = folder();
-    put(&folder, "ball.npz", model(&shapes::sphere(8), 1.0, [-4.0, 2.0, 0.0]))?;
-    put(&folder, "cube.npz", model(&shapes::cube(), 1.0, [4.0, 2.0, 0.0]))?;
+    folder.write("ball.npz", npz_model(&shapes::sphere(8), 1.0, [-4.0, 2.0, 0.0]))?;
+    folder.write("cube.npz", npz_model(&shapes::cube(), 1.0, [4.0, 2.0, 0.0]))?;
     let view = "--ground 0 --eye 0,60,0.01 --target 0,0,0 --fov 15 --size 160x120 --light dir:0,1,1";
     let dark = |files: &str, options: &str| {
         folder.run(&format!("shadow {files} {view} {options} --mask @m --json")).json()?;
@@ -175,7 +171,7 @@ fn casts_alone() -> Outcome {
 /// A convex body casts no shadow onto itself, so its outline is enough.
 fn objects() -> Outcome {
     let folder = folder();
-    put(&folder, "ball.npz", model(&shapes::sphere(8), 1.0, [0.0, 2.0, 0.0]))?;
+    folder.write("ball.npz", npz_model(&shapes::sphere(8), 1.0, [0.0, 2.0, 0.0]))?;
     let draw = |options: &str, name: &str| {
         let line = format!("shadow @ball.npz {VIEW} --light {LIGHT} {options} --mask @{name} --json");
         Ok::<_, String>((folder.run(&line).json()?, mask(&folder, name)?))
@@ -186,7 +182,7 @@ fn objects() -> Outcome {
         let objects: Vec<u8> = (0..128 * 128).flat_map(|texel| number(texel).to_le_bytes()).collect();
         let mut entries = saved.clone();
         entries.push(array("objects", "<u2", "False", "(128, 128)", &objects));
-        put(&folder, "objects.npz", write_zip(&entries))
+        folder.write("objects.npz", write_zip(&entries))
     };
     with_objects(|_| 7)?;
     let (found, given) = draw("--depth @objects.npz --detector differences=1", "given")?;
@@ -217,7 +213,7 @@ fn overflow() -> Outcome {
     let lone = |at: usize| if (at % SIDE + at / SIDE).is_multiple_of(2) { middle } else { 0.0 };
     let lone: Vec<u8> = (0..SIDE * SIDE).flat_map(|at| lone(at).to_le_bytes()).collect();
     entries[0] = array("depth", "<f4", "False", &format!("({SIDE}, {SIDE})"), &lone);
-    put(&folder, "lone.npz", write_zip(&entries))?;
+    folder.write("lone.npz", write_zip(&entries))?;
     let draw = |map: &str, options: &str| {
         let options = format!("--depth @{map}.npz --detector {options}");
         let line = format!("shadow @ball.npz @ring.npz {VIEW} {options} --volumes --out @p.png");
@@ -304,7 +300,7 @@ fn distances() -> Outcome {
         let (_, own) = save(&folder, light, SIDE as u32)?;
         let archives = as_distances(&entries(&folder)?, (SIDE, maps), place)?;
         for (archive, metric) in archives.iter().zip(1..) {
-            put(&folder, "distances.npz", write_zip(archive))?;
+            folder.write("distances.npz", write_zip(archive))?;
             let (said, given) = of_map(&folder, "distances", &format!("--light {light}"))?;
             ensure!(said["lights"][0]["depth_map"]["maps"] == maps, "{light}: {said:#}");
             let differing = apart([&own, &given], 1, 0)?;
@@ -317,31 +313,11 @@ fn distances() -> Outcome {
             let mut other = archives[metric - 1].clone();
             other.pop();
             other.push(array("metric", "|u1", "False", "()", &[wrong]));
-            put(&folder, "wrong.npz", write_zip(&other))?;
+            folder.write("wrong.npz", write_zip(&other))?;
             let (_, given) = of_map(&folder, "wrong", &format!("--light {light}"))?;
             let differing = apart([&own, &given], 1, 0)?;
             ensure!(differing >= 30, "{light}, {metric} as {wrong}: {differing} pixels differ");
         }
-    }
-    Ok(())
-}
-
-fn wrong_lights() -> Outcome {
-    let folder = models()?;
-    save(&folder, LIGHT, 32)?;
-    for (options, parts) in [
-        ("--light point:6,12,4", ["point:6,12,4", "seen from point:"]),
-        ("--light dir:6,12,3", ["dir:6,12,3", "seen from point:"]),
-        ("--light point:6,12,3 --light dir:0,1,0", ["--light gives 2", "give one"]),
-        ("--from-depth", ["--from-depth", "--depth"]),
-        ("--method zp+", ["--method", "--depth"]),
-        ("--area disc", ["--area", "--depth"]),
-        ("--hide-covered", ["--hide-covered", "--depth"]),
-        ("--save-depth @x", ["--save-depth", "--depth"]),
-    ] {
-        let line = format!("shadow @ball.npz {VIEW} --depth @map.0.npz {options} --mask @no");
-        folder.run(&line).expect(2, &parts).map_err(|error| format!("{options}: {error}"))?;
-        ensure!(!folder.path().join("no.0.png").exists(), "{options}: a mask");
     }
     Ok(())
 }

@@ -2,23 +2,18 @@
 
 use std::ffi::OsString;
 use std::fs;
-use std::io::Write as _;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
-use super::archive::{array, read_zip, write_zip};
-use super::npz_input::tetrahedron;
-use super::own_gltf::{self, Names};
-use super::run::{Run, folder, read_file, rimline, rimline_with, write_file};
-use super::usage::HIDDEN;
+use super::archive::write_zip;
+use super::makers::{rows, tetrahedron};
+use super::own_gltf;
+use super::run::{HIDDEN, Run, folder, rimline, rimline_with, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("inputs::standard_input_is_an_input", standard_input),
-    ("inputs::empty_files_are_called_empty", empty),
     ("inputs::names_in_files_do_not_steer_the_terminal", names),
     ("inputs::names_of_files_do_not_steer_the_terminal", file_names),
-    ("inputs::names_in_archives_do_not_steer_the_terminal", archive_names),
     #[cfg(unix)]
     ("inputs::pipes_and_devices_are_refused", pipes),
 ];
@@ -28,75 +23,7 @@ fn text(error: impl std::fmt::Display) -> String {
 }
 
 fn points() -> Vec<u8> {
-    write_zip(&[array("points", "<f4", "False", "(1, 3)", &[0; 12])])
-}
-
-/// Runs the command with these bytes as standard input.
-pub(crate) fn fed(bytes: &[u8], arguments: &[&str]) -> Result<Run, String> {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_rimline"))
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .map_err(text)?;
-    // It may end before it reads everything.
-    let _ = child.stdin.take().ok_or("no standard input")?.write_all(bytes);
-    let output = child.wait_with_output().map_err(text)?;
-    Ok(Run {
-        code: output.status.code().unwrap_or(-1),
-        stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
-        stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
-    })
-}
-
-fn standard_input() -> Outcome {
-    let folder = folder();
-    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    let faces = |run: Run| run.json().map(|json| json["total"]["faces"].clone());
-    ensure!(faces(fed(&tetrahedron(), &["info", "-", "--json"])?)? == 4, "an archive is read otherwise");
-    let data: Vec<String> = own_gltf::buffer().iter().map(|byte| format!("%{byte:02x}")).collect();
-    let data = data.concat();
-    let buffer = format!("data:application/octet-stream,{data}");
-    let gltf = own_gltf::text(&Names { buffer: &buffer, ..Names::default() });
-    ensure!(faces(fed(gltf.as_bytes(), &["info", "-", "--json"])?)? == 4, "a glTF is read otherwise");
-    // Whatever it is, and where the glTF would lie.
-    fed(b"neither", &["info", "-"])?.expect(1, &["use .glb, .gltf, .obj or .npz"])?;
-    fed(own_gltf::text(&Names::default()).as_bytes(), &["info", "-"])?.expect(1, &["body.bin", "folder"])?;
-
-    write_file(at("model.npz"), tetrahedron())?;
-    write_file(at("points.npz"), points())?;
-    let query = |bytes: &[u8], model: &str, points: &str| {
-        let line = ["query", model, "--points", points, "--light", "dir:0,1,0", "--device", "cpu", "--out", &at("out")];
-        fed(bytes, &line)
-    };
-    query(b"", &at("model.npz"), &at("points.npz"))?.expect(0, &[])?;
-    let expected = read_file(at("out"))?;
-    for (bytes, model, given) in [(points(), &*at("model.npz"), "-"), (tetrahedron(), "-", &*at("points.npz"))] {
-        fs::remove_file(at("out")).map_err(text)?;
-        query(&bytes, model, given)?.expect(0, &[])?;
-        ensure!(read_file(at("out"))? == expected, "other depths from standard input");
-    }
-    let mut both = read_zip(&tetrahedron())?;
-    both.extend(read_zip(&points())?);
-    query(&write_zip(&both), "-", "-")?.expect(1, &["once"])
-}
-
-fn empty() -> Outcome {
-    let folder = folder();
-    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    for name in ["e.glb", "e.gltf", "e.npz", "e.wgsl", "e"] {
-        write_file(at(name), b"")?;
-    }
-    for name in ["e.glb", "e.gltf", "e.npz", "e"] {
-        rimline(["info", &at(name)]).expect(1, &[name, "cannot be read: it is empty"])?;
-    }
-    fed(b"", &["info", "-"])?.expect(1, &["-: cannot be read: it is empty"])?;
-    write_file(at("model.npz"), tetrahedron())?;
-    let line = ["query", &at("model.npz"), "--points", &at("e.npz"), "--light", "dir:0,1,0", "--out", &at("out")];
-    rimline(line).expect(1, &["e.npz: cannot be read: it is empty"])?;
-    let line = ["draw", &at("model.npz"), "--displace", &at("e.wgsl"), "--out", &at("out")];
-    rimline(line).expect(1, &["e.wgsl: cannot be read: it is empty"])
+    write_zip(&[rows("points", &[[0.0; 3]])])
 }
 
 /// Sets colours, clears, rings, by one byte, by two, by one of Latin-1; turns text around; begins a line of its own.
@@ -116,8 +43,12 @@ fn is_tame(run: &Run, what: &str) -> Outcome {
 
 fn names() -> Outcome {
     let folder = folder();
-    let names = Names { mesh: HOSTILE, animation: HOSTILE, light: HOSTILE, ..Names::default() };
-    let model = own_gltf::write(folder.path(), &names)?;
+    let mut value = own_gltf::value();
+    for named in ["/meshes/0", "/animations/0", "/extensions/KHR_lights_punctual/lights/0"] {
+        value.pointer_mut(named).ok_or("it has a name")?["name"] = HOSTILE.into();
+    }
+    own_gltf::write(&folder, "body.gltf", &value)?;
+    let model = folder.path().join("body.gltf");
     let out = folder.path().join("out");
     let lines = [
         ("info", 0),
@@ -161,21 +92,6 @@ fn names() -> Outcome {
     let run = rimline(["draw".into(), archive, "--displace".into(), wave, "--out".into(), out]);
     run.expect(1, &["wave.wgsl"])?;
     is_tame(&run, "displacement")
-}
-
-fn archive_names() -> Outcome {
-    let folder = folder();
-    let mut named = array("points", "<f4", "False", "(1, 3)", &[0; 12]);
-    HOSTILE.clone_into(&mut named.name);
-    let file = folder.path().join("model.npz");
-    let other_type = array("positions", "<f\x1b[2J4", "False", "(1, 3)", &[0; 12]);
-    for entries in [vec![named], vec![other_type]] {
-        write_file(&file, write_zip(&entries))?;
-        let run = rimline([Path::new("info"), &file]);
-        run.expect(1, &["positions"])?;
-        is_tame(&run, "archive")?;
-    }
-    Ok(())
 }
 
 #[cfg_attr(not(unix), expect(clippy::unnecessary_wraps, reason = "such names are not allowed here"))]

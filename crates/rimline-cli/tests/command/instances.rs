@@ -6,8 +6,8 @@ use rimline_models::maker::{Maker, U32};
 use rimline_testkit::shapes::{self, Shape};
 use serde_json::{Value, json};
 
+use super::pictures::Image;
 use super::run::{folder, rimline};
-use super::shadow::Image;
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] =

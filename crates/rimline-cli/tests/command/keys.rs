@@ -6,8 +6,8 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::archive::{array, write_zip};
-use super::npz_input::tetrahedron;
-use super::own_gltf::{self, Names};
+use super::makers::tetrahedron;
+use super::own_gltf;
 use super::run::{folder, read_file, rimline, write_file};
 use super::{Outcome, Test, ensure};
 
@@ -45,7 +45,8 @@ fn described() -> Outcome {
     };
     write_file(at("model.npz"), tetrahedron())?;
     write_file(at("points.npz"), write_zip(&[array("points", "<f4", "False", "(1, 3)", &[0; 12])]))?;
-    let gltf = own_gltf::write(folder.path(), &Names::default())?.to_string_lossy().into_owned();
+    own_gltf::write(&folder, "body.gltf", &own_gltf::value())?;
+    let gltf = at("body.gltf");
     let model = at("model.npz");
     // One that differs, so that differences are listed, too.
     std::fs::create_dir(at("bits")).map_err(text)?;

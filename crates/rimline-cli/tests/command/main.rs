@@ -12,53 +12,40 @@ mod bench_left_out;
 mod cases;
 mod clipping;
 mod contract;
-mod covered;
+mod data;
+mod data_wrong;
 mod depth_shadows;
-mod draw;
+mod facts;
 mod fallback;
-mod film;
-mod foreign;
 mod given_depth;
-mod given_depth_wrong;
 mod info;
 mod inputs;
 mod instances;
 mod keys;
-mod load;
+mod makers;
 #[cfg(target_os = "linux")]
 mod memory;
-mod messages;
 mod models;
-mod npz_bounds;
-mod npz_input;
-mod npz_polygons;
-mod obj_input;
+mod models_of_code;
+mod mutated;
 mod origin;
 mod outlines;
-mod outputs;
-#[cfg(unix)]
-mod outputs_unix;
 mod own_gltf;
-mod parts;
+mod pictures;
 #[cfg(feature = "bench")]
 mod plot_labels;
 mod polygon_shadows;
 mod polygon_surface;
-mod query;
 mod query_on_faces;
 mod run;
 #[cfg(feature = "bench")]
 mod schema;
 mod seams;
 mod shadow;
-mod shadow_wrong;
 #[cfg(unix)]
 mod signals;
 mod soft;
-mod usage;
 mod verify;
-mod verify_wrong;
-mod warm_up;
 mod words;
 
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -81,70 +68,56 @@ pub(crate) use ensure;
 fn main() {
     let always = [
         archive::TESTS,
-        usage::TESTS,
-        npz_bounds::TESTS,
-        npz_input::TESTS,
-        npz_polygons::TESTS,
-        origin::TESTS,
-        obj_input::TESTS,
-        contract::TESTS,
-        covered::TESTS,
-        depth_shadows::TESTS,
-        given_depth::TESTS,
-        given_depth_wrong::TESTS,
-        draw::TESTS,
-        outlines::TESTS,
-        shadow::TESTS,
-        shadow_wrong::TESTS,
-        film::TESTS,
-        #[cfg(feature = "bench")]
-        plot_labels::TESTS,
-        polygon_shadows::TESTS,
-        polygon_surface::TESTS,
-        soft::TESTS,
-        instances::TESTS,
-        query::TESTS,
-        query_on_faces::TESTS,
-        verify_wrong::TESTS,
-        #[cfg(feature = "bench")]
-        schema::TESTS,
-        words::TESTS,
-        keys::TESTS,
         #[cfg(feature = "bench")]
         bench::TESTS,
         #[cfg(not(feature = "bench"))]
         bench_left_out::TESTS,
-        outputs::TESTS,
-        inputs::TESTS,
+        contract::TESTS,
+        data_wrong::TESTS,
+        depth_shadows::TESTS,
         fallback::TESTS,
-        #[cfg(unix)]
-        outputs_unix::TESTS,
-        #[cfg(unix)]
-        signals::TESTS,
-        load::TESTS,
-        messages::TESTS,
-        foreign::TESTS,
-        warm_up::TESTS,
+        given_depth::TESTS,
+        inputs::TESTS,
+        instances::TESTS,
+        keys::TESTS,
         #[cfg(target_os = "linux")]
         memory::TESTS,
-        parts::TESTS,
+        mutated::TESTS,
+        origin::TESTS,
+        outlines::TESTS,
+        #[cfg(feature = "bench")]
+        plot_labels::TESTS,
+        polygon_shadows::TESTS,
+        polygon_surface::TESTS,
+        query_on_faces::TESTS,
+        #[cfg(feature = "bench")]
+        schema::TESTS,
         seams::TESTS,
+        shadow::TESTS,
+        #[cfg(unix)]
+        signals::TESTS,
+        soft::TESTS,
+        verify::TESTS,
+        words::TESTS,
     ];
     let mut trials: Vec<Trial> = always
         .concat()
         .into_iter()
         .map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from)))
         .collect();
-    trials.extend(bad_input::trials());
-    trials.extend(models::trials());
-    trials.extend(outlines::trials());
-    trials.extend(info::trials());
-    trials.extend(origin::trials());
-    trials.extend(seams::trials());
-    trials.extend(cases::trials());
-    trials.extend(shadow::trials());
-    trials.extend(clipping::trials());
-    trials.extend(film::trials());
-    trials.extend(verify::trials());
+    let on_files = [
+        bad_input::trials(),
+        cases::trials(),
+        clipping::trials(),
+        data::trials(),
+        info::trials(),
+        models::trials(),
+        origin::trials(),
+        outlines::trials(),
+        seams::trials(),
+        shadow::trials(),
+        verify::trials(),
+    ];
+    trials.extend(on_files.into_iter().flatten());
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
 }

@@ -85,7 +85,7 @@ fn write_models(folder: &Path) -> Outcome {
 fn estimates() -> Outcome {
     let folder = folder();
     write_models(folder.path())?;
-    folder.write("small.npz", super::npz_input::tetrahedron())?;
+    folder.write("small.npz", super::makers::tetrahedron())?;
     let out = folder.path().join("out.npz").to_string_lossy().into_owned();
     let extract = |model: &str, options: &[&str]| {
         let model = folder.path().join(model).to_string_lossy().into_owned();

@@ -8,7 +8,7 @@ use super::archive::compare;
 use super::run::{folder, is_long, read_file, rimline};
 use super::{Outcome, ensure};
 use rimline_testkit::assets;
-use rimline_testkit::harness::{on_files, on_made, on_models};
+use rimline_testkit::harness::{on_both, on_files, on_made, on_models};
 
 /// In turn: open, of many parts; moved by a skin and morph targets; quantized; moved by a skin, by nodes, by morph targets;
 /// sparse; without sides; a strip of triangles. Files of the same kinds run if long trials are wanted; the library extracts
@@ -39,10 +39,13 @@ const MADE: [&str; 9] = [
 ];
 
 pub(crate) fn trials() -> Vec<Trial> {
+    let animated = ["skinned_without_indices.glb", "Fox.glb"];
+    let mut trials = vec![on_both("models::a_film_plays_the_first_animation", animated, first_animation)];
     if is_long() {
-        return on_models("models::", agrees_and_closes);
+        trials.extend(on_models("models::", agrees_and_closes));
+        return trials;
     }
-    let mut trials = on_made("models::", MADE, agrees_and_closes);
+    trials.extend(on_made("models::", MADE, agrees_and_closes));
     trials.extend(on_files("models::", assets(), &KINDS, agrees_and_closes));
     trials
 }
@@ -74,6 +77,21 @@ fn agrees_and_closes(file: &Path) -> Outcome {
         for key in ["faces", "edges", "silhouette_edges", "unclosed_vertices", "non_finite_faces"] {
             ensure!(json[key] == again[key], "{device}, {key}: {} and {}", json[key], again[key]);
         }
+    }
+    Ok(())
+}
+
+fn first_animation(file: &Path) -> Outcome {
+    let folder = folder();
+    let model = folder.path().join(file.file_name().ok_or("no name")?);
+    std::fs::copy(file, &model).map_err(|error| error.to_string())?;
+    let name = model.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let film = |out: &str| folder.run(&format!("film @{name} --size 64x48 --fps 1 --out @{out}"));
+    film("first").expect(0, &["0 `Survey`", "2 `Run`", "--animation"])?;
+    film("named --animation Survey").expect(0, &[])?;
+    for frame in ["0000.png", "0002.png"] {
+        let [first, named] = ["first", "named"].map(|film| folder.image(format!("{film}/{frame}")));
+        ensure!(first?.bytes == named?.bytes, "{frame} shows something else than the first animation");
     }
     Ok(())
 }

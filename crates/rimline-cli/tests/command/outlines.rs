@@ -4,10 +4,11 @@ use glam::{DMat3, DVec3};
 use libtest_mimic::{Failed, Trial};
 use rimline_testkit::shapes;
 
-use super::draw::{Picture, draw_with, is_ink};
-use super::run::{is_long, rimline};
+use super::makers::npz_mesh;
+use super::models_of_code::{SIDES, corner};
+use super::pictures::{Image, is_ink};
+use super::run::{folder, is_long, rimline};
 use super::{Outcome, Test, ensure};
-use crate::archive::{array, write_zip};
 
 pub(crate) const TESTS: &[Test] = &[
     ("outlines::touching_boxes_have_whole_outlines", || check("gpu")),
@@ -46,15 +47,9 @@ const BOXES: [[[f64; 3]; 2]; 6] = [
 /// The boxes, turned so that no plane is an axis's, as the command reads them: corners rounded to `f32`.
 fn boxes() -> Vec<[DVec3; 8]> {
     let turn = DMat3::from_rotation_y(0.3) * DMat3::from_rotation_x(0.07);
-    let corner = |[low, high]: [[f64; 3]; 2], n: usize| {
-        let at: [f64; 3] = std::array::from_fn(|axis| if n >> axis & 1 == 0 { low[axis] } else { high[axis] });
-        (turn * DVec3::from(at)).as_vec3().as_dvec3()
-    };
-    BOXES.iter().map(|&sides| std::array::from_fn(|n| corner(sides, n))).collect()
+    let placed = |bounds, n: usize| (turn * DVec3::from(corner(bounds, n))).as_vec3().as_dvec3();
+    BOXES.iter().map(|bounds| std::array::from_fn(|n| placed(bounds, n))).collect()
 }
-
-/// Four corners each, counter-clockwise from outside.
-const SIDES: [[usize; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
 
 fn triangles(boxes: &[[DVec3; 8]]) -> Vec<[DVec3; 3]> {
     let halves = |[a, b, c, d]: [usize; 4]| [[a, b, c], [a, c, d]];
@@ -66,20 +61,20 @@ fn model() -> Vec<u8> {
 }
 
 /// A box between two corners, as a file.
-pub(crate) fn box_model([low, high]: [[f64; 3]; 2]) -> Vec<u8> {
-    let corner =
-        |n: usize| DVec3::from(std::array::from_fn(|axis| if n >> axis & 1 == 0 { low[axis] } else { high[axis] }));
-    model_of(&triangles(&[std::array::from_fn(corner)]))
+pub(crate) fn box_model(bounds: [[f64; 3]; 2]) -> Vec<u8> {
+    model_of(&triangles(&[std::array::from_fn(|n| DVec3::from(corner(&bounds, n)))]))
 }
 
 fn model_of(faces: &[[DVec3; 3]]) -> Vec<u8> {
-    let corners = faces.iter().flatten().flat_map(|p| p.as_vec3().to_array());
-    let positions: Vec<u8> = corners.flat_map(f32::to_le_bytes).collect();
-    let indices: Vec<u8> = (0..3 * faces.len() as u32).flat_map(u32::to_le_bytes).collect();
-    write_zip(&[
-        array("positions", "<f4", "False", &format!("({}, 3)", 3 * faces.len()), &positions),
-        array("faces", "<u4", "False", &format!("({}, 3)", faces.len()), &indices),
-    ])
+    let positions: Vec<[f32; 3]> = faces.iter().flatten().map(|p| p.as_vec3().to_array()).collect();
+    npz_mesh(&positions, &(0..faces.len() as u32).map(|face| [0, 1, 2].map(|n| 3 * face + n)).collect::<Vec<_>>())
+}
+
+fn draw(model: &[u8], options: &str) -> Result<Image, String> {
+    let folder = folder();
+    folder.write("m.npz", model)?;
+    folder.run(&format!("draw @m.npz --out @p.png {options}")).expect(0, &[])?;
+    folder.image("p.png")
 }
 
 /// The edges between a side that faces the eye and one that does not.
@@ -162,8 +157,8 @@ fn expected() -> Vec<([f64; 2], Seen)> {
 }
 
 /// Every visible point is in ink, and no hidden one that is far from all that may be drawn.
-fn compare(picture: &Picture, points: &[([f64; 2], Seen)]) -> Outcome {
-    let ink = |[x, y]: [f64; 2]| is_ink(picture.pixels[y as usize * picture.size[0] as usize + x as usize]);
+fn compare(picture: &Image, points: &[([f64; 2], Seen)]) -> Outcome {
+    let ink = |[x, y]: [f64; 2]| is_ink(picture.pixels()[y as usize * picture.size[0] + x as usize]);
     let of = |wanted| points.iter().filter(move |(_, seen)| *seen == wanted).map(|&(at, _)| at);
     let gaps: Vec<_> = of(Seen::Visible).filter(|&at| !ink(at)).collect();
     ensure!(
@@ -173,13 +168,13 @@ fn compare(picture: &Picture, points: &[([f64; 2], Seen)]) -> Outcome {
         of(Seen::Visible).count(),
         &gaps[..gaps.len().min(9)]
     );
-    let mut is_near = vec![false; picture.pixels.len()];
+    let mut is_near = vec![false; picture.pixels().len()];
     for &([x, y], seen) in points {
         for (dx, dy) in (-4..=4).flat_map(|dy| (-4..=4).map(move |dx| (dx, dy))).filter(|_| seen != Seen::Hidden) {
-            is_near[(y as i64 + dy) as usize * picture.size[0] as usize + (x as i64 + dx) as usize] = true;
+            is_near[(y as i64 + dy) as usize * picture.size[0] + (x as i64 + dx) as usize] = true;
         }
     }
-    let alone = |at: &[f64; 2]| !is_near[at[1] as usize * picture.size[0] as usize + at[0] as usize];
+    let alone = |at: &[f64; 2]| !is_near[at[1] as usize * picture.size[0] + at[0] as usize];
     let hidden: Vec<_> = of(Seen::Hidden).filter(alone).collect();
     ensure!(hidden.len() > 300, "only {} hidden points count", hidden.len());
     let drawn: Vec<_> = hidden.iter().filter(|&&at| ink(at)).collect();
@@ -193,11 +188,11 @@ fn compare(picture: &Picture, points: &[([f64; 2], Seen)]) -> Outcome {
     Ok(())
 }
 
-fn picture(device: &str) -> Result<Picture, String> {
+fn picture(device: &str) -> Result<Image, String> {
     let list = |numbers: [f64; 3]| numbers.map(|c| c.to_string()).join(",");
     let [width, height] = SIZE;
     let view = format!("--size {width}x{height} --eye {} --target {} --fov {FOV}", list(EYE), list(TARGET));
-    draw_with(&model(), &view, device)
+    draw(&model(), &format!("{view} --device {device}"))
 }
 
 fn check(device: &str) -> Outcome {
@@ -214,21 +209,22 @@ fn check(device: &str) -> Outcome {
     ensure!(compare(&picture, &all).is_err(), "hidden lines pass as visible");
     let mut dotted = picture;
     for ([x, y], _) in points.iter().filter(|(_, seen)| *seen == Seen::Visible).step_by(1000) {
-        dotted.pixels[*y as usize * dotted.size[0] as usize + *x as usize] = [200; 3];
+        let at = *y as usize * dotted.size[0] + *x as usize;
+        dotted.pixels_mut()[at] = [200; 3];
     }
     ensure!(compare(&dotted, &points).is_err(), "a line with holes passes");
     Ok(())
 }
 
 /// Places where the body meets the background without a line between: the body is blue, the background is not.
-fn gaps(picture: &Picture) -> Vec<[usize; 2]> {
-    let [width, height] = picture.size.map(|pixels| pixels as usize);
+fn gaps(picture: &Image) -> Vec<[usize; 2]> {
+    let [width, height] = picture.size;
     let (is_body, is_background) =
         (|[red, _, blue]: [u8; 3]| blue > red.saturating_add(8), |[red, _, blue]: [u8; 3]| red >= blue && red > 150);
     let places = (0..height - 1).flat_map(|y| (0..width - 1).map(move |x| [x, y]));
     let meets = |[x, y]: &[usize; 2]| {
-        let here = picture.pixels[y * width + x];
-        [picture.pixels[y * width + x + 1], picture.pixels[(y + 1) * width + x]]
+        let here = picture.pixels()[y * width + x];
+        [picture.pixels()[y * width + x + 1], picture.pixels()[(y + 1) * width + x]]
             .into_iter()
             .any(|next| (is_body(here) && is_background(next)) || (is_body(next) && is_background(here)))
     };
@@ -247,14 +243,14 @@ fn smooth() -> Outcome {
     let eyes = ["3.2,2.4,5.2", "-4,1.5,4", "1,5,-3.5"];
     for eye in &eyes[..if is_long() { 3 } else { 1 }] {
         let view = format!("--size 600x750 --eye {eye} --target 0,0,0 --fov 36");
-        let mut picture = draw_with(&model, &view, "gpu")?;
+        let mut picture = draw(&model, &format!("{view} --device gpu"))?;
         let found = gaps(&picture);
         ensure!(found.is_empty(), "eye {eye}: {} gaps: {:?}", found.len(), &found[..found.len().min(9)]);
         // Rub out a piece of the topmost line.
-        let width = picture.size[0] as usize;
-        let first = picture.pixels.iter().position(|&pixel| is_ink(pixel)).ok_or("no line")?;
+        let width = picture.size[0];
+        let first = picture.pixels().iter().position(|&pixel| is_ink(pixel)).ok_or("no line")?;
         for y in 0..7 {
-            picture.pixels[first + y * width..][..3].fill([240; 3]);
+            picture.pixels_mut()[first + y * width..][..3].fill([240; 3]);
         }
         ensure!(!gaps(&picture).is_empty(), "eye {eye}: a gap passes");
     }

@@ -5,16 +5,13 @@ use std::path::Path;
 
 use rimline_testkit::random::Random;
 
-use super::archive::{array, write_zip};
-use super::npz_polygons::words;
+use super::archive::{words_of, write_zip};
+use super::makers::rows;
+use super::pictures::Image;
 use super::run::{folder, is_long, read_file, write_file};
-use super::shadow::Image;
 use super::{Outcome, Test, ensure};
 
-pub(crate) const TESTS: &[Test] = &[
-    ("polygon_shadows::the_ground_is_dark_where_query_counts_polygons", ground),
-    ("polygon_shadows::what_polygons_do_not_have_is_refused", refused),
-];
+pub(crate) const TESTS: &[Test] = &[("polygon_shadows::the_ground_is_dark_where_query_counts_polygons", ground)];
 
 const SIZE: usize = 96;
 /// The eye looks straight down from a height of 2, on 4 by 4 units of the ground.
@@ -71,13 +68,11 @@ fn wrong(mask: &Image, depths: &[u32], light: usize) -> [usize; 2] {
 fn ground() -> Outcome {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let data: Vec<u8> = pixels().iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
-    let points = write_zip(&[array("points", "<f4", "False", &format!("({}, 3)", SIZE * SIZE), &data)]);
-    write_file(at("points.npz"), points)?;
+    folder.write("points.npz", write_zip(&[rows("points", &pixels())]))?;
     let depths = |model: &str| -> Result<Vec<u32>, String> {
         let line = format!("query @{model}.obj --polygons {LIGHTS} --points @points.npz --out @depths.npz");
         folder.run(&line).expect(0, &[])?;
-        words(&read_file(at("depths.npz"))?, "depth")
+        words_of(&read_file(at("depths.npz"))?, "depth")
     };
     let (mut folds, seeds) = (0, if is_long() { 2 } else { 1 });
     for seed in 0..seeds {
@@ -97,20 +92,5 @@ fn ground() -> Outcome {
         }
     }
     ensure!(folds > 1000, "triangles have the same shadows but for {folds} pixels");
-    Ok(())
-}
-
-fn refused() -> Outcome {
-    let folder = folder();
-    write(&folder.path().join("polygons.obj"), 0, false)?;
-    let line = format!("shadow @polygons.obj --polygons {VIEW} --hide-covered --mask @m");
-    folder.run(&line).expect(2, &["--hide-covered", "polygons.obj"])?;
-    folder.write("up.wgsl", "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }")?;
-    let line = format!("shadow @polygons.obj --polygons {VIEW} --displace @up.wgsl --mask @m");
-    folder.run(&line).expect(1, &["polygons.obj", "--polygons"])?;
-    // Triangles have both.
-    for options in ["--hide-covered", "--displace @up.wgsl"] {
-        folder.run(&format!("shadow @polygons.obj {VIEW} {options} --mask @m")).expect(0, &[])?;
-    }
     Ok(())
 }

@@ -1,12 +1,13 @@
 //! Running the command.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use libtest_mimic::Trial;
 use rimline_testkit::{harness, shared_cases};
 
-use super::shadow::Image;
+use super::pictures::Image;
 use super::{Outcome, ensure};
 
 pub(crate) struct Run {
@@ -14,6 +15,9 @@ pub(crate) struct Run {
     pub(crate) stdout: String,
     pub(crate) stderr: String,
 }
+
+/// wgpu's own variable hides all adapters.
+pub(crate) const HIDDEN: &[(&str, &str)] = &[("WGPU_BACKEND", "noop")];
 
 /// Runs `rimline` with these arguments.
 pub(crate) fn rimline<A: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = A>) -> Run {
@@ -25,11 +29,12 @@ pub(crate) fn rimline_with<A: AsRef<std::ffi::OsStr>>(
     arguments: impl IntoIterator<Item = A>,
     variables: &[(&str, &str)],
 ) -> Run {
-    let output = Command::new(env!("CARGO_BIN_EXE_rimline"))
-        .args(arguments)
-        .envs(variables.iter().copied())
-        .output()
-        .expect("the command was built");
+    run_command(Command::new(env!("CARGO_BIN_EXE_rimline")).args(arguments).envs(variables.iter().copied()))
+}
+
+/// Runs a command to its end.
+pub(crate) fn run_command(command: &mut Command) -> Run {
+    let output = command.output().expect("the command was built");
     Run {
         // Killed by a signal: none of the command's own codes.
         code: output.status.code().unwrap_or(-1),
@@ -117,6 +122,11 @@ impl Folder {
         Image::mask(&self.path().join(name))
     }
 
+    /// Contents of its files by name, with those of folders in it; empty for what is no regular file.
+    pub(crate) fn contents(&self) -> Result<BTreeMap<String, Vec<u8>>, String> {
+        contents(self.path())
+    }
+
     /// A folder in it, for results.
     pub(crate) fn inner(&self, name: &str) -> Result<PathBuf, String> {
         let path = self.path().join(name);
@@ -136,6 +146,25 @@ pub(crate) fn run(folder: &Path, line: &str) -> Run {
         Some(name) => folder.join(name).into_os_string(),
         None => word.into(),
     }))
+}
+
+/// Contents of a folder's files by name, with those of folders in it; empty for what is no regular file.
+pub(crate) fn contents(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, String> {
+    let text = |error: std::io::Error| format!("{}: {error}", folder.display());
+    let mut found = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).map_err(text)? {
+        let entry = entry.map_err(text)?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if entry.file_type().map_err(text)?.is_dir() {
+            let inner = contents(&entry.path())?;
+            found.extend(inner.into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
+            found.insert(name, Vec::new());
+        } else {
+            let is_file = entry.metadata().is_ok_and(|there| there.is_file());
+            found.insert(name, if is_file { std::fs::read(entry.path()).unwrap_or_default() } else { Vec::new() });
+        }
+    }
+    Ok(found)
 }
 
 /// The folder holds nothing: no result and no part of one.

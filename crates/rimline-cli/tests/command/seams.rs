@@ -6,16 +6,14 @@ use std::path::Path;
 use rimline_testkit::random::Random;
 use serde_json::Value;
 
-use super::draw::{is_ink, is_orange, png};
+use super::models_of_code::{PROFILES, lathe};
+use super::pictures::{is_ink, is_orange};
 use super::run::{folder, on_cases, run, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
     ("seams::bodies_of_revolution_are_closed_by_the_distance_that_is_named", revolved),
-    ("seams::the_distance_reaches_every_command", every_command),
-    ("seams::a_gap_that_is_meant_stays", meant),
     ("seams::t_junctions_are_those_of_the_definition", t_junctions),
-    ("seams::edges_over_each_other_are_asked_once", stacked),
 ];
 
 /// The same on the shared cases.
@@ -23,38 +21,6 @@ pub(crate) fn trials() -> Vec<libtest_mimic::Trial> {
     let is_closed = |file: &Path| closes(file, &file.to_string_lossy(), true);
     on_cases(&[("seams::cases", "h_torus.glb", is_closed, true), ("seams::cases", "h_cylinder.glb", is_closed, false)])
 }
-
-/// Rings of a profile turned about the y axis, by the angles that a full turn ends with: the last ring is the first but for
-/// rounding.
-fn lathe(profile: &[[f64; 2]], steps: usize, size: f64) -> String {
-    let mut text = String::new();
-    for step in 0..=steps {
-        let (sin, cos) = (std::f64::consts::TAU * step as f64 / steps as f64).sin_cos();
-        for [radius, height] in profile {
-            let _ = writeln!(text, "v {:e} {:e} {:e}", size * radius * cos, size * height, size * radius * sin);
-        }
-    }
-    let rings = profile.len();
-    for step in 0..steps {
-        for ring in 1..rings {
-            let [a, b, c, d] = [
-                step * rings + ring,
-                step * rings + ring + 1,
-                (step + 1) * rings + ring + 1,
-                (step + 1) * rings + ring,
-            ];
-            let _ = writeln!(text, "f {a} {b} {c}\nf {a} {c} {d}");
-        }
-    }
-    text
-}
-
-/// A cone, a vase and a ring. Points on the axis are one each, whatever the angle.
-const PROFILES: [&[[f64; 2]]; 3] = [
-    &[[0.0, -1.0], [1.0, -1.0], [0.0, 1.0]],
-    &[[0.0, -1.0], [0.7, -1.0], [1.0, 0.0], [0.5, 0.8], [0.6, 1.0], [0.0, 1.0]],
-    &[[1.0, -0.3], [1.3, 0.0], [1.0, 0.3], [0.7, 0.0], [1.0, -0.3]],
-];
 
 /// An open model that `info` names a distance for, is closed by it, and is drawn without a seam in any case.
 fn closes(model: &Path, name: &str, is_drawn: bool) -> Outcome {
@@ -84,13 +50,13 @@ fn closes(model: &Path, name: &str, is_drawn: bool) -> Outcome {
     let drawn = [("", false), ("--show-boundary", true), (&format!("{weld} --show-boundary"), false)];
     for (options, has_orange) in drawn.into_iter().filter(|_| is_drawn) {
         folder.run(&format!("draw @{copy} {options} --size 200x150 --out @p.png")).expect(0, &[])?;
-        let pixels = png(&folder.path().join("p.png"))?.pixels;
-        let orange = pixels.iter().filter(|pixel| is_orange(**pixel)).count();
+        let image = folder.image("p.png")?;
+        let orange = image.count_pixels(is_orange)?;
         ensure!(
             (orange > 20) == has_orange && (orange == 0) != has_orange,
             "{name}, {options}: {orange} orange pixels"
         );
-        ensure!(pixels.iter().filter(|pixel| is_ink(**pixel)).count() > 60, "{name}, {options}: no outline");
+        ensure!(image.count_pixels(is_ink)? > 60, "{name}, {options}: no outline");
     }
     Ok(())
 }
@@ -105,42 +71,6 @@ fn revolved() -> Outcome {
             closes(&file, &name, kind == number + usize::from(number > 0))?;
         }
     }
-    Ok(())
-}
-
-/// The welded surface is what is extracted, and casts without a leak by any method.
-fn every_command() -> Outcome {
-    let folder = folder();
-    folder.write("m.obj", lathe(PROFILES[1], 32, 1.0))?;
-    for (options, boundary) in [("", 10), ("--weld-distance 1e-6", 0)] {
-        let line = format!("extract @m.obj --light point:3,4,2 {options} --json --out @m.npz");
-        let json = folder.run(&line).json()?;
-        ensure!(json["edges"]["boundary"] == boundary, "{options}: {json}");
-    }
-    let mut masks = Vec::new();
-    for method in ["z-pass", "z-fail"] {
-        let view = "--size 96x72 --light point:3,4,2";
-        let line = format!("shadow @m.obj --weld-distance 1e-6 --method {method} {view} --mask @{method}");
-        folder.run(&line).expect(0, &[])?;
-        masks.push(folder.read(format!("{method}.0.png"))?);
-    }
-    ensure!(masks[0] == masks[1], "the methods differ");
-    for wrong in ["-1", "nan", "inf", "-inf", "1e39"] {
-        let line = format!("info @m.obj --weld-distance={wrong}");
-        folder.run(&line).expect(2, &["--weld-distance"])?;
-    }
-    // Rings of the vase become a point each: far wider than the distance.
-    folder.write("m.obj", lathe(PROFILES[1], 96, 1.0))?;
-    folder.run("info @m.obj --weld-distance 0.08").expect(0, &["warning: ", "--weld-distance"])
-}
-
-/// A slit that is wider than rounding: nothing is offered.
-fn meant() -> Outcome {
-    let folder = folder();
-    let slit = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1.01 0 0\nv 2 0 0\nv 1.01 1 0\nf 1 2 3\nf 1 3 4\nf 5 6 7\n";
-    folder.write("slit.obj", slit)?;
-    let json = folder.run("info @slit.obj --json").json()?;
-    ensure!(json["placed"]["closed"] == false && json["meshes"][0]["near_boundary"].is_null(), "{json}");
     Ok(())
 }
 
@@ -189,17 +119,4 @@ fn t_junctions() -> Outcome {
 fn cross(a: [i32; 3], b: [i32; 3], c: [i32; 3]) -> [i32; 3] {
     let [u, v] = [b, c].map(|q| [0, 1, 2].map(|axis| q[axis] - a[axis]));
     [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-}
-
-/// Strips whose long edges all lie on one line, one over the other, each ending within all larger ones.
-fn stacked() -> Outcome {
-    const STRIPS: usize = 40_000;
-    let folder = folder();
-    let mut text = String::new();
-    for strip in 1..=STRIPS {
-        let _ = writeln!(text, "v {} 0 0\nv {strip} 0 0\nv 0 1 {strip}\nf -3 -2 -1", -(strip as i64));
-    }
-    let found = count(folder.path(), &text)?;
-    ensure!(found == 2 * (STRIPS - 1), "{found}");
-    Ok(())
 }

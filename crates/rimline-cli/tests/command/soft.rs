@@ -2,9 +2,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::draw::{Picture, png};
 use super::outlines::box_model;
-use super::run::{folder, rimline, write_file};
+use super::pictures::Image;
+use super::run::folder;
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] =
@@ -48,16 +48,12 @@ fn meets_box(from: DVec3, to: DVec3) -> bool {
     enter.max(0.0) < leave.min(1.0)
 }
 
-fn draw((eye, target, fov): View, options: &str) -> Result<Picture, String> {
+fn draw((eye, target, fov): View, options: &str) -> Result<Image, String> {
     let folder = folder();
-    let (file, out) = (folder.path().join("box.npz"), folder.path().join("p.png"));
-    write_file(&file, box_model([LOW.to_array(), HIGH.to_array()]))?;
-    let (file, out) = (file.to_string_lossy(), out.to_string_lossy());
-    let size = format!("{}x{}", SIZE[0], SIZE[1]);
-    let view = format!("--eye {} --target {} --fov {fov}", list(eye), list(target));
-    let line = ["shadow", &file, "--out", &out, "--size", &size, "--ground", "0"].into_iter();
-    rimline(line.chain(view.split_whitespace()).chain(options.split_whitespace())).expect(0, &[])?;
-    png(out.as_ref().as_ref())
+    folder.write("box.npz", box_model([LOW.to_array(), HIGH.to_array()]))?;
+    let view = format!("--size {}x{} --eye {} --target {} --fov {fov}", SIZE[0], SIZE[1], list(eye), list(target));
+    folder.run(&format!("shadow @box.npz --out @p.png --ground 0 {view} {options}")).expect(0, &[])?;
+    folder.image("p.png")
 }
 
 fn list(v: DVec3) -> String {
@@ -100,7 +96,7 @@ fn expected() -> Vec<Option<(f64, f64)>> {
 }
 
 /// The worst difference between a step from block to block and the step that it should be; and how many were compared.
-fn worst_step(picture: &Picture, expected: &[Option<(f64, f64)>]) -> (f64, usize) {
+fn worst_step(picture: &Image, expected: &[Option<(f64, f64)>]) -> (f64, usize) {
     let [columns, rows] = SIZE.map(|pixels| pixels / 8);
     let block = |column: usize, row: usize| {
         let pixels: Vec<usize> = (0..64).map(|n| (8 * row + n / 8) * SIZE[0] + 8 * column + n % 8).collect();
@@ -108,7 +104,7 @@ fn worst_step(picture: &Picture, expected: &[Option<(f64, f64)>]) -> (f64, usize
         let light = light.filter(|light| light.iter().all(|&(_, share)| share > 0.0 && share < 1.0))?;
         let mean = |of: &dyn Fn(usize) -> f64| (0..64).map(of).sum::<f64>() / 64.0;
         let errors: [f64; 3] = std::array::from_fn(|c| {
-            mean(&|n| f64::from(picture.pixels[pixels[n]][c])) - mean(&|n| shade(light[n].0)[c])
+            mean(&|n| f64::from(picture.pixels()[pixels[n]][c])) - mean(&|n| shade(light[n].0)[c])
         });
         Some(errors)
     };
@@ -148,7 +144,7 @@ fn low_sun() -> Outcome {
                 continue;
             }
             let to = if is_dark(place) { &mut dark } else { &mut lit };
-            to.push(f64::from(picture.pixels[y * SIZE[0] + x][1]));
+            to.push(f64::from(picture.pixels()[y * SIZE[0] + x][1]));
         }
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         if dark.len() > 50 && lit.len() > 50 { Ok(mean(&lit) - mean(&dark)) } else { Err("nothing is seen there") }

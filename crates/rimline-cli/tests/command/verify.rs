@@ -7,13 +7,14 @@ use std::path::Path;
 use libtest_mimic::{Failed, Trial};
 use serde_json::Value;
 
-use super::archive::compare;
-use super::run::{folder, is_long, rimline, rimline_with, write_file};
-use super::usage::HIDDEN;
-use super::{Outcome, ensure};
+use super::archive::{compare, words_of};
+use super::run::{HIDDEN, folder, is_long, read_file, rimline, rimline_with, write_file};
+use super::{Outcome, Test, ensure};
 use rimline_models::catalogue::GOOD;
 use rimline_testkit::assets;
 use rimline_testkit::files::GOOD_FILES;
+
+pub(crate) const TESTS: &[Test] = &[("verify::a_device_that_rounds_would_be_noticed", rounded)];
 
 pub(crate) fn trials() -> Vec<Trial> {
     let no_opengl = !has_opengl();
@@ -37,13 +38,13 @@ fn has_opengl() -> bool {
 }
 
 /// Writes a folder to check.
-pub(crate) fn make(folder: &Path, options: &[&OsStr]) -> Outcome {
+fn make(folder: &Path, options: &[&OsStr]) -> Outcome {
     let line = ["verify".as_ref(), "--make".as_ref(), folder.as_os_str()];
     rimline(line.iter().chain(options)).expect(0, &[])
 }
 
 /// Checks a folder and returns the JSON. The command must end with the exit code `code`.
-pub(crate) fn check(folder: &Path, options: &[&str], code: i32) -> Result<Value, String> {
+fn check(folder: &Path, options: &[&str], code: i32) -> Result<Value, String> {
     let line = ["verify".as_ref(), folder.as_os_str(), "--json".as_ref()];
     let run = rimline(line.into_iter().chain(options.iter().map(AsRef::as_ref)));
     run.expect(code, &[])?;
@@ -51,7 +52,7 @@ pub(crate) fn check(folder: &Path, options: &[&str], code: i32) -> Result<Value,
 }
 
 /// A folder's files.
-pub(crate) fn contents(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, String> {
+fn contents(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, String> {
     let entries = std::fs::read_dir(folder).map_err(|error| error.to_string())?;
     let read = |entry: std::io::Result<std::fs::DirEntry>| {
         let entry = entry?;
@@ -98,7 +99,7 @@ fn stress_scenes() -> Outcome {
 }
 
 /// A folder with the largest of the small stress scenes alone; its bytes.
-pub(crate) fn one_file(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
+fn one_file(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
     let (made, wanted) = (folder.join("made"), folder.join("one"));
     make(&made, &["--faces".as_ref(), "50".as_ref()])?;
     std::fs::create_dir(&wanted).map_err(|error| error.to_string())?;
@@ -174,6 +175,31 @@ fn opengl() -> Outcome {
         rimline_with(line, &less).expect(3, &["OpenGL", "it lacks compute shaders"])?;
     } else {
         println!("this OpenGL offers compute shaders whatever it is told, so their lack was not tried");
+    }
+    Ok(())
+}
+
+/// Bits that `f32` arithmetic finds, as a device that is not exact would.
+fn rounded() -> Outcome {
+    let folder = folder();
+    let [made, one] = ["made", "one"].map(|name| folder.path().join(name));
+    make(&made, &["--faces".as_ref(), "500".as_ref()])?;
+    std::fs::create_dir(&one).map_err(|error| error.to_string())?;
+    let plate = made.join("stress-plate-all.npz");
+    let lights: Vec<f32> = words_of(&read_file(&plate)?, "lights")?.into_iter().map(f32::from_bits).collect();
+    let specs = lights.chunks(4).map(|l| format!("--light=hom:{:?},{:?},{:?},{:?}", l[0], l[1], l[2], l[3]));
+    let specs: Vec<String> = specs.collect();
+    for (predicate, code) in [("exact", 0), ("fast", 5)] {
+        let out = one.join("one.npz");
+        let mut line = vec!["extract".as_ref(), plate.as_os_str(), "--no-weld".as_ref(), "--out".as_ref()];
+        line.extend([out.as_os_str(), "--device".as_ref(), "cpu".as_ref(), "--predicate".as_ref(), predicate.as_ref()]);
+        rimline(line.into_iter().chain(specs.iter().map(AsRef::as_ref))).expect(0, &[])?;
+        let json = check(&one, &[], code)?;
+        for result in json["files"][0]["results"].as_array().ok_or("no results")? {
+            let arrays = result["differences"].as_array().ok_or("no differences")?;
+            let has_facing = arrays.iter().any(|difference| difference["array"] == "facing");
+            ensure!(has_facing == (predicate == "fast"), "{predicate}: {result:#}");
+        }
     }
     Ok(())
 }

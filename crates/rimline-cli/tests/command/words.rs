@@ -3,21 +3,15 @@
 use std::path::Path;
 use std::process::Command;
 
-use super::npz_input::tetrahedron;
+use super::makers::tetrahedron;
 use super::run::{folder, rimline_with};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
-    #[cfg(unix)]
-    ("words::a_gpu_is_opened_quietly", quiet),
-    #[cfg(unix)]
-    ("words::a_quiet_run_is_the_same_process", same_process),
     ("words::examples_are_the_same_at_any_width", widths),
     #[cfg(unix)]
     ("words::examples_can_be_pasted", pasted),
     ("words::set_up_and_work_are_timed_apart", times),
-    ("words::what_is_written_is_named", written),
-    ("words::formats_and_devices_are_named", named),
 ];
 
 const COMMANDS: [&str; 9] = ["draw", "shadow", "film", "extract", "query", "info", "devices", "verify", "bench"];
@@ -36,39 +30,6 @@ fn by_shell(script: &str, folder: &Path, width: &str) -> std::process::Output {
         .env("PATH", format!("{}:{path}", program.parent().unwrap_or(program).display()))
         .output()
         .expect("there is a shell")
-}
-
-#[cfg(unix)]
-fn quiet() -> Outcome {
-    let folder = folder();
-    folder.write("m.npz", tetrahedron())?;
-    let commands = [
-        "rimline devices",
-        "rimline draw m.npz --size 64x64 --out a.png",
-        "rimline extract m.npz --light dir:0,1,0 --device gpu --out a.npz",
-        "XDG_RUNTIME_DIR= rimline devices",
-        "XDG_RUNTIME_DIR=relative rimline devices --json",
-    ];
-    for command in commands {
-        let run = by_shell(command, folder.path(), "80");
-        let stderr = String::from_utf8_lossy(&run.stderr);
-        ensure!(run.status.success() && stderr.is_empty(), "{command}: {:?}, {stderr}", run.status);
-    }
-    Ok(())
-}
-
-/// Standard input and output, exit code, process number and ignored signals are those of the first run.
-#[cfg(unix)]
-fn same_process() -> Outcome {
-    let folder = folder();
-    folder.write("m.npz", tetrahedron())?;
-    let piped = by_shell("rimline draw - --size 64x64 --out /dev/stdout <m.npz | head -c 8", folder.path(), "80");
-    ensure!(piped.stdout == b"\x89PNG\r\n\x1a\n", "{:?}, {}", piped.stdout, String::from_utf8_lossy(&piped.stderr));
-    let failed = by_shell("rimline draw m.npz --device 'no such device' --out a.png", folder.path(), "80");
-    ensure!(failed.status.code() == Some(3), "{failed:?}");
-    let wrong = by_shell("rimline draw none.npz --out a.png", folder.path(), "80");
-    ensure!(wrong.status.code() == Some(1), "{wrong:?}");
-    Ok(())
 }
 
 /// The examples in a command's help: each with its broken lines.
@@ -145,45 +106,6 @@ fn times() -> Outcome {
         let text = folder.run(line);
         text.expect(0, &[])?;
         ensure!(text.stdout.contains("set-up ") && text.stdout.contains(", work "), "{}", text.stdout);
-    }
-    Ok(())
-}
-
-fn written() -> Outcome {
-    let folder = folder();
-    folder.write("m.npz", tetrahedron())?;
-    folder.write("still.wgsl", "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }")?;
-    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    let film = "film @m.npz --displace @still.wgsl --frames 2 --size 64x48 --out @film";
-    for (line, what, more) in [
-        ("draw @m.npz --size 64x48 --out @a.png", at("a.png"), " (64×48)"),
-        ("shadow @m.npz --light point:9,9,9 --size 64x48 --out @a.png", at("a.png"), " (64×48)"),
-        (film, "2 pictures".into(), " (64×48)"),
-        ("extract @m.npz --light dir:0,1,0 --out @a.npz", at("a.npz"), ""),
-    ] {
-        let run = folder.run(line);
-        run.expect(0, &[])?;
-        let said = run.stdout.lines().any(|line| line.starts_with(&format!("wrote {what}")) && line.ends_with(more));
-        ensure!(said, "{line}: {}", run.stdout);
-        if line.starts_with("shadow") {
-            ensure!(run.stdout.contains("near caps          none needed"), "{}", run.stdout);
-        }
-    }
-    Ok(())
-}
-
-fn named() -> Outcome {
-    let folder = folder();
-    for name in ["fox.ply", "fox"] {
-        folder.write(name, "v 0 0 0\n")?;
-    }
-    folder.write("m.npz", tetrahedron())?;
-    for (line, code, part) in [
-        ("info @fox.ply", 1, "fox.ply: cannot read .ply: use .glb, .gltf, .obj or .npz"),
-        ("info @fox", 1, "cannot read a file of this format: use .glb, .gltf, .obj or .npz"),
-        ("draw @m.npz --device voodoo --out @a.png", 3, "no device has `voodoo` in its name or backend"),
-    ] {
-        folder.run(line).expect(code, &[part])?;
     }
     Ok(())
 }

@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 use rimline_cli::npz::{ElementType, NpzWriter};
 use rimline_testkit::random::Random;
 
-use crate::mutate;
 use crate::options::Options;
 use crate::supervisor::SLOW;
+use rimline_testkit::mutate;
 
 /// Lines that do something on the CPU, fail for want of a GPU, or print.
 const SEEDS: [&str; 19] = [

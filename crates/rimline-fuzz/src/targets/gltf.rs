@@ -2,11 +2,11 @@
 
 use rimline::gltf::{Asset, LoadOptions};
 use rimline::mesh::Weld;
-use rimline_models::maker::{self, F32, Maker, U16, everything};
+use rimline_models::maker::{Maker, everything};
 use rimline_testkit::random::Random;
 use serde_json::{Value, json};
 
-use crate::mutate;
+use rimline_testkit::mutate;
 
 /// A file may take this much memory; a worker's address space is much larger.
 const MEMORY_LIMIT: u64 = 256 << 20;
@@ -26,7 +26,7 @@ impl Seeds {
             strip(),
             hidden(),
         ];
-        Self(makers.into_iter().map(|maker| split(&maker.glb())).collect())
+        Self(makers.into_iter().map(|maker| mutate::split_gltf(&maker.glb())).collect())
     }
 
     pub(crate) fn case(&self, random: &mut Random) -> Vec<u8> {
@@ -47,27 +47,9 @@ impl Seeds {
                 _ => mutate::bytes(&mut binary, random),
             }
         }
-        let mut text = json.to_string();
-        if random.below(3) == 0 {
-            mutate::text(&mut text, &["{", "}", "[", "]", ",", "\"", "null", "\\u0000", "true", "1e"], random);
-        }
-        let mut file = match random.below(6) {
-            0 => text.into_bytes(),
-            _ => maker::glb(text.as_bytes(), &binary),
-        };
-        if random.below(10) == 0 {
-            mutate::bytes(&mut file, random);
-        }
-        file
+        let is_glb = random.below(6) != 0;
+        mutate::gltf(&json, &binary, is_glb, random)
     }
-}
-
-/// The two chunks.
-fn split(file: &[u8]) -> (Value, Vec<u8>) {
-    let word = |at: usize| u32::from_le_bytes(std::array::from_fn(|byte| file[at + byte])) as usize;
-    let end = 20 + word(12);
-    let json = serde_json::from_slice(&file[20..end]).unwrap_or_default();
-    (json, file.get(end + 8..).unwrap_or_default().to_vec())
 }
 
 fn animated() -> Maker {
@@ -96,20 +78,13 @@ fn instanced() -> Maker {
 
 fn sparse() -> Maker {
     let mut maker = Maker::square();
-    let indices = maker.view(&[1, 0, 2, 0]);
-    let values: Vec<u8> = [1.0_f32, 1.0, 1.0, 2.0, 2.0, 2.0].iter().flat_map(|v| v.to_le_bytes()).collect();
-    let values = maker.view(&values);
-    maker.json["accessors"][0]["sparse"] = json!({
-        "count": 2,
-        "indices": { "bufferView": indices, "componentType": U16 },
-        "values": { "bufferView": values },
-    });
+    maker.sparse(0, &[1, 2], &[1.0, 1.0, 1.0, 2.0, 2.0, 2.0]);
     maker
 }
 
 fn strip() -> Maker {
     let mut maker = Maker::new();
-    let positions = maker.push("accessors", json!({ "componentType": F32, "type": "VEC3", "count": 6 }));
+    let positions = maker.zeros(6);
     for mode in [4, 5, 6] {
         maker.mesh(&json!({ "attributes": { "POSITION": positions }, "mode": mode }));
         let mesh = maker.json["meshes"].as_array().map_or(0, Vec::len) - 1;

@@ -11,7 +11,7 @@ use rimline_testkit::random::Random;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-use crate::mutate;
+use rimline_testkit::mutate;
 
 /// An archive may take this much memory.
 const MEMORY_LIMIT: u64 = 64 << 20;

@@ -7,7 +7,7 @@ use rimline_cli::obj;
 use rimline_testkit::random::Random;
 
 use super::npz::check_polygons;
-use crate::mutate;
+use rimline_testkit::mutate;
 
 /// A file may take this much memory.
 const MEMORY_LIMIT: u64 = 64 << 20;

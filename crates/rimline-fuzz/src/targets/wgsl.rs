@@ -6,7 +6,7 @@ use rimline::Displacement;
 use rimline::reference::displace::deform_wgsl;
 use rimline_testkit::random::Random;
 
-use crate::mutate;
+use rimline_testkit::mutate;
 
 const HEAD: &str = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {";
 

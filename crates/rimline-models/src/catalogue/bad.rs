@@ -10,7 +10,7 @@ use Fate::{Empty, Refused, Warned};
 /// All of them.
 pub const BAD: &[Bad] = &[
     bad("draco.glb", draco, Refused, &["KHR_draco_mesh_compression", "decompress"]),
-    bad("index_out_of_range.glb", index_out_of_range, Refused, &["meshes[0].primitives[0]", "is 77", "4 vertices"]),
+    bad("index_out_of_range.glb", index_out_of_range, Refused, &["face 1, corner 2", "is 77", "4 vertices"]),
     bad("no_accessor.glb", no_accessor, Refused, &["meshes[0].primitives[0].attributes.POSITION is 9", "2 accessors"]),
     bad("float_indices.glb", |m| retype(m, 1, "SCALAR"), Refused, &["meshes[0].primitives[0].indices", "F32 Scalar"]),
     bad("vec4_positions.glb", |m| retype(m, 0, "VEC4"), Refused, &["attributes.POSITION", "F32 Vec4"]),
@@ -27,11 +27,11 @@ pub const BAD: &[Bad] = &[
     bad("no_view_unshown.glb", no_view, Empty, &["accessors[0].bufferView is 9", "2 bufferViews"]),
     bad("few_binds.glb", few_binds, Refused, &["skins[0].inverseBindMatrices", "1 elements, expected 2"]),
     bad("few_binds_unshown.glb", few_binds, Empty, &["skins[0].inverseBindMatrices", "1 elements, expected 2"]),
-    bad("weights.glb", weights, Refused, &["meshes[0].primitives[0].attributes.WEIGHTS_0", "weight -"]),
+    bad("weights.glb", weights, Refused, &["primitives[0].attributes.WEIGHTS_0, vertex 0", "weight -0.5"]),
     bad("weights_unshown.glb", weights, Empty, &["meshes[0].primitives[0].attributes.WEIGHTS_0", "weight -"]),
     bad("no_position.glb", no_position, Empty, &["1 primitives without positions"]),
-    bad("nan.glb", |m| corner(m, f32::NAN), Warned, &["attributes.POSITION", "infinite or NaN"]),
-    bad("infinite.glb", |m| corner(m, f32::NEG_INFINITY), Warned, &["attributes.POSITION", "infinite or NaN"]),
+    bad("nan.glb", |m| corner(m, f32::NAN), Warned, &["attributes.POSITION: 1 positions", "vertex 1"]),
+    bad("infinite.glb", |m| corner(m, f32::NEG_INFINITY), Warned, &["attributes.POSITION: 1 positions", "vertex 1"]),
     bad("negative_index.glb", negative_index, Warned, &["baseColorTexture.index", "found -1"]),
     bad("restart.glb", restart, Warned, &["meshes[0].primitives[0]", "restart value 255"]),
 ];

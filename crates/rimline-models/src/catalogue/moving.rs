@@ -5,8 +5,8 @@ use std::ops::Range;
 use rimline_bench::shapes::{self, Shape};
 use serde_json::{Value, json};
 
-use super::still::{alone, flat, place, quantized as in_integers, sparsely, zeros};
-use crate::maker::{F32, Maker, U8, U16, U32};
+use super::still::{alone, place, quantized as in_integers};
+use crate::maker::{F32, Maker, U8, U16, U32, flat};
 
 const JOINTS: usize = 5;
 /// Key times.
@@ -28,10 +28,9 @@ fn animate(maker: &mut Maker, name: &str, nodes: Range<usize>, path: &str, inter
         "CUBICSPLINE" => keys.chunks(width).flat_map(around).collect(),
         _ => keys.to_vec(),
     };
-    let (input, output) = (maker.floats("SCALAR", &TIMES), maker.floats(kind, &output));
+    let sampler = maker.keys(&TIMES, kind, &output, interpolation);
     let channels: Vec<_> =
         nodes.map(|node| json!({ "sampler": 0, "target": { "node": node, "path": path } })).collect();
-    let sampler = json!({ "input": input, "output": output, "interpolation": interpolation });
     maker.push("animations", json!({ "name": name, "samplers": [sampler], "channels": channels }));
 }
 
@@ -82,12 +81,12 @@ pub(super) fn morphed() -> Maker {
                 let offset = |&[x, y, z]: &[f32; 3]| [y * (0.1 * target as f32), 0.3 * x, 0.2 * z * x];
                 let offsets: Vec<f32> = shape.positions.iter().flat_map(offset).collect();
                 match target {
-                    3 | 7 => zeros(&mut maker, count),
+                    3 | 7 => maker.zeros(count as u64),
                     _ => maker.floats("VEC3", &offsets),
                 }
             });
             let targets: Vec<usize> = targets.collect();
-            sparsely(&mut maker, targets[3], &[1, 5], &[0.5, 0.0, -0.5, 0.0, 0.75, 0.0]);
+            maker.sparse(targets[3], &[1, 5], &[0.5, 0.0, -0.5, 0.0, 0.75, 0.0]);
             primitive["targets"] = targets.into_iter().map(|target| json!({ "POSITION": target })).collect();
             primitive
         })

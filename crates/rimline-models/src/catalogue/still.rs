@@ -3,7 +3,7 @@
 use rimline_bench::shapes::{self, Shape};
 use serde_json::{Value, json};
 
-use crate::maker::{F32, I16, Maker, U8, U16, U32};
+use crate::maker::{I16, Maker, U8, U16, U32, flat};
 
 /// Adds a mesh of these primitives at a node with these properties.
 pub(super) fn place(maker: &mut Maker, primitives: &[Value], mut node: Value) -> usize {
@@ -18,14 +18,6 @@ pub(super) fn alone(shape: &Shape, indices: u32) -> Maker {
     let node = place(&mut maker, &[primitive], json!({}));
     maker.scene(&[node]);
     maker
-}
-
-/// The same faces, each with corners of its own.
-pub(super) fn flat(shape: &Shape) -> Shape {
-    let corners = shape.faces.as_flattened().iter();
-    let positions: Vec<_> = corners.map(|&vertex| shape.positions[vertex as usize]).collect();
-    let faces = (0..shape.faces.len() as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
-    Shape { positions, faces }
 }
 
 /// Hard normals, and a node with a matrix.
@@ -119,20 +111,9 @@ pub(super) fn parts() -> Maker {
 /// A flat plate, some of whose vertices are moved; its buffer is a file.
 pub(super) fn sparse() -> Maker {
     let mut maker = alone(&shapes::plane_grid(3, 4), U16);
-    sparsely(&mut maker, 0, &[6, 7, 13], &[-0.3, 0.5, 0.0, -0.3, -0.25, 0.1, 0.4, 0.75, -0.5]);
+    maker.sparse(0, &[6, 7, 13], &[-0.3, 0.5, 0.0, -0.3, -0.25, 0.1, 0.4, 0.75, -0.5]);
     maker.json["buffers"] = json!([{ "byteLength": maker.bytes.len(), "uri": "sparse.bin" }]);
     maker
-}
-
-/// Other values for some elements of an accessor.
-pub(super) fn sparsely(maker: &mut Maker, accessor: usize, elements: &[u16], values: &[f32]) {
-    let indices = maker.view(&elements.iter().flat_map(|at| at.to_le_bytes()).collect::<Vec<u8>>());
-    let values = maker.view(&values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>());
-    maker.json["accessors"][accessor]["sparse"] = json!({
-        "count": elements.len(),
-        "indices": { "bufferView": indices, "componentType": U16 },
-        "values": { "bufferView": values },
-    });
 }
 
 /// Two scenes, of which the second is shown: meshes at several nodes, mirrored below mirrored ones, with degenerate faces and
@@ -182,9 +163,4 @@ pub(super) fn quantized(maker: &mut Maker, shape: &Shape, scale: f32, normalized
     let mut primitive = maker.primitive(&Shape { positions: Vec::new(), ..shape.clone() }, U16);
     primitive["attributes"]["POSITION"] = json!(positions);
     primitive
-}
-
-/// An accessor of 32-bit floats without bytes, all zeros.
-pub(super) fn zeros(maker: &mut Maker, count: usize) -> usize {
-    maker.push("accessors", json!({ "componentType": F32, "type": "VEC3", "count": count }))
 }

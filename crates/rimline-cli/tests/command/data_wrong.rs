@@ -1,0 +1,97 @@
+//! Cases with a wrong expectation fail.
+
+use super::data::{check, differences};
+use super::{Outcome, Test, ensure};
+
+pub(crate) const TESTS: &[Test] = &[("data::a_wrong_expectation_fails", negative)];
+
+const RIGHT: &str = "a case
+make t.npz tetrahedron
+npz points.npz
+  points <f4 (1, 3) 0.1 0.1 0.1
+
+$ rimline query t.npz --points points.npz --light dir:1,0,0 --device cpu --out {} --json
+0 a.npz
+json /points 1
+json /adapter \"cpu\"
+files a.npz
+array a.npz depth <i4 (1, 1) 1
+0 b.npz
+same a.npz b.npz
+4 no/such
+
+$ rimline draw t.npz --size 20x10 --eye 3,2,4 --out p.png
+$ rimline draw t.npz --size 20x10 --eye 4,2,3 --out q.png
+> wrote [..]
+size p.png 20x10
+count p.png ink > 4
+apart p.png q.png > 4 by 9
+
+$ rimline shadow t.npz --light dir:0,1,0 --size 20x10 --mask m --out r.png
+pixel m.0.png 0,0 255
+count m.0.png 255 > 9
+apart m.0.png m.0.png = 0
+size points.npz 258
+lacks a.npz:origin
+entries a.npz points lights depth";
+
+fn passes(case: &str) -> Outcome {
+    differences(case, &check(case)?)
+}
+
+fn negative() -> Outcome {
+    // The message is written by the first run, as `RIMLINE_CASES=write` does.
+    let right = check(RIGHT)?;
+    passes(&right)?;
+    ensure!(right.contains("! rimline: error: no/such: cannot be written"), "{right}");
+    for (part, wrong) in [
+        ("0 a.npz", "2 a.npz"),
+        ("4 no/such", "0 no/such"),
+        ("cannot be written", "cannot be read"),
+        ("! rimline: error: no/such", "! rimline: no/such"),
+        ("> wrote [..]", "> wrote nothing"),
+        ("> wrote [..]", "> [..]\n> ...\n> more"),
+        ("json /points 1", "json /points 2"),
+        ("json /points 1", "json /points > 1"),
+        ("json /points 1", "json /points none"),
+        ("json /points 1", "json /points < 1"),
+        ("json /adapter \"cpu\"", "json /adapter \"gpu\""),
+        ("json /adapter \"cpu\"", "jsn /adapter \"cpu\""),
+        ("files a.npz", "files"),
+        ("files a.npz", "lacks a.npz"),
+        ("files a.npz", "has b.npz"),
+        ("files a.npz", "says nothing"),
+        ("files a.npz", "hides points"),
+        ("(1, 1) 1", "(1, 1) 2"),
+        ("(1, 1) 1", "(1, 1) 1 1"),
+        ("(1, 1) 1", "(1, 2) 1"),
+        ("depth <i4", "depth <u4"),
+        ("same a.npz b.npz", "other a.npz b.npz"),
+        ("same a.npz b.npz", "same a.npz points.npz"),
+        ("size p.png 20x10", "size p.png 10x20"),
+        ("count p.png ink > 4", "count p.png ink > 200"),
+        ("> 4 by 9", "< 4 by 9"),
+        ("0,0 255", "0,0 128"),
+        ("m.0.png 255 > 9", "m.0.png 255 < 9"),
+        ("m.0.png 255 > 9", "r.png 255 > 9"),
+        ("m.0.png m.0.png = 0", "m.0.png m.0.png > 0"),
+        ("m.0.png m.0.png = 0", "r.png r.png = 0"),
+        ("npz 258", "npz 259"),
+        ("lacks a.npz:origin", "lacks a.npz:depth"),
+        ("lacks a.npz:origin", "lacks c.npz:origin"),
+        ("entries a.npz points lights", "entries a.npz lights points"),
+        ("lights depth", "lights"),
+        ("0.1 0.1 0.1", "9 0.1 0.1"),
+    ] {
+        ensure!(right.contains(part), "the case lacks `{part}`");
+        let changed = right.replacen(part, wrong, 1);
+        ensure!(passes(&changed).is_err(), "`{wrong}` passed instead of `{part}`");
+    }
+    let shown = passes(&right.replace("cannot be written", "cannot be read")).err().unwrap_or_default();
+    let signs = [
+        "\n-4 no/such ! rimline: error: no/such: cannot be read",
+        "\n+4 no/such ! rimline: error: no/such: cannot be written",
+    ];
+    ensure!(signs.iter().all(|line| shown.contains(line)), "the difference is not shown: {shown}");
+    Ok(())
+}
