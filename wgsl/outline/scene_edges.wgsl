@@ -73,33 +73,19 @@ fn outlined_record(number: u32) -> RimlineSilhouette {
 fn outlined_faces(edge: u32) -> vec2<u32> { return edge_faces[edge]; }
 fn outlined_first_face() -> u32 { return face_run(outlined_caster).z; }
 
-// The rows of the caster's matrix.
-struct OutlinedRows {
-  x: vec4<f32>,
-  y: vec4<f32>,
-  z: vec4<f32>,
-}
-
-fn outlined_rows() -> OutlinedRows {
-  if (!is_in_mesh_space(outlined_caster)) {
-    return OutlinedRows(vec4<f32>(1.0, 0.0, 0.0, 0.0), vec4<f32>(0.0, 1.0, 0.0, 0.0), vec4<f32>(0.0, 0.0, 1.0, 0.0));
-  }
-  return OutlinedRows(
-    bitcast<vec4<f32>>(caster_part(outlined_caster, 0u)),
-    bitcast<vec4<f32>>(caster_part(outlined_caster, 1u)),
-    bitcast<vec4<f32>>(caster_part(outlined_caster, 2u)));
-}
+// A row of the matrix from the caster's positions to world space, which is the identity where they are in a buffer.
+fn outlined_row(axis: u32) -> vec4<f32> { return bitcast<vec4<f32>>(caster_part(outlined_caster, axis)); }
 
 fn outlined_position(vertex: u32) -> vec3<f32> {
-  let rows = outlined_rows();
   let position = vertex_position(outlined_caster, vertex);
-  return vec3<f32>(dot_3(rows.x.xyz, position), dot_3(rows.y.xyz, position), dot_3(rows.z.xyz, position));
+  return vec3<f32>(
+    dot_3(outlined_row(0u).xyz, position), dot_3(outlined_row(1u).xyz, position), dot_3(outlined_row(2u).xyz, position));
 }
 
 // The origin is taken from the matrix first, as for shadow volumes (`view_of`).
 fn outlined_offset(vertex: u32) -> vec3<f32> {
-  let rows = outlined_rows();
-  return outlined_position(vertex) + (vec3<f32>(rows.x.w, rows.y.w, rows.z.w) - outline.origin);
+  let shift = vec3<f32>(outlined_row(0u).w, outlined_row(1u).w, outlined_row(2u).w);
+  return outlined_position(vertex) + (shift - outline.origin);
 }
 
 // Callers mark edges of extractions only.
