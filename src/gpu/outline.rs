@@ -87,12 +87,30 @@ impl Default for OutlineStyle {
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum OutlineSource<'a> {
-    /// Those of an extraction, whose extractor has lists of quads, the default; and the number of the light.
+    /// The edges of an extraction, and the number of the light. The extractor has lists of quads, the default.
     Extraction(&'a Extraction, usize),
-    /// Those of all casters of a scene, in one draw for each group of casters, and a light of the frame. A caster without this
-    /// light in its [`Caster::lights`](crate::gpu::Caster::lights), or which is out of the light's range or cone, has no outline,
-    /// so give the light neither. Nor has one that an occluder hides from the light:
-    /// [`Scene::set_occluders`](crate::gpu::Scene::set_occluders). No view is needed.
+    /// The edges of all casters of a frame of a scene, and a light of that frame. There is one draw for each group of casters.
+    /// Without [views](crate::gpu::FrameInputs::views) the encode prepares no shadow volumes; with views it does for this light, too.
+    ///
+    /// A caster has no outline if its [`Caster::lights`](crate::gpu::Caster::lights) lack the light, if it is out of the light's
+    /// range or cone, or if [`Scene::set_occluders`](crate::gpu::Scene::set_occluders) hide it from the light. So give the light
+    /// neither range nor cone. Faces that count nowhere in shadows, by
+    /// [`Scene::set_excluded`](crate::gpu::Scene::set_excluded), have outlines like all others.
+    ///
+    /// ```no_run
+    /// use rimline::gpu::{FrameInputs, LightHandle, OutlineInputs, OutlinePipeline, OutlineSource, OutlineStyle, Scene};
+    /// # use rimline::{Light, ShadowCamera, wgpu};
+    /// # fn outlines(scene: &mut Scene, eye: LightHandle, outlines: &OutlinePipeline, encoder: &mut wgpu::CommandEncoder,
+    /// #     (camera, position): (&ShadowCamera, [f32; 3]), depth: &wgpu::TextureView, pass: &wgpu::RenderPassDescriptor<'_>)
+    /// #     -> Result<(), Box<dyn std::error::Error>> {
+    /// // Once: let eye = scene.add_light(Light::point(position))?;
+    /// scene.set_light(eye, Light::point(position))?;
+    /// let frame = scene.encode(encoder, FrameInputs::new(&[(*camera).into()]))?;
+    /// let (of, style) = (OutlineSource::Scene(&frame, eye), OutlineStyle::default());
+    /// let outline = outlines.prepare(&OutlineInputs { of, camera, depth, style, marked: None })?;
+    /// outline.draw(&mut encoder.begin_render_pass(pass))?;
+    /// # Ok(()) }
+    /// ```
     Scene(&'a SceneFrame, LightHandle),
 }
 
@@ -101,8 +119,8 @@ pub enum OutlineSource<'a> {
 pub struct OutlineInputs<'a> {
     /// The edges, and the light that stands for the eye.
     pub of: OutlineSource<'a>,
-    /// The camera. It maps the positions of the extraction, or world space. In a scene with models it is a camera of the encode's
-    /// views, if that has any: models that no view needs are not deformed.
+    /// The camera. It maps the positions of the extraction, or for a scene world space. If the scene has models and the encode has
+    /// views, the camera is that of a view: models that no view needs are not deformed.
     pub camera: &'a ShadowCamera,
     /// The depth of what hides lines, the model itself too, drawn by this camera. It is a view of level 0 of one layer with the depth
     /// aspect only, of a texture with usage `TEXTURE_BINDING`. It may be the depth attachment of the pass if that is read-only
@@ -214,8 +232,8 @@ impl From<ShadowError> for OutlineError {
     }
 }
 
-/// Draws edges of extractions and of scenes as lines of a width in pixels, with round joins, smoothed by coverage, and hidden behind the depth
-/// that the caller drew. Nothing is read back.
+/// Draws edges of extractions and of scenes as lines of a width in pixels, with round joins, smoothed by coverage, and hidden
+/// behind the depth that the caller drew. Nothing is read back. [`OutlineSource`] has an example with a scene.
 ///
 /// ```no_run
 /// # use rimline::gpu::{Extraction, OutlineError, OutlineInputs, OutlinePipeline, OutlineSource, OutlineStyle};

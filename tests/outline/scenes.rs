@@ -238,6 +238,8 @@ fn seen() -> Result<(), String> {
         let (others, lists) = ([0, 33][projection % 2], [None, Some(5)][projection / 2 % 2]);
         let mut own = Outlined::new(&gpu, view.light, others, lists)?;
         let mut bodies = bodies(&gpu, &mut own, &mut random)?;
+        // Excluded faces cast nothing, and are seen.
+        own.scene.set_excluded(bodies[3].handle, own.eye, &[0, 1, 2]).map_err(text)?;
         let attachments = Attachments::ALL[projection % Attachments::ALL.len()];
         let classes = [true, true, projection % 3 > 0, false];
         let mut before: Option<(Truth, Vec<u8>)> = None;
@@ -256,7 +258,9 @@ fn seen() -> Result<(), String> {
                 "out of range" => {
                     // Directions have no range, and nothing is known of what is in a buffer.
                     own.scene.set_light(own.eye, view.light.with_range(1e-3)).map_err(text)?;
-                    bodies.iter_mut().for_each(|body| body.has_outline &= view.is_parallel || body.buffer.is_some());
+                    for body in &mut bodies {
+                        body.has_outline &= view.is_parallel || body.buffer.is_some();
+                    }
                 }
                 _ => {}
             }
