@@ -43,7 +43,7 @@ impl Attachments {
     }
 }
 
-/// What a picture shows beside lines, and what it is drawn into.
+/// The camera and the faces of a picture, and what it is drawn into.
 pub(crate) struct Picture<'a> {
     pub(crate) camera: &'a ShadowCamera,
     /// Three corners a face, in world space.

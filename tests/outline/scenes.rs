@@ -119,7 +119,7 @@ fn same_as_extractions() -> Result<(), String> {
             let caster = own.insert(case, IDENTITY)?;
             let picture = Picture { camera, corners: corners(case), attachments };
             same(&what, &own.ink(&gpu, &picture, style, &[])?, &expected)?;
-            // What a list that overflows would draw without a test of each edge.
+            // A list that overflows would draw this without a test of each edge.
             let every = OutlineStyle { crease: Some([0.0, 0.0, 0.0, 1.0]), crease_angle: 0.0, ..style };
             let is_noticed = |found: &[u8]| usize::from(same(&what, found, &expected).is_err());
             pictures += 1;

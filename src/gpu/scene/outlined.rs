@@ -1,43 +1,14 @@
 //! Groups of casters as the outlines of a light draw them.
 
-use std::ops::Range;
-
 use super::buffers::GroupBuffers;
 use super::frame::SceneFrame;
 use super::handles::LightHandle;
 use super::layout::Group;
-use super::pages::Page;
-use super::sources::Source;
+use super::sources::GroupTopology;
 use super::structure::{GroupBatch, Structure};
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{Resource, part, whole};
 use crate::layout::{DrawArguments, OutlinedGroup};
-
-/// The topology and positions of a group.
-#[derive(Debug)]
-pub(crate) struct GroupTopology {
-    faces: wgpu::Buffer,
-    edge_vertices: wgpu::Buffer,
-    edge_faces: wgpu::Buffer,
-    positions: (wgpu::Buffer, Range<u64>),
-    /// The clusters of its page.
-    #[cfg(feature = "reference")]
-    pub(crate) clusters: wgpu::Buffer,
-}
-
-impl GroupTopology {
-    pub(crate) fn new(page: &Page, source: &Source) -> Self {
-        let (positions, range) = source.place(page);
-        Self {
-            faces: page.faces.clone(),
-            edge_vertices: page.edge_vertices.clone(),
-            edge_faces: page.edge_faces.clone(),
-            positions: (positions.clone(), range),
-            #[cfg(feature = "reference")]
-            clusters: page.clusters.clone(),
-        }
-    }
-}
 
 /// A group of casters and a light, for a draw of its outlines.
 #[derive(Clone, Copy)]
@@ -66,7 +37,7 @@ impl<'a> Outlined<'a> {
         }
     }
 
-    /// What the draw reads beside the uniform, in the order of its bindings.
+    /// The resources of the draw beside the uniform, in the order of its bindings.
     pub(crate) fn resources(self) -> [Resource<'a>; 7] {
         let Self { structure, part: GroupBatch { sizes, .. }, buffers, topology, .. } = self;
         let (positions, range) = &topology.positions;

@@ -46,6 +46,31 @@ impl Source {
         let (buffer, range) = self.place(page);
         part(buffer, range)
     }
+
+    /// The buffers that draws of its casters read.
+    pub(crate) fn topology(&self, page: &Page) -> GroupTopology {
+        let (positions, range) = self.place(page);
+        GroupTopology {
+            faces: page.faces.clone(),
+            edge_vertices: page.edge_vertices.clone(),
+            edge_faces: page.edge_faces.clone(),
+            positions: (positions.clone(), range),
+            #[cfg(feature = "reference")]
+            clusters: page.clusters.clone(),
+        }
+    }
+}
+
+/// The topology and positions of a group of casters.
+#[derive(Debug)]
+pub(crate) struct GroupTopology {
+    pub(crate) faces: wgpu::Buffer,
+    pub(crate) edge_vertices: wgpu::Buffer,
+    pub(crate) edge_faces: wgpu::Buffer,
+    pub(crate) positions: (wgpu::Buffer, Range<u64>),
+    /// The clusters of its page.
+    #[cfg(feature = "reference")]
+    pub(crate) clusters: wgpu::Buffer,
 }
 
 /// The part of a caller's buffer that is bound.

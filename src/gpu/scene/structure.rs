@@ -7,9 +7,8 @@ use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::layout::{Group, Layout};
 use super::lights::Lights;
 use super::options::{Measuring, SceneOptions};
-use super::outlined::GroupTopology;
 use super::pages::{Page, Pages};
-use super::sources::{Source, Sources};
+use super::sources::{GroupTopology, Source, Sources};
 use super::table::{Part, Table};
 use crate::Light;
 use crate::gpu::common::device_error::DeviceError;
@@ -136,7 +135,7 @@ impl Structure {
             guarded(device, given_bytes, || given.into_iter().map(|masks| masks.map(filled)).collect::<Vec<_>>())?;
         let topology = |group: &Group| {
             let source = making.sources.get(group.source)?;
-            Some(GroupTopology::new(making.pages.get(source.page)?, source))
+            Some(source.topology(making.pages.get(source.page)?))
         };
         let topology = layout.groups.iter().filter_map(topology).collect();
         let unneeded_at = words as u32;
