@@ -52,7 +52,8 @@ impl OfEdge {
     out[8] = on_near_plane(own.view, a, b);
     out[9] = parallel_to_near_plane(a, b);
     out[10] = vec4<f32>(a.height, b.height, a.far_height, b.far_height);
-    out[11] = select(vec4<f32>(0.0), vec4<f32>(1.0), vec4<bool>(a.is_far, b.is_far, false, false));",
+    let is_far = vec4<bool>(a.is_light_farther, b.is_light_farther, false, false);
+    out[11] = select(vec4<f32>(0.0), vec4<f32>(1.0), is_far);",
         )?;
         Ok(probe.run(gpu, &[], seen, edges)?.into_iter().map(Self).collect())
     }

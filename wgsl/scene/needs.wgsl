@@ -32,10 +32,10 @@ struct NeedsDispatch {
 fn may_shade(view: u32, number: u32, low: vec3<f32>, high: vec3<f32>) -> bool {
   let light = seen[view * frame.lights + number].light;
   let cone = seen[view * frame.lights + number].cone;
-  if (frame.skip_unreached != 0u && (out_of_range(light, 1.0, low, high) || !may_be_in_cone(cone, low, high, 0.0))) {
+  if (frame.skip_unreached != 0u && (is_out_of_range(light, 1.0, low, high) || !may_be_in_cone(cone, low, high, 0.0))) {
     return false;
   }
-  return frame.skip_unseen == 0u || !is_unseen(seen[view * frame.lights + number].view, light, low, high);
+  return frame.skip_unseen == 0u || !is_volume_outside_view(seen[view * frame.lights + number].view, light, low, high);
 }
 
 fn is_needed(figure: u32) -> bool {
@@ -47,7 +47,7 @@ fn is_needed(figure: u32) -> bool {
   }
   // Turns: NEEDS_BOXES / 2.
   for (var view = 0u; view < frame.views; view++) {
-    if (!box_is_unseen(seen[view * frame.lights].view, low, high)) {
+    if (!is_box_outside_view(seen[view * frame.lights].view, low, high)) {
       return true;
     }
     // Turns: NEEDS_BOXES in all.

@@ -1,10 +1,12 @@
-// Bounds: a compute stage that finds the box of each caster's finite faces, and whether a caster has faces that are not
-// finite. A caster is a mesh that throws shadows. Dispatched between `relist` and `choose`, for each group of casters in world
-// space; invocations take chunks of 64 face slots in turn. Rigid casters have a box in mesh space already, in the table. It
-// reads positions and faces, and `lit` and the bits FRESH that `relist` wrote, by which it skips groups and casters whose
-// boxes nothing reads. `choose`, `stencil_pencil` and the stages of crossings read `boxes`, which are zeros before. Boxes are
-// exact, the same bits in any order: floats are compared as keys, integers of the same order, so that atomics can join them
-// and no device can flush them.
+// Stage `bounds`: computes the box around the finite faces of each caster, and whether it has faces that are not finite.
+// The scene table already has the boxes of rigid casters.
+// Dispatched between `relist` and `choose` for each group of casters in world space; an invocation has chunks of 64 face
+// slots.
+// Reads: positions, faces, the lights that affect a caster, CHOICE_DIRTY. Groups and casters whose boxes no stage reads
+// are skipped.
+// Writes: `boxes`, which must be zeros before, for `choose`, `stencil_pencil`, `stencil_crossings` and `piece_crossings`.
+// Boxes are exact and have the same bits in any order. Floats are compared as keys, integers of the same order. So
+// atomics can join them, and no device flushes them to zero.
 
 #import common/casters
 #import shadow/caster
@@ -15,34 +17,33 @@
 @group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read> positions: array<u32>;
 @group(0) @binding(3) var<storage, read> faces: array<u32>;
-// For each caster the keys of the lowest x, y, z, inverted, and the highest, so that zeros are an empty box. The last word is
-// 1 if a face that names three different vertices has a corner that is not finite.
+// Seven words for each caster. 0 to 2: keys of the lowest x, y, z, inverted. 3 to 5: keys of the highest. So zeros are an
+// empty box. 6: whether a face with three different vertices has a corner that is not finite.
 @group(0) @binding(4) var<storage, read_write> boxes: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read> choices: array<u32>;
-// For each batch and caster the lights that matter.
-@group(0) @binding(6) var<storage, read> lit: array<u32>;
+@group(0) @binding(6) var<storage, read> lit: array<u32>; // For each batch and caster the lights that affect the caster.
 
-// Whether any box of the group is read.
-fn is_needed() -> bool {
-  var fresh = shape.needs_boxes;
+// Whether a stage reads any box of the group.
+fn is_any_box_read() -> bool {
+  var is_read = shape.needs_boxes;
   // Turns: BOUND_PLACES.
-  for (var place = 0u; place < shape.views * shape.batches; place++) {
-    fresh |= choices[CHOICE_WORDS * (place * shape.casters + shape.first_caster) + FRESH];
+  for (var index = 0u; index < shape.views * shape.batches; index++) {
+    is_read |= choices[CHOICE_WORDS * (index * shape.casters + shape.first_caster) + CHOICE_DIRTY];
   }
-  return fresh != 0u;
+  return is_read != 0u;
 }
 
-// Whether any light matters to a caster. If not, nothing reads its box.
-fn has_light(caster: u32) -> bool {
-  var matter = 0u;
+// Whether any light affects the caster. If not, no stage reads its box.
+fn has_affecting_light(caster: u32) -> bool {
+  var lights = 0u;
   // Turns: 32.
   for (var batch = 0u; batch < shape.batches; batch++) {
-    matter |= lit[batch * shape.casters + caster];
+    lights |= lit[batch * shape.casters + caster];
   }
-  return matter != 0u;
+  return lights != 0u;
 }
 
-// The box of some faces of a caster.
+// Extends the box of a caster by the faces from `first` to before `end`, indices in the page.
 fn bound_faces(caster: u32, first: u32, end: u32) {
   var low = vec3<u32>(0xffffffffu);
   var high = vec3<u32>(0u);
@@ -73,16 +74,16 @@ fn bound_faces(caster: u32, first: u32, end: u32) {
 
 @compute @workgroup_size(64)
 fn bounds(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  if (!is_needed()) {
+  if (!is_any_box_read()) {
     return;
   }
   // Turns: BOUND_CHUNKS.
   for (var chunk = id.x; chunk * CHUNK < shape.faces; chunk += 64u * groups.x) {
-    let caster = caster_of(shape.face_chunks_at, chunk * CHUNK);
-    let run = face_run(caster);
-    let first = chunk * CHUNK - run.x;
-    if ((caster_flags(caster) & RIGID) == 0u && first < run.y && has_light(caster)) {
-      bound_faces(caster, run.z + first, run.z + min(first + CHUNK, run.y));
+    let caster = caster_of_slot(shape.face_chunks_at, chunk * CHUNK);
+    let range = face_range(caster);
+    let first = chunk * CHUNK - range.x;
+    if ((caster_flags(caster) & RIGID) == 0u && first < range.y && has_affecting_light(caster)) {
+      bound_faces(caster, range.z + first, range.z + min(first + CHUNK, range.y));
     }
   }
 }

@@ -1,10 +1,12 @@
-// Cap faces: vertex shaders that draw caps, the faces that close shadow volumes, in the caller's render pass, by the indirect
-// draws that `shadow_arguments` made of the lists of `caps`; an instance is a face. A light cap is a face at its place. A dark
-// cap is the face at the far end of the volume. A near cap is the part of a face between light and near plane, projected from the
-// light onto that plane. z-fail draws light and dark caps; ZP+ draws near caps beside the sides of z-pass. z-pass and ZP+ also
-// draw light caps of casters that are not in the depth buffer. z-pass also draws dark caps where volumes end; volumes that ZP+
-// counts do not end. Light and dark caps have the same lists. If lists overflowed, each face of the group is an instance and is
-// tested here. Corners keep their order, since depths of light caps must be those of the surface.
+// Vertex shaders of caps, the faces that close shadow volumes, in the caller's render pass. The indirect draws of
+// `shadow_arguments` have an instance for each entry of a list of `caps`. If the list overflowed, each face slot of the
+// group has an instance, and the shader decides whether it is drawn.
+// * `light_cap`, `dark_cap`: a face, and the same face at the far end of the volume. z-fail draws both. z-pass draws dark
+//   caps of volumes that end. Volumes that ZP+ counts do not end. Both share their lists.
+// * `near_cap`: the part of a face between light and near plane, projected from the light onto that plane. ZP+ draws it.
+// * `seen_light_cap`: the light cap of a caster that is not in the depth buffer, for z-pass and ZP+.
+// * `zp_plus_2005_cap`: the near cap of ZP+ as published in 2005.
+// Corners keep the order of the face, so that light caps have the depths of the surface. docs/numerics/shadow-volumes.md.
 
 #import common/casters
 #import shadow/caster
@@ -22,111 +24,111 @@
 @group(1) @binding(2) var<storage, read> facing_masks: array<u32>;
 @group(1) @binding(3) var<storage, read> excluded_masks: array<u32>;
 @group(1) @binding(4) var<storage, read> caps_listed: array<u32>;
-// The list of cap faces that is drawn: near caps counted on their front (0) or back (1), light and dark caps likewise (2, 3).
-override CAP_KIND: u32 = 0u;
+override CAP_KIND: u32 = 0u; // The kind of the list that is drawn (shadow/lists.wgsl).
 
-// A face, and what its caster sees.
-struct Cap {
-  valid: bool,
-  corners: vec3<u32>,
+// The face of an instance, and view and light for its caster.
+struct CapInstance {
+  is_drawn: bool,
+  corners: vec3<u32>, // Vertex indices.
   caster: u32,
   view: ShadowView,
   light: ShadowLight,
 }
 
-// An instance is an entry of the list. If the lists overflowed, every face slot is an instance, and those that do not belong to
-// the list are not valid, by the tests with which `caps` listed, but one: faces that miss the pyramid of light and near rectangle
-// stay among near caps, and their caps are off the picture or without area.
-fn cap_of(instance: u32) -> Cap {
+// The face of an instance of the draw of list CAP_KIND. If the lists overflowed, it repeats the tests of `caps` but one:
+// near caps of faces outside the pyramid of light and near rectangle are drawn, too. They lie outside the picture or have no
+// area.
+fn load_cap(instance: u32) -> CapInstance {
   let bit = draw.light - draw.first_light;
-  let pair = CAP_KIND & FAR;
-  let overflowed = caps_listed[4u * bit + pair] + caps_listed[4u * bit + pair + 1u] > cap_capacity(CAP_KIND);
+  let first_kind = CAP_KIND & FAR_CAPS;
+  let is_overflowed = caps_listed[4u * bit + first_kind] + caps_listed[4u * bit + first_kind + 1u] > cap_capacity(CAP_KIND);
   var slot = instance;
-  if (!overflowed) {
-    slot = caps_listed[cap_place(bit, CAP_KIND, instance)];
+  if (!is_overflowed) {
+    slot = caps_listed[cap_entry_offset(bit, CAP_KIND, instance)];
   }
-  var own: Cap;
-  own.caster = caster_of(shape.face_chunks_at, slot);
-  own.view = view_of(own.caster, seen.view);
-  own.light = light_of(own.caster, seen.light, draw.light);
-  own.valid = is_counted(own.caster, draw.count_batch);
-  let run = face_run(own.caster);
-  let face = run.z + slot - run.x;
-  own.corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
-  if (overflowed || has_measures() || shape.proxies != 0u) {
-    own.light = chosen_light(own.caster, own.light, draw.light, draw.view);
+  var result: CapInstance;
+  result.caster = caster_of_slot(shape.face_chunks_at, slot);
+  result.view = view_for_caster(result.caster, seen.view);
+  result.light = light_for_caster(result.caster, seen.light, draw.light);
+  result.is_drawn = is_in_count_batch(result.caster, draw.count_batch);
+  let range = face_range(result.caster);
+  let face = range.z + slot - range.x;
+  result.corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
+  if (is_overflowed || has_measures() || shape.proxies != 0u) {
+    result.light = with_stored_choices(result.caster, result.light, draw.light, draw.view);
   }
-  if (overflowed) {
-    let corners = own.corners;
-    let facing = ((facing_masks[slot] >> bit) & 1u) != 0u;
-    let flags = caster_flags(own.caster);
-    let mirrored = (flags & MIRRORED) != 0u;
-    let is_excluded = own.light.excludes != 0u && ((excluded_masks[slot] >> bit) & 1u) != 0u;
-    var is_of_kind = has_near_cap(own.light) && near_kind(own.light, facing, mirrored) == CAP_KIND;
-    if (CAP_KIND >= FAR) {
-      is_of_kind = has_far_caps(own.light, flags) && far_kind(facing, mirrored) == CAP_KIND;
+  if (is_overflowed) {
+    let corners = result.corners;
+    let is_front_facing = ((facing_masks[slot] >> bit) & 1u) != 0u;
+    let flags = caster_flags(result.caster);
+    let is_mirrored = (flags & MIRRORED) != 0u;
+    let is_excluded = result.light.excludes != 0u && ((excluded_masks[slot] >> bit) & 1u) != 0u;
+    var is_of_kind = has_near_cap(result.light) && near_cap_kind(result.light, is_front_facing, is_mirrored) == CAP_KIND;
+    if (CAP_KIND >= FAR_CAPS) {
+      is_of_kind = has_far_caps(result.light, flags) && far_cap_kind(is_front_facing, is_mirrored) == CAP_KIND;
     }
-    own.valid = own.valid && slot - run.x < run.y && casts(own.light, facing) && !is_excluded && is_of_kind &&
+    result.is_drawn = result.is_drawn && slot - range.x < range.y && is_casting_face(result.light, is_front_facing) &&
+      !is_excluded && is_of_kind &&
       corners.x != corners.y && corners.y != corners.z && corners.z != corners.x &&
-      is_finite(vertex_position(own.caster, corners.x)) && is_finite(vertex_position(own.caster, corners.y)) &&
-      is_finite(vertex_position(own.caster, corners.z));
+      is_finite(vertex_position(result.caster, corners.x)) && is_finite(vertex_position(result.caster, corners.y)) &&
+      is_finite(vertex_position(result.caster, corners.z));
   }
-  return own;
+  return result;
 }
 
-// For z-fail. It is not trimmed: its depths must be those of the surface, bit for bit.
+// For z-fail. It is not trimmed, because it must have the depths of the surface, bit for bit.
 @vertex fn light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
-  let own = cap_of(instance);
-  if (!own.valid) {
-    return VolumeVertex(NOTHING);
+  let cap = load_cap(instance);
+  if (!cap.is_drawn) {
+    return VolumeVertex(NOT_DRAWN);
   }
-  return VolumeVertex(to_clip(own.view, vertex_position(own.caster, own.corners[vertex])));
+  return VolumeVertex(to_clip(cap.view, vertex_position(cap.caster, cap.corners[vertex])));
 }
 
-fn face_of(own: Cap) -> CapFace {
+fn face_of_cap(cap: CapInstance) -> CapFace {
   return CapFace(
-    vertex_position(own.caster, own.corners.x),
-    vertex_position(own.caster, own.corners.y),
-    vertex_position(own.caster, own.corners.z),
-    own.corners,
+    vertex_position(cap.caster, cap.corners.x),
+    vertex_position(cap.caster, cap.corners.y),
+    vertex_position(cap.caster, cap.corners.z),
+    cap.corners,
   );
 }
 
-// For z-pass and ZP+: the light cap of a caster that is not in the depth buffer. Others have none.
+// For z-pass and ZP+. Light caps of casters in the depth buffer are not drawn.
 @vertex fn seen_light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
-  let own = cap_of(instance);
-  if (!own.valid || (caster_flags(own.caster) & PROXY) == 0u) {
-    return VolumeVertex(NOTHING);
+  let cap = load_cap(instance);
+  if (!cap.is_drawn || (caster_flags(cap.caster) & PROXY) == 0u) {
+    return VolumeVertex(NOT_DRAWN);
   }
-  return drawn_light_cap(own.view, own.light, face_of(own), has_near_cap(own.light), vertex);
+  return drawn_light_cap(cap.view, cap.light, face_of_cap(cap), has_near_cap(cap.light), vertex);
 }
 
 @vertex fn dark_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
-  let own = cap_of(instance);
-  // Lists also have faces of casters that are not in the depth buffer, and their volume need not end.
-  let is_endless = shape.proxies != 0u && own.light.counting != COUNT_Z_FAIL && own.light.end == 0.0;
-  if (!own.valid || is_endless) {
-    return VolumeVertex(NOTHING);
+  let cap = load_cap(instance);
+  // With z-pass, lists also have faces of casters that are not in the depth buffer, and their volume may go to infinity.
+  let is_endless = shape.proxies != 0u && cap.light.counting != COUNT_Z_FAIL && cap.light.end == 0.0;
+  if (!cap.is_drawn || is_endless) {
+    return VolumeVertex(NOT_DRAWN);
   }
-  return drawn_dark_cap(own.view, own.light, face_of(own), vertex);
+  return drawn_dark_cap(cap.view, cap.light, face_of_cap(cap), vertex);
 }
 
 @vertex fn near_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
-  let own = cap_of(instance);
-  if (!own.valid) {
-    return VolumeVertex(NOTHING);
+  let cap = load_cap(instance);
+  if (!cap.is_drawn) {
+    return VolumeVertex(NOT_DRAWN);
   }
-  return drawn_near_cap(own.view, own.light, face_of(own), vertex);
+  return drawn_near_cap(cap.view, cap.light, face_of_cap(cap), vertex);
 }
 
-// The near cap as published: the face transformed by the matrix of the light's frustum. The hardware clips it.
+// The face transformed by the matrix of the light's frustum. The hardware clips it.
 @vertex fn zp_plus_2005_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
-  let own = cap_of(instance);
-  if (!own.valid) {
-    return VolumeVertex(NOTHING);
+  let cap = load_cap(instance);
+  if (!cap.is_drawn) {
+    return VolumeVertex(NOT_DRAWN);
   }
-  return VolumeVertex(frustum_to_clip(own.view, own.light, vertex_position(own.caster, own.corners[vertex])));
+  return VolumeVertex(frustum_to_clip(cap.view, cap.light, vertex_position(cap.caster, cap.corners[vertex])));
 }
 
-// For passes with colour attachments, which are not changed.
+// For passes with colour attachments, which stay as they are.
 @fragment fn nothing() {}

@@ -1,11 +1,12 @@
-// Caps: a compute stage that lists the faces whose caps are drawn, for each light of a batch (up to 32 lights, a bit each) in a
-// view. Dispatched after `choose` for each group of casters, batch and view; eight invocations share a chunk of 64 face slots.
-// `shadow_arguments` makes draws of the lists, and `cap_faces` reads them. Near
-// caps, which ZP+ needs, come from faces between light and near rectangle (what the camera sees of the near plane). With z-fail,
-// where volumes end at the range, and for casters that are not in the depth buffer, light and dark caps come from every face that
-// casts. Excluded faces, those whose plane has the light and those that are not finite, have no caps. It sets CAPPED in the
-// choices of casters that have near caps: only their sides are clipped, so a face that may have a near cap must never be left
-// out. Lists are in no particular order.
+// Stage `caps`: lists the faces whose caps are drawn, for each light of a batch (up to 32 lights), in a view. A light cap
+// is a face, a dark cap is the same face at the far end of the volume. A near cap is the part of a face between light and
+// near plane, projected from the light onto that plane. The near rectangle is what the camera sees of the near plane.
+// Dispatched after `choose` for each group of casters, light batch and view; eight invocations share a chunk of 64 face
+// slots.
+// Reads: choices, positions, facing masks, excluded masks. Excluded faces have no caps.
+// Writes: lists, in arbitrary order, for `shadow_arguments` and `cap_faces`; CHOICE_LISTED_NEAR_CAP of casters with near
+// caps, for which later stages clip sides. So every face that may have a near cap must be listed.
+// docs/numerics/shadow-volumes.md, "Closed volumes" and "Slack of culling".
 
 #import common/casters
 #import shadow/caster
@@ -16,75 +17,79 @@
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: array<SeenLight>;
+@group(0) @binding(2) var<storage, read> seen: array<SeenLight>; // For each view all lights.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> positions: array<u32>;
 @group(0) @binding(5) var<storage, read> faces: array<u32>;
 @group(0) @binding(6) var<storage, read> facing_masks: array<u32>;
 @group(0) @binding(7) var<storage, read> excluded_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> choices: array<atomic<u32>>;
-// For each light of the batch the numbers of its cap faces of each kind; then the lists.
+// Four counts for each light, then the lists.
 @group(0) @binding(9) var<storage, read_write> caps_listed: array<atomic<u32>>;
 
-// Whether all three corners are outside one of the pyramid's planes.
-fn misses_pyramid(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> bool {
+// Whether all three corners are outside one plane of the pyramid of light and near rectangle.
+fn is_outside_pyramid(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> bool {
   let p = pyramid_planes(view, light, a);
   let q = pyramid_planes(view, light, b);
   let r = pyramid_planes(view, light, c);
-  let out = (p.value < -SLACK * p.size) & (q.value < -SLACK * q.size) & (r.value < -SLACK * r.size);
-  let beyond = p.depth < -SLACK * p.depth_size && q.depth < -SLACK * q.depth_size && r.depth < -SLACK * r.depth_size;
-  return any(out) || beyond;
+  let outside = (p.side_heights < -SLACK * p.side_terms) & (q.side_heights < -SLACK * q.side_terms) &
+    (r.side_heights < -SLACK * r.side_terms);
+  let outside_near = p.depth < -SLACK * p.depth_terms && q.depth < -SLACK * q.depth_terms &&
+    r.depth < -SLACK * r.depth_terms;
+  return any(outside) || outside_near;
 }
 
-// The choices for a caster: words as in choices.wgsl, bits of the lights that may need caps of its faces, and its flags.
-struct Needs {
-  first: vec4<u32>, // CASTS, EVERY, NEAR; CAPPED, which this stage writes, is 0.
-  excludes: u32,
-  lights: u32,
-  flags: u32,
+// The choices for a caster.
+struct CapChoices {
+  words: vec4<u32>, // CHOICE_CASTS, CHOICE_EVERY_FACE, CHOICE_NEAR_CAP. CHOICE_LISTED_NEAR_CAP is 0: this stage writes it.
+  excludes: u32, // CHOICE_EXCLUDES.
+  lights: u32, // The lights for which faces of the caster may have caps that are to be listed.
+  flags: u32, // The flags of the caster.
 }
 
-// The lights whose lists are made anew.
-fn fresh_lights() -> u32 {
-  return atomicLoad(&choices[CHOICE_WORDS * choices_of(shape.first_caster, draw.first_light / 32u, draw.view) + FRESH]);
+// The lights whose lists are dirty.
+fn load_dirty_lights() -> u32 {
+  return atomicLoad(
+    &choices[CHOICE_WORDS * choice_index(shape.first_caster, draw.first_light / 32u, draw.view) + CHOICE_DIRTY]);
 }
 
-fn needs_of(caster: u32) -> Needs {
-  let at = CHOICE_WORDS * choices_of(caster, draw.first_light / 32u, draw.view);
-  var needs: Needs;
+fn load_choices(caster: u32) -> CapChoices {
+  let offset = CHOICE_WORDS * choice_index(caster, draw.first_light / 32u, draw.view);
+  var result: CapChoices;
   for (var word = 0u; word < 3u; word++) {
-    needs.first[word] = atomicLoad(&choices[at + word]);
+    result.words[word] = atomicLoad(&choices[offset + word]);
   }
-  needs.excludes = atomicLoad(&choices[at + EXCLUDES]);
-  needs.flags = caster_flags(caster);
-  // Where a volume ends, it has dark caps. With z-pass each light tells.
-  let far = shape.counting == COUNT_Z_FAIL || shape.counting == COUNT_ZP_PLUS_2005 || shape.end_at_range != 0u ||
-    (needs.flags & PROXY) != 0u;
-  needs.lights = needs.first[CASTS] & select(needs.first[NEAR], 0xffffffffu, far) & fresh_lights();
-  return needs;
+  result.excludes = atomicLoad(&choices[offset + CHOICE_EXCLUDES]);
+  result.flags = caster_flags(caster);
+  // Whether all casting lights may have light or dark caps. `has_far_caps` decides for each light.
+  let can_have_far_caps = shape.counting == COUNT_Z_FAIL || shape.counting == COUNT_ZP_PLUS_2005 ||
+    shape.end_at_range != 0u || (result.flags & PROXY) != 0u;
+  result.lights = result.words[CHOICE_CASTS] & select(result.words[CHOICE_NEAR_CAP], 0xffffffffu, can_have_far_caps) &
+    load_dirty_lights();
+  return result;
 }
 
-// The end of the caster's volume for light `number`: `ShadowLight::end`.
-fn end_of(caster: u32, number: u32) -> f32 {
+// The end of the caster's volume: `ShadowLight::end`.
+fn load_volume_end(caster: u32, light_index: u32) -> f32 {
   if (!has_measures()) {
     return 0.0;
   }
-  let before = CHOICE_WORDS * shape.views * shape.batches * shape.casters;
-  return bitcast<f32>(atomicLoad(&choices[before + 2u * measures_of(caster, number, draw.view)]));
+  let measures_offset = CHOICE_WORDS * shape.views * shape.batches * shape.casters;
+  return bitcast<f32>(atomicLoad(&choices[measures_offset + 2u * measure_index(caster, light_index, draw.view)]));
 }
 
-// Appends a face to a list of a light. A list without room counts on.
+// Appends a face to a list of a light. If the list is full, only its count grows.
 fn list_cap(bit: u32, kind: u32, slot: u32) {
-  let place = atomicAdd(&caps_listed[4u * bit + kind], 1u);
-  if (place < cap_capacity(kind)) {
-    atomicStore(&caps_listed[cap_place(bit, kind, place)], slot);
+  let entry = atomicAdd(&caps_listed[4u * bit + kind], 1u);
+  if (entry < cap_capacity(kind)) {
+    atomicStore(&caps_listed[cap_entry_offset(bit, kind, entry)], slot);
   }
 }
 
-// Lists the caps of a face, for all lights that need caps of its caster.
-fn list_face(caster: u32, slot: u32, needs: Needs) {
-  let corners_at = 3u * (face_run(caster).z + slot - face_run(caster).x);
-  let corners = vec3<u32>(faces[corners_at], faces[corners_at + 1u], faces[corners_at + 2u]);
+// Lists the caps of a face for all lights of `caster_choices`.
+fn list_face(caster: u32, slot: u32, caster_choices: CapChoices) {
+  let first_corner = 3u * (face_range(caster).z + slot - face_range(caster).x);
+  let corners = vec3<u32>(faces[first_corner], faces[first_corner + 1u], faces[first_corner + 2u]);
   let a = vertex_position(caster, corners.x);
   let b = vertex_position(caster, corners.y);
   let c = vertex_position(caster, corners.z);
@@ -93,50 +98,52 @@ fn list_face(caster: u32, slot: u32, needs: Needs) {
     return;
   }
   let facing_mask = facing_masks[slot];
-  let excluded_mask = excluded_masks[slot] & needs.excludes;
-  let mirrored = (needs.flags & MIRRORED) != 0u;
+  let excluded_mask = excluded_masks[slot] & caster_choices.excludes;
+  let is_mirrored = (caster_choices.flags & MIRRORED) != 0u;
   // Turns: 32.
-  for (var rest = needs.lights & ~excluded_mask; rest != 0u; rest &= rest - 1u) {
-    let bit = firstTrailingBit(rest);
-    let number = draw.first_light + bit;
-    let own = light_of(caster, seen[draw.view * shape.lights + number].light, number);
-    var light = with_choices(own, bit, needs.first, needs.excludes, needs.first[NEAR]);
-    light.end = end_of(caster, number);
-    let facing = ((facing_mask >> bit) & 1u) != 0u;
-    if (!casts(light, facing)) {
+  for (var remaining = caster_choices.lights & ~excluded_mask; remaining != 0u; remaining &= remaining - 1u) {
+    let bit = firstTrailingBit(remaining);
+    let light_index = draw.first_light + bit;
+    let caster_light = light_for_caster(caster, seen[draw.view * shape.lights + light_index].light, light_index);
+    var light = with_choices(
+      caster_light, bit, caster_choices.words, caster_choices.excludes, caster_choices.words[CHOICE_NEAR_CAP]);
+    light.end = load_volume_end(caster, light_index);
+    let is_front_facing = ((facing_mask >> bit) & 1u) != 0u;
+    if (!is_casting_face(light, is_front_facing)) {
       continue;
     }
-    if (has_far_caps(light, needs.flags)) {
-      list_cap(bit, far_kind(facing, mirrored), slot);
+    if (has_far_caps(light, caster_choices.flags)) {
+      list_cap(bit, far_cap_kind(is_front_facing, is_mirrored), slot);
     }
-    var is_near = has_near_cap(light);
+    var can_have_near_cap = has_near_cap(light);
     if (light.counting == COUNT_ZP_PLUS) {
-      let view = view_of(caster, seen[draw.view * shape.lights + number].view);
-      is_near = !misses_pyramid(view, light, a, b, c);
+      let view = view_for_caster(caster, seen[draw.view * shape.lights + light_index].view);
+      can_have_near_cap = !is_outside_pyramid(view, light, a, b, c);
     }
-    if (is_near) {
-      list_cap(bit, near_kind(light, facing, mirrored), slot);
-      atomicOr(&choices[CHOICE_WORDS * choices_of(caster, draw.first_light / 32u, draw.view) + CAPPED], 1u << bit);
+    if (can_have_near_cap) {
+      list_cap(bit, near_cap_kind(light, is_front_facing, is_mirrored), slot);
+      let offset = CHOICE_WORDS * choice_index(caster, draw.first_light / 32u, draw.view);
+      atomicOr(&choices[offset + CHOICE_LISTED_NEAR_CAP], 1u << bit);
     }
   }
 }
 
 @compute @workgroup_size(256)
 fn caps(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  if (fresh_lights() == 0u) {
+  if (load_dirty_lights() == 0u) {
     return;
   }
-  // Invocations share a chunk, and take its slots in turn.
+  // An item is one of the LANES invocations of a chunk.
   // Turns: ITEMS.
   for (var item = id.x; item < shape.faces / CHUNK * LANES; item += 256u * groups.x) {
     let first = item / LANES * CHUNK;
-    let caster = caster_of(shape.face_chunks_at, first);
-    let needs = needs_of(caster);
-    if (needs.lights != 0u) {
-      let end = min(first + CHUNK, face_run(caster).x + face_run(caster).y);
+    let caster = caster_of_slot(shape.face_chunks_at, first);
+    let caster_choices = load_choices(caster);
+    if (caster_choices.lights != 0u) {
+      let end = min(first + CHUNK, face_range(caster).x + face_range(caster).y);
       // Turns: CHUNK / LANES.
       for (var slot = first + item % LANES; slot < end; slot += LANES) {
-        list_face(caster, slot, needs);
+        list_face(caster, slot, caster_choices);
       }
     }
   }

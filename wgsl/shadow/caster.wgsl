@@ -1,10 +1,11 @@
-// Casters, the meshes that throw shadows, as the stages of shadow volumes find them: in the scene's table, which begins with eight
-// vec4s for each (`SceneCaster`). A slot is the index of a face or edge in the masks of a group, the casters drawn together. A
-// chunk is 64 slots, all of one caster. These functions give a caster's slots, its positions and box, and what camera and light
-// are to it: positions of a rigid caster are in the space of its mesh, and those of all others in world space. All that is
-// computed for a caster must take camera, light and positions from here, in one space.
+// Lookups of casters for the stages of shadow volumes, in the scene table, where a caster has eight vec4s
+// (`SceneCaster`). A group is the casters that are drawn together. A slot is the index of a face or edge in the group's
+// masks. A chunk is 64 slots of one caster. A page is the
+// buffers with the topology of many meshes.
+// Positions of rigid casters are in mesh space, those of all other casters in world space. Boxes, views and lights from
+// here are in the space of the caster's positions, so a stage must take all three from here.
 //
-// Expects: `shape`, and as far as functions are used `table`, the table of casters; `boxes`, those of shadow/bounds.wgsl;
+// Expects: `shape`, and, as far as functions are used, `table`, the scene table; `boxes`, written by shadow/bounds.wgsl;
 // `positions`.
 
 #import common/casters
@@ -13,78 +14,79 @@
 fn caster_part(caster: u32, part: u32) -> vec4<u32> { return table[8u * caster + part]; }
 fn caster_flags(caster: u32) -> u32 { return caster_part(caster, 4u).w; }
 
-// Faces: the first slot, their number, the first in the page, and the word of vertex 0 in the bound positions.
-fn face_run(caster: u32) -> vec4<u32> { return caster_part(caster, 5u); }
+// The faces of a caster. x: first slot. y: count. z: first face in the page. w: offset of vertex 0 in `positions`.
+fn face_range(caster: u32) -> vec4<u32> { return caster_part(caster, 5u); }
 
-// Edge records: the first slot, their number, the first in the page, and the words from one vertex to the next.
-fn edge_run(caster: u32) -> vec4<u32> { return caster_part(caster, 6u); }
+// The edge records of a caster. x: first slot. y: count. z: first record in the page. w: stride of vertices in `positions`.
+fn edge_range(caster: u32) -> vec4<u32> { return caster_part(caster, 6u); }
 
-// The caster of a slot. `chunks_at` is where the casters of the chunks begin in the table.
-fn caster_of(chunks_at: u32, slot: u32) -> u32 {
+// The caster that owns a slot. `chunks_offset` is the offset in the table, in vec4s, of the casters of all chunks.
+fn caster_of_slot(chunks_offset: u32, slot: u32) -> u32 {
   let chunk = slot / CHUNK;
-  return table[chunks_at + chunk / 4u][chunk % 4u];
+  return table[chunks_offset + chunk / 4u][chunk % 4u];
 }
 
-fn first_of_group(caster: u32) -> u32 { return caster_part(caster, 7u).z; }
+fn first_caster_of_group(caster: u32) -> u32 { return caster_part(caster, 7u).z; }
 
-// The camera as a caster sees it: the placement is that of its positions.
-fn view_of(caster: u32, view: ShadowView) -> ShadowView {
+// The view with the placement of a caster's positions.
+fn view_for_caster(caster: u32, view: ShadowView) -> ShadowView {
   let x = bitcast<vec4<f32>>(caster_part(caster, 0u));
   let y = bitcast<vec4<f32>>(caster_part(caster, 1u));
   let z = bitcast<vec4<f32>>(caster_part(caster, 2u));
-  var own = view;
-  own.placement = array<vec4<f32>, 3>(
+  var result = view;
+  result.placement = array<vec4<f32>, 3>(
     vec4<f32>(x.xyz, x.w + view.placement[0].w),
     vec4<f32>(y.xyz, y.w + view.placement[1].w),
     vec4<f32>(z.xyz, z.w + view.placement[2].w));
-  return own;
+  return result;
 }
 
-// The light as a caster sees it: in the space of its positions.
-fn light_of(caster: u32, light: ShadowLight, number: u32) -> ShadowLight {
+// The light in the space of a caster's positions. `light_index` is the light's index among all lights of the frame.
+fn light_for_caster(caster: u32, light: ShadowLight, light_index: u32) -> ShadowLight {
   if (!is_in_mesh_space(caster)) {
     return light;
   }
-  // The bits of the caster's lights in the batch, and where they begin.
-  let lights = table[shape.lights_at + number / 32u * shape.casters + caster];
-  let place = countOneBits(lights.x & ((1u << (number % 32u)) - 1u));
-  let given = bitcast<vec4<f32>>(table[lights.y + 2u * place]);
-  var own = light;
-  own.light = vec4<f32>(given.xyz * light.scale, light.light.w);
-  return own;
+  // x: the caster's lights in the batch, a bit each. y: offset of these lights in the table, two vec4s a light.
+  let lights = table[shape.lights_at + light_index / 32u * shape.casters + caster];
+  let rank = countOneBits(lights.x & ((1u << (light_index % 32u)) - 1u));
+  let in_table = bitcast<vec4<f32>>(table[lights.y + 2u * rank]);
+  var result = light;
+  result.light = vec4<f32>(in_table.xyz * light.scale, light.light.w);
+  return result;
 }
 
+// The box around the finite faces of a caster.
 struct CasterBox {
   low: vec3<f32>,
   high: vec3<f32>,
-  is_empty: bool, // There is no finite face.
+  is_empty: bool, // No face is finite.
   has_holes: bool, // Some face is not finite.
 }
 
 fn is_in_mesh_space(caster: u32) -> bool { return (caster_flags(caster) & RIGID) != 0u; }
 
-// The box of a caster, in the space of its positions: that of the table if it is rigid, else that of `bounds`.
-fn box_of(caster: u32) -> CasterBox {
+// The box of a caster, in the space of its positions. The table has it for rigid casters, `bounds` computes all others.
+fn caster_box(caster: u32) -> CasterBox {
   if (is_in_mesh_space(caster)) {
     let low = bitcast<vec3<f32>>(caster_part(caster, 3u).xyz);
     let high = bitcast<vec3<f32>>(caster_part(caster, 4u).xyz);
     return CasterBox(low, high, low.x > high.x, (caster_flags(caster) & HOLED) != 0u);
   }
-  let at = 7u * caster;
-  let low = unordered(~vec3<u32>(boxes[at], boxes[at + 1u], boxes[at + 2u]));
-  let high = unordered(vec3<u32>(boxes[at + 3u], boxes[at + 4u], boxes[at + 5u]));
-  return CasterBox(low, high, boxes[at + 3u] == 0u, boxes[at + 6u] != 0u);
+  let offset = 7u * caster;
+  let low = unordered(~vec3<u32>(boxes[offset], boxes[offset + 1u], boxes[offset + 2u]));
+  let high = unordered(vec3<u32>(boxes[offset + 3u], boxes[offset + 4u], boxes[offset + 5u]));
+  return CasterBox(low, high, boxes[offset + 3u] == 0u, boxes[offset + 6u] != 0u);
 }
 
 fn vertex_bits(caster: u32, vertex: u32) -> vec3<u32> {
-  let word = face_run(caster).w + vertex * edge_run(caster).w;
-  return vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]);
+  let offset = face_range(caster).w + vertex * edge_range(caster).w;
+  return vec3<u32>(positions[offset], positions[offset + 1u], positions[offset + 2u]);
 }
 
 fn vertex_position(caster: u32, vertex: u32) -> vec3<f32> { return bitcast<vec3<f32>>(vertex_bits(caster, vertex)); }
 
 // A position of a caster in world space.
-fn in_world(caster: u32, position: vec3<f32>) -> vec3<f32> {
+fn to_world(caster: u32, position: vec3<f32>) -> vec3<f32> {
   if (!is_in_mesh_space(caster)) {
     return position;
   }
@@ -96,18 +98,18 @@ fn in_world(caster: u32, position: vec3<f32>) -> vec3<f32> {
   return world;
 }
 
-// A caster's box in world space. Of a rigid caster it is the box of its turned box.
-fn world_box(caster: u32) -> CasterBox {
-  var own = box_of(caster);
+// A box around a caster in world space. For a rigid caster it is the box around its transformed box.
+fn caster_world_box(caster: u32) -> CasterBox {
+  var result = caster_box(caster);
   if (!is_in_mesh_space(caster)) {
-    return own;
+    return result;
   }
-  let low = own.low;
-  let high = own.high;
+  let low = result.low;
+  let high = result.high;
   for (var axis = 0u; axis < 3u; axis++) {
     let row = bitcast<vec4<f32>>(caster_part(caster, axis));
-    own.low[axis] = dot_3(min(row.xyz * low, row.xyz * high), vec3<f32>(1.0)) + row.w;
-    own.high[axis] = dot_3(max(row.xyz * low, row.xyz * high), vec3<f32>(1.0)) + row.w;
+    result.low[axis] = dot_3(min(row.xyz * low, row.xyz * high), vec3<f32>(1.0)) + row.w;
+    result.high[axis] = dot_3(max(row.xyz * low, row.xyz * high), vec3<f32>(1.0)) + row.w;
   }
-  return own;
+  return result;
 }

@@ -1,87 +1,94 @@
-// Choices: what `choose` chose for each caster, light and view, as nearly all stages of shadow volumes read it: which faces cast,
-// how shadows are counted, whether near caps are needed, where the volume ends. A batch is up to 32 lights. For each view, batch
-// and caster there are eight words with a bit for each light; behind all of them, two measures for each view, light and caster.
-// `relist`, `choose`, `zp_plus_2005_cases` and `caps` write them, in this order. For the stages from `list_sides` on and for
-// draws they are copied into the table. Sides and caps of a volume must read the same choices, or it does not close.
+// The choices of `choose` for each caster, light and view: the faces that cast, the counting method, near caps, the end
+// of the volume. Eight words for each view, light batch and caster have one bit a light. Two measures for each view,
+// light and caster follow behind all of them.
+// `relist`, `choose`, `zp_plus_2005_cases` and `caps` write them, in this order. They are then copied into the scene
+// table, from which `list_sides`, all later stages and the draws read them. Sides and caps of a volume must read the same
+// choices, or the volume is not closed.
 //
-// Expects: `shape`, and `table`, the table of casters, which has the choices once all are made.
+// Expects: `shape`, and `table`, the scene table, which has the choices once all are made.
 
 #import shadow/shadow
 
-// The place of a caster's choices for a batch and a view.
-fn choices_of(caster: u32, batch: u32, view: u32) -> u32 {
+// The index of a caster's choices for a batch and a view. They begin at word CHOICE_WORDS times the index.
+fn choice_index(caster: u32, batch: u32, view: u32) -> u32 {
   return (view * shape.batches + batch) * shape.casters + caster;
 }
 
-// Which words.
-const CASTS: u32 = 0u; // The caster casts.
-const EVERY: u32 = 1u; // Every face casts. If not set, averted ones do.
-const NEAR: u32 = 2u; // The near cap may be needed.
-const CAPPED: u32 = 3u; // The near cap has faces.
-const EXCLUDES: u32 = 4u; // Faces may be excluded.
-// In the words of the first caster of a group: some caster has excluded faces if any light is in the plane of a face, or has
-// some in any case. Then sides are not among the silhouettes alone.
-const MAY_EXCLUDE: u32 = 5u;
-const DOES_EXCLUDE: u32 = 6u;
-// Likewise: the lists for the view are made anew. All that was chosen for other lights stays.
-const FRESH: u32 = 7u;
+// The eight words of a caster's choices. Each has one bit a light.
+const CHOICE_CASTS: u32 = 0u; // The caster casts.
+const CHOICE_EVERY_FACE: u32 = 1u; // Every face casts. If not set, back-facing faces do.
+const CHOICE_NEAR_CAP: u32 = 2u; // The volume may need near caps.
+// The volume has near caps: `caps` has listed one, or pieces of polygons may have one.
+const CHOICE_LISTED_NEAR_CAP: u32 = 3u;
+const CHOICE_EXCLUDES: u32 = 4u; // The caster may have excluded faces.
+// Only in the words of the first caster of a group: some caster has excluded faces. MAY: only if the light lies in the plane
+// of a face. Sides may then lie at edges that are no silhouettes.
+const CHOICE_MAY_EXCLUDE: u32 = 5u;
+const CHOICE_DOES_EXCLUDE: u32 = 6u;
+// Only in the words of the first caster of a group: the lists for the view are dirty. Choices for other lights are cached.
+const CHOICE_DIRTY: u32 = 7u;
 const CHOICE_WORDS: u32 = 8u;
 
-// The place of a caster's two measures for a light and a view: the end of the volume, and the near end of the light's frustum.
-fn measures_of(caster: u32, light: u32, view: u32) -> u32 {
-  return (view * shape.lights + light) * shape.casters + caster;
+// The index of a caster's two measures for a light and a view: the end of the volume, and the near end of the light's
+// frustum.
+fn measure_index(caster: u32, light_index: u32, view: u32) -> u32 {
+  return (view * shape.lights + light_index) * shape.casters + caster;
 }
 
-// Whether measures are written and read at all.
+// Whether any stage reads measures. If not, none are written.
 fn has_measures() -> bool {
   return shape.end_at_range != 0u || shape.has_receivers != 0u || shape.counting == COUNT_ZP_PLUS_2005;
 }
 
-// The light with the choices for a caster, whose words from CASTS on are `first` and whose word EXCLUDES is `excludes`, for the
-// light's `bit` of them. Bits of `near` say that the caster has a near cap. The end of the volume stays as it was.
-fn with_choices(light: ShadowLight, bit: u32, first: vec4<u32>, excludes: u32, near: u32) -> ShadowLight {
-  var own = light;
-  own.casting = CAST_NOTHING;
-  own.counting = COUNT_Z_PASS;
-  own.excludes = 0u;
-  if (((first[CASTS] >> bit) & 1u) == 0u) {
-    return own;
+// The light with the choices for a caster, except for the end of the volume. `words` are the caster's words 0 to 3,
+// `excludes` is CHOICE_EXCLUDES. `bit` is the light's bit of these and of `near_caps`, which tells whether the volume has
+// near caps.
+fn with_choices(light: ShadowLight, bit: u32, words: vec4<u32>, excludes: u32, near_caps: u32) -> ShadowLight {
+  var result = light;
+  result.casting = CAST_NOTHING;
+  result.counting = COUNT_Z_PASS;
+  result.excludes = 0u;
+  if (((words[CHOICE_CASTS] >> bit) & 1u) == 0u) {
+    return result;
   }
-  own.casting = select(CAST_AVERTED, CAST_EVERY, ((first[EVERY] >> bit) & 1u) != 0u);
-  own.excludes = (excludes >> bit) & 1u;
-  let has_near_cap = ((near >> bit) & 1u) != 0u;
+  result.casting = select(CAST_AVERTED, CAST_EVERY, ((words[CHOICE_EVERY_FACE] >> bit) & 1u) != 0u);
+  result.excludes = (excludes >> bit) & 1u;
+  let has_near_cap = ((near_caps >> bit) & 1u) != 0u;
   if (shape.counting == COUNT_ZP_PLUS_2005) {
-    own.counting = select(COUNT_Z_FAIL, COUNT_ZP_PLUS_2005, has_near_cap);
+    result.counting = select(COUNT_Z_FAIL, COUNT_ZP_PLUS_2005, has_near_cap);
   } else if (shape.counting == COUNT_Z_FAIL) {
-    own.counting = COUNT_Z_FAIL;
+    result.counting = COUNT_Z_FAIL;
   } else if (has_near_cap) {
-    own.counting = COUNT_ZP_PLUS;
+    result.counting = COUNT_ZP_PLUS;
   }
-  return own;
+  return result;
 }
 
-// Four words of a caster's choices, from the table: `part` 0 or 1.
+// Four of the eight words of a caster's choices, from the table: words 0 to 3 (`part` 0) or 4 to 7 (`part` 1).
 fn choice_part(caster: u32, batch: u32, view: u32, part: u32) -> vec4<u32> {
-  return table[shape.choices_at + 2u * choices_of(caster, batch, view) + part];
+  return table[shape.choices_at + 2u * choice_index(caster, batch, view) + part];
 }
 
-// A light with all that was chosen for it and a caster.
-fn chosen_light(caster: u32, light: ShadowLight, number: u32, view: u32) -> ShadowLight {
-  let first = choice_part(caster, number / 32u, view, 0u);
-  let excludes = choice_part(caster, number / 32u, view, 1u).x;
-  // With ZP+ as published a caster has a near cap wherever z-fail does not count it.
-  let near = select(first[NEAR] & first[CAPPED], first[NEAR], shape.counting == COUNT_ZP_PLUS_2005);
-  var own = with_choices(light, number % 32u, first, excludes, near);
-  own.end = 0.0;
+// The light with all choices for a caster and a view, from the table.
+fn with_stored_choices(caster: u32, light: ShadowLight, light_index: u32, view: u32) -> ShadowLight {
+  let words = choice_part(caster, light_index / 32u, view, 0u);
+  let excludes = choice_part(caster, light_index / 32u, view, 1u).x;
+  // ZP+ as published has near caps wherever it does not leave the caster to z-fail.
+  let near_caps = select(
+    words[CHOICE_NEAR_CAP] & words[CHOICE_LISTED_NEAR_CAP],
+    words[CHOICE_NEAR_CAP],
+    shape.counting == COUNT_ZP_PLUS_2005);
+  var result = with_choices(light, light_index % 32u, words, excludes, near_caps);
+  result.end = 0.0;
   if (has_measures()) {
-    let at = measures_of(caster, number, view);
-    let words = table[shape.measures_at + at / 2u];
-    let measures = bitcast<vec2<f32>>(select(words.xy, words.zw, (at & 1u) != 0u));
-    own.end = measures.x;
-    own.frustum_near = measures.y;
+    let index = measure_index(caster, light_index, view);
+    let pair = table[shape.measures_at + index / 2u];
+    let measures = bitcast<vec2<f32>>(select(pair.xy, pair.zw, (index & 1u) != 0u));
+    result.end = measures.x;
+    result.frustum_near = measures.y;
   }
-  return own;
+  return result;
 }
 
-// Whether a caster is in a batch of casters that are counted together.
-fn is_counted(caster: u32, count_batch: u32) -> bool { return caster % shape.count_batches == count_batch; }
+// Whether a caster is in a count batch: the casters that the stencil counts together.
+fn is_in_count_batch(caster: u32, count_batch: u32) -> bool { return caster % shape.count_batches == count_batch; }

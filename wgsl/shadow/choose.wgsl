@@ -1,12 +1,13 @@
-// Choose: a compute stage that chooses for each caster (a mesh that throws shadows), light and view which of its faces cast and
-// how the shadow is counted, without a look at its faces: nothing if its shadow cannot be seen; z-pass unless a face may lie
-// between light and near rectangle (what the camera sees of the near plane); averted faces (those that do not face the light)
-// where they suffice. Dispatched after `bounds`, an invocation a caster and light, a row of workgroups a view, for all batches of
-// 32 lights together. It reads boxes and flags of casters, what shadows may fall on, `lit` and FRESH. It writes choices (shadow/choices.wgsl), for `zp_plus_2005_cases`, `caps` and all
-// stages after them, and statistics. All tests have slack, which must stay above their rounding errors: what is skipped casts
-// nothing that is seen, and where a test leaves it open, every face casts, or near caps are looked for.
-// docs/numerics/casting-faces.md, "Which faces cast", docs/numerics/shadow-volumes.md, "Volumes that end", and
-// docs/numerics/receivers.md, "Volumes without a receiver".
+// Stage `choose`: chooses for each caster, light and view which faces cast, how the stencil counts, and where the volume
+// ends. It looks at the caster's box, never at its faces. Culled volumes cast nothing. z-pass counts unless a face may
+// lie between light and near rectangle (what the camera sees of the near plane). Back-facing faces cast where they
+// suffice, else every face.
+// Dispatched after `bounds`, once for all light batches: an invocation a caster and light, a row of workgroups a view.
+// Reads: boxes and flags of casters, receivers, the lights that affect a caster, CHOICE_DIRTY.
+// Writes: choices (shadow/choices.wgsl), for `zp_plus_2005_cases`, `caps` and all later stages; statistics.
+// All tests have slack above their rounding errors. If a test is not certain, the volume is not culled, every face casts,
+// and `caps` looks for near caps. docs/numerics/casting-faces.md, "Which faces cast"; docs/numerics/shadow-volumes.md,
+// "Volumes that end"; docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
 #import shadow/caster
@@ -15,24 +16,25 @@
 #import shadow/visibility
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-@group(0) @binding(1) var<storage, read> seen: array<SeenLight>;
+@group(0) @binding(1) var<storage, read> seen: array<SeenLight>; // For each view all lights.
 @group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
-// For each group and batch bits of the lights for which a polygon of its caster is L-twisted: its outline crosses itself as seen
-// from light L. 0 where the casters have triangles only.
+// For each group and batch the lights for which a polygon of its only caster is L-twisted: its boundary crosses itself as
+// seen from light L. 0 for casters of triangles.
 @group(0) @binding(4) var<storage, read> twisted: array<u32>;
-@group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>; // Choices of all casters, then measures.
+@group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>; // Choices of all casters, then their measures.
 @group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;
-// For each batch and caster the lights that matter.
-@group(0) @binding(7) var<storage, read> lit: array<u32>;
+@group(0) @binding(7) var<storage, read> lit: array<u32>; // For each batch and caster the lights that affect the caster.
 
-// Whether the box, moved to the camera's frame, meets the box of the near rectangle, with slack.
-fn boxes_meet(view: ShadowView, low: vec3<f32>, high: vec3<f32>) -> bool {
+// Whether the box may meet the box around the near rectangle, in the camera frame.
+fn can_meet_near_rectangle(view: ShadowView, low: vec3<f32>, high: vec3<f32>) -> bool {
   for (var axis = 0u; axis < 3u; axis++) {
     let row = view.placement[axis];
-    let ends = vec2<f32>(dot_3(min(row.xyz * low, row.xyz * high), vec3<f32>(1.0)), dot_3(max(row.xyz * low, row.xyz * high), vec3<f32>(1.0)));
-    let size = dot_3(abs(row.xyz), max(abs(low), abs(high))) + abs(row.w);
-    let slack = SLACK * max(size, max(abs(view.near_min[axis]), abs(view.near_max[axis])));
+    let ends = vec2<f32>(
+      dot_3(min(row.xyz * low, row.xyz * high), vec3<f32>(1.0)),
+      dot_3(max(row.xyz * low, row.xyz * high), vec3<f32>(1.0)));
+    let terms = dot_3(abs(row.xyz), max(abs(low), abs(high))) + abs(row.w);
+    let slack = SLACK * max(terms, max(abs(view.near_min[axis]), abs(view.near_max[axis])));
     if (ends.x + row.w - slack > view.near_max[axis] || ends.y + row.w + slack < view.near_min[axis]) {
       return false;
     }
@@ -40,147 +42,168 @@ fn boxes_meet(view: ShadowView, low: vec3<f32>, high: vec3<f32>) -> bool {
   return true;
 }
 
-// Whether the light may be in the box, with slack. A light at infinity is not. Values are multiplied by w, so that
-// nothing overflows.
-fn light_meets(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
+// Whether the light may be in the box. False for a light at infinity. Values are multiplied by w, so that nothing overflows.
+fn can_contain_light(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   let w = light.light.w;
   let slack = SLACK * max(max(abs(w * low), abs(w * high)), abs(light.light.xyz));
   return w > 0.0 && all(w * low - slack <= light.light.xyz) && all(w * high + slack >= light.light.xyz);
 }
 
 // Whether the whole box is outside the pyramid of light and near rectangle.
-fn misses_pyramid(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
-  var out = vec4<bool>(true);
-  var beyond = true;
-  for (var number = 0u; number < 8u; number++) {
-    let planes = pyramid_planes(view, light, box_corner(low, high, number));
-    out = vec4<bool>(
-      out.x && is_out(planes.value.x, planes.size.x),
-      out.y && is_out(planes.value.y, planes.size.y),
-      out.z && is_out(planes.value.z, planes.size.z),
-      out.w && is_out(planes.value.w, planes.size.w));
-    beyond = beyond && is_out(planes.depth, planes.depth_size);
+fn is_outside_pyramid(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
+  var outside = vec4<bool>(true);
+  var outside_near = true;
+  for (var index = 0u; index < 8u; index++) {
+    let planes = pyramid_planes(view, light, box_corner(low, high, index));
+    outside = vec4<bool>(
+      outside.x && is_negative(planes.side_heights.x, planes.side_terms.x),
+      outside.y && is_negative(planes.side_heights.y, planes.side_terms.y),
+      outside.z && is_negative(planes.side_heights.z, planes.side_terms.z),
+      outside.w && is_negative(planes.side_heights.w, planes.side_terms.w));
+    outside_near = outside_near && is_negative(planes.depth, planes.depth_terms);
   }
-  return any(out) || beyond;
+  return any(outside) || outside_near;
 }
 
-// The near end of the light's frustum in ZP+ as published. Nothing of the caster lies before it. For a point light it
-// is the caster's distance from the light over that of the near rectangle's farthest point. For a light at infinity it
-// is the caster's height.
-fn frustum_near(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>) -> f32 {
+// `ShadowLight::frustum_near`, for ZP+ as published. Nothing of the caster lies before the near end of the frustum. For a
+// point light it is the distance of the caster over that of the farthest point of the near rectangle. For a light at
+// infinity it is the height of the caster over the near plane.
+fn frustum_near_end(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>) -> f32 {
   if (light.light.w > 0.0) {
-    let place = placed(view, light.light.xyz / light.light.w);
-    let farthest = length_of(max(abs(view.near_min - place), abs(view.near_max - place)));
-    // It is below 1 for casters beyond the near rectangle, which have nothing in the frustum. It is above 0 for lights
-    // in the box, which the paper does not treat: with 0 or less nothing would be clipped at the near plane.
-    return clamp(scale * distance_below(light, low, high) / farthest, 0.001, 0.99);
+    let light_position = to_camera_frame(view, light.light.xyz / light.light.w);
+    let farthest = vector_length(max(abs(view.near_min - light_position), abs(view.near_max - light_position)));
+    // Above 0 for lights in the box, which the paper does not treat: else nothing would be clipped at the near plane. Below
+    // 1 for casters beyond the near rectangle, of which nothing is in the frustum.
+    return clamp(scale * distance_lower_bound(light, low, high) / farthest, 0.001, 0.99);
   }
   var highest = 0.0;
-  for (var number = 0u; number < 8u; number++) {
-    let position = box_corner(low, high, number);
-    let height = dot_3(view.near_plane.xyz, placed(view, position)) + view.near_plane.w;
-    highest = max(highest, light_side(light) * height + SLACK * height_size(view, abs(placed(view, position))));
+  for (var index = 0u; index < 8u; index++) {
+    let position = box_corner(low, high, index);
+    let height = dot_3(view.near_plane.xyz, to_camera_frame(view, position)) + view.near_plane.w;
+    highest = max(
+      highest,
+      light_side(light) * height + SLACK * height_terms(view, abs(to_camera_frame(view, position))));
   }
   return select(1.0, highest, highest > 0.0);
 }
 
-// Whether a polygon of the caster is L-twisted for a light. Such polygons are excluded, so the caster is not closed.
-fn is_cut(caster: u32, number: u32) -> bool {
-  return ((twisted[caster_part(caster, 7u).y * shape.batches + number / 32u] >> (number % 32u)) & 1u) != 0u;
+// Whether a polygon of the caster is L-twisted for a light. Such a polygon is excluded, so the caster is not closed.
+fn has_twisted_polygon(caster: u32, light_index: u32) -> bool {
+  return ((twisted[caster_part(caster, 7u).y * shape.batches + light_index / 32u] >> (light_index % 32u)) & 1u) != 0u;
 }
 
-// The light with the choices for a caster and a view, by the caster's box. A lower bound of the distance to a caster with
-// a matrix is that in the caster's space times `scale`, the least that the matrix makes of a length.
-fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec3<f32>, high: vec3<f32>, has_holes: bool, is_cut: bool) -> ShadowLight {
+// The light with the choices that the caster's box allows, `low` to `high`, in the space of its positions. `scale` is at
+// most the smallest factor by which the caster's matrix scales lengths: distances times `scale` are lower bounds in world
+// space.
+fn choose_by_box(
+  view: ShadowView,
+  given: ShadowLight,
+  scale: f32,
+  flags: u32,
+  low: vec3<f32>,
+  high: vec3<f32>,
+  has_holes: bool,
+  has_twisted: bool,
+) -> ShadowLight {
   var light = given;
   light.casting = CAST_NOTHING;
   light.counting = COUNT_Z_PASS;
   light.end = 0.0;
   light.excludes = 0u;
-  if (shape.skip_unreached != 0u && out_of_range(light, scale, low, high)) {
+  if (shape.skip_unreached != 0u && is_out_of_range(light, scale, low, high)) {
     atomicAdd(&shadow_statistics.unreached, 1u);
     return light;
   }
-  if (shape.skip_unseen != 0u && is_unseen(view, light, low, high)) {
+  if (shape.skip_unseen != 0u && is_volume_outside_view(view, light, low, high)) {
     return light;
   }
-  let light_is_inside = light_meets(light, low, high);
-  // Facing is not waited for: a light that is in the box may be in the plane of a face.
-  light.excludes = select(0u, 1u, has_holes || is_cut || light_is_inside);
-  // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster, and the eye does not
-  // see into it: docs/numerics/casting-faces.md, "Which faces cast".
+  let is_light_inside = can_contain_light(light, low, high);
+  // A light in the box may be in the plane of a face. Facing would tell, but this stage does not wait for it.
+  light.excludes = select(0u, 1u, has_holes || has_twisted || is_light_inside);
+  // Back-facing faces suffice for a closed caster if light and eye are outside it. A caster with holes is not closed.
+  // docs/numerics/casting-faces.md, "Which faces cast".
   let is_closed = shape.averted != 0u && (flags & CLOSED) != 0u && (flags & PROXY) == 0u;
-  let is_outside = !boxes_meet(view, low, high) && !light_is_inside;
-  light.casting = select(CAST_EVERY, CAST_AVERTED, is_closed && !has_holes && !is_cut && is_outside);
+  let is_outside = !can_meet_near_rectangle(view, low, high) && !is_light_inside;
+  light.casting = select(CAST_EVERY, CAST_AVERTED, is_closed && !has_holes && !has_twisted && is_outside);
   light.counting = shape.counting;
   if (shape.counting == COUNT_ZP_PLUS_2005) {
-    light.frustum_near = frustum_near(view, light, scale, low, high);
-    // The published method knows no excluded faces, and no caster that is not in the depth buffer.
+    light.frustum_near = frustum_near_end(view, light, scale, low, high);
+    // The published method does not treat excluded faces, or casters that are not in the depth buffer.
     light.counting = select(COUNT_ZP_PLUS_2005, COUNT_Z_FAIL, light.excludes != 0u || (flags & PROXY) != 0u);
   }
   if (shape.counting == COUNT_AUTO) {
-    light.counting = select(COUNT_ZP_PLUS, COUNT_Z_PASS, misses_pyramid(view, light, low, high));
+    light.counting = select(COUNT_ZP_PLUS, COUNT_Z_PASS, is_outside_pyramid(view, light, low, high));
   }
-  // Near caps belong to volumes that do not end, so volumes that ZP+ counts do not end.
-  let may_end = light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL;
-  if (may_end && shape.end_at_range != 0u && light.range > 0.0 && light.light.w > 0.0) {
-    light.end = min(scale * distance_below(light, low, high) / light.range, 1.0);
+  // Near caps assume a volume to infinity, so volumes that ZP+ counts do not end.
+  let can_end = light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL;
+  if (can_end && shape.end_at_range != 0u && light.range > 0.0 && light.light.w > 0.0) {
+    light.end = min(scale * distance_lower_bound(light, low, high) / light.range, 1.0);
   }
   return light;
 }
 
-// Counts the choices of an earlier encode, which stay.
-fn count_kept(at: u32, bit: u32, measures: u32) {
-  if ((atomicLoad(&choices[at + CASTS]) & bit) == 0u) {
+// Counts cached choices in the statistics. The offsets are those of the caster's choices and measures.
+fn count_cached_choices(choices_offset: u32, light_mask: u32, measures_offset: u32) {
+  if ((atomicLoad(&choices[choices_offset + CHOICE_CASTS]) & light_mask) == 0u) {
     atomicAdd(&shadow_statistics.skipped, 1u);
     return;
   }
-  if ((atomicLoad(&choices[at + EVERY]) & bit) != 0u) {
+  if ((atomicLoad(&choices[choices_offset + CHOICE_EVERY_FACE]) & light_mask) != 0u) {
     atomicAdd(&shadow_statistics.every_face, 1u);
   }
-  if (has_measures() && bitcast<f32>(atomicLoad(&choices[measures])) > 0.0) {
+  if (has_measures() && bitcast<f32>(atomicLoad(&choices[measures_offset])) > 0.0) {
     atomicAdd(&shadow_statistics.ended, 1u);
   }
 }
 
-// Chooses for a caster, a light and a view, and writes it.
-fn choose_light(caster: u32, number: u32, view_number: u32) {
-  let at = CHOICE_WORDS * choices_of(caster, number / 32u, view_number);
-  let bit = 1u << (number % 32u);
-  let measures = CHOICE_WORDS * shape.views * shape.batches * shape.casters + 2u * measures_of(caster, number, view_number);
-  let first = CHOICE_WORDS * choices_of(first_of_group(caster), number / 32u, view_number);
-  let is_fresh = (atomicLoad(&choices[first + FRESH]) & bit) != 0u;
-  // Earlier choices go. A caster that did not cast has none.
-  if (is_fresh && (atomicLoad(&choices[at + CASTS]) & bit) != 0u) {
+// Chooses for a caster, a light and a view, and writes the choices.
+fn choose_for_light(caster: u32, light_index: u32, view_index: u32) {
+  let choices_offset = CHOICE_WORDS * choice_index(caster, light_index / 32u, view_index);
+  let light_mask = 1u << (light_index % 32u);
+  let measures_offset = CHOICE_WORDS * shape.views * shape.batches * shape.casters +
+    2u * measure_index(caster, light_index, view_index);
+  let group_offset = CHOICE_WORDS * choice_index(first_caster_of_group(caster), light_index / 32u, view_index);
+  let is_dirty = (atomicLoad(&choices[group_offset + CHOICE_DIRTY]) & light_mask) != 0u;
+  // Clears earlier choices. A caster that did not cast has none.
+  if (is_dirty && (atomicLoad(&choices[choices_offset + CHOICE_CASTS]) & light_mask) != 0u) {
     // Turns: 8.
-    for (var word = CASTS; word <= EXCLUDES; word++) {
-      atomicAnd(&choices[at + word], ~bit);
+    for (var word = CHOICE_CASTS; word <= CHOICE_EXCLUDES; word++) {
+      atomicAnd(&choices[choices_offset + word], ~light_mask);
     }
   }
-  if ((lit[number / 32u * shape.casters + caster] & bit) == 0u) {
+  if ((lit[light_index / 32u * shape.casters + caster] & light_mask) == 0u) {
     return;
   }
   let flags = caster_flags(caster);
-  let own = box_of(caster);
+  let bounding_box = caster_box(caster);
   let is_excluding = (flags & EXCLUDING) != 0u;
-  let entry = view_number * shape.lights + number;
-  // A view that is not used is all zeros, and so are numbers without a light where a caster has all lights.
+  let entry = view_index * shape.lights + light_index;
+  // Entries of unused views are zeros, and so are those of unused light indices, which a caster with all lights still has.
   if (seen[entry].view.near_w == 0.0) {
     return;
   }
-  if (!is_fresh) {
-    count_kept(at, bit, measures);
+  if (!is_dirty) {
+    count_cached_choices(choices_offset, light_mask, measures_offset);
     return;
   }
-  let view = view_of(caster, seen[entry].view);
+  let view = view_for_caster(caster, seen[entry].view);
   let scale = bitcast<f32>(caster_part(caster, 3u).w);
-  let receivers_at = seen[entry].version.y;
-  var light = light_of(caster, seen[entry].light, number);
+  let receivers_offset = seen[entry].version.y;
+  var light = light_for_caster(caster, seen[entry].light, light_index);
   light.casting = CAST_NOTHING;
-  if (!own.is_empty) {
-    light = chosen(view, light, scale, flags, own.low, own.high, own.has_holes, is_cut(caster, number));
+  if (!bounding_box.is_empty) {
+    light = choose_by_box(
+      view,
+      light,
+      scale,
+      flags,
+      bounding_box.low,
+      bounding_box.high,
+      bounding_box.has_holes,
+      has_twisted_polygon(caster, light_index));
     light.excludes = select(light.excludes, 1u, is_excluding);
-    if (light.casting != CAST_NOTHING && receivers_at != 0u && is_hidden(view, light, scale, own.low, own.high, receivers_at)) {
+    if (light.casting != CAST_NOTHING && receivers_offset != 0u &&
+      is_volume_without_receivers(view, light, scale, bounding_box.low, bounding_box.high, receivers_offset)) {
       light.casting = CAST_NOTHING;
       atomicAdd(&shadow_statistics.hidden, 1u);
     }
@@ -189,31 +212,34 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
     atomicAdd(&shadow_statistics.skipped, 1u);
     return;
   }
-  if (receivers_at != 0u && (light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL)) {
-    light.end = max(light.end, end_behind(view, light, scale, own.low, own.high, receivers_at));
+  if (receivers_offset != 0u && (light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL)) {
+    light.end = max(
+      light.end,
+      end_behind_receivers(view, light, scale, bounding_box.low, bounding_box.high, receivers_offset));
   }
   if (light.end > 0.0) {
     atomicAdd(&shadow_statistics.ended, 1u);
   }
-  atomicOr(&choices[at + CASTS], bit);
+  atomicOr(&choices[choices_offset + CHOICE_CASTS], light_mask);
   if (light.casting == CAST_EVERY) {
-    atomicOr(&choices[at + EVERY], bit);
+    atomicOr(&choices[choices_offset + CHOICE_EVERY_FACE], light_mask);
     atomicAdd(&shadow_statistics.every_face, 1u);
   }
   if (light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PLUS_2005) {
-    atomicOr(&choices[at + NEAR], bit);
+    atomicOr(&choices[choices_offset + CHOICE_NEAR_CAP], light_mask);
   }
-  if (is_cut(caster, number) && light.counting == COUNT_ZP_PLUS) {
-    // Pieces of twisted polygons have near caps, which `caps` does not see.
-    atomicOr(&choices[at + CAPPED], bit);
+  if (has_twisted_polygon(caster, light_index) && light.counting == COUNT_ZP_PLUS) {
+    // `caps` lists no near caps of pieces, so it cannot set this bit for them.
+    atomicOr(&choices[choices_offset + CHOICE_LISTED_NEAR_CAP], light_mask);
   }
   if (light.excludes != 0u) {
-    atomicOr(&choices[at + EXCLUDES], bit);
-    atomicOr(&choices[first + select(MAY_EXCLUDE, DOES_EXCLUDE, own.has_holes || is_excluding || is_cut(caster, number))], bit);
+    atomicOr(&choices[choices_offset + CHOICE_EXCLUDES], light_mask);
+    let does_exclude = bounding_box.has_holes || is_excluding || has_twisted_polygon(caster, light_index);
+    atomicOr(&choices[group_offset + select(CHOICE_MAY_EXCLUDE, CHOICE_DOES_EXCLUDE, does_exclude)], light_mask);
   }
   if (has_measures()) {
-    atomicStore(&choices[measures], bitcast<u32>(light.end));
-    atomicStore(&choices[measures + 1u], bitcast<u32>(light.frustum_near));
+    atomicStore(&choices[measures_offset], bitcast<u32>(light.end));
+    atomicStore(&choices[measures_offset + 1u], bitcast<u32>(light.frustum_near));
   }
 }
 
@@ -221,7 +247,7 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
 fn choose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   // Turns: ITEMS.
   for (var pair = id.x; pair < shape.casters * shape.used_lights; pair += 64u * groups.x) {
-    // Neighbouring invocations take the same light, so that they take the same branches.
-    choose_light(pair % shape.casters, pair / shape.casters, id.y);
+    // Neighbouring invocations have the same light, so that they take the same branches.
+    choose_for_light(pair % shape.casters, pair / shape.casters, id.y);
   }
 }

@@ -1,11 +1,13 @@
-// List sides: a compute stage that lists the edges whose sides are drawn, with the winding of the side, for each light of a
-// batch (up to 32 lights) in a view. A side is the quad from an edge away from the light. Dispatched after `caps` for each
-// group of casters, batch and view; a row of workgroups shares the edges of a light. It goes over the light's silhouettes, as
-// `edges` listed them. Where their list overflowed, or faces may be excluded (those whose plane has the light, those that are
-// not finite, polygons whose outline crosses itself as seen from the light, and those that the caller excludes), it goes over
-// all edges. `shadow_arguments` makes draws of the lists; `sides` and `stencil_crossings` read them. Lists are in no
-// particular order. The weight of an edge comes from the bits of its faces (`side_at`), as for caps: else volumes would not
-// close.
+// Stage `list_sides`: lists the edges whose sides are drawn, with their winding, for each light of a batch (up to 32
+// lights), in a view. A side is the quad from an edge away from the light.
+// Dispatched after `caps` for each group of casters, light batch and view; a row of workgroups shares the edges of a
+// light.
+// Reads: choices, facing masks, excluded masks, and the silhouettes that `edges` listed. If that list overflowed, or if
+// faces may be excluded (`ShadowLight::excludes`), the stage goes over all edges instead.
+// Writes: lists, in arbitrary order, for `shadow_arguments`, `sides` and `stencil_crossings`. Only dirty lists are written.
+// The weight of a side follows from the facing of both faces of its edge. Caps follow from the same bits, so volumes are
+// closed.
+// docs/numerics/watertight.md.
 
 #import common/casters
 #import common/extraction
@@ -22,60 +24,60 @@
 @group(0) @binding(5) var<storage, read> edge_faces: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> facing_masks: array<u32>;
 @group(0) @binding(7) var<storage, read> excluded_masks: array<u32>;
-// For each light of the batch the numbers of plain and of clipped sides; then the lists.
-@group(0) @binding(8) var<storage, read_write> sides: array<atomic<u32>>;
-@group(0) @binding(9) var<storage, read> extraction_statistics: array<u32, 5>; // `ExtractionStatistics` of the same silhouettes.
+@group(0) @binding(8) var<storage, read_write> sides: array<atomic<u32>>; // Two counts for each light, then the lists.
+@group(0) @binding(9) var<storage, read> extraction_statistics: array<u32, 5>; // `ExtractionStatistics` of the silhouettes.
 
-// Lists the side of an edge, if it has one, as often as its weight says.
+// Appends the side of the edge in a slot to a list, as often as its weight says. If the list is full, only its count grows.
 fn list_edge(slot: u32, bit: u32) {
-  let caster = caster_of(shape.edge_chunks_at, slot);
-  let run = edge_run(caster);
-  let number = slot - run.x;
-  if (number >= run.y) {
+  let caster = caster_of_slot(shape.edge_chunks_at, slot);
+  let range = edge_range(caster);
+  let edge = slot - range.x;
+  // The last chunk of a caster may have slots past its edges.
+  if (edge >= range.y) {
     return;
   }
-  let light = chosen_light(caster, ShadowLight(), draw.first_light + bit, draw.view);
-  let side = side_at(caster, run.z + number, light, bit);
+  let light = with_stored_choices(caster, ShadowLight(), draw.first_light + bit, draw.view);
+  let side = edge_side(caster, range.z + edge, light, bit);
   if (side.weight == 0u) {
     return;
   }
   let kind = side_kind(light);
-  let place = atomicAdd(&sides[2u * bit + kind], side.weight);
+  let first = atomicAdd(&sides[2u * bit + kind], side.weight);
   // Turns: 2.
-  for (var entry = place; entry < min(place + side.weight, shape.side_capacity); entry++) {
-    atomicStore(&sides[side_place(bit, kind, entry)], slot | select(0u, WINDING, side.winding));
+  for (var entry = first; entry < min(first + side.weight, shape.side_capacity); entry++) {
+    atomicStore(&sides[side_entry_offset(bit, kind, entry)], slot | select(0u, WINDING, side.winding));
   }
 }
 
-// Whether the light's silhouettes are all the edges that may have sides.
-fn silhouettes_suffice(bit: u32) -> bool {
-  let more = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, 1u);
-  // Lights that are in a caster exclude nothing if no light is in the plane of a face.
-  // Bits that are kept from an earlier encode are in no statistics.
-  let in_planes = extraction_statistics[3] != 0u || silhouette_counts[KEPT_ZEROS] != 0u;
-  let any = more[DOES_EXCLUDE - 4u] | select(0u, more[MAY_EXCLUDE - 4u], in_planes);
-  return silhouette_counts[bit] <= shape.capacity && ((any >> bit) & 1u) == 0u;
+// Whether all edges with sides are in the light's list of silhouettes.
+fn has_all_silhouettes(bit: u32) -> bool {
+  // Words 4 to 7 of the first caster's choices.
+  let group_words = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, 1u);
+  // Whether any light lies in the plane of a face. If not, a light in the box of a caster excludes no face. Word 3 is
+  // `exact_zeros`. It does not count cached facing, for which KEPT_ZEROS tells.
+  let has_zeros = extraction_statistics[3] != 0u || silhouette_counts[KEPT_ZEROS] != 0u;
+  let excluding_lights = group_words[CHOICE_DOES_EXCLUDE - 4u] |
+    select(0u, group_words[CHOICE_MAY_EXCLUDE - 4u], has_zeros);
+  return silhouette_counts[bit] <= shape.capacity && ((excluding_lights >> bit) & 1u) == 0u;
 }
 
-// A workgroup takes a share of one light's edges.
 @compute @workgroup_size(64)
 fn list_sides(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) thread: u32,
 ) {
-  let bit = group.y;
-  // Only lists that `relist` marked are made.
-  let of_first = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, 1u);
-  if (((of_first[FRESH - 4u] >> bit) & 1u) == 0u) {
+  let bit = group.y; // The light's index in the batch, and its bit in masks.
+  let group_words = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, 1u);
+  if (((group_words[CHOICE_DIRTY - 4u] >> bit) & 1u) == 0u) {
     return;
   }
-  let suffices = silhouettes_suffice(bit);
-  let items = select(shape.edges, silhouette_counts[bit], suffices);
+  let is_from_silhouettes = has_all_silhouettes(bit);
+  let items = select(shape.edges, silhouette_counts[bit], is_from_silhouettes);
   // Turns: LISTED_ITEMS.
   for (var item = group.x * 64u + thread; item < items; item += 64u * groups.x) {
     var slot = item;
-    if (suffices) {
+    if (is_from_silhouettes) {
       slot = silhouettes[bit * shape.capacity + item] & ~WINDING;
     }
     list_edge(slot, bit);

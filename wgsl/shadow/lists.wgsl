@@ -1,12 +1,13 @@
-// Lists of what is drawn for each light of a batch (up to 32 lights) in a view: which faces have caps, which edges have sides and
-// how often, and where both lie in the lists; and the pieces of L-twisted polygons (whose outlines cross themselves as seen from
-// light L). `caps` and `list_sides` write the lists of faces and edges, and `cut_edges` and `cut_quads` those of pieces; the
-// stages that make arguments and bound counts, and the vertex shaders, read them. Lists are in no particular order. Two of a
-// light share a run, one from its front and one from its back. If there is no room, counts say so, and readers go over all edges
-// or faces, with the same tests from here: so `casts` and `side_of_edge` must agree, or volumes do not close.
-// docs/numerics/watertight.md.
+// Lists of what is drawn for each light of a batch (up to 32 lights) in a view: faces with caps, edges with sides, pieces.
+// Pieces are parts of L-twisted polygons. The boundary of an L-twisted polygon crosses itself as seen from light
+// L.
+// `caps` and `list_sides` write the lists of faces and edges, `cut_edges` and `cut_quads` those of pieces. Stages that
+// make draw arguments or bound counts read them, and so do vertex shaders. The order in a list is arbitrary. Two lists of
+// a light may share a range: one grows from its front, one from its back. If they overflow, the sum of their counts
+// exceeds the capacity. Readers then go over all edges or faces, and decide by the functions of this file.
+// `is_casting_face` and `side_of_edge` must agree, or volumes are not closed. docs/numerics/watertight.md.
 //
-// Expects: `shape`, and as far as functions are used `edge_faces`, `facing_masks` and `excluded_masks`, by slots.
+// Expects: `shape`, and, as far as functions are used, `edge_faces`, and by slots `facing_masks` and `excluded_masks`.
 
 #import common/casters
 #import common/extraction
@@ -14,67 +15,75 @@
 #import shadow/shadow
 
 // Whether a face casts.
-fn casts(light: ShadowLight, facing: bool) -> bool {
-  return light.casting == CAST_EVERY || (light.casting == CAST_AVERTED && !facing);
+fn is_casting_face(light: ShadowLight, is_front_facing: bool) -> bool {
+  return light.casting == CAST_EVERY || (light.casting == CAST_AVERTED && !is_front_facing);
 }
 
-// Whether the caster may have a near cap for the light, so that its sides are clipped at the near plane.
+// Whether the volume may have near caps, so that sides are clipped at the near plane.
 fn has_near_cap(light: ShadowLight) -> bool {
   return light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PLUS_2005;
 }
 
-// Whether there are caps besides near caps: with z-fail, where the volume ends at the range, and where the caster is not in
-// the depth buffer, so that the eye sees through its faces. A volume that ends behind all receivers needs no dark cap.
+// Whether the volume has light or dark caps: with z-fail, if it ends at the range, or if the caster is not in the depth
+// buffer, so that the eye sees through its faces. A volume that ends behind all receivers needs no dark cap.
 fn has_far_caps(light: ShadowLight, flags: u32) -> bool {
   return light.counting == COUNT_Z_FAIL || (light.end > 0.0 && shape.end_at_range != 0u) || (flags & PROXY) != 0u;
 }
 
-// A light has four lists of cap faces: near caps of both classes in one run, and other caps of both classes in another. Caps of
-// the first class count up where their front is seen, those of the second where their back is. Matrices that mirror turn faces.
-const CAP_COUNTS: u32 = 128u;
-const FAR: u32 = 2u;
+// A light has four lists of cap faces, by their kind. Kinds 0 and 1 are near caps, kinds 2 and 3 are light and dark caps.
+// Caps of kinds 0 and 2 count up where the camera sees their front, those of kinds 1 and 3 where it sees their back.
+const CAP_COUNTS: u32 = 128u; // Words before the lists: four counts for each of 32 lights.
+const FAR_CAPS: u32 = 2u; // The first kind of light and dark caps.
 
-// On the near plane the front of a face that faces the light is seen if the light is on the eye's side.
-fn near_kind(light: ShadowLight, facing: bool, mirrored: bool) -> u32 {
-  let turned = light_side(light) > 0.0;
-  return select(0u, 1u, (facing == turned) != mirrored);
+// The kind of the near cap of a face. On the near plane the camera sees the front of a front-facing face if the light is on
+// the eye's side. A matrix that mirrors exchanges front and back.
+fn near_cap_kind(light: ShadowLight, is_front_facing: bool, is_mirrored: bool) -> u32 {
+  let is_light_beyond = light_side(light) > 0.0;
+  return select(0u, 1u, (is_front_facing == is_light_beyond) != is_mirrored);
 }
 
-fn far_kind(facing: bool, mirrored: bool) -> u32 { return FAR + select(0u, 1u, facing == mirrored); }
-fn cap_capacity(kind: u32) -> u32 { return select(shape.near_capacity, shape.far_capacity, kind >= FAR); }
-
-// The word of `caps_listed` at place `place` of a light's list of a kind. The second of two lists that share a run begins at its
-// end and goes down.
-fn cap_place(bit: u32, kind: u32, place: u32) -> u32 {
-  let run = CAP_COUNTS + bit * (shape.near_capacity + shape.far_capacity) + select(0u, shape.near_capacity, kind >= FAR);
-  return run + select(place, cap_capacity(kind) - 1u - place, (kind & 1u) != 0u);
+fn far_cap_kind(is_front_facing: bool, is_mirrored: bool) -> u32 {
+  return FAR_CAPS + select(0u, 1u, is_front_facing == is_mirrored);
 }
 
-// A light's two lists of sides: from the front those that are drawn plainly, from the back those that are clipped at the near
-// plane. A side of weight 2 is there twice.
+// The capacity of the range that holds the list of a kind and one other list.
+fn cap_capacity(kind: u32) -> u32 { return select(shape.near_capacity, shape.far_capacity, kind >= FAR_CAPS); }
+
+// The offset in `caps_listed` of an entry of a light's list of a kind. The second list of a range grows down from its end.
+fn cap_entry_offset(bit: u32, kind: u32, entry: u32) -> u32 {
+  let range = CAP_COUNTS + bit * (shape.near_capacity + shape.far_capacity) +
+    select(0u, shape.near_capacity, kind >= FAR_CAPS);
+  return range + select(entry, cap_capacity(kind) - 1u - entry, (kind & 1u) != 0u);
+}
+
+// A light has two lists of sides, by their kind: sides that the hardware clips, and sides that the vertex shader clips at
+// the near plane. A side of weight 2 has two entries.
 const PLAIN: u32 = 0u;
 const CLIPPED: u32 = 1u;
-const SIDE_COUNTS: u32 = 64u; // The counts of the batch, before the lists.
+const SIDE_COUNTS: u32 = 64u; // Words before the lists: two counts for each of 32 lights.
 
-// The word of `sides` at place `place` of a light's list of a kind. The list of clipped sides begins at the end of the run.
-fn side_place(bit: u32, kind: u32, place: u32) -> u32 {
-  return SIDE_COUNTS + bit * shape.side_capacity + select(place, shape.side_capacity - 1u - place, kind == CLIPPED);
+// The offset in `sides` of an entry of a light's list of a kind. The list of clipped sides grows down from the end of the
+// range.
+fn side_entry_offset(bit: u32, kind: u32, entry: u32) -> u32 {
+  return SIDE_COUNTS + bit * shape.side_capacity + select(entry, shape.side_capacity - 1u - entry, kind == CLIPPED);
 }
 
 fn side_kind(light: ShadowLight) -> u32 { return select(PLAIN, CLIPPED, has_near_cap(light)); }
 
-// How often an edge's side is drawn for a light, and which way it is wound: the multiplicity of the edge, from its faces that
-// cast.
+// The side of an edge: its weight and winding are size and sign of the edge's multiplicity over the faces that cast.
 struct EdgeSide {
-  weight: u32, // 0: none. Where every face casts, 2 is a silhouette, and 1 a boundary of what casts.
+  weight: u32, // How often the side is drawn, 0 to 2. Where every face casts, a silhouette has 2 and a boundary 1.
   winding: bool, // If set, (b, a, far a, far b) is counter-clockwise as seen from outside the volume.
 }
 
-// The sign of a face in multiplicities where every face casts. An excluded face counts nowhere.
-fn face_sign(facing: bool, excluded: bool) -> i32 { return select(select(-1, 1, facing), 0, excluded); }
+// The summand of a face in the multiplicities of its edges, where every face casts. It is 0 for an excluded face.
+fn face_sign(is_front_facing: bool, is_excluded: bool) -> i32 {
+  return select(select(-1, 1, is_front_facing), 0, is_excluded);
+}
 
-// `faces` is the packed record: face 0, with INCONSISTENT if both run the same way along the edge, and face 1, or NO_FACE. The
-// other vectors tell of its two faces whether they face the light, and are excluded; for NO_FACE they mean nothing.
+// The side of an edge record. `faces` is the packed record: x is face 0, with INCONSISTENT if both faces traverse the edge
+// in the same direction, and y is face 1, or NO_FACE. `facing` and `excluded` have a component for each of the two faces:
+// whether it is front-facing, and whether it is excluded. For NO_FACE they have no meaning.
 fn side_of_edge(casting: u32, faces: vec2<u32>, facing: vec2<bool>, excluded: vec2<bool>) -> EdgeSide {
   if (casting == CAST_NOTHING) {
     return EdgeSide(0u, false);
@@ -92,10 +101,11 @@ fn side_of_edge(casting: u32, faces: vec2<u32>, facing: vec2<bool>, excluded: ve
   return EdgeSide(u32(abs(multiplicity)), multiplicity > 0);
 }
 
-// The side of an edge record of a caster, for the light of a bit. The masks are as the stage binds them.
-fn side_at(caster: u32, record: u32, light: ShadowLight, bit: u32) -> EdgeSide {
+// The side of a caster's edge record for the light of a bit, by the bound masks.
+fn edge_side(caster: u32, record: u32, light: ShadowLight, bit: u32) -> EdgeSide {
   let faces = edge_faces[record];
-  let slots = vec2<u32>(face_run(caster).x) + vec2<u32>(faces.x & ~INCONSISTENT, select(faces.y, 0u, faces.y == NO_FACE));
+  let slots = vec2<u32>(face_range(caster).x) +
+    vec2<u32>(faces.x & ~INCONSISTENT, select(faces.y, 0u, faces.y == NO_FACE));
   let facing = (vec2<u32>(facing_masks[slots.x], facing_masks[slots.y]) >> vec2<u32>(bit)) & vec2<u32>(1u);
   var excluded = vec2<u32>(0u);
   if (light.excludes != 0u) {
@@ -104,9 +114,9 @@ fn side_at(caster: u32, record: u32, light: ShadowLight, bit: u32) -> EdgeSide {
   return side_of_edge(light.casting, faces, facing != vec2<u32>(0u), excluded != vec2<u32>(0u));
 }
 
-// The pieces of polygons that are L-twisted, so that they have lit and dark parts as seen from a light: for each light of the
-// batch their number, then lists of pieces of nine words each. A piece begins at a place and ends at another, and its polygon has
-// a middle, from which a fan is drawn where there are caps. The dark side is on the left of a piece as seen from the light.
+// Pieces of L-twisted polygons. A piece is a segment of the border between lit and dark parts of a polygon, as seen from
+// light L, with the dark part on its left. `pieces` has a count for each of 32 lights, then a list for each light. A piece
+// is nine words: the positions of its begin, of its end, and of the middle of its polygon. Caps are fans of triangles around
+// the middle.
 const PIECE_COUNTS: u32 = 32u;
 const PIECE_WORDS: u32 = 9u;
-

@@ -1,8 +1,10 @@
-// Pieces: vertex shaders that draw the sides and caps of pieces of L-twisted polygons (their outlines cross themselves as seen
-// from light L), in the caller's render pass, by the indirect draws of `piece_arguments`; an instance is a piece, which
-// `cut_edges` and `cut_quads` listed (shadow/lists.wgsl) for the only caster of a group. A piece is an edge of the face that it makes with the middle of its
-// polygon, and that face faces the light. Faces of other pieces meet it at its other edges, and count there with the contrary
-// sign: so positions must be taken as listed, bit for bit. docs/numerics/twisted-polygons.md.
+// Vertex shaders of the sides and caps of pieces, in the caller's render pass. The boundary of an L-twisted polygon
+// crosses itself as seen from light L. A piece is a segment of the border between its lit and dark parts
+// (shadow/lists.wgsl).
+// The indirect draws of `piece_arguments` have an instance for each piece that `cut_edges` or `cut_quads` listed for the
+// only caster of the group. A piece and the middle of its polygon make a front-facing triangle, whose caps are drawn.
+// At its two other edges a triangle meets the triangles of other pieces, which count there with the opposite sign. So
+// positions must be used as listed, bit for bit. docs/numerics/twisted-polygons.md, "Volumes of pieces".
 
 #import common/casters
 #import shadow/caster
@@ -17,73 +19,74 @@
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(1) @binding(0) var<storage, read> pieces: array<u32>;
 
-struct Piece {
-  valid: bool,
+// The piece of an instance, and view and light for its caster.
+struct PieceInstance {
+  is_drawn: bool,
   view: ShadowView,
   light: ShadowLight,
-  face: CapFace, // The middle of the polygon, and the ends of the piece, in this order.
+  face: CapFace, // a: the middle of the polygon. b, c: the begin and end of the piece.
 }
 
-fn piece_of(instance: u32) -> Piece {
+fn load_piece(instance: u32) -> PieceInstance {
   let bit = draw.light - draw.first_light;
-  let at = PIECE_COUNTS + PIECE_WORDS * (bit * shape.piece_capacity + instance);
-  let from_end = vec3<u32>(pieces[at], pieces[at + 1u], pieces[at + 2u]);
-  let to_end = vec3<u32>(pieces[at + 3u], pieces[at + 4u], pieces[at + 5u]);
-  let middle = vec3<u32>(pieces[at + 6u], pieces[at + 7u], pieces[at + 8u]);
+  let offset = PIECE_COUNTS + PIECE_WORDS * (bit * shape.piece_capacity + instance);
+  let begin = vec3<u32>(pieces[offset], pieces[offset + 1u], pieces[offset + 2u]);
+  let end = vec3<u32>(pieces[offset + 3u], pieces[offset + 4u], pieces[offset + 5u]);
+  let middle = vec3<u32>(pieces[offset + 6u], pieces[offset + 7u], pieces[offset + 8u]);
   let caster = shape.first_caster;
-  // Matrices that mirror turn pieces.
-  let turned_over = (caster_flags(caster) & MIRRORED) != 0u;
-  let b = select(from_end, to_end, turned_over);
-  let c = select(to_end, from_end, turned_over);
-  var own: Piece;
-  own.valid = is_counted(caster, draw.count_batch);
-  own.view = view_of(caster, seen.view);
-  own.light = chosen_light(caster, light_of(caster, seen.light, draw.light), draw.light, draw.view);
-  own.face = CapFace(bitcast<vec3<f32>>(middle), bitcast<vec3<f32>>(b), bitcast<vec3<f32>>(c), vec3<u32>(0u, 1u, 2u));
-  return own;
+  // A matrix that mirrors exchanges the ends, so that the triangle stays front-facing.
+  let is_mirrored = (caster_flags(caster) & MIRRORED) != 0u;
+  let b = select(begin, end, is_mirrored);
+  let c = select(end, begin, is_mirrored);
+  var result: PieceInstance;
+  result.is_drawn = is_in_count_batch(caster, draw.count_batch);
+  result.view = view_for_caster(caster, seen.view);
+  result.light = with_stored_choices(caster, light_for_caster(caster, seen.light, draw.light), draw.light, draw.view);
+  result.face = CapFace(bitcast<vec3<f32>>(middle), bitcast<vec3<f32>>(b), bitcast<vec3<f32>>(c), vec3<u32>(0u, 1u, 2u));
+  return result;
 }
 
-// Seen from outside, a side is counter-clockwise from the end of a lit face's edge on.
+// From outside the volume, a side is counter-clockwise if it begins at the end of a front-facing face's edge.
 @vertex fn piece_side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
-  let own = piece_of(instance);
-  if (!own.valid) {
-    return VolumeVertex(NOTHING);
+  let piece = load_piece(instance);
+  if (!piece.is_drawn) {
+    return VolumeVertex(NOT_DRAWN);
   }
-  return drawn_side(own.view, own.light, own.face.c, own.face.b, vertex);
+  return drawn_side(piece.view, piece.light, piece.face.c, piece.face.b, vertex);
 }
 
-// The order is that of `face`, whose later corner the side begins with.
+// The side begins at corner c, which has the higher rank in `face`, so its ends are not in order.
 @vertex fn piece_side_clipped(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
-  let own = piece_of(instance);
-  if (!own.valid) {
-    return VolumeVertex(NOTHING);
+  let piece = load_piece(instance);
+  if (!piece.is_drawn) {
+    return VolumeVertex(NOT_DRAWN);
   }
-  return drawn_clipped_side(own.view, own.light, own.face.c, own.face.b, false, vertex);
+  return drawn_clipped_side(piece.view, piece.light, piece.face.c, piece.face.b, false, vertex);
 }
 
 @vertex fn piece_near_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
-  let own = piece_of(instance);
-  if (!own.valid) {
-    return VolumeVertex(NOTHING);
+  let piece = load_piece(instance);
+  if (!piece.is_drawn) {
+    return VolumeVertex(NOT_DRAWN);
   }
-  return drawn_near_cap(own.view, own.light, own.face, vertex);
+  return drawn_near_cap(piece.view, piece.light, piece.face, vertex);
 }
 
 @vertex fn piece_light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
-  let own = piece_of(instance);
-  if (!own.valid) {
-    return VolumeVertex(NOTHING);
+  let piece = load_piece(instance);
+  if (!piece.is_drawn) {
+    return VolumeVertex(NOT_DRAWN);
   }
-  return drawn_light_cap(own.view, own.light, own.face, own.light.counting == COUNT_ZP_PLUS, vertex);
+  return drawn_light_cap(piece.view, piece.light, piece.face, piece.light.counting == COUNT_ZP_PLUS, vertex);
 }
 
 @vertex fn piece_dark_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
-  let own = piece_of(instance);
-  if (!own.valid) {
-    return VolumeVertex(NOTHING);
+  let piece = load_piece(instance);
+  if (!piece.is_drawn) {
+    return VolumeVertex(NOT_DRAWN);
   }
-  return drawn_dark_cap(own.view, own.light, own.face, vertex);
+  return drawn_dark_cap(piece.view, piece.light, piece.face, vertex);
 }
 
-// For passes with colour attachments, which are not changed.
+// For passes with colour attachments, which stay as they are.
 @fragment fn nothing() {}

@@ -1,15 +1,17 @@
-// Receivers of a view, by its depth buffer: two compute stages, for scenes, dispatched once for each view whose depth the
-// caller gives, before the stages of shadow volumes. `receiver_depth`, an invocation a tile of 8 x 8 pixels, and right after
-// it `receiver_pyramid`, one workgroup. A receiver is a pixel that shadows may fall on: all that was drawn, and the sky if the
-// caller says so. They write the view's receivers (shadow/receivers.wgsl). `choose` reads these, to leave out volumes that no
-// receiver can be in, so nothing that is written may be too near or too small. docs/numerics/receivers.md, "Volumes without a
-// receiver".
+// Stages `receiver_depth` and `receiver_pyramid`: compute the receivers of a view from its depth buffer
+// (shadow/receivers.wgsl). A receiver is a pixel on which shadows may fall: each pixel that was drawn, and the sky if the
+// caller says so.
+// Dispatched once for each view with a depth buffer, before the stages of shadow volumes. `receiver_depth` has an
+// invocation a tile of 8 x 8 pixels. `receiver_pyramid` follows it with one workgroup.
+// Reads: the depth texture. Writes: the words of the view in `receivers`.
+// `choose` culls volumes without a receiver. So no depth may be too near, and the box must not be too small.
+// docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
 #import shadow/receivers
 
-// Stage `receiver_depth`: finds the farthest receiver of each tile, the first level. The variant SAMPLES takes textures with
-// several samples for each pixel, of which all enter: a receiver that is left out may lose its shadow.
+// Stage `receiver_depth`: finds the farthest receiver of each tile, for the first level of the pyramid. The variant SAMPLES
+// is for multisampled textures. It takes all samples of a pixel, since a receiver that is left out may lose its shadow.
 
 @group(0) @binding(0) var<uniform> receiver_view: ReceiverView;
 @group(0) @binding(2) var<storage, read_write> receivers: array<u32>;
@@ -17,29 +19,30 @@
 #if SAMPLES
 @group(0) @binding(1) var depth_texture: texture_depth_multisampled_2d;
 
-fn samples() -> u32 { return textureNumSamples(depth_texture); }
-fn depth_at(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, sample); }
+fn sample_count() -> u32 { return textureNumSamples(depth_texture); }
+fn load_depth(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, sample); }
 #else
 @group(0) @binding(1) var depth_texture: texture_depth_2d;
 
-fn samples() -> u32 { return 1u; }
-fn depth_at(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, 0); }
+fn sample_count() -> u32 { return 1u; }
+fn load_depth(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, 0); }
 #endif
 
-fn farthest_in(tile: vec2<u32>) -> u32 {
+// The key of the farthest receiver in a tile. 0: there is none.
+fn farthest_key(tile: vec2<u32>) -> u32 {
   let first = TILE * tile;
   let end = min(first + TILE, receiver_view.pixels);
-  let sky = 1.0 - receiver_view.near_z;
+  let cleared_depth = 1.0 - receiver_view.near_z;
   var key = 0u;
   // Turns: TILE.
   for (var y = first.y; y < end.y; y++) {
     // Turns: TILE.
     for (var x = first.x; x < end.x; x++) {
       // Turns: 64.
-      for (var sample = 0u; sample < samples(); sample++) {
-        let depth = depth_at(vec2<u32>(x, y), sample);
-        if (depth != sky || receiver_view.sky_receives != 0u) {
-          key = max(key, far_key(depth, receiver_view.near_z));
+      for (var sample = 0u; sample < sample_count(); sample++) {
+        let depth = load_depth(vec2<u32>(x, y), sample);
+        if (depth != cleared_depth || receiver_view.sky_receives != 0u) {
+          key = max(key, receiver_key(depth, receiver_view.near_z));
         }
       }
     }
@@ -47,58 +50,60 @@ fn farthest_in(tile: vec2<u32>) -> u32 {
   return key;
 }
 
-fn take_tile(number: u32) {
+fn write_tile(index: u32) {
   let tiles = (receiver_view.pixels + TILE - 1u) / TILE;
-  if (number < tiles.x * tiles.y) {
-    receivers[receiver_view.at + RECEIVERS_HEAD + number] = farthest_in(vec2<u32>(number % tiles.x, number / tiles.x));
+  if (index < tiles.x * tiles.y) {
+    receivers[receiver_view.at + RECEIVERS_HEAD + index] = farthest_key(vec2<u32>(index % tiles.x, index / tiles.x));
   }
 }
 
 @compute @workgroup_size(64)
 fn receiver_depth(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  take_tile(id.x + 64u * groups.x * id.y);
+  write_tile(id.x + 64u * groups.x * id.y);
 }
 
-// Stage `receiver_pyramid`: writes the upper levels, the farthest receiver of each square of four cells, up to one for all;
-// and the box of all places between the near rectangle (what the camera sees of the near plane) and the receivers, with slack
-// above its rounding errors.
+// Stage `receiver_pyramid`: writes the further levels, and the head with the box around all rays from the near rectangle to
+// the receivers. The near rectangle is what the camera sees of the near plane. The box has slack above its rounding errors.
 
-// The box is taken from the first level that has at most so many cells.
+// The box is computed from the first level with at most this many cells.
 const MOST_BOXED: u32 = 1024u;
-const UNPROJECTION: f32 = 1e-5; // Above the rounding error of a product of matrix and vector, relative to its terms.
-// Ends of the box as ordered bits, inverted where they are lowest.
-var<workgroup> ends: array<atomic<u32>, 6>;
-var<workgroup> is_endless: atomic<u32>;
+// The slack of the product of matrix and vector, relative to the sum of the absolute terms. It is above the rounding errors.
+const UNPROJECTION_SLACK: f32 = 1e-5;
+// Keys of the lowest corner of the box, inverted, then of the highest. Keys are integers with the order of floats.
+var<workgroup> box_keys: array<atomic<u32>, 6>;
+var<workgroup> is_endless: atomic<u32>; // Whether the box has no end.
 
-fn widen(low: vec3<f32>, high: vec3<f32>) {
+// Extends the box by another box.
+fn extend_box(low: vec3<f32>, high: vec3<f32>) {
   let lowest = ~ordered(bitcast<vec3<u32>>(low));
   let highest = ordered(bitcast<vec3<u32>>(high));
   for (var axis = 0u; axis < 3u; axis++) {
-    atomicMax(&ends[axis], lowest[axis]);
-    atomicMax(&ends[3u + axis], highest[axis]);
+    atomicMax(&box_keys[axis], lowest[axis]);
+    atomicMax(&box_keys[3u + axis], highest[axis]);
   }
 }
 
-// Takes a place on a ray from the eye, in normalised device coordinates, into the box.
-fn take_place(x: f32, y: f32, depth: f32) {
+// Extends the box by a position in normalised device coordinates.
+fn extend_box_by_position(x: f32, y: f32, depth: f32) {
   let m = receiver_view.inverse;
-  let place = m[0] * x + m[1] * y + m[2] * depth + m[3];
-  let error = UNPROJECTION * (abs(m[0] * x) + abs(m[1] * y) + abs(m[2] * depth) + abs(m[3]));
-  let least = place.w - error.w;
-  if (!(least > 0.0)) {
+  let position = m[0] * x + m[1] * y + m[2] * depth + m[3];
+  let error = UNPROJECTION_SLACK * (abs(m[0] * x) + abs(m[1] * y) + abs(m[2] * depth) + abs(m[3]));
+  let lowest_w = position.w - error.w;
+  if (!(lowest_w > 0.0)) {
     atomicStore(&is_endless, 1u);
     return;
   }
-  let most = place.w + error.w;
-  let low = place.xyz - error.xyz;
-  let high = place.xyz + error.xyz;
-  let lowest = min(low / least, low / most);
-  let highest = max(high / least, high / most);
-  widen(lowest - UNPROJECTION * abs(lowest), highest + UNPROJECTION * abs(highest));
+  let highest_w = position.w + error.w;
+  let low = position.xyz - error.xyz;
+  let high = position.xyz + error.xyz;
+  let lowest = min(low / lowest_w, low / highest_w);
+  let highest = max(high / lowest_w, high / highest_w);
+  extend_box(lowest - UNPROJECTION_SLACK * abs(lowest), highest + UNPROJECTION_SLACK * abs(highest));
 }
 
-// Takes what is seen through a cell of `size` pixels, and a pixel around.
-fn take_cell(cell: vec2<u32>, size: u32, key: u32) {
+// Extends the box by the receivers in a cell of the pyramid and one pixel around it. A cell has `size` pixels, across and
+// down.
+fn extend_box_by_cell(cell: vec2<u32>, size: u32, key: u32) {
   if (key == 0u) {
     return;
   }
@@ -107,7 +112,8 @@ fn take_cell(cell: vec2<u32>, size: u32, key: u32) {
   let end = (vec2<f32>((cell + 1u) * size) + 1.0) / pixels * 2.0 - 1.0;
   let depth = depth_of_key(key, receiver_view.near_z);
   for (var corner = 0u; corner < 4u; corner++) {
-    take_place(select(begin.x, end.x, (corner & 1u) != 0u), -select(begin.y, end.y, (corner & 2u) != 0u), depth);
+    extend_box_by_position(
+      select(begin.x, end.x, (corner & 1u) != 0u), -select(begin.y, end.y, (corner & 2u) != 0u), depth);
   }
 }
 
@@ -116,18 +122,19 @@ fn receiver_pyramid(@builtin(local_invocation_index) thread: u32) {
   let head = receiver_view.at;
   let tiles = (receiver_view.pixels + TILE - 1u) / TILE;
   if (thread < 6u) {
-    atomicStore(&ends[thread], 0u);
+    atomicStore(&box_keys[thread], 0u);
   }
   if (thread == 6u) {
     atomicStore(&is_endless, 0u);
   }
   workgroupBarrier();
   if (thread == 0u) {
-    widen(receiver_view.near_min, receiver_view.near_max);
+    extend_box(receiver_view.near_min, receiver_view.near_max);
   }
+  // The level that was written last: its cells, the pixels of a cell, and its offset.
   var cells = tiles;
   var size = TILE;
-  var first = head + RECEIVERS_HEAD;
+  var level_offset = head + RECEIVERS_HEAD;
   var is_boxed = false;
   // Turns: RECEIVER_LEVELS.
   while (true) {
@@ -136,7 +143,7 @@ fn receiver_pyramid(@builtin(local_invocation_index) thread: u32) {
       is_boxed = true;
       // Turns: MOST_BOXED / 256 in all.
       for (var cell = thread; cell < count; cell += 256u) {
-        take_cell(vec2<u32>(cell % cells.x, cell / cells.x), size, receivers[first + cell]);
+        extend_box_by_cell(vec2<u32>(cell % cells.x, cell / cells.x), size, receivers[level_offset + cell]);
       }
     }
     if (count <= 1u) {
@@ -147,11 +154,13 @@ fn receiver_pyramid(@builtin(local_invocation_index) thread: u32) {
     for (var cell = thread; cell < next.x * next.y; cell += 256u) {
       let begin = 2u * vec2<u32>(cell % next.x, cell / next.x);
       let end = min(begin + 1u, cells - 1u);
-      let upper = max(receivers[first + begin.y * cells.x + begin.x], receivers[first + begin.y * cells.x + end.x]);
-      let lower = max(receivers[first + end.y * cells.x + begin.x], receivers[first + end.y * cells.x + end.x]);
-      receivers[first + count + cell] = max(upper, lower);
+      let upper = max(
+        receivers[level_offset + begin.y * cells.x + begin.x], receivers[level_offset + begin.y * cells.x + end.x]);
+      let lower = max(
+        receivers[level_offset + end.y * cells.x + begin.x], receivers[level_offset + end.y * cells.x + end.x]);
+      receivers[level_offset + count + cell] = max(upper, lower);
     }
-    first += count;
+    level_offset += count;
     cells = next;
     size *= 2u;
     storageBarrier();
@@ -163,13 +172,14 @@ fn receiver_pyramid(@builtin(local_invocation_index) thread: u32) {
     receivers[head + 1u] = tiles.y;
     receivers[head + 2u] = receiver_view.pixels.x;
     receivers[head + 3u] = receiver_view.pixels.y;
-    receivers[head + 4u] = receivers[first];
+    receivers[head + 4u] = receivers[level_offset];
     receivers[head + 5u] = select(1u, 0u, atomicLoad(&is_endless) != 0u);
   }
   if (thread < 3u) {
-    let found = unordered(vec3<u32>(~atomicLoad(&ends[thread]), atomicLoad(&ends[3u + thread]), 0u));
-    let is_limited = atomicLoad(&is_endless) == 0u;
-    receivers[head + 6u + thread] = select(0u, bitcast<u32>(found.x), is_limited);
-    receivers[head + 9u + thread] = select(0u, bitcast<u32>(found.y), is_limited);
+    // x: the lowest coordinate along the axis. y: the highest.
+    let ends = unordered(vec3<u32>(~atomicLoad(&box_keys[thread]), atomicLoad(&box_keys[3u + thread]), 0u));
+    let is_finite_box = atomicLoad(&is_endless) == 0u;
+    receivers[head + 6u + thread] = select(0u, bitcast<u32>(ends.x), is_finite_box);
+    receivers[head + 9u + thread] = select(0u, bitcast<u32>(ends.y), is_finite_box);
   }
 }

@@ -1,39 +1,44 @@
-// Relist: a compute stage, for scenes, that finds the lights of a group of casters whose lists of sides and caps for a view
-// must be made anew, because the silhouettes, the camera or its receivers changed since, and empties these lists; the others
-// are drawn as they are. Dispatched before `bounds`, one workgroup for each group, batch of up to 32 lights and view, an
-// invocation a light. It compares the encodes that made the silhouettes (`kept`) and the camera's version, which is new for
-// other receivers, too, with `listed`, what the lists were made from, which it then updates; both lie on the GPU, so an
-// encoder that was dropped spoils nothing. It writes the bits FRESH of the choices, for `bounds`, `choose`, `caps` and
-// `list_sides`, and takes back what the choices said of exclusion. docs/numerics/scene.md, "Cached results".
+// Stage `relist`: finds the lights whose lists of sides and caps are dirty, for a group of casters and a view, and
+// empties these lists. A list is dirty if the silhouettes, the camera or its receivers changed. All other lists are
+// cached and drawn again.
+// Dispatched before `bounds`, one workgroup for each group, light batch (up to 32 lights) and view; an invocation is a
+// light.
+// Reads: the encodes that made the silhouettes (`kept`), and the camera's version, which also changes with the receivers.
+// Writes: `listed`, the versions from which lists are made; CHOICE_DIRTY, for `bounds`, `choose`, `caps` and
+// `list_sides`. It clears the exclusion bits of dirty lights.
+// Versions are on the GPU beside the lists, so an encoder that is dropped changes neither. docs/numerics/scene.md,
+// "Cached results".
 
 #import shadow/choices
 #import shadow/shadow
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: array<SeenLight>;
-// The versions of what was extracted, with the encodes that made the silhouettes: `shape.lists_at`.
+@group(0) @binding(2) var<storage, read> seen: array<SeenLight>; // For each view all lights.
+// Versions of the scene. A version is the number of an encode, a call of `Scene::encode`. From `shape.lists_at` on it has
+// the encode that made the silhouette list of each light of the batch.
 @group(0) @binding(3) var<storage, read> kept: array<u32>;
-// For each group, batch and view the encode that made the silhouettes of each light, and the version of the camera.
+// For each group, batch, view and light what its lists were made from. x: the encode of its silhouettes. y: the camera's
+// version.
 @group(0) @binding(4) var<storage, read_write> listed: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> sides: array<u32>;
 @group(0) @binding(7) var<storage, read_write> caps_listed: array<u32>;
 @group(0) @binding(8) var<storage, read_write> shadow_statistics: ShadowStatistics;
-var<workgroup> fresh: atomic<u32>;
+var<workgroup> dirty_lights: atomic<u32>;
 
 @compute @workgroup_size(32)
 fn relist(@builtin(local_invocation_index) bit: u32) {
   if (bit == 0u) {
-    atomicStore(&fresh, 0u);
+    atomicStore(&dirty_lights, 0u);
   }
   workgroupBarrier();
   let entry = draw.view * shape.lights + draw.first_light + bit;
-  let made_from = vec2<u32>(kept[shape.lists_at + bit], seen[entry].version.x);
-  let at = 32u * (shape.part * shape.views + draw.view) + bit;
-  if (shape.keeps == 0u || any(listed[at] != made_from)) {
-    atomicOr(&fresh, 1u << bit);
-    listed[at] = made_from;
+  let versions = vec2<u32>(kept[shape.lists_at + bit], seen[entry].version.x);
+  let index = 32u * (shape.part * shape.views + draw.view) + bit;
+  if (shape.keeps == 0u || any(listed[index] != versions)) {
+    atomicOr(&dirty_lights, 1u << bit);
+    listed[index] = versions;
     sides[2u * bit] = 0u;
     sides[2u * bit + 1u] = 0u;
     // Turns: 4.
@@ -45,10 +50,10 @@ fn relist(@builtin(local_invocation_index) bit: u32) {
   }
   workgroupBarrier();
   if (bit == 0u) {
-    let first = CHOICE_WORDS * choices_of(shape.first_caster, draw.first_light / 32u, draw.view);
-    let mask = atomicLoad(&fresh);
-    atomicStore(&choices[first + FRESH], mask);
-    atomicAnd(&choices[first + MAY_EXCLUDE], ~mask);
-    atomicAnd(&choices[first + DOES_EXCLUDE], ~mask);
+    let group_offset = CHOICE_WORDS * choice_index(shape.first_caster, draw.first_light / 32u, draw.view);
+    let mask = atomicLoad(&dirty_lights);
+    atomicStore(&choices[group_offset + CHOICE_DIRTY], mask);
+    atomicAnd(&choices[group_offset + CHOICE_MAY_EXCLUDE], ~mask);
+    atomicAnd(&choices[group_offset + CHOICE_DOES_EXCLUDE], ~mask);
   }
 }

@@ -1,162 +1,163 @@
-// Shared by all stages of shadow volumes, and `needs`: structs that Rust writes (a test holds them equal to src/layout.rs), clip
-// space, and the three forms of a vertex V of a volume: V itself, its far vertex at infinity or where the volume ends, and its
-// projection from the light onto the near plane. A light L is homogeneous, (x, y, z, w); a light at infinity has w = 0. All
-// arithmetic is written out, and must stay so, so that a vertex has the same bits wherever it is computed: in two draws, and in a
-// caller's depth pass that takes `to_clip`. docs/numerics/shadow-volumes.md.
+// Structs and vertex arithmetic that all stages of shadow volumes share. `needs` imports this file, too. Rust has the
+// same structs in src/layout.rs, and a test compares them.
+// A light is homogeneous, (x, y, z, w). A light at infinity has w = 0. A vertex V of a volume has three forms: V itself,
+// its far vertex, and V projected from the light onto the near plane. The far vertex is on the ray from the light through
+// V, at infinity or where the volume ends.
+// Each form must have the same bits in every draw, and in a caller's depth pass that computes `to_clip`. So all
+// arithmetic is written out, and no expression may be rearranged. docs/numerics/shadow-volumes.md.
 
 #import common/casters
 
+// Counts of the stages, for one frame. A pair is a caster and a light, in one view.
 struct ShadowStatistics {
-  // Pairs of caster and light that are skipped: the light does not reach the caster, or the camera cannot see the shadow.
-  skipped: atomic<u32>,
+  skipped: atomic<u32>, // Pairs whose light affects the caster, but whose volume is culled.
   every_face: atomic<u32>, // Pairs for which every face casts.
-  capped: atomic<u32>, // Lights with a near cap.
-  overflowed_caps: atomic<u32>, // Lights with a list of cap faces that overflowed.
-  overflowed_sides: atomic<u32>, // Lights with a list of sides that overflowed.
-  ended: atomic<u32>, // Pairs whose volume ends, at the light's range or behind all receivers.
-  // An upper bound of all stencil counts, for any light, and the lights whose bound exceeds 8 bits. 0 unless asked for.
+  capped: atomic<u32>, // Lists of a light, a group of casters and a view that have near caps.
+  overflowed_caps: atomic<u32>, // The same lists, where cap faces overflowed.
+  overflowed_sides: atomic<u32>, // The same lists, where sides overflowed.
+  ended: atomic<u32>, // Pairs whose volume ends, at the range of the light or behind all receivers.
+  // An upper bound of all stencil counts of any light. 0 unless the caller asks for it.
   count_bound: atomic<u32>,
-  may_wrap: atomic<u32>,
-  kept_lists: atomic<u32>, // Groups of casters, lights and views whose lists were kept.
-  hidden: atomic<u32>, // Pairs that are skipped because no receiver can be in their volume.
-  unreached: atomic<u32>, // Pairs that are skipped because the light does not reach the box.
-  lost_pieces: atomic<u32>, // Pieces of L-twisted polygons that there was no room for. Where they would be, shadows are wrong.
+  may_wrap: atomic<u32>, // Lights, one for each view, whose bound exceeds `ShadowShape::most_count`.
+  kept_lists: atomic<u32>, // Lists of a light, a group of casters and a view that are cached.
+  hidden: atomic<u32>, // Pairs culled by receivers: no receiver can lie in the volume.
+  unreached: atomic<u32>, // Pairs culled by light range.
+  lost_pieces: atomic<u32>, // Pieces of L-twisted polygons that the list has no room for. Shadows are wrong there.
 }
 
-// The caller's camera, as a caster sees it. The camera's frame has the world's axes and the camera's origin at 0.
+// The caller's camera, as a caster sees it. The camera frame has the axes of the world and the camera's origin at 0.
 struct ShadowView {
-  view_projection: array<vec4<f32>, 4>, // Columns of the matrix from the camera's frame to clip space.
-  // The near plane. Its product with (place, 1) is the height over the plane, positive in front of the camera.
+  view_projection: array<vec4<f32>, 4>, // Columns of the matrix from the camera frame to clip space.
+  // The near plane. Its dot product with (position, 1) is the height over the plane, positive in front of the camera.
   near_plane: vec4<f32>,
-  placement: array<vec4<f32>, 3>, // Rows of the matrix from positions to the camera's frame.
-  // Bounds of the near rectangle, in the camera's frame, and clip w of points on the near plane.
+  placement: array<vec4<f32>, 3>, // Rows of the matrix from the space of the caster's positions to the camera frame.
+  // The box around the near rectangle, in the camera frame: lowest corner here, highest corner below. The near rectangle is
+  // what the camera sees of the near plane.
   near_min: vec3<f32>,
-  near_w: f32,
+  near_w: f32, // Clip w of points on the near plane.
   near_max: vec3<f32>,
-  near_z: f32, // z / w of points on the near plane: 1 with reversed depth, else 0.
+  near_z: f32, // Depth of the near plane, z / w: 1 with reversed depth, else 0.
 }
 
-// A light, and what the GPU chose for it and a caster.
+// A light, and the choices of the GPU for this light and a caster.
 struct ShadowLight {
-  light: vec4<f32>, // Homogeneous, in the space of the positions, scaled so that w is 0 or a power of two.
-  // The same in clip space, and its height over the near plane.
-  clip: vec4<f32>,
-  height: f32,
-  range: f32, // The range. Casters farther away are skipped. 0: no limit.
-  // The faces that cast, and the counting method.
-  casting: u32,
-  counting: u32,
-  // The near end of the light's frustum, for ZP+ as published. For a point light it is the distance of the near end
-  // over that of the far end. For a light at infinity it is the height over the near plane.
+  light: vec4<f32>, // Homogeneous, in the space of the caster's positions, scaled so that w is 0 or a power of two.
+  clip: vec4<f32>, // The light in clip space.
+  height: f32, // The height of the light over the near plane, times w.
+  range: f32, // Casters farther away are culled. 0: no limit.
+  casting: u32, // The faces that cast: one of the constants CAST_….
+  counting: u32, // The counting method: one of the constants COUNT_….
+  // The near end of the light's frustum, for ZP+ as published. For a point light it is the distance of the near end from the
+  // light over that of the far end. For a light at infinity it is the height over the near plane.
   frustum_near: f32,
-  // The end of the volume: the caster's distance over the range. Every far vertex, (position - light) / end from the
-  // light, is then out of range, or behind all receivers. If the light is at infinity, a far vertex is the position plus 1 / end
-  // times the direction away from the light. 0: far vertices are at infinity.
+  // Where the volume ends. 0: at infinity. The far vertex is then out of range, or behind all receivers.
+  // * Point light: the far vertex is the light plus (position - light) / end.
+  // * Light at infinity: it is the position plus 1 / end times the direction away from the light.
   end: f32,
-  excludes: u32, // 1: faces of the caster may be excluded: those in whose plane the light is, and those that are not finite.
-  scale: f32, // The light as given times this is the light as above.
-  // Rows x, y and w of the matrix of that frustum. It maps (position - origin, 1).
+  // 1: the caster may have excluded faces for this light. These are faces with the light in their plane, faces that are not
+  // finite, L-twisted polygons (shadow/lists.wgsl), and faces that the caller excludes.
+  excludes: u32,
+  scale: f32, // The caster's light in the scene table, times `scale`, is `light` (`light_for_caster`).
+  // Rows x, y and w of the matrix of the light's frustum, for ZP+ as published. It maps (position in the camera frame, 1).
   frustum_x: vec4<f32>,
   frustum_y: vec4<f32>,
   frustum_w: vec4<f32>,
 }
 
-// A light and a camera, with 512 bytes: bindings begin at multiples of 256.
+// A light and a view. Its 512 bytes are a multiple of 256, at which bindings begin.
 struct SeenLight {
   view: ShadowView,
   light: ShadowLight,
-  // The encode that was the first to have the camera as it is; the word where the view's receivers begin, 0 for none; zeros.
+  // x: the version of the camera, the number of the first encode that had it as it is. y: the offset of the view's
+  // receivers, or 0 for none. z, w: 0.
   version: vec4<u32>,
   cone: LightCone,
   reserved: array<vec4<u32>, 12>,
 }
 
-// Casters that are drawn together, and the caller's options.
+// A group of casters and a light batch, and the caller's options.
 struct ShadowShape {
-  casters: u32,
-  // Lights of all batches, and batches.
-  lights: u32,
-  batches: u32,
-  // Slots of faces and of edges.
-  faces: u32,
-  edges: u32,
-  // Entries that each list has room for: of silhouettes, of sides, of near caps and of other caps.
+  casters: u32, // Casters of all groups.
+  lights: u32, // Lights of all batches.
+  batches: u32, // Batches of up to 32 lights.
+  faces: u32, // Face slots of the group.
+  edges: u32, // Edge slots of the group.
+  // Entries that the lists of one light have room for: silhouettes, sides, near caps, and light and dark caps.
   capacity: u32,
   side_capacity: u32,
   near_capacity: u32,
   far_capacity: u32,
-  averted: u32, // 1: averted faces may cast. The caller does not ask for every face.
-  counting: u32, // One of the constants below.
-  skip_unreached: u32, // 1: skip casters that the light's range does not reach.
-  skip_unseen: u32, // 1: skip casters where the camera cannot see their shadow.
+  averted: u32, // 1: back-facing faces alone may cast. 0: the caller asks for every face.
+  counting: u32, // One of the constants COUNT_….
+  skip_unreached: u32, // 1: cull casters by light range.
+  skip_unseen: u32, // 1: cull volumes by view.
   end_at_range: u32, // 1: volumes end at the range of their light.
-  // Where these begin in the table, in vec4s: choices and measures, lights of casters, casters of the chunks of face slots and
-  // of edge slots.
+  // Offsets in the table, in vec4s: choices and measures (shadow/choices.wgsl), lights of casters, casters of the chunks of
+  // face slots and of edge slots.
   choices_at: u32,
   measures_at: u32,
   lights_at: u32,
   face_chunks_at: u32,
   edge_chunks_at: u32,
   views: u32,
-  count_batches: u32, // Casters are counted in so many batches, one after the other.
-  proxies: u32, // 1: some casters are not in the depth buffer.
-  // The number of the group and batch, and the first caster of the group.
-  part: u32,
-  first_caster: u32,
-  lists_at: u32, // The word of what is kept of the extraction where the encodes are that made its lists, one for each light.
-  keeps: u32, // 1: lists for views are kept.
-  needs_boxes: u32, // 1: boxes are needed for more than what is chosen.
-  used_lights: u32, // Numbers up to that of the last light.
-  has_receivers: u32, // 1: views may have receivers. Then volumes may end behind all of them.
-  most_count: u32, // The largest count that the bits which count hold.
-  piece_capacity: u32, // Pieces of L-twisted polygons that the list of each light has room for.
+  count_batches: u32, // Casters are counted in this many count batches, one after the other.
+  proxies: u32, // 1: some casters of the group are not in the depth buffer.
+  part: u32, // The index of the group and batch: group * batches + batch.
+  first_caster: u32, // The first caster of the group.
+  lists_at: u32, // The offset in `kept` of the encodes that made the silhouette lists of the batch, one for each light.
+  keeps: u32, // 1: lists of sides and caps are cached.
+  needs_boxes: u32, // 1: boxes are read by stages after `choose`, too.
+  used_lights: u32, // The index of the last light that is used, plus 1.
+  has_receivers: u32, // 1: views may have receivers. Volumes may then end behind all of them.
+  most_count: u32, // The largest count that the counting bits of the stencil hold.
+  piece_capacity: u32, // Pieces of L-twisted polygons that the list of one light has room for.
 }
 
-// The light, or the batch of lights, of a draw or dispatch.
+// The light of a draw, or the light batch of a dispatch.
 struct ShadowDraw {
-  light: u32,
-  // The first light of its batch.
-  first_light: u32,
+  light: u32, // The light of a draw, by its index in the frame.
+  first_light: u32, // The first light of the batch.
   view: u32,
-  count_batch: u32, // The batch of casters that is counted.
+  count_batch: u32, // The count batch that a draw counts.
 }
 
 const CAST_NOTHING: u32 = 0u;
-const CAST_AVERTED: u32 = 1u;
-const CAST_EVERY: u32 = 2u;
+const CAST_AVERTED: u32 = 1u; // Back-facing faces cast.
+const CAST_EVERY: u32 = 2u; // Every face casts.
 const COUNT_Z_PASS: u32 = 0u;
 const COUNT_ZP_PLUS: u32 = 1u;
 const COUNT_Z_FAIL: u32 = 2u;
-// z-pass where no face lies between light and near rectangle, else ZP+; decided for each caster and light.
+// Chosen for each caster and light: z-pass if no face lies between light and near rectangle, else ZP+.
 const COUNT_AUTO: u32 = 3u;
 const COUNT_ZP_PLUS_2005: u32 = 4u; // ZP+ as published.
 
-// A corner of a box, by its number from 0 to 7.
-fn box_corner(low: vec3<f32>, high: vec3<f32>, number: u32) -> vec3<f32> {
-  return select(low, high, (vec3<u32>(number) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
+// Corner 0 to 7 of a box.
+fn box_corner(low: vec3<f32>, high: vec3<f32>, index: u32) -> vec3<f32> {
+  return select(low, high, (vec3<u32>(index) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
 }
 
-// A direction, given in the space of the positions, in the camera's frame.
-fn turned(view: ShadowView, d: vec3<f32>) -> vec3<f32> {
+// A direction in the space of the positions, in the camera frame.
+fn direction_to_camera_frame(view: ShadowView, d: vec3<f32>) -> vec3<f32> {
   return vec3<f32>(dot_3(view.placement[0].xyz, d), dot_3(view.placement[1].xyz, d), dot_3(view.placement[2].xyz, d));
 }
 
-// A position in the camera's frame. Where positions are in world space this is exactly the difference from the camera's
-// origin, because products with 1 and 0 do not round.
-fn placed(view: ShadowView, position: vec3<f32>) -> vec3<f32> {
-  return turned(view, position) + vec3<f32>(view.placement[0].w, view.placement[1].w, view.placement[2].w);
+// A position in the camera frame. For positions in world space it is exactly the difference from the camera's origin,
+// because products with 1 and 0 do not round.
+fn to_camera_frame(view: ShadowView, position: vec3<f32>) -> vec3<f32> {
+  return direction_to_camera_frame(view, position) +
+    vec3<f32>(view.placement[0].w, view.placement[1].w, view.placement[2].w);
 }
 
 // A position in clip space. A caller's depth pass gets the same bits if it computes positions in this way.
 fn to_clip(view: ShadowView, position: vec3<f32>) -> vec4<f32> {
-  let q = placed(view, position);
+  let q = to_camera_frame(view, position);
   return view.view_projection[0] * q.x + view.view_projection[1] * q.y + view.view_projection[2] * q.z +
     view.view_projection[3];
 }
 
-// The vector from the light to a position, times the light's w, in the camera's frame.
+// The vector from the light to a position, times the light's w, in the camera frame.
 fn extrusion(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
-  return turned(view, light.light.w * position - light.light.xyz);
+  return direction_to_camera_frame(view, light.light.w * position - light.light.xyz);
 }
 
 // A direction in clip space: a point at infinity.
@@ -166,7 +167,7 @@ fn direction_to_clip(view: ShadowView, direction: vec3<f32>) -> vec4<f32> {
 }
 
 // The far vertex of a position: at infinity, or where the volume ends.
-fn far_end(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
+fn far_vertex(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
   let far = direction_to_clip(view, extrusion(view, light, position));
   if (light.light.w == 0.0 && light.end > 0.0) {
     return far + light.end * to_clip(view, position);
@@ -179,52 +180,53 @@ fn is_orthographic(view: ShadowView) -> bool {
   return view.view_projection[0].w == 0.0 && view.view_projection[1].w == 0.0 && view.view_projection[2].w == 0.0;
 }
 
-// A vertex of a volume.
+// A vertex V of a volume, with the values from which its three forms are computed. The far vertex here is at infinity.
 struct Corner {
-  // The vertex in clip space, and its height over the near plane.
-  near: vec4<f32>,
-  height: f32,
-  // The far vertex, and its height over the near plane.
-  far: vec4<f32>,
-  far_height: f32,
-  // Whether the light is farther from the vertex than the camera's origin is. `project_to_near_plane` then computes
-  // with V, else with V - L: with the shorter of both.
-  is_far: bool,
+  near: vec4<f32>, // V in clip space.
+  height: f32, // The height of V over the near plane.
+  far: vec4<f32>, // The far vertex in clip space: a direction.
+  far_height: f32, // The height of this direction over the near plane.
+  // Whether the light is farther from V than the camera's origin is. `project_to_near_plane` computes with the shorter of
+  // the two vectors: with V if this is set, else with V - L.
+  is_light_farther: bool,
 }
 
-// The largest of three absolute values.
-fn size_3(a: vec3<f32>) -> f32 { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
+// The largest absolute component.
+fn largest_component(a: vec3<f32>) -> f32 { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
 
-// The height of a far vertex over the near plane is the light's w times the vertex's height, less the light's height. So it is
-// not negative if the vertex is above the plane and the light below it, and negative if the vertex is below and the light is not.
-// This keeps both true despite rounding: else a clipped shape might have more than five vertices.
+// Makes the sign of the far vertex's height agree with the signs of the other heights, despite rounding. Without rounding,
+// far height = w * height - light height. So with the light below the plane, a vertex above the plane has a far height of 0
+// or more. With the light above or on the plane, a vertex below the plane has a negative one. A clipped polygon has at most
+// five vertices only if both hold.
 fn consistent_rise(light: ShadowLight, height: f32, far_height: f32) -> f32 {
-  let below = light.height < 0.0;
+  let is_light_below = light.height < 0.0;
   return select(
-    select(far_height, min(far_height, -1e-37), !below && height < 0.0), max(far_height, 0.0), below && height >= 0.0);
+    select(far_height, min(far_height, -1e-37), !is_light_below && height < 0.0),
+    max(far_height, 0.0),
+    is_light_below && height >= 0.0);
 }
 
-// A vertex of a volume, from its position.
+// The vertex of a volume at a position.
 fn corner(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> Corner {
   let d = extrusion(view, light, position);
-  let q = placed(view, position);
+  let q = to_camera_frame(view, position);
   let height = dot_3(view.near_plane.xyz, q) + view.near_plane.w;
   return Corner(
     to_clip(view, position),
     height,
     direction_to_clip(view, d),
     consistent_rise(light, height, dot_3(view.near_plane.xyz, d)),
-    size_3(d) > light.light.w * size_3(q),
+    largest_component(d) > light.light.w * largest_component(q),
   );
 }
 
-// The test is on the bits, because WGSL allows an implementation to assume that floats are finite.
+// Tests bits, because WGSL allows an implementation to assume that floats are finite.
 fn is_finite(position: vec3<f32>) -> bool {
   let exponent = bitcast<vec3<u32>>(position) & vec3<u32>(0x7f800000u);
   return all(exponent != vec3<u32>(0x7f800000u));
 }
 
-// The light's side of the near plane: -1 in front of the plane, on the eye's side, else 1.
+// The light's side of the near plane: -1 on the eye's side, else 1.
 fn light_side(light: ShadowLight) -> f32 { return select(1.0, -1.0, light.height < 0.0); }
 
 // The vertex, projected from the light onto the near plane.
@@ -232,25 +234,26 @@ fn project_to_near_plane(view: ShadowView, light: ShadowLight, v: Corner) -> vec
   let s = light_side(light);
   var xy = v.far.xy * light.height - light.clip.xy * v.far_height;
   var w = view.near_w * (light.light.w * v.far_height);
-  if (v.is_far) {
+  if (v.is_light_farther) {
     xy = v.near.xy * light.height - light.clip.xy * v.height;
     w = view.near_w * v.far_height;
   }
   return vec4<f32>(s * xy, -s * w * view.near_z, -s * w);
 }
 
-// The intersection of an edge with the near plane, on whose two sides its ends must be. `a` is the vertex of lower index.
+// The intersection of an edge with the near plane. The ends must lie on different sides. `a` has the lower vertex index.
 fn on_near_plane(view: ShadowView, a: Corner, b: Corner) -> vec4<f32> {
   let t = a.height / (a.height - b.height);
   return vec4<f32>(a.near.xy + (b.near.xy - a.near.xy) * t, view.near_z * view.near_w, view.near_w);
 }
 
-// Corrects a depth that rounding may have put in front of the near plane.
+// Corrects a depth that rounding may have moved in front of the near plane.
 fn behind_near_plane(view: ShadowView, clip: vec4<f32>) -> vec4<f32> {
   return vec4<f32>(clip.xy, select(max(clip.z, 0.0), min(clip.z, clip.w), view.near_z != 0.0), clip.w);
 }
 
-// The point of an edge whose far direction is parallel to the near plane. `a` is the vertex of lower index.
+// The far vertex of the point of an edge from which the direction away from the light is parallel to the near plane. `a` has
+// the lower vertex index.
 fn parallel_to_near_plane(a: Corner, b: Corner) -> vec4<f32> {
   let t = a.far_height / (a.far_height - b.far_height);
   return vec4<f32>(a.far.xy + (b.far.xy - a.far.xy) * t, 0.0, 0.0);

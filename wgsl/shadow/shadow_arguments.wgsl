@@ -1,29 +1,31 @@
-// Arguments of shadow volumes: two compute stages that make indirect draws for the caller's render pass, and count in the
-// statistics what had no room. `shadow_arguments` for sides and caps; `piece_arguments`, after it, for the pieces of a mesh of
-// polygons. Each has a workgroup for each batch (up to 32 lights) and view, an invocation a light. Vertex shaders read
-// instances as they are made here: change both together.
+// Stages `shadow_arguments` and `piece_arguments`: write the arguments of the indirect draws of the caller's render pass,
+// and count in the statistics what overflowed.
+// Dispatched for each group of casters, light batch (up to 32 lights) and view, one workgroup; an invocation is a light.
+// `shadow_arguments` follows `list_sides`. `piece_arguments` follows it for groups whose only caster is a mesh of
+// polygons.
+// Reads: the counts of lists (shadow/lists.wgsl), and choices. Writes: `shadow_draws` for sides and caps, `piece_draws`
+// for pieces.
+// The vertex shaders of sides.wgsl, cap_faces.wgsl and pieces.wgsl derive list entries from instance indices as they are
+// counted here: change both together.
 
 #import common/extraction
 #import shadow/choices
 #import shadow/lists
 #import shadow/shadow
 
-// Stage `shadow_arguments`: from the counts of `list_sides` and `caps`, dispatched after `list_sides`, for each group of
-// casters. It writes `shadow_draws`, for the vertex shaders of sides.wgsl and cap_faces.wgsl. Where lists overflowed, draws go
-// over all edges or faces, and these shaders reject what does not belong: slower, never wrong.
+// Stage `shadow_arguments`: from the counts of `list_sides` and `caps`. If a list overflowed, its draw has an instance for
+// each edge or face, and the vertex shader rejects those that are not in the list. This is slower, but shadows stay right.
 
-// The draws of one light's shadow volume.
+// The draws of the shadow volumes of one light and group.
 struct ShadowDraws {
-  // Sides that are not clipped, and sides clipped at the near plane, or sides of ZP+ as published.
-  plain: DrawArguments,
-  clipped: DrawArguments,
-  // Near caps that count up on their front, and on their back.
-  near_front: DrawArguments,
-  near_back: DrawArguments,
-  // Light and dark caps of z-fail, likewise. With z-pass, the dark caps of volumes that end.
+  plain: DrawArguments, // Sides that the hardware clips.
+  clipped: DrawArguments, // Sides clipped at the near plane, or sides of ZP+ as published.
+  near_front: DrawArguments, // Near caps that count up on their front.
+  near_back: DrawArguments, // Near caps that count up on their back.
+  // Light and dark caps with z-fail, and dark caps of volumes that end with z-pass, likewise.
   far_front: DrawArguments,
   far_back: DrawArguments,
-  // With z-pass and ZP+, the light caps of casters that are not in the depth buffer.
+  // Light caps of casters that are not in the depth buffer, with z-pass and ZP+, likewise.
   light_front: DrawArguments,
   light_back: DrawArguments,
 }
@@ -35,49 +37,51 @@ struct ShadowDraws {
 @group(0) @binding(4) var<storage, read_write> shadow_draws: array<ShadowDraws>;
 @group(0) @binding(5) var<storage, read_write> shadow_statistics: ShadowStatistics;
 
-fn arguments(vertices: u32, instances: u32) -> DrawArguments {
+fn draw_arguments(vertices: u32, instances: u32) -> DrawArguments {
   return DrawArguments(select(vertices, 0u, instances == 0u), instances, 0u, 0u);
 }
 
-// Instances of two lists that share a run. `all` are those of a run that overflowed, for lists that are not empty.
-fn instances_of(first: u32, second: u32, capacity: u32, all: u32) -> vec2<u32> {
-  let listed = vec2<u32>(first, second);
+// The instances of two lists that share a range, from their counts. `all` is the count of edges or faces that each draw goes
+// over if the range overflowed. An empty list has no instances.
+fn instances_of_lists(first: u32, second: u32, capacity: u32, all: u32) -> vec2<u32> {
+  let counts = vec2<u32>(first, second);
   if (first + second > capacity) {
-    return select(listed, vec2<u32>(all), listed != vec2<u32>(0u));
+    return select(counts, vec2<u32>(all), counts != vec2<u32>(0u));
   }
-  return listed;
+  return counts;
 }
 
 fn write_arguments(bit: u32) {
   let plain = sides[2u * bit];
   let clipped = sides[2u * bit + 1u];
-  let counts = vec4<u32>(
+  // The counts of cap faces by kind (shadow/lists.wgsl).
+  let cap_counts = vec4<u32>(
     caps_listed[4u * bit], caps_listed[4u * bit + 1u], caps_listed[4u * bit + 2u], caps_listed[4u * bit + 3u]);
   if (plain + clipped > shape.side_capacity) {
     atomicAdd(&shadow_statistics.overflowed_sides, 1u);
   }
-  if (counts.x + counts.y > shape.near_capacity || counts.z + counts.w > shape.far_capacity) {
+  if (cap_counts.x + cap_counts.y > shape.near_capacity || cap_counts.z + cap_counts.w > shape.far_capacity) {
     atomicAdd(&shadow_statistics.overflowed_caps, 1u);
   }
-  if (counts.x + counts.y > 0u) {
+  if (cap_counts.x + cap_counts.y > 0u) {
     atomicAdd(&shadow_statistics.capped, 1u);
   }
-  // A side may have weight 2.
-  let side_instances = instances_of(plain, clipped, shape.side_capacity, 2u * shape.edges);
-  let near = instances_of(counts.x, counts.y, shape.near_capacity, shape.faces);
-  let far = instances_of(counts.z, counts.w, shape.far_capacity, shape.faces);
+  // Two instances an edge, since a side may have the weight 2.
+  let side_instances = instances_of_lists(plain, clipped, shape.side_capacity, 2u * shape.edges);
+  let near = instances_of_lists(cap_counts.x, cap_counts.y, shape.near_capacity, shape.faces);
+  let far = instances_of_lists(cap_counts.z, cap_counts.w, shape.far_capacity, shape.faces);
   let is_published = shape.counting == COUNT_ZP_PLUS_2005;
   var draws = ShadowDraws();
-  draws.plain = arguments(4u, side_instances.x);
-  // ZP+ as published takes three quads a side.
-  draws.clipped = arguments(select(5u, 4u, is_published), side_instances.y * select(1u, 3u, is_published));
-  draws.near_front = arguments(select(5u, 3u, is_published), near.x);
-  draws.near_back = arguments(select(5u, 3u, is_published), near.y);
-  draws.far_front = arguments(3u, far.x);
-  draws.far_back = arguments(3u, far.y);
+  draws.plain = draw_arguments(4u, side_instances.x);
+  // ZP+ as published draws three quads a side.
+  draws.clipped = draw_arguments(select(5u, 4u, is_published), side_instances.y * select(1u, 3u, is_published));
+  draws.near_front = draw_arguments(select(5u, 3u, is_published), near.x);
+  draws.near_back = draw_arguments(select(5u, 3u, is_published), near.y);
+  draws.far_front = draw_arguments(3u, far.x);
+  draws.far_back = draw_arguments(3u, far.y);
   if (shape.proxies != 0u) {
-    draws.light_front = arguments(4u, far.x);
-    draws.light_back = arguments(4u, far.y);
+    draws.light_front = draw_arguments(4u, far.x);
+    draws.light_back = draw_arguments(4u, far.y);
   }
   shadow_draws[draw.view * shape.lights + draw.first_light + bit] = draws;
 }
@@ -89,57 +93,53 @@ fn shadow_arguments(@builtin(local_invocation_index) bit: u32) {
   }
 }
 
-// Stage `piece_arguments`: makes the draws of the pieces of L-twisted polygons, whose outlines cross themselves as seen from
-// light L, so that they have lit and dark parts. A piece is a part of the border between these; `cut_edges` and `cut_quads`
-// listed them (shadow/lists.wgsl). It reads the choices for the only caster of the group, and writes `piece_draws`, for the vertex shaders
-// `piece_…`, and the number of pieces that had no room.
+// Stage `piece_arguments`: from the counts of `cut_edges` and `cut_quads`, which list pieces of L-twisted polygons
+// (shadow/lists.wgsl), and from the choices for the only caster of the group.
 
-// The draws of the pieces of a light's L-twisted polygons.
+// The draws of the pieces of one light.
 struct PieceDraws {
-  // Sides that are not clipped, and sides clipped at the near plane.
-  plain: DrawArguments,
-  clipped: DrawArguments,
-  // Near caps that count up on their front, or on their back.
-  near_front: DrawArguments,
-  near_back: DrawArguments,
-  // Caps at the polygon, and at the far end.
+  plain: DrawArguments, // Sides that the hardware clips.
+  clipped: DrawArguments, // Sides clipped at the near plane.
+  near_front: DrawArguments, // Near caps that count up on their front.
+  near_back: DrawArguments, // Near caps that count up on their back.
   light_cap: DrawArguments,
   dark_cap: DrawArguments,
 }
 
-@group(0) @binding(6) var<storage, read> seen: array<SeenLight>;
+@group(0) @binding(6) var<storage, read> seen: array<SeenLight>; // For each view all lights.
 @group(0) @binding(7) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(8) var<storage, read> pieces: array<u32>;
 @group(0) @binding(9) var<storage, read_write> piece_draws: array<PieceDraws>;
 
-fn arguments_if(is_drawn: bool, vertices: u32, instances: u32) -> DrawArguments {
-  return arguments(vertices, select(0u, instances, is_drawn));
+fn draw_arguments_if(is_drawn: bool, vertices: u32, instances: u32) -> DrawArguments {
+  return draw_arguments(vertices, select(0u, instances, is_drawn));
 }
 
 fn write_piece_arguments(bit: u32) {
-  let number = draw.first_light + bit;
-  let place = draw.view * shape.lights + number;
-  let light = chosen_light(shape.first_caster, seen[place].light, number, draw.view);
+  let light_index = draw.first_light + bit;
+  let entry = draw.view * shape.lights + light_index;
+  let light = with_stored_choices(shape.first_caster, seen[entry].light, light_index, draw.view);
   var draws = PieceDraws();
-  if (seen[place].view.near_w != 0.0 && light.casting != CAST_NOTHING) {
+  // Entries of unused views are zeros.
+  if (seen[entry].view.near_w != 0.0 && light.casting != CAST_NOTHING) {
     let count = min(pieces[bit], shape.piece_capacity);
     if (pieces[bit] > count) {
       atomicAdd(&shadow_statistics.lost_pieces, pieces[bit] - count);
     }
     let is_clipped = light.counting == COUNT_ZP_PLUS;
-    let is_fail = light.counting == COUNT_Z_FAIL;
-    // The faces that pieces make face the light.
-    let kind = near_kind(light, true, false);
-    let ends = light.end > 0.0 && shape.end_at_range != 0u;
-    draws.plain = arguments_if(!is_clipped, 4u, count);
-    draws.clipped = arguments_if(is_clipped, 5u, count);
-    draws.near_front = arguments_if(is_clipped && kind == 0u, 5u, count);
-    draws.near_back = arguments_if(is_clipped && kind == 1u, 5u, count);
-    // The faces that pieces make are not in the depth buffer, so the eye sees through them.
-    draws.light_cap = arguments(4u, count);
-    draws.dark_cap = arguments_if(is_fail || ends, 3u, count);
+    let is_z_fail = light.counting == COUNT_Z_FAIL;
+    // A piece and the middle of its polygon make a front-facing triangle.
+    let kind = near_cap_kind(light, true, false);
+    let ends_at_range = light.end > 0.0 && shape.end_at_range != 0u;
+    draws.plain = draw_arguments_if(!is_clipped, 4u, count);
+    draws.clipped = draw_arguments_if(is_clipped, 5u, count);
+    draws.near_front = draw_arguments_if(is_clipped && kind == 0u, 5u, count);
+    draws.near_back = draw_arguments_if(is_clipped && kind == 1u, 5u, count);
+    // The triangles of pieces are not in the depth buffer, so the eye sees through them.
+    draws.light_cap = draw_arguments(4u, count);
+    draws.dark_cap = draw_arguments_if(is_z_fail || ends_at_range, 3u, count);
   }
-  piece_draws[place] = draws;
+  piece_draws[entry] = draws;
 }
 
 @compute @workgroup_size(32)

@@ -1,10 +1,11 @@
-// Sides: vertex shaders that draw the quads from edges away from the light, in the caller's render pass, by the indirect draws
-// that `shadow_arguments` made of the lists of `list_sides`. An instance is an entry of a list, drawn as a strip. `side` leaves
-// clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with the near cap (`cap_faces`) has
-// equal bits. `zp_plus_2005_side` is the side as published in 2005. The first two may be trimmed (shadow/vertices.wgsl). If the
-// light's lists overflowed, each edge of the group is two instances and is tested here. Ends must come to shadow/vertices.wgsl as
-// the winding and the order of vertex indices have them: stencil counts and seams follow from these.
-// docs/numerics/shadow-volumes.md.
+// Vertex shaders of sides, in the caller's render pass. A side is the quad from an edge away from the light.
+// The indirect draws of `shadow_arguments` have an instance for each entry of a list of `list_sides`, drawn as a strip.
+// If the light's lists overflowed, each edge of the group has two instances, and the shader decides whether they are
+// drawn. `side` leaves clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with
+// near caps (`cap_faces`) has equal bits. Both may be trimmed (shadow/vertices.wgsl). `zp_plus_2005_side` is the side as
+// published in 2005.
+// Stencil counts depend on the order of a side's ends, seams on the order of their vertex indices.
+// docs/numerics/shadow-volumes.md, "Closed volumes".
 
 #import common/casters
 #import common/extraction
@@ -25,102 +26,105 @@
 @group(1) @binding(4) var<storage, read> excluded_masks: array<u32>;
 @group(1) @binding(5) var<storage, read> sides: array<u32>;
 
-// A side: its edge, in the order in which the quad (first, second, second far, first far) is counter-clockwise from
-// outside, and what its caster sees.
-struct Side {
-  valid: bool,
-  ends: vec2<u32>,
-  first: vec3<f32>,
-  second: vec3<f32>,
+// The side of an instance: its edge, in the order in which the quad (first, second, second far, first far) is
+// counter-clockwise as seen from outside the volume; and view and light for its caster.
+struct SideInstance {
+  is_drawn: bool,
+  ends: vec2<u32>, // Vertex indices.
+  first: vec3<f32>, // The position of ends.x.
+  second: vec3<f32>, // The position of ends.y.
   view: ShadowView,
   light: ShadowLight,
 }
 
-// The side that an instance of a draw of list `kind` (PLAIN or CLIPPED) draws. An instance is an entry of the list. If the lists
-// overflowed, every edge is two instances, since its side may have weight 2; those above its weight are not valid.
-fn side_of(instance: u32, kind: u32) -> Side {
+// The side of an instance of the draw of a list, `kind` PLAIN or CLIPPED. If the lists overflowed, every edge has two
+// instances, since its side may have the weight 2. Instances above the weight are not drawn.
+fn load_side(instance: u32, kind: u32) -> SideInstance {
   let bit = draw.light - draw.first_light;
-  let overflowed = sides[2u * bit] + sides[2u * bit + 1u] > shape.side_capacity;
+  let is_overflowed = sides[2u * bit] + sides[2u * bit + 1u] > shape.side_capacity;
   var entry = instance >> 1u;
-  if (!overflowed) {
-    entry = sides[side_place(bit, kind, instance)];
+  if (!is_overflowed) {
+    entry = sides[side_entry_offset(bit, kind, instance)];
   }
   let slot = entry & ~WINDING;
-  let caster = caster_of(shape.edge_chunks_at, slot);
-  let run = edge_run(caster);
-  let record = run.z + slot - run.x;
-  var own: Side;
-  own.view = view_of(caster, seen.view);
-  own.light = light_of(caster, seen.light, draw.light);
-  own.valid = is_counted(caster, draw.count_batch);
+  let caster = caster_of_slot(shape.edge_chunks_at, slot);
+  let range = edge_range(caster);
+  let record = range.z + slot - range.x;
+  var result: SideInstance;
+  result.view = view_for_caster(caster, seen.view);
+  result.light = light_for_caster(caster, seen.light, draw.light);
+  result.is_drawn = is_in_count_batch(caster, draw.count_batch);
   var winding = entry >= WINDING;
-  if (overflowed || has_measures()) {
-    own.light = chosen_light(caster, own.light, draw.light, draw.view);
+  if (is_overflowed || has_measures()) {
+    result.light = with_stored_choices(caster, result.light, draw.light, draw.view);
   }
-  if (overflowed) {
-    // A slot beyond the edges of its caster has a record of another, or none.
-    let is_there = slot - run.x < run.y;
-    let side = side_at(caster, record, own.light, bit);
-    own.valid = own.valid && is_there && side.weight > (instance & 1u) && side_kind(own.light) == kind;
-    winding = side.winding;
+  if (is_overflowed) {
+    // A slot past the edges of its caster has the record of another caster, or none.
+    let is_in_caster = slot - range.x < range.y;
+    let in_masks = edge_side(caster, record, result.light, bit);
+    result.is_drawn = result.is_drawn && is_in_caster && in_masks.weight > (instance & 1u) &&
+      side_kind(result.light) == kind;
+    winding = in_masks.winding;
   }
-  let turned_over = (caster_flags(caster) & MIRRORED) != 0u;
+  let is_mirrored = (caster_flags(caster) & MIRRORED) != 0u;
   let ends = edge_vertices[record];
-  own.ends = select(ends, ends.yx, winding != turned_over);
-  own.first = vertex_position(caster, own.ends.x);
-  own.second = vertex_position(caster, own.ends.y);
-  return own;
+  result.ends = select(ends, ends.yx, winding != is_mirrored);
+  result.first = vertex_position(caster, result.ends.x);
+  result.second = vertex_position(caster, result.ends.y);
+  return result;
 }
 
 @vertex fn side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
-  let own = side_of(instance, PLAIN);
-  if (!own.valid) {
-    return VolumeVertex(NOTHING);
+  let edge = load_side(instance, PLAIN);
+  if (!edge.is_drawn) {
+    return VolumeVertex(NOT_DRAWN);
   }
-  return drawn_side(own.view, own.light, own.first, own.second, vertex);
+  return drawn_side(edge.view, edge.light, edge.first, edge.second, vertex);
 }
 
 @vertex fn side_clipped(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
-  let own = side_of(instance, CLIPPED);
-  if (!own.valid) {
-    return VolumeVertex(NOTHING);
+  let edge = load_side(instance, CLIPPED);
+  if (!edge.is_drawn) {
+    return VolumeVertex(NOT_DRAWN);
   }
-  let is_ordered = own.ends.x < own.ends.y;
-  return drawn_clipped_side(own.view, own.light, own.first, own.second, is_ordered, vertex);
+  let is_ordered = edge.ends.x < edge.ends.y;
+  return drawn_clipped_side(edge.view, edge.light, edge.first, edge.second, is_ordered, vertex);
 }
 
-// Three quads for each edge: the side, whose clipped vertices move to their counterparts in the near cap, and two quads
-// that fill the gaps where the near plane cuts one finite edge of the side. In the paper's terms vertices are floating
-// or nailed, and the corrective quads are those of its cases C1 and C2.
+// Three quads for each edge: the side, whose vertices before the near plane move to their counterparts in the near cap; and
+// two corrective quads, which fill gaps where the near plane cuts only one of the two finite edges of the side. The paper
+// calls vertices that move floating and all others nailed, and the corrective quads are its cases C1 and C2.
 @vertex fn zp_plus_2005_side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
-  let own = side_of(instance / 3u, CLIPPED);
-  if (!own.valid) {
-    return VolumeVertex(NOTHING);
+  let edge = load_side(instance / 3u, CLIPPED);
+  if (!edge.is_drawn) {
+    return VolumeVertex(NOT_DRAWN);
   }
-  let view = own.view;
-  let light = own.light;
-  let cuts_edge = is_cut(view, to_clip(view, own.first)) != is_cut(view, to_clip(view, own.second));
-  let first_far = direction_to_clip(view, extrusion(view, light, own.first));
-  let second_far = direction_to_clip(view, extrusion(view, light, own.second));
-  let cuts_far = is_cut(view, first_far) != is_cut(view, second_far);
+  let view = edge.view;
+  let light = edge.light;
+  let is_edge_cut = is_before_near_plane(view, to_clip(view, edge.first)) !=
+    is_before_near_plane(view, to_clip(view, edge.second));
+  let first_far = direction_to_clip(view, extrusion(view, light, edge.first));
+  let second_far = direction_to_clip(view, extrusion(view, light, edge.second));
+  let is_far_edge_cut = is_before_near_plane(view, first_far) != is_before_near_plane(view, second_far);
   let quad = instance % 3u;
-  if ((quad == 1u && (!cuts_edge || cuts_far)) || (quad == 2u && (cuts_edge || !cuts_far))) {
-    return VolumeVertex(NOTHING);
+  if ((quad == 1u && (!is_edge_cut || is_far_edge_cut)) || (quad == 2u && (is_edge_cut || !is_far_edge_cut))) {
+    return VolumeVertex(NOT_DRAWN);
   }
-  let position = select(own.first, own.second, (vertex & 1u) != 0u);
+  let position = select(edge.first, edge.second, (vertex & 1u) != 0u);
+  // Each quad has two rows of two vertices. Quad 0: near floating, far floating. Quad 1: near nailed, near floating. Quad 2:
+  // far floating, far nailed.
   let is_first_row = vertex < 2u;
-  // Rows: near and far floating; near nailed, near floating; far floating, far nailed.
   let is_near = quad == 1u || (quad == 0u && is_first_row);
-  let floats = quad == 0u || (quad == 1u) != is_first_row;
+  let is_floating = quad == 0u || (quad == 1u) != is_first_row;
   var clip = direction_to_clip(view, extrusion(view, light, position));
   if (is_near) {
     clip = to_clip(view, position);
   }
-  if (floats && is_cut(view, clip)) {
-    clip = counterpart(view, light, position);
+  if (is_floating && is_before_near_plane(view, clip)) {
+    clip = counterpart_in_near_cap(view, light, position);
   }
   return VolumeVertex(clip);
 }
 
-// For passes with colour attachments, which are not changed.
+// For passes with colour attachments, which stay as they are.
 @fragment fn nothing() {}

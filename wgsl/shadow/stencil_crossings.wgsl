@@ -1,9 +1,11 @@
-// Crossings: two compute stages that add the sides of shadow volumes to the bins of half planes that they cross
-// (shadow/pencil.wgsl), for `stencil_bound`. Dispatched after `stencil_pencil`, if the caller asks for a bound:
-// `stencil_crossings` for each group of casters, batch of up to 32 lights and view, and after it `piece_crossings` for a group
-// whose only caster is a mesh of polygons; a row of workgroups shares the lists of a light. Where lists overflowed, more is added than
-// crosses: bounds are then larger, never too small. Rows are sums of integers, so the order of invocations does not matter.
-// docs/numerics/receivers.md, "Bound on counts".
+// Stages `stencil_crossings` and `piece_crossings`: add the sides of shadow volumes to the bins of half planes that they
+// may cross (shadow/pencil.wgsl), for `stencil_bound`.
+// Dispatched after `stencil_pencil`, if the caller asks for a bound, for each group of casters, light batch (up to 32
+// lights) and view. `piece_crossings` follows for groups whose only caster is a mesh of polygons. A row of workgroups
+// shares the lists of a light.
+// Reads: pencils, lists of sides or pieces, positions, boxes, choices. Writes: `crossings`.
+// If a list overflowed, more is added than crosses: bounds may be too large, never too small. Rows are sums of integers,
+// so the result does not depend on the order of invocations. docs/numerics/receivers.md, "Bound on counts".
 
 #import common/extraction
 #import shadow/caster
@@ -12,8 +14,8 @@
 #import shadow/pencil
 #import shadow/shadow
 
-// Stage `stencil_crossings`: adds sides, the quads from edges away from the light. Where their lists overflowed, it goes over
-// all edges, with the largest weight that each may have.
+// Stage `stencil_crossings`: adds the sides of edges, from the lists of `list_sides`. If the lists of a light overflowed, it
+// adds all edges, each with the largest weight that it may have.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
@@ -23,43 +25,42 @@
 @group(0) @binding(5) var<storage, read> edge_vertices: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> sides: array<u32>;
 @group(0) @binding(7) var<storage, read> pencils: array<StencilPencil>;
-@group(0) @binding(8) var<storage, read_write> crossings: array<atomic<u32>>; // The rows of the pencils.
+@group(0) @binding(8) var<storage, read_write> crossings: array<atomic<u32>>; // The rows of all pencils.
 
-// How often the sides of a caster's edge may count at most, for a light.
-fn largest_weight(caster: u32, number: u32) -> u32 {
-  let words = choice_part(caster, number / 32u, draw.view, 0u);
-  let casts = (words[CASTS] >> (number % 32u)) & 1u;
-  return casts * (1u + ((words[EVERY] >> (number % 32u)) & 1u));
+// The largest weight that the side of an edge may have, for a caster and a light.
+fn largest_weight(caster: u32, light_index: u32) -> u32 {
+  let words = choice_part(caster, light_index / 32u, draw.view, 0u);
+  let casts = (words[CHOICE_CASTS] >> (light_index % 32u)) & 1u;
+  return casts * (1u + ((words[CHOICE_EVERY_FACE] >> (light_index % 32u)) & 1u));
 }
 
-// Adds the side of the edge in a slot, for an entry of a list with the weight 1, since a side of weight 2 is listed twice. A
-// caster that the line of the pencil may meet is counted by its faces instead (`stencil_pencil`).
-fn cross_slot(by: StencilPencil, number: u32, slot: u32, is_listed: bool) {
-  let caster = caster_of(shape.edge_chunks_at, slot);
-  let run = edge_run(caster);
-  let edge = slot - run.x;
-  if (edge >= run.y) {
+// Adds the side of the edge in a slot. An entry of a list has the weight 1, since a side of weight 2 has two entries.
+// Casters that the axis of the pencil may meet are left out: `stencil_pencil` counts all their faces instead.
+fn add_slot(pencil: StencilPencil, light_index: u32, slot: u32, is_listed: bool) {
+  let caster = caster_of_slot(shape.edge_chunks_at, slot);
+  let range = edge_range(caster);
+  let edge = slot - range.x;
+  if (edge >= range.y) {
     return;
   }
-  let weight = select(largest_weight(caster, number), 1u, is_listed);
+  let weight = select(largest_weight(caster, light_index), 1u, is_listed);
   if (weight == 0u) {
     return;
   }
-  if (by.kind == AROUND) {
-    let own = world_box(caster);
-    if (axis_meets(by.place, axis_of(by), own.low, own.high)) {
+  if (pencil.kind == PENCIL_AROUND) {
+    let world_box = caster_world_box(caster);
+    if (can_axis_meet_box(pencil.place, axis_of_pencil(pencil), world_box.low, world_box.high)) {
       return;
     }
   }
-  let ends = edge_vertices[run.z + edge];
-  let a = in_world(caster, vertex_position(caster, ends.x));
-  let b = in_world(caster, vertex_position(caster, ends.y));
+  let ends = edge_vertices[range.z + edge];
+  let a = to_world(caster, vertex_position(caster, ends.x));
+  let b = to_world(caster, vertex_position(caster, ends.y));
   if (is_finite(a) && is_finite(b)) {
-    cross_edge(by, row_of(draw.view, number, caster % shape.count_batches), a, b, weight);
+    add_edge(pencil, row_offset(draw.view, light_index, caster % shape.count_batches), a, b, weight);
   }
 }
 
-// A workgroup takes a share of one light's sides.
 @compute @workgroup_size(64)
 fn stencil_crossings(
   @builtin(workgroup_id) group: vec3<u32>,
@@ -67,8 +68,8 @@ fn stencil_crossings(
   @builtin(local_invocation_index) thread: u32,
 ) {
   let bit = group.y;
-  let number = draw.first_light + bit;
-  let by = pencils[draw.view * shape.lights + number];
+  let light_index = draw.first_light + bit;
+  let pencil = pencils[draw.view * shape.lights + light_index];
   let plain = sides[2u * bit];
   let clipped = sides[2u * bit + 1u];
   let is_listed = plain + clipped <= shape.side_capacity;
@@ -78,22 +79,22 @@ fn stencil_crossings(
     var slot = item;
     if (is_listed) {
       let is_plain = item < plain;
-      slot = sides[side_place(bit, select(CLIPPED, PLAIN, is_plain), select(item - plain, item, is_plain))] & ~WINDING;
+      let kind = select(CLIPPED, PLAIN, is_plain);
+      slot = sides[side_entry_offset(bit, kind, select(item - plain, item, is_plain))] & ~WINDING;
     }
-    cross_slot(by, number, slot, is_listed);
+    add_slot(pencil, light_index, slot, is_listed);
   }
 }
 
-// Stage `piece_crossings`: adds the sides of pieces of L-twisted polygons (see shadow/lists.wgsl), each with the weight 1.
-// Where a list of pieces overflowed, all of them cross every half plane.
+// Stage `piece_crossings`: adds the sides of pieces of L-twisted polygons (shadow/lists.wgsl), each with the weight 1. If
+// the list of a light overflowed, all its pieces count in every bin.
 
 @group(0) @binding(4) var<storage, read> pieces: array<u32>;
 
-fn place_at(word: u32) -> vec3<f32> {
-  return bitcast<vec3<f32>>(vec3<u32>(pieces[word], pieces[word + 1u], pieces[word + 2u]));
+fn load_position(offset: u32) -> vec3<f32> {
+  return bitcast<vec3<f32>>(vec3<u32>(pieces[offset], pieces[offset + 1u], pieces[offset + 2u]));
 }
 
-// A workgroup takes a share of one light's pieces.
 @compute @workgroup_size(64)
 fn piece_crossings(
   @builtin(workgroup_id) group: vec3<u32>,
@@ -101,30 +102,32 @@ fn piece_crossings(
   @builtin(local_invocation_index) thread: u32,
 ) {
   let bit = group.y;
-  let number = draw.first_light + bit;
+  let light_index = draw.first_light + bit;
   let caster = shape.first_caster;
-  let casts = (choice_part(caster, number / 32u, draw.view, 0u)[CASTS] >> (number % 32u)) & 1u;
+  let casts = (choice_part(caster, light_index / 32u, draw.view, 0u)[CHOICE_CASTS] >> (light_index % 32u)) & 1u;
   if (casts == 0u) {
     return;
   }
-  let by = pencils[draw.view * shape.lights + number];
-  if (by.kind == AROUND) {
-    let own = world_box(caster);
-    if (axis_meets(by.place, axis_of(by), own.low, own.high)) {
+  let pencil = pencils[draw.view * shape.lights + light_index];
+  if (pencil.kind == PENCIL_AROUND) {
+    let world_box = caster_world_box(caster);
+    if (can_axis_meet_box(pencil.place, axis_of_pencil(pencil), world_box.low, world_box.high)) {
       return;
     }
   }
-  let row = row_of(draw.view, number, caster % shape.count_batches);
+  let row = row_offset(draw.view, light_index, caster % shape.count_batches);
   let capacity = shape.piece_capacity;
   if (pieces[bit] > capacity) {
     if (group.x == 0u && thread == 0u) {
-      cross_bins(row, 0u, BINS - 1u, pieces[bit]);
+      add_to_bins(row, 0u, BINS - 1u, pieces[bit]);
     }
     return;
   }
   // Turns: LISTED_ITEMS.
   for (var piece = group.x * 64u + thread; piece < pieces[bit]; piece += 64u * groups.x) {
-    let at = PIECE_COUNTS + PIECE_WORDS * (bit * capacity + piece);
-    cross_edge(by, row, in_world(caster, place_at(at)), in_world(caster, place_at(at + 3u)), 1u);
+    let offset = PIECE_COUNTS + PIECE_WORDS * (bit * capacity + piece);
+    let begin = to_world(caster, load_position(offset));
+    let end = to_world(caster, load_position(offset + 3u));
+    add_edge(pencil, row, begin, end, 1u);
   }
 }

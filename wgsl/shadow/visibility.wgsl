@@ -1,36 +1,43 @@
-// Visibility: what can be told of a box and its shadow before anything is drawn: whether a light reaches it, whether a camera
-// may see it or its shadow, whether it may lie between light and near rectangle (what the camera sees of the near plane), and
-// whether anything that shadows fall on can be in its shadow. `choose` takes all but `box_is_unseen`, `caps` the planes
-// between light and near rectangle, and `needs` whether a light reaches a box and a camera may see it or its shadow. Tests
-// have slack, which must stay above their rounding errors: a box is out only if it certainly is.
-// docs/numerics/shadow-volumes.md, and docs/numerics/receivers.md, "Volumes without a receiver".
+// Tests by which casters and volumes are culled before anything is drawn: by light range, by view and by receivers. A
+// further test is whether a box or face may lie between light and near rectangle. The near rectangle is what the camera
+// sees of the near plane. A box is the axis-aligned box of a caster, and its volume is the shadow volume of the whole
+// box.
+// `choose` calls all of them but `is_box_outside_view`, `caps` calls `pyramid_planes`, and `needs` the tests by range and
+// view.
+// Every test has slack above its rounding errors. It says that a box or volume is outside only if this is certain, so
+// nothing visible is culled. docs/numerics/shadow-volumes.md, "Slack of culling", and docs/numerics/receivers.md,
+// "Volumes without a receiver".
 
 #import common/casters
 #import shadow/receivers
 #import shadow/shadow
 
-const SLACK: f32 = 4e-6; // The relative slack of all tests. It is far above the rounding error of the tests.
+// The slack of all tests, relative to the terms of a value: the sum of the absolute values of the terms that the value is a
+// sum of. It is far above their rounding errors. Functions and variables named `…_terms` give upper bounds on terms.
+const SLACK: f32 = 4e-6;
 
-// Whether a point is outside a plane, from its `value` there. `size` bounds the terms whose sum is the value.
-fn is_out(value: f32, size: f32) -> bool { return value < -SLACK * size; }
+// Whether a value is certainly negative.
+fn is_negative(value: f32, terms: f32) -> bool { return value < -SLACK * terms; }
 
-// The planes through the light and the sides of the near rectangle, at a position. Faces between both cast onto it.
+// A position relative to the pyramid with the light as its apex and the near rectangle as its base.
 struct PyramidPlanes {
-  // Left, right, bottom, top; negative outside. Then bounds on the terms whose sums they are.
-  value: vec4<f32>,
-  size: vec4<f32>,
-  // Negative on the far side of the near plane as seen from the light.
-  depth: f32,
-  depth_size: f32,
+  // Distances from the planes through the light and the left, right, bottom and top side of the near rectangle, times some
+  // positive factor. Negative: outside.
+  side_heights: vec4<f32>,
+  side_terms: vec4<f32>, // The terms of `side_heights`.
+  depth: f32, // The distance from the near plane. Negative: on the side away from the light.
+  depth_terms: f32, // The terms of `depth`.
 }
 
-// Bounds on the terms whose sums are a position's clip coordinates.
-fn clip_size(view: ShadowView, q: vec3<f32>) -> vec4<f32> {
+// The terms of a position's clip coordinates. `q` has the absolute values, or the terms, of the position in the camera
+// frame.
+fn clip_terms(view: ShadowView, q: vec3<f32>) -> vec4<f32> {
   return abs(view.view_projection[0]) * q.x + abs(view.view_projection[1]) * q.y + abs(view.view_projection[2]) * q.z +
     abs(view.view_projection[3]);
 }
 
-fn height_size(view: ShadowView, q: vec3<f32>) -> f32 {
+// The terms of a position's height over the near plane. `q` as for `clip_terms`.
+fn height_terms(view: ShadowView, q: vec3<f32>) -> f32 {
   return dot_3(abs(view.near_plane.xyz), q) + abs(view.near_plane.w);
 }
 
@@ -38,143 +45,158 @@ fn height_size(view: ShadowView, q: vec3<f32>) -> f32 {
 fn pyramid_planes(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> PyramidPlanes {
   let s = light_side(light);
   let v = corner(view, light, position);
-  let q = abs(placed(view, position));
-  let size = clip_size(view, q);
-  let height = height_size(view, q);
+  let q = abs(to_camera_frame(view, position));
+  let terms = clip_terms(view, q);
+  let terms_of_height = height_terms(view, q);
   let xy = s * (v.near.xy * light.height - light.clip.xy * v.height);
   let w = s * view.near_w * (light.height - light.light.w * v.height);
-  let xy_size = size.xy * abs(light.height) + abs(light.clip.xy) * height;
-  let w_size = view.near_w * (abs(light.height) + light.light.w * height);
+  let xy_terms = terms.xy * abs(light.height) + abs(light.clip.xy) * terms_of_height;
+  let w_terms = view.near_w * (abs(light.height) + light.light.w * terms_of_height);
   return PyramidPlanes(
     vec4<f32>(w + xy.x, w - xy.x, w + xy.y, w - xy.y),
-    w_size + vec4<f32>(xy_size.xx, xy_size.yy),
+    w_terms + vec4<f32>(xy_terms.xx, xy_terms.yy),
     s * v.height,
-    height,
+    terms_of_height,
   );
 }
 
-// Whether the whole box is beyond the light's range.
-fn out_of_range(light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>) -> bool {
+// Whether the whole box is out of the light's range. `scale` is at most the smallest factor by which the caster's matrix
+// scales lengths.
+fn is_out_of_range(light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>) -> bool {
   if (light.range <= 0.0 || light.light.w <= 0.0) {
     return false;
   }
-  let place = light.light.xyz / light.light.w;
-  let d = scale * max(max(low - place, place - high), vec3<f32>(0.0));
-  // The largest side is factored out, because squares may overflow.
+  let light_position = light.light.xyz / light.light.w;
+  let d = scale * max(max(low - light_position, light_position - high), vec3<f32>(0.0));
+  // The largest component is factored out, because squares may overflow.
   let size = max(max(d.x, d.y), max(d.z, light.range));
   let r = light.range / size;
   let e = d / size;
   return dot_3(e, e) > r * r * (1.0 + SLACK);
 }
 
-// Bounds on the terms whose sums are the vector from the light to a position.
-fn extrusion_size(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
+// The terms of `extrusion`.
+fn extrusion_terms(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
   let terms = abs(light.light.w * position) + abs(light.light.xyz);
   return vec3<f32>(
-    dot_3(abs(view.placement[0].xyz), terms), dot_3(abs(view.placement[1].xyz), terms), dot_3(abs(view.placement[2].xyz), terms));
+    dot_3(abs(view.placement[0].xyz), terms),
+    dot_3(abs(view.placement[1].xyz), terms),
+    dot_3(abs(view.placement[2].xyz), terms));
 }
 
-// Whether the whole volume of the box is outside the left, right, bottom, top or near plane of the camera.
-fn is_unseen(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
-  var out = vec4<bool>(true);
-  var before = true;
-  for (var number = 0u; number < 8u; number++) {
-    let position = box_corner(low, high, number);
+// Whether the whole volume of a box is outside the left, right, bottom, top or near plane of the camera.
+fn is_volume_outside_view(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
+  var outside = vec4<bool>(true); // Left, right, bottom, top.
+  var outside_near = true;
+  for (var index = 0u; index < 8u; index++) {
+    let position = box_corner(low, high, index);
     let v = corner(view, light, position);
-    let q = abs(placed(view, position));
-    let size = clip_size(view, q);
-    let away = extrusion_size(view, light, position);
-    let far_size = clip_size(view, away);
-    let near_x = size.w + size.x;
-    let near_y = size.w + size.y;
-    let far_x = far_size.w + far_size.x;
-    let far_y = far_size.w + far_size.y;
-    out = vec4<bool>(
-      out.x && is_out(v.near.w + v.near.x, near_x) && is_out(v.far.w + v.far.x, far_x),
-      out.y && is_out(v.near.w - v.near.x, near_x) && is_out(v.far.w - v.far.x, far_x),
-      out.z && is_out(v.near.w + v.near.y, near_y) && is_out(v.far.w + v.far.y, far_y),
-      out.w && is_out(v.near.w - v.near.y, near_y) && is_out(v.far.w - v.far.y, far_y));
-    before = before && is_out(v.height, height_size(view, q)) &&
-      is_out(v.far_height, far_size.w + dot_3(abs(view.near_plane.xyz), away));
+    let q = abs(to_camera_frame(view, position));
+    let terms = clip_terms(view, q);
+    let away = extrusion_terms(view, light, position);
+    let far_terms = clip_terms(view, away);
+    let near_x = terms.w + terms.x;
+    let near_y = terms.w + terms.y;
+    let far_x = far_terms.w + far_terms.x;
+    let far_y = far_terms.w + far_terms.y;
+    outside = vec4<bool>(
+      outside.x && is_negative(v.near.w + v.near.x, near_x) && is_negative(v.far.w + v.far.x, far_x),
+      outside.y && is_negative(v.near.w - v.near.x, near_x) && is_negative(v.far.w - v.far.x, far_x),
+      outside.z && is_negative(v.near.w + v.near.y, near_y) && is_negative(v.far.w + v.far.y, far_y),
+      outside.w && is_negative(v.near.w - v.near.y, near_y) && is_negative(v.far.w - v.far.y, far_y));
+    outside_near = outside_near && is_negative(v.height, height_terms(view, q)) &&
+      is_negative(v.far_height, far_terms.w + dot_3(abs(view.near_plane.xyz), away));
   }
-  return any(out) || before;
+  return any(outside) || outside_near;
 }
 
 // Whether the whole box is outside the left, right, bottom, top or near plane of the camera.
-fn box_is_unseen(view: ShadowView, low: vec3<f32>, high: vec3<f32>) -> bool {
-  var out = vec4<bool>(true);
-  var before = true;
-  for (var number = 0u; number < 8u; number++) {
-    let position = box_corner(low, high, number);
-    let q = placed(view, position);
-    let size = clip_size(view, abs(q));
+fn is_box_outside_view(view: ShadowView, low: vec3<f32>, high: vec3<f32>) -> bool {
+  var outside = vec4<bool>(true); // Left, right, bottom, top.
+  var outside_near = true;
+  for (var index = 0u; index < 8u; index++) {
+    let position = box_corner(low, high, index);
+    let q = to_camera_frame(view, position);
+    let terms = clip_terms(view, abs(q));
     let clip = to_clip(view, position);
-    out = vec4<bool>(
-      out.x && is_out(clip.w + clip.x, size.w + size.x),
-      out.y && is_out(clip.w - clip.x, size.w + size.x),
-      out.z && is_out(clip.w + clip.y, size.w + size.y),
-      out.w && is_out(clip.w - clip.y, size.w + size.y));
-    before = before && is_out(dot_3(view.near_plane.xyz, q) + view.near_plane.w, height_size(view, abs(q)));
+    outside = vec4<bool>(
+      outside.x && is_negative(clip.w + clip.x, terms.w + terms.x),
+      outside.y && is_negative(clip.w - clip.x, terms.w + terms.x),
+      outside.z && is_negative(clip.w + clip.y, terms.w + terms.y),
+      outside.w && is_negative(clip.w - clip.y, terms.w + terms.y));
+    outside_near = outside_near &&
+      is_negative(dot_3(view.near_plane.xyz, q) + view.near_plane.w, height_terms(view, abs(q)));
   }
-  return any(out) || before;
+  return any(outside) || outside_near;
 }
 
-// The receivers of all views: what shadows may fall on. `at` is the word where those of a view begin.
+// The receivers of all views (shadow/receivers.wgsl). Functions below take the offset of a view's words.
 @group(0) @binding(8) var<storage, read> receivers: array<u32>;
 
-fn receiver_corner(at: u32) -> vec3<f32> {
-  return vec3<f32>(bitcast<f32>(receivers[at]), bitcast<f32>(receivers[at + 1u]), bitcast<f32>(receivers[at + 2u]));
+fn load_receiver_corner(offset: u32) -> vec3<f32> {
+  return vec3<f32>(
+    bitcast<f32>(receivers[offset]),
+    bitcast<f32>(receivers[offset + 1u]),
+    bitcast<f32>(receivers[offset + 2u]));
 }
 
-// How far a volume goes until it has left the box of the receivers. V is a vertex, and d its `extrusion`.
-struct Reach {
-  is_none: bool, // No receiver is beyond any point of the caster, as seen from the light.
-  // With a light at a point: the least factor of the light in the far vertex `d + factor * light`; 0 if there is no limit. With a
-  // light at infinity: the largest factor of d in the far vertex `V + factor * d`; negative if there is no limit.
+// How far a volume may go until it has left the box of the receivers. Below, V is a vertex, and d is its `extrusion`.
+struct VolumeExtent {
+  has_no_receiver: bool, // No receiver is farther from the light than any point of the caster.
+  // Point light: the smallest factor of the light in the far vertex d + factor * light. 0 if there is no limit.
+  // Light at infinity: the largest factor of d in the far vertex V + factor * d. Negative if there is no limit.
   factor: f32,
 }
 
-// For the volume of a caster's box, in the space of its positions; `scale` is at most the smallest factor by which lengths there
-// grow in the world. `at` is the word where the view's receivers begin.
-fn reach_to(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>, at: u32) -> Reach {
-  let is_limited = receivers[at + 5u] != 0u;
-  let near = receiver_corner(at + 6u);
-  let far = receiver_corner(at + 9u);
+// The extent of the volume of a caster's box, which is in the space of the caster's positions. `scale` is at most the
+// smallest factor by which the caster's matrix scales lengths.
+fn volume_extent(
+  view: ShadowView,
+  light: ShadowLight,
+  scale: f32,
+  low: vec3<f32>,
+  high: vec3<f32>,
+  receivers_offset: u32,
+) -> VolumeExtent {
+  let is_limited = receivers[receivers_offset + 5u] != 0u;
+  let near = load_receiver_corner(receivers_offset + 6u);
+  let far = load_receiver_corner(receivers_offset + 9u);
   if (light.light.w > 0.0) {
     if (!is_limited) {
-      return Reach(false, 0.0);
+      return VolumeExtent(false, 0.0);
     }
     let l = light.light.xyz / light.light.w;
-    let place = placed(view, l);
-    let terms = placed_size(view, l);
-    let apart = max(abs(near - place), abs(far - place)) + SLACK * (max(abs(near), abs(far)) + terms);
-    let factor = (1.0 - SLACK) * scale * distance_below(light, low, high) / length_of(apart);
+    let light_position = to_camera_frame(view, l);
+    let terms = camera_frame_terms(view, l);
+    let apart = max(abs(near - light_position), abs(far - light_position)) +
+      SLACK * (max(abs(near), abs(far)) + terms);
+    let factor = (1.0 - SLACK) * scale * distance_lower_bound(light, low, high) / vector_length(apart);
     // NaN limits nothing.
-    return Reach(factor > 1.0 && factor < 0x1p100, select(0.0, factor, factor > 0.0 && factor <= 1.0));
+    return VolumeExtent(factor > 1.0 && factor < 0x1p100, select(0.0, factor, factor > 0.0 && factor <= 1.0));
   }
   if (!is_limited) {
-    return Reach(false, -1.0);
+    return VolumeExtent(false, -1.0);
   }
-  let d = turned(view, -light.light.xyz);
+  let d = direction_to_camera_frame(view, -light.light.xyz);
   var farthest = 0.0;
-  var size = 0.0;
+  var terms = 0.0;
   for (var axis = 0u; axis < 3u; axis++) {
     farthest += max(near[axis] * d[axis], far[axis] * d[axis]);
-    size += max(abs(near[axis]), abs(far[axis])) * abs(d[axis]);
+    terms += max(abs(near[axis]), abs(far[axis])) * abs(d[axis]);
   }
   var nearest = 0x1p127;
-  for (var number = 0u; number < 8u; number++) {
-    let position = box_corner(low, high, number);
-    nearest = min(nearest, dot_3(placed(view, position), d));
-    size = max(size, dot_3(placed_size(view, position), abs(d)));
+  for (var index = 0u; index < 8u; index++) {
+    let position = box_corner(low, high, index);
+    nearest = min(nearest, dot_3(to_camera_frame(view, position), d));
+    terms = max(terms, dot_3(camera_frame_terms(view, position), abs(d)));
   }
-  // Twice: the terms of both, and d itself is rounded.
-  let beyond = farthest - nearest + 4.0 * SLACK * size;
-  return Reach(beyond < 0.0, (1.0 + SLACK) * max(beyond, 0.0) / dot_3(d, d));
+  // Four times the slack: both values have these terms, and d itself is rounded.
+  let beyond = farthest - nearest + 4.0 * SLACK * terms;
+  return VolumeExtent(beyond < 0.0, (1.0 + SLACK) * max(beyond, 0.0) / dot_3(d, d));
 }
 
-// Bounds on the terms whose sums are a position in the camera's frame.
-fn placed_size(view: ShadowView, position: vec3<f32>) -> vec3<f32> {
+// The terms of `to_camera_frame`.
+fn camera_frame_terms(view: ShadowView, position: vec3<f32>) -> vec3<f32> {
   let q = abs(position);
   return vec3<f32>(
     dot_3(abs(view.placement[0].xyz), q) + abs(view.placement[0].w),
@@ -182,55 +204,60 @@ fn placed_size(view: ShadowView, position: vec3<f32>) -> vec3<f32> {
     dot_3(abs(view.placement[2].xyz), q) + abs(view.placement[2].w));
 }
 
-// A hull of vertices in clip space, as far as it is known.
+// A convex hull of vertices in clip space.
 struct Hull {
-  // Whether all are outside the left, right, bottom and top plane, or before the near plane.
-  out: vec4<bool>,
-  before: bool,
-  is_ahead: bool, // Whether all are in front of the near plane. Only then the rest is known.
-  // Ends on the screen.
-  low: vec2<f32>,
+  outside: vec4<bool>, // All vertices are outside the left, right, bottom or top plane.
+  outside_near: bool, // All vertices are before the near plane.
+  is_beyond_near: bool, // All vertices are beyond the near plane. Only then the fields below have a meaning.
+  low: vec2<f32>, // The rectangle around the hull on the screen, in normalised device coordinates.
   high: vec2<f32>,
   nearest: f32, // The nearest depth.
 }
 
-// Takes a vertex with bounds on the terms of its coordinates and of its height over the near plane.
-fn with_vertex(hull: Hull, view: ShadowView, clip: vec4<f32>, size: vec4<f32>, height: f32, height_size: f32) -> Hull {
+// The hull with one more vertex. `terms` are those of `clip`, `terms_of_height` those of the height over the near plane.
+fn with_hull_vertex(
+  hull: Hull,
+  view: ShadowView,
+  clip: vec4<f32>,
+  terms: vec4<f32>,
+  height: f32,
+  terms_of_height: f32,
+) -> Hull {
   var next = hull;
-  let along_x = size.w + size.x;
-  let along_y = size.w + size.y;
-  next.out = vec4<bool>(
-    hull.out.x && is_out(clip.w + clip.x, along_x),
-    hull.out.y && is_out(clip.w - clip.x, along_x),
-    hull.out.z && is_out(clip.w + clip.y, along_y),
-    hull.out.w && is_out(clip.w - clip.y, along_y));
-  next.before = hull.before && is_out(height, height_size);
-  next.is_ahead = hull.is_ahead && height > SLACK * height_size && clip.w > 0x1p-10 * size.w &&
-    all(size < vec4<f32>(0x1p100));
-  if (next.is_ahead) {
-    let place = clip.xyz / clip.w;
-    let error = 2.0 * SLACK * (size.xyz + abs(place) * size.w) / clip.w;
-    next.low = min(hull.low, place.xy - error.xy);
-    next.high = max(hull.high, place.xy + error.xy);
+  let x_terms = terms.w + terms.x;
+  let y_terms = terms.w + terms.y;
+  next.outside = vec4<bool>(
+    hull.outside.x && is_negative(clip.w + clip.x, x_terms),
+    hull.outside.y && is_negative(clip.w - clip.x, x_terms),
+    hull.outside.z && is_negative(clip.w + clip.y, y_terms),
+    hull.outside.w && is_negative(clip.w - clip.y, y_terms));
+  next.outside_near = hull.outside_near && is_negative(height, terms_of_height);
+  next.is_beyond_near = hull.is_beyond_near && height > SLACK * terms_of_height && clip.w > 0x1p-10 * terms.w &&
+    all(terms < vec4<f32>(0x1p100));
+  if (next.is_beyond_near) {
+    let ndc = clip.xyz / clip.w;
+    let error = 2.0 * SLACK * (terms.xyz + abs(ndc) * terms.w) / clip.w;
+    next.low = min(hull.low, ndc.xy - error.xy);
+    next.high = max(hull.high, ndc.xy + error.xy);
     next.nearest = select(
-      min(hull.nearest, place.z - error.z), max(hull.nearest, place.z + error.z), view.near_z != 0.0);
+      min(hull.nearest, ndc.z - error.z), max(hull.nearest, ndc.z + error.z), view.near_z != 0.0);
   }
   return next;
 }
 
-// The key of the farthest receiver that is seen through a rectangle, in normalised device coordinates, and a pixel around; 0 if
-// there is none. It reads up to 4 × 4 cells of the first level of the pyramid on which these suffice.
-fn farthest_through(low: vec2<f32>, high: vec2<f32>, at: u32) -> u32 {
-  let pixels = vec2<f32>(f32(receivers[at + 2u]), f32(receivers[at + 3u]));
+// The key of the farthest receiver in a rectangle, in normalised device coordinates, and one pixel around it. 0: there is
+// none. It reads up to 4 × 4 cells, on the first level of the pyramid on which these cover the rectangle.
+fn farthest_receiver_key(low: vec2<f32>, high: vec2<f32>, receivers_offset: u32) -> u32 {
+  let pixels = vec2<f32>(f32(receivers[receivers_offset + 2u]), f32(receivers[receivers_offset + 3u]));
   let begin = (vec2<f32>(low.x, -high.y) * 0.5 + 0.5) * pixels - 1.0;
   let end = (vec2<f32>(high.x, -low.y) * 0.5 + 0.5) * pixels + 1.0;
   var first = vec2<u32>(clamp(begin, vec2<f32>(0.0), pixels - 1.0)) / TILE;
   var last = vec2<u32>(clamp(end, vec2<f32>(0.0), pixels - 1.0)) / TILE;
-  var cells = vec2<u32>(receivers[at], receivers[at + 1u]);
-  var level = at + RECEIVERS_HEAD;
+  var cells = vec2<u32>(receivers[receivers_offset], receivers[receivers_offset + 1u]);
+  var level_offset = receivers_offset + RECEIVERS_HEAD;
   // Turns: RECEIVER_LEVELS.
   while (any(last - first > vec2<u32>(3u))) {
-    level += cells.x * cells.y;
+    level_offset += cells.x * cells.y;
     cells = (cells + 1u) / 2u;
     first /= 2u;
     last /= 2u;
@@ -240,66 +267,80 @@ fn farthest_through(low: vec2<f32>, high: vec2<f32>, at: u32) -> u32 {
   for (var y = first.y; y <= last.y; y++) {
     // Turns: 4.
     for (var x = first.x; x <= last.x; x++) {
-      key = max(key, receivers[level + y * cells.x + x]);
+      key = max(key, receivers[level_offset + y * cells.x + x]);
     }
   }
   return key;
 }
 
-// Where a volume may end behind all receivers, as `ShadowLight::end` has it. 0: nowhere.
-fn end_behind(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>, at: u32) -> f32 {
-  let reach = reach_to(view, light, scale, low, high, at);
+// The end of a volume behind all receivers, as `ShadowLight::end`. 0: the volume has to go to infinity.
+fn end_behind_receivers(
+  view: ShadowView,
+  light: ShadowLight,
+  scale: f32,
+  low: vec3<f32>,
+  high: vec3<f32>,
+  receivers_offset: u32,
+) -> f32 {
+  let extent = volume_extent(view, light, scale, low, high, receivers_offset);
   if (light.light.w > 0.0) {
-    return reach.factor;
+    return extent.factor;
   }
-  // It may be farther away than need be. A NaN ends nowhere.
-  let end = min(1.0 / reach.factor, 0x1p20);
-  return select(0.0, end, reach.factor >= 0.0 && reach.factor < 0x1p100);
+  // The bound moves the end farther away, which is harmless. With NaN the volume goes to infinity.
+  let end = min(1.0 / extent.factor, 0x1p20);
+  return select(0.0, end, extent.factor >= 0.0 && extent.factor < 0x1p100);
 }
 
-// Whether no receiver can be in the volume of a box.
-fn is_hidden(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>, at: u32) -> bool {
-  if (receivers[at + 4u] == 0u) {
+// Whether no receiver lies in the volume of a box.
+fn is_volume_without_receivers(
+  view: ShadowView,
+  light: ShadowLight,
+  scale: f32,
+  low: vec3<f32>,
+  high: vec3<f32>,
+  receivers_offset: u32,
+) -> bool {
+  if (receivers[receivers_offset + 4u] == 0u) {
     return true;
   }
-  let reach = reach_to(view, light, scale, low, high, at);
-  if (reach.is_none) {
+  let extent = volume_extent(view, light, scale, low, high, receivers_offset);
+  if (extent.has_no_receiver) {
     return true;
   }
   var hull = Hull(vec4<bool>(true), true, true, vec2<f32>(0x1p127), vec2<f32>(-0x1p127), 1.0 - view.near_z);
-  for (var number = 0u; number < 8u; number++) {
-    let position = box_corner(low, high, number);
+  for (var index = 0u; index < 8u; index++) {
+    let position = box_corner(low, high, index);
     let clip = to_clip(view, position);
-    let size = clip_size(view, placed_size(view, position));
-    let height = dot_3(view.near_plane.xyz, placed(view, position)) + view.near_plane.w;
-    let near_size = height_size(view, placed_size(view, position));
-    hull = with_vertex(hull, view, clip, size, height, near_size);
+    let terms = clip_terms(view, camera_frame_terms(view, position));
+    let height = dot_3(view.near_plane.xyz, to_camera_frame(view, position)) + view.near_plane.w;
+    let near_height_terms = height_terms(view, camera_frame_terms(view, position));
+    hull = with_hull_vertex(hull, view, clip, terms, height, near_height_terms);
     let away = extrusion(view, light, position);
-    let terms = extrusion_size(view, light, position);
+    let away_terms = extrusion_terms(view, light, position);
     var far = direction_to_clip(view, away);
-    var far_size = clip_size(view, terms);
-    var rise = dot_3(view.near_plane.xyz, away);
-    var rise_size = dot_3(abs(view.near_plane.xyz), terms);
+    var far_terms = clip_terms(view, away_terms);
+    var far_height = dot_3(view.near_plane.xyz, away);
+    var far_height_terms = dot_3(abs(view.near_plane.xyz), away_terms);
     if (light.light.w > 0.0) {
-      far += reach.factor * light.clip;
-      far_size += reach.factor * abs(light.clip);
-      rise += reach.factor * light.height;
-      rise_size += reach.factor * abs(light.height);
-    } else if (reach.factor >= 0.0) {
-      far = clip + reach.factor * far;
-      far_size = size + reach.factor * far_size;
-      rise = height + reach.factor * rise;
-      rise_size = near_size + reach.factor * rise_size;
+      far += extent.factor * light.clip;
+      far_terms += extent.factor * abs(light.clip);
+      far_height += extent.factor * light.height;
+      far_height_terms += extent.factor * abs(light.height);
+    } else if (extent.factor >= 0.0) {
+      far = clip + extent.factor * far;
+      far_terms = terms + extent.factor * far_terms;
+      far_height = height + extent.factor * far_height;
+      far_height_terms = near_height_terms + extent.factor * far_height_terms;
     }
-    hull = with_vertex(hull, view, far, far_size, rise, rise_size);
+    hull = with_hull_vertex(hull, view, far, far_terms, far_height, far_height_terms);
   }
-  if (any(hull.out) || hull.before) {
+  if (any(hull.outside) || hull.outside_near) {
     return true;
   }
-  if (!hull.is_ahead) {
+  if (!hull.is_beyond_near) {
     return false;
   }
-  let key = farthest_through(hull.low, hull.high, at);
+  let key = farthest_receiver_key(hull.low, hull.high, receivers_offset);
   if (key == 0u) {
     return true;
   }
@@ -308,7 +349,7 @@ fn is_hidden(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, h
 }
 
 // The length of a vector without negative components. The largest is factored out, because squares may overflow.
-fn length_of(d: vec3<f32>) -> f32 {
+fn vector_length(d: vec3<f32>) -> f32 {
   let size = max(max(d.x, d.y), d.z);
   if (size <= 0.0) {
     return 0.0;
@@ -318,9 +359,9 @@ fn length_of(d: vec3<f32>) -> f32 {
 }
 
 // A lower bound of the distance from the light to the box.
-fn distance_below(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> f32 {
-  let place = light.light.xyz / light.light.w;
-  let slack = SLACK * max(max(abs(low), abs(high)), abs(place));
-  let d = max(max(low - place, place - high) - slack, vec3<f32>(0.0));
-  return length_of(d) * (1.0 - SLACK);
+fn distance_lower_bound(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> f32 {
+  let light_position = light.light.xyz / light.light.w;
+  let slack = SLACK * max(max(abs(low), abs(high)), abs(light_position));
+  let d = max(max(low - light_position, light_position - high) - slack, vec3<f32>(0.0));
+  return vector_length(d) * (1.0 - SLACK);
 }

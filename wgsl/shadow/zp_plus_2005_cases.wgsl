@@ -1,7 +1,8 @@
-// Cases of ZP+ as published in 2005, for comparison: a compute stage that finds lights for which the near plane cuts both finite
-// edges of a side (the paper's case D). The published method leaves such a caster and light to z-fail, so their bit NEAR is taken
-// from the choices, which `caps` and all later stages read. Dispatched between `choose` and `caps`, for each group of casters,
-// batch of up to 32 lights and view; a row of workgroups takes the silhouettes of one light, or all edges if its list overflowed.
+// Stage `zp_plus_2005_cases`, only for ZP+ as published in 2005: finds casters with sides of the paper's case D. The near
+// plane cuts both finite edges of such a side. The published method leaves such a caster and light to z-fail.
+// Dispatched between `choose` and `caps` for each group of casters, light batch (up to 32 lights) and view. A row of
+// workgroups shares the silhouettes of a light, or all edges if its list overflowed.
+// Reads: silhouettes, positions, lights. Writes: it clears CHOICE_NEAR_CAP of these casters, for `caps` and later stages.
 
 #import common/extraction
 #import shadow/caster
@@ -11,7 +12,7 @@
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: array<SeenLight>;
+@group(0) @binding(2) var<storage, read> seen: array<SeenLight>; // For each view all lights.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> positions: array<u32>;
 @group(0) @binding(5) var<storage, read> edge_vertices: array<vec2<u32>>;
@@ -19,24 +20,25 @@
 @group(0) @binding(7) var<storage, read> silhouette_counts: array<u32>;
 @group(0) @binding(8) var<storage, read_write> choices: array<atomic<u32>>;
 
-// Whether the near plane cuts both finite edges of the side from a to b: the edge itself, and that between the far vertices.
+// Whether the near plane cuts both finite edges of the side from a to b: the edge itself, and the edge between the far
+// vertices.
 fn is_case_d(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f32>) -> bool {
-  let cuts_edge = is_cut(view, to_clip(view, a)) != is_cut(view, to_clip(view, b));
+  let is_edge_cut = is_before_near_plane(view, to_clip(view, a)) != is_before_near_plane(view, to_clip(view, b));
   let a_far = direction_to_clip(view, extrusion(view, light, a));
   let b_far = direction_to_clip(view, extrusion(view, light, b));
-  return cuts_edge && is_cut(view, a_far) != is_cut(view, b_far);
+  return is_edge_cut && is_before_near_plane(view, a_far) != is_before_near_plane(view, b_far);
 }
 
-// Whether the near plane cuts so the side of the edge in a slot.
-fn is_cut_so(caster: u32, slot: u32, own: SeenLight, number: u32) -> bool {
-  let run = edge_run(caster);
-  let edge = slot - run.x;
-  if (edge >= run.y) {
+// Whether the side of the edge in a slot is case D.
+fn is_slot_case_d(caster: u32, slot: u32, light_and_view: SeenLight, light_index: u32) -> bool {
+  let range = edge_range(caster);
+  let edge = slot - range.x;
+  if (edge >= range.y) {
     return false;
   }
-  let ends = edge_vertices[run.z + edge];
-  let view = view_of(caster, own.view);
-  let light = light_of(caster, own.light, number);
+  let ends = edge_vertices[range.z + edge];
+  let view = view_for_caster(caster, light_and_view.view);
+  let light = light_for_caster(caster, light_and_view.light, light_index);
   return is_case_d(view, light, vertex_position(caster, ends.x), vertex_position(caster, ends.y));
 }
 
@@ -47,22 +49,22 @@ fn zp_plus_2005_cases(
   @builtin(local_invocation_index) thread: u32,
 ) {
   let bit = group.y;
-  let number = draw.first_light + bit;
-  let own = seen[draw.view * shape.lights + number];
+  let light_index = draw.first_light + bit;
+  let light_and_view = seen[draw.view * shape.lights + light_index];
   let count = silhouette_counts[bit];
-  // A list that overflowed does not say which edges are silhouettes, so any edge counts. z-fail is right for it, too.
-  let overflowed = count > shape.capacity;
-  let edges = select(count, shape.edges, overflowed);
+  // If the list overflowed, the silhouettes are not known, and any edge may set the case. z-fail is right for every caster.
+  let is_overflowed = count > shape.capacity;
+  let edges = select(count, shape.edges, is_overflowed);
   // Turns: LISTED_ITEMS.
   for (var entry = group.x * 64u + thread; entry < edges; entry += 64u * groups.x) {
     var slot = entry;
-    if (!overflowed) {
+    if (!is_overflowed) {
       slot = silhouettes[bit * shape.capacity + entry] & ~WINDING;
     }
-    let caster = caster_of(shape.edge_chunks_at, slot);
-    let near = CHOICE_WORDS * choices_of(caster, draw.first_light / 32u, draw.view) + NEAR;
-    if (((atomicLoad(&choices[near]) >> bit) & 1u) != 0u && is_cut_so(caster, slot, own, number)) {
-      atomicAnd(&choices[near], ~(1u << bit));
+    let caster = caster_of_slot(shape.edge_chunks_at, slot);
+    let offset = CHOICE_WORDS * choice_index(caster, draw.first_light / 32u, draw.view) + CHOICE_NEAR_CAP;
+    if (((atomicLoad(&choices[offset]) >> bit) & 1u) != 0u && is_slot_case_d(caster, slot, light_and_view, light_index)) {
+      atomicAnd(&choices[offset], ~(1u << bit));
     }
   }
 }

@@ -205,7 +205,7 @@ fn grazing_faces() -> Result<(), String> {
         gpu,
         &CAPS,
         [3, 1],
-        "out[0].x = select(1.0, 0.0, misses_pyramid(own.view, own.light, place(0u), place(1u), place(2u)));",
+        "out[0].x = select(1.0, 0.0, is_outside_pyramid(own.view, own.light, place(0u), place(1u), place(2u)));",
     )?;
     for (number, (found, (inside, part))) in probe.run(gpu, &[], &seen, &faces)?.iter().zip(expected).enumerate() {
         let is_listed = found[0][0] == 1.0;
