@@ -734,13 +734,13 @@ shared_structs! {
 
     /// A group of a scene's casters and a light, whose outlines are drawn.
     struct OutlinedGroup {
-        /// Where the casters of the chunks of edges begin in the table, in units of 16 bytes.
+        /// The offset in the table, in units of 16 bytes, of the casters of all chunks of edges.
         edge_chunks_at: u32,
-        /// The word of the lights of casters that is that of the first caster, in the light's batch.
+        /// The offset in the lights of casters of the first caster, in the light's batch, in words.
         lit_at: u32,
         /// Entries that the list of each light has room for.
         capacity: u32,
-        /// Where twisted masks lie behind the facing masks. 0: there are none.
+        /// The offset of the twisted masks, which lie behind the facing masks, in words. 0: there are none.
         twisted_at: u32,
         /// The light's bit in its batch.
         bit: u32,

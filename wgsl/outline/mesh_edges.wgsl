@@ -8,7 +8,7 @@
 @group(1) @binding(3) var<storage, read> outline_marks: array<u32>;
 
 fn outlined_silhouette(instance: u32) -> RimlineSilhouette { return rimline_silhouette(outline.light, instance); }
-fn outlined_record(number: u32) -> RimlineSilhouette { return rimline_edge(outline.light, number); }
+fn outlined_record(slot: u32) -> RimlineSilhouette { return rimline_edge(outline.light, slot); }
 fn outlined_faces(edge: u32) -> vec2<u32> { return rimline_edge_faces[edge]; }
 fn outlined_first_face() -> u32 { return 0u; }
 fn outlined_position(vertex: u32) -> vec3<f32> { return rimline_position(vertex); }

@@ -141,8 +141,8 @@ fn outline_is_crease(edge: u32, is_inconsistent: bool) -> bool {
 }
 
 @vertex
-fn outline_feature(@builtin(vertex_index) corner: u32, @builtin(instance_index) number: u32) -> OutlinePoint {
-  let found = outlined_record(number);
+fn outline_feature(@builtin(vertex_index) corner: u32, @builtin(instance_index) slot: u32) -> OutlinePoint {
+  let found = outlined_record(slot);
   if (found.valid || found.kind == NO_EDGE) {
     return outline_nothing();
   }

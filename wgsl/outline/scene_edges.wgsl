@@ -1,7 +1,7 @@
-// Edges of a group of a scene's casters as interface/outlined.wgsl has them, for the stage `outline_edges` in the variant SCENE.
-// The number of an edge is its slot, and its index is that in the page. Whether an edge is a silhouette is read from the masks
-// of its faces, as for sides (shadow/lists.wgsl): so lists and draws over all edges agree. A caster has an outline if the light
-// may reach it: masks of other casters have no meaning.
+// Edges of a group of a scene's casters (casters that are drawn together) for the stage `outline_edges` in the variant SCENE: the
+// functions of interface/outlined.wgsl. A slot is the index of a face or edge in the group's masks. The facing masks of its faces
+// decide whether an edge is a silhouette, as for sides (shadow/lists.wgsl), so lists and draws over all slots agree. Only casters
+// that the light may reach have outlines: masks of other casters have no meaning.
 //
 // Expects: `outline`, `NO_EDGE`.
 
@@ -14,10 +14,10 @@
 
 // A group of casters and a light.
 struct OutlinedGroup {
-  edge_chunks_at: u32, // Where the casters of the chunks of edges begin in the table.
-  lit_at: u32, // The word of `lit` of the first caster of the table, in the light's batch.
+  edge_chunks_at: u32, // The offset in the table, in vec4s, of the casters of all chunks of edges.
+  lit_at: u32, // The offset in `lit` of the first caster of the table, in the light's batch.
   capacity: u32, // Entries that the list of each light has room for.
-  twisted_at: u32, // Where twisted masks lie behind the facing masks. 0: there are none.
+  twisted_at: u32, // The offset of the twisted masks, which lie behind the facing masks. 0: there are none.
   bit: u32, // The light's bit in its batch.
   reserved_0: u32,
   reserved_1: u32,
@@ -31,7 +31,7 @@ struct OutlinedGroup {
 @group(0) @binding(4) var<storage, read> edge_vertices: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> edge_faces: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> facing_masks: array<u32>;
-@group(0) @binding(7) var<storage, read> silhouettes: array<u32>; // The numbers of entries, then the lists.
+@group(0) @binding(7) var<storage, read> silhouettes: array<u32>; // The counts of all lights, then the lists.
 const LISTS_HEAD: u32 = 64u; // Words before the lists.
 
 var<private> outlined_caster: u32;
@@ -49,17 +49,17 @@ fn outlined_bits(first: u32, slots: vec2<u32>) -> vec2<bool> {
   return ((masks >> vec2<u32>(outlined.bit)) & vec2<u32>(1u)) != vec2<u32>(0u);
 }
 
-fn outlined_record(number: u32) -> RimlineSilhouette {
-  outlined_caster = caster_of(outlined.edge_chunks_at, number);
-  let run = edge_run(outlined_caster);
+fn outlined_record(slot: u32) -> RimlineSilhouette {
+  outlined_caster = caster_of_slot(outlined.edge_chunks_at, slot);
+  let range = edge_range(outlined_caster);
   let is_lit = ((lit[outlined.lit_at + outlined_caster] >> outlined.bit) & 1u) != 0u;
-  if (number - run.x >= run.y || !is_lit) {
+  if (slot - range.x >= range.y || !is_lit) {
     return RimlineSilhouette(false, 0u, 0u, 0u, false, NO_EDGE);
   }
-  let edge = run.z + number - run.x;
+  let edge = range.z + slot - range.x;
   let faces = edge_faces[edge];
   let is_boundary = faces.y == NO_FACE;
-  let slots = vec2<u32>(face_run(outlined_caster).x) + vec2<u32>(faces.x & ~INCONSISTENT, select(faces.y, 0u, is_boundary));
+  let slots = vec2<u32>(face_range(outlined_caster).x) + vec2<u32>(faces.x & ~INCONSISTENT, select(faces.y, 0u, is_boundary));
   var twisted = vec2<bool>(false);
   if (outlined.twisted_at != 0u) {
     twisted = outlined_bits(outlined.twisted_at, slots);
@@ -71,7 +71,7 @@ fn outlined_record(number: u32) -> RimlineSilhouette {
 }
 
 fn outlined_faces(edge: u32) -> vec2<u32> { return edge_faces[edge]; }
-fn outlined_first_face() -> u32 { return face_run(outlined_caster).z; }
+fn outlined_first_face() -> u32 { return face_range(outlined_caster).z; }
 
 // A row of the matrix from the caster's positions to world space, which is the identity where they are in a buffer.
 fn outlined_row(axis: u32) -> vec4<f32> { return bitcast<vec4<f32>>(caster_part(outlined_caster, axis)); }
@@ -82,7 +82,7 @@ fn outlined_position(vertex: u32) -> vec3<f32> {
     dot_3(outlined_row(0u).xyz, position), dot_3(outlined_row(1u).xyz, position), dot_3(outlined_row(2u).xyz, position));
 }
 
-// The origin is taken from the matrix first, as for shadow volumes (`view_of`).
+// The origin is taken from the matrix first, as for shadow volumes (`view_for_caster`).
 fn outlined_offset(vertex: u32) -> vec3<f32> {
   let shift = vec3<f32>(outlined_row(0u).w, outlined_row(1u).w, outlined_row(2u).w);
   return outlined_position(vertex) + (shift - outline.origin);
