@@ -144,7 +144,7 @@ fn probed(
 const SURFACE: (&str, &str, &[u32]) = (
     "
 fn probe_surface(cell: vec2<i32>, place: vec2<f32>) -> vec4<u32> {
-  let code = code_of_cell(cell);
+  let code = load_edge_code(cell);
   if (code == 0u) { return vec4<u32>(0u); }
   return vec4<u32>(code, bitcast<u32>(contour_distance(cell, code, place)), 0u, 0u);
 }",

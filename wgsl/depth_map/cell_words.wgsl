@@ -1,39 +1,41 @@
-// The layout in which decisions about cells, each between four samples of a depth map, go from pass to pass: `depth_cells_count`
-// or `depth_edges_count` writes it, `depth_cells_places` and `depth_cells_list` read it. No other stage imports it.
-// A word has eight cells of a row, four bits each, from the lowest on: 1: it is split from its sample (1, 0) to (0, 1); 2 and 4:
-// its first and its second triangle is drawn; 8: unused. A strip is four words below each other, decided by one invocation, and a
-// block is 64 strips. Strips follow each other row by row, and map by map in a cube; at the right and at the bottom they may have
-// fewer cells.
-// A pass that decides has workgroups of BLOCK_STRIPS. Each invocation calls `write_strip`, then the whole workgroup
-// `write_total`.
-// The list of cells has this order, so it is the same on every device: strips, rows of a strip, cells of a row. Do not change it.
+// The layout in which decisions about cells, the squares between four samples, go from pass to pass. `depth_cells_count` or
+// `depth_edges_count` writes it, `depth_cells_places` and `depth_cells_list` read it. No other stage imports it.
+// A word has eight cells of a row, four bits each, from the lowest on. Bit 0: the cell is split from its sample (1, 0) to
+// (0, 1). Bits 1 and 2: its first and its second triangle are drawn. Bit 3 is unused.
+// A strip is four words below each other, decided by one invocation; a block is 64 strips. Strips follow each other row by
+// row and, in a cube, map by map. At the right and at the bottom of a map they may have fewer cells.
+// A pass that decides has workgroups of BLOCK_STRIPS. Each invocation calls `write_strip`, then all call
+// `write_block_count`. The list of cells is in order of strips, then of rows of a strip, then of cells of a row: the same on
+// every device. Keep this order.
 
 #import depth_map/samples
 
-// First a word for each block: how many of its cells are listed; after `depth_cells_places`, how many are listed before it. Then
-// the count of each strip. Then four words for each strip, which are written only where its count is not 0.
+// Three parts. A word for each block: its count of listed cells or, after `depth_cells_places`, the count in all blocks
+// before it. Then the count of each strip. Then four words for each strip, which are written only where its count is not 0.
 @group(0) @binding(2) var<storage, read_write> places: array<u32>;
 
+// Cells of a word.
 const WORD_CELLS: u32 = 8u;
 // Words of a strip.
 const STRIP: u32 = 4u;
 const BLOCK_STRIPS: u32 = 64u;
-// A bit of each cell of a word.
-const EACH: u32 = 0x11111111u;
+// Bit 0 of each cell of a word.
+const BIT_0_OF_CELLS: u32 = 0x11111111u;
 
-struct CellsOfStrip {
-  // Across, and down: none, if there is no such strip.
+// The cells of a strip.
+struct StripCells {
+  // Columns and rows of cells: 0 if there is no such strip.
   count: vec2<u32>,
-  // Where the first is, on the lattice and in its map.
-  corner: vec2<u32>,
+  // The first sample of the first cell: on the lattice, and in its map.
+  first_sample: vec2<u32>,
   in_map: vec2<u32>,
-  // The number of the first cell, and cells of a row.
-  number: u32,
-  row: u32,
+  // The index of the first cell, and the number of cells in a row of the map.
+  first_cell: u32,
+  cells_per_row: u32,
 }
 
-// The cells of a strip; none, if its number is past the last. Devices divide slowly, so call it once a strip.
-fn cells_of_strip(strip: u32) -> CellsOfStrip {
+// Finds the cells of a strip. Call it once a strip, because devices divide slowly.
+fn cells_of_strip(strip: u32) -> StripCells {
   let is_cube = depth_map.faces > 1u;
   let cells = select(depth_map.size + 1u, depth_map.size - 1u, is_cube);
   let strips = (cells + vec2<u32>(WORD_CELLS, STRIP) - 1u) / vec2<u32>(WORD_CELLS, STRIP);
@@ -45,50 +47,50 @@ fn cells_of_strip(strip: u32) -> CellsOfStrip {
   let in_map = vec2<u32>(strip - row * strips.x, row - face * strips.y) * vec2<u32>(WORD_CELLS, STRIP);
   let exists = face < depth_map.faces && in_map.y < cells.y;
   let count = select(vec2<u32>(0u), min(vec2<u32>(WORD_CELLS, STRIP), cells - in_map), exists);
-  let corner = vec2<u32>(face % 3u, face / 3u) * depth_map.size.x + in_map;
-  return CellsOfStrip(count, corner, in_map, (face * cells.y + in_map.y) * cells.x + in_map.x, cells.x);
+  let first_sample = vec2<u32>(face % 3u, face / 3u) * depth_map.size.x + in_map;
+  return StripCells(count, first_sample, in_map, (face * cells.y + in_map.y) * cells.x + in_map.x, cells.x);
 }
 
-// The words of a strip, with zeros for cells that do not exist.
-fn taken_of(own: CellsOfStrip, words: vec4<u32>) -> vec4<u32> {
-  let all = select(0u, 0xffffffffu >> ((32u - 4u * own.count.x) & 31u), own.count.x > 0u);
-  return select(vec4<u32>(0u), words & vec4<u32>(all), vec4<u32>(0u, 1u, 2u, 3u) < vec4<u32>(own.count.y));
+// The words of a strip, with 0 for cells that do not exist.
+fn mask_existing_cells(cells: StripCells, words: vec4<u32>) -> vec4<u32> {
+  let row_mask = select(0u, 0xffffffffu >> ((32u - 4u * cells.count.x) & 31u), cells.count.x > 0u);
+  return select(vec4<u32>(0u), words & vec4<u32>(row_mask), vec4<u32>(0u, 1u, 2u, 3u) < vec4<u32>(cells.count.y));
 }
 
-// The lowest bit of each cell that is listed, which is each that has a triangle to draw.
+// Bit 0 of each cell of a word that is listed, because one of its triangles is drawn.
 fn listed_cells(word: u32) -> u32 {
-  return ((word >> 1u) | (word >> 2u)) & EACH;
+  return ((word >> 1u) | (word >> 2u)) & BIT_0_OF_CELLS;
 }
 
-// Zero at the start, and after each `write_total`.
-var<workgroup> total: atomic<u32>;
+// The count of a block. Zero at the start, and after each `write_block_count`.
+var<workgroup> block_count: atomic<u32>;
 
-// Offsets in `places` of the count of a strip, and of its first word.
-fn places_of_strip(strip: u32) -> vec2<u32> {
+// Offsets in `places` of the count of a strip (x) and of its first word (y).
+fn strip_offsets(strip: u32) -> vec2<u32> {
   return vec2<u32>(depth_map.blocks + strip, depth_map.blocks * (1u + BLOCK_STRIPS) + strip * STRIP);
 }
 
-// Writes what is decided about the cells of a strip, and returns how many of them are listed.
+// Writes the words of a strip, and returns how many of its cells are listed.
 fn write_strip(strip: u32, words: vec4<u32>) -> u32 {
-  let at = places_of_strip(strip);
-  let each = countOneBits(vec4<u32>(
+  let offsets = strip_offsets(strip);
+  let counts = countOneBits(vec4<u32>(
     listed_cells(words.x), listed_cells(words.y), listed_cells(words.z), listed_cells(words.w)));
-  let listed = each.x + each.y + each.z + each.w;
-  places[at.x] = listed;
-  if (listed > 0u) {
+  let count = counts.x + counts.y + counts.z + counts.w;
+  places[offsets.x] = count;
+  if (count > 0u) {
     for (var row = 0u; row < STRIP; row++) {
-      places[at.y + row] = words[row];
+      places[offsets.y + row] = words[row];
     }
   }
-  return listed;
+  return count;
 }
 
-// Writes how many cells of a block are listed: the sum over the workgroup. It has barriers, so all invocations call it.
-fn write_total(block: u32, local: u32, listed: u32) {
-  atomicAdd(&total, listed);
+// Writes the count of a block: the sum of `count` over the workgroup. It has barriers, so all invocations must call it.
+fn write_block_count(block: u32, lane: u32, count: u32) {
+  atomicAdd(&block_count, count);
   workgroupBarrier();
-  if (local == 0u) {
-    places[block] = atomicExchange(&total, 0u);
+  if (lane == 0u) {
+    places[block] = atomicExchange(&block_count, 0u);
   }
   workgroupBarrier();
 }

@@ -1,108 +1,111 @@
-// Where a smooth surface ends beyond its last sample (its rim), how a surface goes on up to a contour, and which edges are
-// marked. Imported by `contour_tiles` (marks), `contour_places`, `contour_walls`, and `depth_walls` (near cap); after
-// `contour_marks`.
-// A contour is where a surface ends before another as the light sees it; it crosses the marked edges between samples.
-// Importers bind what contour.wgsl has, and `marks`. Places are in 256 parts of a texel, in the direction of a step from a
-// sample.
-// Integers only, so the same on every device. Walls and near cap both take surfaces from `surface_distance`: no copy of it
-// elsewhere.
+// Rims of smooth surfaces beyond their last sample, surfaces between their last sample and a contour, and marked edges.
+// Imported by `contour_tiles` (for marks), `contour_places`, `contour_walls` and `depth_walls` (for its near cap), after
+// `contour_marks`. Importers bind what contour.wgsl has, and `marks`.
+// A contour is where a surface ends before another as the light sees it. It crosses the marked edges between samples.
+// Offsets from a sample are in 1/256 texel, in the direction of a step.
+// All is integer arithmetic, so results are the same on every device. Walls and near caps close because both take surfaces
+// from `surface_distance`: do not compute them elsewhere. docs/numerics/contours.md, "Jumps and crossings" and "Heights".
 
 #import depth_map/contour
 
-// Parts of a texel up to which a rim may lie beyond the other sample: rounding brings it there.
-const BEYOND: i32 = 24;
-// Parts of the square of the last difference that a fifth sample may be off its conic.
-const ON_CONIC: i32 = 5;
+// A rim may lie beyond the other sample by so much, in 1/256 texel, because of rounding.
+const RIM_OVERSHOOT: i32 = 24;
+// The strictness of `fit_conic` for rims.
+const RIM_STRICTNESS: i32 = 5;
 
-// The place of the rim of a smooth surface beyond its last sample, in the direction of a step: parts of a texel from it, up to
-// TEXEL. UNTOLD: depths do not tell it, or it is farther.
-fn rim_beyond(last: vec2<i32>, step: vec2<i32>) -> i32 {
-  for (var number = 0; number < 4; number++) {
-    if (is_marked_before(last - number * step, step)) {
-      return UNTOLD;
+// The offset of the rim of a smooth surface from its last sample, up to TEXEL. UNKNOWN: samples are not on a conic, or the
+// rim is farther.
+fn rim_offset(last: vec2<i32>, step: vec2<i32>) -> i32 {
+  for (var index = 0; index < 4; index++) {
+    if (is_marked_before(last - index * step, step)) {
+      return UNKNOWN;
     }
   }
-  let conic = conic_before(last, step, ON_CONIC);
-  // The rise is at most three times the last difference, if the rim is within a texel.
-  if (conic.u == UNTOLD || conic.y > 3 * conic.u) {
-    return UNTOLD;
+  let conic = fit_conic(last, step, RIM_STRICTNESS);
+  // A rim within a texel is at most three times the last difference away from the last sample, in distance.
+  if (conic.last_difference == UNKNOWN || conic.rim_difference > 3 * conic.last_difference) {
+    return UNKNOWN;
   }
-  // y² = slope · place + curve · place²
-  let square = (conic.y * conic.y) >> 12u;
-  let curve = (conic.first - conic.second) >> 13u;
-  let slope = (conic.first + (conic.first - conic.second) / 2) >> 12u;
+  // The rim is where rim_difference² = slope · offset + curve · offset².
+  let square = (conic.rim_difference * conic.rim_difference) >> 12u;
+  let curve = (conic.square_difference - conic.previous_square_difference) >> 13u;
+  let slope = (conic.square_difference + (conic.square_difference - conic.previous_square_difference) / 2) >> 12u;
   if (curve * 4 < -slope) {
-    return UNTOLD;
+    return UNKNOWN;
   }
-  var place = 0;
-  for (var part = 256; part > 0; part /= 2) {
-    let next = place + part;
+  // The offset's bits, from the highest on.
+  var offset = 0;
+  for (var bit = 256; bit > 0; bit /= 2) {
+    let next = offset + bit;
     if ((slope * next + (curve * next * next) / TEXEL) <= square * TEXEL) {
-      place = next;
+      offset = next;
     }
   }
-  return select(min(place, TEXEL), UNTOLD, place > TEXEL + BEYOND);
+  return select(min(offset, TEXEL), UNKNOWN, offset > TEXEL + RIM_OVERSHOOT);
 }
 
-// How much the distance of the surface at a sample grows on the way to a place beside it, in parts of a texel in the direction of
-// a step. It goes on as between the last samples. Where it bends away from the light, as towards a rim, it goes on bending: the
-// slope grows by the square of its last growth, to four times at most.
-fn way_on(at: vec2<i32>, step: vec2<i32>, place: i32) -> i32 {
-  if (is_marked_before(at, step)) {
+// How much the distance of a surface grows from its last sample to an offset. It grows at the rate of the last difference.
+// Before a rim the surface bends away from the light. There the rate is multiplied by the square of the last ratio of
+// differences, which is at most 2.
+fn extrapolated_rise(sample: vec2<i32>, step: vec2<i32>, offset: i32) -> i32 {
+  if (is_marked_before(sample, step)) {
     return 0;
   }
-  let first = distance_at(at - step);
-  let last = distance_at(at) - first;
-  if (is_marked_before(at - step, step)) {
-    return parts(last, place);
+  let first = load_distance(sample - step);
+  let last_difference = load_distance(sample) - first;
+  if (is_marked_before(sample - step, step)) {
+    return scale_256ths(last_difference, offset);
   }
-  let before = first - distance_at(at - 2 * step);
-  // Jumps are not marked without a threshold.
+  let previous_difference = first - load_distance(sample - 2 * step);
+  // Without a threshold jumps are not marked, so the differences may be jumps.
   if (contour.threshold >= RANGE) {
-    return parts(smaller(last, before), place);
+    return scale_256ths(minmod(last_difference, previous_difference), offset);
   }
-  if (last <= max(before, 0)) {
-    return parts(last, place);
+  if (last_difference <= max(previous_difference, 0)) {
+    return scale_256ths(last_difference, offset);
   }
-  let growth = clamp(last / max(max(before, last / 2) >> 8u, 1), TEXEL, 2 * TEXEL);
-  return parts(parts(parts(min(last, RANGE / 8), place), growth), growth);
+  // In 1/256, from 1 to 2.
+  let ratio =
+    clamp(last_difference / max(max(previous_difference, last_difference / 2) >> 8u, 1), TEXEL, 2 * TEXEL);
+  return scale_256ths(scale_256ths(scale_256ths(min(last_difference, RANGE / 8), offset), ratio), ratio);
 }
 
-// The distance of the surface of a sample at a place beside it, in the direction of a step, moved by the bias. If `texels` is
-// above 0, it grows on the way by as many times the last difference at least.
-fn surface_distance(at: vec2<i32>, step: vec2<i32>, place: i32, texels: i32) -> i32 {
-  let own = distance_at(at);
-  if (own == FAR) {
+// The distance, with the bias, of the surface of a sample at an offset. If `min_texels` is above 0, the surface goes away
+// from the light by at least so many times the last difference.
+fn surface_distance(sample: vec2<i32>, step: vec2<i32>, offset: i32, min_texels: i32) -> i32 {
+  let distance = load_distance(sample);
+  if (distance == FAR) {
     return FAR;
   }
-  var way = way_on(at, step, place);
-  if (texels > 0) {
-    // Without a threshold it may be a jump.
-    let is_slope = contour.threshold < RANGE && !is_marked_before(at, step);
-    let slope = select(0, clamp(own - distance_at(at - step), 0, RANGE / 8), is_slope);
-    way = max(way, texels * slope);
+  var rise = extrapolated_rise(sample, step, offset);
+  if (min_texels > 0) {
+    // Without a threshold the last difference may be a jump.
+    let is_slope = contour.threshold < RANGE && !is_marked_before(sample, step);
+    let slope = select(0, clamp(distance - load_distance(sample - step), 0, RANGE / 8), is_slope);
+    rise = max(rise, min_texels * slope);
   }
-  return clamp(moved_distance(at) + way, 0, own + (RANGE - own) / 2);
+  return clamp(biased_distance(sample) + rise, 0, distance + (RANGE - distance) / 2);
 }
 
-// From `contour_marks`: for each sample two bits, 16 samples a word, `contour.words` words a row.
+// From `contour_marks`: two bits for each sample, 16 samples in a word, `contour.words` words in a row.
 @group(0) @binding(9) var<storage, read> marks: array<u32>;
 
-// Two bits, whether the edges to the right of a sample and below it are marked. `at` must be on the lattice.
-fn marks_at(at: vec2<i32>) -> u32 {
-  let word = marks[u32(at.y) * contour.words + u32(at.x) / 16u];
-  return (word >> (2u * (u32(at.x) & 15u))) & 3u;
+// Whether edges of a sample are marked. Bit 0: the edge to the right. Bit 1: the edge down. The sample must be on the
+// lattice.
+fn load_marks(sample: vec2<i32>) -> u32 {
+  let word = marks[u32(sample.y) * contour.words + u32(sample.x) / 16u];
+  return (word >> (2u * (u32(sample.x) & 15u))) & 3u;
 }
 
-// The edges of a cell that are marked: bits for top, right, bottom and left.
-fn code_of_cell(cell: vec2<i32>) -> u32 {
-  let own = marks_at(cell);
-  let right = marks_at(cell + vec2<i32>(1, 0));
-  let below = marks_at(cell + vec2<i32>(0, 1));
-  return (own & 1u) | (right & 2u) | ((below & 1u) << 2u) | ((own & 2u) << 2u);
+// The edge code of a cell: bits 0 to 3 are set for marked edges at the top, right, bottom and left.
+fn load_edge_code(cell: vec2<i32>) -> u32 {
+  let first = load_marks(cell);
+  let right = load_marks(cell + vec2<i32>(1, 0));
+  let below = load_marks(cell + vec2<i32>(0, 1));
+  return (first & 1u) | (right & 2u) | ((below & 1u) << 2u) | ((first & 2u) << 2u);
 }
 
-// Whether a contour crosses between a sample and `at - step`. The step is one sample along an axis.
-fn is_marked_before(at: vec2<i32>, step: vec2<i32>) -> bool {
-  return ((marks_at(min(at, at - step)) >> u32(step.y != 0)) & 1u) == 1u;
+// Whether the edge between a sample and the one before it, `sample - step`, is marked.
+fn is_marked_before(sample: vec2<i32>, step: vec2<i32>) -> bool {
+  return ((load_marks(min(sample, sample - step)) >> u32(step.y != 0)) & 1u) == 1u;
 }

@@ -1,383 +1,400 @@
-// Stage `contour_walls`: walks along the contours of each tile, fits segments, and lists a wall over each: a quadrilateral along
-// rays of the light, from the nearer surface to the farther one. Flaps are listed, too: they join a wall's top to samples of the
-// nearer one.
-// After `contour_places`. `contour_walls_take` counts (a workgroup for up to two listed tiles, by the dispatch that
-// `contour_tiles` wrote; four cells an invocation), `contour_walls_places` scans (one workgroup), `contour_walls_take` lists,
-// with LISTS.
-// Reads depths, marks, tiles, places. Writes `walls` and their `draws` for `depth_walls`; `counts` and moved `places` for its
-// near cap.
-// Both takes walk alike. The list is in order of tiles, invocations, cells and edges, the same on every device. Ends of segments
-// do not depend on the walk, so walls close where they meet. Each marked edge is crossed by one wall, no other edge by any.
+// Stage `contour_walls`: walks along the contours of each tile, fits segments to their crossings, and lists a wall over each
+// segment. A wall is a quadrilateral along rays of the light, from the nearer surface to the farther one. It lists flaps,
+// too: they join the top of a wall to samples of the nearer surface. After `contour_places`, in three passes.
+// `contour_walls_take` counts walls: a workgroup for up to two listed tiles, an invocation for four cells, by the dispatch
+// that `contour_tiles` wrote. `contour_walls_places`, one workgroup, scans the counts. `contour_walls_take` with LISTS
+// lists. Reads depths, `marks`, tiles, `places`. Writes `walls` and `draws`, and for the near cap `counts` and moved
+// `places`.
+// Walls are in order of tiles, invocations, cells and edges, the same on every device. Each marked edge is crossed by one
+// wall, no other edge by any. Ends of segments do not depend on the direction of a walk, so walls close where they meet
+// (docs/numerics/contours.md, "Closed walls").
 
 #import depth_map/contour
 #import depth_map/contour_rim
 #import depth_map/samples
 
-// Where contours cross edges, from `contour_places`. Listing moves those between the ends of a segment onto it, after its walk
-// has read them. Only one invocation has an edge within a tile, but edges of two tiles may share a word.
+// Crossings, from `contour_places`. The listing pass moves those between the ends of a segment onto it, after its walk has
+// read them. Within a tile only one invocation has an edge, but edges of two tiles may share a word.
 @group(0) @binding(3) var<storage, read_write> places: array<atomic<u32>>;
-// For each listed tile its walls, then those of all tiles before it. After them the walls of each invocation of each tile; the
-// list of tiles; its length.
+// Four parts (contour_tiles.wgsl): for each index of the list of tiles the count of its walls, then the index of its first
+// wall; for each index the counts of its WALKERS invocations; the list of tiles; its length.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
-// The number of walls, 3 times 0, then 12 words for each wall: four vertices of a place on the lattice and a distance.
+// The number of walls and three words of 0. Then 12 words a wall: four vertices of x and y on the lattice, in 1/256 texel,
+// and a distance.
 @group(0) @binding(7) var<storage, read_write> walls: array<u32>;
-// The indirect draw of the walls, and that of all cells.
+// The indirect draw of the walls, then that of all cells.
 @group(0) @binding(8) var<storage, read_write> draws: array<u32>;
 
-// Whether walls are listed, and not only counted.
+// Whether walls are listed, not only counted.
 override LISTS: bool = false;
 
-// Cells of each invocation of a tile.
+// Cells of an invocation, and of a tile.
 const WALKER_CELLS: u32 = 4u;
 const TILE_CELLS: u32 = 256u;
-// Nodes that a segment may have. A power of two. A node is a marked edge of a walk, or the middle of a star at its end.
+// Nodes that a segment may have. A power of two.
 const WINDOW: u32 = 32u;
-// Nodes that a segment is tried to reach beyond the last that it fits.
+// Nodes beyond the longest segment so far that are tried as its end.
 const TRIES: u32 = 8u;
 
-// Texels whose slope the nearer surface goes away by at least, up to a wall: a side that is narrower than a texel has no sample.
+// The nearer surface goes away from the light by at least so many times its slope for a texel, up to the wall. A steep side
+// of a body, narrower than a texel, has no sample.
 const STEEP: i32 = 4;
 
-// A step out of a cell over an edge: 0 top, 1 right, 2 bottom, 3 left.
-struct Step {
+// A way out of a cell over one of its edges: 0 top, 1 right, 2 bottom, 3 left.
+struct CellExit {
   cell: vec2<i32>,
-  bit: u32,
+  edge: u32,
 }
 
-// Kinds of the next node of a walk.
-const NOTHING: u32 = 0u; // There is none.
-const EDGE: u32 = 1u; // A marked edge that a step goes over.
-// The middle of a star, a cell in which contours end or meet: the walk begins there, or ends there.
-const LEFT_STAR: u32 = 2u;
-const ENTERED_STAR: u32 = 3u;
+// Kinds of nodes. A node is a marked edge that a walk crosses, or the middle of a junction at its end. A junction is a cell
+// in which contours end or meet.
+const NODE_NONE: u32 = 0u;
+const NODE_EDGE: u32 = 1u;
+const NODE_JUNCTION_START: u32 = 2u;
+const NODE_JUNCTION_END: u32 = 3u;
 
-// The last nodes of a walk, in a ring. Points are on the lattice, in 256 parts of a texel. x and y: the point where the contour
-// crosses the edge, or the middle of a star. z and w: the distances of the surfaces on the left and right of the walk, there.
-var<private> ends: array<vec4<i32>, WINDOW>;
-// Points of an edge between which a segment must pass. x and y: on the left. z and w: on the right.
-var<private> limits: array<vec4<i32>, WINDOW>;
-// The sample from which a flap goes to the wall: its point, its distance, and the side of the nearer surface, 0 for left, 1 for
-// right. w = 2: none, at a star.
-var<private> inners: array<vec4<i32>, WINDOW>;
-// x and y: the first sample of an edge, z: its axis; w: the distance of the nearer surface, as it goes on. z = 2: a star's cell.
-var<private> edges: array<vec4<i32>, WINDOW>;
-// Where the first node of the window is.
-var<private> head: u32;
-// The next wall's index in the list, or walls counted so far.
+// The last nodes of a walk, in a ring. Positions are on the lattice, in 1/256 texel.
+// x and y: the crossing, or the middle of the junction. z and w: the distances there of the surfaces to the left and right.
+var<private> node_points: array<vec4<i32>, WINDOW>;
+// Positions on the edge between which a segment must pass. x and y: the left one. z and w: the right one.
+var<private> node_limits: array<vec4<i32>, WINDOW>;
+// The sample that a flap joins to the wall. x, y, z: its position and distance. w: the side of the nearer surface, 0 left, 1
+// right; 2 at a junction, which has no flap.
+var<private> node_samples: array<vec4<i32>, WINDOW>;
+// x and y: the first sample of the edge. z: its axis. w: the distance of the nearer surface, without STEEP. At a junction x
+// and y are the cell, and z is 2.
+var<private> node_edges: array<vec4<i32>, WINDOW>;
+// The index in the rings of the first node of the window.
+var<private> window_start: u32;
+// The index of the next wall in the list, or the count of walls.
 var<private> next_wall: u32;
 
-// The index of a node of the window in the ring.
-fn slot(node: u32) -> u32 {
-  return (head + node) & (WINDOW - 1u);
+// The index in the rings of a node of the window.
+fn ring_index(node: u32) -> u32 {
+  return (window_start + node) & (WINDOW - 1u);
 }
 
 fn cross_product(a: vec2<i32>, b: vec2<i32>) -> i32 {
   return a.x * b.y - a.y * b.x;
 }
 
-// Whether the edge of a step lies on the border of a tile, where walks end.
-fn is_border(step: Step) -> bool {
-  let at = edge_of_cell(step.cell, step.bit);
-  return select(at.y, at.x, (step.bit & 1u) == 1u) % TILE == 0;
+// Whether the edge of an exit is on the border of a tile, where walks end.
+fn is_on_tile_border(exit: CellExit) -> bool {
+  let sample = first_sample_of_edge(exit.cell, exit.edge);
+  return select(sample.y, sample.x, (exit.edge & 1u) == 1u) % TILE == 0;
 }
 
 // Whether contours end or meet in a cell: one, three or four of its edges are marked.
-fn is_star(cell: vec2<i32>) -> bool {
-  let edges = countOneBits(code_of_cell(cell));
-  return edges != 0u && edges != 2u;
+fn is_junction(cell: vec2<i32>) -> bool {
+  let edge_count = countOneBits(load_edge_code(cell));
+  return edge_count != 0u && edge_count != 2u;
 }
 
-// The cell that a step leads to, and the way out of it if a contour goes through.
-fn followed(step: Step) -> Step {
-  let there = step.cell + out_of(step.bit);
-  let others = code_of_cell(there) & ~(1u << ((step.bit + 2u) & 3u));
-  return Step(there, countTrailingZeros(others) & 3u);
+// The cell that an exit leads to, with its other marked edge as the exit, if it is no junction.
+fn next_exit(exit: CellExit) -> CellExit {
+  let next_cell = exit.cell + step_across(exit.edge);
+  let other_edges = load_edge_code(next_cell) & ~(1u << ((exit.edge + 2u) & 3u));
+  return CellExit(next_cell, countTrailingZeros(other_edges) & 3u);
 }
 
-// A step or star by a number, which grows with its row, its column and its edge.
-fn number_of(cell: vec2<i32>, bit: u32, is_of_star: bool) -> u32 {
-  let local = vec2<u32>(cell) % u32(TILE);
-  return ((local.y * u32(TILE) + local.x) * 4u + bit) * 2u + select(0u, 1u, is_of_star);
+// The rank of an end of walks within a tile: by row, column, edge, and whether it is a junction.
+fn end_rank(cell: vec2<i32>, edge: u32, is_of_junction: bool) -> u32 {
+  let cell_in_tile = vec2<u32>(cell) % u32(TILE);
+  return ((cell_in_tile.y * u32(TILE) + cell_in_tile.x) * 4u + edge) * 2u + select(0u, 1u, is_of_junction);
 }
 
-const NO_END: u32 = 0xffffffffu;
+// The result of `find_walk_end` if there is no loop to find.
+const NO_RANK: u32 = 0xffffffffu;
 
-// Walks to the next border or star, and gives the number of the step or star there, 0 for a loop. With `least`: 0 if the walk
-// comes back to its cell and meets none of a smaller number before, else NO_END.
-fn end_of(start: Step, least: bool) -> u32 {
-  var step = start;
+// Walks to the next tile border or junction, and returns the rank of that end; 0 for a loop. With `finds_loop` it returns 0
+// if the walk is a loop of which `start` has the first cell, and NO_RANK otherwise.
+fn find_walk_end(start: CellExit, finds_loop: bool) -> u32 {
+  var exit = start;
   // Turns: TILE_CELLS + 1.
-  for (var steps = 0u; steps <= TILE_CELLS; steps++) {
-    if (is_border(step)) {
-      return select(number_of(step.cell, step.bit, false), NO_END, least);
+  for (var cells = 0u; cells <= TILE_CELLS; cells++) {
+    if (is_on_tile_border(exit)) {
+      return select(end_rank(exit.cell, exit.edge, false), NO_RANK, finds_loop);
     }
-    let back = (step.bit + 2u) & 3u;
-    step = followed(step);
-    if (is_star(step.cell)) {
-      return select(number_of(step.cell, back, true), NO_END, least);
+    let entry_edge = (exit.edge + 2u) & 3u;
+    exit = next_exit(exit);
+    if (is_junction(exit.cell)) {
+      return select(end_rank(exit.cell, entry_edge, true), NO_RANK, finds_loop);
     }
-    if (all(step.cell == start.cell) && least) {
+    if (all(exit.cell == start.cell) && finds_loop) {
       return 0u;
     }
-    if (least && number_of(step.cell, 0u, false) < number_of(start.cell, 0u, false)) {
-      return NO_END;
+    if (finds_loop && end_rank(exit.cell, 0u, false) < end_rank(start.cell, 0u, false)) {
+      return NO_RANK;
     }
-    if (all(step.cell == start.cell) && step.bit == start.bit) {
+    if (all(exit.cell == start.cell) && exit.edge == start.edge) {
       return 0u;
     }
   }
   return 0u;
 }
 
-// Bits of corners of a cell, and of those next to one of them over an edge that is not marked, so of the same surface.
-fn spread(samples: u32, code: u32) -> u32 {
-  let after = ((samples & ~code) << 1u) & 15u;
-  let first = select(0u, 1u, (samples & ~code & 8u) != 0u);
-  let before = ((samples >> 1u) & ~code) & 7u;
-  let last = select(0u, 8u, (samples & 1u) != 0u && (code & 8u) == 0u);
-  return samples | after | first | before | last;
+// Bits of corners of a cell, with those of neighbours over an edge that is not marked. They are of the same surface.
+fn add_connected_corners(corners: u32, edge_code: u32) -> u32 {
+  let after = ((corners & ~edge_code) << 1u) & 15u;
+  let first = select(0u, 1u, (corners & ~edge_code & 8u) != 0u);
+  let before = ((corners >> 1u) & ~edge_code) & 7u;
+  let last = select(0u, 8u, (corners & 1u) != 0u && (edge_code & 8u) == 0u);
+  return corners | after | first | before | last;
 }
 
-// `total` with the moved distance of a corner, shifted down, if its bit is in `samples`. FAR if either is.
-fn with_corner(total: i32, cell: vec2<i32>, number: u32, samples: u32, shift: u32) -> i32 {
-  if (((samples >> number) & 1u) == 0u) {
-    return total;
+// Adds the distance of a corner, shifted down, to a sum if its bit is in `corners`. The result is FAR if either is.
+fn add_corner_distance(sum: i32, cell: vec2<i32>, corner: u32, corners: u32, shift: u32) -> i32 {
+  if (((corners >> corner) & 1u) == 0u) {
+    return sum;
   }
-  let own = moved_distance(cell + corner_offset(number));
-  return select(total + (own >> shift), FAR, total == FAR || own == FAR);
+  let distance = biased_distance(cell + corner_offset(corner));
+  return select(sum + (distance >> shift), FAR, sum == FAR || distance == FAR);
 }
 
-// The distance in the middle of a star, of the surface that has a corner of the cell: the mean of those of its samples. It has no
-// loops, because their turns (src/turns.rs) would count for every node and segment.
-fn middle_distance(cell: vec2<i32>, code: u32, corner: u32) -> i32 {
-  let samples = spread(spread(spread(1u << (corner & 3u), code), code), code);
-  let shift = countOneBits(samples) / 2u;
-  let two = with_corner(with_corner(0, cell, 0u, samples, shift), cell, 1u, samples, shift);
-  return with_corner(with_corner(two, cell, 2u, samples, shift), cell, 3u, samples, shift);
+// The distance of a corner's surface in the middle of a junction: the mean over the corners of the same surface, which are
+// one, two or four. Without loops, because their iterations (src/turns.rs) would count for every node and segment.
+fn junction_distance(cell: vec2<i32>, edge_code: u32, corner: u32) -> i32 {
+  let corners = add_connected_corners(
+    add_connected_corners(add_connected_corners(1u << (corner & 3u), edge_code), edge_code), edge_code);
+  let shift = countOneBits(corners) / 2u;
+  let sum_of_two =
+    add_corner_distance(add_corner_distance(0, cell, 0u, corners, shift), cell, 1u, corners, shift);
+  return add_corner_distance(add_corner_distance(sum_of_two, cell, 2u, corners, shift), cell, 3u, corners, shift);
 }
 
-// In the middle of a star: `next`, or the distance of the surface of a corner, if that is strictly between `here` and `next`.
-fn nearer_copy(cell: vec2<i32>, code: u32, corner: u32, here: i32, next: i32) -> i32 {
-  let own = middle_distance(cell, code, corner);
-  return select(next, own, min(here, next) < own && own < max(here, next));
+// In the middle of a junction: the distance of a corner's surface if it is strictly between `from_distance` and `next`, else
+// `next`.
+fn closer_distance(cell: vec2<i32>, edge_code: u32, corner: u32, from_distance: i32, next: i32) -> i32 {
+  let distance = junction_distance(cell, edge_code, corner);
+  return select(next, distance, min(from_distance, next) < distance && distance < max(from_distance, next));
 }
 
-// The distance at a node where the wall from `here` to `to` is split: in a star the next one at which another surface ends on the
-// way, else `to`.
-fn next_copy(edge: vec3<i32>, here: i32, to: i32) -> i32 {
-  if (edge.z != 2) {
-    return to;
+// Where a wall at a node from `from_distance` to `to_distance` is split: in a junction at the first surface on the way, else
+// at `to_distance`. `node_edge`: an element of `node_edges`.
+fn next_split(node_edge: vec3<i32>, from_distance: i32, to_distance: i32) -> i32 {
+  if (node_edge.z != 2) {
+    return to_distance;
   }
-  let code = code_of_cell(edge.xy);
-  let one = nearer_copy(edge.xy, code, 0u, here, to);
-  let two = nearer_copy(edge.xy, code, 1u, here, one);
-  let three = nearer_copy(edge.xy, code, 2u, here, two);
-  return nearer_copy(edge.xy, code, 3u, here, three);
+  let edge_code = load_edge_code(node_edge.xy);
+  let after_0 = closer_distance(node_edge.xy, edge_code, 0u, from_distance, to_distance);
+  let after_1 = closer_distance(node_edge.xy, edge_code, 1u, from_distance, after_0);
+  let after_2 = closer_distance(node_edge.xy, edge_code, 2u, from_distance, after_1);
+  return closer_distance(node_edge.xy, edge_code, 3u, from_distance, after_2);
 }
 
-// Puts a node at the end of the window: its place, the distances of both surfaces there, and the limits of segments that pass it.
-fn add_node(count: u32, kind: u32, step: Step) {
-  let at = slot(count);
-  let is_edge = kind == EDGE;
-  let first = edge_of_cell(step.cell, step.bit);
-  let axis = step.bit & 1u;
+// Adds a node to the window, which has `count` nodes. `exit` crosses the edge of the node; at a junction it has the edge
+// over which the walk leaves or enters the cell.
+fn add_node(count: u32, kind: u32, exit: CellExit) {
+  let index = ring_index(count);
+  let is_edge = kind == NODE_EDGE;
+  let first = first_sample_of_edge(exit.cell, exit.edge);
+  let axis = exit.edge & 1u;
   if (!is_edge) {
-    let code = code_of_cell(step.cell);
-    let own = vec2<i32>(
-      middle_distance(step.cell, code, step.bit), middle_distance(step.cell, code, step.bit + 1u));
-    ends[at] = vec4<i32>(step.cell * TEXEL + TEXEL / 2, select(own, own.yx, kind == ENTERED_STAR));
-    edges[at] = vec4<i32>(step.cell, 2, 0);
-    inners[at] = vec4<i32>(0, 0, 0, 2);
+    let edge_code = load_edge_code(exit.cell);
+    let distances = vec2<i32>(
+      junction_distance(exit.cell, edge_code, exit.edge), junction_distance(exit.cell, edge_code, exit.edge + 1u));
+    node_points[index] =
+      vec4<i32>(exit.cell * TEXEL + TEXEL / 2, select(distances, distances.yx, kind == NODE_JUNCTION_END));
+    node_edges[index] = vec4<i32>(exit.cell, 2, 0);
+    node_samples[index] = vec4<i32>(0, 0, 0, 2);
     return;
   }
-  let lattice = i32(depth_map.size.x) + 2;
-  let found = (atomicLoad(&places[u32(first.y * lattice + first.x)]) >> (16u * axis + 8u)) & 255u;
-  let left = step.cell + corner_offset(step.bit);
-  let right = step.cell + corner_offset(step.bit + 1u);
-  let along = right - left;
-  let of_left = select(TEXEL - i32(found), i32(found), all(left == first));
-  // Walks to both sides take the same sample, of equal ones, too.
-  let distances = vec2<i32>(distance_at(left), distance_at(right));
-  let is_right = distances.y < distances.x || (distances.y == distances.x && all(right == first));
-  var own = vec2<i32>();
-  var goes_on = 0;
-  for (var turn = 0u; turn < opaque(3u); turn++) {
-    // The nearer surface twice: as it goes on, and as steep as it may be.
-    let of_right = select(turn == 1u, is_right, turn == 2u);
-    let found = surface_distance(
-      select(left, right, of_right), select(along, -along, of_right), select(of_left, TEXEL - of_left, of_right),
-      select(0, STEEP, turn == 2u));
-    goes_on = select(goes_on, found, turn < 2u && of_right == is_right);
-    own[u32(of_right)] = found;
+  let lattice_width = i32(depth_map.size.x) + 2;
+  let crossing = (atomicLoad(&places[u32(first.y * lattice_width + first.x)]) >> (16u * axis + 8u)) & 255u;
+  let left = exit.cell + corner_offset(exit.edge);
+  let right = exit.cell + corner_offset(exit.edge + 1u);
+  let left_to_right = right - left;
+  let offset_from_left = select(TEXEL - i32(crossing), i32(crossing), all(left == first));
+  // The first sample of the edge counts as the nearer one of two equal ones, so that walks in both directions agree.
+  let distances = vec2<i32>(load_distance(left), load_distance(right));
+  let is_right_nearer = distances.y < distances.x || (distances.y == distances.x && all(right == first));
+  var surfaces = vec2<i32>();
+  var nearer_without_steep = 0;
+  // The left surface, the right one, and the nearer one again, with STEEP.
+  for (var iteration = 0u; iteration < opaque(3u); iteration++) {
+    let is_right = select(iteration == 1u, is_right_nearer, iteration == 2u);
+    let distance = surface_distance(
+      select(left, right, is_right), select(left_to_right, -left_to_right, is_right),
+      select(offset_from_left, TEXEL - offset_from_left, is_right), select(0, STEEP, iteration == 2u));
+    nearer_without_steep = select(nearer_without_steep, distance, iteration < 2u && is_right == is_right_nearer);
+    surfaces[u32(is_right)] = distance;
   }
-  // It ends before the other one.
-  let nearer = u32(is_right);
-  own[nearer] = min(own[nearer], own[1u - nearer]);
-  ends[at] = vec4<i32>(left * TEXEL + along * of_left, own);
-  let near = clamp(of_left - contour.sideways, LEAST, TEXEL - LEAST);
-  let far = clamp(of_left + contour.sideways, LEAST, TEXEL - LEAST);
-  limits[at] = vec4<i32>(left * TEXEL + along * near, left * TEXEL + along * far);
-  edges[at] = vec4<i32>(first, i32(axis), goes_on);
-  var sample = select(left, right, is_right);
-  // The surface goes on to the sample before.
-  let out = select(along, -along, is_right);
-  let before = sample - out;
-  if (((marks_at(min(sample, before)) >> axis) & 1u) == 0u) {
+  // The nearer surface ends before the other one.
+  let nearer = u32(is_right_nearer);
+  surfaces[nearer] = min(surfaces[nearer], surfaces[1u - nearer]);
+  node_points[index] = vec4<i32>(left * TEXEL + left_to_right * offset_from_left, surfaces);
+  let low = clamp(offset_from_left - contour.sideways, CROSSING_MARGIN, TEXEL - CROSSING_MARGIN);
+  let high = clamp(offset_from_left + contour.sideways, CROSSING_MARGIN, TEXEL - CROSSING_MARGIN);
+  node_limits[index] = vec4<i32>(left * TEXEL + left_to_right * low, left * TEXEL + left_to_right * high);
+  node_edges[index] = vec4<i32>(first, i32(axis), nearer_without_steep);
+  var sample = select(left, right, is_right_nearer);
+  // The flap begins one sample further back, if the surface has one there.
+  let away = select(left_to_right, -left_to_right, is_right_nearer);
+  let before = sample - away;
+  if (((load_marks(min(sample, before)) >> axis) & 1u) == 0u) {
     sample = before;
   }
-  inners[at] = vec4<i32>(sample * TEXEL, moved_distance(sample), select(0, 1, is_right));
+  node_samples[index] = vec4<i32>(sample * TEXEL, biased_distance(sample), select(0, 1, is_right_nearer));
 }
 
-// Whether the second of three distances is on the line between the others, at `gone` of its `length`, but for the tolerance.
-fn is_near(first: i32, own: i32, last: i32, gone: i32, length: i32) -> bool {
-  if (first == FAR || own == FAR || last == FAR) {
-    return first == own && own == last;
+// Whether `distance`, at `position` from 0 to `length`, is within the tolerance of the line from `first` to `last`.
+fn is_near_line(first: i32, distance: i32, last: i32, position: i32, length: i32) -> bool {
+  if (first == FAR || distance == FAR || last == FAR) {
+    return first == distance && distance == last;
   }
-  let to_own = (own - first) >> contour.shift;
-  let to_last = (last - first) >> contour.shift;
-  return abs(to_own) <= 65536 && abs(to_last) <= 65536
-    && abs(to_own * length - to_last * gone) <= contour.tolerance * length;
+  let rise = (distance - first) >> contour.shift;
+  let total_rise = (last - first) >> contour.shift;
+  return abs(rise) <= 65536 && abs(total_rise) <= 65536
+    && abs(rise * length - total_rise * position) <= contour.tolerance * length;
 }
 
-// The distances of the surfaces on the left and right of a node, as they go on.
-fn surfaces_of(node: u32) -> vec2<i32> {
-  let at = slot(node);
-  var own = ends[at].zw;
-  if (inners[at].w < 2) {
-    own[inners[at].w] = edges[at].w;
+// The distances of the surfaces to the left and right of a node, without STEEP.
+fn surfaces_without_steep(node: u32) -> vec2<i32> {
+  let index = ring_index(node);
+  var distances = node_points[index].zw;
+  if (node_samples[index].w < 2) {
+    distances[node_samples[index].w] = node_edges[index].w;
   }
-  return own;
+  return distances;
 }
 
-// Whether a segment from the first node of the window to another is near enough to those between them.
-fn fits(last: u32) -> bool {
-  let start = ends[head];
-  let way = ends[slot(last)].xy - start.xy;
-  let axis = select(0u, 1u, abs(way.y) > abs(way.x));
-  let length = abs(way[axis]);
-  let first_surfaces = surfaces_of(0u);
-  let last_surfaces = surfaces_of(last);
+// Whether a segment from the first node of the window to node `last` is near enough to the nodes between them.
+fn segment_fits(last: u32) -> bool {
+  let start = node_points[window_start];
+  let segment = node_points[ring_index(last)].xy - start.xy;
+  let axis = select(0u, 1u, abs(segment.y) > abs(segment.x));
+  let length = abs(segment[axis]);
+  let first_surfaces = surfaces_without_steep(0u);
+  let last_surfaces = surfaces_without_steep(last);
   // Turns: 36 * TILE_NODES in all.
   for (var node = 1u; node < last; node++) {
-    let at = slot(node);
-    let left = limits[at].xy - start.xy;
-    let right = limits[at].zw - start.xy;
-    let passes = cross_product(left, right) > 0 && cross_product(left, way) >= 0 && cross_product(way, right) >= 0
-      && cross_product(left - way, right - way) <= 0;
-    let own = surfaces_of(node);
-    let gone = clamp((ends[at][axis] - start[axis]) * sign(way[axis]), 0, length);
-    if (!passes || !is_near(first_surfaces.x, own.x, last_surfaces.x, gone, length)
-      || !is_near(first_surfaces.y, own.y, last_surfaces.y, gone, length)) {
+    let index = ring_index(node);
+    let left = node_limits[index].xy - start.xy;
+    let right = node_limits[index].zw - start.xy;
+    let passes_between = cross_product(left, right) > 0 && cross_product(left, segment) >= 0
+      && cross_product(segment, right) >= 0 && cross_product(left - segment, right - segment) <= 0;
+    let surfaces = surfaces_without_steep(node);
+    let position = clamp((node_points[index][axis] - start[axis]) * sign(segment[axis]), 0, length);
+    if (!passes_between || !is_near_line(first_surfaces.x, surfaces.x, last_surfaces.x, position, length)
+      || !is_near_line(first_surfaces.y, surfaces.y, last_surfaces.y, position, length)) {
       return false;
     }
   }
   return true;
 }
 
-fn write_vertex(word: u32, vertex: vec3<i32>) {
-  walls[word] = bitcast<u32>(vertex.x);
-  walls[word + 1u] = bitcast<u32>(vertex.y);
-  walls[word + 2u] = bitcast<u32>(vertex.z);
+fn write_vertex(offset: u32, vertex: vec3<i32>) {
+  walls[offset] = bitcast<u32>(vertex.x);
+  walls[offset + 1u] = bitcast<u32>(vertex.y);
+  walls[offset + 2u] = bitcast<u32>(vertex.z);
 }
 
-// Takes a wall or flap: lists it, if there is room, and counts it.
+// Counts a wall or flap, and lists it if there is room.
 fn add_wall(p: vec3<i32>, q: vec3<i32>, r: vec3<i32>, s: vec3<i32>) {
   if (LISTS && next_wall < contour.capacity) {
-    let word = 4u + 12u * next_wall;
-    write_vertex(word, p);
-    write_vertex(word + 3u, q);
-    write_vertex(word + 6u, r);
-    write_vertex(word + 9u, s);
+    let offset = 4u + 12u * next_wall;
+    write_vertex(offset, p);
+    write_vertex(offset + 3u, q);
+    write_vertex(offset + 6u, r);
+    write_vertex(offset + 9u, s);
   }
   next_wall++;
 }
 
-// Takes the walls over the segment from the first node of the window to another. Where surfaces meet in a star, it has a wall
-// between each two that follow each other. Then the flaps that join its tops to samples of the nearer surfaces, one a side.
-fn add_walls(last: u32) {
-  let end = slot(last);
-  let a = ends[head];
-  let b = ends[end];
-  // The pairs of distances at both ends that a wall has: the first of both, then those of one end with the other's last.
-  var at_a = vec2<i32>(a.z, a.z);
-  var at_b = vec2<i32>(b.z, b.z);
-  // More than one only where a walk ends in a star: at both ends of 32 walks that the lanes begin together.
+// Adds the walls over the segment from the first node of the window to node `last`. In a junction a wall is split at each
+// surface that ends there. Then adds flaps, up to one on each side, from the tops of walls to samples of the nearer
+// surfaces.
+fn add_segment_walls(last: u32) {
+  let end = ring_index(last);
+  let a = node_points[window_start];
+  let b = node_points[end];
+  // The distances between which a wall lies at nodes a and b. They advance at both nodes first, then at a up to its last
+  // distance, then at b.
+  var range_a = vec2<i32>(a.z, a.z);
+  var range_b = vec2<i32>(b.z, b.z);
+  // More than one only where a walk ends in a junction: at both ends of 32 walks that the lanes begin together.
   // Turns: TILE_NODES + 5 * 64 in all.
-  for (var number = 0u; number < 6u; number++) {
-    let is_first = number == 0u;
-    let moves_a = is_first || at_a.y != a.w;
-    let moves_b = is_first || !moves_a;
-    if (!is_first && moves_b && at_b.y == b.w) {
+  for (var index = 0u; index < 6u; index++) {
+    let is_first = index == 0u;
+    let advances_a = is_first || range_a.y != a.w;
+    let advances_b = is_first || !advances_a;
+    if (!is_first && advances_b && range_b.y == b.w) {
       break;
     }
-    at_a = select(at_a.yy, vec2<i32>(at_a.y, next_copy(edges[head].xyz, at_a.y, a.w)), moves_a);
-    at_b = select(at_b.yy, vec2<i32>(at_b.y, next_copy(edges[end].xyz, at_b.y, b.w)), moves_b);
-    add_wall(vec3<i32>(a.xy, at_a.x), vec3<i32>(a.xy, at_a.y), vec3<i32>(b.xy, at_b.y), vec3<i32>(b.xy, at_b.x));
+    range_a = select(
+      range_a.yy, vec2<i32>(range_a.y, next_split(node_edges[window_start].xyz, range_a.y, a.w)), advances_a);
+    range_b = select(range_b.yy, vec2<i32>(range_b.y, next_split(node_edges[end].xyz, range_b.y, b.w)), advances_b);
+    add_wall(
+      vec3<i32>(a.xy, range_a.x), vec3<i32>(a.xy, range_a.y), vec3<i32>(b.xy, range_b.y), vec3<i32>(b.xy, range_b.x));
   }
   for (var side = 0; side < 2; side++) {
-    let has_a = inners[head].w == side;
-    let has_b = inners[end].w == side;
-    if (has_a || has_b) {
-      let of_a = vec3<i32>(a.xy, a[2 + side]);
-      let of_b = vec3<i32>(b.xy, b[2 + side]);
-      add_wall(select(of_a, inners[head].xyz, has_a), of_a, of_b, select(of_b, inners[end].xyz, has_b));
+    let has_flap_a = node_samples[window_start].w == side;
+    let has_flap_b = node_samples[end].w == side;
+    if (has_flap_a || has_flap_b) {
+      let top_a = vec3<i32>(a.xy, a[2 + side]);
+      let top_b = vec3<i32>(b.xy, b[2 + side]);
+      add_wall(
+        select(top_a, node_samples[window_start].xyz, has_flap_a), top_a, top_b,
+        select(top_b, node_samples[end].xyz, has_flap_b));
     }
   }
 }
 
-// Moves the places on edges between the ends of a segment onto it.
-fn move_places(last: u32) {
-  let start = ends[head].xy;
-  let end = ends[slot(last)].xy;
+// Moves the crossings between the ends of a segment onto it.
+fn move_crossings(last: u32) {
+  let start = node_points[window_start].xy;
+  let end = node_points[ring_index(last)].xy;
   // Turns: TILE_NODES in all.
   for (var node = 1u; node < last; node++) {
-    let edge = edges[slot(node)];
+    let edge = node_edges[ring_index(node)];
     let first = edge.xy;
     let axis = u32(edge.z);
-    var way = end - start;
-    way = select(way, -way, way[1u - axis] < 0);
-    let by = max(way[1u - axis], 1);
-    let number = way[axis] * (first[1u - axis] * TEXEL - start[1u - axis]);
-    let whole = select(number, number - by + 1, number < 0) / by;
-    let rest = number - whole * by;
-    let found = clamp((start[axis] + whole - first[axis] * TEXEL) * 256 + rest * 256 / by, 1, 65535);
-    let lattice = i32(depth_map.size.x) + 2;
-    let word = u32(first.y * lattice + first.x);
+    var segment = end - start;
+    segment = select(segment, -segment, segment[1u - axis] < 0);
+    // The edge's line meets the segment's line at start[axis] + numerator / divisor.
+    let divisor = max(segment[1u - axis], 1);
+    let numerator = segment[axis] * (first[1u - axis] * TEXEL - start[1u - axis]);
+    let quotient = select(numerator, numerator - divisor + 1, numerator < 0) / divisor;
+    let remainder = numerator - quotient * divisor;
+    let crossing =
+      clamp((start[axis] + quotient - first[axis] * TEXEL) * 256 + remainder * 256 / divisor, 1, 65535);
+    let lattice_width = i32(depth_map.size.x) + 2;
+    let word = u32(first.y * lattice_width + first.x);
     // No other invocation changes these bits.
     atomicAnd(&places[word], ~(0xffffu << (16u * axis)));
-    atomicOr(&places[word], u32(found) << (16u * axis));
+    atomicOr(&places[word], u32(crossing) << (16u * axis));
   }
 }
 
-// Walks from a node to the end of its contour in the tile, and takes the walls of each segment: the longest that fits is found
-// among those up to TRIES nodes beyond the last that did.
-fn trace(start_kind: u32, start: Step, first: Step, is_loop: bool) {
+// Walks along a contour in the tile and adds the walls of each segment. The first node is at `start`, the second at the exit
+// `first`. A segment ends at the last node that fits; up to TRIES nodes beyond that are tried.
+fn trace_walk(start_kind: u32, start: CellExit, first: CellExit, is_loop: bool) {
   var kind = start_kind;
-  var step = start;
+  var exit = start;
   var is_start = true;
   var count = 0u;
-  // A walk has at most as many nodes as a tile has cells, and two.
+  // A walk has at most two nodes more than a tile has cells.
   // Turns: TILE_NODES in all.
   for (var segments = 0u; segments < TILE_CELLS + 2u; segments++) {
     // Turns: TILE_NODES in all.
-    while (count < WINDOW && kind != NOTHING) {
-      add_node(count, kind, step);
+    while (count < WINDOW && kind != NODE_NONE) {
+      add_node(count, kind, exit);
       count++;
       if (is_start) {
         is_start = false;
-        kind = EDGE;
-        step = first;
-      } else if (kind == ENTERED_STAR || is_border(step)) {
-        kind = NOTHING;
+        kind = NODE_EDGE;
+        exit = first;
+      } else if (kind == NODE_JUNCTION_END || is_on_tile_border(exit)) {
+        kind = NODE_NONE;
       } else {
-        let next = followed(step);
-        if (is_star(next.cell)) {
-          kind = ENTERED_STAR;
-          step = Step(next.cell, (step.bit + 2u) & 3u);
+        let next = next_exit(exit);
+        if (is_junction(next.cell)) {
+          kind = NODE_JUNCTION_END;
+          exit = CellExit(next.cell, (exit.edge + 2u) & 3u);
         } else {
-          step = next;
-          if (is_loop && all(step.cell == first.cell) && step.bit == first.bit) {
-            kind = NOTHING;
+          exit = next;
+          if (is_loop && all(exit.cell == first.cell) && exit.edge == first.edge) {
+            kind = NODE_NONE;
           }
         }
       }
@@ -385,154 +402,160 @@ fn trace(start_kind: u32, start: Step, first: Step, is_loop: bool) {
     var best = 1u;
     // Turns: 9 * TILE_NODES in all.
     for (var last = 2u; last < count && last <= best + TRIES; last++) {
-      if (fits(last)) {
+      if (segment_fits(last)) {
         best = last;
       }
     }
-    add_walls(best);
+    add_segment_walls(best);
     if (LISTS) {
-      move_places(best);
+      move_crossings(best);
     }
-    head = slot(best);
+    window_start = ring_index(best);
     count -= best;
-    if (count == 1u && kind == NOTHING) {
+    if (count == 1u && kind == NODE_NONE) {
       break;
     }
   }
 }
 
-// The edges of a cell at which a contour may begin: all of a star, those on the tile's border, and the right one of a cell that
-// may be the first of a loop.
-fn begins_at(cell: vec2<i32>) -> u32 {
-  let code = code_of_cell(cell);
-  let edges = countOneBits(code);
-  let at_top = select(0u, 1u, cell.y % TILE == 0) | select(0u, 4u, (cell.y + 1) % TILE == 0);
-  let at_left = select(0u, 8u, cell.x % TILE == 0) | select(0u, 2u, (cell.x + 1) % TILE == 0);
-  let at_border = code & (at_top | at_left);
-  let of_through = select(at_border, 2u, code == 6u && at_border == 0u);
-  return select(code, of_through, edges == 2u);
+// The edges of a cell at which a walk may begin. A junction has all its marked edges. Another cell has those on the tile's
+// border, or its right edge if it may be the first cell of a loop.
+fn start_edges(cell: vec2<i32>) -> u32 {
+  let edge_code = load_edge_code(cell);
+  let edge_count = countOneBits(edge_code);
+  let top_and_bottom = select(0u, 1u, cell.y % TILE == 0) | select(0u, 4u, (cell.y + 1) % TILE == 0);
+  let left_and_right = select(0u, 8u, cell.x % TILE == 0) | select(0u, 2u, (cell.x + 1) % TILE == 0);
+  let on_border = edge_code & (top_and_bottom | left_and_right);
+  // The first cell of a loop has marked edges at the right and bottom only.
+  let of_passing = select(on_border, 2u, edge_code == 6u && on_border == 0u);
+  return select(edge_code, of_passing, edge_count == 2u);
 }
 
-// Takes the walls that begin in a cell at one of its edges.
-fn take(cell: vec2<i32>, bit: u32) {
-  let code = code_of_cell(cell);
-  let own = Step(cell, bit);
-  let of_star = is_star(cell);
-  let other = Step(cell, countTrailingZeros(code & ~(1u << bit)) & 3u);
-  // A contour that goes through begins at a border, or is a loop, which its first cell takes.
-  let is_loop = !of_star && !is_border(own);
-  var way = other;
-  if (of_star || is_loop) {
-    way = own;
+// Adds the walls of the walk that begins in a cell at one of its edges, unless the walk is taken from its other end.
+fn take_walk(cell: vec2<i32>, edge: u32) {
+  let edge_code = load_edge_code(cell);
+  let start_exit = CellExit(cell, edge);
+  let is_from_junction = is_junction(cell);
+  let other_exit = CellExit(cell, countTrailingZeros(edge_code & ~(1u << edge)) & 3u);
+  // A contour that passes through the cell begins at the tile's border, or is a loop.
+  let is_loop = !is_from_junction && !is_on_tile_border(start_exit);
+  var first = other_exit;
+  if (is_from_junction || is_loop) {
+    first = start_exit;
   }
-  let end = end_of(way, is_loop);
-  let begin = number_of(cell, bit, of_star);
-  // Both ends of a walk find it. The one with the smaller number takes it, and a star what ends at its own edge.
-  let is_own = of_star && end + 1u == begin;
-  if (select(begin <= end || is_own, end == 0u, is_loop)) {
-    var kind = LEFT_STAR;
-    var start = own;
-    if (!of_star) {
-      kind = EDGE;
+  let end = find_walk_end(first, is_loop);
+  let begin = end_rank(cell, edge, is_from_junction);
+  // Invocations find a walk from both ends; it is taken from the end of lower rank. A walk from a junction to the tile's
+  // border over one edge is taken from the junction.
+  let ends_at_start_edge = is_from_junction && end + 1u == begin;
+  if (select(begin <= end || ends_at_start_edge, end == 0u, is_loop)) {
+    var kind = NODE_JUNCTION_START;
+    var start = start_exit;
+    if (!is_from_junction) {
+      kind = NODE_EDGE;
     }
     if (is_loop) {
-      way = followed(own);
-    } else if (!of_star) {
-      start = Step(cell + out_of(bit), (bit + 2u) & 3u);
+      first = next_exit(start_exit);
+    } else if (!is_from_junction) {
+      // The same edge, as the exit of the neighbour into this cell.
+      start = CellExit(cell + step_across(edge), (edge + 2u) & 3u);
     }
-    trace(kind, start, way, is_loop);
+    trace_walk(kind, start, first, is_loop);
   }
 }
 
 @compute @workgroup_size(WALKERS)
 fn contour_walls_take(
-  @builtin(workgroup_id) group: vec3<u32>,
-  @builtin(num_workgroups) groups: vec3<u32>,
-  @builtin(local_invocation_index) local: u32,
+  @builtin(workgroup_id) workgroup: vec3<u32>,
+  @builtin(num_workgroups) dispatch_size: vec3<u32>,
+  @builtin(local_invocation_index) lane: u32,
 ) {
   let cells = vec2<i32>(depth_map.size) + 1;
   let tiles = contour.tiles.y;
+  // Offset of the list of tiles.
   let list = tiles * (1u + WALKERS);
   let count = counts[list + tiles];
   // Turns: WALKER_TILES.
-  for (var number = group.x + groups.x * group.y; number < count; number += groups.x * groups.y) {
-    let tile = counts[list + number];
+  for (var index = workgroup.x + dispatch_size.x * workgroup.y; index < count; index += dispatch_size.x * dispatch_size.y) {
+    let tile = counts[list + index];
     next_wall = 0u;
-    let own = tiles + number * WALKERS;
+    let lane_counts = tiles + index * WALKERS;
     if (LISTS) {
-      next_wall = counts[number];
+      next_wall = counts[index];
       // Turns: WALKERS.
-      for (var walker = 0u; walker < local; walker++) {
-        next_wall += counts[own + walker];
+      for (var lane_before = 0u; lane_before < lane; lane_before++) {
+        next_wall += counts[lane_counts + lane_before];
       }
     }
     let corner = vec2<i32>(vec2<u32>(tile % contour.tiles.x, tile / contour.tiles.x)) * TILE;
-    // Cells of a row.
-    let first = local * WALKER_CELLS;
+    // Four cells of a row.
+    let first = lane * WALKER_CELLS;
     let start = corner + vec2<i32>(vec2<u32>(first % u32(TILE), first / u32(TILE)));
-    var begins = 0u;
-    for (var at = 0; at < i32(WALKER_CELLS); at++) {
-      let cell = start + vec2<i32>(at, 0);
+    var remaining = 0u;
+    for (var column = 0; column < i32(WALKER_CELLS); column++) {
+      let cell = start + vec2<i32>(column, 0);
       if (all(cell < cells)) {
-        begins |= begins_at(cell) << u32(4 * at);
+        remaining |= start_edges(cell) << u32(4 * column);
       }
     }
     // Turns: 4 * WALKER_CELLS.
-    for (; begins != 0u; begins &= begins - 1u) {
-      let at = countTrailingZeros(begins);
-      take(start + vec2<i32>(i32(at / 4u), 0), at & 3u);
+    for (; remaining != 0u; remaining &= remaining - 1u) {
+      let bit = countTrailingZeros(remaining);
+      take_walk(start + vec2<i32>(i32(bit / 4u), 0), bit & 3u);
     }
     if (!LISTS) {
-      counts[own + local] = next_wall;
+      counts[lane_counts + lane] = next_wall;
     }
   }
 }
 
 const SCANNERS: u32 = 256u;
-var<workgroup> sums: array<u32, SCANNERS>;
+var<workgroup> prefix_sums: array<u32, SCANNERS>;
 
-// One workgroup. Each invocation takes a run of tiles. The sums of the runs are scanned, and then the runs are filled in.
+// One workgroup. Each invocation takes a range of tiles: it adds up their counts, the sums are scanned, and it writes prefix
+// sums.
 @compute @workgroup_size(SCANNERS)
-fn contour_walls_places(@builtin(local_invocation_index) local: u32) {
+fn contour_walls_places(@builtin(local_invocation_index) lane: u32) {
   let tiles = contour.tiles.y;
   let count = counts[tiles * (2u + WALKERS)];
-  let run = (count + SCANNERS - 1u) / SCANNERS;
-  let begin = min(local * run, count);
-  let end = min(begin + run, count);
-  var total = 0u;
+  let range_length = (count + SCANNERS - 1u) / SCANNERS;
+  let begin = min(lane * range_length, count);
+  let end = min(begin + range_length, count);
+  var lane_sum = 0u;
   // Turns: MAP_TILES / SCANNERS.
-  for (var tile = begin; tile < end; tile++) {
-    var own = 0u;
+  for (var index = begin; index < end; index++) {
+    var tile_sum = 0u;
     for (var walker = 0u; walker < WALKERS; walker += 8u) {
-      let at = tiles + tile * WALKERS + walker;
-      own += counts[at] + counts[at + 1u] + counts[at + 2u] + counts[at + 3u];
-      own += counts[at + 4u] + counts[at + 5u] + counts[at + 6u] + counts[at + 7u];
+      let offset = tiles + index * WALKERS + walker;
+      tile_sum += counts[offset] + counts[offset + 1u] + counts[offset + 2u] + counts[offset + 3u];
+      tile_sum += counts[offset + 4u] + counts[offset + 5u] + counts[offset + 6u] + counts[offset + 7u];
     }
-    counts[tile] = own;
-    total += own;
+    counts[index] = tile_sum;
+    lane_sum += tile_sum;
   }
-  sums[local] = total;
-  for (var reach = 1u; reach < SCANNERS; reach *= 2u) {
+  prefix_sums[lane] = lane_sum;
+  for (var stride = 1u; stride < SCANNERS; stride *= 2u) {
     workgroupBarrier();
     var before = 0u;
-    if (local >= reach) {
-      before = sums[local - reach];
+    if (lane >= stride) {
+      before = prefix_sums[lane - stride];
     }
     workgroupBarrier();
-    sums[local] += before;
+    prefix_sums[lane] += before;
   }
-  var before = sums[local] - total;
+  var walls_before = prefix_sums[lane] - lane_sum;
   // Turns: MAP_TILES / SCANNERS.
-  for (var tile = begin; tile < end; tile++) {
-    let own = counts[tile];
-    counts[tile] = before;
-    before += own;
+  for (var index = begin; index < end; index++) {
+    let tile_sum = counts[index];
+    counts[index] = walls_before;
+    walls_before += tile_sum;
   }
-  if (local == SCANNERS - 1u) {
-    walls[0] = before;
-    // A list that overflowed is not read: every cell is drawn by its triangles.
-    let overflows = before > contour.capacity;
-    draws[0] = 6u * select(before, 0u, overflows);
+  // The last invocation has the sum over all tiles.
+  if (lane == SCANNERS - 1u) {
+    walls[0] = walls_before;
+    // A list that overflowed is not read: triangles of all cells are drawn instead.
+    let overflows = walls_before > contour.capacity;
+    draws[0] = 6u * select(walls_before, 0u, overflows);
     draws[1] = 1u;
     draws[2] = 0u;
     draws[3] = 0u;

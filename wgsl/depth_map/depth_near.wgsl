@@ -1,18 +1,18 @@
-// Near rectangles: may the near rectangle (the part of the eye's near plane that the picture shows) be in shadow of a depth
-// map? All rays of the eye begin there, so a pass over the picture, the near cap, turns the stencil bit round where the
-// rectangle itself is in shadow. Mostly it is in light: no cap is drawn. Two stages: `depth_near` for triangles of cells, and
-// `depth_near_walls` for contours (borders of surfaces, with walls in place of triangles).
-// One of the two is dispatched last in an encode, one workgroup. None where the CPU finds the rectangle in light. None, and a
-// cap is always drawn, where it cannot tell which samples matter (src/gpu/depth_map/near.rs), for more than 65,536 samples, and
-// with `skip_near_caps` off. The CPU fills `near`. Reads the depth texture in a box of samples. Writes the indirect draw of the
-// cap, `depth_near_cap` (surface.wgsl), which `DepthMapFrame::draw` draws: 3 vertices, or 0 for light.
-// A cap may be drawn for nothing, but never be left out where it turns a pixel round: bounds err on that side only.
+// Stages `depth_near` and `depth_near_walls`: whether the near rectangle may be in shadow of a depth map, so that the near
+// cap has to be drawn. The near rectangle is the part of the eye's near plane in the picture, where all rays of the eye
+// begin. The near cap inverts the stencil bit where the rectangle is in shadow. Usually all of it is in light.
+// `depth_near` is for triangles of cells, `depth_near_walls` for contours. One of the two is the last dispatch of an encode:
+// one workgroup. There is none, and no cap, if the CPU finds the rectangle in light (src/gpu/depth_map/near.rs). There is
+// none, and the cap is drawn, if the CPU cannot find a box of up to 65,536 samples that decide, or without `skip_near_caps`.
+// Reads `near`, which the CPU fills, and the depths of the samples in its box. Writes the indirect draw of `depth_near_cap`:
+// 3 vertices, or 0 for light. Bounds err on one side only: a cap may be drawn for nothing, but is never missing
+// (docs/numerics/depth-maps.md, "Near caps").
 
 #import depth_map/contour
 #import depth_map/samples
 
 struct DepthNearBox {
-  // The first sample of the box, and samples across and down.
+  // The box of all samples whose surfaces may be before the near rectangle: its first sample; its columns and rows.
   first: vec2<u32>,
   size: vec2<u32>,
   // A surface with a larger key (samples.wgsl), or a larger distance (contour.wgsl), is behind all of the near rectangle.
@@ -26,67 +26,67 @@ struct DepthNearBox {
 @group(0) @binding(3) var<storage, read_write> draws: array<u32>;
 
 const INVOCATIONS: u32 = 256u;
-// 1: a surface may be before the rectangle. Zero at the start.
-var<workgroup> found: atomic<u32>;
+// 1: a surface may be between the light and the rectangle. 0 at the start.
+var<workgroup> may_be_dark: atomic<u32>;
 
-// The sample of the box with an index, row by row.
-fn sample_of_box(number: u32) -> vec2<u32> {
-  return near.first + vec2<u32>(number % near.size.x, number / near.size.x);
+// The sample of the box at an index, row by row.
+fn sample_of_box(index: u32) -> vec2<u32> {
+  return near.first + vec2<u32>(index % near.size.x, index / near.size.x);
 }
 
-// All invocations of the only workgroup call it, after they set `found`.
-fn write_draw(local: u32) {
+// All invocations call it after they set `may_be_dark`, because it has a barrier.
+fn write_draw(lane: u32) {
   workgroupBarrier();
-  if (local == 0u) {
-    draws[0] = 3u * atomicLoad(&found);
+  if (lane == 0u) {
+    draws[0] = 3u * atomicLoad(&may_be_dark);
     draws[1] = 1u;
     draws[2] = 0u;
     draws[3] = 0u;
   }
 }
 
-// Stage `depth_near`. A triangle is nowhere nearer to the light than its nearest sample, and samples are only moved away from
-// it. So if no sample is before the rectangle, the cap would drop every pixel: the picture is the same without it. Integers
-// decide.
+// Stage `depth_near`. A triangle is nowhere nearer to the light than its nearest sample, and the bias only moves samples
+// away from it. So if no sample is before the rectangle, the cap would discard every fragment. Integers decide.
 
 @compute @workgroup_size(INVOCATIONS)
-fn depth_near(@builtin(local_invocation_index) local: u32) {
+fn depth_near(@builtin(local_invocation_index) lane: u32) {
   var nearest = FAR_KEY;
   // Turns: NEAR_SAMPLES / INVOCATIONS.
-  for (var number = local; number < near.size.x * near.size.y; number += INVOCATIONS) {
-    nearest = min(nearest, key_at(sample_of_box(number)));
+  for (var index = lane; index < near.size.x * near.size.y; index += INVOCATIONS) {
+    nearest = min(nearest, load_key(sample_of_box(index)));
   }
   if (nearest <= near.key) {
-    atomicStore(&found, 1u);
+    atomicStore(&may_be_dark, 1u);
   }
-  write_draw(local);
+  write_draw(lane);
 }
 
-// Stage `depth_near_walls`. A surface goes on from its last sample to the contour and may come nearer to the light there. By
-// how much, at most, is taken off each sample. If none is before the rectangle then, the cap would drop every pixel. Distances
-// are integers (contour.wgsl).
+// Stage `depth_near_walls`. A surface goes on from its last sample to the contour, and may come nearer to the light there.
+// An upper bound of that is subtracted from the distance of each sample. Distances are integers.
 
-// By how much a surface may come nearer within a texel of a sample along an axis, to either side: it goes on as between its
-// last samples, so at most by as much as from the sample on the opposite side to this one.
-fn nearing(at: vec2<i32>, own: i32, step: vec2<i32>) -> i32 {
-  let before = distance_at(at - step);
-  let after = distance_at(at + step);
-  return max(0, max(select(before - own, 0, before == FAR), select(after - own, 0, after == FAR)));
+// An upper bound of how much nearer a surface comes to the light within a texel of a sample, along an axis. It goes on at
+// the rate of its last difference, so by at most what the sample on the opposite side is farther.
+fn approach_bound(sample: vec2<i32>, distance: i32, step: vec2<i32>) -> i32 {
+  let before = load_distance(sample - step);
+  let after = load_distance(sample + step);
+  return max(0, max(select(before - distance, 0, before == FAR), select(after - distance, 0, after == FAR)));
 }
 
 @compute @workgroup_size(INVOCATIONS)
-fn depth_near_walls(@builtin(local_invocation_index) local: u32) {
+fn depth_near_walls(@builtin(local_invocation_index) lane: u32) {
   var nearest = FAR;
   // Turns: NEAR_SAMPLES / INVOCATIONS.
-  for (var number = local; number < near.size.x * near.size.y; number += INVOCATIONS) {
-    let at = vec2<i32>(sample_of_box(number));
-    let own = distance_at(at);
-    if (own != FAR) {
-      nearest = min(nearest, own - nearing(at, own, vec2<i32>(1, 0)) - nearing(at, own, vec2<i32>(0, 1)));
+  for (var index = lane; index < near.size.x * near.size.y; index += INVOCATIONS) {
+    let sample = vec2<i32>(sample_of_box(index));
+    let distance = load_distance(sample);
+    if (distance != FAR) {
+      nearest = min(
+        nearest,
+        distance - approach_bound(sample, distance, vec2<i32>(1, 0)) - approach_bound(sample, distance, vec2<i32>(0, 1)));
     }
   }
   if (nearest <= near.distance) {
-    atomicStore(&found, 1u);
+    atomicStore(&may_be_dark, 1u);
   }
-  write_draw(local);
+  write_draw(lane);
 }

@@ -1,10 +1,10 @@
-// Stage `mesh_depth`: vertex shaders that draw meshes into the depth map of a light, in a render pass of the caller's before the
-// stages that read the map. There is no fragment shader: the depth attachment becomes their `depth_texture`.
-// `mesh_depth`: one mesh, an indexed draw of all faces (`MeshDepth::draw`). `scene_depth`: casters of a scene, three vertices a
-// face, an instance for each chunk, which is 64 faces of a caster (`SceneDepth::draw`). Both draw front and back faces.
-// Read: positions in the caller's buffer or the scene's pages, transforms, faces, the light's matrix.
-// The same positions have the same depth bits in both draws: `light_position` makes all vertices, and they are invariant. Keep
-// its operations and their order; docs/numerics/depth-maps.md, "Depth of scenes", bounds their rounding.
+// Stage `mesh_depth`: vertex shaders that draw meshes into the depth map of a light, in a render pass of the caller's. They
+// have no fragment shader. Stages that read the map later have the depth attachment as `depth_texture`.
+// `mesh_depth` draws one mesh: an indexed draw of all faces (`MeshDepth::draw`). `scene_depth` draws casters of a scene: an
+// instance for each chunk, which is 64 faces of a caster, and three vertices a face (`SceneDepth::draw`). Both draw front
+// and back faces. They read positions in the caller's buffer or the scene's pages, transforms, faces and the light's matrix.
+// A position has the same depth bits in both draws, because `light_position` makes all vertices, at invariant positions.
+// Keep its operations and their order: docs/numerics/depth-maps.md, "Depth of scenes", bounds their rounding.
 
 struct MeshDepthView {
   // The light's matrix, by columns.
@@ -12,11 +12,12 @@ struct MeshDepthView {
 }
 
 struct MeshDepthCaster {
-  // Rows that place positions, less the light's origin.
+  // Rows of the matrix from positions to the world, less the light's origin.
   row_0: vec4<f32>,
   row_1: vec4<f32>,
   row_2: vec4<f32>,
-  // Offset of vertex 0 in `positions` and stride, both in words; the first face in `faces`, and the count of faces.
+  // x: the offset of vertex 0 in `positions`, in words. y: the stride, in words. z: the first face in `faces`. w: the count
+  // of faces.
   place: vec4<u32>,
 }
 
@@ -26,20 +27,20 @@ struct MeshDepthCaster {
 @group(0) @binding(2) var<storage, read> casters: array<MeshDepthCaster>;
 // Three vertices a face, of all casters that are drawn together. Only `scene_depth` reads it.
 @group(0) @binding(3) var<storage, read> faces: array<u32>;
-// The caster of each chunk of faces, and the number of its first face among those of the caster.
+// x: the caster of each chunk. y: the index of the chunk's first face among those of the caster.
 @group(0) @binding(4) var<storage, read> chunks: array<vec2<u32>>;
 
-// The clip position of a vertex of a caster. With rows of the unit matrix every product and sum of a row but the last is exact,
-// so a caster with that transform has the depths of one without.
+// The clip position of a vertex of a caster. With the unit matrix only the last sum of a row rounds. So a caster with that
+// transform has the depths of a mesh without one.
 fn light_position(caster: MeshDepthCaster, vertex: u32) -> vec4<f32> {
-  let word = caster.place.x + vertex * caster.place.y;
-  let own = vec3<f32>(positions[word], positions[word + 1u], positions[word + 2u]);
-  let offset = vec3<f32>(
-    caster.row_0.x * own.x + caster.row_0.y * own.y + caster.row_0.z * own.z + caster.row_0.w,
-    caster.row_1.x * own.x + caster.row_1.y * own.y + caster.row_1.z * own.z + caster.row_1.w,
-    caster.row_2.x * own.x + caster.row_2.y * own.y + caster.row_2.z * own.z + caster.row_2.w);
+  let offset = caster.place.x + vertex * caster.place.y;
+  let position = vec3<f32>(positions[offset], positions[offset + 1u], positions[offset + 2u]);
+  let from_light = vec3<f32>(
+    caster.row_0.x * position.x + caster.row_0.y * position.y + caster.row_0.z * position.z + caster.row_0.w,
+    caster.row_1.x * position.x + caster.row_1.y * position.y + caster.row_1.z * position.z + caster.row_1.w,
+    caster.row_2.x * position.x + caster.row_2.y * position.y + caster.row_2.z * position.z + caster.row_2.w);
   let columns = views[0].columns;
-  return columns[0] * offset.x + columns[1] * offset.y + columns[2] * offset.z + columns[3];
+  return columns[0] * from_light.x + columns[1] * from_light.y + columns[2] * from_light.z + columns[3];
 }
 
 @vertex
@@ -47,17 +48,17 @@ fn mesh_depth(@builtin(vertex_index) vertex: u32) -> @builtin(position) @invaria
   return light_position(casters[0], vertex);
 }
 
-// The last chunk of a caster may have less than 64 faces. Vertices behind them all lie in one point, which draws nothing.
+// The last chunk of a caster may have fewer than 64 faces. Further triangles are degenerate.
 @vertex
 fn scene_depth(
-  @builtin(vertex_index) corner: u32,
-  @builtin(instance_index) number: u32,
+  @builtin(vertex_index) vertex: u32,
+  @builtin(instance_index) chunk_index: u32,
 ) -> @builtin(position) @invariant vec4<f32> {
-  let chunk = chunks[number];
+  let chunk = chunks[chunk_index];
   let caster = casters[chunk.x];
-  let face = chunk.y + corner / 3u;
+  let face = chunk.y + vertex / 3u;
   if (face >= caster.place.w) {
     return vec4<f32>(0.0, 0.0, 0.0, 1.0);
   }
-  return light_position(caster, faces[3u * (caster.place.z + face) + corner % 3u]);
+  return light_position(caster, faces[3u * (caster.place.z + face) + vertex % 3u]);
 }

@@ -1,32 +1,33 @@
-// Samples of a light's depth map as integers, and the lattice that holds them. All stages here but `mesh_depth` have it. A
-// sample is the depth in the middle of a texel. Its key is an integer that grows with the distance from the light: the bits of
-// the depth, or with reversed depth the bits of 1, as an integer, less these. FAR_KEY: nothing casts there (at the far end or
-// beyond it, or NaN).
-// The lattice has one more row and column on each side than the map; they are far, so nothing casts outside of a map. Sample
-// (1, 1) is texel (0, 0). A cube has six maps, three in a row in one texture, without that border: sample (0, 0) is texel (0,
-// 0). An importer binds `depth_map` and a texture of that size. A place outside of the lattice is far; in a cube its key is to
-// be dropped.
-// Keys come from bits, never from float arithmetic, so all devices and the CPU decide alike. Keep it so.
+// Samples of a light's depth map as integer keys, and the lattice that holds them. All stages of this folder but
+// `mesh_depth` import it and bind `depth_map` and a depth texture.
+// A sample is the depth at the centre of a texel. Its key is an integer that grows with the distance from the light. It is
+// the bits of the depth or, with reversed depth, the bits of 1 less those. FAR_KEY: nothing casts there, because the depth
+// is at or beyond the far end, or NaN.
+// The lattice of a single map has a border of one far sample on each side: sample (1, 1) is texel (0, 0). A cube has six
+// maps of that size in one texture, three in a row, without borders: sample (0, 0) is texel (0, 0).
+// Keys come from bits, never from float arithmetic, so every device and the CPU have the same keys
+// (docs/numerics/depth-maps.md, "Exact decisions").
 
 struct DepthMapShape {
-  // Texels across and down, of one map.
+  // Texels of one map: width and height.
   size: vec2<u32>,
-  // All cells. Blocks: of 64 strips of cells (cell_words.wgsl), or of 256 texels in the stages that write a map.
+  // Cells of all maps. A cell is the square between four samples.
   cells: u32,
+  // Blocks of 64 strips of cells (cell_words.wgsl); in the stages that write a map, blocks of 256 texels.
   blocks: u32,
   // Cells that the list has room for.
   capacity: u32,
-  // 1: every cell that is not far is marked. 0: differences above the threshold are.
+  // 1: every edge but those between two far samples is marked. 0: edges with a difference above the threshold are.
   every_cell: u32,
-  // Bits of the threshold, in device depth.
+  // Bits of the threshold, a difference of device depths.
   threshold: u32,
-  // 1: near is 1 and far is 0.
+  // 1: the near plane has depth 1 and the far end 0.
   is_reversed: u32,
-  // Maps: 1, or the 6 of a cube.
+  // Maps: 1, or 6 for a cube.
   faces: u32,
   // 1: edges between different objects are marked.
   objects: u32,
-  // 1: triangles at the ends of marked edges are drawn, too.
+  // 1: triangles with a sample at the end of a marked edge are drawn, too.
   spread: u32,
   // 0.
   unused: u32,
@@ -35,53 +36,55 @@ struct DepthMapShape {
 @group(0) @binding(0) var<uniform> depth_map: DepthMapShape;
 @group(0) @binding(1) var depth_texture: texture_2d<f32>;
 
-// The key of a sample that casts nothing. All other keys are smaller. A larger key is farther.
+// The key of a sample where nothing casts, larger than all others.
 const FAR_KEY: u32 = 0x7fffffffu;
+// The bits of 1.0.
 const ONE: u32 = 0x3f800000u;
 
-// The key of a depth's bits. Less than 2^-126, also below 0, counts as 0, more than 1 as 1. It works on bits, because a device
-// may flush a subnormal and may assume that there is no NaN.
+// The key of a depth, from its bits. Depths below 2^-126 count as 0 and those above 1 as 1. Comparisons are of integers,
+// because a device may flush subnormals and may assume that there is no NaN.
 fn sample_key(bits: u32) -> u32 {
-  let size = bits & 0x7fffffffu;
-  let is_zero = ((bits >> 31u) == 1u) | (size < 0x00800000u);
-  let unit = select(min(size, ONE), 0u, is_zero);
+  let magnitude = bits & 0x7fffffffu;
+  let is_zero = ((bits >> 31u) == 1u) | (magnitude < 0x00800000u);
+  let clamped = select(min(magnitude, ONE), 0u, is_zero);
   let is_reversed = depth_map.is_reversed != 0u;
-  let is_far = unit == select(ONE, 0u, is_reversed);
-  return select(select(unit, ONE - unit, is_reversed), FAR_KEY, is_far | (size > 0x7f800000u));
+  let is_far = clamped == select(ONE, 0u, is_reversed);
+  return select(select(clamped, ONE - clamped, is_reversed), FAR_KEY, is_far | (magnitude > 0x7f800000u));
 }
 
-// The bits of the depth of a key that is not far.
+// The bits of a depth from its key, which must not be FAR_KEY.
 fn depth_bits(key: u32) -> u32 {
   return select(key, ONE - key, depth_map.is_reversed != 0u);
 }
 
-// The bits of the depth of any key.
-fn bits_of_key(key: u32) -> u32 {
+// The bits of a depth from its key. FAR_KEY gives the depth of the far end.
+fn depth_bits_or_far(key: u32) -> u32 {
   return select(depth_bits(key), select(ONE, 0u, depth_map.is_reversed != 0u), key == FAR_KEY);
 }
 
-// The key of a sample of the lattice. One on the border reads a texel beside it, and drops it: one place loads for all.
-fn key_at(at: vec2<u32>) -> u32 {
+// The key of a sample. Outside of a single map it is FAR_KEY. Outside of a cube's texture the result has no meaning, and
+// callers drop it. Samples of the border load a texel too, so that there is one load without a branch.
+fn load_key(sample: vec2<u32>) -> u32 {
   let is_cube = depth_map.faces > 1u;
-  let inside = clamp(at, vec2<u32>(1u), depth_map.size);
-  let texel = select(inside - 1u, at, is_cube);
+  let inside = clamp(sample, vec2<u32>(1u), depth_map.size);
+  let texel = select(inside - 1u, sample, is_cube);
   let key = sample_key(bitcast<u32>(textureLoad(depth_texture, vec2<i32>(texel), 0).x));
-  return select(key, FAR_KEY, !is_cube && any(inside != at));
+  return select(key, FAR_KEY, !is_cube && any(inside != sample));
 }
 
-// `turns` itself, if their sum with `cells` does not overflow, but no constant for a compiler: a loop up to it is not
-// unrolled.
-fn opaque(turns: u32) -> u32 {
-  return min(turns, turns + depth_map.cells);
+// `count` as a value that compilers do not know, so that they do not unroll a loop up to it. `count + depth_map.cells` must
+// not overflow.
+fn opaque(count: u32) -> u32 {
+  return min(count, count + depth_map.cells);
 }
 
-// Six depth maps around a light: which samples of two or three of them lie on one ray. `depth_cube` gives such samples one
-// depth, and surface.wgsl (draws) one vertex, so the boundary of shadow closes across the maps.
-// Maps 0 to 5 look along +x, -x, +y, -y, +z, -z. The middles of a map's outermost texels lie on the edges of the cube. `at` is
-// a sample within its map, from (0, 0) on. Directions are integers, so all is exact. Axes are those of
-// src/gpu/depth_map/meeting.rs, which makes cameras: keep both alike.
+// Six depth maps around a light: which samples of two or three maps lie on one ray. `depth_cube` gives such samples one
+// depth, and surface.wgsl gives them one vertex, so the boundary of the shadow closes across maps.
+// Maps 0 to 5 look along +x, -x, +y, -y, +z, -z. Centres of the outermost texels lie on the edges of the cube. Samples count
+// from (0, 0) in their map. Directions are integers, so comparisons are exact.
+// src/gpu/depth_map/meeting.rs makes the cameras: it must have the same axes.
 
-// The axes of a map: along its view, to its right, and up.
+// The axes of a map: the direction of view, right and up.
 struct CubeFace {
   forward: vec3<i32>,
   right: vec3<i32>,
@@ -103,26 +106,26 @@ fn cube_face(face: u32) -> CubeFace {
   }
 }
 
-fn product(a: vec3<i32>, b: vec3<i32>) -> i32 {
+fn integer_dot(a: vec3<i32>, b: vec3<i32>) -> i32 {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// The direction of a sample from the light. The size of its largest component is the number of cells along a side of the map.
-fn direction_of(face: u32, at: vec2<u32>) -> vec3<i32> {
+// The direction from the light to a sample. Its largest component is the number of cells along a side of the map.
+fn sample_direction(face: u32, sample: vec2<u32>) -> vec3<i32> {
   let axes = cube_face(face);
-  let most = i32(depth_map.size.x) - 1;
-  return most * axes.forward + (2 * i32(at.x) - most) * axes.right + (most - 2 * i32(at.y)) * axes.up;
+  let last = i32(depth_map.size.x) - 1;
+  return last * axes.forward + (2 * i32(sample.x) - last) * axes.right + (last - 2 * i32(sample.y)) * axes.up;
 }
 
-// Whether a map has a sample in the direction of a sample: its component along the map's view is the largest possible.
+// Whether a map has a sample in the direction of another map's sample.
 fn has_direction(face: u32, direction: vec3<i32>) -> bool {
-  return product(cube_face(face).forward, direction) == i32(depth_map.size.x) - 1;
+  return integer_dot(cube_face(face).forward, direction) == i32(depth_map.size.x) - 1;
 }
 
-// The sample that a map has in a direction. `has_direction` must hold.
-fn sample_of(face: u32, direction: vec3<i32>) -> vec2<u32> {
+// The sample that a map has in a direction for which `has_direction` holds.
+fn sample_in_direction(face: u32, direction: vec3<i32>) -> vec2<u32> {
   let axes = cube_face(face);
-  let most = i32(depth_map.size.x) - 1;
+  let last = i32(depth_map.size.x) - 1;
   return vec2<u32>(
-    u32((most + product(direction, axes.right)) / 2), u32((most - product(direction, axes.up)) / 2));
+    u32((last + integer_dot(direction, axes.right)) / 2), u32((last - integer_dot(direction, axes.up)) / 2));
 }

@@ -1,39 +1,38 @@
-// The boundary between light and shadow: its triangles, their vertices, and whether a place is behind it. Stage
-// `depth_surface` draws it into the caller's stencil (`DepthMapFrame::draw`, in the caller's render pass after the eye's
-// depths), once for each bit; `depth_walls`, which draws walls over contours instead, takes the near cap and what it needs
-// from here. Depth is tested and not written; a fragment before what is seen turns the bit round, or counts.
-// Triangles lie between samples, with one depth for each direction from the light. Samples are moved away from the light by a
-// bias; far ones are at infinity (w is 0). The near rectangle is the part of the eye's near plane in the picture, where rays
-// of the eye begin; a place on it is in shadow if it is behind the boundary.
-// Importers bind `cells`: the list of `depth_cells`, or with contours the walls of `contour_walls`; and a view for each map.
-// All triangles at a sample take its vertex from `surface_vertex`, at an invariant position, so a pixel on a common edge is
-// counted once. Do not compute it anywhere else. docs/numerics/depth-maps.md, "Rounding of positions", bounds its rounding:
-// keep operations and order.
+// The boundary between light and shadow: its triangles and their vertices, and whether a point is behind it. Stage
+// `depth_surface` draws it once for each stencil bit (`DepthMapFrame::draw`, in the caller's render pass after the eye's
+// depths): fragments before what the eye sees invert the bit. `depth_walls`, which draws walls over contours instead,
+// imports this file for its near cap.
+// Triangles lie between samples, so the boundary has one depth in each direction from the light. A bias moves samples away
+// from the light; far ones are at infinity (w is 0). The near rectangle, where rays of the eye begin, is the part of the
+// eye's near plane in the picture. Importers bind `cells`, the list of `depth_cells` or of walls, and a view for each map.
+// Triangles at a sample share its vertex, `surface_vertex`, at an invariant position, so a pixel on a common edge is counted
+// once. Do not compute it elsewhere; keep operations and order: docs/numerics/depth-maps.md, "Rounding of positions".
 
 #import depth_map/edge_code
 #import depth_map/samples
 
 struct DepthMapView {
-  // Columns of the matrix to the eye's clip space, from twice the place on the lattice from its middle, and the depth.
+  // Columns of the matrix to the eye's clip space. It is for x, y, the depth, and 1, where x and y are twice the position on
+  // the lattice from its middle.
   across: vec4<f32>,
   down: vec4<f32>,
   depth: vec4<f32>,
   middle: vec4<f32>,
-  // The same for places at infinity, away from the light.
+  // The same for points at infinity, away from the light.
   far_across: vec4<f32>,
   far_down: vec4<f32>,
   far_middle: vec4<f32>,
-  // Columns from x and y on the near rectangle, from -1 to 1, to the lattice and the depth: homogeneous.
+  // Columns of the matrix from x and y on the near rectangle, from -1 to 1, to the lattice and the depth: homogeneous.
   near_across: vec4<f32>,
   near_up: vec4<f32>,
   near_middle: vec4<f32>,
-  // The depth at infinity, of the same terms as `far_across`. 1 in w: there is none, the light is parallel.
+  // x, y, z: the depth at infinity, for the same terms as `far_across`. w: 1 for a parallel light, which has none.
   infinity: vec4<f32>,
-  // How far the surface moves: a share of its slope, of its depth, and a constant.
+  // The bias. x: for each unit of slope; y: a share of the depth; z: a constant.
   bias: vec4<f32>,
 }
 
-// The length of the list, and the list.
+// The length of the list, then the list.
 @group(0) @binding(2) var<storage, read> cells: array<u32>;
 // One for each map.
 @group(0) @binding(3) var<storage, read> views: array<DepthMapView>;
@@ -42,8 +41,8 @@ fn depth_of(key: u32) -> f32 {
   return bitcast<f32>(depth_bits(key));
 }
 
-// The smaller size of the depth differences to the samples before and after, 0 where they have different signs or one is far.
-fn slope(key: u32, before: u32, after: u32) -> f32 {
+// The size of the minmod of the depth differences to the samples before and after. 0 where one is far.
+fn central_depth_slope(key: u32, before: u32, after: u32) -> f32 {
   if (max(key, max(before, after)) == FAR_KEY) {
     return 0.0;
   }
@@ -52,258 +51,265 @@ fn slope(key: u32, before: u32, after: u32) -> f32 {
   return select(0.0, min(abs(a), abs(b)), (a > 0.0) == (b > 0.0));
 }
 
-// The depth difference to one side, from one sample to the next and on to the second: the smaller, so that a step is no slope.
-fn slope_to(key: u32, first: u32, second: u32) -> f32 {
+// The smaller of the depth differences to the next sample and from that to the second, so that a jump is no slope. 0 where
+// one is far.
+fn one_sided_depth_slope(key: u32, first: u32, second: u32) -> f32 {
   if (max(key, max(first, second)) == FAR_KEY) {
     return 0.0;
   }
   return min(abs(depth_of(first) - depth_of(key)), abs(depth_of(second) - depth_of(first)));
 }
 
-// The slope at a sample along one axis. A boundary that is moved sideways leaves the surface on either side, so there the
-// larger counts.
-fn slope_along(at: vec2<u32>, step: vec2<u32>) -> f32 {
-  let key = key_at(at);
-  let before = key_at(at - step);
-  let after = key_at(at + step);
+// The slope at a sample along one axis. With several bits the boundary is moved sideways and leaves the surface on either
+// side, so the larger slope of both sides counts.
+fn depth_slope_along(sample: vec2<u32>, step: vec2<u32>) -> f32 {
+  let key = load_key(sample);
+  let before = load_key(sample - step);
+  let after = load_key(sample + step);
   if (depth_map.spread != 0u) {
-    return max(slope_to(key, before, key_at(at - 2u * step)), slope_to(key, after, key_at(at + 2u * step)));
+    return max(
+      one_sided_depth_slope(key, before, load_key(sample - 2u * step)),
+      one_sided_depth_slope(key, after, load_key(sample + 2u * step)));
   }
-  return slope(key, before, after);
+  return central_depth_slope(key, before, after);
 }
 
-// The sum of the slopes at a sample across and down. At the border of a map of a cube, those of the samples next to it.
-fn slopes_in_map(at: vec2<u32>) -> f32 {
-  var here = vec4<u32>(at, at);
+// The sum of the slopes across and down. A sample on the border of a map of a cube has those of the samples next to it.
+fn depth_slopes_in_map(sample: vec2<u32>) -> f32 {
+  // Samples for the slopes across (x, y) and down (z, w).
+  var inner_samples = vec4<u32>(sample, sample);
   if (depth_map.faces > 1u) {
-    let local = at % depth_map.size.x;
-    let inner = clamp(local, vec2<u32>(1u), depth_map.size - 2u);
-    let corner = at - local;
-    here = vec4<u32>(corner + vec2<u32>(inner.x, local.y), corner + vec2<u32>(local.x, inner.y));
+    let in_map = sample % depth_map.size.x;
+    let inner = clamp(in_map, vec2<u32>(1u), depth_map.size - 2u);
+    let corner = sample - in_map;
+    inner_samples = vec4<u32>(corner + vec2<u32>(inner.x, in_map.y), corner + vec2<u32>(in_map.x, inner.y));
   }
-  return slope_along(here.xy, vec2<u32>(1u, 0u)) + slope_along(here.zw, vec2<u32>(0u, 1u));
+  return depth_slope_along(inner_samples.xy, vec2<u32>(1u, 0u)) + depth_slope_along(inner_samples.zw, vec2<u32>(0u, 1u));
 }
 
-// A map of a cube, and a sample of it.
+// A map of a cube, and the position of a sample in it.
 struct CubeSample {
   face: u32,
-  at: vec2<u32>,
+  in_map: vec2<u32>,
 }
 
-fn cube_sample(at: vec2<u32>) -> CubeSample {
-  let tile = at / depth_map.size.x;
-  return CubeSample(tile.x + 3u * tile.y, at % depth_map.size.x);
+fn cube_sample(sample: vec2<u32>) -> CubeSample {
+  let map = sample / depth_map.size.x;
+  return CubeSample(map.x + 3u * map.y, sample % depth_map.size.x);
 }
 
-fn is_on_border(at: vec2<u32>) -> bool {
-  return any(at == vec2<u32>(0u)) || any(at == depth_map.size - 1u);
+fn is_on_map_border(in_map: vec2<u32>) -> bool {
+  return any(in_map == vec2<u32>(0u)) || any(in_map == depth_map.size - 1u);
 }
 
-// The sum of the slopes at a sample: in a cube, the largest of all maps that have a sample on its ray.
-fn slopes(at: vec2<u32>) -> f32 {
+// The sum of the slopes at a sample. In a cube it is the largest of all maps that have a sample on the same ray.
+fn depth_slopes(sample: vec2<u32>) -> f32 {
   if (depth_map.faces > 1u) {
-    let own = cube_sample(at);
-    if (is_on_border(own.at)) {
-      let direction = direction_of(own.face, own.at);
-      var most = 0.0;
+    let of_cube = cube_sample(sample);
+    if (is_on_map_border(of_cube.in_map)) {
+      let direction = sample_direction(of_cube.face, of_cube.in_map);
+      var largest = 0.0;
       for (var face = 0u; face < 6u; face++) {
         if (has_direction(face, direction)) {
           let corner = vec2<u32>(face % 3u, face / 3u) * depth_map.size.x;
-          most = max(most, slopes_in_map(corner + sample_of(face, direction)));
+          largest = max(largest, depth_slopes_in_map(corner + sample_in_direction(face, direction)));
         }
       }
-      return most;
+      return largest;
     }
   }
-  return slopes_in_map(at);
+  return depth_slopes_in_map(sample);
 }
 
-// The depth of a sample that is not far, moved away from the light. It stays before the far plane.
-fn moved_depth(at: vec2<u32>, key: u32) -> f32 {
+// The depth of a sample that is not far, with the bias, which is at most half of the distance to the far plane.
+fn biased_depth(sample: vec2<u32>, key: u32) -> f32 {
   let depth = depth_of(key);
   let is_reversed = depth_map.is_reversed != 0u;
   let to_far = select(1.0 - depth, depth, is_reversed);
   let bias = views[0].bias;
-  let offset = min(bias.x * slopes(at) + bias.y * depth + bias.z, 0.5 * to_far);
+  let offset = min(bias.x * depth_slopes(sample) + bias.y * depth + bias.z, 0.5 * to_far);
   return depth + select(offset, -offset, is_reversed);
 }
 
-// The map whose view a sample is taken with (z): the first with a sample on its ray, so that all maps give that one vertex. x
-// and y: twice that sample's place from the middle of the lattice.
-fn view_of(at: vec2<u32>) -> vec3<i32> {
+// x and y: twice the position of a sample from the middle of the lattice. z: the map. In a cube the first map with a sample
+// on the same ray counts, so that all maps have one vertex there.
+fn view_position(sample: vec2<u32>) -> vec3<i32> {
   if (depth_map.faces == 1u) {
-    return vec3<i32>(2 * vec2<i32>(at) - 1 - vec2<i32>(depth_map.size), 0);
+    return vec3<i32>(2 * vec2<i32>(sample) - 1 - vec2<i32>(depth_map.size), 0);
   }
-  var own = cube_sample(at);
-  if (is_on_border(own.at)) {
-    let direction = direction_of(own.face, own.at);
+  var of_cube = cube_sample(sample);
+  if (is_on_map_border(of_cube.in_map)) {
+    let direction = sample_direction(of_cube.face, of_cube.in_map);
     // Turns: 5.
-    for (var face = 0u; face < own.face; face++) {
+    for (var face = 0u; face < of_cube.face; face++) {
       if (has_direction(face, direction)) {
-        own = CubeSample(face, sample_of(face, direction));
+        of_cube = CubeSample(face, sample_in_direction(face, direction));
       }
     }
   }
-  return vec3<i32>(2 * vec2<i32>(own.at) + 1 - vec2<i32>(depth_map.size), i32(own.face));
+  return vec3<i32>(2 * vec2<i32>(of_cube.in_map) + 1 - vec2<i32>(depth_map.size), i32(of_cube.face));
 }
 
 // The vertex of a sample, in the eye's clip space.
-fn surface_vertex(at: vec2<u32>) -> vec4<f32> {
-  let key = key_at(at);
-  let own = view_of(at);
-  let place = vec2<f32>(own.xy);
-  let view = views[own.z];
+fn surface_vertex(sample: vec2<u32>) -> vec4<f32> {
+  let key = load_key(sample);
+  let position_and_face = view_position(sample);
+  let position = vec2<f32>(position_and_face.xy);
+  let view = views[position_and_face.z];
   if (key == FAR_KEY) {
-    return view.far_across * place.x + view.far_down * place.y + view.far_middle;
+    return view.far_across * position.x + view.far_down * position.y + view.far_middle;
   }
-  let depth = moved_depth(at, key);
-  return view.across * place.x + view.down * place.y + view.depth * depth + view.middle;
+  let depth = biased_depth(sample, key);
+  return view.across * position.x + view.down * position.y + view.depth * depth + view.middle;
 }
 
-// The sample of corner 0 to 2 of a cell's triangle (`second`: 0 or 1), from sample (0, 0) of the cell. `entry` tells its
-// split.
-fn triangle_corner(entry: u32, second: u32, corner: u32) -> vec2<u32> {
-  // Numbers of samples, two bits each: 0 is (0, 0), 1 is (1, 0), 2 is (0, 1), 3 is (1, 1).
-  let plain = select(0x34u, 0x2cu, second != 0u);
-  let split = select(0x24u, 0x2du, second != 0u);
-  let number = (select(plain, split, (entry & SPLIT) != 0u) >> (2u * corner)) & 3u;
-  return vec2<u32>(number & 1u, number >> 1u);
+// The offset from a cell's first sample to corner 0, 1 or 2 of one of its two triangles. `entry` has the cell's diagonal.
+fn triangle_corner(entry: u32, triangle: u32, corner: u32) -> vec2<u32> {
+  // Samples, two bits each: 0 is (0, 0), 1 is (1, 0), 2 is (0, 1), 3 is (1, 1).
+  let plain = select(0x34u, 0x2cu, triangle != 0u);
+  let split = select(0x24u, 0x2du, triangle != 0u);
+  let index = (select(plain, split, (entry & SPLIT) != 0u) >> (2u * corner)) & 3u;
+  return vec2<u32>(index & 1u, index >> 1u);
 }
 
 struct SurfaceVertex {
   @builtin(position) @invariant position: vec4<f32>,
 }
 
-// The depth of a sample in the plane of a triangle. A parallel light has none for far samples.
-fn plane_depth(at: vec2<u32>) -> f32 {
-  let key = key_at(at);
+// The depth of a sample as a corner of a plane triangle. A far sample has the depth at infinity, which a parallel light does
+// not have.
+fn plane_depth(sample: vec2<u32>) -> f32 {
+  let key = load_key(sample);
   if (key == FAR_KEY) {
-    let view = view_of(at);
+    let view = view_position(sample);
     return dot(views[view.z].infinity.xyz, vec3<f32>(vec2<f32>(view.xy), 1.0));
   }
-  return moved_depth(at, key);
+  return biased_depth(sample, key);
 }
 
-// A place on the near rectangle in a map: homogeneous, on the lattice.
-fn near_point(face: u32, place: vec2<f32>) -> vec4<f32> {
-  return views[face].near_across * place.x + views[face].near_up * place.y + views[face].near_middle;
+// A point of the near rectangle on the lattice of a map, with its depth: homogeneous.
+fn near_point_in_map(face: u32, near_position: vec2<f32>) -> vec4<f32> {
+  return views[face].near_across * near_position.x + views[face].near_up * near_position.y + views[face].near_middle;
 }
 
-// A place on the near rectangle in the map that has it.
-struct NearPlace {
-  is_in: bool,
+// A point of the near rectangle in the map that has it.
+struct NearPoint {
+  // False outside of the maps, and behind the light.
+  is_inside: bool,
   face: u32,
-  // On the lattice of the map.
+  // Its position on the lattice of the map, and its depth there.
   lattice: vec2<f32>,
   depth: f32,
 }
 
-// `place`: x and y on the near rectangle, from -1 to 1. Outside of the map, or behind the light, `is_in` is false.
-fn near_place(place: vec2<f32>) -> NearPlace {
-  // The map along which the place is farthest away from the light. w counts the distance, in the same units for all.
-  var point = near_point(0u, place);
+// Finds the point at x and y of the near rectangle, from -1 to 1.
+fn locate_near_point(near_position: vec2<f32>) -> NearPoint {
+  // The map in whose direction of view the point is farthest from the light, which w measures in the same units for all
+  // maps.
+  var point = near_point_in_map(0u, near_position);
   var face = 0u;
   // Turns: 5.
-  for (var other = 1u; other < depth_map.faces; other++) {
-    let there = near_point(other, place);
-    if (there.w > point.w) {
-      point = there;
-      face = other;
+  for (var other_face = 1u; other_face < depth_map.faces; other_face++) {
+    let other_point = near_point_in_map(other_face, near_position);
+    if (other_point.w > point.w) {
+      point = other_point;
+      face = other_face;
     }
   }
   var lattice = point.xy / point.w;
-  var is_in = point.w > 0.0;
+  var is_inside = point.w > 0.0;
   if (depth_map.faces > 1u) {
     // Rounding may put it beyond the border.
     lattice = clamp(lattice, vec2<f32>(0.0), vec2<f32>(depth_map.size - 1u));
   } else {
-    is_in = is_in && all(lattice >= vec2<f32>(0.0)) && all(lattice < vec2<f32>(depth_map.size + 1u));
+    is_inside = is_inside && all(lattice >= vec2<f32>(0.0)) && all(lattice < vec2<f32>(depth_map.size + 1u));
   }
-  return NearPlace(is_in, face, lattice, point.z / point.w);
+  return NearPoint(is_inside, face, lattice, point.z / point.w);
 }
 
-// Whether a place on the near rectangle is behind the triangle there, which is the very one that a draw would have. A place
-// beside a far sample of a parallel light is not.
-fn is_behind_triangle(found: NearPlace) -> bool {
+// Whether a point is behind the triangle in its direction, which is the one that a draw has there. No point is behind a
+// triangle of a parallel light with a far sample.
+fn is_behind_triangle(point: NearPoint) -> bool {
   var corner = vec2<u32>(0u);
-  var cell = floor(found.lattice);
+  var cell = floor(point.lattice);
   if (depth_map.faces > 1u) {
-    corner = vec2<u32>(found.face % 3u, found.face / 3u) * depth_map.size.x;
+    corner = vec2<u32>(point.face % 3u, point.face / 3u) * depth_map.size.x;
     cell = min(cell, vec2<f32>(depth_map.size - 2u));
   }
-  let at = corner + vec2<u32>(cell);
-  let part = found.lattice - cell;
-  let entry = templates(at);
+  let first = corner + vec2<u32>(cell);
+  let fraction = point.lattice - cell;
+  let entry = cell_entry_bits(first);
   let is_split = (entry & SPLIT) != 0u;
-  let second = select((part.x < part.y), (part.x + part.y > 1.0), is_split);
-  // The shares of the samples (0, 0), (1, 0), (0, 1), (1, 1).
-  var shares = vec4<f32>(1.0 - part.x, part.x - part.y, 0.0, part.y);
+  let is_second = select((fraction.x < fraction.y), (fraction.x + fraction.y > 1.0), is_split);
+  // Barycentric weights of the samples (0, 0), (1, 0), (0, 1), (1, 1).
+  var weights = vec4<f32>(1.0 - fraction.x, fraction.x - fraction.y, 0.0, fraction.y);
   if (is_split) {
-    shares = vec4<f32>(1.0 - part.x - part.y, part.x, part.y, 0.0);
-    if (second) {
-      shares = vec4<f32>(0.0, 1.0 - part.y, 1.0 - part.x, part.x + part.y - 1.0);
+    weights = vec4<f32>(1.0 - fraction.x - fraction.y, fraction.x, fraction.y, 0.0);
+    if (is_second) {
+      weights = vec4<f32>(0.0, 1.0 - fraction.y, 1.0 - fraction.x, fraction.x + fraction.y - 1.0);
     }
-  } else if (second) {
-    shares = vec4<f32>(1.0 - part.y, 0.0, part.y - part.x, part.x);
+  } else if (is_second) {
+    weights = vec4<f32>(1.0 - fraction.y, 0.0, fraction.y - fraction.x, fraction.x);
   }
   var depth = 0.0;
-  for (var number = 0u; number < 4u; number++) {
-    if (shares[number] > 0.0) {
-      let sample = at + vec2<u32>(number & 1u, number >> 1u);
-      if (views[0].infinity.w != 0.0 && key_at(sample) == FAR_KEY) {
+  for (var index = 0u; index < 4u; index++) {
+    if (weights[index] > 0.0) {
+      let sample = first + vec2<u32>(index & 1u, index >> 1u);
+      if (views[0].infinity.w != 0.0 && load_key(sample) == FAR_KEY) {
         return false;
       }
-      depth += shares[number] * plane_depth(sample);
+      depth += weights[index] * plane_depth(sample);
     }
   }
-  let ahead = found.depth - depth;
-  return select(ahead > 0.0, ahead < 0.0, depth_map.is_reversed != 0u);
+  let difference = point.depth - depth;
+  return select(difference > 0.0, difference < 0.0, depth_map.is_reversed != 0u);
 }
 
-// Entry points. `depth_surface` with `nothing`: six vertices for each listed cell, an indirect draw whose arguments
-// `depth_cells` wrote. With contours only if the list of walls overflowed. If a list overflowed, it draws every cell and
-// decides about it as the list would. `depth_near_cap` with its fragment shader: one triangle over the picture, which turns
-// the bit round where the near rectangle is in shadow; 3 vertices, or 0 if `depth_near` found it in light. Both together turn
-// the bit just where what is seen is behind the boundary, unless a detector missed an edge.
+// Entry points. `depth_surface`, with the fragment shader `nothing`, has six vertices for each listed cell, by the indirect
+// draw of `depth_cells`. If the list overflowed it has six for every cell, and decides about each as the list would. With
+// contours it is drawn only if the list of walls overflowed.
+// `depth_near_cap`, with its fragment shader, is a triangle over the whole picture that inverts the bit where the near
+// rectangle is in shadow. It has 3 vertices, or 0 if `depth_near` found the rectangle in light.
+// Together they invert the bit exactly where the seen point is behind the boundary, unless a detector missed an edge.
 
-// Vertices 0 to 2 are the first triangle of a cell, 3 to 5 the second. If it is not drawn, they lie in one point.
+// Vertices 0 to 2 are the first triangle of a cell, 3 to 5 the second. A triangle that is not drawn is degenerate.
 @vertex
 fn depth_surface(@builtin(vertex_index) index: u32) -> SurfaceVertex {
-  let number = index / 6u;
-  let second = (index / 3u) & 1u;
+  let cell_index = index / 6u;
+  let triangle = (index / 3u) & 1u;
   var entry = 0u;
   if (cells[0] > depth_map.capacity) {
-    entry = entry_of_cell(number);
+    entry = entry_of_cell(cell_index);
   } else {
-    entry = cells[1u + number];
+    entry = cells[1u + cell_index];
   }
-  if ((entry & (FIRST_TRIANGLE << second)) == 0u) {
+  if ((entry & (FIRST_TRIANGLE << triangle)) == 0u) {
     return SurfaceVertex(vec4<f32>(0.0, 0.0, 0.0, 1.0));
   }
-  let at = corner_of_cell(entry & CELL_MASK) + triangle_corner(entry, second, index % 3u);
-  return SurfaceVertex(surface_vertex(at));
+  let sample = first_sample_of_cell(entry & CELL_MASK) + triangle_corner(entry, triangle, index % 3u);
+  return SurfaceVertex(surface_vertex(sample));
 }
 
 struct NearVertex {
   @builtin(position) position: vec4<f32>,
-  @location(0) @interpolate(linear, sample) place: vec2<f32>,
+  @location(0) @interpolate(linear, sample) near_position: vec2<f32>,
 }
 
 @vertex
 fn depth_near_cap(@builtin(vertex_index) index: u32) -> NearVertex {
-  let place = vec2<f32>(select(-1.0, 3.0, index == 1u), select(-1.0, 3.0, index == 2u));
-  return NearVertex(vec4<f32>(place, 0.5, 1.0), place);
+  let near_position = vec2<f32>(select(-1.0, 3.0, index == 1u), select(-1.0, 3.0, index == 2u));
+  return NearVertex(vec4<f32>(near_position, 0.5, 1.0), near_position);
 }
 
-// Whether a place on the near rectangle, from -1 to 1, is behind the boundary.
-fn is_behind(place: vec2<f32>) -> bool {
-  let found = near_place(place);
-  return found.is_in && is_behind_triangle(found);
+// Whether a point of the near rectangle, x and y from -1 to 1, is behind the boundary.
+fn is_behind_boundary(near_position: vec2<f32>) -> bool {
+  let point = locate_near_point(near_position);
+  return point.is_inside && is_behind_triangle(point);
 }
 
 @fragment
-fn depth_near_cap_fragment(@location(0) @interpolate(linear, sample) place: vec2<f32>) {
-  if (!is_behind(place)) {
+fn depth_near_cap_fragment(@location(0) @interpolate(linear, sample) near_position: vec2<f32>) {
+  if (!is_behind_boundary(near_position)) {
     discard;
   }
 }

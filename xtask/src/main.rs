@@ -25,7 +25,8 @@ Usage: cargo xtask COMMAND
 Commands:
   demo     Make a walking figure and other models by code, and draw their outlines and shadows to PNG files in demo/
   test     Run every test; ends with a line `N passed, N failed, N skipped`. With --drivers: run the tests that compare
-           bits, on every driver of this machine (lavapipe, SwiftShader, OpenGL, a GPU's own)
+           bits, on every driver of this machine (lavapipe, SwiftShader, OpenGL, a GPU's own). With --long [TARGET [TEXT]]:
+           with the long trials, hours in all; TARGET is one such as shadow_gpu, TEXT a part of a test's name
   circles  Check that no modules of a crate import one another in a circle
   ci       Check format, lints, documentation and circles, then do what `test` does, then check the WGSL with other
            compilers, the bits on SwiftShader, then fuzz for 30 seconds
@@ -49,6 +50,9 @@ fn main() -> ExitCode {
         }
         ["demo"] => finish(demo::run()),
         ["test"] => test::run().finish(),
+        ["test", "--long"] => test::long(None, None).finish(),
+        ["test", "--long", target] => test::long(Some(target), None).finish(),
+        ["test", "--long", target, filter] => test::long(Some(target), Some(filter)).finish(),
         ["test", "--drivers"] => test::on_every_driver().finish(),
         ["circles"] => finish(circles::run()),
         ["ci"] => ci::run().finish(),

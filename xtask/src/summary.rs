@@ -98,7 +98,7 @@ impl Summary {
         (self.skipped > 0).then(|| {
             format!(
                 "skipped: {files} groups of tests on real models, whose folder is not there (RIMLINE_ASSETS); {others} long \
-                 trials (RIMLINE_LONG=1) and tests of drivers that are not installed"
+                 trials (cargo xtask test --long) and tests of drivers that are not installed"
             )
         })
     }

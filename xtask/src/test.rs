@@ -1,15 +1,31 @@
 //! `cargo xtask test`.
 
+use std::process::Command;
+
 use crate::summary::Summary;
 use crate::{drivers, features, process, vulkan};
 
 /// The member that needs a C++ compiler and is measured, not tested.
 pub(crate) const BENCH: &str = "rimline-bench-adjacency";
 
+/// Every test of the workspace.
+const EVERYTHING: [&str; 6] = ["test", "--workspace", "--exclude", BENCH, "--all-features", "--no-fail-fast"];
+
 /// Runs every test.
 pub(crate) fn run() -> Summary {
     let mut summary = Summary::default();
     add(&mut summary);
+    summary
+}
+
+/// Runs every test, or those of a target whose names have a text, with the long trials among them.
+pub(crate) fn long(target: Option<&str>, filter: Option<&str>) -> Summary {
+    let mut summary = Summary::default();
+    ensure_driver(&mut summary);
+    let mut command = process::cargo(EVERYTHING);
+    command.env("RIMLINE_LONG", "1").args(target.iter().flat_map(|target| ["--test", target]));
+    command.arg("--").args(filter);
+    run_tests(&mut command, &mut summary);
     summary
 }
 
@@ -32,15 +48,19 @@ fn ensure_driver(summary: &mut Summary) {
 /// Runs every test and counts it in `summary`.
 pub(crate) fn add(summary: &mut Summary) {
     ensure_driver(summary);
-    let arguments = ["test", "--workspace", "--exclude", BENCH, "--all-features", "--no-fail-fast"];
-    let outcome = process::run_looking(&mut process::cargo(arguments), |line| summary.read(line));
-    if let Err(error) = &outcome {
-        println!("error: {error}");
-    }
-    summary.tests_ended(outcome.unwrap_or(false));
+    run_tests(&mut process::cargo(EVERYTHING), summary);
     summary.check("the library builds with any of its features", features::library_alone());
     summary.check("the library without `gpu` has no GPU library", features::no_gpu_dependencies());
     summary.check("the library compiles for wasm32", features::library_for_wasm());
     summary.check("the command builds without `bench`, and without its charts", features::command_without_bench());
     summary.check("the library has none of the command's dependencies", features::no_command_dependencies());
+}
+
+/// Runs a command of tests and counts them in `summary`.
+fn run_tests(command: &mut Command, summary: &mut Summary) {
+    let outcome = process::run_looking(command, |line| summary.read(line));
+    if let Err(error) = &outcome {
+        println!("error: {error}");
+    }
+    summary.tests_ended(outcome.unwrap_or(false));
 }
