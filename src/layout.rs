@@ -732,6 +732,26 @@ shared_structs! {
         reserved: u32,
     }
 
+    /// A group of a scene's casters and a light, whose outlines are drawn.
+    struct OutlinedGroup {
+        /// The offset in the table, in units of 16 bytes, of the casters of all chunks of edges.
+        edge_chunks_at: u32,
+        /// The offset in the lights of casters of the first caster, in the light's batch, in words.
+        lit_at: u32,
+        /// Entries that the list of each light has room for.
+        capacity: u32,
+        /// The offset of the twisted masks, which lie behind the facing masks, in words. 0: there are none.
+        twisted_at: u32,
+        /// The light's bit in its batch.
+        bit: u32,
+        /// 0.
+        reserved_0: u32,
+        /// 0.
+        reserved_1: u32,
+        /// 0.
+        reserved_2: u32,
+    }
+
     /// Casters that are drawn together, and the caller's options for their volumes.
     struct ShadowShape {
         /// Casters in the table.

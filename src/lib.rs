@@ -8,7 +8,8 @@
 //!
 //! # Five tasks
 //!
-//! **Outlines** as lines of a width in pixels, behind your depth. The eye is the light:
+//! **Outlines** as lines of a width in pixels, behind your depth. The eye is the light. Casters of a scene have them, too, by
+//! [`OutlineSource::Scene`](gpu::OutlineSource):
 //!
 //! ```no_run
 //! # use rimline::{gpu::*, *};
@@ -21,7 +22,8 @@
 //! // Every frame, after your depth pass:
 //! let extraction = &extractor.encode(encoder, vertices, &[Light::point(eye)])?;
 //! let style = OutlineStyle { width: 3.0, ..OutlineStyle::default() };
-//! let outline = outlines.prepare(&OutlineInputs { extraction, light: 0, camera, depth, style, marked: None })?;
+//! let of = OutlineSource::Extraction(extraction, 0);
+//! let outline = outlines.prepare(&OutlineInputs { of, camera, depth, style, marked: None })?;
 //! outline.draw(&mut encoder.begin_render_pass(pass))?;
 //! # Ok(()) }
 //! ```

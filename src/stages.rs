@@ -113,6 +113,7 @@ stages! {
     DEPTH_WALLS = depth_map / depth_walls;
     MESH_DEPTH = depth_map / mesh_depth: mesh_depth, scene_depth;
     OUTLINE_EDGES = outline / outline_edges: outline_silhouette, outline_feature;
+    SCENE_OUTLINE_EDGES = outline / outline_edges as scene_outline_edges if SCENE: outline_silhouette, outline_feature;
     SHADOW_MASKS = mask / shadow_masks: mask_whole;
 }
 
@@ -155,8 +156,11 @@ pub const FILES: &[(&str, &str)] = files![
     "extract/per_edge",
     "extract/results",
     "interface/caster",
+    "interface/outlined",
     "mask/shadow_masks",
+    "outline/mesh_edges",
     "outline/outline_edges",
+    "outline/scene_edges",
     "polygon/cut_edges",
     "polygon/cuts",
     "polygon/list_pieces",
@@ -213,6 +217,10 @@ pub fn source(name: &str) -> Option<&'static str> {
 
 /// [`OUTLINE_EDGES`] for depth that has several samples a pixel.
 pub const OUTLINE_SAMPLES: Stage = Stage { module: "outline_samples", flags: &["SAMPLES"], ..OUTLINE_EDGES };
+
+/// [`SCENE_OUTLINE_EDGES`] for depth that has several samples a pixel.
+pub const SCENE_OUTLINE_SAMPLES: Stage =
+    Stage { module: "scene_outline_samples", flags: &["SCENE", "SAMPLES"], ..SCENE_OUTLINE_EDGES };
 
 /// [`SHADOW_MASKS`] for depth that has several samples a pixel.
 pub const MASK_SAMPLES: Stage = Stage { module: "mask_samples", flags: &["SAMPLES"], ..SHADOW_MASKS };

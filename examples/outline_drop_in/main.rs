@@ -8,7 +8,7 @@ mod support;
 
 use rimline::gltf::{Asset, LoadOptions};
 use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowFormat};
-use rimline::gpu::{OutlineFormat, OutlineInputs, OutlinePipeline, OutlineStyle};
+use rimline::gpu::{OutlineFormat, OutlineInputs, OutlinePipeline, OutlineSource, OutlineStyle};
 use rimline::{DepthDirection, Light, ShadowCamera, wgpu};
 use rimline_models::figure;
 use stage::{COLOR, Camera, Lamp, Stage};
@@ -40,7 +40,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let camera = &ShadowCamera { view_projection, origin, depth: DepthDirection::Reversed };
     let style = OutlineStyle { width: 6.0, ..OutlineStyle::default() };
     let depth = &stage.depth();
-    let outline = outlines.prepare(&OutlineInputs { extraction, light: 0, camera, depth, style, marked: None })?;
+    let of = OutlineSource::Extraction(extraction, 0);
+    let outline = outlines.prepare(&OutlineInputs { of, camera, depth, style, marked: None })?;
     outline.draw(&mut stage.overlay(&mut encoder))?;
     stage.develop(&mut encoder);
     canvas.save(encoder, "outline_drop_in.png")

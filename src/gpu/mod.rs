@@ -29,7 +29,7 @@ pub use extract::options::{EdgeTopology, ExtractorOptions, ListOptions, MAX_OUTL
 pub use extract::results::ExtractionResults;
 pub use masks::errors::MaskError;
 pub use masks::shadow_masks::{MaskInputs, ShadowMasks};
-pub use outline::{Outline, OutlineError, OutlineFormat, OutlineInputs, OutlinePipeline, OutlineStyle};
+pub use outline::{Outline, OutlineError, OutlineFormat, OutlineInputs, OutlinePipeline, OutlineSource, OutlineStyle};
 pub use query::errors::QueryError;
 pub use query::options::ShadowQueryOptions;
 pub use query::points::QueryPoints;

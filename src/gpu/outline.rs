@@ -1,8 +1,8 @@
-//! Outlines: edges of an extraction, drawn as lines.
+//! Outlines: edges of an extraction or of a scene, drawn as lines.
 
 use std::sync::OnceLock;
 
-use super::common::bindings::{READ, UNIFORM, texture, whole};
+use super::common::bindings::{READ, UNIFORM, entries, texture, whole};
 use super::common::device_error::DeviceError;
 use super::common::memory::{any_error, filled};
 use super::common::pipelines::{Pipelines, group};
@@ -10,9 +10,13 @@ use super::common::requirements::{Subject, check_alive, check_same};
 use super::extract::errors::ExtractorError;
 use super::extract::extraction::Extraction;
 use super::extract::include::results_bind_group_layout;
+use super::scene::frame::SceneFrame;
+use super::scene::handles::LightHandle;
+use super::scene::outlined::Outlined;
+use super::shadow::errors::ShadowError;
 use crate::layout::OutlineView;
 use crate::shadow::{CameraError, DepthDirection, ShadowCamera};
-use crate::stages::{OUTLINE_EDGES, OUTLINE_SAMPLES};
+use crate::stages::{OUTLINE_EDGES, OUTLINE_SAMPLES, SCENE_OUTLINE_EDGES, SCENE_OUTLINE_SAMPLES, Stage};
 
 /// The attachments that an [`OutlinePipeline`] draws into, and the depth that it reads.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -77,15 +81,46 @@ impl Default for OutlineStyle {
     }
 }
 
+/// The edges that outlines are of, and the light that stands for the eye: for a perspective camera
+/// [`Light::point`](crate::Light::point) at the eye, for an orthographic one [`Light::directional`](crate::Light::directional)
+/// towards it.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub enum OutlineSource<'a> {
+    /// The edges of an extraction, and the number of the light. The extractor has lists of quads, the default.
+    Extraction(&'a Extraction, usize),
+    /// The edges of all casters of a frame of a scene, and a light of that frame. There is one draw for each group of casters.
+    /// Without [views](crate::gpu::FrameInputs::views) the encode prepares no shadow volumes; with views it does for this light, too.
+    ///
+    /// A caster has no outline if its [`Caster::lights`](crate::gpu::Caster::lights) lack the light, if it is out of the light's
+    /// range or cone, or if [`Scene::set_occluders`](crate::gpu::Scene::set_occluders) hide it from the light. So give the light
+    /// neither range nor cone. Faces that count nowhere in shadows, by
+    /// [`Scene::set_excluded`](crate::gpu::Scene::set_excluded), have outlines like all others.
+    ///
+    /// ```no_run
+    /// use rimline::gpu::{FrameInputs, LightHandle, OutlineInputs, OutlinePipeline, OutlineSource, OutlineStyle, Scene};
+    /// # use rimline::{Light, ShadowCamera, wgpu};
+    /// # fn outlines(scene: &mut Scene, eye: LightHandle, outlines: &OutlinePipeline, encoder: &mut wgpu::CommandEncoder,
+    /// #     (camera, position): (&ShadowCamera, [f32; 3]), depth: &wgpu::TextureView, pass: &wgpu::RenderPassDescriptor<'_>)
+    /// #     -> Result<(), Box<dyn std::error::Error>> {
+    /// // Once: let eye = scene.add_light(Light::point(position))?;
+    /// scene.set_light(eye, Light::point(position))?;
+    /// let frame = scene.encode(encoder, FrameInputs::new(&[(*camera).into()]))?;
+    /// let (of, style) = (OutlineSource::Scene(&frame, eye), OutlineStyle::default());
+    /// let outline = outlines.prepare(&OutlineInputs { of, camera, depth, style, marked: None })?;
+    /// outline.draw(&mut encoder.begin_render_pass(pass))?;
+    /// # Ok(()) }
+    /// ```
+    Scene(&'a SceneFrame, LightHandle),
+}
+
 /// The outline to draw.
 #[derive(Clone, Copy, Debug)]
 pub struct OutlineInputs<'a> {
-    /// The extraction. Its extractor has lists of quads, the default.
-    pub extraction: &'a Extraction,
-    /// The number of the light that stands for the eye: for a perspective camera [`Light::point`](crate::Light::point) at the eye,
-    /// for an orthographic one [`Light::directional`](crate::Light::directional) towards it.
-    pub light: usize,
-    /// The camera. It maps the positions of the extraction.
+    /// The edges, and the light that stands for the eye.
+    pub of: OutlineSource<'a>,
+    /// The camera. It maps the positions of the extraction, or for a scene world space. If the scene has models and the encode has
+    /// views, the camera is that of a view: models that no view needs are not deformed.
     pub camera: &'a ShadowCamera,
     /// The depth of what hides lines, the model itself too, drawn by this camera. It is a view of level 0 of one layer with the depth
     /// aspect only, of a texture with usage `TEXTURE_BINDING`. It may be the depth attachment of the pass if that is read-only
@@ -94,7 +129,7 @@ pub struct OutlineInputs<'a> {
     /// How lines look.
     pub style: OutlineStyle,
     /// A bit for each edge record of the mesh, least significant first, in 32-bit words: the edges that are drawn as
-    /// [marked](OutlineStyle::marked). A buffer with usage `STORAGE`.
+    /// [marked](OutlineStyle::marked). A buffer with usage `STORAGE`. Outlines of scenes have none.
     pub marked: Option<&'a wgpu::Buffer>,
 }
 
@@ -111,6 +146,19 @@ pub enum OutlineError {
     /// The extraction has no such light, is out of date, or lacks what outlines read.
     #[error(transparent)]
     Extraction(ExtractorError),
+    /// The scene's frame has no such light, or is out of date.
+    #[error(transparent)]
+    Scene(ShadowError),
+    /// Edges of a scene are marked.
+    #[error(
+        "edges of scenes cannot be marked; set `OutlineInputs::marked` to `None`, or take the caster's own extraction"
+    )]
+    MarkedScene,
+    /// Models in the scene may not be deformed for this camera.
+    #[error(
+        "the camera is none of the encode's views, which decide the models that are deformed; add it to `FrameInputs::views`"
+    )]
+    NoView,
     /// The extractor's draws have too few vertices.
     #[error(
         "the extractor draws {given} vertices for each edge, and outlines need 4; set `ListOptions::topology` to a triangle strip"
@@ -174,16 +222,27 @@ impl From<ExtractorError> for OutlineError {
     }
 }
 
-/// Draws edges of extractions as lines of a width in pixels, with round joins, smoothed by coverage, and hidden behind the depth
-/// that the caller drew. Nothing is read back.
+impl From<ShadowError> for OutlineError {
+    /// A device is refused by the same case, whoever finds it.
+    fn from(error: ShadowError) -> Self {
+        match error {
+            ShadowError::Device(error) => Self::Device(error),
+            error => Self::Scene(error),
+        }
+    }
+}
+
+/// Draws edges of extractions and of scenes as lines of a width in pixels, with round joins, smoothed by coverage, and hidden
+/// behind the depth that the caller drew. Nothing is read back. [`OutlineSource`] has an example with a scene.
 ///
 /// ```no_run
-/// # use rimline::gpu::{Extraction, OutlineError, OutlineInputs, OutlinePipeline, OutlineStyle};
+/// # use rimline::gpu::{Extraction, OutlineError, OutlineInputs, OutlinePipeline, OutlineSource, OutlineStyle};
 /// # use rimline::{ShadowCamera, wgpu};
 /// # fn outlines(pipeline: &OutlinePipeline, encoder: &mut wgpu::CommandEncoder, extraction: &Extraction, camera: &ShadowCamera,
 /// #     depth: &wgpu::TextureView, pass: &wgpu::RenderPassDescriptor<'_>) -> Result<(), OutlineError> {
 /// let style = OutlineStyle { width: 3.0, crease: Some([0.3, 0.3, 0.3, 1.0]), ..OutlineStyle::default() };
-/// let outline = pipeline.prepare(&OutlineInputs { extraction, light: 0, camera, depth, style, marked: None })?;
+/// let of = OutlineSource::Extraction(extraction, 0);
+/// let outline = pipeline.prepare(&OutlineInputs { of, camera, depth, style, marked: None })?;
 /// outline.draw(&mut encoder.begin_render_pass(pass))?;
 /// # Ok(()) }
 /// ```
@@ -194,16 +253,37 @@ impl From<ExtractorError> for OutlineError {
 pub struct OutlinePipeline {
     shared: Pipelines,
     format: OutlineFormat,
-    silhouettes: wgpu::RenderPipeline,
-    /// Creases and marked edges. Made when they are first drawn.
-    features: OnceLock<wgpu::RenderPipeline>,
+    of_extractions: Pair,
+    of_scenes: Pair,
+}
+
+/// The pipelines of extractions, or those of scenes. Each is made when it is first drawn.
+#[derive(Debug)]
+struct Pair {
+    stage: &'static Stage,
     layouts: [wgpu::BindGroupLayout; 2],
+    silhouettes: OnceLock<wgpu::RenderPipeline>,
+    /// Creases and marked edges.
+    features: OnceLock<wgpu::RenderPipeline>,
 }
 
 /// An outline that is ready to be drawn.
 #[derive(Clone, Debug)]
 pub struct Outline {
-    extraction: Extraction,
+    kept: Kept,
+    parts: Vec<Part>,
+}
+
+/// The results that an outline is of.
+#[derive(Clone, Debug)]
+enum Kept {
+    Extraction(Extraction),
+    Scene(SceneFrame),
+}
+
+/// The draws of an extraction, or of a group of casters.
+#[derive(Clone, Debug)]
+struct Part {
     groups: [wgpu::BindGroup; 2],
     /// The pipeline of silhouettes and boundaries, and the arguments of their draw.
     silhouettes: Option<(wgpu::RenderPipeline, wgpu::Buffer, u64)>,
@@ -211,30 +291,45 @@ pub struct Outline {
     features: Option<(wgpu::RenderPipeline, u32)>,
 }
 
+impl Part {
+    fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
+        for (number, group) in (0..).zip(&self.groups) {
+            pass.set_bind_group(number, group, &[]);
+        }
+    }
+}
+
 impl Outline {
     /// Draws the outline into a pass with the attachments of the pipeline's format. It sets pipelines and bind groups 0 and 1.
     ///
     /// # Errors
-    /// [`ExtractorError::Stale`] if the extractor was encoded again. Nothing is drawn then.
+    /// [`ExtractorError::Stale`] if the extractor was encoded again, [`ShadowError::StaleFrame`] if the scene was. Nothing is drawn
+    /// then.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) -> Result<(), OutlineError> {
-        self.extraction.check_current()?;
-        for (number, group) in (0..).zip(&self.groups) {
-            pass.set_bind_group(number, group, &[]);
+        match &self.kept {
+            Kept::Extraction(extraction) => extraction.check_current()?,
+            Kept::Scene(frame) => frame.check_current()?,
         }
-        if let Some((pipeline, edges)) = &self.features {
-            pass.set_pipeline(pipeline);
-            pass.draw(0..4, 0..*edges);
+        for part in &self.parts {
+            if let Some((pipeline, edges)) = &part.features {
+                part.bind(pass);
+                pass.set_pipeline(pipeline);
+                pass.draw(0..4, 0..*edges);
+            }
         }
-        if let Some((pipeline, arguments, offset)) = &self.silhouettes {
-            pass.set_pipeline(pipeline);
-            pass.draw_indirect(arguments, *offset);
+        for part in &self.parts {
+            if let Some((pipeline, arguments, offset)) = &part.silhouettes {
+                part.bind(pass);
+                pass.set_pipeline(pipeline);
+                pass.draw_indirect(arguments, *offset);
+            }
         }
         Ok(())
     }
 }
 
 impl OutlinePipeline {
-    /// Makes the pipeline. `pipelines` is the caller's device, or the [`Pipelines`] of the extractor.
+    /// Makes the pipeline. `pipelines` is the caller's device, or the [`Pipelines`] of the extractor or scene.
     ///
     /// # Errors
     /// [`OutlineError`] if the device lacks what outlines need, or cannot draw into the attachments.
@@ -242,32 +337,65 @@ impl OutlinePipeline {
         let shared = pipelines.into();
         shared.clone().construct(Subject::Shadow, || {
             let device = shared.device().clone();
+            let stages = if format.is_depth_multisampled {
+                [&OUTLINE_SAMPLES, &SCENE_OUTLINE_SAMPLES]
+            } else {
+                [&OUTLINE_EDGES, &SCENE_OUTLINE_EDGES]
+            };
             let made = any_error(&device, || {
                 let results = results_bind_group_layout(&device, wgpu::ShaderStages::VERTEX);
-                let layouts = [results, own_layout(&shared, format.is_depth_multisampled)];
-                let silhouettes = pipeline(&shared, format, &layouts, "outline_silhouette");
-                Self { format: format.clone(), silhouettes, features: OnceLock::new(), layouts, shared }
+                let [of_extractions, of_scenes] =
+                    [(results, true), (scene_layout(&shared), false)].map(|(first, marks)| {
+                        let layouts = [first, own_layout(&shared, format.is_depth_multisampled, marks)];
+                        let stage = stages[usize::from(!marks)];
+                        Pair { stage, layouts, silhouettes: OnceLock::new(), features: OnceLock::new() }
+                    });
+                of_extractions.silhouettes(&shared, format);
+                Self { format: format.clone(), of_extractions, of_scenes, shared }
             });
             made.map_err(|message| OutlineError::Refused { message })
         })
     }
 
-    /// Makes what a draw of the outline reads. It is right for the camera and the style given here, and until the extractor is
-    /// encoded again.
+    /// Makes what a draw of the outline reads. It is right for the camera and the style given here, and until the extractor or the
+    /// scene is encoded again.
     ///
     /// # Errors
     /// [`OutlineError`] if an input is refused.
     pub fn prepare(&self, inputs: &OutlineInputs<'_>) -> Result<Outline, OutlineError> {
-        let OutlineInputs { extraction, light, camera, depth, style, marked } = *inputs;
-        let (device, shared) = (self.shared.device(), &extraction.shared);
-        check_same(["the extraction", "the outline's pipeline"], [shared.device(), device])?;
+        let OutlineInputs { of, camera, depth, style, marked } = *inputs;
+        let device = self.shared.device();
+        let (what, theirs) = match of {
+            OutlineSource::Extraction(extraction, _) => ("the extraction", extraction.shared.device()),
+            OutlineSource::Scene(frame, _) => ("the scene", &frame.device),
+        };
+        check_same([what, "the outline's pipeline"], [theirs, device])?;
         check_alive(device)?;
         camera.check_any_hand()?;
         style.check()?;
-        let (arguments, offset) = extraction.draw_arguments(light)?;
-        if let given @ ..4 = shared.vertices_per_edge {
-            return Err(OutlineError::Vertices { given });
+        self.check_depth(depth)?;
+        match of {
+            OutlineSource::Extraction(extraction, light) => {
+                let view = style.view(camera, light, depth, marked.is_some());
+                let parts = vec![self.of_extraction(extraction, light, depth, marked, &view)?];
+                Ok(Outline { kept: Kept::Extraction(extraction.clone()), parts })
+            }
+            OutlineSource::Scene(frame, light) => {
+                frame.check_current()?;
+                frame.check_light(light)?;
+                if marked.is_some() {
+                    return Err(OutlineError::MarkedScene);
+                }
+                if !frame.has_positions_for(camera) {
+                    return Err(OutlineError::NoView);
+                }
+                let parts = self.of_scene(frame, light, depth, &style.view(camera, 0, depth, false))?;
+                Ok(Outline { kept: Kept::Scene(frame.clone()), parts })
+            }
         }
+    }
+
+    fn check_depth(&self, depth: &wgpu::TextureView) -> Result<(), OutlineError> {
         let map = depth.texture();
         let format = map.format();
         if !(format.has_depth_aspect() && map.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING)) {
@@ -276,6 +404,22 @@ impl OutlinePipeline {
         let is_depth_multisampled = self.format.is_depth_multisampled;
         if (map.sample_count() > 1) != is_depth_multisampled {
             return Err(OutlineError::DepthSamples { given: map.sample_count(), is_depth_multisampled });
+        }
+        Ok(())
+    }
+
+    fn of_extraction(
+        &self,
+        extraction: &Extraction,
+        light: usize,
+        depth: &wgpu::TextureView,
+        marked: Option<&wgpu::Buffer>,
+        view: &OutlineView,
+    ) -> Result<Part, OutlineError> {
+        let (device, shared) = (self.shared.device(), &extraction.shared);
+        let (arguments, offset) = extraction.draw_arguments(light)?;
+        if let given @ ..4 = shared.vertices_per_edge {
+            return Err(OutlineError::Vertices { given });
         }
         let edges = shared.shape.edges;
         let needed = 4 * edges.div_ceil(32) as u64;
@@ -288,23 +432,65 @@ impl OutlinePipeline {
                 return Err(DeviceError::BindingTooLarge { what, bytes, limit }.into());
             }
         }
-        let view = style.view(camera, light, [map.width(), map.height()], marked.is_some());
-        let draws = |classes: u32| view.classes & classes != 0;
-        let features = (draws(0b1100) && edges > 0).then(|| (self.features().clone(), edges as u32));
-        let silhouettes = draws(0b11).then(|| (self.silhouettes.clone(), arguments.clone(), offset));
-        let results = extraction.bind_group(&self.layouts[0], light / 32)?;
+        let pair = &self.of_extractions;
+        let results = extraction.bind_group(&pair.layouts[0], light / 32)?;
         let own = any_error(device, || {
-            let view = filled(device, "outline view", bytemuck::bytes_of(&view), wgpu::BufferUsages::UNIFORM);
+            let view = filled(device, "outline view", bytemuck::bytes_of(view), wgpu::BufferUsages::UNIFORM);
             let marks = marked.unwrap_or(&shared.buffers.unused);
             let resources = [whole(&view), texture(depth), whole(&shared.buffers.faces), whole(marks)];
-            group(device, "outline", &self.layouts[1], &resources)
+            group(device, "outline", &pair.layouts[1], &resources)
         });
         let own = own.map_err(|message| OutlineError::Refused { message })?;
-        Ok(Outline { extraction: extraction.clone(), groups: [results, own], silhouettes, features })
+        Ok(self.part(pair, view, [results, own], edges as u32, (arguments, offset)))
     }
 
-    fn features(&self) -> &wgpu::RenderPipeline {
-        self.features.get_or_init(|| pipeline(&self.shared, &self.format, &self.layouts, "outline_feature"))
+    fn of_scene(
+        &self,
+        frame: &SceneFrame,
+        light: LightHandle,
+        depth: &wgpu::TextureView,
+        view: &OutlineView,
+    ) -> Result<Vec<Part>, OutlineError> {
+        let (device, pair) = (self.shared.device(), &self.of_scenes);
+        let made = any_error(device, || {
+            let of_view = filled(device, "outline view", bytemuck::bytes_of(view), wgpu::BufferUsages::UNIFORM);
+            let part = |outlined: Outlined<'_>| {
+                let of_group = outlined.uniform();
+                let of_group =
+                    filled(device, "outlined group", bytemuck::bytes_of(&of_group), wgpu::BufferUsages::UNIFORM);
+                let resources: Vec<_> = std::iter::once(whole(&of_group)).chain(outlined.resources()).collect();
+                let edges = group(device, "outlined edges", &pair.layouts[0], &resources);
+                let resources = [whole(&of_view), texture(depth), whole(outlined.faces())];
+                let own = group(device, "outline", &pair.layouts[1], &resources);
+                self.part(pair, view, [edges, own], outlined.edges(), outlined.arguments())
+            };
+            frame.outlined(light).map(part).collect()
+        });
+        made.map_err(|message| OutlineError::Refused { message })
+    }
+
+    fn part(
+        &self,
+        pair: &Pair,
+        view: &OutlineView,
+        groups: [wgpu::BindGroup; 2],
+        edges: u32,
+        (arguments, offset): (&wgpu::Buffer, u64),
+    ) -> Part {
+        let draws = |classes: u32| view.classes & classes != 0;
+        let features = (draws(0b1100) && edges > 0).then(|| (pair.features(&self.shared, &self.format).clone(), edges));
+        let silhouettes = || (pair.silhouettes(&self.shared, &self.format).clone(), arguments.clone(), offset);
+        Part { groups, silhouettes: draws(0b11).then(silhouettes), features }
+    }
+}
+
+impl Pair {
+    fn silhouettes(&self, shared: &Pipelines, format: &OutlineFormat) -> &wgpu::RenderPipeline {
+        self.silhouettes.get_or_init(|| pipeline(shared, format, self, "outline_silhouette"))
+    }
+
+    fn features(&self, shared: &Pipelines, format: &OutlineFormat) -> &wgpu::RenderPipeline {
+        self.features.get_or_init(|| pipeline(shared, format, self, "outline_feature"))
     }
 }
 
@@ -317,7 +503,8 @@ impl OutlineStyle {
         }
     }
 
-    fn view(&self, camera: &ShadowCamera, light: usize, size: [u32; 2], has_marks: bool) -> OutlineView {
+    fn view(&self, camera: &ShadowCamera, light: usize, depth: &wgpu::TextureView, has_marks: bool) -> OutlineView {
+        let size = [depth.texture().width(), depth.texture().height()];
         let colors = [self.silhouette, self.boundary, self.crease, self.marked.filter(|_| has_marks)];
         let classes = (0..).zip(colors).fold(0, |bits, (class, color)| bits | u32::from(color.is_some()) << class);
         // A line of less than a pixel is one of a pixel that is fainter.
@@ -342,8 +529,14 @@ impl OutlineStyle {
     }
 }
 
+/// The layout of a group of casters and a light.
+fn scene_layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
+    let types = (0..).zip([UNIFORM].into_iter().chain([READ; 7]));
+    pipelines.layout("outlined edges", entries(wgpu::ShaderStages::VERTEX, types))
+}
+
 /// The layout of the bind group beside the results.
-fn own_layout(pipelines: &Pipelines, is_depth_multisampled: bool) -> wgpu::BindGroupLayout {
+fn own_layout(pipelines: &Pipelines, is_depth_multisampled: bool, has_marks: bool) -> wgpu::BindGroupLayout {
     let depth = wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Float { filterable: false },
         view_dimension: wgpu::TextureViewDimension::D2,
@@ -351,6 +544,7 @@ fn own_layout(pipelines: &Pipelines, is_depth_multisampled: bool) -> wgpu::BindG
     };
     let (vertex, fragment) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::FRAGMENT);
     let types = [(vertex | fragment, UNIFORM), (fragment, depth), (vertex, READ), (vertex, READ)];
+    let types = types.into_iter().take(if has_marks { 4 } else { 3 });
     let entry = |(binding, (visibility, ty))| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
     pipelines.layout("outline", (0..).zip(types).map(entry).collect())
 }
@@ -358,11 +552,10 @@ fn own_layout(pipelines: &Pipelines, is_depth_multisampled: bool) -> wgpu::BindG
 fn pipeline(
     shared: &Pipelines,
     format: &OutlineFormat,
-    layouts: &[wgpu::BindGroupLayout; 2],
+    Pair { stage, layouts, .. }: &Pair,
     entry_point: &str,
 ) -> wgpu::RenderPipeline {
     let device = shared.device();
-    let stage = if format.is_depth_multisampled { &OUTLINE_SAMPLES } else { &OUTLINE_EDGES };
     let module = &shared.module(stage.module, &stage.wgsl());
     let (label, options) = (Some(entry_point), wgpu::PipelineCompilationOptions::default());
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {

@@ -4,6 +4,7 @@
 
 mod refusals;
 mod rendered;
+mod scenes;
 mod widths;
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
@@ -20,7 +21,7 @@ use rimline_testkit::scenes::{Pose, direction};
 use rimline_testkit::shapes::{self, Shape};
 
 fn main() {
-    let tests: [&[Test]; 3] = [TESTS, widths::TESTS, refusals::TESTS];
+    let tests: [&[Test]; 4] = [TESTS, scenes::TESTS, widths::TESTS, refusals::TESTS];
     harness::run(harness::gpu_trials(tests.concat()));
 }
 
@@ -101,6 +102,20 @@ impl View {
 /// Which classes of lines are drawn: silhouettes, boundaries, creases, marked edges.
 type Classes = [bool; 4];
 
+/// Black lines of these classes.
+fn style(classes: Classes, attachments: Attachments) -> OutlineStyle {
+    let [silhouette, boundary, crease, marked] = classes.map(|is_drawn| is_drawn.then_some([0.0, 0.0, 0.0, 1.0]));
+    OutlineStyle {
+        width: 2.0 * HALF as f32,
+        silhouette,
+        boundary,
+        crease,
+        crease_angle: ANGLE as f32,
+        marked,
+        depth_bias: attachments.bias,
+    }
+}
+
 /// Whether an edge is of a class that is drawn.
 fn is_drawn(edge: &Edge, number: usize, (_, positions, mesh): &Case, view: &View, classes: Classes) -> bool {
     let [silhouettes, boundaries, creases, marked] = classes;
@@ -144,7 +159,8 @@ struct Truth {
     may: Vec<bool>,
 }
 
-fn truth(case: &Case, view: &View, classes: Classes) -> Truth {
+/// `has_outline` tells it of a vertex.
+fn truth(case: &Case, view: &View, classes: Classes, has_outline: impl Fn(u32) -> bool) -> Truth {
     let at = |v: u32| DVec3::from(case.1[v as usize].map(f64::from));
     let tracer = Tracer::build(case.2.faces().iter().map(|face| (face.map(at), ())));
     let pixels = (SIDE * SIDE) as usize;
@@ -152,7 +168,7 @@ fn truth(case: &Case, view: &View, classes: Classes) -> Truth {
     let around: Vec<DVec2> =
         (0..9_u8).map(|n| DVec2::new(f64::from(n % 3) - 1.0, f64::from(n / 3) - 1.0) * 1.6).collect();
     for (number, edge) in case.2.edges().iter().enumerate() {
-        if !is_drawn(&edge, number, case, view, classes) {
+        if !has_outline(edge.vertices[0]) || !is_drawn(&edge, number, case, view, classes) {
             continue;
         }
         let Some([a, b]) = view.cut(edge.vertices.map(at)) else { continue };
@@ -239,17 +255,7 @@ fn seen() -> Result<(), String> {
             let view = View::new(&mut random, projection);
             let attachments = Attachments::ALL[(number + projection) % Attachments::ALL.len()];
             let classes = CLASSES[random.below(CLASSES.len())];
-            let [silhouette, boundary, crease, marked] =
-                classes.map(|is_drawn| is_drawn.then_some([0.0, 0.0, 0.0, 1.0]));
-            let style = OutlineStyle {
-                width: 2.0 * HALF as f32,
-                silhouette,
-                boundary,
-                crease,
-                crease_angle: ANGLE as f32,
-                marked,
-                depth_bias: attachments.bias,
-            };
+            let style = style(classes, attachments);
             let marks = marks(&case.2);
             let capacity = [None, Some(5)][random.below(2)];
             let inputs = Inputs {
@@ -263,7 +269,7 @@ fn seen() -> Result<(), String> {
             };
             let what = format!("{}, projection {projection}, {attachments:?}, {classes:?}, list {capacity:?}", case.0);
             let picture = render(gpu, &inputs)?;
-            let truth = truth(case, &view, classes);
+            let truth = truth(case, &view, classes, |_| true);
             check(&what, &picture, &truth)?;
             pictures += 1;
             musts += truth.must.iter().filter(|&&must| must).count();

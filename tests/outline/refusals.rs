@@ -2,7 +2,7 @@
 
 use rimline::gpu::{
     EdgeTopology, Extractor, ExtractorOptions, ListOptions, OutlineError, OutlineFormat, OutlineInputs,
-    OutlinePipeline, OutlineStyle, PositionBuffer,
+    OutlinePipeline, OutlineSource, OutlineStyle, PositionBuffer,
 };
 use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_testkit::cases::case;
@@ -55,8 +55,7 @@ fn refused() -> Result<(), String> {
     let unread = depth(gpu, 1, wgpu::TextureUsages::empty());
     let marks = gpu.storage(&[0_u32; 4]);
     let good = OutlineInputs {
-        extraction: &four,
-        light: 0,
+        of: OutlineSource::Extraction(&four, 0),
         camera: &camera,
         depth: &one,
         style: OutlineStyle::default(),
@@ -68,8 +67,16 @@ fn refused() -> Result<(), String> {
     let prepared = |inputs: &OutlineInputs<'_>| pipeline.prepare(inputs).map(drop);
     let made = pipeline.prepare(&good).map_err(text)?;
     for (what, inputs, expected) in [
-        ("lines", OutlineInputs { extraction: &two, ..good }, "draws 2 vertices for each edge, and outlines need 4"),
-        ("no light", OutlineInputs { light: 1, ..good }, "light 1 asked for, and 1 lights were extracted"),
+        (
+            "lines",
+            OutlineInputs { of: OutlineSource::Extraction(&two, 0), ..good },
+            "draws 2 vertices for each edge, and outlines need 4",
+        ),
+        (
+            "no light",
+            OutlineInputs { of: OutlineSource::Extraction(&four, 1), ..good },
+            "light 1 asked for, and 1 lights were extracted",
+        ),
         ("no camera", OutlineInputs { camera: &singular, ..good }, "singular or not finite"),
         ("samples", OutlineInputs { depth: &several, ..good }, "has 4 samples a pixel, and the pipeline reads one"),
         ("unread depth", OutlineInputs { depth: &unread, ..good }, "of format Depth32Float, cannot be read"),

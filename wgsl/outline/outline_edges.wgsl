@@ -1,11 +1,13 @@
-// Stage `outline_edges`: vertex shaders that draw edges of an extraction as lines of a width in pixels, each a quad that its
-// fragment shader trims to a line with round ends. `outline_silhouette`: an instance for each entry of the light's list, by the
-// extraction's indirect draw. `outline_feature`: an instance for each edge record; it leaves out what the other one draws.
-// Four vertices an instance, as a strip. Group 0 is that of the include; group 1 is here.
-// Reads: results of the extraction, positions, faces, marks, and the depth of what may hide lines.
+// Stage `outline_edges`: vertex shaders that draw edges of an extraction as lines of a width in pixels, or in the variant SCENE
+// those of a group of a scene's casters. Each line is a quad that the fragment shader trims to a line with round ends.
+// `outline_silhouette`: an instance for each entry of the light's list, by the indirect draw of that list. `outline_feature`: an
+// instance for each edge; it leaves out what the other one draws. Four vertices an instance, as a strip. Group 0 has the edges
+// (interface/outlined.wgsl); group 1 is here.
+// Reads: silhouettes, facing masks, positions, faces, marks, and the depth of what may hide lines.
 // A line is hidden where the depth at its own place says so, not at the place of the pixel: half of an outline lies before what
 // is behind the surface, and the other half on it.
 #import extract/results
+#import interface/outlined
 
 struct OutlineView {
   // The camera's matrix, by columns, and the point that positions are relative to.
@@ -40,9 +42,9 @@ struct OutlineView {
 #else
 @group(1) @binding(1) var outline_depth: texture_2d<f32>;
 #endif
-// Three vertices a face, and a bit for each edge record. Only `outline_feature` reads them.
+// Three vertices a face. Only `outline_feature` reads them.
 @group(1) @binding(2) var<storage, read> outline_faces: array<u32>;
-@group(1) @binding(3) var<storage, read> outline_marks: array<u32>;
+const NO_EDGE: u32 = 3u; // The kind of an edge that is not there.
 
 struct OutlinePoint {
   @builtin(position) clip: vec4<f32>,
@@ -76,8 +78,8 @@ fn outline_pixel(clip: vec4<f32>) -> vec2<f32> {
 // A vertex of the quad around the line between two mesh vertices.
 fn outline_point(corner: u32, a: u32, b: u32, color: vec4<f32>) -> OutlinePoint {
   let columns = mat4x4<f32>(outline.columns[0], outline.columns[1], outline.columns[2], outline.columns[3]);
-  var from_clip = rimline_clip(columns, outline.origin, rimline_position(a));
-  var to_clip = rimline_clip(columns, outline.origin, rimline_position(b));
+  var from_clip = rimline_clip(columns, vec3<f32>(), outlined_offset(a));
+  var to_clip = rimline_clip(columns, vec3<f32>(), outlined_offset(b));
   // Turns: 5.
   for (var plane = 0u; plane < 5u; plane++) {
     let inside = vec2<f32>(outline_inside(plane, from_clip), outline_inside(plane, to_clip));
@@ -112,7 +114,7 @@ fn outline_silhouette(
   @builtin(vertex_index) corner: u32,
   @builtin(instance_index) instance: u32,
 ) -> OutlinePoint {
-  let edge = rimline_silhouette(outline.light, instance);
+  let edge = outlined_silhouette(instance);
   let is_boundary = edge.kind == 2u;
   if (!edge.valid || ((outline.classes >> u32(is_boundary)) & 1u) == 0u) {
     return outline_nothing();
@@ -122,15 +124,16 @@ fn outline_silhouette(
 
 // The normal of a face, as long as twice its area.
 fn outline_normal(face: u32) -> vec3<f32> {
-  let a = rimline_position(outline_faces[3u * face]);
-  let b = rimline_position(outline_faces[3u * face + 1u]);
-  let c = rimline_position(outline_faces[3u * face + 2u]);
+  let at = 3u * (outlined_first_face() + face);
+  let a = outlined_position(outline_faces[at]);
+  let b = outlined_position(outline_faces[at + 1u]);
+  let c = outlined_position(outline_faces[at + 2u]);
   return cross(b - a, c - a);
 }
 
 // Whether the two faces of an edge meet at a crease. A face without area makes none.
 fn outline_is_crease(edge: u32, is_inconsistent: bool) -> bool {
-  let faces = rimline_edge_faces[edge];
+  let faces = outlined_faces(edge);
   let one = outline_normal(faces.x & 0x7fffffffu);
   let given = outline_normal(faces.y);
   let other = select(given, -given, is_inconsistent);
@@ -138,15 +141,15 @@ fn outline_is_crease(edge: u32, is_inconsistent: bool) -> bool {
 }
 
 @vertex
-fn outline_feature(@builtin(vertex_index) corner: u32, @builtin(instance_index) edge: u32) -> OutlinePoint {
-  let found = rimline_edge(outline.light, edge);
-  if (found.valid) {
+fn outline_feature(@builtin(vertex_index) corner: u32, @builtin(instance_index) slot: u32) -> OutlinePoint {
+  let found = outlined_record(slot);
+  if (found.valid || found.kind == NO_EDGE) {
     return outline_nothing();
   }
-  if ((outline.classes & 4u) != 0u && found.kind != 2u && outline_is_crease(edge, found.kind == 1u)) {
+  if ((outline.classes & 4u) != 0u && found.kind != 2u && outline_is_crease(found.edge, found.kind == 1u)) {
     return outline_point(corner, found.a, found.b, outline.crease);
   }
-  if ((outline.classes & 8u) != 0u && ((outline_marks[edge >> 5u] >> (edge & 31u)) & 1u) != 0u) {
+  if ((outline.classes & 8u) != 0u && outlined_is_marked(found.edge)) {
     return outline_point(corner, found.a, found.b, outline.marked);
   }
   return outline_nothing();

@@ -114,10 +114,7 @@ impl Scene {
     fn depth_group(&self, source: DefaultKey, caster: DepthCaster) -> Option<DepthGroup<'_>> {
         let found = self.sources.get(source)?;
         let page = self.pages.get(found.page)?;
-        let (positions, range) = match &found.buffer {
-            Some(bound) => (&bound.buffer, bound.range.clone()),
-            None => (&page.positions, 0..page.positions.size()),
-        };
+        let (positions, range) = found.place(page);
         Some(DepthGroup { source, faces: &page.faces, positions, range, casters: vec![caster] })
     }
 }

@@ -103,6 +103,7 @@ impl Scene {
             structure,
             volumes,
             views,
+            has_models: !self.figures.is_empty(),
             count_batches,
             device,
             scene: self.id,

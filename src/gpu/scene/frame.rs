@@ -28,6 +28,8 @@ pub struct SceneFrame {
     pub(crate) volumes: Option<Arc<Volumes>>,
     /// For each view the settings that pipelines must have, and the camera.
     pub(crate) views: Arc<[(Convention, ShadowCamera)]>,
+    /// Whether there are instances of models.
+    pub(crate) has_models: bool,
     pub(crate) count_batches: u32,
     pub(crate) device: wgpu::Device,
     pub(crate) scene: SceneId,
@@ -236,7 +238,7 @@ impl SceneFrame {
             let views = of.and_then(|of| of.lists.get(number));
             let room = volumes.and_then(|volumes| volumes.sizes.rooms.get(number));
             Some(SceneGroupResults {
-                clusters: self.structure.clusters.get(part.group)?,
+                clusters: &self.structure.topology.get(part.group)?.clusters,
                 sides: views.into_iter().flatten().map(|lists| &lists.sides).collect(),
                 side_capacity: room.map_or(0, |room| room.sides),
                 group: part.group,

@@ -17,6 +17,7 @@ mod models;
 mod needs;
 pub(crate) mod occluders;
 pub(crate) mod options;
+pub(crate) mod outlined;
 pub(crate) mod pages;
 pub(crate) mod receivers;
 pub(crate) mod scene;

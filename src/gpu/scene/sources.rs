@@ -7,7 +7,7 @@ use slotmap::{DefaultKey, SlotMap};
 
 use super::caster::Placement;
 use super::pages::Page;
-use crate::gpu::common::bindings::{Resource, part, whole};
+use crate::gpu::common::bindings::{Resource, part};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pipelines::Pipelines;
@@ -33,10 +33,44 @@ pub(crate) struct Source {
 }
 
 impl Source {
+    /// The buffer of the positions of its casters, and the part of it that is bound, in bytes.
+    pub(crate) fn place<'a>(&'a self, page: &'a Page) -> (&'a wgpu::Buffer, Range<u64>) {
+        match &self.buffer {
+            Some(bound) => (&bound.buffer, bound.range.clone()),
+            None => (&page.positions, 0..page.positions.size()),
+        }
+    }
+
     /// The positions of its casters.
     pub(crate) fn positions<'a>(&'a self, page: &'a Page) -> Resource<'a> {
-        self.buffer.as_ref().map_or_else(|| whole(&page.positions), |bound| part(&bound.buffer, bound.range.clone()))
+        let (buffer, range) = self.place(page);
+        part(buffer, range)
     }
+
+    /// The buffers that draws of its casters read.
+    pub(crate) fn topology(&self, page: &Page) -> GroupTopology {
+        let (positions, range) = self.place(page);
+        GroupTopology {
+            faces: page.faces.clone(),
+            edge_vertices: page.edge_vertices.clone(),
+            edge_faces: page.edge_faces.clone(),
+            positions: (positions.clone(), range),
+            #[cfg(feature = "reference")]
+            clusters: page.clusters.clone(),
+        }
+    }
+}
+
+/// The topology and positions of a group of casters.
+#[derive(Debug)]
+pub(crate) struct GroupTopology {
+    pub(crate) faces: wgpu::Buffer,
+    pub(crate) edge_vertices: wgpu::Buffer,
+    pub(crate) edge_faces: wgpu::Buffer,
+    pub(crate) positions: (wgpu::Buffer, Range<u64>),
+    /// The clusters of its page.
+    #[cfg(feature = "reference")]
+    pub(crate) clusters: wgpu::Buffer,
 }
 
 /// The part of a caller's buffer that is bound.

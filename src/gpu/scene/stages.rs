@@ -168,10 +168,7 @@ impl<'a> Binder<'a> {
         let group = structure.layout.groups.get(at.group)?;
         let (page, source) = structure.source(making, at.group)?;
         let (mesh, [offset_words, stride_words]) = structure.polygons(making.meshes, casters, at.group)?;
-        let (positions, range) = match &source.buffer {
-            Some(bound) => (&bound.buffer, bound.range.clone()),
-            None => (&page.positions, 0..page.positions.size()),
-        };
+        let (positions, range) = source.place(page);
         // One binding holds them, so this is no error.
         let windows = limits.windows("positions", range.end - range.start).ok()?;
         let EdgeCounts { consistent, inconsistent, boundary } = group.counts;

@@ -8,7 +8,7 @@ use super::layout::{Group, Layout};
 use super::lights::Lights;
 use super::options::{Measuring, SceneOptions};
 use super::pages::{Page, Pages};
-use super::sources::{Source, Sources};
+use super::sources::{GroupTopology, Source, Sources};
 use super::table::{Part, Table};
 use crate::Light;
 use crate::gpu::common::device_error::DeviceError;
@@ -56,9 +56,8 @@ pub(crate) struct Structure {
     pub(crate) shapes: wgpu::Buffer,
     /// For each group and batch the masks of faces that callers exclude, if there are any.
     pub(crate) given: Vec<Option<wgpu::Buffer>>,
-    /// The clusters of the page of each group.
-    #[cfg(feature = "reference")]
-    pub(crate) clusters: Vec<wgpu::Buffer>,
+    /// For each group.
+    pub(crate) topology: Vec<GroupTopology>,
 }
 
 /// Numbers of a structure and of the encode that lays it out.
@@ -134,11 +133,11 @@ impl Structure {
         let filled = |masks: Vec<u32>| filled(device, "excluded by callers", bytemuck::cast_slice(&masks), usage);
         let given =
             guarded(device, given_bytes, || given.into_iter().map(|masks| masks.map(filled)).collect::<Vec<_>>())?;
-        #[cfg(feature = "reference")]
-        let clusters = {
-            let page = |group: &Group| Some(making.pages.get(making.sources.get(group.source)?.page)?.clusters.clone());
-            layout.groups.iter().filter_map(page).collect()
+        let topology = |group: &Group| {
+            let source = making.sources.get(group.source)?;
+            Some(source.topology(making.pages.get(source.page)?))
         };
+        let topology = layout.groups.iter().filter_map(topology).collect();
         let unneeded_at = words as u32;
         Ok(Self {
             layout,
@@ -151,8 +150,7 @@ impl Structure {
             uniforms,
             shapes,
             given,
-            #[cfg(feature = "reference")]
-            clusters,
+            topology,
         })
     }
 

@@ -1,0 +1,91 @@
+//! Groups of casters as the outlines of a light draw them.
+
+use super::buffers::GroupBuffers;
+use super::frame::SceneFrame;
+use super::handles::LightHandle;
+use super::layout::Group;
+use super::sources::GroupTopology;
+use super::structure::{GroupBatch, Structure};
+use crate::ShadowCamera;
+use crate::gpu::common::bindings::{Resource, part, whole};
+use crate::layout::{DrawArguments, OutlinedGroup};
+
+/// A group of casters and a light, for a draw of its outlines.
+#[derive(Clone, Copy)]
+pub(crate) struct Outlined<'a> {
+    structure: &'a Structure,
+    part: &'a GroupBatch,
+    group: &'a Group,
+    buffers: &'a GroupBuffers,
+    topology: &'a GroupTopology,
+    bit: u32,
+}
+
+impl<'a> Outlined<'a> {
+    /// The uniform of the draw.
+    pub(crate) fn uniform(self) -> OutlinedGroup {
+        let Self { part: GroupBatch { dispatch, sizes, .. }, bit, .. } = self;
+        OutlinedGroup {
+            edge_chunks_at: dispatch.edge_chunks_at,
+            lit_at: dispatch.batch * dispatch.casters,
+            capacity: sizes.capacity,
+            twisted_at: if sizes.polygons.is_some() { self.group.face_slots() } else { 0 },
+            bit,
+            reserved_0: 0,
+            reserved_1: 0,
+            reserved_2: 0,
+        }
+    }
+
+    /// The resources of the draw beside the uniform, in the order of its bindings.
+    pub(crate) fn resources(self) -> [Resource<'a>; 7] {
+        let Self { structure, part: GroupBatch { sizes, .. }, buffers, topology, .. } = self;
+        let (positions, range) = &topology.positions;
+        [
+            whole(&structure.table),
+            whole(&structure.buffers.lit),
+            part(positions, range.clone()),
+            whole(&topology.edge_vertices),
+            whole(&topology.edge_faces),
+            part(&buffers.facing, 0..sizes.facing()),
+            part(&buffers.lists, 0..sizes.lists),
+        ]
+    }
+
+    pub(crate) fn faces(self) -> &'a wgpu::Buffer {
+        &self.topology.faces
+    }
+
+    /// The edge slots.
+    pub(crate) fn edges(self) -> u32 {
+        self.group.edge_slots()
+    }
+
+    /// The arguments of the draw of the light's list, which go over all edge slots if it overflowed.
+    pub(crate) fn arguments(self) -> (&'a wgpu::Buffer, u64) {
+        (&self.buffers.draws, u64::from(self.bit) * size_of::<DrawArguments>() as u64)
+    }
+}
+
+impl SceneFrame {
+    /// The groups of casters, for the outlines of a light of the frame.
+    pub(crate) fn outlined(&self, light: LightHandle) -> impl Iterator<Item = Outlined<'_>> {
+        let (structure, batch) = (&*self.structure, light.bit as usize / 32);
+        let parts = structure.parts.iter().filter(move |part| part.batch == batch);
+        parts.filter_map(move |part| {
+            Some(Outlined {
+                structure,
+                part,
+                group: structure.layout.groups.get(part.group)?,
+                buffers: structure.buffers.groups.get(part.group)?.get(batch)?,
+                topology: structure.topology.get(part.group)?,
+                bit: light.bit % 32,
+            })
+        })
+    }
+
+    /// Whether each caster that a camera sees has its positions: those of models that no view needs are not computed.
+    pub(crate) fn has_positions_for(&self, camera: &ShadowCamera) -> bool {
+        !self.has_models || self.views.is_empty() || self.views.iter().any(|(_, view)| view == camera)
+    }
+}

@@ -1,0 +1,389 @@
+//! Outlines of a scene's casters, against those of extractions, and rays in `f64`.
+//!
+//! The stage is `outline_edges`, in the variant for scenes.
+
+use glam::{DMat3, DQuat, DVec3};
+use rimline::gpu::{
+    Capacities, Caster, CasterHandle, Deformer, DeformerOptions, FrameInputs, LightHandle, LightMask, OutlineError,
+    OutlineFormat, OutlineInputs, OutlinePipeline, OutlineSource, OutlineStyle, PositionBuffer, Scene, SceneFrame,
+    SceneOptions, ShadowError, View as FrameView,
+};
+use rimline::mesh::Weld;
+use rimline::{Light, Matrix3x4, ShadowCamera};
+use rimline_testkit::cases::{Case, case, topologies};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::harness::Test;
+use rimline_testkit::models::bending_tube;
+use rimline_testkit::on_gpu::{deformed, interleaved, text};
+use rimline_testkit::polygons::{PolygonSet, folded_polygon, quad_box, quad_torus};
+use rimline_testkit::random::Random;
+use rimline_testkit::refusals::{Expected, is, refusal, refused, says};
+use rimline_testkit::scenes::{Pose, direction};
+use rimline_testkit::shapes::{self, Shape};
+use rimline_testkit::{lights, must_fail};
+
+use crate::rendered::{Attachments, Inputs, Picture, corners, render};
+use crate::{CLASSES, Truth, View, check, style, truth};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("outlines_of_a_caster_are_those_of_its_extraction", same_as_extractions),
+    ("outlines_of_casters_are_what_rays_see", seen),
+    ("outlines_of_models_are_those_of_their_positions", models),
+    ("outlines_of_scenes_that_cannot_be_drawn_are_typed_errors", refused_outlines),
+];
+
+const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+/// A scene, and its light that stands for the eye.
+struct Outlined {
+    scene: Scene,
+    eye: LightHandle,
+}
+
+impl Outlined {
+    /// So many other lights come first. `lists` is the room of each list of edges.
+    fn new(gpu: &Gpu, light: Light, others: usize, lists: Option<u32>) -> Result<Self, String> {
+        let capacities = Capacities { lists, ..Capacities::default() };
+        // Some meshes are in clusters, so that their edges have another order.
+        let options =
+            SceneOptions { max_lights: others + 1, capacities, clusters_from: Some(500), ..SceneOptions::default() };
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
+        for other in self::lights(&mut Random::new(5), others) {
+            scene.add_light(other).map_err(text)?;
+        }
+        let eye = scene.add_light(light).map_err(text)?;
+        Ok(Self { scene, eye })
+    }
+
+    fn insert(&mut self, (_, positions, mesh): &Case, place: Matrix3x4) -> Result<CasterHandle, String> {
+        let mesh = self.scene.add_mesh(mesh, positions).map_err(text)?;
+        self.scene.insert(Caster::rigid(mesh, place)).map_err(text)
+    }
+
+    /// The picture of a frame for these cameras.
+    fn ink(
+        &mut self,
+        gpu: &Gpu,
+        picture: &Picture<'_>,
+        style: OutlineStyle,
+        views: &[FrameView<'_>],
+    ) -> Result<Vec<u8>, String> {
+        picture.ink(gpu, |encoder, outlines, depth| {
+            let frame = self.scene.encode(encoder, FrameInputs::new(views)).map_err(text)?;
+            let of = OutlineSource::Scene(&frame, self.eye);
+            let camera = picture.camera;
+            outlines.prepare(&OutlineInputs { of, camera, depth, style, marked: None }).map_err(text)
+        })
+    }
+}
+
+/// Fails where two pictures differ by more than the order of lines does, since each is rounded as it is drawn.
+fn same(what: &str, found: &[u8], expected: &[u8]) -> Result<(), String> {
+    let apart = found.iter().zip(expected).filter(|(found, expected)| found.abs_diff(**expected) > 3).count();
+    if apart == 0 { Ok(()) } else { Err(format!("{what}: {apart} pixels differ")) }
+}
+
+fn of_polygons(name: &str, set: &PolygonSet, scale: f32, shift: f32) -> Result<Case, String> {
+    let mesh = set.mesh(Weld::Position).map_err(text)?;
+    Ok((name.to_owned(), set.positions.iter().map(|p| p.map(|c| scale * c + shift)).collect(), mesh))
+}
+
+/// Polygons that are planar, that are not, and that are twisted as seen from somewhere.
+fn polygons(random: &mut Random) -> Result<Vec<Case>, String> {
+    let mut folded = PolygonSet::default();
+    (0..6).for_each(|_| folded.push_points(&[folded_polygon(random)]));
+    Ok(vec![
+        of_polygons("box of squares", &quad_box(2), 0.7, -0.7)?,
+        of_polygons("bent torus", &quad_torus(random, 12, 8, 0.1), 0.8, 0.0)?,
+        of_polygons("folded polygons", &folded, 0.25, 0.0)?,
+    ])
+}
+
+/// Meshes of all topologies, at the identity, by lists with room or without, of a light in the first or the second batch.
+fn same_as_extractions() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(96)?;
+    let cases = [topologies(), polygons(&mut random)?].concat();
+    let [mut pictures, mut wires, mut moves] = [0; 3];
+    for (number, case) in cases.iter().enumerate() {
+        for turn in 0..4 {
+            let view = View::new(&mut random, (number + turn) % 6);
+            let attachments = Attachments::ALL[turn];
+            let [silhouette, boundary, crease, _] = CLASSES[(number + turn) % CLASSES.len()];
+            let style = style([silhouette, boundary, crease, false], attachments);
+            let (light, camera) = (view.light, &view.camera);
+            let [others, lists] = [[0, 33][turn / 2], [u32::MAX, 5][turn % 2]];
+            let what = format!("{}, {others} other lights, room for {lists}", case.0);
+            let inputs = Inputs { case, camera, light, style, marks: None, capacity: None, attachments };
+            let expected = render(&gpu, &inputs)?;
+            let mut own = Outlined::new(&gpu, light, others as usize, Some(lists))?;
+            let caster = own.insert(case, IDENTITY)?;
+            let picture = Picture { camera, corners: corners(case), attachments };
+            same(&what, &own.ink(&gpu, &picture, style, &[])?, &expected)?;
+            // A list that overflows would draw this without a test of each edge.
+            let every = OutlineStyle { crease: Some([0.0, 0.0, 0.0, 1.0]), crease_angle: 0.0, ..style };
+            let is_noticed = |found: &[u8]| usize::from(same(&what, found, &expected).is_err());
+            pictures += 1;
+            wires += is_noticed(&own.ink(&gpu, &picture, every, &[])?);
+            own.scene.set_transform(caster, moved(IDENTITY, DVec3::splat(0.05))).map_err(text)?;
+            moves += is_noticed(&own.ink(&gpu, &picture, style, &[])?);
+        }
+    }
+    // Flat meshes have no creases, and some eyes are too near to see an edge.
+    println!("all edges are noticed in {wires} of {pictures} pictures, and moved ones in {moves}");
+    if 2 * wires > pictures && 4 * moves > 3 * pictures { Ok(()) } else { Err("too little is compared".to_owned()) }
+}
+
+fn moved(rows: Matrix3x4, by: DVec3) -> Matrix3x4 {
+    std::array::from_fn(|axis| {
+        let [x, y, z, w] = rows[axis];
+        [x, y, z, w + by[axis] as f32]
+    })
+}
+
+/// A caster, as the oracle knows it.
+struct Body {
+    case: Case,
+    place: Matrix3x4,
+    /// Its positions in world space are in a buffer.
+    buffer: Option<wgpu::Buffer>,
+    handle: CasterHandle,
+    has_outline: bool,
+}
+
+impl Body {
+    fn world(&self) -> Vec<[f32; 3]> {
+        in_world(&self.case.1, &self.place)
+    }
+
+    /// Moves it, in its buffer or by its matrix.
+    fn move_to(&mut self, gpu: &Gpu, scene: &mut Scene, place: Matrix3x4) -> Result<(), String> {
+        self.place = place;
+        match &self.buffer {
+            Some(buffer) => gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(&in_buffer(&self.world()))),
+            None => scene.set_transform(self.handle, place).map_err(text)?,
+        }
+        Ok(())
+    }
+}
+
+/// Where the buffer of a caster has its vertices, in bytes.
+const OFFSET: u64 = 8;
+const STRIDE: u64 = 20;
+
+fn in_buffer(world: &[[f32; 3]]) -> Vec<f32> {
+    interleaved(world, OFFSET, STRIDE)
+}
+
+fn in_world(positions: &[[f32; 3]], place: &Matrix3x4) -> Vec<[f32; 3]> {
+    let rows = place.map(|row| row.map(f64::from));
+    let at = |p: [f64; 3]| rows.map(|[x, y, z, w]| (x * p[0] + y * p[1] + z * p[2] + w) as f32);
+    positions.iter().map(|p| at(p.map(f64::from))).collect()
+}
+
+/// A matrix that turns, scales each axis otherwise, mirrors if it is told to, and moves.
+fn placed(random: &mut Random, is_mirrored: bool) -> Matrix3x4 {
+    let turn = DQuat::from_axis_angle(direction(random), f64::from(random.between(0.0, 6.0)));
+    let mut scale = DVec3::from([0, 1, 2].map(|_| f64::from(random.between(0.3, 0.6))));
+    scale.x *= if is_mirrored { -1.0 } else { 1.0 };
+    let matrix = DMat3::from_quat(turn) * DMat3::from_diagonal(scale);
+    let to = 0.7 * direction(random);
+    std::array::from_fn(|axis| matrix.row(axis).extend(to[axis]).as_vec4().to_array())
+}
+
+/// All bodies as one mesh in world space, and whether each vertex is of one with an outline.
+fn together(bodies: &[Body]) -> (Case, Vec<bool>) {
+    let (mut shape, mut have_outlines) = (Shape::default(), Vec::new());
+    for body in bodies {
+        let first = shape.positions.len() as u32;
+        shape.positions.extend(body.world());
+        shape.faces.extend(body.case.2.faces().iter().map(|face| face.map(|v| first + v)));
+        have_outlines.resize(shape.positions.len(), body.has_outline);
+    }
+    (case("bodies", shape), have_outlines)
+}
+
+fn bodies(gpu: &Gpu, own: &mut Outlined, random: &mut Random) -> Result<Vec<Body>, String> {
+    let squares = of_polygons("box of squares", &quad_box(2), 1.0, -1.0)?;
+    let cases = [
+        case("blob", shapes::blob(4, 0.3, 1)),
+        case("torus", shapes::torus(30, 20, 1.0, 0.4)),
+        squares,
+        case("three sheets", shapes::three_sheets(5)),
+        case("mirrored cube", shapes::cube()),
+    ];
+    let mut bodies = Vec::new();
+    for (number, case) in cases.into_iter().enumerate() {
+        let place = placed(random, number == 4);
+        let world = in_world(&case.1, &place);
+        let buffer = (number == 1).then(|| gpu.storage(&in_buffer(&world)));
+        let handle = match &buffer {
+            Some(buffer) => {
+                let mesh = own.scene.add_mesh(&case.2, &case.1).map_err(text)?;
+                let positions = PositionBuffer { buffer, offset: OFFSET, stride: STRIDE };
+                own.scene.insert(Caster::in_buffer(mesh, positions)).map_err(text)?
+            }
+            None => own.insert(&case, place)?,
+        };
+        bodies.push(Body { case, place, buffer, handle, has_outline: true });
+    }
+    Ok(bodies)
+}
+
+/// Turned, scaled and mirrored casters, rigid and in a buffer, of triangles and of polygons, that move, go, and lose the light.
+fn seen() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(97)?;
+    let [mut musts, mut pictures, mut changes, mut noticed] = [0; 4];
+    for projection in 0..6 {
+        let view = View::new(&mut random, projection);
+        let (others, lists) = ([0, 33][projection % 2], [None, Some(5)][projection / 2 % 2]);
+        let mut own = Outlined::new(&gpu, view.light, others, lists)?;
+        let mut bodies = bodies(&gpu, &mut own, &mut random)?;
+        // Excluded faces cast nothing, and are seen.
+        own.scene.set_excluded(bodies[3].handle, own.eye, &[0, 1, 2]).map_err(text)?;
+        let attachments = Attachments::ALL[projection % Attachments::ALL.len()];
+        let classes = [true, true, projection % 3 > 0, false];
+        let mut before: Option<(Truth, Vec<u8>)> = None;
+        for change in ["none", "moved", "without the light", "removed", "out of range"] {
+            match change {
+                "moved" => {
+                    for body in &mut bodies {
+                        body.move_to(&gpu, &mut own.scene, placed(&mut random, body.case.0 == "mirrored cube"))?;
+                    }
+                }
+                "without the light" => {
+                    own.scene.set_lights(bodies[0].handle, LightMask::ALL.without(own.eye)).map_err(text)?;
+                    bodies[0].has_outline = false;
+                }
+                "removed" => own.scene.remove(bodies.remove(2).handle).map_err(text)?,
+                "out of range" => {
+                    // Directions have no range, and nothing is known of what is in a buffer.
+                    own.scene.set_light(own.eye, view.light.with_range(1e-3)).map_err(text)?;
+                    for body in &mut bodies {
+                        body.has_outline &= view.is_parallel || body.buffer.is_some();
+                    }
+                }
+                _ => {}
+            }
+            let what = format!("projection {projection}, {change}, {others} other lights, lists {lists:?}");
+            let (case, have_outlines) = together(&bodies);
+            let picture = Picture { camera: &view.camera, corners: corners(&case), attachments };
+            let ink = own.ink(&gpu, &picture, style(classes, attachments), &[])?;
+            let truth = truth(&case, &view, classes, |vertex| have_outlines[vertex as usize]);
+            check(&what, &ink, &truth)?;
+            (pictures, musts) = (pictures + 1, musts + truth.must.iter().filter(|&&must| must).count());
+            if let Some((truth_before, ink_before)) = before.replace((truth, ink)) {
+                let (truth, ink) = before.as_ref().ok_or("a picture")?;
+                changes += 2;
+                noticed += usize::from(check(&what, &ink_before, truth).is_err());
+                noticed += usize::from(check(&what, ink, &truth_before).is_err());
+            }
+        }
+    }
+    println!("{musts} pixels of lines in {pictures} pictures; {noticed} of {changes} changes are noticed");
+    if musts > 20_000 && 10 * noticed > 7 * changes { Ok(()) } else { Err("too little is compared".to_owned()) }
+}
+
+/// A model that the scene deforms. Another camera than that of a view is refused, since the model may not be deformed for it.
+fn models() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(98)?;
+    let (model, pose) = bending_tube();
+    let pose = pose(1.3);
+    let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
+    let case = &("tube".to_owned(), deformed(&gpu, &deformer, &model, &pose)?, model.mesh(&pose).map_err(text)?);
+    for projection in [0, 5] {
+        let view = View::new(&mut random, projection);
+        let (camera, light, attachments) = (&view.camera, view.light, Attachments::ALL[0]);
+        let style = style([true, true, true, false], attachments);
+        let expected = render(&gpu, &Inputs { case, camera, light, style, marks: None, capacity: None, attachments })?;
+        let mut own = Outlined::new(&gpu, light, 0, None)?;
+        let handle = own.scene.insert_model(&model, &pose, DeformerOptions::default()).map_err(text)?;
+        let picture = Picture { camera, corners: corners(case), attachments };
+        let from_behind = Pose { forward: -view.pose.forward, right: -view.pose.right, ..view.pose }.camera(0, false);
+        let views = [from_behind, *camera].map(FrameView::new);
+        same("no view", &own.ink(&gpu, &picture, style, &[])?, &expected)?;
+        same("one of two views", &own.ink(&gpu, &picture, style, &views)?, &expected)?;
+        let other = own.ink(&gpu, &picture, style, &views[..1]);
+        let no_view = OutlineError::NoView.to_string();
+        if other != Err(no_view.clone()) {
+            return Err(format!("{:?}, expected {no_view}", other.map(|ink| ink.len())));
+        }
+        own.scene.set_pose(handle, &bending_tube().1(2.6)).map_err(text)?;
+        must_fail("another pose", &same("pose", &own.ink(&gpu, &picture, style, &[])?, &expected))?;
+    }
+    Ok(())
+}
+
+fn encoded(gpu: &Gpu, own: &mut Outlined) -> Result<SceneFrame, String> {
+    gpu.submit(|encoder| own.scene.encode(encoder, FrameInputs::default()).map_err(text))
+}
+
+fn refused_outlines() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let light = Light::point([0.0, 0.0, 4.0]);
+    let mut own = Outlined::new(gpu, light, 0, None)?;
+    let mut other = Outlined::new(gpu, light, 0, None)?;
+    own.insert(&case("cube", shapes::cube()), IDENTITY)?;
+    let (frame, empty) = (encoded(gpu, &mut own)?, encoded(gpu, &mut other)?);
+    let outlines = OutlinePipeline::new(&gpu.pipelines, &OutlineFormat::default()).map_err(text)?;
+    let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+    let camera =
+        &ShadowCamera { view_projection: identity, origin: [0.0; 3], depth: rimline::DepthDirection::Standard };
+    let texture = |format, usage| {
+        gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        })
+    };
+    let depth = texture(wgpu::TextureFormat::Depth32Float, wgpu::TextureUsages::TEXTURE_BINDING);
+    let depth = &depth.create_view(&wgpu::TextureViewDescriptor::default());
+    let of = OutlineSource::Scene(&frame, own.eye);
+    let good = OutlineInputs { of, camera, depth, style: OutlineStyle::default(), marked: None };
+    let of = |frame, light| outlines.prepare(&OutlineInputs { of: OutlineSource::Scene(frame, light), ..good });
+    let made = outlines.prepare(&good).map_err(text)?;
+    let marks = gpu.storage(&[0_u32; 4]);
+    let marked = OutlineInputs { marked: Some(&marks), ..good };
+    let wide = OutlineInputs { style: OutlineStyle { width: f32::NAN, ..good.style }, ..good };
+    let singular = &ShadowCamera { view_projection: [[0.0; 4]; 4], ..*camera };
+    let elsewhere = gpu.another(wgpu::Features::empty(), wgpu::Limits::default())?;
+    let theirs = OutlinePipeline::new(&elsewhere.pipelines, &OutlineFormat::default()).map_err(text)?;
+    own.scene.remove_light(own.eye).map_err(text)?;
+    let new = own.scene.add_light(light).map_err(text)?;
+    refused([
+        refusal("a removed light of the frame", of(&frame, own.eye), Expected::Taken),
+        refusal("no casters", of(&empty, other.eye), Expected::Taken),
+        refusal("another scene's light", of(&frame, other.eye), is(scene(ShadowError::OtherScene { what: "light" }))),
+        refusal("a light after the encode", of(&frame, new), is(scene(ShadowError::NotEncoded))),
+        refusal("marks", outlines.prepare(&marked), is(OutlineError::MarkedScene)),
+        refusal("width", outlines.prepare(&wide), says(&["`width` of the style is NaN"])),
+        refusal("no camera", outlines.prepare(&OutlineInputs { camera: singular, ..good }), says(&["singular"])),
+        refusal("another device", theirs.prepare(&good), says(&["the scene is of another device than the outline's"])),
+    ])?;
+    encoded(gpu, &mut own)?;
+    let target = texture(OutlineFormat::default().color, wgpu::TextureUsages::empty());
+    let view = &target.create_view(&wgpu::TextureViewDescriptor::default());
+    let drawn = gpu.submit(|encoder| {
+        let attachment = wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations::default(),
+        };
+        let color_attachments = &[Some(attachment)];
+        let pass = &wgpu::RenderPassDescriptor { color_attachments, ..Default::default() };
+        Ok(made.draw(&mut encoder.begin_render_pass(pass)))
+    })?;
+    refused([
+        refusal("an old frame", outlines.prepare(&good), is(scene(ShadowError::StaleFrame))),
+        refusal("an outline of an old frame", drawn, is(scene(ShadowError::StaleFrame))),
+    ])
+}
+
+fn scene(error: ShadowError) -> OutlineError {
+    OutlineError::Scene(error)
+}
