@@ -152,7 +152,7 @@ struct Conic {
 
 // Fits a conic to a sample, which must not be FAR, and the three before it against the direction of `step`. The square of a
 // fifth sample may be off by u² / `strictness`, where u is the last difference. docs/numerics/contours.md, "Jumps and
-// places", has the formulas, by the same letters.
+// crossings", has the formulas, by the same letters.
 fn fit_conic(last: vec2<i32>, step: vec2<i32>, strictness: i32) -> Conic {
   let no_conic = Conic(UNKNOWN, 0, 0, 0);
   let last_distance = load_distance(last);
