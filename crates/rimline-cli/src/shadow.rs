@@ -48,7 +48,6 @@ use casters::Casters;
 use covered::CoveredFaces;
 use frame::PARTS;
 use from_depth::FromDepth;
-use given_map::GivenMap;
 use pictures::{Masks, Pictures};
 use render_resources::{DrawInputs, RenderResources};
 use report::Report;
@@ -82,7 +81,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("placing the models");
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(posed_model::PosedModel::points).collect();
-    let mut set = ShadowScene::new(scene, bodies, &points, given.map(GivenMap::light))?;
+    let mut set = ShadowScene::new(scene, bodies, &points, given.map(|map| map.cameras.light()))?;
     given.map_or(Ok(()), |map| given_lights::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
     if let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) {
         return Err(UsageError::CoveredPolygons { file: body.input.file.clone() }.into());

@@ -82,7 +82,7 @@ impl Shadows for DepthShadows {
             }
             let Some(maps) = made.get_mut(number) else { continue };
             if let MapSource::Drawn { .. } = from.source {
-                for (view, eye) in maps.views.iter().zip(cameras.all()) {
+                for (view, eye) in maps.views.iter().zip(&cameras.0) {
                     draw_map(encoder, (view, eye), files, bodies, timer.as_deref_mut())?;
                 }
             }

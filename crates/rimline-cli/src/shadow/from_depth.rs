@@ -42,7 +42,7 @@ impl FromDepth {
             return Ok(());
         }
         let points = points(bodies);
-        let is_cube = |light: &Light| !matches!(LightCameras::new(light, &points, side), Ok(LightCameras::One(_)));
+        let is_cube = |light: &Light| LightCameras::new(light, &points, side).map_or(true, |cameras| cameras.is_cube());
         lights.iter().position(is_cube).map_or(Ok(()), |light| Err(UsageError::DetectorInCube { light }))
     }
 
@@ -71,7 +71,7 @@ impl FromDepth {
         let mut options = DepthMapOptions { method: self.method, ..DepthMapOptions::default() };
         if let MapSource::Given(map) = &self.source {
             options.rounded_to = map.rounded_to;
-            options.metric = map.metric;
+            options.metric = map.arrays.metric;
         }
         // Outlines and objects alone are found: moved by their slopes, steep sides would leave the object (`DepthMap::objects`).
         if matches!(self.method, DepthMapMethod::Differences { threshold: 1.0, .. }) {
@@ -83,7 +83,7 @@ impl FromDepth {
     pub(super) fn size(&self) -> [u32; 2] {
         match &self.source {
             MapSource::Drawn { side } => [*side; 2],
-            MapSource::Given(map) => map.size,
+            MapSource::Given(map) => map.arrays.size,
         }
     }
 

@@ -27,7 +27,7 @@ pub(super) fn check_lights(
         let distance = if light.w == 0.0 { FAR } else { towards.length() / f64::from(light.w * stage.extent) };
         towards.normalize_or_zero() * distance.min(FAR)
     };
-    let (map, given) = (map.light(), shaded.light);
+    let (map, given) = (map.cameras.light(), shaded.light);
     let is_near = (place(&map) - place(&given)).length() <= MOST * place(&given).length().max(1.0);
     if !is_near {
         return Err(UsageError::DepthLightApart { given: spec(&given, origin), map: spec(&map, origin) });

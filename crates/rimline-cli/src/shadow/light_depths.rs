@@ -14,7 +14,7 @@ use super::shown_maps::{ShownDepths, ShownMaps};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::image::Picture;
-use crate::npz::{DepthMapArrays, Depths, Metric};
+use crate::npz::{DepthMapArrays, Depths};
 use crate::render::pipeline_factory::{plain_texture, view};
 
 pub(super) struct LightMaps {
@@ -43,14 +43,15 @@ impl LightMaps {
         cameras: &LightCameras,
     ) -> Result<Self, GpuError> {
         let (options, size) = (from.options(), from.size());
-        let maps = match cameras {
-            LightCameras::One(_) => Maps::One(Box::new(DepthMapVolumes::new(pipelines, size, options)?)),
-            LightCameras::Cube(_) => Maps::Cube(Box::new(DepthMapCube::new(pipelines, size[0], options)?)),
+        let maps = if cameras.is_cube() {
+            Maps::Cube(Box::new(DepthMapCube::new(pipelines, size[0], options)?))
+        } else {
+            Maps::One(Box::new(DepthMapVolumes::new(pipelines, size, options)?))
         };
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
         let drawn = |_| view(&gpu.device.create_texture(&plain_texture("depth map", size, MAP, usage)));
         let (mut views, objects): (Vec<_>, _) = match &from.source {
-            MapSource::Drawn { .. } => (cameras.all().iter().map(drawn).collect(), None),
+            MapSource::Drawn { .. } => (cameras.0.iter().map(drawn).collect(), None),
             MapSource::Given(map) => (map.upload(gpu), map.upload_objects(gpu)),
         };
         let mut distances = Vec::new();
@@ -67,7 +68,7 @@ impl LightMaps {
 
     /// Whether these are as many maps.
     pub(super) fn fits(&self, cameras: &LightCameras) -> bool {
-        matches!(self.maps, Maps::One(_)) == matches!(cameras, LightCameras::One(_))
+        self.cameras.is_cube() == cameras.is_cube()
     }
 
     /// Records how shadows are rebuilt from what is in the maps.
@@ -79,21 +80,21 @@ impl LightMaps {
         eye: &ShadowCamera,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        for ((given, conversion, metric), light) in self.distances.iter().zip(cameras.all()) {
+        for ((given, conversion, metric), light) in self.distances.iter().zip(&cameras.0) {
             let map = DepthMap { texture: given, light: *light, objects: None };
             conversion.encode_timed(encoder, &map, *metric, timer.as_deref_mut())?;
         }
         let mut views = self.views.iter();
         let size = self.views.first().map_or([1; 2], |view| [view.texture().width(), view.texture().height()]);
-        let frame = match (&mut self.maps, cameras) {
-            (Maps::Cube(cube), LightCameras::Cube(cameras)) => {
+        let frame = match (&mut self.maps, &cameras.0[..]) {
+            (Maps::Cube(cube), &[a, b, c, d, e, f]) => {
                 let textures = [0; 6].map(|_| views.next());
-                let maps = DepthCubeMaps { textures, lights: **cameras, objects: [None; 6] };
+                let maps = DepthCubeMaps { textures, lights: [a, b, c, d, e, f], objects: [None; 6] };
                 cube.encode_timed(encoder, &maps, eye, timer)?
             }
-            (Maps::One(volumes), LightCameras::One(light)) => {
+            (Maps::One(volumes), &[light]) => {
                 let texture = views.next().ok_or(DepthMapError::StaleFrame)?;
-                let map = DepthMap { texture, light: *light, objects: self.objects.as_ref() };
+                let map = DepthMap { texture, light, objects: self.objects.as_ref() };
                 volumes.encode_timed(encoder, &map, eye, timer)?
             }
             // The caller asks `fits`.
@@ -134,7 +135,7 @@ impl LightMaps {
             let map = Picture::read(gpu, texture)?;
             depths.extend(map.rows().flat_map(bytemuck::pod_collect_to_vec::<u8, f32>));
         }
-        let cameras = self.cameras.all();
+        let cameras = &self.cameras.0;
         let rows =
             |camera: &ShadowCamera| [0, 1, 2, 3].map(|row| camera.view_projection.map(|column| f64::from(column[row])));
         Ok(DepthMapArrays {
@@ -144,7 +145,7 @@ impl LightMaps {
             origin: cameras.first().map_or([0.0; 3], |camera| origin.to_world(camera.origin)),
             is_reversed: cameras.first().is_some_and(|camera| camera.depth == DepthDirection::Reversed),
             depth_bits: None,
-            metric: Metric::Device,
+            metric: DepthMetric::Device,
             objects: None,
         })
     }

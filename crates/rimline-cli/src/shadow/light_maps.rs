@@ -4,12 +4,9 @@ use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3};
 use rimline::gpu::depth_map::{DepthMapCube, DepthMapError};
 use rimline::{DepthDirection, Light, ShadowCamera};
 
+/// One camera, or six around a light that is among the casters, or close to them.
 #[derive(Clone, Debug)]
-pub(super) enum LightCameras {
-    One(ShadowCamera),
-    /// The light is among the casters, or close to them.
-    Cube(Box<[ShadowCamera; 6]>),
-}
+pub(super) struct LightCameras(pub(super) Vec<ShadowCamera>);
 
 /// The tangent of half the angle that one map may see.
 const WIDEST: f64 = 2.0;
@@ -52,7 +49,7 @@ impl LightCameras {
                 (DVec4::W * far - forward.extend(0.0)) / (far - near),
                 DVec4::W,
             ];
-            return Ok(Self::One(camera(rows, centre)));
+            return Ok(Self(vec![camera(rows, centre)]));
         }
         let near = near + distance;
         let tangents = seen().map(|p| p.abs() / (p.z + distance)).fold(DVec3::ZERO, DVec3::max) * MARGIN;
@@ -67,19 +64,16 @@ impl LightCameras {
             (DVec4::W * far - forward.extend(0.0)) * scale,
             forward.extend(distance),
         ];
-        Ok(Self::One(camera(rows, centre)))
+        Ok(Self(vec![camera(rows, centre)]))
     }
 
-    pub(super) fn all(&self) -> &[ShadowCamera] {
-        match self {
-            Self::One(camera) => std::slice::from_ref(camera),
-            Self::Cube(cameras) => &cameras[..],
-        }
+    pub(super) fn is_cube(&self) -> bool {
+        self.0.len() > 1
     }
 
     /// The light: the place that the maps are seen from, or the direction towards it. The cameras have passed their check.
     pub(super) fn light(&self) -> Light {
-        let Some(camera) = self.all().first() else { return Light::directional([0.0; 3]) };
+        let Some(camera) = self.0.first() else { return Light::directional([0.0; 3]) };
         let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
         let [x, y, z, w] = [0, 1, 2, 3].map(|row| matrix.row(row));
         if w.truncate() == DVec3::ZERO {
@@ -99,7 +93,7 @@ impl LightCameras {
         let near = (1e-4 * extent).max(1e-33) as f32;
         let place = (centre.as_dvec3() + place).as_vec3().to_array();
         let cameras = DepthMapCube::cameras(place, near, None, DepthDirection::Reversed, side)?;
-        Ok(Self::Cube(Box::new(cameras)))
+        Ok(Self(cameras.to_vec()))
     }
 }
 
@@ -141,9 +135,8 @@ mod tests {
             assert_eq!(found.w, light.w, "{light:?}");
             assert!((unit(&found) - unit(&light)).length() < 1e-4, "{light:?}: {found:?}");
             // Negative control: depth the other way round is seen from the other side.
-            let LightCameras::One(mut camera) = cameras else { continue };
-            camera.depth = DepthDirection::Standard;
-            let other = LightCameras::One(camera).light();
+            let [camera] = cameras.0[..] else { continue };
+            let other = LightCameras(vec![ShadowCamera { depth: DepthDirection::Standard, ..camera }]).light();
             assert_eq!((unit(&other) - unit(&light)).length() > 1.0, light.w == 0.0, "{light:?}: {other:?}");
         }
     }
@@ -168,8 +161,8 @@ mod tests {
             Light::directional([0.3, 1.0, -2.0]),
             Light::homogeneous([1.0, 2.0, 3.0, 1e-42]),
         ] {
-            let Ok(LightCameras::One(camera)) = LightCameras::new(&light, &points, 64) else {
-                panic!("{light:?} has a cube");
+            let [camera] = LightCameras::new(&light, &points, 64).unwrap().0[..] else {
+                panic!("{light:?} has a cube")
             };
             assert!(sees(&camera, &points), "{light:?}");
             assert!(!sees(&camera, &corners(1.0, [14.0, 9.0, 0.0])), "negative control: {light:?}");
@@ -177,9 +170,7 @@ mod tests {
         // Flat, and seen edge-on.
         let flat: Vec<_> = points.iter().map(|&[x, _, z]| [x, 0.0, z]).collect();
         for light in [Light::point([20.0, 0.0, 0.0]), Light::directional([1.0, 0.0, 0.0])] {
-            let Ok(LightCameras::One(camera)) = LightCameras::new(&light, &flat, 64) else {
-                panic!("{light:?} has a cube")
-            };
+            let [camera] = LightCameras::new(&light, &flat, 64).unwrap().0[..] else { panic!("{light:?} has a cube") };
             assert!(sees(&camera, &flat), "{light:?}");
         }
     }
@@ -189,7 +180,7 @@ mod tests {
         let points = corners(1.0, [0.0; 3]);
         for place in [[0.0; 3], [0.5, 0.9, 0.0], [0.0, 1.2, 0.0]] {
             let cameras = LightCameras::new(&Light::point(place), &points, 64);
-            assert!(matches!(cameras, Ok(LightCameras::Cube(_))), "{place:?}");
+            assert!(cameras.is_ok_and(|cameras| cameras.is_cube()), "{place:?}");
         }
     }
 }

@@ -60,7 +60,7 @@ impl ShownMaps {
         eye: &ShadowCamera,
         (arguments, capacity): (&wgpu::Buffer, u32),
     ) {
-        let all = cameras.all();
+        let all = &cameras.0;
         let mut views = [DepthView::default(); 6];
         let light = cameras.light();
         let place = (light.w != 0.0).then(|| Vec3::from(light.xyz).as_dvec3() / f64::from(light.w));
