@@ -350,6 +350,13 @@ impl Gpu {
         self.device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
     }
 
+    /// A buffer with these contents, which copies may overwrite.
+    pub(crate) fn filled(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let buffer = self.buffer(label, contents.len() as u64, usage);
+        self.queue.write_buffer(&buffer, 0, contents);
+        buffer
+    }
+
     /// Contents of a buffer. Waits for the device.
     pub(crate) fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer) -> Result<Vec<T>, DeviceError> {
         read_back_vec(&self.device, &self.queue, buffer)

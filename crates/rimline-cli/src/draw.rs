@@ -113,7 +113,7 @@ fn draw(
         let frame = Frame::new(&camera, args.view.size, &bounds, places, args.show_boundary);
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let record = || {
-            let canvas = Canvas::new(gpu, &factory, (&frame, &bounds), args.view.size);
+            let canvas = Canvas::new(&factory, (&frame, &bounds), args.view.size);
             let mut encoder = gpu.encoder("model");
             let (normals, buffer) = (normals::corner_normals(&world, &faces), positions.buffer().buffer);
             let model = &joined(model_pipelines);

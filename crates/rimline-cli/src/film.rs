@@ -66,7 +66,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     }
     let mut set = ShadowScene::new(scene, bodies, &points, None)?;
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let pictures = Pictures::new(&gpu, &resources, &method, scene.mode, scene.volumes, set.is_in_parts()).on(&gpu)?;
+    let pictures = Pictures::new(&resources, &method, scene.mode, scene.volumes, set.is_in_parts()).on(&gpu)?;
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));

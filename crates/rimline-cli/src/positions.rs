@@ -23,9 +23,7 @@ impl Positions {
                     let label = "positions";
                     return Err(DeviceError::BufferTooLarge { label, bytes: size, limit }.into());
                 }
-                let buffer = gpu.buffer("positions", size, wgpu::BufferUsages::STORAGE);
-                gpu.queue.write_buffer(&buffer, 0, bytes);
-                Ok(Self::Uploaded(buffer))
+                Ok(Self::Uploaded(gpu.filled("positions", bytes, wgpu::BufferUsages::STORAGE)))
             }
             Shape::Posed { model, .. } => {
                 let options = DeformerOptions { displacement, ..DeformerOptions::default() };

@@ -94,10 +94,10 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
     let pictures = args.out.as_ref();
     let pictures = pictures
-        .map(|_| Pictures::new(&gpu, &resources, &method, scene.mode, scene.volumes, set.is_in_parts()))
+        .map(|_| Pictures::new(&resources, &method, scene.mode, scene.volumes, set.is_in_parts()))
         .transpose()
         .on(&gpu)?;
-    let masks = args.mask.as_ref().map(|_| Masks::new(&gpu, &resources, &method)).transpose().on(&gpu)?;
+    let masks = args.mask.as_ref().map(|_| Masks::new(&resources, &method)).transpose().on(&gpu)?;
     let pipelines = pictures.as_ref().map(|p| &p.pipelines).or(masks.as_ref().map(|m| &m.pipelines));
     let Some(pipelines) = pipelines else { return Ok(()) };
     let mut casters = Casters::new(&gpu, pipelines, set.samples(), scene.volumes && pictures.is_some()).on(&gpu)?;

@@ -10,13 +10,13 @@ use super::depth_shadows::DepthShadows;
 use super::extracted::Extracted;
 use super::posed_model::PosedModel;
 use super::receiver::Receiver;
+use super::render_resources::RenderResources;
 use super::scene_shadows::SceneShadows;
 use super::shadows::{Shadows, VolumePipelines};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
 use crate::render::check_model;
-use crate::render::pipeline_factory::PipelineFactory;
 
 /// Resources that draw all bodies and make them cast shadows.
 pub(crate) struct Casters {
@@ -103,14 +103,12 @@ impl Casters {
     /// submitted.
     pub(super) fn bind(
         &mut self,
-        gpu: &Gpu,
-        factory: &PipelineFactory<'_>,
-        layout: &wgpu::BindGroupLayout,
+        resources: &RenderResources<'_>,
         bodies: &[PosedModel<'_>],
         eye: Vec3,
     ) -> Result<(), GpuError> {
-        let masks = self.shadows.facing(gpu, bodies)?;
-        let receiver = |(number, (body, masks))| Receiver::new(gpu, factory, layout, body, number, masks, eye);
+        let masks = self.shadows.facing(resources.factory.gpu, bodies)?;
+        let receiver = |(number, (body, masks))| Receiver::new(resources, body, number, masks, eye);
         self.receivers = bodies.iter().zip(&masks).enumerate().map(receiver).collect();
         Ok(())
     }

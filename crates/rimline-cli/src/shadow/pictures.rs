@@ -1,17 +1,18 @@
 //! The passes of a picture with shadows, and of masks: whether a light reaches the surface at each pixel centre.
 
 use rimline::wgpu;
-use wgpu::{ColorWrites, CompareFunction, LoadOp, StencilFaceState, TextureFormat, TextureUsages};
+use wgpu::{ColorWrites, CompareFunction, StencilFaceState, TextureFormat, TextureUsages};
 
 use super::depth::depth_format;
 use super::frame::{PARTS, Part};
 use super::overlay::Overlay;
-use super::receiver_pipelines::{ADD, MULTIPLY, Onto, ReceiverPipelines, Target, depth_state};
+use super::receiver_pipelines::{Onto, ReceiverPipelines, Target};
 use super::render_resources::{Attachments, DrawInputs, RenderResources};
 use super::shadows::{ShadowMethod, VolumePipelines};
-use crate::device::Gpu;
 use crate::gpu_error::GpuError;
-use crate::render::pipeline_factory::{Pass, color_pass, plain_texture, read_texture, view};
+use crate::render::pipeline_factory::{
+    ADD, MULTIPLY, Pass, color_pass, depth_state, plain_texture, read_texture, view,
+};
 use crate::shadow::args::ModeArg;
 
 /// Linear light, before it is exposed.
@@ -37,7 +38,6 @@ pub(crate) struct Pictures {
 
 impl Pictures {
     pub(crate) fn new(
-        gpu: &Gpu,
         resources: &RenderResources<'_>,
         method: &ShadowMethod,
         mode: ModeArg,
@@ -47,43 +47,43 @@ impl Pictures {
         let factory = &resources.factory;
         let linear = if in_parts { PART } else { LINEAR };
         let (attachments, light) = if in_parts { parts(resources) } else { whole(resources) };
-        let load = if in_parts { include_str!("parts.wgsl") } else { include_str!("whole.wgsl") };
         let dimension = if in_parts { wgpu::TextureViewDimension::D2Array } else { wgpu::TextureViewDimension::D2 };
+        let source = include_str!("picture.wgsl");
         let layout = factory.layout(&[read_texture(dimension, false)]);
         let behind =
-            depth_state(depth_format(factory.device), false, CompareFunction::Always, StencilFaceState::IGNORE);
+            depth_state(depth_format(&factory.gpu.device), false, CompareFunction::Always, StencilFaceState::IGNORE);
         let backdrop = factory.pipeline(&Pass {
             samples: linear.samples,
             depth: Some(behind),
-            ..Pass::new("backdrop", include_str!("backdrop.wgsl"), &[], linear.format)
+            ..Pass::over("backdrop", source, &[], linear.format)
         });
         let format = TextureFormat::Rgba8UnormSrgb;
-        let source = format!("{load}\n{}", include_str!("tone.wgsl"));
-        let tone = factory.pipeline(&Pass::new("tone", &source, &[&layout], format));
+        let name = if in_parts { "tone_parts" } else { "tone" };
+        let tone = factory.pipeline(&Pass::over(name, source, &[&layout], format));
         let group = factory.group(&layout, &[wgpu::BindingResource::TextureView(&light)]);
         let all = ColorWrites::ALL;
         let shade = match mode {
             ModeArg::Additive => None,
             ModeArg::Ambient => Some(("ambient", None)),
             ModeArg::Black => Some(("black", None)),
-            ModeArg::Composited => Some(("dim", MULTIPLY)),
+            ModeArg::Composited => Some(("dim", Some(MULTIPLY))),
         };
         Ok(Self {
-            pipelines: RenderResources::pipelines(gpu, linear, method)?,
+            pipelines: resources.pipelines(linear, method)?,
             attachments,
             finished: factory.target("picture", resources.size, format, 1, TextureUsages::COPY_SRC),
             backdrop,
-            ambient: resources.receivers(linear, "ambient", Onto::Nearest, (None, all)),
-            lit: resources.receivers(linear, "lit", Onto::Lit, (ADD, all)),
+            ambient: ReceiverPipelines::new(resources, linear, ("ambient", Onto::Nearest), (None, all)),
+            lit: ReceiverPipelines::new(resources, linear, ("lit", Onto::Lit), (Some(ADD), all)),
             shade: shade.map(|(fragment, blend)| {
                 [
-                    resources.receivers(linear, "averted", Onto::Lit, (None, ColorWrites::empty())),
-                    resources.receivers(linear, fragment, Onto::Shadowed, (blend, all)),
+                    ReceiverPipelines::new(resources, linear, ("averted", Onto::Lit), (None, ColorWrites::empty())),
+                    ReceiverPipelines::new(resources, linear, (fragment, Onto::Shadowed), (blend, all)),
                 ]
             }),
             tone: (tone, group),
             resolved: (!in_parts).then_some(light),
-            overlay: volumes.then(|| Overlay::new(gpu, resources, linear, method.from_depth.is_some())),
+            overlay: volumes.then(|| Overlay::new(resources, linear, method.from_depth.is_some())),
         })
     }
 
@@ -133,12 +133,10 @@ impl Pictures {
         encoder: &mut wgpu::CommandEncoder,
         resources: &RenderResources<'_>,
     ) -> &wgpu::Texture {
-        let clear = LoadOp::Clear(wgpu::Color::BLACK);
-        let mut pass = color_pass(encoder, "tone", &view(&self.finished), None, clear, None);
-        pass.set_bind_group(0, &resources.factory.frame_group, &[]);
-        pass.set_bind_group(1, &self.tone.1, &[]);
-        pass.set_pipeline(&self.tone.0);
-        pass.draw(0..3, 0..1);
+        let (target, black) = (view(&self.finished), Some(wgpu::Color::BLACK));
+        let mut pass = color_pass(encoder, "tone", (&target, None), black, None);
+        resources.factory.draw(&mut pass, &self.tone.0, &[&self.tone.1], 3);
+        drop(pass);
         &self.finished
     }
 }
@@ -153,11 +151,11 @@ fn whole(resources: &RenderResources<'_>) -> (Vec<Attachments>, wgpu::TextureVie
 fn parts(resources: &RenderResources<'_>) -> (Vec<Attachments>, wgpu::TextureView) {
     let size = Part::size(resources.size);
     let factory = &resources.factory;
-    let depth = view(&factory.target("depth", size, depth_format(factory.device), 1, TextureUsages::empty()));
+    let depth = view(&factory.target("depth", size, depth_format(&factory.gpu.device), 1, TextureUsages::empty()));
     let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT;
     let plain = plain_texture("light", size, PART.format, usage);
     let size = wgpu::Extent3d { depth_or_array_layers: PARTS as u32, ..plain.size };
-    let layers = factory.device.create_texture(&wgpu::TextureDescriptor { size, ..plain });
+    let layers = factory.gpu.device.create_texture(&wgpu::TextureDescriptor { size, ..plain });
     let attachments = (0..PARTS as u32).map(|layer| {
         let color = layers.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(wgpu::TextureViewDimension::D2),
@@ -183,15 +181,20 @@ pub(crate) struct Masks {
 }
 
 impl Masks {
-    pub(crate) fn new(gpu: &Gpu, resources: &RenderResources<'_>, method: &ShadowMethod) -> Result<Self, GpuError> {
+    pub(crate) fn new(resources: &RenderResources<'_>, method: &ShadowMethod) -> Result<Self, GpuError> {
         let finished = resources.factory.target("mask", resources.size, MASK.format, 1, TextureUsages::COPY_SRC);
         let (color, all) = (view(&finished), ColorWrites::ALL);
-        let depth = resources.target("depth", depth_format(&gpu.device), MASK.samples, TextureUsages::empty());
+        let depth = resources.target(
+            "depth",
+            depth_format(&resources.factory.gpu.device),
+            MASK.samples,
+            TextureUsages::empty(),
+        );
         Ok(Self {
-            pipelines: RenderResources::pipelines(gpu, MASK, method)?,
+            pipelines: resources.pipelines(MASK, method)?,
             attachments: Attachments { color, depth },
-            dark: resources.receivers(MASK, "dark", Onto::Nearest, (None, all)),
-            lit: resources.receivers(MASK, "mask", Onto::Lit, (None, all)),
+            dark: ReceiverPipelines::new(resources, MASK, ("dark", Onto::Nearest), (None, all)),
+            lit: ReceiverPipelines::new(resources, MASK, ("mask", Onto::Lit), (None, all)),
             finished,
         })
     }

@@ -8,10 +8,9 @@ use rimline::wgpu;
 
 use super::casting::FacingMasks;
 use super::posed_model::PosedModel;
-use crate::device::Gpu;
+use super::render_resources::RenderResources;
 use crate::render::coincident::{Coincident, corners};
 use crate::render::normals;
-use crate::render::pipeline_factory::PipelineFactory;
 
 /// Front and back of the first, second … body; then from the beginning again.
 const CLAYS: [[[f32; 3]; 2]; 4] = [
@@ -27,17 +26,15 @@ pub(super) struct Receiver(Vec<(Range<u32>, Vec<wgpu::BindGroup>)>);
 impl Receiver {
     /// The body with this number, as it is seen from the eye.
     pub(super) fn new(
-        gpu: &Gpu,
-        factory: &PipelineFactory<'_>,
-        layout: &wgpu::BindGroupLayout,
+        RenderResources { factory, geometry, .. }: &RenderResources<'_>,
         body: &PosedModel<'_>,
         number: usize,
         masks: &FacingMasks,
         eye: Vec3,
     ) -> Self {
         let clay = CLAYS[number % CLAYS.len()].map(|[r, g, b]| [r, g, b, 0.0]);
-        let clay = factory.uniform(&gpu.queue, "clay", bytemuck::cast_slice(&clay));
-        let stored = |label, contents: &[u8]| factory.buffer(&gpu.queue, label, contents);
+        let clay = factory.uniform("clay", bytemuck::cast_slice(&clay));
+        let stored = |label, contents: &[u8]| factory.buffer(label, contents);
         let faces = stored("drawn faces", bytemuck::cast_slice(&body.faces));
         let (normals, slots) = normals_and_slots(body, masks, eye);
         let normals = stored("normals", bytemuck::cast_slice(&normals));
@@ -45,7 +42,7 @@ impl Receiver {
         let positions = body.positions.buffer();
         let group = |facing: &wgpu::Buffer| {
             let buffers = [&clay, positions.buffer, &faces, &normals, &slots, facing];
-            factory.group(layout, &buffers.map(wgpu::Buffer::as_entire_binding))
+            factory.group(geometry, &buffers.map(wgpu::Buffer::as_entire_binding))
         };
         let runs = masks.runs.iter();
         Self(runs.map(|(of, facing)| (3 * of.start..3 * of.end, facing.iter().map(group).collect())).collect())

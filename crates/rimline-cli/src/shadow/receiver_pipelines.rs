@@ -1,14 +1,12 @@
 //! The bodies and the ground as they are drawn, and pipelines that draw them.
 
 use rimline::wgpu;
-use wgpu::{
-    BlendComponent, BlendFactor, BlendOperation, BlendState, ColorWrites, CompareFunction, StencilOperation,
-    TextureFormat,
-};
+use wgpu::{BlendState, ColorWrites, CompareFunction, StencilOperation, TextureFormat};
 
 use super::casters::Casters;
 use super::depth::depth_format;
-use crate::render::pipeline_factory::{Pass, PipelineFactory, READ_ONLY, UNIFORM};
+use super::render_resources::RenderResources;
+use crate::render::pipeline_factory::{Pass, depth_state};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Onto {
@@ -21,34 +19,11 @@ pub(crate) enum Onto {
     Shadowed,
 }
 
-pub(crate) const ADD: Option<BlendState> = Some(blend(BlendFactor::One, BlendFactor::One));
-/// There times drawn.
-pub(super) const MULTIPLY: Option<BlendState> = Some(blend(BlendFactor::Dst, BlendFactor::Zero));
-
-const fn blend(src_factor: BlendFactor, dst_factor: BlendFactor) -> BlendState {
-    let color = BlendComponent { src_factor, dst_factor, operation: BlendOperation::Add };
-    BlendState { color, alpha: color }
-}
-
 /// The targets of a picture or a mask.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Target {
     pub(super) format: TextureFormat,
     pub(super) samples: u32,
-}
-
-pub(super) struct Layouts {
-    pub(super) shaded: wgpu::BindGroupLayout,
-    pub(super) geometry: wgpu::BindGroupLayout,
-}
-
-impl Layouts {
-    pub(super) fn new(factory: &PipelineFactory<'_>) -> Self {
-        let ty = wgpu::BufferBindingType::Uniform;
-        let of_light = wgpu::BindingType::Buffer { ty, has_dynamic_offset: true, min_binding_size: None };
-        let geometry = [UNIFORM, READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY];
-        Self { shaded: factory.layout(&[of_light]), geometry: factory.layout(&geometry) }
-    }
 }
 
 /// Draws bodies and ground with fragment shaders of one name.
@@ -59,8 +34,7 @@ pub(super) struct ReceiverPipelines {
 
 impl ReceiverPipelines {
     pub(super) fn new(
-        factory: &PipelineFactory<'_>,
-        layouts: &Layouts,
+        RenderResources { factory, shaded, geometry, .. }: &RenderResources<'_>,
         target: Target,
         (fragment, onto): (&'static str, Onto),
         (blend, write): (Option<BlendState>, ColorWrites),
@@ -71,13 +45,13 @@ impl ReceiverPipelines {
                 blend,
                 samples: target.samples,
                 write,
-                depth: Some(onto.state(depth_format(factory.device))),
+                depth: Some(onto.state(depth_format(&factory.gpu.device))),
                 ..Pass::new(fragment, source, groups, target.format)
             })
         };
         Self {
-            surface: pipeline("surface", include_str!("surface.wgsl"), &[&layouts.shaded, &layouts.geometry]),
-            ground: pipeline("ground", include_str!("ground.wgsl"), &[&layouts.shaded]),
+            surface: pipeline("surface", include_str!("surface.wgsl"), &[shaded, geometry]),
+            ground: pipeline("ground", include_str!("ground.wgsl"), &[shaded]),
         }
     }
 
@@ -108,20 +82,5 @@ impl Onto {
             pass_op,
         };
         depth_state(format, self == Self::Nearest, compare, face)
-    }
-}
-
-pub(super) fn depth_state(
-    format: TextureFormat,
-    write: bool,
-    compare: CompareFunction,
-    face: wgpu::StencilFaceState,
-) -> wgpu::DepthStencilState {
-    wgpu::DepthStencilState {
-        format,
-        depth_write_enabled: Some(write),
-        depth_compare: Some(compare),
-        stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xff, write_mask: 0xff },
-        bias: wgpu::DepthBiasState::default(),
     }
 }

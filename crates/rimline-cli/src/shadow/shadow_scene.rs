@@ -233,7 +233,7 @@ impl<'a> ShadowScene<'a> {
             timer.resolve(&mut encoder);
         }
         gpu.submit(encoder);
-        casters.bind(gpu, &resources.factory, resources.geometry_layout(), &self.bodies, self.camera.eye)
+        casters.bind(resources, &self.bodies, self.camera.eye)
     }
 
     /// Sees to it that what lies over each other is counted, after [`Self::cast`]. Waits for the device.
@@ -260,7 +260,7 @@ impl<'a> ShadowScene<'a> {
         casters: &mut Casters,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        resources.set(gpu, &self.frame(), &self.shaded_light_data());
+        resources.set(&self.frame(), &self.shaded_light_data());
         let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
         let (bodies, seen) = (&self.bodies[..], &self.bodies[..]);
         casters.encode(encoder, CastInputs { gpu, bodies, seen, camera: &camera, lights: &lights }, timer)
