@@ -16,7 +16,7 @@ use rimline_bench::{
 
 use crate::bench_args::{BenchArgs, Number};
 use crate::device::{self, Device, Gpu, Wanted};
-use crate::ending::{self, Written};
+use crate::ending;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input::{Input, Scene, Shape};
 use crate::load_args::TakenPolygons;
@@ -174,13 +174,13 @@ impl Destination {
     /// Makes the folder, and tries both places, so that an unwritable one is known before the long work.
     fn new(args: &BenchArgs) -> Result<Self, Failure> {
         let folder = |path: &PathBuf| -> Result<_, Failure> {
-            ending::check_report(path)?;
+            ending::check_folder(path, |folder| UsageError::ReportEnding { folder })?;
             check_own(path)?;
             let folder = Folder::create_all(path)?;
             drop(Output::create(&path.join("index.html"))?);
             Ok((path.clone(), folder))
         };
-        args.json.as_deref().map_or(Ok(()), |file| ending::check(file, Written::Json))?;
+        args.json.as_deref().map_or(Ok(()), |file| ending::check(file, "json"))?;
         Ok(Self {
             folder: args.report.as_ref().map(folder).transpose()?,
             json: args.json.as_deref().map(Output::create).transpose()?,

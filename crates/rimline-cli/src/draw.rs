@@ -15,7 +15,7 @@ use rimline::{Light, Mesh, MeshError, wgpu};
 
 use crate::args::DrawArgs;
 use crate::device::{self, Gpu, Wanted};
-use crate::ending::{self, Written};
+use crate::ending;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::{GpuError, On as _};
 use crate::image::{Picture, wrote};
@@ -42,7 +42,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     if wanted == Wanted::Cpu {
         return Err(UsageError::DrawOnCpu.into());
     }
-    ending::check(&args.out, Written::Png)?;
+    ending::check(&args.out, "png")?;
     let progress = Progress::start();
     progress.step("reading the model");
     let posed = PosedInput::read(&args.posed, &args.model)?;

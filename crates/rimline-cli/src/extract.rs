@@ -17,7 +17,7 @@ use serde_json::json;
 
 use crate::args::{ExtractArgs, MethodArg, PredicateArg};
 use crate::device::Device;
-use crate::ending::{self, Written};
+use crate::ending;
 use crate::failure::{Failure, UsageError};
 use crate::input::Scene;
 use crate::output::{Output, print};
@@ -53,7 +53,7 @@ pub(crate) fn extract_exactly<'s>(device: &Device, scene: &Scene<'s>, lights: &[
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     let way = way(args)?;
-    ending::check(&args.out, Written::Npz)?;
+    ending::check(&args.out, "npz")?;
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the model");

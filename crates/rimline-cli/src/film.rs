@@ -3,6 +3,8 @@
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
+use rimline::reference::layout::ShadowStatistics;
+
 use crate::ending;
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::On as _;
@@ -12,7 +14,7 @@ use crate::progress::Progress;
 use crate::shadow;
 use crate::shadow::args::{FilmArgs, MAX_FRAMES};
 use crate::shadow::casters::Casters;
-use crate::shadow::depth::CountBound;
+use crate::shadow::depth::warn_of_wrapping;
 use crate::shadow::pictures::Pictures;
 use crate::shadow::posed_model::PosedModel;
 use crate::shadow::render_resources::RenderResources;
@@ -27,7 +29,7 @@ const LOOKS: u32 = 12;
 
 pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let scene = &args.scene;
-    ending::check_folder(&args.out)?;
+    ending::check_folder(&args.out, |out| UsageError::FolderEnding { out })?;
     // Before long work: a place that cannot be had is known at once.
     let _folder = Folder::create(&args.out)?;
     let _claim = Claim::take(&args.out)?;
@@ -71,7 +73,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 
     let progress = Progress::pictures(u64::from(frames));
     let mut casters = Casters::new(&gpu, &pictures.pipelines, set.samples(), scene.volumes).on(&gpu)?;
-    let mut bound = CountBound::default();
+    let mut most: ShadowStatistics = bytemuck::Zeroable::zeroed();
     for frame in 0..frames {
         let output = output.take().map_or_else(|| Output::create(&file(frame)), Ok)?;
         set.pose(&gpu, time(frame))?;
@@ -79,7 +81,9 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         set.cast(&gpu, &resources, &mut casters, None).on(&gpu)?;
         set.count_layers(&gpu, &mut casters)?;
         let picture = shadow::picture(&gpu, &resources, &pictures, &mut set, &mut casters).on(&gpu)?;
-        bound = bound.max(casters.shadows.statistics(&gpu).on(&gpu)?.into());
+        let found = casters.shadows.statistics(&gpu).on(&gpu)?;
+        most.count_bound = most.count_bound.max(found.count_bound);
+        most.may_wrap = most.may_wrap.max(found.may_wrap);
         gpu.check()?;
         output.finish(|file| picture.write_png(file))?;
         if frame == 0 {
@@ -88,7 +92,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         progress.picture_done();
     }
     drop(progress);
-    bound.warn();
+    warn_of_wrapping(most);
     set.warn_of_depth(&gpu);
     let [first, last] = [file(0), file(frames - 1)];
     let [width, height] = scene.view.size;

@@ -399,7 +399,7 @@ fn of_arrays(arrays: npz::Arrays, options: LoadOptions, taken: TakenPolygons) ->
 }
 
 /// Everything where it is.
-fn resting() -> Result<Pose, ModelError> {
+pub(crate) fn resting() -> Result<Pose, ModelError> {
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
     Ok(Pose::new(vec![InstancePose::new(vec![identity], Vec::new())?]))
 }

@@ -114,6 +114,12 @@ pub(crate) struct DeviceArgs {
     pub(crate) device: String,
 }
 
+/// A help text with examples and tables as they are. clap breaks the lines of every other text, which would make examples
+/// that cannot be pasted.
+pub(crate) fn verbatim(examples: &str) -> String {
+    format!("{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{{all-args}}\n\n{examples}{{after-help}}")
+}
+
 /// Help of `--device` where pictures are drawn, which takes a GPU.
 pub(crate) fn drawing_device(arg: clap::Arg) -> clap::Arg {
     arg.value_name("auto|gpu|NAME").help(
@@ -127,11 +133,11 @@ pub(crate) fn drawing_device(arg: clap::Arg) -> clap::Arg {
 pub(crate) struct ViewArgs {
     /// The position of the eye. By default it is in front of the model, to the right and above, as near as possible with
     /// the whole model in view
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::coordinates::<3>)]
     eye: Option<[Coordinate; 3]>,
 
     /// The point that the eye looks at. By default it is the middle of the model
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::coordinates::<3>)]
     target: Option<[Coordinate; 3]>,
 
     /// The vertical field of view in degrees

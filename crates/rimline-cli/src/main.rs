@@ -5,6 +5,7 @@ mod args;
 mod begins;
 #[cfg(feature = "bench")]
 mod bench;
+#[cfg(feature = "bench")]
 mod bench_args;
 mod coordinates;
 mod device;
@@ -15,7 +16,6 @@ mod extract;
 mod failure;
 mod film;
 mod gpu_error;
-mod help;
 mod image;
 mod info;
 mod input;

@@ -16,7 +16,7 @@ use rimline::{Light, MAX_LIGHTS, Mesh, Origin};
 use serde_json::json;
 
 use crate::device::Device;
-use crate::ending::{self, Written};
+use crate::ending;
 use crate::extract::arrays::write_lights;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input::Scene;
@@ -31,7 +31,7 @@ use crate::times::Times;
 use crate::{begins, source};
 
 pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
-    ending::check(&args.out, Written::Npz)?;
+    ending::check(&args.out, "npz")?;
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the model");

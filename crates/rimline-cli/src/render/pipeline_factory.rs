@@ -52,6 +52,9 @@ pub(crate) fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
+/// WGSL that every pass knows.
+pub(crate) const COMMON: &str = include_str!("common.wgsl");
+
 /// Makes pipelines and bind groups; group 0 is always the frame.
 pub(crate) struct PipelineFactory<'a> {
     pub(crate) gpu: &'a Gpu,
@@ -100,6 +103,50 @@ impl<'a> Pass<'a> {
     ) -> Self {
         Self { vertex: "cover", ..Self::new(name, source, groups, format) }
     }
+
+    /// Behind a prelude, which declares group 0.
+    pub(crate) fn pipeline(
+        &self,
+        device: &wgpu::Device,
+        prelude: &str,
+        frame: Option<&wgpu::BindGroupLayout>,
+    ) -> wgpu::RenderPipeline {
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(self.name),
+            source: wgpu::ShaderSource::Wgsl(format!("{}\n{}", prelude, self.source).into()),
+        });
+        let groups: Vec<_> = frame.into_iter().chain(self.groups.iter().copied()).map(Some).collect();
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(self.name),
+            bind_group_layouts: &groups,
+            immediate_size: 0,
+        });
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(self.name),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some(&format!("{}_vertex", self.vertex)),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState { topology: self.topology, ..Default::default() },
+            depth_stencil: self.depth.clone(),
+            multisample: wgpu::MultisampleState { count: self.samples, ..Default::default() },
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some(&format!("{}_fragment", self.name)),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(wgpu::ColorTargetState {
+                    format: self.format,
+                    blend: self.blend,
+                    write_mask: self.write,
+                })],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
 }
 
 impl<'a> PipelineFactory<'a> {
@@ -108,7 +155,7 @@ impl<'a> PipelineFactory<'a> {
         let frame = gpu.filled("frame", frame, wgpu::BufferUsages::UNIFORM);
         let frame_layout = layout(gpu, wgpu::ShaderStages::VERTEX_FRAGMENT, &[UNIFORM]);
         let frame_group = group(gpu, &frame_layout, &[frame.as_entire_binding()]);
-        let prelude = format!("{}\n{prelude}", include_str!("common.wgsl"));
+        let prelude = format!("{COMMON}\n{prelude}");
         Self { gpu, prelude, frame_layout, frame_group, frame }
     }
 
@@ -187,42 +234,7 @@ impl<'a> PipelineFactory<'a> {
     }
 
     pub(crate) fn pipeline(&self, pass: &Pass<'_>) -> wgpu::RenderPipeline {
-        let module = self.gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(pass.name),
-            source: wgpu::ShaderSource::Wgsl(format!("{}\n{}", self.prelude, pass.source).into()),
-        });
-        let mut groups = vec![Some(&self.frame_layout)];
-        groups.extend(pass.groups.iter().copied().map(Some));
-        let layout = self.gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(pass.name),
-            bind_group_layouts: &groups,
-            immediate_size: 0,
-        });
-        self.gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(pass.name),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some(&format!("{}_vertex", pass.vertex)),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState { topology: pass.topology, ..Default::default() },
-            depth_stencil: pass.depth.clone(),
-            multisample: wgpu::MultisampleState { count: pass.samples, ..Default::default() },
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some(&format!("{}_fragment", pass.name)),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[Some(wgpu::ColorTargetState {
-                    format: pass.format,
-                    blend: pass.blend,
-                    write_mask: pass.write,
-                })],
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+        pass.pipeline(&self.gpu.device, &self.prelude, Some(&self.frame_layout))
     }
 }
 

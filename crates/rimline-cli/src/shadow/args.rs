@@ -9,8 +9,7 @@ use rimline::{Counting, Origin};
 
 use crate::coordinates::Coordinate;
 use crate::failure::Failure;
-use crate::help::verbatim;
-use crate::input_args::{MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device};
+use crate::input_args::{MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
 use crate::load_args::LoadArgs;
 use crate::shadow::from_depth::{FromDepth, MapSource};
 use crate::shadow::given_map::GivenMap;
@@ -94,7 +93,7 @@ pub(crate) struct ShadowSceneArgs {
 
     /// The height of the ground, an infinite plane that receives shadows and casts none. It is visible from above only. By
     /// default it is at the lowest point of the models, or a little lower if they are flat
-    #[arg(long, value_name = "Y", allow_hyphen_values = true, value_parser = spec::height)]
+    #[arg(long, value_name = "Y", allow_hyphen_values = true, value_parser = spec::coordinate)]
     pub(crate) ground: Option<Coordinate>,
 
     /// How to count shadow volumes

@@ -52,37 +52,15 @@ impl Seen {
 /// The most that the stencil counts to; 256 looks like 0.
 pub(super) const MOST: u32 = 255;
 
-/// A bound on stencil counts. All casters count into one stencil.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct CountBound {
-    /// No count exceeds it, for any light.
-    pub(crate) count_bound: u32,
-    /// Lights, or samples, whose counts may exceed what the stencil holds.
-    pub(crate) may_wrap: u32,
-}
-
-impl From<ShadowStatistics> for CountBound {
-    fn from(ShadowStatistics { count_bound, may_wrap, .. }: ShadowStatistics) -> Self {
-        Self { count_bound, may_wrap }
-    }
-}
-
-impl CountBound {
-    /// The larger of both.
-    pub(crate) fn max(self, other: Self) -> Self {
-        Self { count_bound: self.count_bound.max(other.count_bound), may_wrap: self.may_wrap.max(other.may_wrap) }
-    }
-
-    /// Tells the user where counts may wrap.
-    pub(crate) fn warn(self) {
-        let Self { count_bound, may_wrap } = self;
-        if may_wrap > 0 {
-            note(&format!(
-                "warning: shadows may be wrong where 256 or more faces overlap as seen from the eye: the stencil has 8 bits, and \
-                 the models may overlap up to {count_bound} times. Draw fewer files at once, or models with fewer \
-                 layers; `rimline query` counts without this limit"
-            ));
-        }
+/// Tells the user where counts may wrap: no count exceeds `count_bound`, and `may_wrap` counts lights, or samples, whose counts may
+/// exceed what the stencil holds. All casters count into one stencil.
+pub(crate) fn warn_of_wrapping(ShadowStatistics { count_bound, may_wrap, .. }: ShadowStatistics) {
+    if may_wrap > 0 {
+        note(&format!(
+            "warning: shadows may be wrong where 256 or more faces overlap as seen from the eye: the stencil has 8 bits, and \
+             the models may overlap up to {count_bound} times. Draw fewer files at once, or models with fewer \
+             layers; `rimline query` counts without this limit"
+        ));
     }
 }
 

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use super::casters::Casters;
 use super::covered::CoveredFaces;
-use super::depth::{self, CountBound};
+use super::depth;
 use super::from_depth::{DepthFound, DepthsFound};
 use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
@@ -33,7 +33,7 @@ pub(super) struct Report {
     adapter: String,
     files: Vec<File>,
     /// Statistics of all files together.
-    all: ShadowStatistics,
+    pub(super) all: ShadowStatistics,
     origin: Origin,
     /// Each light as JSON, in the files' coordinates, with its range and its colour.
     lights: Vec<(Value, f32, [f32; 3])>,
@@ -175,11 +175,6 @@ impl Report {
             "totals": totals,
         });
         report::json(report, self.origin, times)
-    }
-
-    /// A bound on all counts.
-    pub(super) fn bound(&self) -> CountBound {
-        self.all.into()
     }
 
     /// `pictures` of this size and `archives` were written.

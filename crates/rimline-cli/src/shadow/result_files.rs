@@ -7,7 +7,7 @@ use rimline::Origin;
 use super::args::ShadowArgs;
 use super::casters::Casters;
 use crate::device::Gpu;
-use crate::ending::{self, Written};
+use crate::ending;
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::On as _;
 use crate::image::Picture;
@@ -26,7 +26,7 @@ pub(super) struct ResultFiles {
 impl ResultFiles {
     /// Refuses a picture that is named as another format.
     pub(super) fn check(args: &ShadowArgs) -> Result<(), UsageError> {
-        args.out.as_deref().map_or(Ok(()), |out| ending::check(out, Written::Png))
+        args.out.as_deref().map_or(Ok(()), |out| ending::check(out, "png"))
     }
 
     /// Begins those whose names are known from the command line, so that an unwritable place is known at once.

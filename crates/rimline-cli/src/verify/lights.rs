@@ -1,13 +1,15 @@
 //! Lights that are hard on a mesh, the same for the same mesh.
 
 use rimline::Light;
+use rimline::mesh::Bounds;
+use rimline_bench::random::Random;
 
 /// Two batches of lights, the second not full.
 pub(super) const COUNT: usize = 40;
 
 /// Points and directions about the mesh, some of them on its vertices and edges, in its faces' planes, with other w.
 pub(super) fn hard_lights(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<Light> {
-    let mut chance = Chance(0x5eed);
+    let mut chance = Random::new(0x5eed);
     let (centre, size) = extent(positions);
     (0..COUNT)
         .map(|index| {
@@ -32,7 +34,7 @@ fn scaled(point: [f32; 3], w: f32) -> Light {
 }
 
 /// Every other light: on a vertex, on an edge, in a face's plane, at infinity in its plane, on its plane with a tiny w.
-fn on_mesh(index: usize, positions: &[[f32; 3]], faces: &[[u32; 3]], chance: &mut Chance) -> Option<Light> {
+fn on_mesh(index: usize, positions: &[[f32; 3]], faces: &[[u32; 3]], chance: &mut Random) -> Option<Light> {
     if index.is_multiple_of(2) {
         return None;
     }
@@ -51,36 +53,9 @@ fn on_mesh(index: usize, positions: &[[f32; 3]], faces: &[[u32; 3]], chance: &mu
 
 /// The middle of the finite positions' bounds, and the longest half side.
 fn extent(positions: &[[f32; 3]]) -> ([f32; 3], f32) {
-    let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    for position in positions.iter().filter(|position| position.iter().all(|c| c.is_finite())) {
-        for axis in 0..3 {
-            least[axis] = least[axis].min(position[axis]);
-            most[axis] = most[axis].max(position[axis]);
-        }
-    }
-    let half = |axis: usize| 0.5 * most[axis] - 0.5 * least[axis];
-    let centre = std::array::from_fn(|axis| least[axis] + half(axis));
-    (centre, half(0).max(half(1)).max(half(2)))
-}
-
-/// `SplitMix64`.
-struct Chance(u64);
-
-impl Chance {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.next() % count.max(1) as u64) as usize
-    }
-
-    fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + (self.next() >> 40) as f32 / (1_u64 << 24) as f32 * (high - low)
-    }
+    let Some(Bounds { min, max }) = Bounds::of(positions) else { return ([f32::NAN; 3], f32::NAN) };
+    let half = [0, 1, 2].map(|axis| 0.5 * max[axis] - 0.5 * min[axis]);
+    ([0, 1, 2].map(|axis| min[axis] + half[axis]), half.into_iter().fold(0.0, f32::max))
 }
 
 #[cfg(test)]
