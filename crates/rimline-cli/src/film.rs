@@ -72,16 +72,16 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));
-    let mut casters = Casters::new(&gpu, &pictures.pipelines, set.samples(), scene.volumes).on(&gpu)?;
+    let mut casters = Casters::new(&resources, &pictures.pipelines, set.samples(), scene.volumes).on(&gpu)?;
     let mut most: ShadowStatistics = bytemuck::Zeroable::zeroed();
     for frame in 0..frames {
         let output = output.take().map_or_else(|| Output::create(&file(frame)), Ok)?;
         set.pose(&gpu, time(frame))?;
-        casters.place(&gpu, &set.bodies)?;
-        set.cast(&gpu, &resources, &mut casters, None).on(&gpu)?;
-        set.count_layers(&gpu, &mut casters)?;
-        let picture = shadow::picture(&gpu, &resources, &pictures, &mut set, &mut casters).on(&gpu)?;
-        let found = casters.shadows.statistics(&gpu).on(&gpu)?;
+        casters.place(&set.bodies)?;
+        set.cast(&mut casters, None).on(&gpu)?;
+        set.count_layers(&mut casters)?;
+        let picture = shadow::picture(&pictures, &mut set, &mut casters).on(&gpu)?;
+        let found = casters.shadows.statistics().on(&gpu)?;
         most.count_bound = most.count_bound.max(found.count_bound);
         most.may_wrap = most.may_wrap.max(found.may_wrap);
         gpu.check()?;

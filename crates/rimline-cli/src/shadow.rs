@@ -100,14 +100,15 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let masks = args.mask.as_ref().map(|_| Masks::new(&resources, &method)).transpose().on(&gpu)?;
     let pipelines = pictures.as_ref().map(|p| &p.pipelines).or(masks.as_ref().map(|m| &m.pipelines));
     let Some(pipelines) = pipelines else { return Ok(()) };
-    let mut casters = Casters::new(&gpu, pipelines, set.samples(), scene.volumes && pictures.is_some()).on(&gpu)?;
+    let mut casters =
+        Casters::new(&resources, pipelines, set.samples(), scene.volumes && pictures.is_some()).on(&gpu)?;
     times.add("pipelines", begin.elapsed().as_secs_f64() * 1e3);
-    times.measure("topology", || casters.place(&gpu, &set.bodies))?;
+    times.measure("topology", || casters.place(&set.bodies))?;
     let mut covered = None;
     if args.hide_covered {
         progress.step("looking for covered faces");
         let found = times.measure("covered", || CoveredFaces::find(&set.bodies, &set.ranged()))?;
-        casters.leave_out(&gpu, &set.bodies, &found)?;
+        casters.leave_out(&set.bodies, &found)?;
         covered = Some(found);
     }
     progress.step("drawing");
@@ -119,11 +120,11 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     }
     let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
     let begin = Instant::now();
-    set.cast(&gpu, &resources, &mut casters, timer.as_mut()).on(&gpu)?;
+    set.cast(&mut casters, timer.as_mut()).on(&gpu)?;
     gpu.wait()?;
     let all_stages = begin.elapsed().as_secs_f64() * 1e3;
-    set.count_layers(&gpu, &mut casters)?;
-    if let Some(found) = casters.shadows.depths_found(&gpu).on(&gpu)?
+    set.count_layers(&mut casters)?;
+    if let Some(found) = casters.shadows.depths_found().on(&gpu)?
         && let Some(step) = found.warn_if_busy(&progress)
     {
         progress.step(step);
@@ -131,20 +132,20 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     times.add_stages(&gpu, timer.as_ref(), all_stages).on(&gpu)?;
     if args.json {
         let drawn = (pictures.as_ref(), masks.as_ref());
-        times.measure("compile", || trial(&gpu, &resources, drawn, &set.trial(&casters)))?;
+        times.measure("compile", || trial(&gpu, drawn, &set.trial(&casters)))?;
     }
     if let Some(pictures) = &pictures {
-        let drawn = || picture(&gpu, &resources, pictures, &mut set, &mut casters);
+        let drawn = || picture(pictures, &mut set, &mut casters);
         files.finish_picture(&gpu, &times.measure("picture", drawn).on(&gpu)?)?;
     }
     if let Some(masks) = &masks {
         files.finish_masks(&gpu, |light| {
-            let drawn = || mask(&gpu, &resources, masks, &set.subject(&casters), set.samples_of(light));
+            let drawn = || mask(masks, &set.subject(&casters), set.samples_of(light));
             times.measure("masks", drawn).on(&gpu)
         })?;
     }
     files.finish_maps(&gpu, &casters, origin)?;
-    let report = Report::read(&gpu, &set, &casters, covered.as_ref()).on(&gpu)?;
+    let report = Report::read(&set, &casters, covered.as_ref()).on(&gpu)?;
     gpu.check()?;
     drop(progress);
     depth::warn_of_wrapping(report.all);
@@ -155,17 +156,12 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
 /// Draws once, and shows it to nobody, so that the driver has compiled everything before times are taken.
 fn trial(
     gpu: &Gpu,
-    resources: &RenderResources<'_>,
     (pictures, masks): (Option<&Pictures>, Option<&Masks>),
-    inputs: &DrawInputs<'_>,
+    subject: &DrawInputs<'_>,
 ) -> Result<(), Failure> {
     let mut encoder = gpu.encoder("trial");
-    if let Some(pictures) = pictures {
-        pictures.record(&mut encoder, resources, inputs, 0).on(gpu)?;
-    }
-    if let Some(masks) = masks {
-        masks.record(&mut encoder, resources, inputs, 0).on(gpu)?;
-    }
+    pictures.map_or(Ok(()), |pictures| pictures.record(&mut encoder, subject, 0)).on(gpu)?;
+    masks.map_or(Ok(()), |masks| masks.record(&mut encoder, subject, 0).map(drop)).on(gpu)?;
     gpu.submit(encoder);
     gpu.wait()
 }
@@ -173,42 +169,36 @@ fn trial(
 /// Draws and reads a picture of what was encoded and submitted, in parts if it has them; what was encoded is the same
 /// afterwards.
 pub(crate) fn picture(
-    gpu: &Gpu,
-    resources: &RenderResources<'_>,
     pictures: &Pictures,
     set: &mut ShadowScene<'_>,
-    casters: &mut Casters,
+    casters: &mut Casters<'_>,
 ) -> Result<Picture, GpuError> {
+    let gpu = casters.gpu();
     let mut encoder = gpu.encoder("picture");
     if set.is_in_parts() {
         for part in 0..PARTS {
             set.take_part(Some(part));
-            set.encode_lights(gpu, &mut encoder, resources, casters, None)?;
-            pictures.record(&mut encoder, resources, &set.subject(casters), part)?;
+            set.encode_lights(&mut encoder, casters, None)?;
+            pictures.record(&mut encoder, &set.subject(casters), part)?;
             gpu.submit(std::mem::replace(&mut encoder, gpu.encoder("picture")));
         }
         set.take_part(None);
-        set.encode_lights(gpu, &mut encoder, resources, casters, None)?;
+        set.encode_lights(&mut encoder, casters, None)?;
     } else {
-        pictures.record(&mut encoder, resources, &set.subject(casters), 0)?;
+        pictures.record(&mut encoder, &set.subject(casters), 0)?;
     }
-    let texture = pictures.develop(&mut encoder, resources);
+    let texture = pictures.develop(&mut encoder, casters);
     gpu.submit(encoder);
     Picture::read(gpu, texture)
 }
 
 /// A light's mask: the mean of its samples'.
-fn mask(
-    gpu: &Gpu,
-    resources: &RenderResources<'_>,
-    masks: &Masks,
-    subject: &DrawInputs<'_>,
-    samples: std::ops::Range<usize>,
-) -> Result<Picture, GpuError> {
+fn mask(masks: &Masks, subject: &DrawInputs<'_>, samples: std::ops::Range<usize>) -> Result<Picture, GpuError> {
+    let gpu = subject.casters.gpu();
     let mut pictures = Vec::with_capacity(samples.len());
     for light in samples {
         let mut encoder = gpu.encoder("mask");
-        let texture = masks.record(&mut encoder, resources, subject, light)?;
+        let texture = masks.record(&mut encoder, subject, light)?;
         gpu.submit(encoder);
         pictures.push(Picture::read(gpu, texture)?);
     }

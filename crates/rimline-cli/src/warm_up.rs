@@ -49,9 +49,9 @@ pub(crate) fn shadow_stages(
     };
     let body = [PosedModel::new(gpu, &input, &[], 0.0, None)?];
     let mut shadows = casters::shadows(gpu, pipelines, lights.len()).on(gpu)?;
-    shadows.place(gpu, &body)?;
+    shadows.place(&body)?;
     let mut encoder = gpu.encoder("warm up");
-    let inputs = CastInputs { gpu, bodies: &body, seen, camera, lights };
+    let inputs = CastInputs { bodies: &body, seen, camera, lights };
     shadows.encode(&mut encoder, inputs, None).on(gpu)?;
     gpu.submit(encoder);
     gpu.wait()

@@ -19,8 +19,9 @@ use crate::gpu_error::{GpuError, On as _};
 use crate::render::check_model;
 
 /// Resources that draw all bodies and make them cast shadows.
-pub(crate) struct Casters {
-    pub(crate) shadows: Box<dyn Shadows>,
+pub(crate) struct Casters<'a> {
+    pub(super) resources: &'a RenderResources<'a>,
+    pub(crate) shadows: Box<dyn Shadows + 'a>,
     /// A receiver for each body, once it was bound.
     pub(super) receivers: Vec<Receiver>,
     /// Where volumes are shown, the silhouettes of each body by itself: of all its faces, or without covered faces of those
@@ -30,31 +31,40 @@ pub(crate) struct Casters {
 }
 
 /// Casters whose shadows are drawn with these pipelines.
-pub(crate) fn shadows(gpu: &Gpu, pipelines: &VolumePipelines, max_lights: usize) -> Result<Box<dyn Shadows>, GpuError> {
+pub(crate) fn shadows<'a>(
+    gpu: &'a Gpu,
+    pipelines: &VolumePipelines,
+    max_lights: usize,
+) -> Result<Box<dyn Shadows + 'a>, GpuError> {
     Ok(match pipelines {
         VolumePipelines::Scene(pipelines, _) => Box::new(SceneShadows::new(gpu, pipelines.counting(), max_lights)?),
-        VolumePipelines::Depth(maps, from) => Box::new(DepthShadows::new(maps, from, max_lights)),
+        VolumePipelines::Depth(maps, from) => Box::new(DepthShadows::new(gpu, maps, from, max_lights)),
     })
 }
 
-impl Casters {
+impl<'a> Casters<'a> {
     pub(crate) fn new(
-        gpu: &Gpu,
+        resources: &'a RenderResources<'a>,
         pipelines: &VolumePipelines,
         max_lights: usize,
         shows_volumes: bool,
     ) -> Result<Self, GpuError> {
-        let shadows = shadows(gpu, pipelines, max_lights)?;
+        let shadows = shadows(resources.factory.gpu, pipelines, max_lights)?;
         let shown = (shows_volumes && !matches!(pipelines, VolumePipelines::Depth(..))).then(Vec::new);
-        Ok(Self { shadows, receivers: Vec::new(), shown, max_lights })
+        Ok(Self { resources, shadows, receivers: Vec::new(), shown, max_lights })
+    }
+
+    pub(super) fn gpu(&self) -> &'a Gpu {
+        self.resources.factory.gpu
     }
 
     /// Takes the bodies with the faces that they have now.
-    pub(crate) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+    pub(crate) fn place(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+        let gpu = self.gpu();
         for body in bodies {
             check_model(gpu, body.faces.len(), body.world.len()).on(gpu)?;
         }
-        self.shadows.place(gpu, bodies)?;
+        self.shadows.place(bodies)?;
         let Some(shown) = &mut self.shown else { return Ok(()) };
         for (number, body) in bodies.iter().enumerate() {
             if !shown.get(number).is_some_and(|(.., old)| old.is_of(body)) {
@@ -65,12 +75,8 @@ impl Casters {
     }
 
     /// Leaves out covered faces, for bodies that are placed and stay where they are.
-    pub(super) fn leave_out(
-        &mut self,
-        gpu: &Gpu,
-        bodies: &[PosedModel<'_>],
-        covered: &CoveredFaces,
-    ) -> Result<(), Failure> {
+    pub(super) fn leave_out(&mut self, bodies: &[PosedModel<'_>], covered: &CoveredFaces) -> Result<(), Failure> {
+        let gpu = self.gpu();
         self.shadows.leave_out(covered).on(gpu)?;
         let Some(shown) = &mut self.shown else { return Ok(()) };
         shown.clear();
@@ -101,14 +107,9 @@ impl Casters {
 
     /// Makes the bodies ready to be drawn in their current pose, and seen from the eye. Encoded commands must have been
     /// submitted.
-    pub(super) fn bind(
-        &mut self,
-        resources: &RenderResources<'_>,
-        bodies: &[PosedModel<'_>],
-        eye: Vec3,
-    ) -> Result<(), GpuError> {
-        let masks = self.shadows.facing(resources.factory.gpu, bodies)?;
-        let receiver = |(number, (body, masks))| Receiver::new(resources, body, number, masks, eye);
+    pub(super) fn bind(&mut self, bodies: &[PosedModel<'_>], eye: Vec3) -> Result<(), GpuError> {
+        let masks = self.shadows.facing(bodies)?;
+        let receiver = |(number, (body, masks))| Receiver::new(self.resources, body, number, masks, eye);
         self.receivers = bodies.iter().zip(&masks).enumerate().map(receiver).collect();
         Ok(())
     }

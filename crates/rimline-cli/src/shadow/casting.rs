@@ -6,12 +6,10 @@ use rimline::gpu::{LightHandle, Scene, ShadowError};
 use rimline::{Light, LightError, ShadowCamera, wgpu};
 
 use super::posed_model::PosedModel;
-use crate::device::Gpu;
 
 /// The casters of a frame, the viewer's camera, and the lights.
 #[derive(Clone, Copy)]
 pub(crate) struct CastInputs<'a> {
-    pub(crate) gpu: &'a Gpu,
     pub(crate) bodies: &'a [PosedModel<'a>],
     /// Bodies that depth maps of the lights must see: `bodies`, or those that they stand in for.
     pub(crate) seen: &'a [PosedModel<'a>],

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rimline::gpu::StageTimer;
 use rimline::gpu::depth_map::{DepthMapPipelines, MeshDepth};
 use rimline::reference::layout::ShadowStatistics;
-use rimline::{Counting, DepthDirection, Origin, ShadowCamera, wgpu};
+use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
 
 use super::casting::{CastInputs, FacingMasks, put};
 use super::extracted::Extracted;
@@ -21,7 +21,8 @@ use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
 use crate::npz::DepthMapArrays;
 
-pub(crate) struct DepthShadows {
+pub(crate) struct DepthShadows<'a> {
+    gpu: &'a Gpu,
     pipelines: Arc<DepthMapPipelines>,
     from: FromDepth,
     max_lights: usize,
@@ -38,15 +39,16 @@ struct File {
     surface: Extracted,
 }
 
-impl DepthShadows {
-    pub(super) fn new(pipelines: &Arc<DepthMapPipelines>, from: &FromDepth, max_lights: usize) -> Self {
+impl<'a> DepthShadows<'a> {
+    pub(super) fn new(gpu: &'a Gpu, pipelines: &Arc<DepthMapPipelines>, from: &FromDepth, max_lights: usize) -> Self {
         let (files, lights) = (Vec::new(), Vec::new());
-        Self { pipelines: Arc::clone(pipelines), from: from.clone(), max_lights, files, lights }
+        Self { gpu, pipelines: Arc::clone(pipelines), from: from.clone(), max_lights, files, lights }
     }
 }
 
-impl Shadows for DepthShadows {
-    fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+impl Shadows for DepthShadows<'_> {
+    fn place(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+        let gpu = self.gpu;
         for (number, body) in bodies.iter().enumerate() {
             if self.files.get(number).is_some_and(|file| file.surface.is_of(body)) {
                 continue;
@@ -63,14 +65,14 @@ impl Shadows for DepthShadows {
     fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        CastInputs { gpu, bodies, seen, camera, lights }: CastInputs<'_>,
+        CastInputs { bodies, seen, camera, lights }: CastInputs<'_>,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         for (file, body) in self.files.iter_mut().zip(bodies) {
             file.surface.encode(encoder, body, lights, timer.as_deref_mut())?;
         }
         let points = points(seen);
-        let Self { pipelines, from, files, lights: made, .. } = self;
+        let Self { gpu, pipelines, from, files, lights: made, .. } = self;
         for (number, light) in lights.iter().enumerate() {
             let cameras = match &from.source {
                 MapSource::Drawn { side } => LightCameras::new(light, &points, *side)?,
@@ -94,31 +96,31 @@ impl Shadows for DepthShadows {
     }
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &VolumePipelines, light: usize) -> Result<(), GpuError> {
-        let VolumePipelines::Depth(own, _) = pipelines else { return Err(pipelines.refuse(Counting::Auto)) };
+        let VolumePipelines::Depth(own, _) = pipelines else { return Ok(()) };
         let frame = self.lights.get(light).and_then(|maps| maps.frame.as_ref());
         Ok(frame.map_or(Ok(()), |frame| frame.draw(pass, own))?)
     }
 
-    fn facing(&self, _: &Gpu, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
+    fn facing(&self, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
         Ok(self.files.iter().zip(bodies).map(|(file, body)| file.surface.facing(body)).collect())
     }
 
-    fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, GpuError> {
+    fn found(&self) -> Result<Vec<Found>, GpuError> {
         let of_file = |file: &File| {
-            let (silhouettes, extraction) = file.surface.found(gpu, self.max_lights)?;
+            let (silhouettes, extraction) = file.surface.found(self.gpu, self.max_lights)?;
             let lights = vec![Choice { casting: "depth map", counting: "parity" }; self.max_lights];
-            Ok(Found { lights, silhouettes, extraction, shadow: self.statistics(gpu)?, is_whole: true })
+            Ok(Found { lights, silhouettes, extraction, shadow: self.statistics()?, is_whole: true })
         };
         self.files.iter().map(of_file).collect()
     }
 
     /// No volume of a mesh, and a count of 0 or 1.
-    fn statistics(&self, _: &Gpu) -> Result<ShadowStatistics, GpuError> {
+    fn statistics(&self) -> Result<ShadowStatistics, GpuError> {
         Ok(ShadowStatistics { count_bound: 1, ..bytemuck::Zeroable::zeroed() })
     }
 
-    fn depths_found(&self, gpu: &Gpu) -> Result<Option<DepthsFound>, GpuError> {
-        let lights = self.lights.iter().map(|maps| maps.found(gpu)).collect::<Result<_, _>>()?;
+    fn depths_found(&self) -> Result<Option<DepthsFound>, GpuError> {
+        let lights = self.lights.iter().map(|maps| maps.found(self.gpu)).collect::<Result<_, _>>()?;
         Ok(Some(DepthsFound { size: self.from.size(), has_walls: self.from.has_walls(), lights }))
     }
 
@@ -126,8 +128,8 @@ impl Shadows for DepthShadows {
         self.lights.get(light).and_then(LightMaps::shown)
     }
 
-    fn saved_maps(&self, gpu: &Gpu, light: usize, origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
-        self.lights.get(light).map(|maps| maps.saved(gpu, origin)).transpose()
+    fn saved_maps(&self, light: usize, origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
+        self.lights.get(light).map(|maps| maps.saved(self.gpu, origin)).transpose()
     }
 }
 

@@ -54,12 +54,8 @@ impl Overlay {
         Self { layout, passes }
     }
 
-    pub(super) fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        resources: &RenderResources<'_>,
-        subject: &DrawInputs<'_>,
-    ) -> Result<(), GpuError> {
+    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, subject: &DrawInputs<'_>) -> Result<(), GpuError> {
+        let resources = subject.casters.resources;
         for light in 0..subject.samples {
             for extraction in subject.casters.shown(light) {
                 let group = extraction.bind_group(&self.layout, light / 32)?;

@@ -3,6 +3,7 @@
 use rimline::wgpu;
 use wgpu::{ColorWrites, CompareFunction, StencilFaceState, TextureFormat, TextureUsages};
 
+use super::casters::Casters;
 use super::depth::depth_format;
 use super::frame::{PARTS, Part};
 use super::overlay::Overlay;
@@ -91,51 +92,37 @@ impl Pictures {
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        resources: &RenderResources<'_>,
         subject: &DrawInputs<'_>,
         part: usize,
     ) -> Result<(), GpuError> {
-        let DrawInputs { casters, has_ground, samples, .. } = *subject;
-        let Self { pipelines, .. } = self;
+        let shadows = &subject.casters.shadows;
         let attachments = &self.attachments[part];
-        {
-            let mut pass = subject.begin(attachments.pass(encoder, "ambient", Some(wgpu::Color::BLACK), None));
-            resources.select(&mut pass, 0);
-            pass.set_pipeline(&self.backdrop);
-            pass.draw(0..3, 0..1);
-            self.ambient.paint(&mut pass, casters, 0, has_ground);
-        }
-        for light in 0..samples {
+        let mut pass = subject.begin(attachments.pass(encoder, "ambient", Some(wgpu::Color::BLACK), None));
+        subject.casters.resources.factory.draw(&mut pass, &self.backdrop, &[], 3);
+        self.ambient.paint(&mut pass, subject, 0);
+        drop(pass);
+        for light in 0..subject.samples {
             let mut pass = subject.begin(attachments.pass(encoder, "light", None, None));
             if self.shade.is_none() {
-                casters.shadows.draw(&mut pass, pipelines, light)?;
+                shadows.draw(&mut pass, &self.pipelines, light)?;
             }
-            resources.select(&mut pass, light);
-            self.lit.paint(&mut pass, casters, light, has_ground);
+            self.lit.paint(&mut pass, subject, light);
         }
-        if let Some(shade) = &self.shade {
-            for light in 0..samples {
-                let mut pass = subject.begin(attachments.pass(encoder, "shade", None, None));
-                casters.shadows.draw(&mut pass, pipelines, light)?;
-                resources.select(&mut pass, light);
-                for receivers in shade {
-                    receivers.paint(&mut pass, casters, light, has_ground);
-                }
-            }
+        for (light, shade) in (0..subject.samples).flat_map(|light| self.shade.iter().map(move |shade| (light, shade)))
+        {
+            let mut pass = subject.begin(attachments.pass(encoder, "shade", None, None));
+            shadows.draw(&mut pass, &self.pipelines, light)?;
+            shade.iter().for_each(|receivers| receivers.paint(&mut pass, subject, light));
         }
         let mut pass = subject.begin(attachments.pass(encoder, "resolve", None, self.resolved.as_ref()));
-        self.overlay.as_ref().map_or(Ok(()), |overlay| overlay.draw(&mut pass, resources, subject))
+        self.overlay.as_ref().map_or(Ok(()), |overlay| overlay.draw(&mut pass, subject))
     }
 
     /// Records how the light becomes a picture, and returns its texture.
-    pub(crate) fn develop(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        resources: &RenderResources<'_>,
-    ) -> &wgpu::Texture {
+    pub(crate) fn develop(&self, encoder: &mut wgpu::CommandEncoder, casters: &Casters<'_>) -> &wgpu::Texture {
         let (target, black) = (view(&self.finished), Some(wgpu::Color::BLACK));
         let mut pass = color_pass(encoder, "tone", (&target, None), black, None);
-        resources.factory.draw(&mut pass, &self.tone.0, &[&self.tone.1], 3);
+        casters.resources.factory.draw(&mut pass, &self.tone.0, &[&self.tone.1], 3);
         drop(pass);
         &self.finished
     }
@@ -203,19 +190,15 @@ impl Masks {
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        resources: &RenderResources<'_>,
         subject: &DrawInputs<'_>,
         light: usize,
     ) -> Result<&wgpu::Texture, GpuError> {
-        let DrawInputs { casters, has_ground, .. } = *subject;
         let grey = 128.0 / 255.0;
         let nothing = wgpu::Color { r: grey, g: grey, b: grey, a: 1.0 };
         let mut pass = subject.begin(self.attachments.pass(encoder, "mask", Some(nothing), None));
-        resources.select(&mut pass, light);
-        self.dark.paint(&mut pass, casters, light, has_ground);
-        casters.shadows.draw(&mut pass, &self.pipelines, light)?;
-        resources.select(&mut pass, light);
-        self.lit.paint(&mut pass, casters, light, has_ground);
+        self.dark.paint(&mut pass, subject, light);
+        subject.casters.shadows.draw(&mut pass, &self.pipelines, light)?;
+        self.lit.paint(&mut pass, subject, light);
         Ok(&self.finished)
     }
 }

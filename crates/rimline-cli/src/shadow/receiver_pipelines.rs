@@ -3,9 +3,8 @@
 use rimline::wgpu;
 use wgpu::{BlendState, ColorWrites, CompareFunction, StencilOperation, TextureFormat};
 
-use super::casters::Casters;
 use super::depth::depth_format;
-use super::render_resources::RenderResources;
+use super::render_resources::{DrawInputs, RenderResources};
 use crate::render::pipeline_factory::{Pass, depth_state};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,13 +54,14 @@ impl ReceiverPipelines {
         }
     }
 
-    /// Draws everything for one light; groups 0 and 1 must be the frame's and the light's.
-    pub(super) fn paint(&self, pass: &mut wgpu::RenderPass<'_>, casters: &Casters, light: usize, has_ground: bool) {
+    /// Draws everything for one light.
+    pub(super) fn paint(&self, pass: &mut wgpu::RenderPass<'_>, subject: &DrawInputs<'_>, light: usize) {
+        subject.casters.resources.select(pass, light);
         pass.set_pipeline(&self.surface);
-        for receiver in &casters.receivers {
+        for receiver in &subject.casters.receivers {
             receiver.draw(pass, light);
         }
-        if has_ground {
+        if subject.has_ground {
             pass.set_pipeline(&self.ground);
             pass.draw(0..12, 0..1);
         }

@@ -25,7 +25,7 @@ pub(crate) struct RenderResources<'a> {
 }
 
 pub(crate) struct DrawInputs<'a> {
-    pub(crate) casters: &'a Casters,
+    pub(crate) casters: &'a Casters<'a>,
     /// Samples of all lights together.
     pub(crate) samples: usize,
     pub(crate) has_ground: bool,

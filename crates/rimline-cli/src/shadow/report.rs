@@ -16,7 +16,7 @@ use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
 use super::shadows::Found;
 use crate::coordinates;
-use crate::device::{Gpu, describe};
+use crate::device::describe;
 use crate::gpu_error::GpuError;
 use crate::report::{self, Lines};
 use crate::shadow::args::{ShadowSceneArgs, value_name};
@@ -61,23 +61,22 @@ fn covered_json(covered: &HiddenStatistics) -> Value {
 impl Report {
     /// Waits for the device.
     pub(super) fn read(
-        gpu: &Gpu,
         set: &ShadowScene<'_>,
-        casters: &Casters,
+        casters: &Casters<'_>,
         covered: Option<&CoveredFaces>,
     ) -> Result<Self, GpuError> {
         let (samples, origin) = (set.samples(), set.bodies.first().map_or(Origin::ZERO, |body| body.input.origin));
-        let found = casters.shadows.found(gpu)?;
+        let found = casters.shadows.found()?;
         let file = |(body, found): (&PosedModel<'_>, Found)| File {
             name: body.input.file.display().to_string(),
             faces: body.faces.len(),
             found,
         };
         Ok(Self {
-            adapter: describe(&gpu.info),
+            adapter: describe(&casters.gpu().info),
             origin,
             files: set.bodies.iter().zip(found).map(file).collect(),
-            all: casters.shadows.statistics(gpu)?,
+            all: casters.shadows.statistics()?,
             lights: set
                 .shaded_lights
                 .iter()
@@ -86,7 +85,7 @@ impl Report {
             samples: samples / set.shaded_lights.len().max(1),
             covered: covered.map(|covered| covered.found.iter().map(HiddenFaces::statistics).collect()),
             left_out: casters.shadows.left_out(),
-            depth: casters.shadows.depths_found(gpu)?,
+            depth: casters.shadows.depths_found()?,
         })
     }
 

@@ -92,9 +92,9 @@ impl ResultFiles {
     }
 
     /// Writes the depth maps of each light as they were drawn.
-    pub(super) fn finish_maps(&mut self, gpu: &Gpu, casters: &Casters, origin: Origin) -> Result<(), Failure> {
+    pub(super) fn finish_maps(&mut self, gpu: &Gpu, casters: &Casters<'_>, origin: Origin) -> Result<(), Failure> {
         for (light, output) in std::mem::take(&mut self.maps).into_iter().enumerate() {
-            let maps = casters.shadows.saved_maps(gpu, light, origin).on(gpu)?;
+            let maps = casters.shadows.saved_maps(light, origin).on(gpu)?;
             gpu.check()?;
             maps.map_or(Ok(()), |maps| output.finish(|file| maps.write(file)))?;
         }

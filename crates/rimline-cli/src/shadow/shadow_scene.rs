@@ -12,7 +12,7 @@ use super::casting::CastInputs;
 use super::depth::{Seen, depth_format};
 use super::frame::{Frame, PARTS, Part, part_camera, unit};
 use super::posed_model::PosedModel;
-use super::render_resources::{DrawInputs, RenderResources};
+use super::render_resources::DrawInputs;
 use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
 use crate::device::{self, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
@@ -197,13 +197,12 @@ impl<'a> ShadowScene<'a> {
         data
     }
 
-    pub(crate) fn subject(&'a self, casters: &'a Casters) -> DrawInputs<'a> {
-        let has_ground = self.frame().sees_ground();
-        DrawInputs { casters, samples: self.samples(), has_ground, is_trial: false }
+    pub(crate) fn subject<'b>(&self, casters: &'b Casters<'b>) -> DrawInputs<'b> {
+        DrawInputs { casters, samples: self.samples(), has_ground: self.frame().sees_ground(), is_trial: false }
     }
 
     /// The same with one pixel of one light.
-    pub(crate) fn trial(&'a self, casters: &'a Casters) -> DrawInputs<'a> {
+    pub(crate) fn trial<'b>(&self, casters: &'b Casters<'b>) -> DrawInputs<'b> {
         DrawInputs { samples: self.samples().min(1), is_trial: true, ..self.subject(casters) }
     }
 
@@ -220,24 +219,19 @@ impl<'a> ShadowScene<'a> {
     }
 
     /// Finds what the casters need for the posed at hand, and makes them ready to be drawn.
-    pub(crate) fn cast(
-        &self,
-        gpu: &Gpu,
-        resources: &RenderResources<'_>,
-        casters: &mut Casters,
-        mut timer: Option<&mut StageTimer>,
-    ) -> Result<(), GpuError> {
+    pub(crate) fn cast(&self, casters: &mut Casters<'_>, mut timer: Option<&mut StageTimer>) -> Result<(), GpuError> {
+        let gpu = casters.gpu();
         let mut encoder = gpu.encoder("cast");
-        self.encode_lights(gpu, &mut encoder, resources, casters, timer.as_deref_mut())?;
+        self.encode_lights(&mut encoder, casters, timer.as_deref_mut())?;
         if let Some(timer) = timer {
             timer.resolve(&mut encoder);
         }
         gpu.submit(encoder);
-        casters.bind(resources, &self.bodies, self.camera.eye)
+        casters.bind(&self.bodies, self.camera.eye)
     }
 
     /// Sees to it that what lies over each other is counted, after [`Self::cast`]. Waits for the device.
-    pub(crate) fn count_layers(&mut self, gpu: &Gpu, casters: &mut Casters) -> Result<(), Failure> {
+    pub(crate) fn count_layers(&mut self, casters: &mut Casters<'_>) -> Result<(), Failure> {
         let mut all = self.ranged();
         if self.is_in_parts() {
             for part in 0..PARTS {
@@ -246,24 +240,23 @@ impl<'a> ShadowScene<'a> {
             }
             self.take_part(None);
         }
-        let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
-        let (bodies, seen) = (&self.bodies[..], &self.bodies[..]);
-        casters.shadows.count_layers(CastInputs { gpu, bodies, seen, camera: &camera, lights: &lights }, &all)
+        self.with_inputs(|inputs| casters.shadows.count_layers(inputs, &all))
     }
 
     /// Records the same for bodies that are where they were.
     pub(crate) fn encode_lights(
         &self,
-        gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        resources: &RenderResources<'_>,
-        casters: &mut Casters,
+        casters: &mut Casters<'_>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        resources.set(&self.frame(), &self.shaded_light_data());
+        casters.resources.set(&self.frame(), &self.shaded_light_data());
+        self.with_inputs(|inputs| casters.encode(encoder, inputs, timer))
+    }
+
+    fn with_inputs<T>(&self, run: impl FnOnce(CastInputs<'_>) -> T) -> T {
         let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
-        let (bodies, seen) = (&self.bodies[..], &self.bodies[..]);
-        casters.encode(encoder, CastInputs { gpu, bodies, seen, camera: &camera, lights: &lights }, timer)
+        run(CastInputs { bodies: &self.bodies, seen: &self.bodies, camera: &camera, lights: &lights })
     }
 }
 
