@@ -44,12 +44,12 @@ use crate::target::Inputs;
 use crate::times::Times;
 use crate::warm_up;
 use args::{CountingArg, ShadowArgs, value_name};
-use casters::Casters;
+use casters::{Casters, DrawInputs};
 use covered::CoveredFaces;
 use frame::PARTS;
 use from_depth::FromDepth;
 use pictures::{Masks, Pictures};
-use render_resources::{DrawInputs, RenderResources};
+use render_resources::RenderResources;
 use report::Report;
 use result_files::ResultFiles;
 use shadow_scene::{ShadowInputs, ShadowScene};
@@ -69,7 +69,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     for animations in &props.animations {
         note_idle_time(&scene.posed.pose, animations, props.displacement.as_ref());
     }
-    let from_depth = times.measure("load", || args.depth_maps(origin))?;
+    let from_depth = times.measure("load", || FromDepth::of(args, origin))?;
     let given = from_depth.as_ref().and_then(FromDepth::given);
     let inputs = Inputs::new(props.files(scene).chain(args.depth.as_deref()));
     let mut files = ResultFiles::begin(args, &inputs)?;

@@ -1,18 +1,14 @@
 //! The command lines of `rimline shadow` and `rimline film`.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
+use rimline::Counting;
 use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
-use rimline::{Counting, Origin};
 
 use crate::coordinates::Coordinate;
-use crate::failure::Failure;
 use crate::input_args::{MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
 use crate::load_args::LoadArgs;
-use crate::shadow::from_depth::{FromDepth, MapSource};
-use crate::shadow::given_map::GivenMap;
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -236,24 +232,6 @@ pub(crate) struct ShadowArgs {
     /// Print the chosen methods, counts and times as JSON
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-impl ShadowArgs {
-    /// The depth maps that cast, if there are any, relative to the origin. Reads the file of `--depth`.
-    pub(crate) fn depth_maps(&self, origin: Origin) -> Result<Option<FromDepth>, Failure> {
-        // With every cell, a given map may cast objects that are not among the models.
-        let usual = if self.from_depth.is_some() { DepthMapMethod::default() } else { DepthMapMethod::EveryCell };
-        let method = self.detector.unwrap_or(usual);
-        let source = match (self.from_depth, &self.depth) {
-            (Some(side), _) => MapSource::Drawn { side },
-            (None, Some(file)) => {
-                let limit = self.scene.load.memory_limit;
-                MapSource::Given(Arc::new(GivenMap::read(file, method, limit, origin)?))
-            }
-            (None, None) => return Ok(None),
-        };
-        Ok(Some(FromDepth::new(source, method, self.dangling)?))
-    }
 }
 
 const SHADOW_EXAMPLES: &str = concat!(

@@ -120,3 +120,21 @@ impl<'a> Casters<'a> {
         of_light.filter_map(|(.., shown)| shown.extraction.as_ref())
     }
 }
+
+pub(crate) struct DrawInputs<'a> {
+    pub(crate) casters: &'a Casters<'a>,
+    /// Samples of all lights together.
+    pub(crate) samples: usize,
+    pub(crate) has_ground: bool,
+    /// Only one pixel is drawn, so that the device compiles the shaders.
+    pub(crate) is_trial: bool,
+}
+
+impl DrawInputs<'_> {
+    pub(super) fn begin<'e>(&self, mut pass: wgpu::RenderPass<'e>) -> wgpu::RenderPass<'e> {
+        if self.is_trial {
+            pass.set_scissor_rect(0, 0, 1, 1);
+        }
+        pass
+    }
+}

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod, DepthMapOptions};
-use rimline::{Light, wgpu};
+use rimline::{Light, Origin, wgpu};
 
+use super::args::ShadowArgs;
 use super::given_map::GivenMap;
 use super::light_maps::LightCameras;
 use super::posed_model::PosedModel;
-use crate::failure::UsageError;
+use crate::failure::{Failure, UsageError};
 use crate::gpu_error::GpuError;
 use crate::output::note;
 use crate::progress::Progress;
@@ -33,6 +34,22 @@ pub(crate) enum MapSource {
 }
 
 impl FromDepth {
+    /// The depth maps that cast, if there are any, relative to the origin. Reads the file of `--depth`.
+    pub(crate) fn of(args: &ShadowArgs, origin: Origin) -> Result<Option<Self>, Failure> {
+        // With every cell, a given map may cast objects that are not among the models.
+        let usual = if args.from_depth.is_some() { DepthMapMethod::default() } else { DepthMapMethod::EveryCell };
+        let method = args.detector.unwrap_or(usual);
+        let source = match (args.from_depth, &args.depth) {
+            (Some(side), _) => MapSource::Drawn { side },
+            (None, Some(file)) => {
+                let limit = args.scene.load.memory_limit;
+                MapSource::Given(Arc::new(GivenMap::read(file, method, limit, origin)?))
+            }
+            (None, None) => return Ok(None),
+        };
+        Ok(Some(Self::new(source, method, args.dangling)?))
+    }
+
     /// Refuses what has no sensible result: six maps around a light have so near a near plane that all device depths are much the
     /// same.
     pub(crate) fn check(&self, lights: &[Light], bodies: &[PosedModel<'_>]) -> Result<(), UsageError> {
@@ -47,7 +64,7 @@ impl FromDepth {
     }
 
     /// Refuses edges that are continued where none can be.
-    pub(crate) fn new(
+    fn new(
         source: MapSource,
         mut method: DepthMapMethod,
         continued: Option<DanglingEdges>,

@@ -4,9 +4,9 @@ use rimline::gpu::{include_wgsl, results_bind_group_layout};
 use rimline::wgpu;
 use wgpu::{BlendState, CompareFunction, DepthBiasState, PrimitiveTopology, StencilFaceState};
 
+use super::casters::DrawInputs;
 use super::depth::depth_format;
-use super::receiver_pipelines::Target;
-use super::render_resources::{DrawInputs, RenderResources};
+use super::render_resources::{RenderResources, Target};
 use super::shown_maps::ShownDepths;
 use crate::gpu_error::GpuError;
 use crate::render::pipeline_factory::{Pass, READ_ONLY, UNIFORM, depth_state, read_texture};

@@ -3,12 +3,12 @@
 use rimline::wgpu;
 use wgpu::{ColorWrites, CompareFunction, StencilFaceState, TextureFormat, TextureUsages};
 
-use super::casters::Casters;
+use super::casters::{Casters, DrawInputs};
 use super::depth::depth_format;
 use super::frame::{PARTS, Part};
 use super::overlay::Overlay;
-use super::receiver_pipelines::{Onto, ReceiverPipelines, Target};
-use super::render_resources::{Attachments, DrawInputs, RenderResources};
+use super::receiver_pipelines::{Onto, ReceiverPipelines};
+use super::render_resources::{Attachments, RenderResources, Target};
 use super::shadows::{ShadowMethod, VolumePipelines};
 use crate::gpu_error::GpuError;
 use crate::render::pipeline_factory::{

@@ -3,8 +3,9 @@
 use rimline::wgpu;
 use wgpu::{BlendState, ColorWrites, CompareFunction, StencilOperation, TextureFormat};
 
+use super::casters::DrawInputs;
 use super::depth::depth_format;
-use super::render_resources::{DrawInputs, RenderResources};
+use super::render_resources::{RenderResources, Target};
 use crate::render::pipeline_factory::{Pass, depth_state};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,13 +17,6 @@ pub(crate) enum Onto {
     Lit,
     /// The nearest again, where the stencil is not 0; which it is afterwards.
     Shadowed,
-}
-
-/// The targets of a picture or a mask.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Target {
-    pub(super) format: TextureFormat,
-    pub(super) samples: u32,
 }
 
 /// Draws bodies and ground with fragment shaders of one name.

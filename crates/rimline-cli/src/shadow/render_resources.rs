@@ -4,10 +4,8 @@ use rimline::gpu::ShadowFormat;
 use rimline::wgpu;
 use wgpu::{TextureFormat, TextureUsages};
 
-use super::casters::Casters;
 use super::depth::depth_format;
 use super::frame::Frame;
-use super::receiver_pipelines::Target;
 use super::shaded_lights::ShadedLightData;
 use super::shadows::{ShadowMethod, VolumePipelines};
 use crate::device::Gpu;
@@ -24,22 +22,11 @@ pub(crate) struct RenderResources<'a> {
     lamp_group: wgpu::BindGroup,
 }
 
-pub(crate) struct DrawInputs<'a> {
-    pub(crate) casters: &'a Casters<'a>,
-    /// Samples of all lights together.
-    pub(crate) samples: usize,
-    pub(crate) has_ground: bool,
-    /// Only one pixel is drawn, so that the device compiles the shaders.
-    pub(crate) is_trial: bool,
-}
-
-impl DrawInputs<'_> {
-    pub(super) fn begin<'e>(&self, mut pass: wgpu::RenderPass<'e>) -> wgpu::RenderPass<'e> {
-        if self.is_trial {
-            pass.set_scissor_rect(0, 0, 1, 1);
-        }
-        pass
-    }
+/// The targets of a picture or a mask.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Target {
+    pub(super) format: TextureFormat,
+    pub(super) samples: u32,
 }
 
 /// From a light's data to the next's.

@@ -7,12 +7,11 @@ use rimline::gpu::StageTimer;
 use rimline::mesh::Bounds;
 use rimline::{Displacement, Light, MAX_LIGHTS, Origin, wgpu};
 
-use super::casters::Casters;
+use super::casters::{Casters, DrawInputs};
 use super::casting::CastInputs;
 use super::depth::{Seen, depth_format};
 use super::frame::{Frame, PARTS, Part, part_camera, unit};
 use super::posed_model::PosedModel;
-use super::render_resources::DrawInputs;
 use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
 use crate::device::{self, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
