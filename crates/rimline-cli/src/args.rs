@@ -6,8 +6,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 #[cfg(feature = "bench")]
 use crate::bench_args::BenchArgs;
+use crate::input_args::LoadArgs;
 use crate::input_args::{ModelArgs, MomentArgs, ViewArgs, drawing_device, verbatim};
-use crate::load_args::LoadArgs;
 use crate::query::args::QueryArgs;
 use crate::shadow::args::{FilmArgs, ShadowArgs};
 use crate::spec::{self, LightSpec};

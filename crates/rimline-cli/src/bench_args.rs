@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::input_args::{DeviceArgs, verbatim};
-use crate::load_args::LoadArgs;
+use crate::input_args::{DeviceArgs, LoadArgs, verbatim};
 use crate::spec::{self, LightSpec};
 
 #[derive(Args, Debug)]

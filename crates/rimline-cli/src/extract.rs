@@ -17,17 +17,15 @@ use serde_json::json;
 
 use crate::args::{ExtractArgs, MethodArg, PredicateArg};
 use crate::device::Device;
-use crate::ending;
 use crate::failure::{Failure, UsageError};
 use crate::input::Scene;
 use crate::output::{Output, print};
 use crate::posed_input::PosedInput;
 use crate::progress::Progress;
-use crate::report::{self, Lines, per_light};
+use crate::report::{self, Lines, Times, per_light};
 use crate::shadow::args::value_name;
 use crate::shown::Line;
-use crate::target::Inputs;
-use crate::times::Times;
+use crate::target::{Inputs, check_ending};
 
 /// Results of either device. Masks lie in ⌈N/32⌉ planes, item after item.
 pub(crate) struct Found<'a> {
@@ -53,7 +51,7 @@ pub(crate) fn extract_exactly<'s>(device: &Device, scene: &Scene<'s>, lights: &[
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     let way = way(args)?;
-    ending::check(&args.out, "npz")?;
+    check_ending(&args.out, "npz")?;
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the model");

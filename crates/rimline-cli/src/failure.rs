@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use rimline::{CameraError, LightError, MeshError};
 
-use crate::begins::FormatError;
-use crate::load_args::size;
+use crate::input_args::size;
 use crate::npz::NpzError;
 use crate::obj::ObjError;
 use crate::shadow::given_map_error::GivenMapError;
+use crate::source::FormatError;
 use crate::spec::SpecError;
 
 pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {

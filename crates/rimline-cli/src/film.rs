@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use rimline::reference::layout::ShadowStatistics;
 
-use crate::ending;
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::On as _;
 use crate::input::{Input, Source};
@@ -22,14 +21,14 @@ use crate::shadow::shadow_scene::{ShadowInputs, ShadowScene, open_gpu};
 use crate::shadow::shadows::ShadowMethod;
 use crate::shown::Line;
 use crate::signals::{create_unfinished, remove_unfinished};
-use crate::target::Inputs;
+use crate::target::{Inputs, check_folder};
 
 /// Moments that the camera is chosen by: it must see all of the motion.
 const LOOKS: u32 = 12;
 
 pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let scene = &args.scene;
-    ending::check_folder(&args.out, |out| UsageError::FolderEnding { out })?;
+    check_folder(&args.out, |out| UsageError::FolderEnding { out })?;
     // Before long work: a place that cannot be had is known at once.
     let _folder = Folder::create(&args.out)?;
     let _claim = Claim::take(&args.out)?;

@@ -4,27 +4,23 @@ use std::borrow::Cow;
 use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
-use rimline::MAX_LIGHTS;
 use rimline::gltf::{Asset, GltfError, GltfWarning, LoadOptions, SceneLight};
 use rimline::mesh::{Weld, WeldCounts, WeldDistance};
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::light::check_lights;
 use rimline::{
-    Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, Mesh, MeshError, Model, ModelError, Origin,
-    Pose,
+    Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, MAX_LIGHTS, Mesh, MeshError, Model,
+    ModelError, Origin, Pose,
 };
 
-use crate::begins::{Begins, begins};
 use crate::failure::{Failure, InputError, UsageError};
-use crate::input_args::ModelArgs;
-use crate::load_args::TakenPolygons;
-use crate::npz;
-use crate::obj;
+use crate::input_args::{ModelArgs, TakenPolygons};
 use crate::output::note;
+use crate::report::Times;
 use crate::shown::listed;
-use crate::source;
+use crate::source::{Begins, begins};
 use crate::spec::LightSpec;
-use crate::times::Times;
+use crate::{npz, obj, source};
 
 pub(crate) struct Input {
     pub(crate) file: PathBuf,

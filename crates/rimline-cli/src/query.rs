@@ -16,7 +16,6 @@ use rimline::{Light, MAX_LIGHTS, Mesh, Origin};
 use serde_json::json;
 
 use crate::device::Device;
-use crate::ending;
 use crate::extract::arrays::write_lights;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input::Scene;
@@ -24,14 +23,13 @@ use crate::npz::{self, ElementType, NpzWriter, write_origin};
 use crate::output::{Output, note, print};
 use crate::posed_input::PosedInput;
 use crate::progress::Progress;
-use crate::report::{self, Lines, first_lights, per_light};
+use crate::report::{self, Lines, Times, first_lights, per_light};
 use crate::shown::Line;
-use crate::target::Inputs;
-use crate::times::Times;
-use crate::{begins, source};
+use crate::source;
+use crate::target::{Inputs, check_ending};
 
 pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
-    ending::check(&args.out, "npz")?;
+    check_ending(&args.out, "npz")?;
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the model");
@@ -93,7 +91,7 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
 
 fn read_points(file: &Path, memory_limit: u64) -> Result<npz::PointArrays, Failure> {
     let read =
-        || -> Result<_, InputError> { Ok(npz::read_points(begins::archive(source::open(file)?)?, memory_limit)?) };
+        || -> Result<_, InputError> { Ok(npz::read_points(source::archive(source::open(file)?)?, memory_limit)?) };
     read().map_err(Failure::input(file))
 }
 

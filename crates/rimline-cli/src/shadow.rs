@@ -6,20 +6,15 @@ pub(crate) mod casting;
 mod covered;
 pub(crate) mod depth;
 mod depth_shadows;
-mod extracted;
 pub(crate) mod frame;
 pub(crate) mod from_depth;
-mod given_lights;
 pub(crate) mod given_map;
 pub(crate) mod given_map_error;
 mod layers;
-mod light_depths;
 mod light_maps;
 mod overlay;
 pub(crate) mod pictures;
 pub(crate) mod posed_model;
-mod receiver;
-pub(crate) mod receiver_pipelines;
 pub(crate) mod render_resources;
 mod report;
 mod result_files;
@@ -27,22 +22,9 @@ mod scene_shadows;
 mod shaded_lights;
 pub(crate) mod shadow_scene;
 pub(crate) mod shadows;
-mod shown_maps;
 
 use std::time::Instant;
 
-use rimline::gpu::StageTimer;
-
-use crate::device::Gpu;
-use crate::failure::{Failure, UsageError};
-use crate::gpu_error::{GpuError, On as _};
-use crate::image::Picture;
-use crate::output::print;
-use crate::posed_input::note_idle_time;
-use crate::progress::Progress;
-use crate::target::Inputs;
-use crate::times::Times;
-use crate::warm_up;
 use args::{CountingArg, ShadowArgs, value_name};
 use casters::{Casters, DrawInputs};
 use covered::CoveredFaces;
@@ -52,8 +34,20 @@ use pictures::{Masks, Pictures};
 use render_resources::RenderResources;
 use report::Report;
 use result_files::ResultFiles;
+use rimline::gpu::StageTimer;
 use shadow_scene::{ShadowInputs, ShadowScene};
 use shadows::ShadowMethod;
+
+use crate::device::Gpu;
+use crate::failure::{Failure, UsageError};
+use crate::gpu_error::{GpuError, On as _};
+use crate::image::Picture;
+use crate::output::print;
+use crate::posed_input::note_idle_time;
+use crate::progress::Progress;
+use crate::report::Times;
+use crate::target::Inputs;
+use crate::warm_up;
 
 pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let scene = &args.scene;
@@ -82,7 +76,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(posed_model::PosedModel::points).collect();
     let mut set = ShadowScene::new(scene, bodies, &points, given.map(|map| map.cameras.light()))?;
-    given.map_or(Ok(()), |map| given_lights::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
+    given.map_or(Ok(()), |map| given_map::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
     if let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) {
         return Err(UsageError::CoveredPolygons { file: body.input.file.clone() }.into());
     }

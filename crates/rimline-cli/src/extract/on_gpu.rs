@@ -14,8 +14,8 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
 use crate::input::{Scene, Shape};
-use crate::positions::Positions;
-use crate::times::Times;
+use crate::posed_input::Positions;
+use crate::report::Times;
 use crate::warm_up::with_triangle;
 
 #[derive(Clone, Copy)]

@@ -1,22 +1,24 @@
 //! The bodies on the GPU: they throw shadows, receive them and are drawn.
 
+use std::borrow::Cow;
+use std::ops::Range;
+
 use glam::Vec3;
 use rimline::gpu::{Extraction, StageTimer};
 use rimline::wgpu;
 
-use super::casting::{CastInputs, put};
+use super::casting::{CastInputs, Extracted, FacingMasks, put};
 use super::covered::CoveredFaces;
 use super::depth_shadows::DepthShadows;
-use super::extracted::Extracted;
 use super::posed_model::PosedModel;
-use super::receiver::Receiver;
 use super::render_resources::RenderResources;
 use super::scene_shadows::SceneShadows;
 use super::shadows::{Shadows, VolumePipelines};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
-use crate::render::check_model;
+use crate::render::coincident::{Coincident, corners};
+use crate::render::{check_model, normals};
 
 /// Resources that draw all bodies and make them cast shadows.
 pub(crate) struct Casters<'a> {
@@ -137,4 +139,84 @@ impl DrawInputs<'_> {
         }
         pass
     }
+}
+
+/// Front and back of the first, second … body; then from the beginning again.
+const CLAYS: [[[f32; 3]; 2]; 4] = [
+    [[0.62, 0.60, 0.565], [0.50, 0.33, 0.24]],
+    [[0.36, 0.49, 0.56], [0.58, 0.40, 0.29]],
+    [[0.60, 0.42, 0.31], [0.33, 0.45, 0.51]],
+    [[0.46, 0.54, 0.38], [0.58, 0.40, 0.29]],
+];
+
+/// The draws of a body where it is now: corners of faces that one buffer has the facing masks of, for each batch of 32 lights.
+pub(super) struct Receiver(Vec<(Range<u32>, Vec<wgpu::BindGroup>)>);
+
+impl Receiver {
+    /// The body with this number, as it is seen from the eye.
+    pub(super) fn new(
+        RenderResources { factory, geometry, .. }: &RenderResources<'_>,
+        body: &PosedModel<'_>,
+        number: usize,
+        masks: &FacingMasks,
+        eye: Vec3,
+    ) -> Self {
+        let clay = CLAYS[number % CLAYS.len()].map(|[r, g, b]| [r, g, b, 0.0]);
+        let clay = factory.uniform("clay", bytemuck::cast_slice(&clay));
+        let stored = |label, contents: &[u8]| factory.buffer(label, contents);
+        let faces = stored("drawn faces", bytemuck::cast_slice(&body.faces));
+        let (normals, slots) = normals_and_slots(body, masks, eye);
+        let normals = stored("normals", bytemuck::cast_slice(&normals));
+        let slots = stored("slots", bytemuck::cast_slice(&slots));
+        let positions = body.positions.buffer();
+        let group = |facing: &wgpu::Buffer| {
+            let buffers = [&clay, positions.buffer, &faces, &normals, &slots, facing];
+            factory.group(geometry, &buffers.map(wgpu::Buffer::as_entire_binding))
+        };
+        let runs = masks.runs.iter();
+        Self(runs.map(|(of, facing)| (3 * of.start..3 * of.end, facing.iter().map(group).collect())).collect())
+    }
+
+    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) {
+        for (corners, groups) in &self.0 {
+            if let Some(group) = groups.get(light / 32) {
+                pass.set_bind_group(2, group, &[]);
+                pass.draw(corners.clone(), 0..1);
+            }
+        }
+    }
+}
+
+/// Flags of a slot, as in `surface.wgsl`: the face is shown as the one that it coincides with, which runs the other way
+/// around; and the mask at the slot is its own, whose opposite is that one's.
+const TURNED: u32 = 1 << 31;
+const OPPOSITE: u32 = 1 << 30;
+
+/// The normals of corners and where faces' masks are. Faces that are turned away from the eye have those of the faces that they
+/// coincide with. All are drawn: shadow volumes end at some of them, and their depths are not the others' to the last bit.
+fn normals_and_slots<'a>(body: &PosedModel<'_>, masks: &'a FacingMasks, eye: Vec3) -> (Vec<u32>, Cow<'a, [u32]>) {
+    let all = || corners(&body.world, &body.faces).enumerate();
+    let Some(found) = Coincident::of(corners(&body.world, &body.faces)) else {
+        return (normals::corner_normals(&body.world, &body.faces), Cow::Borrowed(&masks.slots));
+    };
+    let fronts: Vec<Option<usize>> = all().map(|(number, face)| found.seen_instead(number, face, eye)).collect();
+    // The second side of a sheet does not smooth the folds of the first.
+    let one_sided = body.faces.iter().zip(&fronts);
+    let one_sided: Vec<[u32; 3]> =
+        one_sided.map(|(&face, front)| if front.is_none() { face } else { [face[0]; 3] }).collect();
+    let mut normals = normals::corner_normals(&body.world, &one_sided);
+    let mut slots = masks.slots.clone();
+    let run_of = |face: usize| masks.runs.iter().position(|(faces, _)| faces.contains(&(face as u32)));
+    for (number, front) in fronts.into_iter().enumerate() {
+        let Some(front) = front else { continue };
+        let place = |corner: u32| body.world[corner as usize].map(|c| c + 0.0);
+        let [own, other] = [number, front].map(|face| body.faces[face].map(place));
+        for (corner, at) in own.into_iter().enumerate() {
+            let same = other.iter().position(|&there| there == at).unwrap_or(corner);
+            normals[3 * number + corner] = normals[3 * front + same];
+        }
+        let shown = if run_of(front) == run_of(number) { masks.slots[front] } else { masks.slots[number] | OPPOSITE };
+        slots[number] = shown | TURNED;
+    }
+    (normals, Cow::Owned(slots))
 }

@@ -6,8 +6,8 @@ use wgpu::{BlendState, CompareFunction, DepthBiasState, PrimitiveTopology, Stenc
 
 use super::casters::DrawInputs;
 use super::depth::depth_format;
+use super::light_maps::ShownDepths;
 use super::render_resources::{RenderResources, Target};
-use super::shown_maps::ShownDepths;
 use crate::gpu_error::GpuError;
 use crate::render::pipeline_factory::{Pass, READ_ONLY, UNIFORM, depth_state, read_texture};
 

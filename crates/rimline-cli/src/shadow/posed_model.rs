@@ -8,7 +8,7 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
 use crate::input::{Input, Shape};
-use crate::positions::Positions;
+use crate::posed_input::Positions;
 
 /// The faces of an instance: those of a geometry, turned if its pose mirrors it. Instances of the same topology share a
 /// mesh.

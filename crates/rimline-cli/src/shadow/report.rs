@@ -18,10 +18,9 @@ use super::shadows::Found;
 use crate::coordinates;
 use crate::device::describe;
 use crate::gpu_error::GpuError;
-use crate::report::{self, Lines};
+use crate::report::{self, Lines, Times};
 use crate::shadow::args::{ShadowSceneArgs, value_name};
 use crate::shown::Line;
-use crate::times::Times;
 
 struct File {
     name: String,

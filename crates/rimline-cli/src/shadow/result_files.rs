@@ -7,12 +7,11 @@ use rimline::Origin;
 use super::args::ShadowArgs;
 use super::casters::Casters;
 use crate::device::Gpu;
-use crate::ending;
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::On as _;
 use crate::image::Picture;
 use crate::output::Output;
-use crate::target::{Inputs, is_same_file};
+use crate::target::{Inputs, check_ending, is_same_file};
 
 /// Files in the making. A file that is dropped before it is finished leaves nothing.
 pub(super) struct ResultFiles {
@@ -26,7 +25,7 @@ pub(super) struct ResultFiles {
 impl ResultFiles {
     /// Refuses a picture that is named as another format.
     pub(super) fn check(args: &ShadowArgs) -> Result<(), UsageError> {
-        args.out.as_deref().map_or(Ok(()), |out| ending::check(out, "png"))
+        args.out.as_deref().map_or(Ok(()), |out| check_ending(out, "png"))
     }
 
     /// Begins those whose names are known from the command line, so that an unwritable place is known at once.

@@ -13,10 +13,9 @@ use rimline::reference::cpu::{CHOICE_WORDS, SceneTable};
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::{Counting, Light, wgpu};
 
-use super::casting::{CastInputs, FacingMasks, set_lights};
+use super::casting::{CastInputs, Extracted, FacingMasks, set_lights};
 use super::covered::{CoveredFaces, VERSION};
 use super::depth;
-use super::extracted::Extracted;
 use super::layers::Layers;
 use super::posed_model::{PosedModel, Topology};
 use super::shadows::{Choice, Found, Shadows, VolumePipelines, scene_options};
