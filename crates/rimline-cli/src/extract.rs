@@ -5,7 +5,6 @@ pub(crate) mod on_gpu;
 
 use std::borrow::Cow;
 use std::path::Path;
-use std::time::Instant;
 
 use rimline::mesh::EdgeCounts;
 use rimline::reference::Method;
@@ -62,33 +61,24 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     Inputs::new(posed.files()).spare(&args.out)?;
     let output = Output::create(&args.out)?;
 
-    progress.step("opening the device");
-    let begin = Instant::now();
-    let (device, (found, mut times)) = posed.work(|device| {
-        progress.step("extracting");
-        let mut times = times.clone();
-        times.add("device", begin.elapsed().as_secs_f64() * 1e3);
-        let found = match device {
-            Device::Cpu => on_cpu(&scene, &lights, (way.0, way.1), &mut times)?,
-            Device::Gpu(gpu) => {
-                let job = on_gpu::Job {
-                    scene: &scene,
-                    lights: &lights,
-                    method: way.0,
-                    predicate: way.1,
-                    displacement: posed.displacement.as_ref(),
-                    time_s: posed.time_s(),
-                };
-                // Times are for those who ask for them; all others would wait for the work twice.
-                job.run(gpu, &mut times, args.json)?
-            }
-        };
-        Ok((found, times))
+    let (adapter, found, mut times) = posed.work((&progress, "extracting"), &times, |device, times| match device {
+        Device::Cpu => on_cpu(&scene, &lights, (way.0, way.1), times),
+        Device::Gpu(gpu) => {
+            let job = on_gpu::Job {
+                scene: &scene,
+                lights: &lights,
+                method: way.0,
+                predicate: way.1,
+                displacement: posed.displacement.as_ref(),
+                time_s: posed.time_s(),
+            };
+            // Times are for those who ask for them; all others would wait for the work twice.
+            job.run(gpu, times, args.json)
+        }
     })?;
-    progress.step("writing");
     let (mesh, origin) = (&scene.mesh, posed.input.origin);
     times.measure("write", || output.finish(|file| arrays::write(file, mesh, &lights, &found, origin)))?;
-    let names = [device.name(), value_name(&args.method), value_name(&way.2)];
+    let names = [adapter, value_name(&args.method), value_name(&way.2)];
     let report = Report { mesh, lights: lights.len(), found: &found, names, origin, times };
     drop(progress);
     print(&if args.json { report.json() } else { report.text(&args.out) })

@@ -308,17 +308,3 @@ impl Failure {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_cpu_is_advised_only_where_it_would_do() {
-        let message = |cpu_would_do| {
-            NoDevice::TooSmall { adapter: "A".into(), reason: "too many faces".into(), cpu_would_do }.to_string()
-        };
-        assert!(message(true).contains("--device cpu"), "{}", message(true));
-        assert!(!message(false).contains("cpu") && message(false).contains("another device"), "{}", message(false));
-    }
-}

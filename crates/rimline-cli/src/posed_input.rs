@@ -1,6 +1,7 @@
 //! A model at a posed: what `extract`, `query` and `draw` read before they open a device; and its positions on the GPU.
 
 use std::path::Path;
+use std::time::Instant;
 
 use rimline::gpu::{Deformer, DeformerOptions, DeviceError, PoseInputs, PositionBuffer, StageTimer};
 use rimline::{Displacement, Light, wgpu};
@@ -11,6 +12,8 @@ use crate::gpu_error::GpuError;
 use crate::input::{Input, Scene, Shape, Source};
 use crate::input_args::{ModelArgs, MomentArgs, PoseArgs};
 use crate::output::note;
+use crate::progress::Progress;
+use crate::report::Times;
 use crate::shown::listed_animations;
 use crate::spec::LightSpec;
 use crate::{origin, source};
@@ -54,9 +57,25 @@ impl<'a> PosedInput<'a> {
         self.input.scene(&self.animations, self.time_s(), self.displacement.is_some())
     }
 
-    /// Does the work on the device that was asked for, or on the CPU where that may be and must be. Returns the device.
-    pub(crate) fn work<T>(&self, run: impl FnMut(&Device) -> Result<T, Failure>) -> Result<(Device, T), Failure> {
-        device::work(&Wanted::parse(&self.args.device.device), self.device()?, run)
+    /// Does the work on the device that was asked for, or on the CPU where that may be and must be. Returns the device's name, and
+    /// the times with those of the work.
+    pub(crate) fn work<T>(
+        &self,
+        (progress, what): (&Progress, &'static str),
+        times: &Times,
+        mut run: impl FnMut(&Device, &mut Times) -> Result<T, Failure>,
+    ) -> Result<(String, T, Times), Failure> {
+        progress.step("opening the device");
+        let begin = Instant::now();
+        let timed = |device: &Device| {
+            progress.step(what);
+            let mut times = times.clone();
+            times.add("device", begin.elapsed().as_secs_f64() * 1e3);
+            Ok((run(device, &mut times)?, times))
+        };
+        let (device, (done, times)) = device::work(&Wanted::parse(&self.args.device.device), self.device()?, timed)?;
+        progress.step("writing");
+        Ok((device.name(), done, times))
     }
 
     /// Opens the device, which must be a GPU to displace vertices.

@@ -6,7 +6,6 @@ mod on_gpu;
 use std::io::{self, Seek, Write};
 use std::path::Path;
 use std::slice;
-use std::time::Instant;
 
 use args::QueryArgs;
 use rimline::mesh::NO_FACE;
@@ -57,34 +56,23 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     depths.try_reserve_exact(count).map_err(too_many).map_err(Failure::input(&args.points))?;
 
     asked.note_swallowed();
-    progress.step("opening the device");
-    let begin = Instant::now();
-    let (device, mut times) = posed.work(|device| {
-        progress.step("counting");
-        let mut times = times.clone();
-        times.add("device", begin.elapsed().as_secs_f64() * 1e3);
+    let (adapter, (), mut times) = posed.work((&progress, "counting"), &times, |device, times| {
         depths.clear();
         match device {
-            Device::Cpu => on_cpu(&scene, asked, &mut depths, &mut times)?,
+            Device::Cpu => on_cpu(&scene, asked, &mut depths, times),
             Device::Gpu(gpu) => {
-                let job = on_gpu::Job {
-                    scene: &scene,
-                    asked,
-                    displacement: posed.displacement.as_ref(),
-                    time_s: posed.time_s(),
-                };
+                let (displacement, time_s) = (posed.displacement.as_ref(), posed.time_s());
+                let job = on_gpu::Job { scene: &scene, asked, displacement, time_s };
                 // Times are for those who ask for them; all others would wait for the work twice.
                 if args.json {
                     times.measure("compile", || job.warm_up(gpu))?;
                 }
-                job.run(gpu, &mut depths, &mut times)?;
+                job.run(gpu, &mut depths, times)
             }
         }
-        Ok(times)
     })?;
-    progress.step("writing");
     times.measure("write", || output.finish(|file| write(file, (&points, &lights), &depths, origin)))?;
-    let report = Report { mesh: &scene.mesh, asked, depths: &depths, origin, adapter: device.name(), times };
+    let report = Report { mesh: &scene.mesh, asked, depths: &depths, origin, adapter, times };
     drop(progress);
     print(&if args.json { report.json() } else { report.text(&args.out) })
 }

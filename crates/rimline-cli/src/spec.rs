@@ -135,14 +135,7 @@ pub(crate) fn light(text: &str) -> Result<LightSpec, SpecError> {
 /// A light with its options, `SPEC[,option=value]…`.
 pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
     let (place, options) = split_options(text);
-    let mut shaded = ShadedLightSpec {
-        light: light(place)?,
-        color: None,
-        intensity: None,
-        range: None,
-        begin: None,
-        exponent: None,
-    };
+    let mut shaded = ShadedLightSpec::new(light(place)?);
     let lamp = |option, value: f32, is_right: bool, needed| {
         if is_right { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
     };
@@ -178,6 +171,10 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
 }
 
 impl ShadedLightSpec {
+    pub(crate) fn new(light: LightSpec) -> Self {
+        Self { light, color: None, intensity: None, range: None, begin: None, exponent: None }
+    }
+
     /// Its options fit together and to the light, which may have a range of its own.
     pub(crate) fn check(&self, light: Light, own_range: Option<f32>) -> Result<(), SpecError> {
         if light.w == 0.0 && self.range.is_some() {

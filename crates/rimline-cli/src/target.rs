@@ -13,11 +13,6 @@ use crate::source;
 /// Whether a result goes to standard output, so that text cannot.
 static HOLDS_RESULT: AtomicBool = AtomicBool::new(false);
 
-/// Keeps text from standard output, as a result goes there.
-fn hold_result() {
-    HOLDS_RESULT.store(true, Ordering::SeqCst);
-}
-
 /// Whether a result goes to standard output.
 pub(crate) fn holds_result() -> bool {
     HOLDS_RESULT.load(Ordering::SeqCst)
@@ -34,7 +29,7 @@ pub(crate) enum Target {
 pub(crate) fn find(name: &Path) -> io::Result<Target> {
     if is_stdout(name) {
         let no_stream = || io::Error::other("standard output cannot be written through here; give the name of a file");
-        hold_result();
+        HOLDS_RESULT.store(true, Ordering::SeqCst);
         return Ok(Target::Through(standard(&io::stdout()).ok_or_else(no_stream)?, false));
     }
     if name.to_string_lossy().ends_with(std::path::is_separator) {
@@ -59,7 +54,7 @@ fn existing(name: &Path, there: Metadata) -> io::Result<Target> {
             && file.metadata().is_ok_and(|open| identity(name, &open) == identity(name, &there))
         {
             if is_stdout {
-                hold_result();
+                HOLDS_RESULT.store(true, Ordering::SeqCst);
             }
             return Ok(Target::Through(file, false));
         }

@@ -67,7 +67,7 @@ impl Survey {
     /// The layout of the survey, positions and drawn faces for `lines.wgsl`. Vertex shaders do not see them: what lists are read
     /// by there leaves no room for more storage buffers.
     pub(super) fn layout(factory: &PipelineFactory<'_>) -> BindGroupLayout {
-        factory.layout_for(ShaderStages::FRAGMENT, &[SEEN, READ_ONLY, READ_ONLY])
+        factory.gpu.layout(ShaderStages::FRAGMENT, &[SEEN, READ_ONLY, READ_ONLY])
     }
 
     /// A group of this layout.

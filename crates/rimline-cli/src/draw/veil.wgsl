@@ -5,7 +5,7 @@
 @group(1) @binding(1) var<storage, read> positions: array<f32>;
 @group(1) @binding(2) var<storage, read> faces: array<u32>;
 
-// Places of the survey each way in a square of the finest level; as in `lines.wgsl` and `veils.rs`.
+// Places of the survey each way in a square of the finest level; as in `lines.wgsl` and `survey.rs`.
 const SQUARE = 8;
 // Bound on rounding errors, as a share of a distance.
 const SLACK = 1e-5;

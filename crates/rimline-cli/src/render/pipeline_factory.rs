@@ -153,8 +153,8 @@ impl<'a> PipelineFactory<'a> {
     /// `frame` is the uniform that `prelude` declares as group 0, binding 0.
     pub(crate) fn new(gpu: &'a Gpu, prelude: &str, frame: &[u8]) -> Self {
         let frame = gpu.filled("frame", frame, wgpu::BufferUsages::UNIFORM);
-        let frame_layout = layout(gpu, wgpu::ShaderStages::VERTEX_FRAGMENT, &[UNIFORM]);
-        let frame_group = group(gpu, &frame_layout, &[frame.as_entire_binding()]);
+        let frame_layout = gpu.layout(wgpu::ShaderStages::VERTEX_FRAGMENT, &[UNIFORM]);
+        let frame_group = gpu.group(&frame_layout, &[frame.as_entire_binding()]);
         let prelude = format!("{COMMON}\n{prelude}");
         Self { gpu, prelude, frame_layout, frame_group, frame }
     }
@@ -165,16 +165,7 @@ impl<'a> PipelineFactory<'a> {
     }
 
     pub(crate) fn layout(&self, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
-        layout(self.gpu, wgpu::ShaderStages::VERTEX_FRAGMENT, types)
-    }
-
-    /// A layout whose bindings only some stages see.
-    pub(crate) fn layout_for(
-        &self,
-        visibility: wgpu::ShaderStages,
-        types: &[wgpu::BindingType],
-    ) -> wgpu::BindGroupLayout {
-        layout(self.gpu, visibility, types)
+        self.gpu.layout(wgpu::ShaderStages::VERTEX_FRAGMENT, types)
     }
 
     pub(crate) fn group(
@@ -182,7 +173,7 @@ impl<'a> PipelineFactory<'a> {
         layout: &wgpu::BindGroupLayout,
         resources: &[wgpu::BindingResource<'_>],
     ) -> wgpu::BindGroup {
-        group(self.gpu, layout, resources)
+        self.gpu.group(layout, resources)
     }
 
     /// A storage buffer with these contents.
@@ -236,18 +227,6 @@ impl<'a> PipelineFactory<'a> {
     pub(crate) fn pipeline(&self, pass: &Pass<'_>) -> wgpu::RenderPipeline {
         pass.pipeline(&self.gpu.device, &self.prelude, Some(&self.frame_layout))
     }
-}
-
-fn layout(gpu: &Gpu, visibility: wgpu::ShaderStages, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
-    let entry = |(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-    let entries: Vec<_> = (0..).zip(types).map(entry).collect();
-    gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
-}
-
-fn group(gpu: &Gpu, layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
-    let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
-    let entries: Vec<_> = (0..).zip(resources.iter().cloned()).map(entry).collect();
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }
 
 /// Depth is reversed: what is greater is nearer.

@@ -7,8 +7,7 @@ use glam::Vec3;
 use rimline::gpu::{Extraction, StageTimer};
 use rimline::wgpu;
 
-use super::casting::{CastInputs, Extracted, FacingMasks, put};
-use super::covered::CoveredFaces;
+use super::casting::{CastInputs, CoveredFaces, Extracted, FacingMasks, put};
 use super::depth_shadows::DepthShadows;
 use super::posed_model::PosedModel;
 use super::render_resources::RenderResources;

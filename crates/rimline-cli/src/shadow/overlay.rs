@@ -24,7 +24,7 @@ impl Overlay {
         let device = &factory.gpu.device;
         let layout = if of_maps {
             let types = [UNIFORM, READ_ONLY, read_texture(wgpu::TextureViewDimension::D2, false)];
-            factory.layout_for(wgpu::ShaderStages::VERTEX, &types)
+            factory.gpu.layout(wgpu::ShaderStages::VERTEX, &types)
         } else {
             results_bind_group_layout(device, wgpu::ShaderStages::VERTEX)
         };

@@ -1,26 +1,32 @@
-//! Output of `rimline shadow`.
+//! Output of `rimline shadow`: what it says, and the files that it writes: a picture, and for each light a mask and its depth
+//! maps.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use rimline::Origin;
 use rimline::cpu::{HiddenFaces, HiddenStatistics};
 use rimline::reference::layout::ShadowStatistics;
 use serde_json::{Value, json};
 
+use super::args::ShadowArgs;
 use super::casters::Casters;
-use super::covered::CoveredFaces;
+use super::casting::CoveredFaces;
 use super::depth;
 use super::from_depth::{DepthFound, DepthsFound};
 use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
 use super::shadows::Found;
 use crate::coordinates;
-use crate::device::describe;
-use crate::gpu_error::GpuError;
+use crate::device::{Gpu, describe};
+use crate::failure::{Failure, UsageError};
+use crate::gpu_error::{GpuError, On as _};
+use crate::image::Picture;
+use crate::output::Output;
 use crate::report::{self, Lines, Times};
 use crate::shadow::args::{ShadowSceneArgs, value_name};
 use crate::shown::Line;
+use crate::target::{Inputs, check_ending, is_same_file};
 
 struct File {
     name: String,
@@ -218,5 +224,101 @@ impl Report {
         let archives = archives.iter().map(|file| format!("wrote {}", Line(file.display())));
         let wrote: String = pictures.chain(archives).map(|line| line + "\n").collect();
         lines.0 + &wrote
+    }
+}
+
+/// Files in the making. A file that is dropped before it is finished leaves nothing.
+pub(super) struct ResultFiles {
+    picture: Option<Output>,
+    masks: Vec<Output>,
+    maps: Vec<Output>,
+    /// Names of picture and masks, and names of maps.
+    pub(super) names: [Vec<PathBuf>; 2],
+}
+
+impl ResultFiles {
+    /// Refuses a picture that is named as another format.
+    pub(super) fn check(args: &ShadowArgs) -> Result<(), UsageError> {
+        args.out.as_deref().map_or(Ok(()), |out| check_ending(out, "png"))
+    }
+
+    /// Begins those whose names are known from the command line, so that an unwritable place is known at once.
+    pub(super) fn begin(args: &ShadowArgs, inputs: &Inputs) -> Result<Self, Failure> {
+        args.out.as_deref().map_or(Ok(()), |out| inputs.spare(out))?;
+        // There is a first light in any case; how many there are is known later.
+        for first in of_lights(args, 1).into_iter().flatten() {
+            inputs.spare(&first)?;
+            drop(Output::create(&first)?);
+        }
+        let picture = args.out.as_deref().map(Output::create).transpose()?;
+        let names = [args.out.iter().cloned().collect(), Vec::new()];
+        Ok(Self { picture, masks: Vec::new(), maps: Vec::new(), names })
+    }
+
+    /// Begins those of all lights.
+    pub(super) fn begin_lights(&mut self, args: &ShadowArgs, inputs: &Inputs, lights: usize) -> Result<(), Failure> {
+        let files = of_lights(args, lights);
+        let is_any = |out: &&Path| files.iter().flatten().any(|file| is_same_file(out, file));
+        if let Some(out) = args.out.as_deref().filter(is_any) {
+            return Err(UsageError::SameOutput { file: out.to_owned() }.into());
+        }
+        files.iter().flatten().try_for_each(|file| inputs.spare(file))?;
+        for ((outputs, names), files) in [&mut self.masks, &mut self.maps].into_iter().zip(&mut self.names).zip(files) {
+            *outputs = files.iter().map(|file| Output::create(file)).collect::<Result<_, _>>()?;
+            names.extend(files);
+        }
+        Ok(())
+    }
+
+    pub(super) fn finish_picture(&mut self, gpu: &Gpu, picture: &Picture) -> Result<(), Failure> {
+        gpu.check()?;
+        self.picture.take().map_or(Ok(()), |output| output.finish(|file| picture.write_png(file)))
+    }
+
+    /// Writes the masks that `draw` draws for each light.
+    pub(super) fn finish_masks(
+        &mut self,
+        gpu: &Gpu,
+        mut draw: impl FnMut(usize) -> Result<Picture, Failure>,
+    ) -> Result<(), Failure> {
+        for (light, output) in std::mem::take(&mut self.masks).into_iter().enumerate() {
+            let mask = draw(light)?;
+            gpu.check()?;
+            output.finish(|file| mask.write_png(file))?;
+        }
+        Ok(())
+    }
+
+    /// Writes the depth maps of each light as they were drawn.
+    pub(super) fn finish_maps(&mut self, gpu: &Gpu, casters: &Casters<'_>, origin: Origin) -> Result<(), Failure> {
+        for (light, output) in std::mem::take(&mut self.maps).into_iter().enumerate() {
+            let maps = casters.shadows.saved_maps(light, origin).on(gpu)?;
+            gpu.check()?;
+            maps.map_or(Ok(()), |maps| output.finish(|file| maps.write(file)))?;
+        }
+        Ok(())
+    }
+}
+
+/// The names of masks and of maps.
+fn of_lights(args: &ShadowArgs, lights: usize) -> [Vec<PathBuf>; 2] {
+    [(&args.mask, "png"), (&args.save_depth, "npz")].map(|(prefix, ending)| {
+        prefix.iter().flat_map(|prefix| (0..lights).map(|light| numbered(prefix, light, ending))).collect()
+    })
+}
+
+/// `PREFIX.<light>.<ending>`.
+fn numbered(prefix: &Path, light: usize, ending: &str) -> PathBuf {
+    let mut name = prefix.as_os_str().to_owned();
+    name.push(format!(".{light}.{ending}"));
+    name.into()
+}
+
+#[cfg(test)]
+mod tests {
+
+    #[test]
+    fn masks_are_numbered_after_their_prefix() {
+        assert_eq!(super::numbered("a/b.x".as_ref(), 3, "png"), super::Path::new("a/b.x.3.png"));
     }
 }

@@ -13,8 +13,7 @@ use rimline::reference::cpu::{CHOICE_WORDS, SceneTable};
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::{Counting, Light, wgpu};
 
-use super::casting::{CastInputs, Extracted, FacingMasks, set_lights};
-use super::covered::{CoveredFaces, VERSION};
+use super::casting::{CastInputs, CoveredFaces, Extracted, FacingMasks, VERSION, set_lights};
 use super::depth;
 use super::layers::Layers;
 use super::posed_model::{PosedModel, Topology};
@@ -211,7 +210,7 @@ impl Shadows for SceneShadows<'_> {
         if let Some(Layers::Few(most)) = self.layers {
             found.count_bound = found.count_bound.min(most);
         }
-        if let Some(Layers::Few(_) | Layers::Batched(_)) = self.layers {
+        if self.layers.is_some() {
             found.may_wrap = 0;
         }
         Ok(found)
@@ -225,7 +224,7 @@ impl Shadows for SceneShadows<'_> {
         if !is_counted || self.statistics().on(gpu)?.may_wrap == 0 {
             return Ok(());
         }
-        let mut layers = Layers::new(gpu, bodies, self.counting, self.max_lights, all)?;
+        let Some(mut layers) = Layers::new(gpu, bodies, self.counting, self.max_lights, all)? else { return Ok(()) };
         let mut encoder = gpu.encoder("batches");
         layers.encode(&mut encoder, &inputs).on(gpu)?;
         gpu.submit(encoder);

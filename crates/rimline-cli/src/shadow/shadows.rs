@@ -9,8 +9,7 @@ use rimline::reference::cpu::CHOICE_WORDS;
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::{Counting, Light, Origin, wgpu};
 
-use super::casting::{CastInputs, FacingMasks};
-use super::covered::CoveredFaces;
+use super::casting::{CastInputs, CoveredFaces, FacingMasks};
 use super::from_depth::{DepthsFound, FromDepth};
 use super::layers::BatchPipelines;
 use super::light_maps::ShownDepths;

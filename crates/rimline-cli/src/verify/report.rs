@@ -17,6 +17,7 @@ use crate::npz::{self, Arrays, Difference};
 use crate::shown::Line;
 use crate::source;
 
+#[derive(Default)]
 pub(super) struct Report {
     folder: PathBuf,
     devices: Vec<String>,
@@ -52,13 +53,7 @@ impl Report {
             clips_wrongly: devices.iter().filter(|device| device.clips_wrongly()).map(Device::name).collect(),
             unusable: unusable.iter().map(ToString::to_string).collect(),
             name_width: files.iter().map(|file| name_cell(&name(file)).chars().count()).max().unwrap_or(0).max(4),
-            files: Vec::new(),
-            faces: 0,
-            facing_bits: 0,
-            checks: 0,
-            different: 0,
-            failed: 0,
-            first_failure: None,
+            ..Self::default()
         }
     }
 

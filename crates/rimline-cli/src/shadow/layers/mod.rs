@@ -3,7 +3,6 @@
 
 mod batches;
 mod deepest;
-mod rays;
 
 use std::sync::{Arc, OnceLock};
 
@@ -11,7 +10,7 @@ use rimline::gpu::{
     Caster, FrameInputs, LightHandle, Pipelines, Scene, SceneFrame, SceneOptions, ShadowError, ShadowFormat,
     ShadowPipelines, StencilCounts,
 };
-use rimline::{Counting, Light, Mesh, MeshError, ShadowCamera, wgpu};
+use rimline::{Counting, Light, ShadowCamera, wgpu};
 
 use super::casting::{CastInputs, set_lights};
 use super::depth::MOST;
@@ -27,8 +26,6 @@ pub(super) enum Layers {
     Few(u32),
     /// More may lie over each other, so they are drawn in batches.
     Batched(Vec<Batch>),
-    /// More may lie over each other, and no reasonable number of batches would do.
-    Many,
 }
 
 /// A scene of some faces of all models.
@@ -40,14 +37,14 @@ pub(super) struct Batch {
 
 impl Layers {
     /// Counts what lies over each other for these lights, and makes batches for up to `max_lights` at a time where the stencil would
-    /// not do. They are to be encoded before they are drawn.
+    /// not do. They are to be encoded before they are drawn. `None` if no reasonable number of batches would do.
     pub(super) fn new(
         gpu: &Gpu,
         bodies: &[PosedModel<'_>],
         counting: Counting,
         max_lights: usize,
         lights: &[Light],
-    ) -> Result<Self, Failure> {
+    ) -> Result<Option<Self>, Failure> {
         let mut positions: Vec<[f32; 3]> = Vec::new();
         let mut faces: Vec<[u32; 3]> = Vec::new();
         for body in bodies {
@@ -66,12 +63,12 @@ impl Layers {
             })
             .collect();
         if deep.is_empty() {
-            return Ok(Self::Few(most));
+            return Ok(Some(Self::Few(most)));
         }
         // The others are counted in the same batches.
-        let Some(found) = batches::batches(&deep, &positions, &faces, MOST_OF_BATCH) else { return Ok(Self::Many) };
+        let Some(found) = batches::batches(&deep, &positions, &faces, MOST_OF_BATCH) else { return Ok(None) };
         let batch = |of: &Vec<u32>| Batch::new(gpu, bodies, counting, max_lights, of);
-        Ok(Self::Batched(found.iter().map(batch).collect::<Result<_, _>>()?))
+        Ok(Some(Self::Batched(found.iter().map(batch).collect::<Result<_, _>>()?)))
     }
 
     pub(super) fn encode(
@@ -81,7 +78,7 @@ impl Layers {
     ) -> Result<(), GpuError> {
         match self {
             Self::Batched(batches) => batches.iter_mut().try_for_each(|batch| batch.encode(encoder, camera, lights)),
-            Self::Few(_) | Self::Many => Ok(()),
+            Self::Few(_) => Ok(()),
         }
     }
 
@@ -132,11 +129,7 @@ impl Batch {
                 let (own, others) = of.split_at(of.partition_point(|&face| face < end));
                 of = others;
                 let corners = |&face: &u32| body.faces[(face - first_face) as usize].map(|v| v - first_vertex);
-                let mesh = match Mesh::from_faces(rest.len(), own.iter().map(corners).collect()) {
-                    Ok(mesh) => Some(mesh),
-                    Err(MeshError::NoFaces) => None,
-                    Err(error) => return Err(Failure::input(&body.input.file)(error.into())),
-                };
+                let mesh = body.part(rest.len(), own.iter().map(corners).collect())?;
                 first_vertex += rest.len() as u32;
                 let (Some(mesh), Some(positions)) = (mesh, body.positions.of_instance(instance)) else { continue };
                 let mesh = scene.add_mesh(&mesh, rest).on(gpu)?;
