@@ -104,19 +104,12 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 
 /// How many pictures are asked for, or make up the longest animation.
 fn frames(args: &FilmArgs, props: &ShadowInputs) -> Result<u32, Failure> {
-    let duration = |(input, animations): (&Input, &Vec<usize>)| match &input.source {
-        Source::Gltf(asset) => {
-            let lasts = animations.iter().filter_map(|&index| Some(asset.animations().get(index)?.duration_s));
-            lasts.reduce(f32::max)
-        }
-        Source::World { .. } => None,
+    let duration = |(input, animations): (&Input, &Vec<usize>)| {
+        let Source::Gltf(asset) = &input.source else { return None };
+        let lasts = animations.iter().filter_map(|&index| Some(asset.animations().get(index)?.duration_s));
+        lasts.reduce(f32::max)
     };
-    let lasts = props
-        .inputs
-        .iter()
-        .zip(&props.animations)
-        .filter_map(duration)
-        .fold(None, |longest, seconds| Some(longest.map_or(seconds, |longest: f32| longest.max(seconds))));
+    let lasts = props.inputs.iter().zip(&props.animations).filter_map(duration).reduce(f32::max);
     let seconds = match (args.frames, args.seconds.or(lasts)) {
         (Some(frames), _) => return Ok(frames),
         (None, Some(seconds)) => seconds,

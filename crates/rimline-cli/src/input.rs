@@ -147,10 +147,7 @@ impl Input {
 
     /// The file, and those that it names, textures included.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
-        let named = match &self.source {
-            Source::Gltf(asset) => asset.named_files(),
-            Source::World { .. } => &[],
-        };
+        let named = if let Source::Gltf(asset) = &self.source { asset.named_files() } else { &[] };
         std::iter::once(&*self.file).chain(named.iter().map(PathBuf::as_path))
     }
 
@@ -202,18 +199,14 @@ impl Input {
 
     /// The mesh, if the file has polygons that are taken whole.
     pub(crate) fn polygons(&self) -> Option<&Mesh> {
-        match &self.source {
-            Source::World { polygons, .. } => polygons.as_deref(),
-            Source::Gltf(_) => None,
-        }
+        let Source::World { polygons, .. } = &self.source else { return None };
+        polygons.as_deref()
     }
 
     /// The polygons of a file that are taken as triangles, if they were to be described.
     pub(crate) fn described(&self) -> Option<&GivenPolygons> {
-        match &self.source {
-            Source::World { described, .. } => described.as_deref(),
-            Source::Gltf(_) => None,
-        }
+        let Source::World { described, .. } = &self.source else { return None };
+        described.as_deref()
     }
 
     /// The mesh that all instances make.

@@ -34,15 +34,9 @@ pub(crate) struct ShadedLightSpec {
 /// A light's shape of `--area`; without sizes they are chosen by the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum AreaSpec {
-    Chosen(AreaKind),
+    /// With the sizes that it has for a radius of 1.
+    Chosen(AreaShape),
     Given(AreaShape),
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum AreaKind {
-    Rectangle,
-    Disc,
-    Sphere,
 }
 
 /// Why a value of the command line is refused; clap says which option it was given to.
@@ -212,9 +206,9 @@ pub(crate) fn area(text: &str) -> Result<AreaSpec, SpecError> {
     };
     match text.split_once(':') {
         None => Ok(AreaSpec::Chosen(match text {
-            "rect" => AreaKind::Rectangle,
-            "disc" => AreaKind::Disc,
-            "sphere" => AreaKind::Sphere,
+            "rect" => AreaShape::Rectangle { width: 2.2, height: 1.4 },
+            "disc" => AreaShape::Disc { radius: 1.0 },
+            "sphere" => AreaShape::Sphere { radius: 1.0 },
             _ => return Err(SpecError::Area(text.to_owned())),
         })),
         Some(("rect", sizes)) => {
@@ -427,7 +421,7 @@ mod tests {
 
     #[test]
     fn areas_sizes_and_angles() {
-        assert_eq!(area("disc"), Ok(AreaSpec::Chosen(AreaKind::Disc)));
+        assert_eq!(area("disc"), Ok(AreaSpec::Chosen(AreaShape::Disc { radius: 1.0 })));
         assert_eq!(area("rect:1,2"), Ok(AreaSpec::Given(AreaShape::Rectangle { width: 1.0, height: 2.0 })));
         assert_eq!(area("sphere:.5"), Ok(AreaSpec::Given(AreaShape::Sphere { radius: 0.5 })));
         assert_eq!((size("1280x960"), field_of_view("3.5e1")), (Ok([1280, 960]), Ok(35.0)));
