@@ -8,6 +8,7 @@ use rimline::reference::layout::ShadowStatistics;
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::On as _;
 use crate::input::{Input, Source};
+use crate::origin;
 use crate::output::{Folder, Output, print};
 use crate::progress::Progress;
 use crate::shadow;
@@ -38,7 +39,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     if scene.posed.pose.animations.is_empty() && props.displacement.is_none() {
         props.take_first_animations();
     }
-    props.settle(scene.posed.pose.time)?;
+    origin::settle(&mut props.inputs, &props.animations, scene.posed.pose.time)?;
     let frames = frames(args, &props)?;
     let time = |frame: u32| scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
     let file = |frame: u32| frame_file(&args.out, frame, frames);

@@ -56,19 +56,13 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     depths.try_reserve_exact(count).map_err(too_many).map_err(Failure::input(&args.points))?;
 
     asked.note_swallowed();
+    let job = on_gpu::Job { scene: &scene, asked, displacement: posed.displacement.as_ref(), time_s: posed.time_s() };
     let (adapter, (), mut times) = posed.work((&progress, "counting"), &times, |device, times| {
         depths.clear();
         match device {
             Device::Cpu => on_cpu(&scene, asked, &mut depths, times),
-            Device::Gpu(gpu) => {
-                let (displacement, time_s) = (posed.displacement.as_ref(), posed.time_s());
-                let job = on_gpu::Job { scene: &scene, asked, displacement, time_s };
-                // Times are for those who ask for them; all others would wait for the work twice.
-                if args.json {
-                    times.measure("compile", || job.warm_up(gpu))?;
-                }
-                job.run(gpu, &mut depths, times)
-            }
+            // Times are for those who ask for them; all others would wait for the work twice.
+            Device::Gpu(gpu) => job.run(gpu, &mut depths, times, args.json),
         }
     })?;
     times.measure("write", || output.finish(|file| write(file, (&points, &lights), &depths, origin)))?;

@@ -7,7 +7,6 @@ pub(crate) mod depth;
 mod depth_shadows;
 pub(crate) mod frame;
 pub(crate) mod from_depth;
-pub(crate) mod given_map;
 pub(crate) mod given_map_error;
 mod layers;
 mod light_maps;
@@ -39,6 +38,7 @@ use crate::device::Gpu;
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::{GpuError, On as _};
 use crate::image::Picture;
+use crate::origin;
 use crate::output::print;
 use crate::posed_input::note_idle_time;
 use crate::progress::Progress;
@@ -56,12 +56,13 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let mut times = Times::default();
     progress.step("reading the models");
     let mut props = times.measure("load", || ShadowInputs::read(scene))?;
-    let origin = times.measure("load", || props.settle(scene.posed.pose.time))?;
+    let origin =
+        times.measure("load", || origin::settle(&mut props.inputs, &props.animations, scene.posed.pose.time))?;
     for animations in &props.animations {
         note_idle_time(&scene.posed.pose, animations, props.displacement.as_ref());
     }
     let from_depth = times.measure("load", || FromDepth::of(args, origin))?;
-    let given = from_depth.as_ref().and_then(FromDepth::given);
+    let given = from_depth.as_ref().and_then(|from| from.given.as_deref());
     let inputs = Inputs::new(props.files(scene).chain(args.depth.as_deref()));
     let mut files = ResultFiles::begin(args, &inputs)?;
 
@@ -73,7 +74,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(posed_model::PosedModel::points).collect();
     let mut set = ShadowScene::new(scene, bodies, &points, given.map(|map| map.cameras.light()))?;
-    given.map_or(Ok(()), |map| given_map::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
+    given.map_or(Ok(()), |map| from_depth::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
     if let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) {
         return Err(UsageError::CoveredPolygons { file: body.input.file.clone() }.into());
     }

@@ -13,40 +13,22 @@ pub(crate) fn depth_format(device: &wgpu::Device) -> TextureFormat {
     if device.features().contains(finest.required_features()) { finest } else { TextureFormat::Depth24PlusStencil8 }
 }
 
-/// Lengths that the depth format must resolve, in the models' unit.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Seen {
-    pub(crate) near: f32,
-    /// Distance of the farthest surface with a shadow.
-    pub(crate) farthest: f32,
-    /// The size of a pixel at a distance of 1.
-    pub(crate) pixel: f32,
+/// The nearest near plane with which 24 bits tell distances half a pixel apart, where `pixel` is the size of one at a distance of
+/// 1: two numbers next to each other are `distance² / (2²⁴ near)` apart.
+fn nearest(farthest: f32, pixel: f32) -> f32 {
+    farthest / (16_777_216.0 * 0.5 * pixel)
 }
 
-impl Seen {
-    /// The nearest near plane with which 24 bits tell distances half a pixel apart: two numbers next to each other are
-    /// `distance² / (2²⁴ near)` apart.
-    fn nearest(self) -> f32 {
-        self.farthest / (16_777_216.0 * 0.5 * self.pixel)
-    }
-
-    /// Warning for the user, if depth in this format is too coarse.
-    fn warning(self, format: TextureFormat) -> Option<String> {
-        let (Self { near, farthest, .. }, nearest) = (self, self.nearest());
-        (format == TextureFormat::Depth24PlusStencil8 && near < nearest).then(|| {
-            format!(
-                "shadows {farthest} away may be wrong: depth has 24 bits on this device, too few for a near plane at {near}. \
-                 Set --near to {nearest} or more, or choose a device with DEPTH32FLOAT_STENCIL8 (`rimline devices` says which \
-                 have it)"
-            )
-        })
-    }
-
-    pub(crate) fn warn(self, format: TextureFormat) {
-        if let Some(warning) = self.warning(format) {
-            note(&format!("warning: {warning}"));
-        }
-    }
+/// A warning, if depth in this format is too coarse for the farthest surface with a shadow.
+pub(super) fn too_coarse(format: TextureFormat, near: f32, farthest: f32, pixel: f32) -> Option<String> {
+    let nearest = nearest(farthest, pixel);
+    (format == TextureFormat::Depth24PlusStencil8 && near < nearest).then(|| {
+        format!(
+            "shadows {farthest} away may be wrong: depth has 24 bits on this device, too few for a near plane at {near}. \
+             Set --near to {nearest} or more, or choose a device with DEPTH32FLOAT_STENCIL8 (`rimline devices` says which \
+             have it)"
+        )
+    })
 }
 
 /// The most that the stencil counts to; 256 looks like 0.
@@ -82,20 +64,20 @@ mod tests {
     #[test]
     fn coarse_depth_is_told_with_what_to_set() {
         let bits = TextureFormat::Depth24PlusStencil8;
-        let seen = |near| Seen { near, farthest: 10.0, pixel: 1.0 / 1024.0 };
+        let warning = |bits, near| too_coarse(bits, near, 10.0, 1.0 / 1024.0);
         // 10 · 2¹⁰ · 2 / 2²⁴.
-        let nearest = 10.0 / 8192.0;
-        assert_eq!(seen(1.0).nearest(), nearest);
-        assert_eq!(seen(nearest).warning(bits), None);
-        let warning = seen(1e-5).warning(bits).expect("10⁻⁶ of the distance is too near");
+        let least = 10.0 / 8192.0;
+        assert_eq!(nearest(10.0, 1.0 / 1024.0), least);
+        assert_eq!(warning(bits, least), None);
+        let coarse = warning(bits, 1e-5).expect("10⁻⁶ of the distance is too near");
         let expected = "shadows 10 away may be wrong: depth has 24 bits on this device, too few for a near plane at 0.00001. Set \
                         --near to 0.0012207031 or more, or choose a device with DEPTH32FLOAT_STENCIL8 (`rimline devices` says \
                         which have it)";
-        assert_eq!(warning, expected);
-        assert_eq!(seen(1e-5).warning(TextureFormat::Depth32FloatStencil8), None);
+        assert_eq!(coarse, expected);
+        assert_eq!(warning(TextureFormat::Depth32FloatStencil8, 1e-5), None);
         // Steps are half a pixel there.
         let step = |distance: f32, near: f32| distance * distance / (16_777_216.0 * near);
-        assert_eq!(step(10.0, nearest), 0.5 * 10.0 / 1024.0);
+        assert_eq!(step(10.0, least), 0.5 * 10.0 / 1024.0);
     }
 
     #[test]

@@ -13,7 +13,7 @@ use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
 use wgpu::TextureUsages;
 
 use super::casting::{CastInputs, Extracted, FacingMasks, put};
-use super::from_depth::{DepthFound, DepthsFound, FromDepth, MAP, MapSource, points};
+use super::from_depth::{DepthFound, DepthsFound, FromDepth, MAP, points};
 use super::light_maps::{LightCameras, ShownDepths, ShownMaps};
 use super::posed_model::PosedModel;
 use super::shadows::{Choice, Found, Shadows, VolumePipelines};
@@ -58,7 +58,7 @@ impl Shadows for DepthShadows<'_> {
             }
             let mesh = body.triangles()?.map_or_else(|| body.mesh(), Ok)?;
             let depth = || MeshDepth::new(&gpu.pipelines, &mesh, MAP, DepthDirection::Reversed);
-            let depth = matches!(self.from.source, MapSource::Drawn { .. }).then(depth).transpose().on(gpu)?;
+            let depth = self.from.given.is_none().then(depth).transpose().on(gpu)?;
             let surface = Extracted::new(gpu, &mesh, body, self.max_lights)?;
             put(&mut self.files, number, File { depth, surface });
         }
@@ -77,16 +77,16 @@ impl Shadows for DepthShadows<'_> {
         let points = points(seen);
         let Self { gpu, pipelines, from, files, lights: made, .. } = self;
         for (number, light) in lights.iter().enumerate() {
-            let cameras = match &from.source {
-                MapSource::Drawn { side } => LightCameras::new(light, &points, *side)?,
-                MapSource::Given(map) => map.cameras.clone(),
+            let cameras = match &from.given {
+                None => LightCameras::new(light, &points, from.size[0])?,
+                Some(map) => map.cameras.clone(),
             };
             if !made.get(number).is_some_and(|maps| maps.fits(&cameras)) {
                 let maps = LightMaps::new(gpu, pipelines, from, &cameras).map_err(|error| from.failed(error))?;
                 put(made, number, maps);
             }
             let Some(maps) = made.get_mut(number) else { continue };
-            if let MapSource::Drawn { .. } = from.source {
+            if from.given.is_none() {
                 for (view, eye) in maps.views.iter().zip(&cameras.0) {
                     draw_map(encoder, (view, eye), files, bodies, timer.as_deref_mut())?;
                 }
@@ -124,7 +124,7 @@ impl Shadows for DepthShadows<'_> {
 
     fn depths_found(&self) -> Result<Option<DepthsFound>, GpuError> {
         let lights = self.lights.iter().map(|maps| maps.found(self.gpu)).collect::<Result<_, _>>()?;
-        Ok(Some(DepthsFound { size: self.from.size(), has_walls: self.from.has_walls(), lights }))
+        Ok(Some(DepthsFound { size: self.from.size, has_walls: self.from.has_walls(), lights }))
     }
 
     fn shown_maps(&self, light: usize) -> Option<ShownDepths<'_>> {
@@ -188,7 +188,7 @@ impl LightMaps {
         from: &FromDepth,
         cameras: &LightCameras,
     ) -> Result<Self, GpuError> {
-        let (options, size) = (from.options(), from.size());
+        let (options, size) = (from.options(), from.size);
         let maps = if cameras.is_cube() {
             Maps::Cube(Box::new(DepthMapCube::new(pipelines, size[0], options)?))
         } else {
@@ -196,9 +196,9 @@ impl LightMaps {
         };
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
         let drawn = |_| view(&gpu.device.create_texture(&plain_texture("depth map", size, MAP, usage)));
-        let (mut views, objects): (Vec<_>, _) = match &from.source {
-            MapSource::Drawn { .. } => (cameras.0.iter().map(drawn).collect(), None),
-            MapSource::Given(map) => (map.upload(gpu), map.upload_objects(gpu)),
+        let (mut views, objects): (Vec<_>, _) = match &from.given {
+            None => (cameras.0.iter().map(drawn).collect(), None),
+            Some(map) => (map.upload(gpu), map.upload_objects(gpu)),
         };
         let mut distances = Vec::new();
         if options.metric != DepthMetric::Device {

@@ -114,7 +114,9 @@ impl Pictures {
         {
             let mut pass = subject.begin(attachments.pass(encoder, "shade", None, None));
             shadows.draw(&mut pass, &self.pipelines, light)?;
-            shade.iter().for_each(|receivers| receivers.paint(&mut pass, subject, light));
+            for receivers in shade {
+                receivers.paint(&mut pass, subject, light);
+            }
         }
         let mut pass = subject.begin(attachments.pass(encoder, "resolve", None, self.resolved.as_ref()));
         self.overlay.as_ref().map_or(Ok(()), |overlay| overlay.draw(&mut pass, subject))
@@ -133,7 +135,8 @@ impl Pictures {
 /// The attachments of a whole picture and the texture of its light.
 fn whole(resources: &RenderResources<'_>) -> (Vec<Attachments>, wgpu::TextureView) {
     let light = resources.target("light", LINEAR.format, 1, TextureUsages::TEXTURE_BINDING);
-    (vec![Attachments::new(resources, LINEAR)], light)
+    let color = resources.target("color", LINEAR.format, LINEAR.samples, TextureUsages::COPY_SRC);
+    (vec![Attachments { color, depth: resources.depth(LINEAR) }], light)
 }
 
 /// The attachments of a picture's parts and the layers of their light.
@@ -173,15 +176,9 @@ impl Masks {
     pub(crate) fn new(resources: &RenderResources<'_>, method: &ShadowMethod) -> Result<Self, GpuError> {
         let finished = resources.factory.target("mask", resources.size, MASK.format, 1, TextureUsages::COPY_SRC);
         let (color, all) = (view(&finished), ColorWrites::ALL);
-        let depth = resources.target(
-            "depth",
-            depth_format(&resources.factory.gpu.device),
-            MASK.samples,
-            TextureUsages::empty(),
-        );
         Ok(Self {
             pipelines: resources.pipelines(MASK, method)?,
-            attachments: Attachments { color, depth },
+            attachments: Attachments { color, depth: resources.depth(MASK) },
             dark: ReceiverPipelines::new(resources, MASK, ("dark", Onto::Nearest), (None, all)),
             lit: ReceiverPipelines::new(resources, MASK, ("mask", Onto::Lit), (None, all)),
             finished,

@@ -65,6 +65,10 @@ impl<'a> RenderResources<'a> {
         view(&self.factory.target(label, self.size, format, samples, usage))
     }
 
+    pub(super) fn depth(&self, target: Target) -> wgpu::TextureView {
+        self.target("depth", depth_format(&self.factory.gpu.device), target.samples, TextureUsages::empty())
+    }
+
     /// Binds a light for pipelines that are taken from now on, and the frame.
     pub(super) fn select(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) {
         pass.set_bind_group(0, &self.factory.frame_group, &[]);
@@ -90,14 +94,6 @@ pub(super) struct Attachments {
 }
 
 impl Attachments {
-    pub(super) fn new(resources: &RenderResources<'_>, target: Target) -> Self {
-        let none = TextureUsages::empty();
-        Self {
-            color: resources.target("color", target.format, target.samples, none | TextureUsages::COPY_SRC),
-            depth: resources.target("depth", depth_format(&resources.factory.gpu.device), target.samples, none),
-        }
-    }
-
     /// A pass that clears the stencil and goes on with what is there, or clears everything.
     pub(super) fn pass<'e>(
         &self,

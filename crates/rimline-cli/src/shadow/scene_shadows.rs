@@ -207,10 +207,8 @@ impl Shadows for SceneShadows<'_> {
         let buffer = self.frame().ok().and_then(SceneFrame::shadow_statistics);
         let mut found: ShadowStatistics =
             buffer.map_or(Ok(bytemuck::Zeroable::zeroed()), |buffer| self.gpu.read_first(buffer))?;
-        if let Some(Layers::Few(most)) = self.layers {
-            found.count_bound = found.count_bound.min(most);
-        }
-        if self.layers.is_some() {
+        if let Some(layers) = &self.layers {
+            found.count_bound = found.count_bound.min(layers.most.unwrap_or(u32::MAX));
             found.may_wrap = 0;
         }
         Ok(found)

@@ -5,11 +5,11 @@ use std::path::Path;
 use glam::Vec3;
 use rimline::gpu::StageTimer;
 use rimline::mesh::Bounds;
-use rimline::{Displacement, Light, MAX_LIGHTS, Origin, wgpu};
+use rimline::{Displacement, Light, MAX_LIGHTS, wgpu};
 
 use super::casters::{Casters, DrawInputs};
 use super::casting::CastInputs;
-use super::depth::{Seen, depth_format};
+use super::depth::{depth_format, too_coarse};
 use super::frame::{Frame, PARTS, Part, part_camera, unit};
 use super::posed_model::PosedModel;
 use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
@@ -17,7 +17,6 @@ use crate::device::{self, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::{Input, Source};
-use crate::origin;
 use crate::output::note;
 use crate::posed_input::{self, animations};
 use crate::render::camera::{Camera, elevation, outermost};
@@ -48,11 +47,6 @@ impl ShadowInputs {
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let animations = animations(&inputs, &args.posed.pose)?;
         Ok(Self { inputs, animations, displacement })
-    }
-
-    /// Moves all files to one origin, with the animations that are chosen by now. It does not move in time.
-    pub(crate) fn settle(&mut self, time_s: f32) -> Result<Origin, Failure> {
-        origin::settle(&mut self.inputs, &self.animations, time_s)
     }
 
     /// The files that were read, and those that models name.
@@ -156,12 +150,10 @@ impl<'a> ShadowScene<'a> {
     /// Tells the user where depth is too coarse for the shadows that are seen.
     pub(crate) fn warn_of_depth(&self, gpu: &Gpu) {
         let farthest = farthest(&self.camera, &self.stage);
-        let seen = Seen { near: self.camera.near, farthest, pixel: self.pixel() };
-        seen.warn(depth_format(&gpu.device));
-    }
-
-    fn pixel(&self) -> f32 {
-        2.0 / (self.camera.scale[1] * self.args.view.size[1] as f32)
+        let pixel = 2.0 / (self.camera.scale[1] * self.args.view.size[1] as f32);
+        if let Some(warning) = too_coarse(depth_format(&gpu.device), self.camera.near, farthest, pixel) {
+            note(&format!("warning: {warning}"));
+        }
     }
 
     pub(crate) fn ranged(&self) -> Vec<Light> {

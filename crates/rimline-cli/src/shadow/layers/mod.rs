@@ -20,12 +20,12 @@ use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
 use crate::render::pipeline_factory::{COMMON, Pass, depth_state};
 
-/// The layers of all models, as far as they are known.
-pub(super) enum Layers {
-    /// At most so many faces lie over each other, and the stencil counts them.
-    Few(u32),
+/// The layers of all models.
+pub(super) struct Layers {
+    /// At most so many faces lie over each other, if the stencil counts them.
+    pub(super) most: Option<u32>,
     /// More may lie over each other, so they are drawn in batches.
-    Batched(Vec<Batch>),
+    batches: Vec<Batch>,
 }
 
 /// A scene of some faces of all models.
@@ -63,12 +63,12 @@ impl Layers {
             })
             .collect();
         if deep.is_empty() {
-            return Ok(Some(Self::Few(most)));
+            return Ok(Some(Self { most: Some(most), batches: Vec::new() }));
         }
         // The others are counted in the same batches.
         let Some(found) = batches::batches(&deep, &positions, &faces, MOST_OF_BATCH) else { return Ok(None) };
         let batch = |of: &Vec<u32>| Batch::new(gpu, bodies, counting, max_lights, of);
-        Ok(Some(Self::Batched(found.iter().map(batch).collect::<Result<_, _>>()?)))
+        Ok(Some(Self { most: None, batches: found.iter().map(batch).collect::<Result<_, _>>()? }))
     }
 
     pub(super) fn encode(
@@ -76,10 +76,7 @@ impl Layers {
         encoder: &mut wgpu::CommandEncoder,
         CastInputs { camera, lights, .. }: &CastInputs<'_>,
     ) -> Result<(), GpuError> {
-        match self {
-            Self::Batched(batches) => batches.iter_mut().try_for_each(|batch| batch.encode(encoder, camera, lights)),
-            Self::Few(_) => Ok(()),
-        }
+        self.batches.iter_mut().try_for_each(|batch| batch.encode(encoder, camera, lights))
     }
 
     /// Draws the batches of a light, if there are any. Returns whether there are.
@@ -89,9 +86,11 @@ impl Layers {
         pipelines: &BatchPipelines,
         light: usize,
     ) -> Result<bool, GpuError> {
-        let Self::Batched(batches) = self else { return Ok(false) };
+        if self.batches.is_empty() {
+            return Ok(false);
+        }
         let made = pipelines.get()?;
-        for (number, batch) in batches.iter().enumerate() {
+        for (number, batch) in self.batches.iter().enumerate() {
             if number > 0 {
                 made.resolve(pass);
             }
