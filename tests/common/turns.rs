@@ -66,14 +66,13 @@ pub(crate) fn stated() -> Outcome {
 pub(crate) fn of_command() -> Outcome {
     let folder = crate::root().join("crates/rimline-cli/src");
     let read = |file: &str| std::fs::read_to_string(folder.join(file)).map_err(|error| format!("{file}: {error}"));
-    let modules: [&[&str]; 7] = [
-        &["draw/frame.wgsl", "draw/occlusion.wgsl"],
-        &["draw/frame.wgsl", "draw/darken.wgsl"],
-        &["draw/frame.wgsl", "draw/blur.wgsl"],
-        &["draw/frame.wgsl", "draw/veil.wgsl"],
-        &["draw/frame.wgsl", "", "draw/lines.wgsl"],
-        &["shadow/scene.wgsl", "shadow/parts.wgsl"],
-        &["shadow/scene.wgsl", "shadow/glass.wgsl", "shadow/depth_volumes.wgsl"],
+    let common = "render/common.wgsl";
+    let modules: [&[&str]; 5] = [
+        &[common, "draw/frame.wgsl", "draw/screen.wgsl"],
+        &[common, "draw/frame.wgsl", "draw/veil.wgsl"],
+        &[common, "draw/frame.wgsl", "", "draw/lines.wgsl"],
+        &[common, "shadow/scene.wgsl", "shadow/picture.wgsl"],
+        &[common, "shadow/scene.wgsl", "", "shadow/overlay.wgsl"],
     ];
     for files in modules {
         let texts = files.iter().map(|file| if file.is_empty() { Ok(include_wgsl(2)) } else { read(file) });

@@ -16,14 +16,13 @@ use rimline_bench::{
 
 use crate::bench_args::{BenchArgs, Number};
 use crate::device::{self, Device, Gpu, Wanted};
-use crate::ending::{self, Written};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input::{Input, Scene, Shape};
-use crate::load_args::TakenPolygons;
-use crate::origin;
+use crate::input_args::TakenPolygons;
 use crate::output::{self, Folder, Output, is_interrupted, note, print};
 use crate::progress::Progress;
-use crate::source;
+use crate::target::{check_ending, check_folder};
+use crate::{origin, source};
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     if args.schema {
@@ -174,13 +173,13 @@ impl Destination {
     /// Makes the folder, and tries both places, so that an unwritable one is known before the long work.
     fn new(args: &BenchArgs) -> Result<Self, Failure> {
         let folder = |path: &PathBuf| -> Result<_, Failure> {
-            ending::check_report(path)?;
+            check_folder(path, |folder| UsageError::ReportEnding { folder })?;
             check_own(path)?;
             let folder = Folder::create_all(path)?;
             drop(Output::create(&path.join("index.html"))?);
             Ok((path.clone(), folder))
         };
-        args.json.as_deref().map_or(Ok(()), |file| ending::check(file, Written::Json))?;
+        args.json.as_deref().map_or(Ok(()), |file| check_ending(file, "json"))?;
         Ok(Self {
             folder: args.report.as_ref().map(folder).transpose()?,
             json: args.json.as_deref().map(Output::create).transpose()?,

@@ -35,10 +35,8 @@ impl Wanted {
     }
 
     fn fits(&self, adapter: &wgpu::Adapter) -> bool {
-        match self {
-            Self::Named(part) => describe(&adapter.get_info()).to_lowercase().contains(&part.to_lowercase()),
-            _ => true,
-        }
+        let Self::Named(part) = self else { return true };
+        describe(&adapter.get_info()).to_lowercase().contains(&part.to_lowercase())
     }
 }
 
@@ -106,19 +104,20 @@ pub(crate) fn lacks(adapter: &wgpu::Adapter) -> Option<String> {
         return Some("compute shaders".into());
     }
     let (needed, has) = (Limits::default(), adapter.limits());
-    let short = |name: &str, needed: u32, has: u32| (has < needed).then(|| format!("{needed} {name} (it has {has})"));
-    short(
-        "storage buffers a stage",
-        needed.max_storage_buffers_per_shader_stage,
-        has.max_storage_buffers_per_shader_stage,
-    )
-    .or_else(|| {
-        short(
+    let limits = [
+        (
+            "storage buffers a stage",
+            needed.max_storage_buffers_per_shader_stage,
+            has.max_storage_buffers_per_shader_stage,
+        ),
+        (
             "invocations a workgroup",
             needed.max_compute_invocations_per_workgroup,
             has.max_compute_invocations_per_workgroup,
-        )
-    })
+        ),
+    ];
+    let short = limits.into_iter().find(|(_, needed, has)| has < needed);
+    short.map(|(name, needed, has)| format!("{needed} {name} (it has {has})"))
 }
 
 pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
@@ -246,20 +245,13 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
         return Err(NoDevice::Lacks { adapter, lacking });
     }
     let offered = adapter.limits();
+    let most = buffer_limit().unwrap_or(u64::MAX);
     // The portable limits, as far as they go, and more only where big meshes and pictures need it.
     let limits = Limits {
-        max_buffer_size: offered.max_buffer_size,
-        max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
+        max_buffer_size: offered.max_buffer_size.min(most),
+        max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size.min(most),
         max_texture_dimension_2d: offered.max_texture_dimension_2d,
         ..Limits::default().or_worse_values_from(&offered)
-    };
-    let limits = match buffer_limit() {
-        None => limits,
-        Some(most) => Limits {
-            max_buffer_size: limits.max_buffer_size.min(most),
-            max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size.min(most),
-            ..limits
-        },
     };
     let features = OPTIONAL_FEATURES.iter().fold(Features::empty(), |all, &(feature, _)| all | feature);
     let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
@@ -348,6 +340,30 @@ impl Gpu {
     pub(crate) fn buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let (label, size, usage) = (Some(label), size.max(16), usage | wgpu::BufferUsages::COPY_DST);
         self.device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
+    }
+
+    /// A buffer with these contents, which copies may overwrite.
+    pub(crate) fn filled(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let buffer = self.buffer(label, contents.len() as u64, usage);
+        self.queue.write_buffer(&buffer, 0, contents);
+        buffer
+    }
+
+    /// A layout whose bindings these stages see.
+    pub(crate) fn layout(&self, visibility: wgpu::ShaderStages, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+        let entry = |(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+        let entries: Vec<_> = (0..).zip(types).map(entry).collect();
+        self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
+    }
+
+    pub(crate) fn group(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        resources: &[wgpu::BindingResource<'_>],
+    ) -> wgpu::BindGroup {
+        let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+        let entries: Vec<_> = (0..).zip(resources.iter().cloned()).map(entry).collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
     }
 
     /// Contents of a buffer. Waits for the device.

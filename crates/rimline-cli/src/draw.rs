@@ -8,6 +8,8 @@ mod survey;
 use std::borrow::Cow;
 use std::thread::ScopedJoinHandle;
 
+use frame::Frame;
+use outline_picture::{Canvas, LinePipelines, ModelPipelines};
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
 use rimline::mesh::Bounds;
 use rimline::reference::cpu::is_finite;
@@ -15,21 +17,17 @@ use rimline::{Light, Mesh, MeshError, wgpu};
 
 use crate::args::DrawArgs;
 use crate::device::{self, Gpu, Wanted};
-use crate::ending::{self, Written};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::{GpuError, On as _};
 use crate::image::{Picture, wrote};
 use crate::input::{Scene, Shape};
 use crate::output::{Output, print};
-use crate::posed_input::PosedInput;
-use crate::positions::Positions;
+use crate::posed_input::{PosedInput, Positions};
 use crate::progress::Progress;
 use crate::render::camera::{Camera, elevation};
 use crate::render::coincident::{Coincident, corners};
 use crate::render::{centre, check_bounds, check_model, check_size, extent, normals, too_large};
-use crate::target::Inputs;
-use frame::Frame;
-use outline_picture::{Canvas, LinePipelines, ModelPipelines};
+use crate::target::{Inputs, check_ending};
 
 /// Degrees that the eye is above the model by default.
 const ELEVATION: f64 = 17.0;
@@ -42,7 +40,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     if wanted == Wanted::Cpu {
         return Err(UsageError::DrawOnCpu.into());
     }
-    ending::check(&args.out, Written::Png)?;
+    check_ending(&args.out, "png")?;
     let progress = Progress::start();
     progress.step("reading the model");
     let posed = PosedInput::read(&args.posed, &args.model)?;
@@ -113,7 +111,7 @@ fn draw(
         let frame = Frame::new(&camera, args.view.size, &bounds, places, args.show_boundary);
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let record = || {
-            let canvas = Canvas::new(gpu, &factory, (&frame, &bounds), args.view.size);
+            let canvas = Canvas::new(&factory, (&frame, &bounds), args.view.size);
             let mut encoder = gpu.encoder("model");
             let (normals, buffer) = (normals::corner_normals(&world, &faces), positions.buffer().buffer);
             let model = &joined(model_pipelines);

@@ -1,33 +1,30 @@
 //! `rimline extract`: facing, silhouette and winding bits for lights, as NumPy arrays.
 
 pub(crate) mod arrays;
-pub(crate) mod on_gpu;
+mod on_gpu;
 
 use std::borrow::Cow;
 use std::path::Path;
-use std::time::Instant;
 
 use rimline::mesh::EdgeCounts;
 use rimline::reference::Method;
 use rimline::reference::cpu::{self, Extraction, FacingStatistics, Threads};
 use rimline::reference::layout::EdgeMasks;
-use rimline::{Light, Mesh, Origin, Predicate};
+use rimline::{Displacement, Light, Mesh, Origin, Predicate};
 use rimline_bench::error_metrics::light_counts;
 use serde_json::json;
 
 use crate::args::{ExtractArgs, MethodArg, PredicateArg};
 use crate::device::Device;
-use crate::ending::{self, Written};
 use crate::failure::{Failure, UsageError};
 use crate::input::Scene;
 use crate::output::{Output, print};
 use crate::posed_input::PosedInput;
 use crate::progress::Progress;
-use crate::report::{self, Lines, per_light};
+use crate::report::{self, Lines, Times, per_light};
 use crate::shadow::args::value_name;
 use crate::shown::Line;
-use crate::target::Inputs;
-use crate::times::Times;
+use crate::target::{Inputs, check_ending};
 
 /// Results of either device. Masks lie in ⌈N/32⌉ planes, item after item.
 pub(crate) struct Found<'a> {
@@ -42,18 +39,13 @@ pub(crate) struct Found<'a> {
 /// Finds everything exactly on a device.
 pub(crate) fn extract_exactly<'s>(device: &Device, scene: &Scene<'s>, lights: &[Light]) -> Result<Found<'s>, Failure> {
     let (method, predicate) = (Method::FaceMask, Predicate::Exact);
-    match device {
-        Device::Cpu => on_cpu(scene, lights, (method, predicate), &mut Times::default()),
-        Device::Gpu(gpu) => {
-            let job = on_gpu::Job { scene, lights, method, predicate, displacement: None, time_s: 0.0 };
-            job.run(gpu, &mut Times::default(), false)
-        }
-    }
+    let job = Job { scene, lights, method, predicate, displacement: None, time_s: 0.0 };
+    job.find(device, &mut Times::default(), false)
 }
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
-    let way = way(args)?;
-    ending::check(&args.out, Written::Npz)?;
+    let (method, predicate, named) = way(args)?;
+    check_ending(&args.out, "npz")?;
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the model");
@@ -64,33 +56,19 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     Inputs::new(posed.files()).spare(&args.out)?;
     let output = Output::create(&args.out)?;
 
-    progress.step("opening the device");
-    let begin = Instant::now();
-    let (device, (found, mut times)) = posed.work(|device| {
-        progress.step("extracting");
-        let mut times = times.clone();
-        times.add("device", begin.elapsed().as_secs_f64() * 1e3);
-        let found = match device {
-            Device::Cpu => on_cpu(&scene, &lights, (way.0, way.1), &mut times)?,
-            Device::Gpu(gpu) => {
-                let job = on_gpu::Job {
-                    scene: &scene,
-                    lights: &lights,
-                    method: way.0,
-                    predicate: way.1,
-                    displacement: posed.displacement.as_ref(),
-                    time_s: posed.time_s(),
-                };
-                // Times are for those who ask for them; all others would wait for the work twice.
-                job.run(gpu, &mut times, args.json)?
-            }
-        };
-        Ok((found, times))
-    })?;
-    progress.step("writing");
+    let job = Job {
+        scene: &scene,
+        lights: &lights,
+        method,
+        predicate,
+        displacement: posed.displacement.as_ref(),
+        time_s: posed.time_s(),
+    };
+    let work = |device: &Device, times: &mut Times| job.find(device, times, args.json);
+    let (adapter, found, mut times) = posed.work((&progress, "extracting"), &times, work)?;
     let (mesh, origin) = (&scene.mesh, posed.input.origin);
     times.measure("write", || output.finish(|file| arrays::write(file, mesh, &lights, &found, origin)))?;
-    let names = [device.name(), value_name(&args.method), value_name(&way.2)];
+    let names = [adapter, value_name(&args.method), value_name(&named)];
     let report = Report { mesh, lights: lights.len(), found: &found, names, origin, times };
     drop(progress);
     print(&if args.json { report.json() } else { report.text(&args.out) })
@@ -112,40 +90,59 @@ fn way(args: &ExtractArgs) -> Result<(Method, Predicate, PredicateArg), UsageErr
     Ok((method, predicate, named))
 }
 
-/// The CPU references, stage by stage.
-fn on_cpu<'a>(
-    scene: &Scene<'a>,
-    lights: &[Light],
-    (method, predicate): (Method, Predicate),
-    times: &mut Times,
-) -> Result<Found<'a>, Failure> {
-    let (mesh, threads) = (&scene.mesh, Threads::all());
-    let positions = scene.shape.on_cpu(times)?;
-    if mesh.polygons().is_some() {
-        let extract = |method| {
-            let found = cpu::extract_by(&positions, mesh, lights, method, predicate, threads);
-            found.map_err(|error| Failure::from(UsageError::Arguments(error)))
-        };
-        let Extraction { facing, twisted, mut masks, statistics } =
-            times.measure("facing", || extract(Method::FaceMask))?;
-        if method == Method::PerEdge {
-            masks = times.measure("per_edge", || extract(method))?.masks;
+/// What to extract, and how.
+#[derive(Clone, Copy)]
+struct Job<'a, 's> {
+    scene: &'a Scene<'s>,
+    lights: &'a [Light],
+    method: Method,
+    predicate: Predicate,
+    displacement: Option<&'a Displacement>,
+    time_s: f32,
+}
+
+impl<'s> Job<'_, 's> {
+    /// `is_warm` compiles shaders before the stages run: times are for those who ask for them, and all others would wait for the work
+    /// twice.
+    fn find(&self, device: &Device, times: &mut Times, is_warm: bool) -> Result<Found<'s>, Failure> {
+        match device {
+            Device::Cpu => self.on_cpu(times),
+            Device::Gpu(gpu) => self.on_gpu(gpu, times, is_warm),
         }
-        return Ok(Found { positions, facing, twisted, masks, statistics });
     }
-    let faces = mesh.faces();
-    let mut facing = Vec::new();
-    // The per-edge method has no face bits, so the file gets the exact ones.
-    let of_faces = if method == Method::PerEdge { Predicate::Exact } else { predicate };
-    let statistics =
-        times.measure("facing", || cpu::facing_into(&mut facing, &positions, faces, lights, of_faces, threads));
-    let masks = match method {
-        Method::FaceMask => {
-            times.measure("edges", || cpu::edges(mesh.edges(), &facing, faces.len(), lights.len(), threads))
+
+    /// The CPU references, stage by stage.
+    fn on_cpu(&self, times: &mut Times) -> Result<Found<'s>, Failure> {
+        let Self { scene: Scene { mesh, shape }, lights, method, predicate, .. } = *self;
+        let (positions, threads) = (shape.on_cpu(times)?, Threads::all());
+        if mesh.polygons().is_some() {
+            let extract = |method| {
+                let found = cpu::extract_by(&positions, mesh, lights, method, predicate, threads);
+                found.map_err(|error| Failure::from(UsageError::Arguments(error)))
+            };
+            let Extraction { facing, twisted, mut masks, statistics } =
+                times.measure("facing", || extract(Method::FaceMask))?;
+            if method == Method::PerEdge {
+                masks = times.measure("per_edge", || extract(method))?.masks;
+            }
+            return Ok(Found { positions, facing, twisted, masks, statistics });
         }
-        Method::PerEdge => times.measure("per_edge", || cpu::per_edge(&positions, mesh, lights, predicate, threads)),
-    };
-    Ok(Found { positions, facing, twisted: Vec::new(), masks, statistics })
+        let faces = mesh.faces();
+        let mut facing = Vec::new();
+        // The per-edge method has no face bits, so the file gets the exact ones.
+        let of_faces = if method == Method::PerEdge { Predicate::Exact } else { predicate };
+        let statistics =
+            times.measure("facing", || cpu::facing_into(&mut facing, &positions, faces, lights, of_faces, threads));
+        let masks = match method {
+            Method::FaceMask => {
+                times.measure("edges", || cpu::edges(mesh.edges(), &facing, faces.len(), lights.len(), threads))
+            }
+            Method::PerEdge => {
+                times.measure("per_edge", || cpu::per_edge(&positions, mesh, lights, predicate, threads))
+            }
+        };
+        Ok(Found { positions, facing, twisted: Vec::new(), masks, statistics })
+    }
 }
 
 struct Report<'a> {

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use rimline::{CameraError, LightError, MeshError};
 
-use crate::begins::FormatError;
-use crate::load_args::size;
+use crate::input_args::size;
 use crate::npz::NpzError;
 use crate::obj::ObjError;
 use crate::shadow::given_map_error::GivenMapError;
+use crate::source::FormatError;
 use crate::spec::SpecError;
 
 pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {
@@ -306,19 +306,5 @@ impl Failure {
             #[cfg(feature = "bench")]
             Self::Interrupted => crate::signals::interrupted_code(),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_cpu_is_advised_only_where_it_would_do() {
-        let message = |cpu_would_do| {
-            NoDevice::TooSmall { adapter: "A".into(), reason: "too many faces".into(), cpu_would_do }.to_string()
-        };
-        assert!(message(true).contains("--device cpu"), "{}", message(true));
-        assert!(!message(false).contains("cpu") && message(false).contains("another device"), "{}", message(false));
     }
 }

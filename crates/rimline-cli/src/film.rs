@@ -3,16 +3,18 @@
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use crate::ending;
+use rimline::reference::layout::ShadowStatistics;
+
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::On as _;
 use crate::input::{Input, Source};
+use crate::origin;
 use crate::output::{Folder, Output, print};
 use crate::progress::Progress;
 use crate::shadow;
 use crate::shadow::args::{FilmArgs, MAX_FRAMES};
 use crate::shadow::casters::Casters;
-use crate::shadow::depth::CountBound;
+use crate::shadow::depth::warn_of_wrapping;
 use crate::shadow::pictures::Pictures;
 use crate::shadow::posed_model::PosedModel;
 use crate::shadow::render_resources::RenderResources;
@@ -20,14 +22,14 @@ use crate::shadow::shadow_scene::{ShadowInputs, ShadowScene, open_gpu};
 use crate::shadow::shadows::ShadowMethod;
 use crate::shown::Line;
 use crate::signals::{create_unfinished, remove_unfinished};
-use crate::target::Inputs;
+use crate::target::{Inputs, check_folder};
 
 /// Moments that the camera is chosen by: it must see all of the motion.
 const LOOKS: u32 = 12;
 
 pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let scene = &args.scene;
-    ending::check_folder(&args.out)?;
+    check_folder(&args.out, |out| UsageError::FolderEnding { out })?;
     // Before long work: a place that cannot be had is known at once.
     let _folder = Folder::create(&args.out)?;
     let _claim = Claim::take(&args.out)?;
@@ -37,7 +39,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     if scene.posed.pose.animations.is_empty() && props.displacement.is_none() {
         props.take_first_animations();
     }
-    props.settle(scene.posed.pose.time)?;
+    origin::settle(&mut props.inputs, &props.animations, scene.posed.pose.time)?;
     let frames = frames(args, &props)?;
     let time = |frame: u32| scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
     let file = |frame: u32| frame_file(&args.out, frame, frames);
@@ -66,20 +68,22 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     }
     let mut set = ShadowScene::new(scene, bodies, &points, None)?;
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let pictures = Pictures::new(&gpu, &resources, &method, scene.mode, scene.volumes, set.is_in_parts()).on(&gpu)?;
+    let pictures = Pictures::new(&resources, &method, scene.mode, scene.volumes, set.is_in_parts()).on(&gpu)?;
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));
-    let mut casters = Casters::new(&gpu, &pictures.pipelines, set.samples(), scene.volumes).on(&gpu)?;
-    let mut bound = CountBound::default();
+    let mut casters = Casters::new(&resources, &pictures.pipelines, set.samples(), scene.volumes).on(&gpu)?;
+    let mut most: ShadowStatistics = bytemuck::Zeroable::zeroed();
     for frame in 0..frames {
         let output = output.take().map_or_else(|| Output::create(&file(frame)), Ok)?;
         set.pose(&gpu, time(frame))?;
-        casters.place(&gpu, &set.bodies)?;
-        set.cast(&gpu, &resources, &mut casters, None).on(&gpu)?;
-        set.count_layers(&gpu, &mut casters)?;
-        let picture = shadow::picture(&gpu, &resources, &pictures, &mut set, &mut casters).on(&gpu)?;
-        bound = bound.max(casters.shadows.statistics(&gpu).on(&gpu)?.into());
+        casters.place(&set.bodies)?;
+        set.cast(&mut casters, None).on(&gpu)?;
+        set.count_layers(&mut casters)?;
+        let picture = shadow::picture(&pictures, &mut set, &mut casters).on(&gpu)?;
+        let found = casters.shadows.statistics().on(&gpu)?;
+        most.count_bound = most.count_bound.max(found.count_bound);
+        most.may_wrap = most.may_wrap.max(found.may_wrap);
         gpu.check()?;
         output.finish(|file| picture.write_png(file))?;
         if frame == 0 {
@@ -88,7 +92,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         progress.picture_done();
     }
     drop(progress);
-    bound.warn();
+    warn_of_wrapping(most);
     set.warn_of_depth(&gpu);
     let [first, last] = [file(0), file(frames - 1)];
     let [width, height] = scene.view.size;
@@ -101,19 +105,12 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 
 /// How many pictures are asked for, or make up the longest animation.
 fn frames(args: &FilmArgs, props: &ShadowInputs) -> Result<u32, Failure> {
-    let duration = |(input, animations): (&Input, &Vec<usize>)| match &input.source {
-        Source::Gltf(asset) => {
-            let lasts = animations.iter().filter_map(|&index| Some(asset.animations().get(index)?.duration_s));
-            lasts.reduce(f32::max)
-        }
-        Source::World { .. } => None,
+    let duration = |(input, animations): (&Input, &Vec<usize>)| {
+        let Source::Gltf(asset) = &input.source else { return None };
+        let lasts = animations.iter().filter_map(|&index| Some(asset.animations().get(index)?.duration_s));
+        lasts.reduce(f32::max)
     };
-    let lasts = props
-        .inputs
-        .iter()
-        .zip(&props.animations)
-        .filter_map(duration)
-        .fold(None, |longest, seconds| Some(longest.map_or(seconds, |longest: f32| longest.max(seconds))));
+    let lasts = props.inputs.iter().zip(&props.animations).filter_map(duration).reduce(f32::max);
     let seconds = match (args.frames, args.seconds.or(lasts)) {
         (Some(frames), _) => return Ok(frames),
         (None, Some(seconds)) => seconds,

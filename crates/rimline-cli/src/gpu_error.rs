@@ -8,7 +8,7 @@ use rimline::gpu::{DeformError, DeviceError, ExtractorError, MAX_OUTLINE_EDGES, 
 
 use crate::device::{Gpu, describe};
 use crate::failure::{Failure, NoDevice, UsageError};
-use crate::load_args::size;
+use crate::input_args::size;
 use crate::shadow::given_map_error::GivenMapError;
 
 #[derive(Debug, thiserror::Error)]

@@ -1,27 +1,26 @@
 //! `rimline info`: what a model holds, and whether it is closed.
 
 mod asset;
-mod json;
 mod polygons;
 mod report;
 mod seams;
 mod text;
 
+use polygons::PolygonReport;
+use report::MeshReport;
 use rimline::{Light, Origin};
 use serde_json::{Value, json};
+use text::Text;
 
 use crate::args::InfoArgs;
 use crate::coordinates::{add_origin, origin_text};
 use crate::failure::{Failure, InputError};
 use crate::input::{Input, Source};
-use crate::load_args::TakenPolygons;
+use crate::input_args::TakenPolygons;
 use crate::origin;
 use crate::output::print;
+use crate::report::Times;
 use crate::shown::Line;
-use crate::times::Times;
-use polygons::PolygonReport;
-use report::MeshReport;
-use text::Text;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let taken = match args.model.polygons.taken() {
@@ -76,9 +75,9 @@ impl Report {
         let mut value = json!({
             "file": input.file.display().to_string(),
             "instances": input.model().instances().len(),
-            "meshes": self.meshes.iter().map(json::mesh).collect::<Vec<_>>(),
-            "total": json::mesh(&self.total),
-            "placed": json::mesh(&self.placed),
+            "meshes": self.meshes.iter().map(report::mesh).collect::<Vec<_>>(),
+            "total": report::mesh(&self.total),
+            "placed": report::mesh(&self.placed),
             "polygons": self.polygons.as_ref().map(PolygonReport::json),
         });
         add_origin(&mut value, input.origin);

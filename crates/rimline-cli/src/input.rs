@@ -4,27 +4,23 @@ use std::borrow::Cow;
 use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
-use rimline::MAX_LIGHTS;
 use rimline::gltf::{Asset, GltfError, GltfWarning, LoadOptions, SceneLight};
 use rimline::mesh::{Weld, WeldCounts, WeldDistance};
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::light::check_lights;
 use rimline::{
-    Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, Mesh, MeshError, Model, ModelError, Origin,
-    Pose,
+    Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, MAX_LIGHTS, Mesh, MeshError, Model,
+    ModelError, Origin, Pose,
 };
 
-use crate::begins::{Begins, begins};
 use crate::failure::{Failure, InputError, UsageError};
-use crate::input_args::ModelArgs;
-use crate::load_args::TakenPolygons;
-use crate::npz;
-use crate::obj;
+use crate::input_args::{ModelArgs, TakenPolygons};
 use crate::output::note;
+use crate::report::Times;
 use crate::shown::listed;
-use crate::source;
+use crate::source::{Begins, begins};
 use crate::spec::LightSpec;
-use crate::times::Times;
+use crate::{npz, obj, source};
 
 pub(crate) struct Input {
     pub(crate) file: PathBuf,
@@ -151,10 +147,7 @@ impl Input {
 
     /// The file, and those that it names, textures included.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
-        let named = match &self.source {
-            Source::Gltf(asset) => asset.named_files(),
-            Source::World { .. } => &[],
-        };
+        let named = if let Source::Gltf(asset) = &self.source { asset.named_files() } else { &[] };
         std::iter::once(&*self.file).chain(named.iter().map(PathBuf::as_path))
     }
 
@@ -206,18 +199,14 @@ impl Input {
 
     /// The mesh, if the file has polygons that are taken whole.
     pub(crate) fn polygons(&self) -> Option<&Mesh> {
-        match &self.source {
-            Source::World { polygons, .. } => polygons.as_deref(),
-            Source::Gltf(_) => None,
-        }
+        let Source::World { polygons, .. } = &self.source else { return None };
+        polygons.as_deref()
     }
 
     /// The polygons of a file that are taken as triangles, if they were to be described.
     pub(crate) fn described(&self) -> Option<&GivenPolygons> {
-        match &self.source {
-            Source::World { described, .. } => described.as_deref(),
-            Source::Gltf(_) => None,
-        }
+        let Source::World { described, .. } = &self.source else { return None };
+        described.as_deref()
     }
 
     /// The mesh that all instances make.
@@ -399,7 +388,7 @@ fn of_arrays(arrays: npz::Arrays, options: LoadOptions, taken: TakenPolygons) ->
 }
 
 /// Everything where it is.
-fn resting() -> Result<Pose, ModelError> {
+pub(crate) fn resting() -> Result<Pose, ModelError> {
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
     Ok(Pose::new(vec![InstancePose::new(vec![identity], Vec::new())?]))
 }

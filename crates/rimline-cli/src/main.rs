@@ -2,30 +2,26 @@
 #![allow(clippy::doc_markdown, reason = "clap prints doc comments as they are")]
 
 mod args;
-mod begins;
 #[cfg(feature = "bench")]
 mod bench;
+#[cfg(feature = "bench")]
 mod bench_args;
 mod coordinates;
 mod device;
 mod devices;
 mod draw;
-mod ending;
 mod extract;
 mod failure;
 mod film;
 mod gpu_error;
-mod help;
 mod image;
 mod info;
 mod input;
 mod input_args;
-mod load_args;
 mod origin;
 mod output;
 mod parse;
 mod posed_input;
-mod positions;
 mod progress;
 mod query;
 mod render;
@@ -36,7 +32,6 @@ mod signals;
 mod source;
 mod spec;
 mod target;
-mod times;
 mod verify;
 mod warm_up;
 

@@ -1,5 +1,6 @@
 //! The run's origin: one for all files, near the models, where coordinates are too large for `f32`.
 
+use rimline::gltf::SceneExtent;
 use rimline::reference::origin::bounds;
 use rimline::{Geometry, GeometryOptions, Instance, Model, ModelError, Origin};
 
@@ -11,14 +12,6 @@ use crate::shown::Line;
 /// The share of a model's size that rounding may move a vertex by without a warning.
 const UNSEEN: f64 = 1e-4;
 
-#[derive(Clone, Copy, Debug)]
-struct Extent {
-    /// The lowest and the highest corner of its box; of arrays relative to their origin.
-    bounds: [[f64; 3]; 2],
-    /// The most by which a position in `f32` is off.
-    rounding: f64,
-}
-
 /// Moves the files to one origin, and warns where `f32` still loses much. `animations` has those of each. It is the origin
 /// that the model of the smallest size needs of those that need one: what is far from it is large, too.
 pub(crate) fn settle(inputs: &mut [Input], animations: &[Vec<usize>], time_s: f32) -> Result<Origin, Failure> {
@@ -28,8 +21,8 @@ pub(crate) fn settle(inputs: &mut [Input], animations: &[Vec<usize>], time_s: f3
     for ((input, playing), extent) in inputs.iter().zip(animations).zip(&extents) {
         let Some(extent) = extent else { continue };
         let origin = input.suggested_origin(extent, playing, time_s)?;
-        if !origin.is_zero() && chosen.is_none_or(|(smallest, _)| extent.size() < smallest) {
-            chosen = Some((extent.size(), origin));
+        if !origin.is_zero() && chosen.is_none_or(|(smallest, _)| size(extent) < smallest) {
+            chosen = Some((size(extent), origin));
         }
     }
     let origin = chosen.map_or(Origin::ZERO, |(_, origin)| origin);
@@ -38,39 +31,35 @@ pub(crate) fn settle(inputs: &mut [Input], animations: &[Vec<usize>], time_s: f3
         input.move_to(origin)?;
         let extent = if is_there { before } else { input.extent(playing, time_s)? };
         if let Some(extent) = extent {
-            extent.warn(input);
+            warn(&extent, input);
         }
     }
     Ok(origin)
 }
 
-impl Extent {
-    fn size(self) -> f64 {
-        let [low, high] = self.bounds;
-        low.iter().zip(high).map(|(low, high)| high - low).fold(0.0, f64::max)
-    }
+fn size(SceneExtent { bounds: [low, high], .. }: &SceneExtent) -> f64 {
+    low.iter().zip(high).map(|(low, high)| high - low).fold(0.0, f64::max)
+}
 
-    /// Whether rounding moves vertices by too much of the size.
-    fn is_coarse(self) -> bool {
-        self.size() > 0.0 && self.rounding > UNSEEN * self.size()
-    }
+/// Whether rounding moves vertices by too much of the size.
+fn is_coarse(extent: &SceneExtent) -> bool {
+    size(extent) > 0.0 && extent.rounding > UNSEEN * size(extent)
+}
 
-    fn warn(self, input: &Input) {
-        let (size, rounding) = (self.size(), self.rounding);
-        if self.is_coarse() {
-            let file = Line(input.file.display());
-            note(&format!(
-                "warning: {file}: 32-bit floats move its vertices by up to {rounding:.2e}, {:.2e} of its size; store them \
-                 relative to a point near the model, and keep files that are far apart for runs of their own",
-                rounding / size
-            ));
-        }
+fn warn(extent: &SceneExtent, input: &Input) {
+    if is_coarse(extent) {
+        let (file, rounding) = (Line(input.file.display()), extent.rounding);
+        note(&format!(
+            "warning: {file}: 32-bit floats move its vertices by up to {rounding:.2e}, {:.2e} of its size; store them \
+             relative to a point near the model, and keep files that are far apart for runs of their own",
+            rounding / size(extent)
+        ));
     }
 }
 
 impl Input {
     /// The origin that the file needs. The origin of arrays is known since they were read.
-    fn suggested_origin(&self, extent: &Extent, animations: &[usize], time_s: f32) -> Result<Origin, Failure> {
+    fn suggested_origin(&self, extent: &SceneExtent, animations: &[usize], time_s: f32) -> Result<Origin, Failure> {
         let Source::Gltf(asset) = &self.source else { return Ok(self.origin) };
         let mut failure = None;
         let smallest_edge = || {
@@ -83,12 +72,10 @@ impl Input {
         failure.map_or(Ok(origin), Err)
     }
 
-    fn extent(&self, animations: &[usize], time_s: f32) -> Result<Option<Extent>, Failure> {
+    fn extent(&self, animations: &[usize], time_s: f32) -> Result<Option<SceneExtent>, Failure> {
         match &self.source {
             Source::Gltf(asset) => {
-                let extent = asset.extent(animations.iter().copied(), time_s);
-                let extent = extent.map_err(|error| self.not_posed(error))?;
-                Ok(extent.map(|extent| Extent { bounds: extent.bounds, rounding: extent.rounding }))
+                asset.extent(animations.iter().copied(), time_s).map_err(|error| self.not_posed(error))
             }
             Source::World { model, .. } => {
                 let [geometry] = model.geometries() else { return Ok(None) };
@@ -112,7 +99,7 @@ impl Input {
 }
 
 /// Where the faces are. Positions are relative to the origin already; without one a part of the faces may tell enough.
-fn extent(geometry: &Geometry, origin: Origin) -> Option<Extent> {
+fn extent(geometry: &Geometry, origin: Origin) -> Option<SceneExtent> {
     let (positions, faces) = (geometry.positions(), geometry.faces());
     let double = |position: &[f32; 3]| position.map(f64::from);
     let of_faces = |step: usize| {
@@ -125,12 +112,12 @@ fn extent(geometry: &Geometry, origin: Origin) -> Option<Extent> {
         && let Some(some) = of_faces(1 + faces.len() / 1000)
     {
         // Where not even the farthest vertex, whatever it is of, moves by much of their size.
-        let guess = Extent { bounds: some, rounding: rounded(all) };
-        if guess.size() > 0.0 && !guess.is_coarse() {
+        let guess = SceneExtent { bounds: some, rounding: rounded(all) };
+        if size(&guess) > 0.0 && !is_coarse(&guess) {
             return Some(guess);
         }
     }
-    of_faces(1).map(|bounds| Extent { bounds, rounding: rounded(bounds) })
+    of_faces(1).map(|bounds| SceneExtent { bounds, rounding: rounded(bounds) })
 }
 
 /// The same model relative to another origin. Its faces, and what was welded, stay.

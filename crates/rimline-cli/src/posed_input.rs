@@ -1,14 +1,19 @@
-//! A model at a posed: what `extract`, `query` and `draw` read before they open a device.
+//! A model at a posed: what `extract`, `query` and `draw` read before they open a device; and its positions on the GPU.
 
 use std::path::Path;
+use std::time::Instant;
 
-use rimline::{Displacement, Light};
+use rimline::gpu::{Deformer, DeformerOptions, DeviceError, PoseInputs, PositionBuffer, StageTimer};
+use rimline::{Displacement, Light, wgpu};
 
-use crate::device::{self, Device, Wanted};
+use crate::device::{self, Device, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
-use crate::input::{Input, Scene, Source};
+use crate::gpu_error::GpuError;
+use crate::input::{Input, Scene, Shape, Source};
 use crate::input_args::{ModelArgs, MomentArgs, PoseArgs};
 use crate::output::note;
+use crate::progress::Progress;
+use crate::report::Times;
 use crate::shown::listed_animations;
 use crate::spec::LightSpec;
 use crate::{origin, source};
@@ -52,9 +57,25 @@ impl<'a> PosedInput<'a> {
         self.input.scene(&self.animations, self.time_s(), self.displacement.is_some())
     }
 
-    /// Does the work on the device that was asked for, or on the CPU where that may be and must be. Returns the device.
-    pub(crate) fn work<T>(&self, run: impl FnMut(&Device) -> Result<T, Failure>) -> Result<(Device, T), Failure> {
-        device::work(&Wanted::parse(&self.args.device.device), self.device()?, run)
+    /// Does the work on the device that was asked for, or on the CPU where that may be and must be. Returns the device's name, and
+    /// the times with those of the work.
+    pub(crate) fn work<T>(
+        &self,
+        (progress, what): (&Progress, &'static str),
+        times: &Times,
+        mut run: impl FnMut(&Device, &mut Times) -> Result<T, Failure>,
+    ) -> Result<(String, T, Times), Failure> {
+        progress.step("opening the device");
+        let begin = Instant::now();
+        let timed = |device: &Device| {
+            progress.step(what);
+            let mut times = times.clone();
+            times.add("device", begin.elapsed().as_secs_f64() * 1e3);
+            Ok((run(device, &mut times)?, times))
+        };
+        let (device, (done, times)) = device::work(&Wanted::parse(&self.args.device.device), self.device()?, timed)?;
+        progress.step("writing");
+        Ok((device.name(), done, times))
     }
 
     /// Opens the device, which must be a GPU to displace vertices.
@@ -131,5 +152,64 @@ pub(crate) fn read_displacement(file: &Path) -> Result<Displacement, Failure> {
 pub(crate) fn note_idle_time(pose: &PoseArgs, animations: &[usize], displacement: Option<&Displacement>) {
     if pose.time != 0.0 && animations.is_empty() && displacement.is_none() {
         note("warning: --time has no effect without --animation or --displace");
+    }
+}
+
+/// World-space positions on the GPU: uploaded, or deformed there.
+pub(crate) enum Positions {
+    Uploaded(wgpu::Buffer),
+    Deformed(Box<Deformer>),
+}
+
+impl Positions {
+    pub(crate) fn new(gpu: &Gpu, shape: &Shape<'_>, displacement: Option<&Displacement>) -> Result<Self, GpuError> {
+        match shape {
+            Shape::World(positions) => {
+                let bytes: &[u8] = bytemuck::cast_slice(positions);
+                let (size, limit) = (bytes.len() as u64, gpu.device.limits().max_buffer_size);
+                if size > limit {
+                    let label = "positions";
+                    return Err(DeviceError::BufferTooLarge { label, bytes: size, limit }.into());
+                }
+                Ok(Self::Uploaded(gpu.filled("positions", bytes, wgpu::BufferUsages::STORAGE)))
+            }
+            Shape::Posed { model, .. } => {
+                let options = DeformerOptions { displacement, ..DeformerOptions::default() };
+                Ok(Self::Deformed(Box::new(Deformer::new(&gpu.pipelines, model, options)?)))
+            }
+        }
+    }
+
+    pub(crate) fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        shape: &Shape<'_>,
+        time_s: f32,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), GpuError> {
+        if let (Self::Deformed(deformer), Shape::Posed { pose, .. }) = (self, shape) {
+            deformer.encode_timed(encoder, PoseInputs { time_s, ..PoseInputs::new(pose) }, timer)?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn buffer(&self) -> PositionBuffer<'_> {
+        match self {
+            Self::Uploaded(buffer) => PositionBuffer { buffer, offset: 0, stride: 12 },
+            Self::Deformed(deformer) => deformer.positions(),
+        }
+    }
+
+    pub(crate) fn of_instance(&self, instance: usize) -> Option<PositionBuffer<'_>> {
+        match self {
+            Self::Uploaded(_) => (instance == 0).then(|| self.buffer()),
+            Self::Deformed(deformer) => deformer.instance_positions(instance),
+        }
+    }
+
+    pub(crate) fn read(&self, gpu: &Gpu, vertices: usize) -> Result<Vec<[f32; 3]>, GpuError> {
+        let mut positions = gpu.read(self.buffer().buffer)?;
+        positions.truncate(vertices);
+        Ok(positions)
     }
 }

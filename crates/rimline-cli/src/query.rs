@@ -6,7 +6,6 @@ mod on_gpu;
 use std::io::{self, Seek, Write};
 use std::path::Path;
 use std::slice;
-use std::time::Instant;
 
 use args::QueryArgs;
 use rimline::mesh::NO_FACE;
@@ -16,7 +15,6 @@ use rimline::{Light, MAX_LIGHTS, Mesh, Origin};
 use serde_json::json;
 
 use crate::device::Device;
-use crate::ending::{self, Written};
 use crate::extract::arrays::write_lights;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input::Scene;
@@ -24,14 +22,13 @@ use crate::npz::{self, ElementType, NpzWriter, write_origin};
 use crate::output::{Output, note, print};
 use crate::posed_input::PosedInput;
 use crate::progress::Progress;
-use crate::report::{self, Lines, first_lights, per_light};
+use crate::report::{self, Lines, Times, first_lights, per_light};
 use crate::shown::Line;
-use crate::target::Inputs;
-use crate::times::Times;
-use crate::{begins, source};
+use crate::source;
+use crate::target::{Inputs, check_ending};
 
 pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
-    ending::check(&args.out, Written::Npz)?;
+    check_ending(&args.out, "npz")?;
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the model");
@@ -59,41 +56,24 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     depths.try_reserve_exact(count).map_err(too_many).map_err(Failure::input(&args.points))?;
 
     asked.note_swallowed();
-    progress.step("opening the device");
-    let begin = Instant::now();
-    let (device, mut times) = posed.work(|device| {
-        progress.step("counting");
-        let mut times = times.clone();
-        times.add("device", begin.elapsed().as_secs_f64() * 1e3);
+    let job = on_gpu::Job { scene: &scene, asked, displacement: posed.displacement.as_ref(), time_s: posed.time_s() };
+    let (adapter, (), mut times) = posed.work((&progress, "counting"), &times, |device, times| {
         depths.clear();
         match device {
-            Device::Cpu => on_cpu(&scene, asked, &mut depths, &mut times)?,
-            Device::Gpu(gpu) => {
-                let job = on_gpu::Job {
-                    scene: &scene,
-                    asked,
-                    displacement: posed.displacement.as_ref(),
-                    time_s: posed.time_s(),
-                };
-                // Times are for those who ask for them; all others would wait for the work twice.
-                if args.json {
-                    times.measure("compile", || job.warm_up(gpu))?;
-                }
-                job.run(gpu, &mut depths, &mut times)?;
-            }
+            Device::Cpu => on_cpu(&scene, asked, &mut depths, times),
+            // Times are for those who ask for them; all others would wait for the work twice.
+            Device::Gpu(gpu) => job.run(gpu, &mut depths, times, args.json),
         }
-        Ok(times)
     })?;
-    progress.step("writing");
     times.measure("write", || output.finish(|file| write(file, (&points, &lights), &depths, origin)))?;
-    let report = Report { mesh: &scene.mesh, asked, depths: &depths, origin, adapter: device.name(), times };
+    let report = Report { mesh: &scene.mesh, asked, depths: &depths, origin, adapter, times };
     drop(progress);
     print(&if args.json { report.json() } else { report.text(&args.out) })
 }
 
 fn read_points(file: &Path, memory_limit: u64) -> Result<npz::PointArrays, Failure> {
     let read =
-        || -> Result<_, InputError> { Ok(npz::read_points(begins::archive(source::open(file)?)?, memory_limit)?) };
+        || -> Result<_, InputError> { Ok(npz::read_points(source::archive(source::open(file)?)?, memory_limit)?) };
     read().map_err(Failure::input(file))
 }
 

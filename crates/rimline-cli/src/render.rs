@@ -4,7 +4,6 @@ pub(crate) mod camera;
 pub(crate) mod coincident;
 pub(crate) mod normals;
 pub(crate) mod pipeline_factory;
-pub(crate) mod support;
 
 use rimline::gpu::DeviceError;
 use rimline::mesh::Bounds;

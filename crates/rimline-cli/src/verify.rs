@@ -1,18 +1,17 @@
 //! `rimline verify`: do this machine's devices find the bits that a folder of extractions holds? And making the folder.
 
-mod check;
-mod lights;
 mod make;
 mod report;
 
 use std::path::{Path, PathBuf};
+
+use report::Report;
 
 use crate::args::VerifyArgs;
 use crate::device::{self, Device, Wanted};
 use crate::failure::{Failure, InputError, NoDevice};
 use crate::output::{note, print};
 use crate::progress::Progress;
-use report::Report;
 
 pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     if args.make {
@@ -37,7 +36,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     }
     for (number, file) in (1..).zip(&files) {
         progress.step(format!("checking {} ({number} of {})", file.display(), files.len()));
-        let line = report.add(file, check::file(file, &devices));
+        let line = report.add(file, report::file(file, &devices));
         if !args.json {
             progress.aside(|| print(&line))?;
         }

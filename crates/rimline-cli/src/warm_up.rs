@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use rimline::mesh::WeldCounts;
-use rimline::{Geometry, GeometryOptions, Instance, InstancePose, Light, Model, Origin, Pose, ShadowCamera};
+use rimline::{Geometry, GeometryOptions, Instance, Light, Model, Origin, ShadowCamera};
 
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::On as _;
-use crate::input::{Input, Scene, Shape, Source};
+use crate::input::{Input, Scene, Shape, Source, resting};
 use crate::shadow::casters;
 use crate::shadow::casting::CastInputs;
 use crate::shadow::posed_model::PosedModel;
@@ -27,9 +27,7 @@ pub(crate) fn with_triangle(
     is_posed: bool,
     work: impl FnOnce(&Scene<'_>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    let pose = || Some(Pose::new(vec![InstancePose::new(vec![identity], Vec::new()).ok()?]));
-    let Some((model, pose)) = triangle().zip(pose()) else { return Ok(()) };
+    let Some((model, pose)) = triangle().zip(resting().ok()) else { return Ok(()) };
     let Ok(mesh) = model.mesh(&pose) else { return Ok(()) };
     let shape = if is_posed { Shape::Posed { model: &model, pose } } else { Shape::World(&CORNERS) };
     work(&Scene { mesh, shape })
@@ -51,9 +49,9 @@ pub(crate) fn shadow_stages(
     };
     let body = [PosedModel::new(gpu, &input, &[], 0.0, None)?];
     let mut shadows = casters::shadows(gpu, pipelines, lights.len()).on(gpu)?;
-    shadows.place(gpu, &body)?;
+    shadows.place(&body)?;
     let mut encoder = gpu.encoder("warm up");
-    let inputs = CastInputs { gpu, bodies: &body, seen, camera, lights };
+    let inputs = CastInputs { bodies: &body, seen, camera, lights };
     shadows.encode(&mut encoder, inputs, None).on(gpu)?;
     gpu.submit(encoder);
     gpu.wait()

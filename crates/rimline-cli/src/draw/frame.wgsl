@@ -40,16 +40,6 @@ fn to_clip(view: vec3<f32>) -> vec4<f32> {
   return vec4<f32>(view.x * frame.scale_x, view.y * frame.scale_y, frame.near, view.z);
 }
 
-// A triangle that covers the target.
-fn cover(vertex: u32) -> vec4<f32> {
-  return vec4<f32>(f32(vertex & 1u) * 4.0 - 1.0, f32(vertex >> 1u) * 4.0 - 1.0, 0.0, 1.0);
-}
-
-// Noise with little energy in low frequencies, from 0 to 1.
-fn dither(pixel: vec2<f32>) -> f32 {
-  return fract(52.9829189 * fract(dot(pixel, vec2<f32>(0.06711056, 0.00583715))));
-}
-
 // Depth from what the survey saw; 0 where that is nothing.
 fn depth_of(seen: vec4<u32>) -> f32 {
   return bitcast<f32>(seen.b | (seen.a << 16u));

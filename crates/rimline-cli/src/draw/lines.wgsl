@@ -27,11 +27,6 @@ fn nothing() -> Line {
   return Line(vec4<f32>(zero, 1.0), zero.xy, zero.xy, zero, zero, zero.xy, 0u);
 }
 
-fn is_finite(p: vec3<f32>) -> bool {
-  let exponents = bitcast<vec3<u32>>(p) & vec3<u32>(0x7f800000u);
-  return all(exponents != vec3<u32>(0x7f800000u));
-}
-
 fn to_pixels(view: vec3<f32>) -> vec2<f32> {
   let ndc = view.xy * vec2<f32>(frame.scale_x, frame.scale_y) / view.z;
   return (ndc * vec2<f32>(0.5, -0.5) + 0.5) * frame.size;

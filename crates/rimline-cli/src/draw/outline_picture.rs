@@ -3,14 +3,14 @@
 use rimline::gpu::{Extraction, include_wgsl, results_bind_group_layout};
 use rimline::mesh::Bounds;
 use rimline::wgpu;
-use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, PrimitiveTopology, TextureFormat, TextureUsages};
+use wgpu::{BlendState, PrimitiveTopology, TextureFormat, TextureUsages};
 
 use super::contact_shadow::{self, ContactShadow};
 use super::frame::Frame;
-use super::survey::{SEEN, Survey, Veils};
+use super::survey::{SEEN, Survey, Veils, nearest};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
-use crate::render::pipeline_factory::{Pass, PipelineFactory, READ_ONLY, color_pass, depth_test, read_texture, view};
+use crate::render::pipeline_factory::{MULTIPLY, Pass, PipelineFactory, READ_ONLY, color_pass, read_texture, view};
 
 /// The picture's format: sRGB, so that blending and resolving work on light.
 const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
@@ -30,19 +30,25 @@ impl ModelPipelines {
     pub(super) fn new(factory: &PipelineFactory<'_>) -> Self {
         let geometry = factory.layout(&[READ_ONLY; 3]);
         let contact = ContactShadow::new(factory, &geometry);
-        let onto_picture = |name, source, groups: &[_], topology, blend, write| {
-            let depth = Some(depth_test(write));
-            let plain = Pass::new(name, source, groups, FORMAT);
-            factory.pipeline(&Pass { topology, blend, samples: SAMPLES, depth, ..plain })
+        let source = include_str!("model.wgsl");
+        // Paper and ground are behind the model, whatever is there.
+        let behind = wgpu::DepthStencilState {
+            depth_write_enabled: Some(false),
+            depth_compare: Some(wgpu::CompareFunction::Always),
+            ..nearest()
         };
-        let (triangles, strip) = (PrimitiveTopology::TriangleList, PrimitiveTopology::TriangleStrip);
-        let (backdrop, surface) = (include_str!("backdrop.wgsl"), include_str!("surface.wgsl"));
-        let (shadow, map) = (include_str!("shadow.wgsl"), &contact.layout);
+        let picture = |pass, depth| factory.pipeline(&Pass { samples: SAMPLES, depth: Some(depth), ..pass });
+        let map = [&contact.layout];
+        let shadow = Pass {
+            topology: PrimitiveTopology::TriangleStrip,
+            blend: Some(MULTIPLY),
+            ..Pass::new("shadow", source, &map, FORMAT)
+        };
         Self {
             survey: Survey::pipeline(factory, &geometry),
-            backdrop: onto_picture("backdrop", backdrop, &[], triangles, None, false),
-            shadow: onto_picture("shadow", shadow, &[map], strip, Some(MULTIPLY), false),
-            surface: onto_picture("surface", surface, &[&geometry], triangles, None, true),
+            backdrop: picture(Pass::over("backdrop", source, &[], FORMAT), behind.clone()),
+            shadow: picture(shadow, behind),
+            surface: picture(Pass::new("surface", source, &[&geometry], FORMAT), nearest()),
             contact,
             geometry,
         }
@@ -66,14 +72,14 @@ impl LinePipelines {
         let seen = factory.layout(&[SEEN]);
         let darkening = factory.layout(&[SEEN, read_texture(wgpu::TextureViewDimension::D2, true)]);
         let survey = Survey::layout(factory);
-        let results = results_bind_group_layout(factory.device, wgpu::ShaderStages::VERTEX);
+        let results = results_bind_group_layout(&factory.gpu.device, wgpu::ShaderStages::VERTEX);
         let veils = Veils::new(factory, &survey);
-        let (occlusion, darken) = (include_str!("occlusion.wgsl"), include_str!("darken.wgsl"));
-        let occlusion = factory.pipeline(&Pass::new("occlusion", occlusion, &[&seen], TextureFormat::R8Unorm));
+        let screen = include_str!("screen.wgsl");
+        let occlusion = factory.pipeline(&Pass::over("occlusion", screen, &[&seen], TextureFormat::R8Unorm));
         let darken = factory.pipeline(&Pass {
             blend: Some(MULTIPLY),
             samples: SAMPLES,
-            ..Pass::new("darken", darken, &[&darkening], FORMAT)
+            ..Pass::over("darken", screen, &[&darkening], FORMAT)
         });
         let lines = format!("{}\n{}", include_wgsl(2), include_str!("lines.wgsl"));
         let groups = [&survey, &results, &veils.layout];
@@ -89,12 +95,11 @@ impl LinePipelines {
 
 /// Makes pipelines and groups of the picture. [`Canvas::new`] tells it the frame.
 pub(super) fn factory(gpu: &Gpu) -> PipelineFactory<'_> {
-    PipelineFactory::new(&gpu.device, &gpu.queue, include_str!("frame.wgsl"), &[0; size_of::<Frame>()])
+    PipelineFactory::new(gpu, include_str!("frame.wgsl"), &[0; size_of::<Frame>()])
 }
 
 /// The targets, and what reads them.
 pub(super) struct Canvas<'a> {
-    gpu: &'a Gpu,
     factory: &'a PipelineFactory<'a>,
     frame: &'a Frame,
     /// All that is drawn is within it.
@@ -108,12 +113,11 @@ pub(super) struct Canvas<'a> {
 
 impl<'a> Canvas<'a> {
     pub(super) fn new(
-        gpu: &'a Gpu,
         factory: &'a PipelineFactory<'a>,
         (frame, bounds): (&'a Frame, &'a Bounds),
         size: [u32; 2],
     ) -> Self {
-        factory.set_frame(&gpu.queue, bytemuck::bytes_of(frame));
+        factory.set_frame(bytemuck::bytes_of(frame));
         let target = |label, format, samples, usage| view(&factory.target(label, size, format, samples, usage));
         let readable = TextureUsages::TEXTURE_BINDING;
         Self {
@@ -122,7 +126,6 @@ impl<'a> Canvas<'a> {
             survey: Survey::new(factory, size, frame.places()),
             occlusion: target("occlusion", TextureFormat::R8Unorm, 1, readable),
             finished: factory.target("picture", size, FORMAT, 1, TextureUsages::COPY_SRC),
-            gpu,
             factory,
             frame,
             bounds,
@@ -138,31 +141,25 @@ impl<'a> Canvas<'a> {
         positions: &wgpu::Buffer,
         (faces, normals): (&[[u32; 3]], &[u32]),
     ) -> wgpu::Buffer {
-        let Self { gpu, factory, .. } = *self;
+        let Self { factory, .. } = *self;
         let corners = 3 * faces.len() as u32;
-        let faces = factory.buffer(&gpu.queue, "drawn faces", bytemuck::cast_slice(faces));
-        let normals = factory.buffer(&gpu.queue, "normals", bytemuck::cast_slice(normals));
+        let faces = factory.buffer("drawn faces", bytemuck::cast_slice(faces));
+        let normals = factory.buffer("normals", bytemuck::cast_slice(normals));
         let resources = [positions, &faces, &normals].map(wgpu::Buffer::as_entire_binding);
         let geometry = factory.group(&pipelines.geometry, &resources);
         self.survey.record(factory, encoder, &pipelines.survey, &geometry, corners);
         let contact = &pipelines.contact;
         let sees_ground = self.frame.sees_ground();
         let region = self.frame.region_on_ground(self.bounds, contact_shadow::SPREAD, contact_shadow::SIZE);
-        let shadow = sees_ground.then(|| contact.record(factory, &gpu.queue, encoder, (&geometry, region), corners));
+        let shadow = sees_ground.then(|| contact.record(factory, encoder, (&geometry, region), corners));
 
-        let clear = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
-        let mut pass = color_pass(encoder, "model", &self.colour, None, clear, Some(&self.depth));
-        pass.set_bind_group(0, &factory.frame_group, &[]);
-        pass.set_pipeline(&pipelines.backdrop);
-        pass.draw(0..3, 0..1);
+        let white = Some(wgpu::Color::WHITE);
+        let mut pass = color_pass(encoder, "model", (&self.colour, None), white, Some(&self.depth));
+        factory.draw(&mut pass, &pipelines.backdrop, &[], 3);
         if let Some(group) = &shadow {
-            pass.set_pipeline(&pipelines.shadow);
-            pass.set_bind_group(1, group, &[]);
-            pass.draw(0..4, 0..1);
+            factory.draw(&mut pass, &pipelines.shadow, &[group], 4);
         }
-        pass.set_pipeline(&pipelines.surface);
-        pass.set_bind_group(1, &geometry, &[]);
-        pass.draw(0..corners, 0..1);
+        factory.draw(&mut pass, &pipelines.surface, &[&geometry], corners);
         drop(pass);
         faces
     }
@@ -180,16 +177,11 @@ impl<'a> Canvas<'a> {
         let region = frame.region(self.bounds);
         let seen = wgpu::BindingResource::TextureView(&self.survey.seen);
         let group = factory.group(&pipelines.seen, std::slice::from_ref(&seen));
-        {
-            let clear = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
-            let mut pass = color_pass(encoder, "occlusion", &self.occlusion, None, clear, None);
-            if region.keep(&mut pass) {
-                pass.set_pipeline(&pipelines.occlusion);
-                pass.set_bind_group(0, &factory.frame_group, &[]);
-                pass.set_bind_group(1, &group, &[]);
-                pass.draw(0..3, 0..1);
-            }
+        let mut pass = color_pass(encoder, "occlusion", (&self.occlusion, None), Some(wgpu::Color::WHITE), None);
+        if region.keep(&mut pass) {
+            factory.draw(&mut pass, &pipelines.occlusion, &[&group], 3);
         }
+        drop(pass);
         let occlusion = wgpu::BindingResource::TextureView(&self.occlusion);
         let darkening = factory.group(&pipelines.darkening, &[seen, occlusion]);
         let results = extraction.bind_group(&pipelines.results, 0)?;
@@ -197,29 +189,15 @@ impl<'a> Canvas<'a> {
         let places = [self.finished.width(), self.finished.height()].map(|pixels| frame.places() * pixels);
         let veils = pipelines.veils.record(factory, encoder, &survey, places);
         let finished = view(&self.finished);
-        let load = wgpu::LoadOp::Load;
-        let mut pass = color_pass(encoder, "lines", &self.colour, Some(&finished), load, None);
-        pass.set_bind_group(0, &factory.frame_group, &[]);
+        let mut pass = color_pass(encoder, "lines", (&self.colour, Some(&finished)), None, None);
         if region.keep(&mut pass) {
-            pass.set_pipeline(&pipelines.darken);
-            pass.set_bind_group(1, &darkening, &[]);
-            pass.draw(0..3, 0..1);
+            factory.draw(&mut pass, &pipelines.darken, &[&darkening], 3);
         }
         pass.set_scissor_rect(0, 0, self.finished.width(), self.finished.height());
-        pass.set_pipeline(&pipelines.lines);
-        pass.set_bind_group(1, &survey, &[]);
-        pass.set_bind_group(2, &results, &[]);
-        pass.set_bind_group(3, &veils, &[]);
+        factory.bind(&mut pass, &pipelines.lines, &[&survey, &results, &veils]);
         // The draw is indirect: the CPU never learns how many lines the GPU found.
         extraction.draw(&mut pass, 0)?;
         drop(pass);
         Ok(self.finished)
     }
 }
-
-/// Multiplies the colour of the target by the drawn colour.
-const MULTIPLY: BlendState = {
-    let multiply =
-        BlendComponent { src_factor: BlendFactor::Dst, dst_factor: BlendFactor::Zero, operation: BlendOperation::Add };
-    BlendState { color: multiply, alpha: BlendComponent::OVER }
-};

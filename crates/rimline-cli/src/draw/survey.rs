@@ -4,9 +4,14 @@
 use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, ShaderStages, TextureFormat, TextureUsages};
 
-use crate::render::pipeline_factory::{Pass, PipelineFactory, READ_ONLY, color_pass, depth_test, plain_texture, view};
+use crate::render::pipeline_factory::{Pass, PipelineFactory, READ_ONLY, color_pass, depth_state, plain_texture, view};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba16Uint;
+
+/// The nearest is drawn and written.
+pub(super) fn nearest() -> wgpu::DepthStencilState {
+    depth_state(TextureFormat::Depth32Float, true, wgpu::CompareFunction::Greater, wgpu::StencilFaceState::IGNORE)
+}
 
 /// Binding with which shaders read the survey.
 pub(super) const SEEN: BindingType = BindingType::Texture {
@@ -42,8 +47,8 @@ impl Survey {
 
     /// The pipeline that draws it. `geometry` is the layout of the model's group.
     pub(super) fn pipeline(factory: &PipelineFactory<'_>, geometry: &BindGroupLayout) -> wgpu::RenderPipeline {
-        let source = include_str!("survey.wgsl");
-        factory.pipeline(&Pass { depth: Some(depth_test(true)), ..Pass::new("survey", source, &[geometry], FORMAT) })
+        let source = include_str!("model.wgsl");
+        factory.pipeline(&Pass { depth: Some(nearest()), ..Pass::new("survey", source, &[geometry], FORMAT) })
     }
 
     pub(super) fn record(
@@ -54,18 +59,15 @@ impl Survey {
         geometry: &BindGroup,
         corners: u32,
     ) {
-        let nothing = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-        let mut pass = color_pass(encoder, "survey", &self.seen, None, nothing, Some(&self.depth));
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &factory.frame_group, &[]);
-        pass.set_bind_group(1, geometry, &[]);
-        pass.draw(0..corners, 0..1);
+        let nothing = Some(wgpu::Color::TRANSPARENT);
+        let mut pass = color_pass(encoder, "survey", (&self.seen, None), nothing, Some(&self.depth));
+        factory.draw(&mut pass, pipeline, &[geometry], corners);
     }
 
     /// The layout of the survey, positions and drawn faces for `lines.wgsl`. Vertex shaders do not see them: what lists are read
     /// by there leaves no room for more storage buffers.
     pub(super) fn layout(factory: &PipelineFactory<'_>) -> BindGroupLayout {
-        factory.layout_for(ShaderStages::FRAGMENT, &[SEEN, READ_ONLY, READ_ONLY])
+        factory.gpu.layout(ShaderStages::FRAGMENT, &[SEEN, READ_ONLY, READ_ONLY])
     }
 
     /// A group of this layout.
@@ -98,7 +100,7 @@ impl Veils {
     /// `survey` is the layout of the survey's group, as `lines.wgsl` reads it.
     pub(super) fn new(factory: &PipelineFactory<'_>, survey: &BindGroupLayout) -> Self {
         let layout = factory.layout(&[SEEN]);
-        let pipeline = |name, group| factory.pipeline(&Pass::new(name, include_str!("veil.wgsl"), &[group], VEIL));
+        let pipeline = |name, group| factory.pipeline(&Pass::over(name, include_str!("veil.wgsl"), &[group], VEIL));
         let (finest, coarser) = (pipeline("veil", survey), pipeline("veil_level", &layout));
         Self { layout, finest, coarser }
     }
@@ -116,7 +118,7 @@ impl Veils {
         let levels = size[0].max(size[1]).ilog2() + 1;
         let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT;
         let plain = plain_texture("veils", size, VEIL, usage);
-        let texture = factory.device.create_texture(&wgpu::TextureDescriptor { mip_level_count: levels, ..plain });
+        let texture = factory.gpu.device.create_texture(&wgpu::TextureDescriptor { mip_level_count: levels, ..plain });
         let level = |level| {
             texture.create_view(&wgpu::TextureViewDescriptor {
                 base_mip_level: level,
@@ -126,12 +128,9 @@ impl Veils {
         };
         let group = |of: &wgpu::TextureView| factory.group(&self.layout, &[BindingResource::TextureView(of)]);
         let mut draw = |pipeline: &wgpu::RenderPipeline, target: u32, source: &BindGroup| {
-            let load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-            let mut pass = color_pass(encoder, "veils", &level(target), None, load, None);
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, &factory.frame_group, &[]);
-            pass.set_bind_group(1, source, &[]);
-            pass.draw(0..3, 0..1);
+            let nothing = Some(wgpu::Color::TRANSPARENT);
+            let mut pass = color_pass(encoder, "veils", (&level(target), None), nothing, None);
+            factory.draw(&mut pass, pipeline, &[source], 3);
         };
         draw(&self.finest, 0, survey);
         for target in 1..levels {

@@ -5,16 +5,12 @@
 @group(1) @binding(1) var<storage, read> positions: array<f32>;
 @group(1) @binding(2) var<storage, read> faces: array<u32>;
 
-// Places of the survey each way in a square of the finest level; as in `lines.wgsl` and `veils.rs`.
+// Places of the survey each way in a square of the finest level; as in `lines.wgsl` and `survey.rs`.
 const SQUARE = 8;
 // Bound on rounding errors, as a share of a distance.
 const SLACK = 1e-5;
 // Bits of infinity: nothing is hidden where the survey sees nothing.
 const OPEN = 0x7f800000u;
-
-@vertex fn veil_vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
-  return cover(vertex);
-}
 
 fn from_eye(face: u32, corner: u32) -> vec3<f32> {
   let first = 3u * faces[3u * face + corner];
@@ -66,11 +62,6 @@ fn veil_of(face: u32) -> f32 {
 }
 
 // A level of veils from the next finer one, which is bound in the place of the survey.
-
-@vertex fn veil_level_vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
-  return cover(vertex);
-}
-
 @fragment fn veil_level_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<u32> {
   let first = 2 * vec2<i32>(at.xy);
   var largest = 0u;

@@ -7,37 +7,27 @@ use rimline::gpu::{Extractor, ExtractorOptions, StageTimer};
 use rimline::reference::Method;
 use rimline::reference::cpu::FacingStatistics;
 use rimline::reference::layout::ExtractionStatistics;
-use rimline::{Displacement, Light, Predicate, wgpu};
+use rimline::{Predicate, wgpu};
 
-use super::Found;
+use super::{Found, Job};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
 use crate::input::{Scene, Shape};
-use crate::positions::Positions;
-use crate::times::Times;
+use crate::posed_input::Positions;
+use crate::report::Times;
 use crate::warm_up::with_triangle;
-
-#[derive(Clone, Copy)]
-pub(super) struct Job<'a, 's> {
-    pub(super) scene: &'a Scene<'s>,
-    pub(super) lights: &'a [Light],
-    pub(super) method: Method,
-    pub(super) predicate: Predicate,
-    pub(super) displacement: Option<&'a Displacement>,
-    pub(super) time_s: f32,
-}
 
 impl<'s> Job<'_, 's> {
     /// `is_warm` compiles the shaders before the stages run and are timed, once it is known that the model fits.
-    pub(super) fn run(&self, gpu: &Gpu, times: &mut Times, is_warm: bool) -> Result<Found<'s>, Failure> {
+    pub(super) fn on_gpu(&self, gpu: &Gpu, times: &mut Times, is_warm: bool) -> Result<Found<'s>, Failure> {
         let Gpu { device, queue, .. } = gpu;
         let (placed, mut extractors) = times.measure("prepare", || self.prepare(gpu)).on(gpu)?;
         gpu.check()?;
         if is_warm {
             let warm_up = |scene: &Scene<'_>| {
                 let job = Job { scene, ..*self };
-                job.run(gpu, &mut Times::default(), false).map(drop)
+                job.on_gpu(gpu, &mut Times::default(), false).map(drop)
             };
             let is_posed = matches!(self.scene.shape, Shape::Posed { .. });
             times.measure("compile", || with_triangle(is_posed, warm_up))?;
@@ -114,11 +104,7 @@ impl<'s> Job<'_, 's> {
     }
 }
 
-pub(crate) fn read_planes<T: bytemuck::Pod>(
-    gpu: &Gpu,
-    buffers: &[wgpu::Buffer],
-    items: usize,
-) -> Result<Vec<T>, GpuError> {
+fn read_planes<T: bytemuck::Pod>(gpu: &Gpu, buffers: &[wgpu::Buffer], items: usize) -> Result<Vec<T>, GpuError> {
     let mut all = Vec::new();
     for buffer in buffers {
         // A buffer may be longer than what it holds.

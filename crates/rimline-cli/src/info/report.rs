@@ -3,8 +3,10 @@
 use rimline::mesh::{Bounds, Edge, EdgeCounts, EdgeKind, MeshDiagnostics, WeldCounts};
 use rimline::reference::model::most_per_vertex;
 use rimline::{Geometry, Mesh, MeshError, Origin};
+use serde_json::{Value, json};
 
 use super::seams::{Seams, t_junctions};
+use crate::coordinates::point;
 
 /// Edges listed of a mesh that is not closed.
 const LISTED_EDGES: usize = 4;
@@ -116,6 +118,46 @@ pub(super) fn kind_name(kind: EdgeKind) -> &'static str {
         EdgeKind::Inconsistent => "inconsistent",
         EdgeKind::Boundary => "boundary",
     }
+}
+
+pub(super) fn mesh(report: &MeshReport) -> Value {
+    let WeldCounts { before, after, apart, collapsed, .. } = report.vertices;
+    let diagnostics = &report.diagnostics;
+    let EdgeCounts { consistent, inconsistent, boundary } = diagnostics.edges;
+    let listed: Vec<Value> = diagnostics
+        .listed_edges
+        .iter()
+        .zip(&report.listed_positions)
+        .map(|(edge, ends)| {
+            let ends = ends.map(|end| point(end, report.origin).json());
+            json!({ "kind": kind_name(edge.kind), "vertices": edge.vertices, "positions": ends })
+        })
+        .collect();
+    json!({
+        "name": report.name,
+        "vertices": { "before": before, "after": after, "apart": apart },
+        "faces": report.faces,
+        "degenerate_faces": diagnostics.degenerate_faces,
+        "collapsed_faces": collapsed,
+        "duplicate_faces": diagnostics.duplicate_faces,
+        "flipped_faces": diagnostics.flipped_faces,
+        "edges": { "consistent": consistent, "inconsistent": inconsistent, "boundary": boundary },
+        "non_manifold_edges": diagnostics.non_manifold_edges,
+        "components": diagnostics.components,
+        "inward_components": diagnostics.inward_components.unwrap_or(0),
+        "closed": diagnostics.is_closed(),
+        "why_open": report.why_open(),
+        "offending_edges": listed,
+        "near_boundary": report.seams.as_ref().map(Seams::json),
+        "t_junctions": report.t_junctions,
+        "joints_per_vertex": report.joints_per_vertex,
+        "morph_targets": report.morph_targets,
+        "bounds": report.bounds.map(|bounds| json_bounds(&bounds, report.origin)),
+    })
+}
+
+fn json_bounds(Bounds { min, max }: &Bounds, origin: Origin) -> Value {
+    json!({ "min": point(*min, origin).json(), "max": point(*max, origin).json() })
 }
 
 #[cfg(test)]

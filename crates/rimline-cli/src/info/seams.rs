@@ -1,5 +1,6 @@
 //! Boundary edges that nearly meet others, as rounding leaves them, and T-junctions.
 
+use glam::DVec3;
 use rimline::mesh::{Bounds, Edge, EdgeKind, Weld, WeldDistance};
 use rimline::{Geometry, Mesh};
 use serde_json::{Value, json};
@@ -64,6 +65,10 @@ impl Seams {
     }
 }
 
+fn double(position: [f32; 3]) -> DVec3 {
+    DVec3::from(position.map(f64::from))
+}
+
 fn boundary(mesh: &Mesh) -> impl Iterator<Item = Edge> + '_ {
     mesh.edges().iter().filter(|edge| edge.kind == EdgeKind::Boundary)
 }
@@ -91,9 +96,7 @@ fn pairs(positions: &[[f32; 3]], edges: &[[u32; 2]], distance: f32) -> Option<(u
         .map(|(a, b, edge)| ([a.min(b), a.max(b)], a < b, edge))
         .collect();
     keyed.sort_unstable();
-    let apart = |a: [f32; 3], b: [f32; 3]| {
-        (0..3).map(|axis| (f64::from(a[axis]) - f64::from(b[axis])).powi(2)).sum::<f64>().sqrt()
-    };
+    let apart = |a: [f32; 3], b: [f32; 3]| double(a).distance(double(b));
     let (mut count, mut gap) = (0, 0.0_f64);
     for run in keyed.chunk_by(|p, q| p.0 == q.0) {
         let (backward, forward) = run.split_at(run.partition_point(|&(_, is_forward, _)| !is_forward));
@@ -108,11 +111,13 @@ fn pairs(positions: &[[f32; 3]], edges: &[[u32; 2]], distance: f32) -> Option<(u
 /// How many vertices of boundary edges lie on another boundary edge, between its ends, as near as rounding leaves them.
 pub(super) fn t_junctions(mesh: &Mesh, positions: &[[f32; 3]]) -> usize {
     let Some(tolerance) = tolerance(positions).map(f64::from) else { return 0 };
-    let place = |v: u32| positions[v as usize].map(f64::from);
-    let is_finite = |edge: &[[f64; 3]; 2]| edge.iter().flatten().all(|c| c.is_finite());
-    let edges: Vec<[[f64; 3]; 2]> = boundary(mesh).map(|edge| edge.vertices.map(place)).filter(is_finite).collect();
-    let mut points: Vec<[f64; 3]> = edges.iter().flatten().copied().collect();
-    points.sort_unstable_by(|p, q| p.partial_cmp(q).unwrap_or(std::cmp::Ordering::Equal));
+    let place = |v: u32| double(positions[v as usize]);
+    let edges: Vec<[DVec3; 2]> = boundary(mesh)
+        .map(|edge| edge.vertices.map(place))
+        .filter(|ends| ends.iter().all(|end| end.is_finite()))
+        .collect();
+    let mut points: Vec<DVec3> = edges.iter().flatten().copied().collect();
+    points.sort_unstable_by(|p, q| p.to_array().partial_cmp(&q.to_array()).unwrap_or(std::cmp::Ordering::Equal));
     points.dedup();
     let Some(mut tree) = Points::of(&mut points) else { return 0 };
     edges.into_iter().map(|[a, b]| tree.take(a, b, tolerance)).sum()
@@ -120,23 +125,18 @@ pub(super) fn t_junctions(mesh: &Mesh, positions: &[[f32; 3]]) -> usize {
 
 /// Points that lie on no edge yet, halved by place: edges that lie over each other ask none of them twice.
 struct Points {
-    low: [f64; 3],
-    high: [f64; 3],
+    low: DVec3,
+    high: DVec3,
     left: usize,
     /// At a leaf, which holds one point.
     halves: Option<Box<[Points; 2]>>,
 }
 
 impl Points {
-    fn of(points: &mut [[f64; 3]]) -> Option<Self> {
+    fn of(points: &mut [DVec3]) -> Option<Self> {
         let (&first, others) = points.split_first()?;
-        let extent = |bounds: [[f64; 3]; 2], p: &[f64; 3]| {
-            [0, 1].map(|end| {
-                std::array::from_fn(|c| if end == 0 { bounds[0][c].min(p[c]) } else { bounds[1][c].max(p[c]) })
-            })
-        };
-        let [low, high] = others.iter().fold([first; 2], extent);
-        let widest = (1..3).fold(0, |best, c| if high[c] - low[c] > high[best] - low[best] { c } else { best });
+        let (low, high) = others.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
+        let widest = (high - low).max_position();
         let (left, middle) = (points.len(), points.len() / 2);
         let halves = if left == 1 {
             None
@@ -149,7 +149,7 @@ impl Points {
     }
 
     /// Takes out those between the ends of an edge, and says how many.
-    fn take(&mut self, a: [f64; 3], b: [f64; 3], tolerance: f64) -> usize {
+    fn take(&mut self, a: DVec3, b: DVec3, tolerance: f64) -> usize {
         if self.left == 0 || !self.may_meet(a, b, tolerance) {
             return 0;
         }
@@ -162,7 +162,7 @@ impl Points {
     }
 
     /// Whether the edge comes so near the box of them: the part of it between all pairs of opposite sides is not empty.
-    fn may_meet(&self, a: [f64; 3], b: [f64; 3], tolerance: f64) -> bool {
+    fn may_meet(&self, a: DVec3, b: DVec3, tolerance: f64) -> bool {
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
         for c in 0..3 {
             // Twice as far, so that rounding leaves none out.
@@ -181,14 +181,13 @@ impl Points {
     }
 }
 
-fn is_between(p: [f64; 3], a: [f64; 3], b: [f64; 3], tolerance: f64) -> bool {
-    let [along, to] = [b, p].map(|q| [q[0] - a[0], q[1] - a[1], q[2] - a[2]]);
-    let dot = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-    let (square, t) = (dot(along, along), dot(along, to));
+fn is_between(p: DVec3, a: DVec3, b: DVec3, tolerance: f64) -> bool {
+    let (along, to) = (b - a, p - a);
+    let (square, t) = (along.dot(along), along.dot(to));
     if square == 0.0 || t <= 0.0 || t >= square {
         return false;
     }
     let t = t / square;
-    let (length, aside) = (square.sqrt(), [0, 1, 2].map(|axis| to[axis] - t * along[axis]));
-    t * length > tolerance && (1.0 - t) * length > tolerance && dot(aside, aside) <= tolerance * tolerance
+    let (length, aside) = (square.sqrt(), to - t * along);
+    t * length > tolerance && (1.0 - t) * length > tolerance && aside.dot(aside) <= tolerance * tolerance
 }

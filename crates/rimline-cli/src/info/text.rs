@@ -6,7 +6,7 @@ use rimline::Origin;
 use rimline::mesh::{Bounds, EdgeCounts};
 
 use super::report::{MeshReport, kind_name};
-use crate::coordinates::{self, Point};
+use crate::coordinates;
 
 pub(super) struct Text(String);
 
@@ -122,8 +122,5 @@ fn counted(all: usize, parts: &[(usize, &str)]) -> String {
 
 /// A point in the file's coordinates.
 pub(super) fn point(point: [f32; 3], origin: Origin) -> String {
-    match coordinates::point(point, origin) {
-        Point::Single([x, y, z]) => format!("({x}, {y}, {z})"),
-        Point::Double([x, y, z]) => format!("({x}, {y}, {z})"),
-    }
+    format!("({})", coordinates::point(point, origin).to_string().replace(',', ", "))
 }

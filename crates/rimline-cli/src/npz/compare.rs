@@ -104,7 +104,7 @@ pub fn compare(given: &[u8], expected: &[u8]) -> Result<Vec<Difference>, NpzErro
 type Archive<'a> = ZipArchive<Cursor<&'a [u8]>>;
 
 fn open(bytes: &[u8]) -> Result<Archive<'_>, NpzError> {
-    ZipArchive::new(Cursor::new(bytes)).map_err(NpzError::Archive)
+    Ok(ZipArchive::new(Cursor::new(bytes))?)
 }
 
 fn names(archive: &Archive<'_>) -> Vec<String> {
@@ -124,13 +124,13 @@ struct Array {
 
 impl Array {
     fn read(archive: &mut Archive<'_>, index: usize, most: u64) -> Result<Self, NpzError> {
-        let entry = names(archive).get(index).cloned().unwrap_or_default();
-        let unreadable = |source| NpzError::Unreadable { entry: entry.clone(), source };
+        let name = names(archive).get(index).cloned().unwrap_or_default();
+        let unreadable = |source| NpzError::Entry { array: name.clone(), source };
         let mut reader = archive.by_index(index).map_err(|error| unreadable(error.into()))?;
-        let header = Header::read(&mut reader).map_err(|source| NpzError::Unheaded { entry: entry.clone(), source })?;
+        let header = Header::read(&mut reader).map_err(|source| NpzError::Header { array: name.clone(), source })?;
         let mut data = Vec::new();
         reader.take(most).read_to_end(&mut data).map_err(unreadable)?;
-        Ok(Self { name: entry, header, data })
+        Ok(Self { name, header, data })
     }
 
     fn form(&self) -> String {
@@ -146,35 +146,24 @@ impl Array {
         if form != expected_form {
             return Some(Difference::Form { array, given: form, expected: expected_form });
         }
-        let (size, columns) = (expected.element_size(), expected.columns());
-        let pairs = self.data.chunks(size).zip(expected.data.chunks(size));
+        let size = expected.header.element.map_or(1, |element| element.size).max(1);
+        let columns = (expected.header.shape.iter().skip(1).product::<u64>() as usize).max(1);
+        let pairs = self.data.chunks(size).map(raw).zip(expected.data.chunks(size).map(raw));
         let mut different = pairs.enumerate().filter(|(_, (given, expected))| given != expected);
         let (at, (given, expected)) = different.next()?;
-        let (given, expected) = (raw(given), raw(expected));
-        let rest: u64 = different.map(|(_, (given, expected))| wrong_bits(raw(given), raw(expected))).sum();
+        let wrong_bits = |(given, expected): (u64, u64)| u64::from((given ^ expected).count_ones());
+        let count = wrong_bits((given, expected)) + different.map(|(_, pair)| wrong_bits(pair)).sum::<u64>();
         let column = at % columns;
         let is_mask = ["facing", "silhouette", "winding"].contains(&array.as_str());
         let light = is_mask.then(|| 32 * column + (given ^ expected).trailing_zeros() as usize);
         let first = Element { row: at / columns, column, light, given, expected };
-        Some(Difference::Bits { array, count: wrong_bits(given, expected) + rest, first })
-    }
-
-    fn element_size(&self) -> usize {
-        self.header.element.map_or(1, |element| element.size).max(1)
-    }
-
-    fn columns(&self) -> usize {
-        (self.header.shape.iter().skip(1).product::<u64>() as usize).max(1)
+        Some(Difference::Bits { array, count, first })
     }
 }
 
 /// Up to eight little-endian bytes.
 fn raw(bytes: &[u8]) -> u64 {
     bytes.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte))
-}
-
-fn wrong_bits(given: u64, expected: u64) -> u64 {
-    u64::from((given ^ expected).count_ones())
 }
 
 #[cfg(test)]

@@ -2,27 +2,18 @@
 
 use std::io::{self, Read, Seek, Write};
 
-use zip::ZipArchive;
+use rimline::gpu::depth_map::DepthMetric;
 
 use super::header::ElementType;
-use super::read::{Budget, Entry, NpzError, Values, index, is_float, is_integer, is_real, raw, real};
+use super::read::{Archive, BITS, Entry, NpzError, ORIGIN, REAL, Values, index, is_float, is_integer, is_real};
 use super::write::NpzWriter;
 
 pub const MAX_SIDE: u32 = 4096;
 /// Bytes for a value: as read, in its own type, turned into C order, and on its way to the device.
 const VALUE: u64 = 4 * 3 + 12;
 
-/// Meaning of the values of a map.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Metric {
-    /// Device depths.
-    #[default]
-    Device,
-    /// Distances along the camera's axis.
-    AlongAxis,
-    /// Distances along the rays.
-    AlongRay,
-}
+/// Meaning of the values of a map, by its number in `metric`.
+const METRICS: [DepthMetric; 3] = [DepthMetric::Device, DepthMetric::AlongAxis, DepthMetric::AlongRay];
 
 /// Depths as the file has them, bit for bit.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +38,7 @@ pub struct DepthMapArrays {
     /// Bits that the depths were rounded to before, if it is said.
     pub depth_bits: Option<u32>,
     /// Meaning of the depths. Depths in other types than float32 are device depths.
-    pub metric: Metric,
+    pub metric: DepthMetric,
     /// A number for each texel of one map, if they were asked for.
     pub objects: Option<Vec<u32>>,
 }
@@ -68,22 +59,21 @@ const VIEW_PROJECTION: Entry = Entry {
     wanted: "float32 or float64 is needed",
     accepts: is_real,
 };
-const ORIGIN: Entry =
-    Entry { array: "origin", shape: "(3,)", limit: 3, row_bytes: 64, wanted: VIEW_PROJECTION.wanted, accepts: is_real };
-const fn scalar(array: &'static str, wanted: &'static str, accepts: fn(ElementType) -> bool) -> Entry {
-    Entry { array, shape: "()", limit: 1, row_bytes: 64, wanted, accepts }
-}
-
-const REVERSED: Entry =
-    scalar("reversed", "a bool is needed: whether near is 1 and far is 0 (NumPy: `reversed=True`)", |element| {
-        is_integer(element) || matches!((element.kind, element.size), ('b', 1))
-    });
-const DEPTH_BITS: Entry = scalar("depth_bits", "16, 24 or 32 is needed", is_integer);
-const METRIC: Entry = scalar(
-    "metric",
-    "0, 1 or 2 is needed: device depths, distances along the axis, or distances along rays",
-    is_integer,
-);
+const REVERSED: Entry = Entry {
+    array: "reversed",
+    shape: "()",
+    limit: 1,
+    row_bytes: 64,
+    wanted: "a bool is needed: whether near is 1 and far is 0 (NumPy: `reversed=True`)",
+    accepts: |element| is_integer(element) || matches!((element.kind, element.size), ('b', 1)),
+};
+const DEPTH_BITS: Entry =
+    Entry { array: "depth_bits", wanted: "16, 24 or 32 is needed", accepts: is_integer, ..REVERSED };
+const METRIC: Entry = Entry {
+    array: "metric",
+    wanted: "0, 1 or 2 is needed: device depths, distances along the axis, or distances along rays",
+    ..DEPTH_BITS
+};
 const OBJECTS: Entry = Entry {
     array: "objects",
     shape: "(H, W), as `depth` has it,",
@@ -93,12 +83,6 @@ const OBJECTS: Entry = Entry {
     accepts: is_integer,
 };
 
-/// Up to 32 bits, as they are.
-#[expect(clippy::unnecessary_wraps, reason = "it stands beside `index`, which may fail")]
-fn bits(element: ElementType, bytes: &[u8]) -> Result<u32, i128> {
-    Ok(raw(element, bytes) as u32)
-}
-
 /// Reads a depth map, or six, with what they were drawn with, in either byte order and either array order. Reads
 /// `objects` if `with_objects`. Refuses arrays that take more than `memory_limit` bytes, before it reads them.
 pub fn read_depth_map(
@@ -106,63 +90,51 @@ pub fn read_depth_map(
     memory_limit: u64,
     with_objects: bool,
 ) -> Result<DepthMapArrays, NpzError> {
-    let mut archive = ZipArchive::new(reader).map_err(NpzError::Archive)?;
-    let (archive, budget) = (&mut archive, &mut Budget { limit: memory_limit, used: 0 });
+    let mut archive = Archive::open(reader, memory_limit)?;
     let is_side = |side: &u64| (1..=u64::from(MAX_SIDE)).contains(side);
-    let fits = |shape: &[u64]| match shape {
+    let Values { shape, element, elements } = archive.values(&DEPTH, BITS, |shape| match shape {
         [height, width] | [6, height, width] => [height, width].into_iter().all(is_side),
         _ => false,
-    };
-    let Values { shape, element, elements } = DEPTH.values(archive, budget, bits, fits)?;
-    let (maps, height, width) = match shape[..] {
-        [height, width] => (None, height, width),
-        [maps, height, width] => (Some(maps), height, width),
-        _ => return Err(NpzError::Shape { array: DEPTH.array, shape, wanted: DEPTH.shape }),
+    })?;
+    let (maps, [height, width]) = match shape[..] {
+        [maps, height, width] => (Some(maps), [height, width]),
+        _ => (None, [shape[0], shape[1]]),
     };
     let depths = if element.kind == 'f' {
         Depths::F32(elements.into_iter().map(f32::from_bits).collect())
     } else {
         Depths::U16(elements.into_iter().map(|value| value as u16).collect())
     };
-    let is_matrix = |shape: &[u64]| match shape {
+    let matrices = archive.values(&VIEW_PROJECTION, REAL, |shape| match *shape {
         [4, 4] => maps.is_none(),
-        &[count, 4, 4] => Some(count) == maps,
+        [count, 4, 4] => Some(count) == maps,
         _ => false,
+    })?;
+    let origin = archive.point(&Entry { wanted: VIEW_PROJECTION.wanted, ..ORIGIN })?;
+    let number = |archive: &mut Archive<_>, entry: &Entry, of: &[u32]| {
+        let elements = archive.values(entry, index, |shape| matches!(*shape, [] | [1]))?.elements;
+        let number = elements.first().copied().unwrap_or_default();
+        let wrong = || NpzError::Value { array: entry.array, found: number.to_string(), wanted: entry.wanted };
+        of.contains(&number).then_some(number).ok_or_else(wrong)
     };
-    let matrices = VIEW_PROJECTION.values(archive, budget, real, is_matrix)?.elements;
-    let view_projections = matrices.as_chunks::<4>().0.as_chunks::<4>().0.to_vec();
-    let mut origin = [0.0; 3];
-    if ORIGIN.is_in(archive) {
-        let given = ORIGIN.values(archive, budget, real, |shape| *shape == [3])?.elements;
-        origin.iter_mut().zip(given).for_each(|(to, given)| *to = given);
-    }
-    let is_reversed = match number(&REVERSED, archive, budget)? {
-        0 => false,
-        1 => true,
-        other => return Err(wrong(&REVERSED, other)),
-    };
-    let depth_bits = DEPTH_BITS.is_in(archive).then(|| number(&DEPTH_BITS, archive, budget)).transpose()?;
-    if let Some(other) = depth_bits.filter(|bits| ![16, 24, 32].contains(bits)) {
-        return Err(wrong(&DEPTH_BITS, other));
-    }
-    let metric = match METRIC.is_in(archive).then(|| number(&METRIC, archive, budget)).transpose()? {
-        None | Some(0) => Metric::Device,
-        Some(1) => Metric::AlongAxis,
-        Some(2) => Metric::AlongRay,
-        Some(other) => return Err(wrong(&METRIC, other)),
-    };
+    let is_reversed = number(&mut archive, &REVERSED, &[0, 1])? == 1;
+    let depth_bits =
+        archive.has(DEPTH_BITS.array).then(|| number(&mut archive, &DEPTH_BITS, &[16, 24, 32])).transpose()?;
+    let metric = archive.has(METRIC.array).then(|| number(&mut archive, &METRIC, &[0, 1, 2])).transpose()?.unwrap_or(0);
     let mut objects = None;
-    if with_objects && OBJECTS.is_in(archive) {
-        objects = Some(OBJECTS.values(archive, budget, index, |of| *of == [height, width])?.elements);
+    if with_objects && archive.has(OBJECTS.array) {
+        objects = Some(archive.values(&OBJECTS, index, |of| *of == [height, width])?.elements);
     }
-    let size = [width as u32, height as u32];
-    Ok(DepthMapArrays { size, depths, view_projections, origin, is_reversed, depth_bits, metric, objects })
-}
-
-fn number(entry: &Entry, archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) -> Result<u32, NpzError> {
-    let shape = |shape: &[u64]| matches!(*shape, [] | [1]);
-    let elements = entry.values(archive, budget, |element, bytes| index(unsigned(element), bytes), shape)?.elements;
-    Ok(elements.first().copied().unwrap_or_default())
+    Ok(DepthMapArrays {
+        size: [width as u32, height as u32],
+        depths,
+        view_projections: matrices.elements.as_chunks::<4>().0.as_chunks::<4>().0.to_vec(),
+        origin,
+        is_reversed,
+        depth_bits,
+        metric: METRICS[metric as usize],
+        objects,
+    })
 }
 
 /// Writes float32 where it holds all values exactly, else float64.
@@ -172,15 +144,6 @@ fn write_real(npz: &mut NpzWriter<impl Write + Seek>, name: &str, shape: &[usize
         return npz.slice(name, ElementType::F32, shape, &single);
     }
     npz.slice(name, ElementType::F64, shape, values)
-}
-
-/// A bool is a number of a byte.
-fn unsigned(element: ElementType) -> ElementType {
-    if element.kind == 'b' { ElementType { kind: 'u', ..element } } else { element }
-}
-
-fn wrong(entry: &Entry, found: u32) -> NpzError {
-    NpzError::Value { array: entry.array, found: found.to_string(), wanted: entry.wanted }
 }
 
 impl DepthMapArrays {
@@ -202,8 +165,8 @@ impl DepthMapArrays {
         if let Some(bits) = self.depth_bits {
             npz.slice("depth_bits", ElementType::U32, &[], &[bits])?;
         }
-        if self.metric != Metric::Device {
-            npz.slice("metric", ElementType::U32, &[], &[self.metric as u32])?;
+        if let Some(metric @ 1..) = METRICS.iter().position(|&metric| metric == self.metric) {
+            npz.slice("metric", ElementType::U32, &[], &[metric as u32])?;
         }
         if let Some(objects) = &self.objects {
             npz.slice("objects", ElementType::U32, &shape, objects)?;
@@ -227,7 +190,7 @@ mod tests {
             origin: if maps == 6 { [392_143.517, -2.0, 0.5] } else { [1.0, -2.0, 0.5] },
             is_reversed: maps == 6,
             depth_bits: (maps == 6).then_some(24),
-            metric: Metric::Device,
+            metric: DepthMetric::Device,
             objects: (maps == 1).then(|| vec![7, 7, 8, 9, u32::MAX, 0]),
         }
     }
@@ -242,8 +205,8 @@ mod tests {
     fn what_is_written_is_read() {
         let one = map(1, Depths::U16(vec![0, 1, 2, 3, 4, 65535]));
         let six = map(6, Depths::F32((0..36).map(|number| number as f32 / 35.0).collect()));
-        let along = DepthMapArrays { metric: Metric::AlongAxis, depth_bits: None, ..six.clone() };
-        let by_ray = DepthMapArrays { metric: Metric::AlongRay, ..along.clone() };
+        let along = DepthMapArrays { metric: DepthMetric::AlongAxis, depth_bits: None, ..six.clone() };
+        let by_ray = DepthMapArrays { metric: DepthMetric::AlongRay, ..along.clone() };
         assert_ne!(read(&along, 1 << 20).ok(), Some(by_ray.clone()));
         for map in [&one, &six, &along, &by_ray] {
             assert_eq!(read(map, 1 << 20).as_ref().ok(), Some(map));

@@ -8,7 +8,7 @@ mod read;
 mod write;
 
 pub use compare::{Difference, compare};
-pub use depth_map::{DepthMapArrays, Depths, MAX_SIDE, Metric, read_depth_map};
+pub use depth_map::{DepthMapArrays, Depths, MAX_SIDE, read_depth_map};
 pub use header::ElementType;
 pub use points::{PointArrays, Points, read_points};
 pub use read::{Arrays, NpzError, PolygonArrays, read, read_with_lights};

@@ -15,7 +15,7 @@ pub struct NpzWriter<W: Write + Seek> {
 
 impl<W: Write + Seek> NpzWriter<W> {
     pub fn new(writer: W) -> Self {
-        Self { zip: ZipWriter::new(Abandoned { inner: writer, is_failed: false, at: 0, end: 0 }) }
+        Self { zip: ZipWriter::new(Abandoned { inner: writer, is_failed: false, end: 0 }) }
     }
 
     /// Adds an array in C order; `write` streams exactly as many bytes as the shape has.
@@ -36,13 +36,7 @@ impl<W: Write + Seek> NpzWriter<W> {
             .large_file(u32::try_from(length).is_err());
         self.zip.start_file(format!("{name}.npy"), options)?;
         self.zip.write_all(&header)?;
-        let mut counted = Counted { inner: &mut self.zip, written: header.len() };
-        write(&mut counted)?;
-        if counted.written == length {
-            Ok(())
-        } else {
-            Err(io::Error::other(format!("array `{name}` came to {} bytes instead of {length}", counted.written)))
-        }
+        write(&mut self.zip)
     }
 
     /// Adds an array whose elements are there.
@@ -69,65 +63,31 @@ pub fn write_origin(npz: &mut NpzWriter<impl Write + Seek>, origin: Origin) -> i
     npz.slice("origin", ElementType::F64, &[3], &origin.to_array())
 }
 
-struct Counted<'a, W: Write> {
-    inner: &'a mut W,
-    written: usize,
-}
-
-impl<W: Write> Write for Counted<'_, W> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.inner.write(bytes)?;
-        self.written += written;
-        Ok(written)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.inner.flush()
-    }
-}
-
 /// A writer that is left alone once it has failed: `ZipWriter` goes on writing when it is dropped, and prints what comes of
-/// it. From then on only positions are kept, as if all were well.
+/// it. From then on it is at its farthest place, and takes everything.
 struct Abandoned<W> {
     inner: W,
     is_failed: bool,
-    at: u64,
     end: u64,
-}
-
-impl<W> Abandoned<W> {
-    fn unless_failed<T>(&mut self, run: impl FnOnce(&mut W) -> io::Result<T>) -> io::Result<Option<T>> {
-        if self.is_failed {
-            return Ok(None);
-        }
-        let done = run(&mut self.inner);
-        self.is_failed = done.is_err();
-        done.map(Some)
-    }
 }
 
 impl<W: Write> Write for Abandoned<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.unless_failed(|inner| inner.write(bytes))?.unwrap_or(bytes.len());
-        self.at += written as u64;
-        self.end = self.end.max(self.at);
-        Ok(written)
+        let written = if self.is_failed { Ok(bytes.len()) } else { self.inner.write(bytes) };
+        self.is_failed |= written.is_err();
+        written
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.unless_failed(W::flush).map(Option::unwrap_or_default)
+        if self.is_failed { Ok(()) } else { self.inner.flush() }
     }
 }
 
 impl<W: Seek> Seek for Abandoned<W> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        let kept = match to {
-            SeekFrom::Start(at) => Some(at),
-            SeekFrom::Current(by) => self.at.checked_add_signed(by),
-            SeekFrom::End(by) => self.end.checked_add_signed(by),
-        };
-        let at = self.unless_failed(|inner| inner.seek(to))?.or(kept);
-        self.at = at.ok_or(io::ErrorKind::InvalidInput)?;
-        Ok(self.at)
+        let at = if self.is_failed { Ok(self.end) } else { self.inner.seek(to) };
+        self.is_failed |= at.is_err();
+        self.end = at.as_ref().map_or(self.end, |&at| at.max(self.end));
+        at
     }
 }

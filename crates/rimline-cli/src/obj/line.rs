@@ -68,7 +68,7 @@ impl<R: BufRead> Lines<R> {
             let chunk = filled(&mut self.reader)?;
             let most = usize::try_from(room.saturating_sub(read).saturating_add(1)).unwrap_or(usize::MAX);
             let chunk = &chunk[..chunk.len().min(most)];
-            let end = end_of_line(chunk);
+            let end = memchr::memchr2(b'\n', b'\r', chunk);
             let own = &chunk[..end.unwrap_or(chunk.len())];
             self.text.extend_from_slice(own);
             let is_return = chunk.get(own.len()) == Some(&b'\r');
@@ -114,15 +114,6 @@ fn filled(reader: &mut impl BufRead) -> io::Result<&[u8]> {
         }
     }
     reader.fill_buf()
-}
-
-/// The first CR or LF. Blocks are searched as a whole, which compilers make short.
-fn end_of_line(bytes: &[u8]) -> Option<usize> {
-    let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
-    let (blocks, _) = bytes.as_chunks::<16>();
-    let has_none = |block: &&[u8; 16]| !block.iter().fold(false, |found, byte| found | is_end(byte));
-    let start = 16 * blocks.iter().take_while(has_none).count();
-    Some(start + bytes[start..].iter().position(is_end)?)
 }
 
 impl<'a> Statement<'a> {

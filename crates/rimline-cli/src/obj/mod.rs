@@ -213,8 +213,8 @@ impl Obj {
         if sizes.iter().all(|&size| size == 3) {
             return Ok(Arrays { positions, faces: corners.as_chunks().0.to_vec(), polygons: None, origin });
         }
-        let polygons = Some(PolygonArrays::of_single_loops(&sizes, &corners));
-        Ok(Arrays { positions, faces: Vec::new(), polygons, origin })
+        let polygons = PolygonArrays { polygon_loops: vec![1; sizes.len()], loop_sizes: sizes, loop_corners: corners };
+        Ok(Arrays { positions, faces: Vec::new(), polygons: Some(polygons), origin })
     }
 }
 

@@ -10,23 +10,9 @@ use clap::{Arg, CommandFactory};
 
 use super::*;
 
-/// A number of an option's value: how the value is written with `{}` for the number, numbers that are taken, and numbers that
-/// are refused besides those that every number refuses.
-struct Number {
-    option: &'static str,
-    written: &'static str,
-    good: &'static [&'static str],
-    bad: &'static [&'static str],
-}
-
-const fn number(
-    option: &'static str,
-    written: &'static str,
-    good: &'static [&'static str],
-    bad: &'static [&'static str],
-) -> Number {
-    Number { option, written, good, bad }
-}
+/// A number of an option's value: the option, how the value is written with `{}` for the number, numbers that are taken, and
+/// numbers that are refused besides those that every number refuses.
+type Number = (&'static str, &'static str, &'static [&'static str], &'static [&'static str]);
 
 /// No option takes these.
 const NEVER: [&str; 9] =
@@ -37,48 +23,48 @@ const POSITIVE: &[&str] = &["1", "0.5"];
 const NOT_POSITIVE: &[&str] = &["0", "-1", "-0.5"];
 
 const NUMBERS: &[Number] = &[
-    number("weld-distance", "{}", &["0", "1e-6"], &["-1"]),
-    number("light", "point:{},1,1", ANY, &[]),
-    number("light", "dir:1,{},1", ANY, &[]),
-    number("light", "hom:1,1,1,{}", &["0", "1", "0.5"], &[]),
-    number("shadow light", "point:1,1,1,range={}", POSITIVE, NOT_POSITIVE),
-    number("shadow light", "point:1,1,1,range=2,begin={}", &["0", "1"], &["-1", "3"]),
-    number("shadow light", "point:1,1,1,range=2,exponent={}", &["0", "9"], &["-1", "1e30"]),
-    number("shadow light", "point:1,1,1,intensity={}", &["0", "9"], &["-1", "1e30"]),
-    number("shadow light", "point:1,1,1,color=1,{},1", &["0", "9"], &["-1", "1e30"]),
-    number("eye", "{},2,3", ANY, &[]),
-    number("target", "1,2,{}", ANY, &[]),
-    number("fov", "{}", &["1", "179"], &["0", "-1", "180", "1e30"]),
-    number("size", "{}x4", &["1", "65536"], &["0", "-1", "65537", "4294967296"]),
-    number("size", "4x{}", &["1", "65536"], &["0", "-1", "65537", "4294967296"]),
-    number("near", "{}", POSITIVE, NOT_POSITIVE),
-    number("lift", "{}", &["1e-6", "1", "1e30"], &["0", "-1", "2e30"]),
-    number("ground", "{}", ANY, &[]),
-    number("area", "rect:{},1", POSITIVE, &["0", "-1", "3e38"]),
-    number("area", "rect:1,{}", POSITIVE, &["0", "-1", "3e38"]),
-    number("area", "disc:{}", POSITIVE, &["0", "-1", "3e38"]),
-    number("area", "sphere:{}", POSITIVE, &["0", "-1", "3e38"]),
-    number("samples", "{}", &["1", "32"], &["0", "-1", "33", "1.5"]),
-    number("from-depth", "{}", &["3", "4096"], &["0", "2", "-3", "4097", "1.5"]),
-    number("detector", "differences={}", &["0", "1"], &["-0.1", "1.1"]),
-    number("detector", "second={},1", &["0", "1"], &["-0.1", "1.1"]),
-    number("detector", "second=0,{}", &["0", "1"], &["-0.1", "1.1"]),
-    number("detector", "contours={}", &["0", "1"], &["-0.1", "1.1"]),
-    number("dangling", "{},3", &["0", "1"], &["-1", "1.1"]),
-    number("dangling", "0.5,{}", &["1", "64"], &["0", "-1", "65", "1.5"]),
-    number("time", "{}", &["0", "-2", "1e9"], &["1e10", "-1e10"]),
-    number("fps", "{}", &["0.001", "100000"], &["0", "-1", "1e6", "1e-40"]),
-    number("film frames", "{}", &["1", "100000"], &["0", "-1", "100001", "1.5"]),
-    number("seconds", "{}", &["0.5", "1e9"], &["0", "-1", "1e10", "1e-40"]),
-    number("memory-limit", "{}", &["1", "18446744073709551615"], &["0", "-1", "1.5", "18446744073709551616"]),
-    number("memory-limit", "{}GiB", &["1", "4"], &["0", "-1", "1.5", "17179869184"]),
-    number("faces", "{}", &["1", "4194304"], &["0", "-1", "4194305", "99999999999", "1.5"]),
-    number("meshes", "{},5", &["1", "16777216", "none"], &["0", "-1", "16777217", "1.5"]),
-    number("casters", "{}", &["1", "100000", "none"], &["0", "-1", "100001", "1.5"]),
-    number("scene-faces", "{}", &["1", "4194304"], &["0", "-1", "4194305", "1.5"]),
-    number("lights", "8,{}", &["1", "1024"], &["0", "-1", "1025", "1.5"]),
-    number("rounds", "{}", &["1", "1000"], &["0", "-1", "1001", "1.5"]),
-    number("bench frames", "{}", &["0", "1000"], &["-1", "1001", "1.5"]),
+    ("weld-distance", "{}", &["0", "1e-6"], &["-1"]),
+    ("light", "point:{},1,1", ANY, &[]),
+    ("light", "dir:1,{},1", ANY, &[]),
+    ("light", "hom:1,1,1,{}", &["0", "1", "0.5"], &[]),
+    ("shadow light", "point:1,1,1,range={}", POSITIVE, NOT_POSITIVE),
+    ("shadow light", "point:1,1,1,range=2,begin={}", &["0", "1"], &["-1", "3"]),
+    ("shadow light", "point:1,1,1,range=2,exponent={}", &["0", "9"], &["-1", "1e30"]),
+    ("shadow light", "point:1,1,1,intensity={}", &["0", "9"], &["-1", "1e30"]),
+    ("shadow light", "point:1,1,1,color=1,{},1", &["0", "9"], &["-1", "1e30"]),
+    ("eye", "{},2,3", ANY, &[]),
+    ("target", "1,2,{}", ANY, &[]),
+    ("fov", "{}", &["1", "179"], &["0", "-1", "180", "1e30"]),
+    ("size", "{}x4", &["1", "65536"], &["0", "-1", "65537", "4294967296"]),
+    ("size", "4x{}", &["1", "65536"], &["0", "-1", "65537", "4294967296"]),
+    ("near", "{}", POSITIVE, NOT_POSITIVE),
+    ("lift", "{}", &["1e-6", "1", "1e30"], &["0", "-1", "2e30"]),
+    ("ground", "{}", ANY, &[]),
+    ("area", "rect:{},1", POSITIVE, &["0", "-1", "3e38"]),
+    ("area", "rect:1,{}", POSITIVE, &["0", "-1", "3e38"]),
+    ("area", "disc:{}", POSITIVE, &["0", "-1", "3e38"]),
+    ("area", "sphere:{}", POSITIVE, &["0", "-1", "3e38"]),
+    ("samples", "{}", &["1", "32"], &["0", "-1", "33", "1.5"]),
+    ("from-depth", "{}", &["3", "4096"], &["0", "2", "-3", "4097", "1.5"]),
+    ("detector", "differences={}", &["0", "1"], &["-0.1", "1.1"]),
+    ("detector", "second={},1", &["0", "1"], &["-0.1", "1.1"]),
+    ("detector", "second=0,{}", &["0", "1"], &["-0.1", "1.1"]),
+    ("detector", "contours={}", &["0", "1"], &["-0.1", "1.1"]),
+    ("dangling", "{},3", &["0", "1"], &["-1", "1.1"]),
+    ("dangling", "0.5,{}", &["1", "64"], &["0", "-1", "65", "1.5"]),
+    ("time", "{}", &["0", "-2", "1e9"], &["1e10", "-1e10"]),
+    ("fps", "{}", &["0.001", "100000"], &["0", "-1", "1e6", "1e-40"]),
+    ("film frames", "{}", &["1", "100000"], &["0", "-1", "100001", "1.5"]),
+    ("seconds", "{}", &["0.5", "1e9"], &["0", "-1", "1e10", "1e-40"]),
+    ("memory-limit", "{}", &["1", "18446744073709551615"], &["0", "-1", "1.5", "18446744073709551616"]),
+    ("memory-limit", "{}GiB", &["1", "4"], &["0", "-1", "1.5", "17179869184"]),
+    ("faces", "{}", &["1", "4194304"], &["0", "-1", "4194305", "99999999999", "1.5"]),
+    ("meshes", "{},5", &["1", "16777216", "none"], &["0", "-1", "16777217", "1.5"]),
+    ("casters", "{}", &["1", "100000", "none"], &["0", "-1", "100001", "1.5"]),
+    ("scene-faces", "{}", &["1", "4194304"], &["0", "-1", "4194305", "1.5"]),
+    ("lights", "8,{}", &["1", "1024"], &["0", "-1", "1025", "1.5"]),
+    ("rounds", "{}", &["1", "1000"], &["0", "-1", "1001", "1.5"]),
+    ("bench frames", "{}", &["0", "1000"], &["-1", "1001", "1.5"]),
 ];
 
 /// Options whose values are words, though they may be digits.
@@ -117,15 +103,15 @@ fn each_numeric_option_refuses_what_it_is_not_meant_for() {
             if WORDS.contains(&long) {
                 continue;
             }
-            let is_of = |number: &&Number| match number.option.split_once(' ') {
+            let is_of = |&&(option, ..): &&Number| match option.split_once(' ') {
                 // Lights of shadows have more than those of other commands, and a film is one of shadows.
                 Some(("shadow", option)) => option == long && ["shadow", "film"].contains(&command),
                 Some((of, option)) => option == long && of == command,
-                None => number.option == long,
+                None => option == long,
             };
             let numbers: Vec<&Number> = NUMBERS.iter().filter(is_of).collect();
             assert!(!numbers.is_empty(), "{command} --{long}: say in this test which numbers it takes");
-            for Number { written, good, bad, .. } in numbers {
+            for (_, written, good, bad) in numbers {
                 for number in *good {
                     let value = written.replace("{}", number);
                     assert_eq!(refused(command, long, &value), None, "{command} --{long} {value} is refused");

@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::help::verbatim;
-use crate::input_args::{ModelArgs, MomentArgs};
+use crate::input_args::{ModelArgs, MomentArgs, verbatim};
 use crate::spec::{self, LightSpec};
 
 #[derive(Args, Debug)]

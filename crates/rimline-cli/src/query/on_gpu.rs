@@ -9,8 +9,8 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
 use crate::input::{Scene, Shape};
-use crate::positions::Positions;
-use crate::times::Times;
+use crate::posed_input::Positions;
+use crate::report::Times;
 use crate::warm_up::with_triangle;
 
 #[derive(Clone, Copy)]
@@ -22,16 +22,23 @@ pub(super) struct Job<'a, 's> {
 }
 
 impl Job<'_, '_> {
-    /// Compiles the shaders before the stages run and are timed.
-    pub(super) fn warm_up(&self, gpu: &Gpu) -> Result<(), Failure> {
-        with_triangle(matches!(self.scene.shape, Shape::Posed { .. }), |scene| {
-            let on_face = self.asked.on_face.map(|_| &[NO_FACE][..]);
-            let asked = Asked { points: &[[0.0; 3]], on_face, ..self.asked };
-            Job { scene, asked, ..*self }.run(gpu, &mut Vec::new(), &mut Times::default())
-        })
-    }
-
-    pub(super) fn run(&self, gpu: &Gpu, depths: &mut Vec<i32>, times: &mut Times) -> Result<(), Failure> {
+    /// `is_warm` compiles the shaders before the stages run and are timed.
+    pub(super) fn run(
+        &self,
+        gpu: &Gpu,
+        depths: &mut Vec<i32>,
+        times: &mut Times,
+        is_warm: bool,
+    ) -> Result<(), Failure> {
+        if is_warm {
+            let warm_up = |scene: &Scene<'_>| {
+                let on_face = self.asked.on_face.map(|_| &[NO_FACE][..]);
+                let asked = Asked { points: &[[0.0; 3]], on_face, ..self.asked };
+                Job { scene, asked, ..*self }.run(gpu, &mut Vec::new(), &mut Times::default(), false)
+            };
+            let is_posed = matches!(self.scene.shape, Shape::Posed { .. });
+            times.measure("compile", || with_triangle(is_posed, warm_up))?;
+        }
         let slice = self.asked.slice(&self.scene.mesh).min(self.asked.points.len());
         let (placed, mut query) = times.measure("prepare", || self.prepare(gpu, slice)).on(gpu)?;
         let points = gpu.buffer("points", slice as u64 * POINT, wgpu::BufferUsages::STORAGE);

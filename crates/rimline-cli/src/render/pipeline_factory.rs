@@ -1,18 +1,27 @@
 //! Parts that the passes of a picture share: the frame's uniform, and a short way to pipelines.
 
 use rimline::wgpu;
+use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, BufferBindingType};
 
-pub(crate) const UNIFORM: wgpu::BindingType = wgpu::BindingType::Buffer {
-    ty: wgpu::BufferBindingType::Uniform,
-    has_dynamic_offset: false,
-    min_binding_size: None,
-};
+use crate::device::Gpu;
 
-pub(crate) const READ_ONLY: wgpu::BindingType = wgpu::BindingType::Buffer {
-    ty: wgpu::BufferBindingType::Storage { read_only: true },
-    has_dynamic_offset: false,
-    min_binding_size: None,
-};
+pub(crate) const UNIFORM: wgpu::BindingType = buffer_type(BufferBindingType::Uniform, false);
+pub(crate) const UNIFORM_AT_OFFSET: wgpu::BindingType = buffer_type(BufferBindingType::Uniform, true);
+pub(crate) const READ_ONLY: wgpu::BindingType = buffer_type(BufferBindingType::Storage { read_only: true }, false);
+
+const fn buffer_type(ty: BufferBindingType, has_dynamic_offset: bool) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
+}
+
+pub(crate) const ADD: BlendState = blend(BlendFactor::One, BlendFactor::One, BlendOperation::Add);
+/// What is there times what is drawn.
+pub(crate) const MULTIPLY: BlendState = blend(BlendFactor::Dst, BlendFactor::Zero, BlendOperation::Add);
+pub(crate) const LARGEST: BlendState = blend(BlendFactor::One, BlendFactor::One, BlendOperation::Max);
+
+const fn blend(src_factor: BlendFactor, dst_factor: BlendFactor, operation: BlendOperation) -> BlendState {
+    let color = BlendComponent { src_factor, dst_factor, operation };
+    BlendState { color, alpha: color }
+}
 
 pub(crate) fn read_texture(view_dimension: wgpu::TextureViewDimension, filterable: bool) -> wgpu::BindingType {
     let sample_type = wgpu::TextureSampleType::Float { filterable };
@@ -43,11 +52,14 @@ pub(crate) fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
+/// WGSL that every pass knows.
+pub(crate) const COMMON: &str = include_str!("common.wgsl");
+
 /// Makes pipelines and bind groups; group 0 is always the frame.
 pub(crate) struct PipelineFactory<'a> {
-    pub(crate) device: &'a wgpu::Device,
+    pub(crate) gpu: &'a Gpu,
     /// WGSL that declares the frame and what every pass knows.
-    prelude: &'static str,
+    prelude: String,
     frame_layout: wgpu::BindGroupLayout,
     pub(crate) frame_group: wgpu::BindGroup,
     frame: wgpu::Buffer,
@@ -68,7 +80,6 @@ pub(crate) struct Pass<'a> {
     pub(crate) samples: u32,
     pub(crate) write: wgpu::ColorWrites,
     pub(crate) depth: Option<wgpu::DepthStencilState>,
-    pub(crate) constants: &'a [(&'a str, f64)],
 }
 
 impl<'a> Pass<'a> {
@@ -80,42 +91,81 @@ impl<'a> Pass<'a> {
         format: wgpu::TextureFormat,
     ) -> Self {
         let (topology, write) = (wgpu::PrimitiveTopology::TriangleList, wgpu::ColorWrites::ALL);
-        let (vertex, constants) = (name, &[][..]);
-        Self { name, vertex, source, groups, topology, format, blend: None, samples: 1, write, depth: None, constants }
+        Self { name, vertex: name, source, groups, topology, format, blend: None, samples: 1, write, depth: None }
+    }
+
+    /// The same over the whole target.
+    pub(crate) fn over(
+        name: &'static str,
+        source: &'a str,
+        groups: &'a [&'a wgpu::BindGroupLayout],
+        format: wgpu::TextureFormat,
+    ) -> Self {
+        Self { vertex: "cover", ..Self::new(name, source, groups, format) }
+    }
+
+    /// Behind a prelude, which declares group 0.
+    pub(crate) fn pipeline(
+        &self,
+        device: &wgpu::Device,
+        prelude: &str,
+        frame: Option<&wgpu::BindGroupLayout>,
+    ) -> wgpu::RenderPipeline {
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(self.name),
+            source: wgpu::ShaderSource::Wgsl(format!("{}\n{}", prelude, self.source).into()),
+        });
+        let groups: Vec<_> = frame.into_iter().chain(self.groups.iter().copied()).map(Some).collect();
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(self.name),
+            bind_group_layouts: &groups,
+            immediate_size: 0,
+        });
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(self.name),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some(&format!("{}_vertex", self.vertex)),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState { topology: self.topology, ..Default::default() },
+            depth_stencil: self.depth.clone(),
+            multisample: wgpu::MultisampleState { count: self.samples, ..Default::default() },
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some(&format!("{}_fragment", self.name)),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(wgpu::ColorTargetState {
+                    format: self.format,
+                    blend: self.blend,
+                    write_mask: self.write,
+                })],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
     }
 }
 
 impl<'a> PipelineFactory<'a> {
     /// `frame` is the uniform that `prelude` declares as group 0, binding 0.
-    pub(crate) fn new(device: &'a wgpu::Device, queue: &wgpu::Queue, prelude: &'static str, frame: &[u8]) -> Self {
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("frame"),
-            size: frame.len() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        queue.write_buffer(&buffer, 0, frame);
-        let frame_layout = layout(device, wgpu::ShaderStages::VERTEX_FRAGMENT, &[UNIFORM]);
-        let frame_group = group(device, &frame_layout, &[buffer.as_entire_binding()]);
-        Self { device, prelude, frame_layout, frame_group, frame: buffer }
+    pub(crate) fn new(gpu: &'a Gpu, prelude: &str, frame: &[u8]) -> Self {
+        let frame = gpu.filled("frame", frame, wgpu::BufferUsages::UNIFORM);
+        let frame_layout = gpu.layout(wgpu::ShaderStages::VERTEX_FRAGMENT, &[UNIFORM]);
+        let frame_group = gpu.group(&frame_layout, &[frame.as_entire_binding()]);
+        let prelude = format!("{COMMON}\n{prelude}");
+        Self { gpu, prelude, frame_layout, frame_group, frame }
     }
 
     /// Another frame, for what is submitted from now on.
-    pub(crate) fn set_frame(&self, queue: &wgpu::Queue, frame: &[u8]) {
-        queue.write_buffer(&self.frame, 0, frame);
+    pub(crate) fn set_frame(&self, frame: &[u8]) {
+        self.gpu.queue.write_buffer(&self.frame, 0, frame);
     }
 
     pub(crate) fn layout(&self, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
-        layout(self.device, wgpu::ShaderStages::VERTEX_FRAGMENT, types)
-    }
-
-    /// A layout whose bindings only some stages see.
-    pub(crate) fn layout_for(
-        &self,
-        visibility: wgpu::ShaderStages,
-        types: &[wgpu::BindingType],
-    ) -> wgpu::BindGroupLayout {
-        layout(self.device, visibility, types)
+        self.gpu.layout(wgpu::ShaderStages::VERTEX_FRAGMENT, types)
     }
 
     pub(crate) fn group(
@@ -123,28 +173,42 @@ impl<'a> PipelineFactory<'a> {
         layout: &wgpu::BindGroupLayout,
         resources: &[wgpu::BindingResource<'_>],
     ) -> wgpu::BindGroup {
-        group(self.device, layout, resources)
+        self.gpu.group(layout, resources)
     }
 
     /// A storage buffer with these contents.
-    pub(crate) fn buffer(&self, queue: &wgpu::Queue, label: &str, contents: &[u8]) -> wgpu::Buffer {
-        self.filled(queue, label, contents, wgpu::BufferUsages::STORAGE)
+    pub(crate) fn buffer(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
+        self.gpu.filled(label, contents, wgpu::BufferUsages::STORAGE)
     }
 
     /// A uniform buffer with these contents.
-    pub(crate) fn uniform(&self, queue: &wgpu::Queue, label: &str, contents: &[u8]) -> wgpu::Buffer {
-        self.filled(queue, label, contents, wgpu::BufferUsages::UNIFORM)
+    pub(crate) fn uniform(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
+        self.gpu.filled(label, contents, wgpu::BufferUsages::UNIFORM)
     }
 
-    fn filled(&self, queue: &wgpu::Queue, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size: (contents.len() as u64).max(16),
-            usage: usage | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        queue.write_buffer(&buffer, 0, contents);
-        buffer
+    /// Takes a pipeline, the frame and the groups that follow it.
+    pub(crate) fn bind(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipeline: &wgpu::RenderPipeline,
+        groups: &[&wgpu::BindGroup],
+    ) {
+        pass.set_pipeline(pipeline);
+        for (number, group) in (0..).zip([&self.frame_group].iter().chain(groups)) {
+            pass.set_bind_group(number, *group, &[]);
+        }
+    }
+
+    /// Draws vertices with them.
+    pub(crate) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipeline: &wgpu::RenderPipeline,
+        groups: &[&wgpu::BindGroup],
+        vertices: u32,
+    ) {
+        self.bind(pass, pipeline, groups);
+        pass.draw(0..vertices, 0..1);
     }
 
     pub(crate) fn target(
@@ -157,102 +221,56 @@ impl<'a> PipelineFactory<'a> {
     ) -> wgpu::Texture {
         let usage = usage | wgpu::TextureUsages::RENDER_ATTACHMENT;
         let plain = plain_texture(label, size, format, usage);
-        self.device.create_texture(&wgpu::TextureDescriptor { sample_count: samples, ..plain })
+        self.gpu.device.create_texture(&wgpu::TextureDescriptor { sample_count: samples, ..plain })
     }
 
     pub(crate) fn pipeline(&self, pass: &Pass<'_>) -> wgpu::RenderPipeline {
-        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(pass.name),
-            source: wgpu::ShaderSource::Wgsl(format!("{}\n{}", self.prelude, pass.source).into()),
-        });
-        let mut groups = vec![Some(&self.frame_layout)];
-        groups.extend(pass.groups.iter().copied().map(Some));
-        let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(pass.name),
-            bind_group_layouts: &groups,
-            immediate_size: 0,
-        });
-        let compilation_options = wgpu::PipelineCompilationOptions { constants: pass.constants, ..Default::default() };
-        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(pass.name),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some(&format!("{}_vertex", pass.vertex)),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState { topology: pass.topology, ..Default::default() },
-            depth_stencil: pass.depth.clone(),
-            multisample: wgpu::MultisampleState { count: pass.samples, ..Default::default() },
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some(&format!("{}_fragment", pass.name)),
-                compilation_options,
-                targets: &[Some(wgpu::ColorTargetState {
-                    format: pass.format,
-                    blend: pass.blend,
-                    write_mask: pass.write,
-                })],
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+        pass.pipeline(&self.gpu.device, &self.prelude, Some(&self.frame_layout))
     }
 }
 
-fn layout(device: &wgpu::Device, visibility: wgpu::ShaderStages, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
-    let entries: Vec<_> = (0..)
-        .zip(types)
-        .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None })
-        .collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
-}
-
-fn group(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    resources: &[wgpu::BindingResource<'_>],
-) -> wgpu::BindGroup {
-    let entries: Vec<_> = (0..)
-        .zip(resources)
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
-        .collect();
-    device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
-}
-
-/// The nearest is drawn and written, or whatever comes without being written.
-pub(crate) fn depth_test(write: bool) -> wgpu::DepthStencilState {
+/// Depth is reversed: what is greater is nearer.
+pub(crate) fn depth_state(
+    format: wgpu::TextureFormat,
+    write: bool,
+    compare: wgpu::CompareFunction,
+    face: wgpu::StencilFaceState,
+) -> wgpu::DepthStencilState {
     wgpu::DepthStencilState {
-        format: wgpu::TextureFormat::Depth32Float,
+        format,
         depth_write_enabled: Some(write),
-        depth_compare: Some(if write { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Always }),
-        stencil: wgpu::StencilState::default(),
+        depth_compare: Some(compare),
+        stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xff, write_mask: 0xff },
         bias: wgpu::DepthBiasState::default(),
     }
 }
 
-/// A pass onto one colour target, and a depth buffer that is cleared to the infinitely far.
+/// A pass onto one colour target and a depth buffer. Clears both, depth to the infinitely far, or goes on with what is there; a
+/// stencil is cleared in any case.
 pub(crate) fn color_pass<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     label: &str,
-    target: &wgpu::TextureView,
-    resolve_target: Option<&wgpu::TextureView>,
-    load: wgpu::LoadOp<wgpu::Color>,
+    (view, resolve_target): (&wgpu::TextureView, Option<&wgpu::TextureView>),
+    clear: Option<wgpu::Color>,
     depth: Option<&wgpu::TextureView>,
 ) -> wgpu::RenderPass<'e> {
+    let store = wgpu::StoreOp::Store;
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(label),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: target,
+            view,
             depth_slice: None,
             resolve_target,
-            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+            ops: wgpu::Operations { load: clear.map_or(wgpu::LoadOp::Load, wgpu::LoadOp::Clear), store },
         })],
-        depth_stencil_attachment: depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
-            view,
-            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
-            stencil_ops: None,
+        depth_stencil_attachment: depth.map(|view| {
+            let load = clear.map_or(wgpu::LoadOp::Load, |_| wgpu::LoadOp::Clear(0.0));
+            let has_stencil = view.texture().format().has_stencil_aspect();
+            wgpu::RenderPassDepthStencilAttachment {
+                view,
+                depth_ops: Some(wgpu::Operations { load, store }),
+                stencil_ops: has_stencil.then_some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store }),
+            }
         }),
         timestamp_writes: None,
         occlusion_query_set: None,

@@ -1,19 +1,13 @@
 //! The command lines of `rimline shadow` and `rimline film`.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
+use rimline::Counting;
 use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
-use rimline::{Counting, Origin};
 
 use crate::coordinates::Coordinate;
-use crate::failure::Failure;
-use crate::help::verbatim;
-use crate::input_args::{MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device};
-use crate::load_args::LoadArgs;
-use crate::shadow::from_depth::{FromDepth, MapSource};
-use crate::shadow::given_map::GivenMap;
+use crate::input_args::{LoadArgs, MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -94,7 +88,7 @@ pub(crate) struct ShadowSceneArgs {
 
     /// The height of the ground, an infinite plane that receives shadows and casts none. It is visible from above only. By
     /// default it is at the lowest point of the models, or a little lower if they are flat
-    #[arg(long, value_name = "Y", allow_hyphen_values = true, value_parser = spec::height)]
+    #[arg(long, value_name = "Y", allow_hyphen_values = true, value_parser = spec::coordinate)]
     pub(crate) ground: Option<Coordinate>,
 
     /// How to count shadow volumes
@@ -237,24 +231,6 @@ pub(crate) struct ShadowArgs {
     /// Print the chosen methods, counts and times as JSON
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-impl ShadowArgs {
-    /// The depth maps that cast, if there are any, relative to the origin. Reads the file of `--depth`.
-    pub(crate) fn depth_maps(&self, origin: Origin) -> Result<Option<FromDepth>, Failure> {
-        // With every cell, a given map may cast objects that are not among the models.
-        let usual = if self.from_depth.is_some() { DepthMapMethod::default() } else { DepthMapMethod::EveryCell };
-        let method = self.detector.unwrap_or(usual);
-        let source = match (self.from_depth, &self.depth) {
-            (Some(side), _) => MapSource::Drawn { side },
-            (None, Some(file)) => {
-                let limit = self.scene.load.memory_limit;
-                MapSource::Given(Arc::new(GivenMap::read(file, method, limit, origin)?))
-            }
-            (None, None) => return Ok(None),
-        };
-        Ok(Some(FromDepth::new(source, method, self.dangling)?))
-    }
 }
 
 const SHADOW_EXAMPLES: &str = concat!(

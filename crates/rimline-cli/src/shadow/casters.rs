@@ -1,26 +1,28 @@
 //! The bodies on the GPU: they throw shadows, receive them and are drawn.
 
+use std::borrow::Cow;
+use std::ops::Range;
+
 use glam::Vec3;
 use rimline::gpu::{Extraction, StageTimer};
 use rimline::wgpu;
 
-use super::casting::{CastInputs, put};
-use super::covered::CoveredFaces;
+use super::casting::{CastInputs, CoveredFaces, Extracted, FacingMasks, put};
 use super::depth_shadows::DepthShadows;
-use super::extracted::Extracted;
 use super::posed_model::PosedModel;
-use super::receiver::Receiver;
+use super::render_resources::RenderResources;
 use super::scene_shadows::SceneShadows;
 use super::shadows::{Shadows, VolumePipelines};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
-use crate::render::check_model;
-use crate::render::pipeline_factory::PipelineFactory;
+use crate::render::coincident::{Coincident, corners};
+use crate::render::{check_model, normals};
 
 /// Resources that draw all bodies and make them cast shadows.
-pub(crate) struct Casters {
-    pub(crate) shadows: Box<dyn Shadows>,
+pub(crate) struct Casters<'a> {
+    pub(super) resources: &'a RenderResources<'a>,
+    pub(crate) shadows: Box<dyn Shadows + 'a>,
     /// A receiver for each body, once it was bound.
     pub(super) receivers: Vec<Receiver>,
     /// Where volumes are shown, the silhouettes of each body by itself: of all its faces, or without covered faces of those
@@ -30,31 +32,40 @@ pub(crate) struct Casters {
 }
 
 /// Casters whose shadows are drawn with these pipelines.
-pub(crate) fn shadows(gpu: &Gpu, pipelines: &VolumePipelines, max_lights: usize) -> Result<Box<dyn Shadows>, GpuError> {
+pub(crate) fn shadows<'a>(
+    gpu: &'a Gpu,
+    pipelines: &VolumePipelines,
+    max_lights: usize,
+) -> Result<Box<dyn Shadows + 'a>, GpuError> {
     Ok(match pipelines {
         VolumePipelines::Scene(pipelines, _) => Box::new(SceneShadows::new(gpu, pipelines.counting(), max_lights)?),
-        VolumePipelines::Depth(maps, from) => Box::new(DepthShadows::new(maps, from, max_lights)),
+        VolumePipelines::Depth(maps, from) => Box::new(DepthShadows::new(gpu, maps, from, max_lights)),
     })
 }
 
-impl Casters {
+impl<'a> Casters<'a> {
     pub(crate) fn new(
-        gpu: &Gpu,
+        resources: &'a RenderResources<'a>,
         pipelines: &VolumePipelines,
         max_lights: usize,
         shows_volumes: bool,
     ) -> Result<Self, GpuError> {
-        let shadows = shadows(gpu, pipelines, max_lights)?;
+        let shadows = shadows(resources.factory.gpu, pipelines, max_lights)?;
         let shown = (shows_volumes && !matches!(pipelines, VolumePipelines::Depth(..))).then(Vec::new);
-        Ok(Self { shadows, receivers: Vec::new(), shown, max_lights })
+        Ok(Self { resources, shadows, receivers: Vec::new(), shown, max_lights })
+    }
+
+    pub(super) fn gpu(&self) -> &'a Gpu {
+        self.resources.factory.gpu
     }
 
     /// Takes the bodies with the faces that they have now.
-    pub(crate) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+    pub(crate) fn place(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+        let gpu = self.gpu();
         for body in bodies {
             check_model(gpu, body.faces.len(), body.world.len()).on(gpu)?;
         }
-        self.shadows.place(gpu, bodies)?;
+        self.shadows.place(bodies)?;
         let Some(shown) = &mut self.shown else { return Ok(()) };
         for (number, body) in bodies.iter().enumerate() {
             if !shown.get(number).is_some_and(|(.., old)| old.is_of(body)) {
@@ -65,12 +76,8 @@ impl Casters {
     }
 
     /// Leaves out covered faces, for bodies that are placed and stay where they are.
-    pub(super) fn leave_out(
-        &mut self,
-        gpu: &Gpu,
-        bodies: &[PosedModel<'_>],
-        covered: &CoveredFaces,
-    ) -> Result<(), Failure> {
+    pub(super) fn leave_out(&mut self, bodies: &[PosedModel<'_>], covered: &CoveredFaces) -> Result<(), Failure> {
+        let gpu = self.gpu();
         self.shadows.leave_out(covered).on(gpu)?;
         let Some(shown) = &mut self.shown else { return Ok(()) };
         shown.clear();
@@ -101,16 +108,9 @@ impl Casters {
 
     /// Makes the bodies ready to be drawn in their current pose, and seen from the eye. Encoded commands must have been
     /// submitted.
-    pub(super) fn bind(
-        &mut self,
-        gpu: &Gpu,
-        factory: &PipelineFactory<'_>,
-        layout: &wgpu::BindGroupLayout,
-        bodies: &[PosedModel<'_>],
-        eye: Vec3,
-    ) -> Result<(), GpuError> {
-        let masks = self.shadows.facing(gpu, bodies)?;
-        let receiver = |(number, (body, masks))| Receiver::new(gpu, factory, layout, body, number, masks, eye);
+    pub(super) fn bind(&mut self, bodies: &[PosedModel<'_>], eye: Vec3) -> Result<(), GpuError> {
+        let masks = self.shadows.facing(bodies)?;
+        let receiver = |(number, (body, masks))| Receiver::new(self.resources, body, number, masks, eye);
         self.receivers = bodies.iter().zip(&masks).enumerate().map(receiver).collect();
         Ok(())
     }
@@ -120,4 +120,102 @@ impl Casters {
         let of_light = self.shown.iter().flatten().filter(move |(of, ..)| of.is_none_or(|of| of == light));
         of_light.filter_map(|(.., shown)| shown.extraction.as_ref())
     }
+}
+
+pub(crate) struct DrawInputs<'a> {
+    pub(crate) casters: &'a Casters<'a>,
+    /// Samples of all lights together.
+    pub(crate) samples: usize,
+    pub(crate) has_ground: bool,
+    /// Only one pixel is drawn, so that the device compiles the shaders.
+    pub(crate) is_trial: bool,
+}
+
+impl DrawInputs<'_> {
+    pub(super) fn begin<'e>(&self, mut pass: wgpu::RenderPass<'e>) -> wgpu::RenderPass<'e> {
+        if self.is_trial {
+            pass.set_scissor_rect(0, 0, 1, 1);
+        }
+        pass
+    }
+}
+
+/// Front and back of the first, second … body; then from the beginning again.
+const CLAYS: [[[f32; 3]; 2]; 4] = [
+    [[0.62, 0.60, 0.565], [0.50, 0.33, 0.24]],
+    [[0.36, 0.49, 0.56], [0.58, 0.40, 0.29]],
+    [[0.60, 0.42, 0.31], [0.33, 0.45, 0.51]],
+    [[0.46, 0.54, 0.38], [0.58, 0.40, 0.29]],
+];
+
+/// The draws of a body where it is now: corners of faces that one buffer has the facing masks of, for each batch of 32 lights.
+pub(super) struct Receiver(Vec<(Range<u32>, Vec<wgpu::BindGroup>)>);
+
+impl Receiver {
+    /// The body with this number, as it is seen from the eye.
+    pub(super) fn new(
+        RenderResources { factory, geometry, .. }: &RenderResources<'_>,
+        body: &PosedModel<'_>,
+        number: usize,
+        masks: &FacingMasks,
+        eye: Vec3,
+    ) -> Self {
+        let clay = CLAYS[number % CLAYS.len()].map(|[r, g, b]| [r, g, b, 0.0]);
+        let clay = factory.uniform("clay", bytemuck::cast_slice(&clay));
+        let stored = |label, contents: &[u8]| factory.buffer(label, contents);
+        let faces = stored("drawn faces", bytemuck::cast_slice(&body.faces));
+        let (normals, slots) = normals_and_slots(body, masks, eye);
+        let normals = stored("normals", bytemuck::cast_slice(&normals));
+        let slots = stored("slots", bytemuck::cast_slice(&slots));
+        let positions = body.positions.buffer();
+        let group = |facing: &wgpu::Buffer| {
+            let buffers = [&clay, positions.buffer, &faces, &normals, &slots, facing];
+            factory.group(geometry, &buffers.map(wgpu::Buffer::as_entire_binding))
+        };
+        let runs = masks.runs.iter();
+        Self(runs.map(|(of, facing)| (3 * of.start..3 * of.end, facing.iter().map(group).collect())).collect())
+    }
+
+    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) {
+        for (corners, groups) in &self.0 {
+            if let Some(group) = groups.get(light / 32) {
+                pass.set_bind_group(2, group, &[]);
+                pass.draw(corners.clone(), 0..1);
+            }
+        }
+    }
+}
+
+/// Flags of a slot, as in `surface.wgsl`: the face is shown as the one that it coincides with, which runs the other way
+/// around; and the mask at the slot is its own, whose opposite is that one's.
+const TURNED: u32 = 1 << 31;
+const OPPOSITE: u32 = 1 << 30;
+
+/// The normals of corners and where faces' masks are. Faces that are turned away from the eye have those of the faces that they
+/// coincide with. All are drawn: shadow volumes end at some of them, and their depths are not the others' to the last bit.
+fn normals_and_slots<'a>(body: &PosedModel<'_>, masks: &'a FacingMasks, eye: Vec3) -> (Vec<u32>, Cow<'a, [u32]>) {
+    let all = || corners(&body.world, &body.faces).enumerate();
+    let Some(found) = Coincident::of(corners(&body.world, &body.faces)) else {
+        return (normals::corner_normals(&body.world, &body.faces), Cow::Borrowed(&masks.slots));
+    };
+    let fronts: Vec<Option<usize>> = all().map(|(number, face)| found.seen_instead(number, face, eye)).collect();
+    // The second side of a sheet does not smooth the folds of the first.
+    let one_sided = body.faces.iter().zip(&fronts);
+    let one_sided: Vec<[u32; 3]> =
+        one_sided.map(|(&face, front)| if front.is_none() { face } else { [face[0]; 3] }).collect();
+    let mut normals = normals::corner_normals(&body.world, &one_sided);
+    let mut slots = masks.slots.clone();
+    let run_of = |face: usize| masks.runs.iter().position(|(faces, _)| faces.contains(&(face as u32)));
+    for (number, front) in fronts.into_iter().enumerate() {
+        let Some(front) = front else { continue };
+        let place = |corner: u32| body.world[corner as usize].map(|c| c + 0.0);
+        let [own, other] = [number, front].map(|face| body.faces[face].map(place));
+        for (corner, at) in own.into_iter().enumerate() {
+            let same = other.iter().position(|&there| there == at).unwrap_or(corner);
+            normals[3 * number + corner] = normals[3 * front + same];
+        }
+        let shown = if run_of(front) == run_of(number) { masks.slots[front] } else { masks.slots[number] | OPPOSITE };
+        slots[number] = shown | TURNED;
+    }
+    (normals, Cow::Owned(slots))
 }

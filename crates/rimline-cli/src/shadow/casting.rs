@@ -1,17 +1,23 @@
-//! The casters of a frame as all ways to shadows take them.
+//! The casters of a frame as all ways to shadows take them, the silhouettes of a file by itself, and faces that
+//! other faces hide from the lights.
 
-use std::ops::Range;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::ops::{ControlFlow, Range};
 
-use rimline::gpu::{LightHandle, Scene, ShadowError};
-use rimline::{Light, LightError, ShadowCamera, wgpu};
+use rimline::cpu::{self, HiddenCaster, HiddenFaces, HiddenOptions, Threads};
+use rimline::gpu::{Extraction, Extractor, ExtractorOptions, LightHandle, Scene, ShadowError, StageTimer};
+use rimline::reference::layout::ExtractionStatistics;
+use rimline::{Light, LightError, Mesh, Predicate, ShadowCamera, wgpu};
 
-use super::posed_model::PosedModel;
+use super::posed_model::{PosedModel, Topology};
 use crate::device::Gpu;
+use crate::failure::{Failure, UsageError};
+use crate::gpu_error::{GpuError, On as _};
 
 /// The casters of a frame, the viewer's camera, and the lights.
 #[derive(Clone, Copy)]
 pub(crate) struct CastInputs<'a> {
-    pub(crate) gpu: &'a Gpu,
     pub(crate) bodies: &'a [PosedModel<'a>],
     /// Bodies that depth maps of the lights must see: `bodies`, or those that they stand in for.
     pub(crate) seen: &'a [PosedModel<'a>],
@@ -54,5 +60,134 @@ pub(super) fn put<T>(list: &mut Vec<T>, number: usize, made: T) {
     match list.get_mut(number) {
         Some(old) => *old = made,
         None => list.push(made),
+    }
+}
+
+/// The extractor of a single file's mesh, and what it extracted last.
+pub(super) struct Extracted {
+    pub(super) extractor: Extractor,
+    pub(super) extraction: Option<Extraction>,
+    /// Topologies that its mesh was made of.
+    topologies: Vec<Topology>,
+}
+
+impl Extracted {
+    /// `mesh` has some of the file's faces, over its vertices.
+    pub(super) fn new(gpu: &Gpu, mesh: &Mesh, body: &PosedModel<'_>, max_lights: usize) -> Result<Self, Failure> {
+        let options = ExtractorOptions { max_lights, ..ExtractorOptions::default() };
+        let extractor = Extractor::new(&gpu.pipelines, mesh, options).on(gpu)?;
+        Ok(Self { extractor, extraction: None, topologies: body.topologies.clone() })
+    }
+
+    /// Whether it is of the faces that the body has now: an instance that is mirrored turns its faces.
+    pub(super) fn is_of(&self, body: &PosedModel<'_>) -> bool {
+        self.topologies == body.topologies
+    }
+
+    pub(super) fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        body: &PosedModel<'_>,
+        lights: &[Light],
+        timer: Option<&mut StageTimer>,
+    ) -> Result<&Extraction, GpuError> {
+        let extraction = self.extractor.encode_timed(encoder, body.positions.buffer(), lights, timer)?;
+        Ok(self.extraction.insert(extraction))
+    }
+
+    /// Where the facing masks of the body's faces lie.
+    pub(super) fn facing(&self, body: &PosedModel<'_>) -> FacingMasks {
+        let faces = 0..body.faces.len() as u32;
+        FacingMasks { slots: faces.clone().collect(), runs: vec![(faces, self.extractor.results().facing.to_vec())] }
+    }
+
+    /// The silhouette edges of each light, and the statistics. Waits for the device.
+    pub(super) fn found(&self, gpu: &Gpu, lights: usize) -> Result<(Vec<u32>, ExtractionStatistics), GpuError> {
+        let results = self.extractor.results();
+        let mut silhouettes: Vec<u32> = gpu.read(results.counts)?;
+        silhouettes.truncate(lights);
+        Ok((silhouettes, gpu.read_first(results.statistics)?))
+    }
+}
+
+/// The version of all positions: they stay.
+pub(super) const VERSION: u64 = 0;
+
+/// The casters of all files: the instances of one after those of the other.
+pub(crate) struct CoveredFaces {
+    files: Vec<File>,
+    lights: Vec<Light>,
+    /// For each light.
+    pub(super) found: Vec<HiddenFaces>,
+}
+
+struct File {
+    meshes: BTreeMap<Topology, Mesh>,
+    /// The topology of each instance, and where its vertices are among the file's.
+    instances: Vec<(Topology, Range<usize>)>,
+    /// How many instances files before have.
+    first: usize,
+}
+
+impl CoveredFaces {
+    pub(crate) fn find(bodies: &[PosedModel<'_>], lights: &[Light]) -> Result<Self, Failure> {
+        let (mut files, mut first) = (Vec::with_capacity(bodies.len()), 0);
+        for body in bodies {
+            let (mut meshes, mut instances, mut vertices) = (BTreeMap::new(), Vec::new(), 0);
+            for &topology in &body.topologies {
+                if let Entry::Vacant(place) = meshes.entry(topology) {
+                    place.insert(body.mesh_of(topology)?);
+                }
+                let end = vertices + body.input.model().geometries()[topology.geometry].positions().len();
+                instances.push((topology, vertices..end));
+                vertices = end;
+            }
+            first += instances.len();
+            files.push(File { meshes, first: first - instances.len(), instances });
+        }
+        let casters: Vec<HiddenCaster<'_>> =
+            files.iter().zip(bodies).flat_map(|(file, body)| file.casters(body)).collect();
+        let options = HiddenOptions::default();
+        let search = |&light: &Light| {
+            HiddenFaces::find(light, &casters, options, |_, _| ControlFlow::Continue(())).map_err(UsageError::Covered)
+        };
+        let found = lights.iter().map(search).collect::<Result<Vec<_>, _>>()?;
+        drop(casters);
+        Ok(Self { files, lights: lights.to_vec(), found })
+    }
+
+    /// The faces of a file's instances that cast for a light where averted faces suffice, as a mesh over the file's vertices.
+    /// There is none if no face casts.
+    pub(super) fn casting(&self, file: usize, body: &PosedModel<'_>, light: usize) -> Result<Option<Mesh>, Failure> {
+        let (Some(of), Some(found), Some(&light)) =
+            (self.files.get(file), self.found.get(light), self.lights.get(light))
+        else {
+            return Ok(None);
+        };
+        let mut faces = Vec::new();
+        for (number, (HiddenCaster { mesh, positions, .. }, (_, vertices))) in
+            (of.first..).zip(of.casters(body).zip(&of.instances))
+        {
+            let extracted = cpu::extract(positions, mesh, &[light], Predicate::Exact, Threads::default());
+            let facing = extracted.map_err(UsageError::Arguments)?.facing;
+            let covered = found.faces(number);
+            for ((face, corners), mask) in (0_u32..).zip(mesh.faces()).zip(facing) {
+                let casts = mask & 1 == 0 || !mesh.is_closed();
+                if casts && covered.binary_search(&face).is_err() {
+                    faces.push(corners.map(|vertex| vertex + vertices.start as u32));
+                }
+            }
+        }
+        body.part(body.world.len(), faces)
+    }
+}
+
+impl File {
+    fn casters<'a>(&'a self, body: &'a PosedModel<'_>) -> impl Iterator<Item = HiddenCaster<'a>> {
+        self.instances.iter().map(|(topology, vertices)| HiddenCaster {
+            mesh: &self.meshes[topology],
+            positions: &body.world[vertices.clone()],
+            version: Some(VERSION),
+        })
     }
 }

@@ -13,76 +13,36 @@ pub(crate) fn depth_format(device: &wgpu::Device) -> TextureFormat {
     if device.features().contains(finest.required_features()) { finest } else { TextureFormat::Depth24PlusStencil8 }
 }
 
-/// Lengths that the depth format must resolve, in the models' unit.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Seen {
-    pub(crate) near: f32,
-    /// Distance of the farthest surface with a shadow.
-    pub(crate) farthest: f32,
-    /// The size of a pixel at a distance of 1.
-    pub(crate) pixel: f32,
+/// The nearest near plane with which 24 bits tell distances half a pixel apart, where `pixel` is the size of one at a distance of
+/// 1: two numbers next to each other are `distance² / (2²⁴ near)` apart.
+fn nearest(farthest: f32, pixel: f32) -> f32 {
+    farthest / (16_777_216.0 * 0.5 * pixel)
 }
 
-impl Seen {
-    /// The nearest near plane with which 24 bits tell distances half a pixel apart: two numbers next to each other are
-    /// `distance² / (2²⁴ near)` apart.
-    fn nearest(self) -> f32 {
-        self.farthest / (16_777_216.0 * 0.5 * self.pixel)
-    }
-
-    /// Warning for the user, if depth in this format is too coarse.
-    fn warning(self, format: TextureFormat) -> Option<String> {
-        let (Self { near, farthest, .. }, nearest) = (self, self.nearest());
-        (format == TextureFormat::Depth24PlusStencil8 && near < nearest).then(|| {
-            format!(
-                "shadows {farthest} away may be wrong: depth has 24 bits on this device, too few for a near plane at {near}. \
-                 Set --near to {nearest} or more, or choose a device with DEPTH32FLOAT_STENCIL8 (`rimline devices` says which \
-                 have it)"
-            )
-        })
-    }
-
-    pub(crate) fn warn(self, format: TextureFormat) {
-        if let Some(warning) = self.warning(format) {
-            note(&format!("warning: {warning}"));
-        }
-    }
+/// A warning, if depth in this format is too coarse for the farthest surface with a shadow.
+pub(super) fn too_coarse(format: TextureFormat, near: f32, farthest: f32, pixel: f32) -> Option<String> {
+    let nearest = nearest(farthest, pixel);
+    (format == TextureFormat::Depth24PlusStencil8 && near < nearest).then(|| {
+        format!(
+            "shadows {farthest} away may be wrong: depth has 24 bits on this device, too few for a near plane at {near}. \
+             Set --near to {nearest} or more, or choose a device with DEPTH32FLOAT_STENCIL8 (`rimline devices` says which \
+             have it)"
+        )
+    })
 }
 
 /// The most that the stencil counts to; 256 looks like 0.
 pub(super) const MOST: u32 = 255;
 
-/// A bound on stencil counts. All casters count into one stencil.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct CountBound {
-    /// No count exceeds it, for any light.
-    pub(crate) count_bound: u32,
-    /// Lights, or samples, whose counts may exceed what the stencil holds.
-    pub(crate) may_wrap: u32,
-}
-
-impl From<ShadowStatistics> for CountBound {
-    fn from(ShadowStatistics { count_bound, may_wrap, .. }: ShadowStatistics) -> Self {
-        Self { count_bound, may_wrap }
-    }
-}
-
-impl CountBound {
-    /// The larger of both.
-    pub(crate) fn max(self, other: Self) -> Self {
-        Self { count_bound: self.count_bound.max(other.count_bound), may_wrap: self.may_wrap.max(other.may_wrap) }
-    }
-
-    /// Tells the user where counts may wrap.
-    pub(crate) fn warn(self) {
-        let Self { count_bound, may_wrap } = self;
-        if may_wrap > 0 {
-            note(&format!(
-                "warning: shadows may be wrong where 256 or more faces overlap as seen from the eye: the stencil has 8 bits, and \
-                 the models may overlap up to {count_bound} times. Draw fewer files at once, or models with fewer \
-                 layers; `rimline query` counts without this limit"
-            ));
-        }
+/// Tells the user where counts may wrap: no count exceeds `count_bound`, and `may_wrap` counts lights, or samples, whose counts may
+/// exceed what the stencil holds. All casters count into one stencil.
+pub(crate) fn warn_of_wrapping(ShadowStatistics { count_bound, may_wrap, .. }: ShadowStatistics) {
+    if may_wrap > 0 {
+        note(&format!(
+            "warning: shadows may be wrong where 256 or more faces overlap as seen from the eye: the stencil has 8 bits, and \
+             the models may overlap up to {count_bound} times. Draw fewer files at once, or models with fewer \
+             layers; `rimline query` counts without this limit"
+        ));
     }
 }
 
@@ -104,20 +64,20 @@ mod tests {
     #[test]
     fn coarse_depth_is_told_with_what_to_set() {
         let bits = TextureFormat::Depth24PlusStencil8;
-        let seen = |near| Seen { near, farthest: 10.0, pixel: 1.0 / 1024.0 };
+        let warning = |bits, near| too_coarse(bits, near, 10.0, 1.0 / 1024.0);
         // 10 · 2¹⁰ · 2 / 2²⁴.
-        let nearest = 10.0 / 8192.0;
-        assert_eq!(seen(1.0).nearest(), nearest);
-        assert_eq!(seen(nearest).warning(bits), None);
-        let warning = seen(1e-5).warning(bits).expect("10⁻⁶ of the distance is too near");
+        let least = 10.0 / 8192.0;
+        assert_eq!(nearest(10.0, 1.0 / 1024.0), least);
+        assert_eq!(warning(bits, least), None);
+        let coarse = warning(bits, 1e-5).expect("10⁻⁶ of the distance is too near");
         let expected = "shadows 10 away may be wrong: depth has 24 bits on this device, too few for a near plane at 0.00001. Set \
                         --near to 0.0012207031 or more, or choose a device with DEPTH32FLOAT_STENCIL8 (`rimline devices` says \
                         which have it)";
-        assert_eq!(warning, expected);
-        assert_eq!(seen(1e-5).warning(TextureFormat::Depth32FloatStencil8), None);
+        assert_eq!(coarse, expected);
+        assert_eq!(warning(TextureFormat::Depth32FloatStencil8, 1e-5), None);
         // Steps are half a pixel there.
         let step = |distance: f32, near: f32| distance * distance / (16_777_216.0 * near);
-        assert_eq!(step(10.0, nearest), 0.5 * 10.0 / 1024.0);
+        assert_eq!(step(10.0, least), 0.5 * 10.0 / 1024.0);
     }
 
     #[test]

@@ -4,24 +4,28 @@
 use std::sync::Arc;
 
 use rimline::gpu::StageTimer;
-use rimline::gpu::depth_map::{DepthMapPipelines, MeshDepth};
+use rimline::gpu::depth_map::{
+    DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapFrame, DepthMapPipelines,
+    DepthMapVolumes, DepthMetric, MeshDepth,
+};
 use rimline::reference::layout::ShadowStatistics;
-use rimline::{Counting, DepthDirection, Origin, ShadowCamera, wgpu};
+use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
+use wgpu::TextureUsages;
 
-use super::casting::{CastInputs, FacingMasks, put};
-use super::extracted::Extracted;
-use super::from_depth::{DepthsFound, FromDepth, MAP, MapSource, points};
-use super::light_depths::LightMaps;
-use super::light_maps::LightCameras;
+use super::casting::{CastInputs, Extracted, FacingMasks, put};
+use super::from_depth::{DepthFound, DepthsFound, FromDepth, MAP, points};
+use super::light_maps::{LightCameras, ShownDepths, ShownMaps};
 use super::posed_model::PosedModel;
 use super::shadows::{Choice, Found, Shadows, VolumePipelines};
-use super::shown_maps::ShownDepths;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
-use crate::npz::DepthMapArrays;
+use crate::image::Picture;
+use crate::npz::{DepthMapArrays, Depths};
+use crate::render::pipeline_factory::{plain_texture, view};
 
-pub(crate) struct DepthShadows {
+pub(crate) struct DepthShadows<'a> {
+    gpu: &'a Gpu,
     pipelines: Arc<DepthMapPipelines>,
     from: FromDepth,
     max_lights: usize,
@@ -38,22 +42,23 @@ struct File {
     surface: Extracted,
 }
 
-impl DepthShadows {
-    pub(super) fn new(pipelines: &Arc<DepthMapPipelines>, from: &FromDepth, max_lights: usize) -> Self {
+impl<'a> DepthShadows<'a> {
+    pub(super) fn new(gpu: &'a Gpu, pipelines: &Arc<DepthMapPipelines>, from: &FromDepth, max_lights: usize) -> Self {
         let (files, lights) = (Vec::new(), Vec::new());
-        Self { pipelines: Arc::clone(pipelines), from: from.clone(), max_lights, files, lights }
+        Self { gpu, pipelines: Arc::clone(pipelines), from: from.clone(), max_lights, files, lights }
     }
 }
 
-impl Shadows for DepthShadows {
-    fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+impl Shadows for DepthShadows<'_> {
+    fn place(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+        let gpu = self.gpu;
         for (number, body) in bodies.iter().enumerate() {
             if self.files.get(number).is_some_and(|file| file.surface.is_of(body)) {
                 continue;
             }
             let mesh = body.triangles()?.map_or_else(|| body.mesh(), Ok)?;
             let depth = || MeshDepth::new(&gpu.pipelines, &mesh, MAP, DepthDirection::Reversed);
-            let depth = matches!(self.from.source, MapSource::Drawn { .. }).then(depth).transpose().on(gpu)?;
+            let depth = self.from.given.is_none().then(depth).transpose().on(gpu)?;
             let surface = Extracted::new(gpu, &mesh, body, self.max_lights)?;
             put(&mut self.files, number, File { depth, surface });
         }
@@ -63,26 +68,26 @@ impl Shadows for DepthShadows {
     fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        CastInputs { gpu, bodies, seen, camera, lights }: CastInputs<'_>,
+        CastInputs { bodies, seen, camera, lights }: CastInputs<'_>,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         for (file, body) in self.files.iter_mut().zip(bodies) {
             file.surface.encode(encoder, body, lights, timer.as_deref_mut())?;
         }
         let points = points(seen);
-        let Self { pipelines, from, files, lights: made, .. } = self;
+        let Self { gpu, pipelines, from, files, lights: made, .. } = self;
         for (number, light) in lights.iter().enumerate() {
-            let cameras = match &from.source {
-                MapSource::Drawn { side } => LightCameras::new(light, &points, *side)?,
-                MapSource::Given(map) => map.cameras.clone(),
+            let cameras = match &from.given {
+                None => LightCameras::new(light, &points, from.size[0])?,
+                Some(map) => map.cameras.clone(),
             };
             if !made.get(number).is_some_and(|maps| maps.fits(&cameras)) {
                 let maps = LightMaps::new(gpu, pipelines, from, &cameras).map_err(|error| from.failed(error))?;
                 put(made, number, maps);
             }
             let Some(maps) = made.get_mut(number) else { continue };
-            if let MapSource::Drawn { .. } = from.source {
-                for (view, eye) in maps.views.iter().zip(cameras.all()) {
+            if from.given.is_none() {
+                for (view, eye) in maps.views.iter().zip(&cameras.0) {
                     draw_map(encoder, (view, eye), files, bodies, timer.as_deref_mut())?;
                 }
             }
@@ -94,40 +99,40 @@ impl Shadows for DepthShadows {
     }
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &VolumePipelines, light: usize) -> Result<(), GpuError> {
-        let VolumePipelines::Depth(own, _) = pipelines else { return Err(pipelines.refuse(Counting::Auto)) };
+        let VolumePipelines::Depth(own, _) = pipelines else { return Ok(()) };
         let frame = self.lights.get(light).and_then(|maps| maps.frame.as_ref());
         Ok(frame.map_or(Ok(()), |frame| frame.draw(pass, own))?)
     }
 
-    fn facing(&self, _: &Gpu, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
+    fn facing(&self, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
         Ok(self.files.iter().zip(bodies).map(|(file, body)| file.surface.facing(body)).collect())
     }
 
-    fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, GpuError> {
+    fn found(&self) -> Result<Vec<Found>, GpuError> {
         let of_file = |file: &File| {
-            let (silhouettes, extraction) = file.surface.found(gpu, self.max_lights)?;
+            let (silhouettes, extraction) = file.surface.found(self.gpu, self.max_lights)?;
             let lights = vec![Choice { casting: "depth map", counting: "parity" }; self.max_lights];
-            Ok(Found { lights, silhouettes, extraction, shadow: self.statistics(gpu)?, is_whole: true })
+            Ok(Found { lights, silhouettes, extraction, shadow: self.statistics()?, is_whole: true })
         };
         self.files.iter().map(of_file).collect()
     }
 
     /// No volume of a mesh, and a count of 0 or 1.
-    fn statistics(&self, _: &Gpu) -> Result<ShadowStatistics, GpuError> {
+    fn statistics(&self) -> Result<ShadowStatistics, GpuError> {
         Ok(ShadowStatistics { count_bound: 1, ..bytemuck::Zeroable::zeroed() })
     }
 
-    fn depths_found(&self, gpu: &Gpu) -> Result<Option<DepthsFound>, GpuError> {
-        let lights = self.lights.iter().map(|maps| maps.found(gpu)).collect::<Result<_, _>>()?;
-        Ok(Some(DepthsFound { size: self.from.size(), has_walls: self.from.has_walls(), lights }))
+    fn depths_found(&self) -> Result<Option<DepthsFound>, GpuError> {
+        let lights = self.lights.iter().map(|maps| maps.found(self.gpu)).collect::<Result<_, _>>()?;
+        Ok(Some(DepthsFound { size: self.from.size, has_walls: self.from.has_walls(), lights }))
     }
 
     fn shown_maps(&self, light: usize) -> Option<ShownDepths<'_>> {
         self.lights.get(light).and_then(LightMaps::shown)
     }
 
-    fn saved_maps(&self, gpu: &Gpu, light: usize, origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
-        self.lights.get(light).map(|maps| maps.saved(gpu, origin)).transpose()
+    fn saved_maps(&self, light: usize, origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
+        self.lights.get(light).map(|maps| maps.saved(self.gpu, origin)).transpose()
     }
 }
 
@@ -156,4 +161,138 @@ fn draw_map(
         }
     }
     Ok(())
+}
+
+pub(super) struct LightMaps {
+    maps: Maps,
+    /// For each of the maps.
+    pub(super) views: Vec<wgpu::TextureView>,
+    /// Distances that maps are converted from, and what converts them: one for each map, or none if the maps are depths.
+    distances: Vec<(wgpu::TextureView, DepthMapConversion, DepthMetric)>,
+    objects: Option<wgpu::TextureView>,
+    /// Cameras with which the maps were encoded.
+    cameras: LightCameras,
+    pub(super) frame: Option<DepthMapFrame>,
+    shown: ShownMaps,
+}
+
+enum Maps {
+    One(Box<DepthMapVolumes>),
+    Cube(Box<DepthMapCube>),
+}
+
+impl LightMaps {
+    pub(super) fn new(
+        gpu: &Gpu,
+        pipelines: &DepthMapPipelines,
+        from: &FromDepth,
+        cameras: &LightCameras,
+    ) -> Result<Self, GpuError> {
+        let (options, size) = (from.options(), from.size);
+        let maps = if cameras.is_cube() {
+            Maps::Cube(Box::new(DepthMapCube::new(pipelines, size[0], options)?))
+        } else {
+            Maps::One(Box::new(DepthMapVolumes::new(pipelines, size, options)?))
+        };
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
+        let drawn = |_| view(&gpu.device.create_texture(&plain_texture("depth map", size, MAP, usage)));
+        let (mut views, objects): (Vec<_>, _) = match &from.given {
+            None => (cameras.0.iter().map(drawn).collect(), None),
+            Some(map) => (map.upload(gpu), map.upload_objects(gpu)),
+        };
+        let mut distances = Vec::new();
+        if options.metric != DepthMetric::Device {
+            for view in &mut views {
+                let conversion = DepthMapConversion::new(&gpu.pipelines, size)?;
+                let given = std::mem::replace(view, conversion.texture().clone());
+                distances.push((given, conversion, options.metric));
+            }
+        }
+        let (cameras, shown) = (cameras.clone(), ShownMaps::new(gpu, from.has_walls()));
+        Ok(Self { maps, views, distances, objects, cameras, frame: None, shown })
+    }
+
+    /// Whether these are as many maps.
+    pub(super) fn fits(&self, cameras: &LightCameras) -> bool {
+        self.cameras.is_cube() == cameras.is_cube()
+    }
+
+    /// Records how shadows are rebuilt from what is in the maps.
+    pub(super) fn find(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        cameras: &LightCameras,
+        eye: &ShadowCamera,
+        mut timer: Option<&mut StageTimer>,
+    ) -> Result<(), GpuError> {
+        for ((given, conversion, metric), light) in self.distances.iter().zip(&cameras.0) {
+            let map = DepthMap { texture: given, light: *light, objects: None };
+            conversion.encode_timed(encoder, &map, *metric, timer.as_deref_mut())?;
+        }
+        let mut views = self.views.iter();
+        let size = self.views.first().map_or([1; 2], |view| [view.texture().width(), view.texture().height()]);
+        let frame = match (&mut self.maps, &cameras.0[..]) {
+            (Maps::Cube(cube), &[a, b, c, d, e, f]) => {
+                let textures = [0; 6].map(|_| views.next());
+                let maps = DepthCubeMaps { textures, lights: [a, b, c, d, e, f], objects: [None; 6] };
+                cube.encode_timed(encoder, &maps, eye, timer)?
+            }
+            (Maps::One(volumes), &[light]) => {
+                let texture = views.next().ok_or(DepthMapError::StaleFrame)?;
+                let map = DepthMap { texture, light, objects: self.objects.as_ref() };
+                volumes.encode_timed(encoder, &map, eye, timer)?
+            }
+            // The caller asks `fits`.
+            _ => return Err(DepthMapError::StaleFrame.into()),
+        };
+        let (capacity, ..) = self.rebuilt();
+        self.shown.encode(gpu, encoder, (cameras, size), eye, (frame.draw_arguments(), capacity));
+        self.cameras = cameras.clone();
+        self.frame = Some(frame);
+        Ok(())
+    }
+
+    pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthFound, GpuError> {
+        let (capacity, cells, _) = self.rebuilt();
+        Ok(DepthFound { maps: self.views.len(), listed: gpu.read_first(cells)?, capacity })
+    }
+
+    pub(super) fn shown(&self) -> Option<ShownDepths<'_>> {
+        let (_, cells, texture) = self.rebuilt();
+        Some(ShownDepths { shown: &self.shown, cells, texture: texture? })
+    }
+
+    /// The cells that the list has room for, the list, and one map or six in one.
+    fn rebuilt(&self) -> (u32, &wgpu::Buffer, Option<&wgpu::TextureView>) {
+        match &self.maps {
+            Maps::One(volumes) => (volumes.capacity(), volumes.cells(), self.views.first()),
+            Maps::Cube(cube) => (cube.capacity(), cube.cells(), Some(cube.texture())),
+        }
+    }
+
+    /// The maps as they were drawn, and what they were drawn with. Waits for the device.
+    pub(super) fn saved(&self, gpu: &Gpu, origin: Origin) -> Result<DepthMapArrays, GpuError> {
+        let mut depths = Vec::new();
+        let mut size = [0; 2];
+        for view in &self.views {
+            let texture = view.texture();
+            size = [texture.width(), texture.height()];
+            let map = Picture::read(gpu, texture)?;
+            depths.extend(map.rows().flat_map(bytemuck::pod_collect_to_vec::<u8, f32>));
+        }
+        let cameras = &self.cameras.0;
+        let rows =
+            |camera: &ShadowCamera| [0, 1, 2, 3].map(|row| camera.view_projection.map(|column| f64::from(column[row])));
+        Ok(DepthMapArrays {
+            size,
+            depths: Depths::F32(depths),
+            view_projections: cameras.iter().map(rows).collect(),
+            origin: cameras.first().map_or([0.0; 3], |camera| origin.to_world(camera.origin)),
+            is_reversed: cameras.first().is_some_and(|camera| camera.depth == DepthDirection::Reversed),
+            depth_bits: None,
+            metric: DepthMetric::Device,
+            objects: None,
+        })
+    }
 }

@@ -1,17 +1,26 @@
-//! Options for depth maps of the lights, and results in these maps.
+//! Depth maps of the lights: what is asked for, a map that the caller made (`--depth`), and what was found in them.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod, DepthMapOptions};
-use rimline::{Light, wgpu};
+use glam::Vec3;
+use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod, DepthMapOptions, DepthMetric};
+use rimline::{CameraError, DepthDirection, Light, Origin, ShadowCamera, wgpu};
+use wgpu::{TextureFormat, TextureUsages};
 
-use super::given_map::GivenMap;
+use super::args::ShadowArgs;
+use super::given_map_error::GivenMapError;
 use super::light_maps::LightCameras;
 use super::posed_model::PosedModel;
-use crate::failure::UsageError;
+use super::shaded_lights::{SceneBounds, ShadedLight};
+use crate::device::Gpu;
+use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
+use crate::npz::{self, DepthMapArrays, Depths};
 use crate::output::note;
 use crate::progress::Progress;
+use crate::render::pipeline_factory::{plain_texture, view};
+use crate::{coordinates, source};
 
 /// Floats tell the same part of any distance apart with reversed depth.
 pub(super) const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -19,47 +28,45 @@ pub(super) const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// The request of `--from-depth` or `--depth`, `--detector` and `--dangling`.
 #[derive(Clone, Debug)]
 pub(crate) struct FromDepth {
-    pub(crate) source: MapSource,
+    /// The map that the only light has. Without it each light sees the models in maps of its own.
+    pub(crate) given: Option<Arc<GivenMap>>,
+    /// Texels of a map.
+    pub(super) size: [u32; 2],
     pub(crate) method: DepthMapMethod,
 }
 
-/// Where maps come from.
-#[derive(Clone, Debug)]
-pub(crate) enum MapSource {
-    /// Each light sees the models in maps of `side` texels each way.
-    Drawn { side: u32 },
-    /// The only light has this.
-    Given(Arc<GivenMap>),
-}
-
 impl FromDepth {
+    /// The depth maps that cast, if there are any, relative to the origin. Reads the file of `--depth`.
+    pub(crate) fn of(args: &ShadowArgs, origin: Origin) -> Result<Option<Self>, Failure> {
+        // With every cell, a given map may cast objects that are not among the models.
+        let usual = if args.from_depth.is_some() { DepthMapMethod::default() } else { DepthMapMethod::EveryCell };
+        let method = args.detector.unwrap_or(usual);
+        let (given, size) = match (args.from_depth, &args.depth) {
+            (Some(side), _) => (None, [side; 2]),
+            (None, Some(file)) => {
+                let limit = args.scene.load.memory_limit;
+                let map = GivenMap::read(file, method, limit, origin)?;
+                let size = map.arrays.size;
+                (Some(Arc::new(map)), size)
+            }
+            (None, None) => return Ok(None),
+        };
+        Ok(Some(Self { given, size, method: continued(method, args.dangling)? }))
+    }
+
     /// Refuses what has no sensible result: six maps around a light have so near a near plane that all device depths are much the
     /// same.
     pub(crate) fn check(&self, lights: &[Light], bodies: &[PosedModel<'_>]) -> Result<(), UsageError> {
         use DepthMapMethod::{Contours, Differences, SecondDifferences};
-        let MapSource::Drawn { side } = self.source else { return Ok(()) };
-        if !matches!(self.method, Contours { .. } | Differences { .. } | SecondDifferences { .. }) {
+        if self.given.is_some()
+            || !matches!(self.method, Contours { .. } | Differences { .. } | SecondDifferences { .. })
+        {
             return Ok(());
         }
         let points = points(bodies);
-        let is_cube = |light: &Light| !matches!(LightCameras::new(light, &points, side), Ok(LightCameras::One(_)));
+        let is_cube =
+            |light: &Light| LightCameras::new(light, &points, self.size[0]).map_or(true, |cameras| cameras.is_cube());
         lights.iter().position(is_cube).map_or(Ok(()), |light| Err(UsageError::DetectorInCube { light }))
-    }
-
-    /// Refuses edges that are continued where none can be.
-    pub(crate) fn new(
-        source: MapSource,
-        mut method: DepthMapMethod,
-        continued: Option<DanglingEdges>,
-    ) -> Result<Self, UsageError> {
-        match &mut method {
-            DepthMapMethod::Automatic { dangling }
-            | DepthMapMethod::Differences { dangling, .. }
-            | DepthMapMethod::SecondDifferences { dangling, .. } => *dangling = continued,
-            _ if continued.is_some() => return Err(UsageError::Dangling),
-            _ => {}
-        }
-        Ok(Self { source, method })
     }
 
     /// Whether walls over contours are drawn, and no triangles between samples.
@@ -69,9 +76,9 @@ impl FromDepth {
 
     pub(super) fn options(&self) -> DepthMapOptions {
         let mut options = DepthMapOptions { method: self.method, ..DepthMapOptions::default() };
-        if let MapSource::Given(map) = &self.source {
+        if let Some(map) = &self.given {
             options.rounded_to = map.rounded_to;
-            options.metric = map.metric;
+            options.metric = map.arrays.metric;
         }
         // Outlines and objects alone are found: moved by their slopes, steep sides would leave the object (`DepthMap::objects`).
         if matches!(self.method, DepthMapMethod::Differences { threshold: 1.0, .. }) {
@@ -80,27 +87,25 @@ impl FromDepth {
         options
     }
 
-    pub(super) fn size(&self) -> [u32; 2] {
-        match &self.source {
-            MapSource::Drawn { side } => [*side; 2],
-            MapSource::Given(map) => map.size,
-        }
-    }
-
-    pub(crate) fn given(&self) -> Option<&GivenMap> {
-        match &self.source {
-            MapSource::Drawn { .. } => None,
-            MapSource::Given(map) => Some(map),
-        }
-    }
-
     /// An error that a given map is the reason of, where there is one.
     pub(super) fn failed(&self, error: GpuError) -> GpuError {
-        match self.given() {
+        match &self.given {
             Some(map) => error.of_map(&map.file),
             None => error,
         }
     }
+}
+
+/// Refuses edges that are continued where none can be.
+fn continued(mut method: DepthMapMethod, by: Option<DanglingEdges>) -> Result<DepthMapMethod, UsageError> {
+    match &mut method {
+        DepthMapMethod::Automatic { dangling }
+        | DepthMapMethod::Differences { dangling, .. }
+        | DepthMapMethod::SecondDifferences { dangling, .. } => *dangling = by,
+        _ if by.is_some() => return Err(UsageError::Dangling),
+        _ => {}
+    }
+    Ok(method)
 }
 
 pub(super) fn points(bodies: &[PosedModel<'_>]) -> Vec<[f32; 3]> {
@@ -158,6 +163,141 @@ pub(crate) struct DepthsFound {
     pub(crate) size: [u32; 2],
     pub(crate) has_walls: bool,
     pub(crate) lights: Vec<DepthFound>,
+}
+
+/// A map, or six, with what they were drawn with.
+#[derive(Debug)]
+pub(crate) struct GivenMap {
+    pub(crate) file: PathBuf,
+    /// With `objects` only if the detector takes them.
+    pub(super) arrays: DepthMapArrays,
+    pub(super) cameras: LightCameras,
+    /// A format that the depths were rounded to, coarser than their own.
+    pub(super) rounded_to: Option<TextureFormat>,
+}
+
+impl GivenMap {
+    pub(super) fn read(
+        file: &Path,
+        method: DepthMapMethod,
+        memory_limit: u64,
+        origin: Origin,
+    ) -> Result<Self, Failure> {
+        let takes = method != DepthMapMethod::EveryCell;
+        let read = || -> Result<_, InputError> {
+            let arrays = npz::read_depth_map(source::archive(source::open(file)?)?, memory_limit, takes)?;
+            Ok(Self::new(file, arrays, origin)?)
+        };
+        read().map_err(Failure::input(file))
+    }
+
+    fn new(file: &Path, arrays: DepthMapArrays, run: Origin) -> Result<Self, GivenMapError> {
+        let DepthMapArrays { size, depths, metric, .. } = &arrays;
+        let depth = if arrays.is_reversed { DepthDirection::Reversed } else { DepthDirection::Standard };
+        let camera = |rows: &[[f64; 4]; 4]| {
+            let (rows, origin) = relative(rows, arrays.origin, run);
+            let view_projection = [0, 1, 2, 3].map(|column| rows.map(|row| row[column] as f32));
+            ShadowCamera { view_projection, origin, depth }
+        };
+        let cameras: Vec<ShadowCamera> = arrays.view_projections.iter().map(camera).collect();
+        for (map, camera) in cameras.iter().enumerate() {
+            camera.check().map_err(|error| match error {
+                CameraError::Mirrored => GivenMapError::Mirrored { map },
+                error => GivenMapError::Camera { map, error },
+            })?;
+        }
+        match cameras[..] {
+            [_] => {}
+            _ if size[0] != size[1] => return Err(GivenMapError::NotSquare(*size)),
+            _ if arrays.objects.is_some() => return Err(GivenMapError::ObjectsOfCube),
+            _ => {}
+        }
+        if *metric != DepthMetric::Device {
+            if let Depths::U16(_) = depths {
+                return Err(GivenMapError::DistanceType);
+            }
+            if arrays.depth_bits.is_some() {
+                return Err(GivenMapError::DistanceBits);
+            }
+        }
+        let rounded_to = match (arrays.depth_bits, depths) {
+            (Some(16), Depths::F32(_)) => Some(TextureFormat::Depth16Unorm),
+            (Some(24), Depths::F32(_)) => Some(TextureFormat::Depth24Plus),
+            _ => None,
+        };
+        Ok(Self { file: file.to_owned(), arrays, cameras: LightCameras(cameras), rounded_to })
+    }
+
+    /// Copies the maps into textures, one for each.
+    pub(super) fn upload(&self, gpu: &Gpu) -> Vec<wgpu::TextureView> {
+        let texels = self.arrays.size.map(|side| side as usize).into_iter().product::<usize>();
+        let (format, bytes, size) = match &self.arrays.depths {
+            Depths::F32(depths) => (TextureFormat::R32Float, bytemuck::cast_slice(depths), 4),
+            Depths::U16(depths) => (TextureFormat::Depth16Unorm, bytemuck::cast_slice::<_, u8>(depths), 2),
+        };
+        bytes.chunks(size * texels).map(|map| self.texture(gpu, format, map)).collect()
+    }
+
+    pub(super) fn upload_objects(&self, gpu: &Gpu) -> Option<wgpu::TextureView> {
+        let objects = self.arrays.objects.as_ref()?;
+        Some(self.texture(gpu, TextureFormat::R32Uint, bytemuck::cast_slice(objects)))
+    }
+
+    fn texture(&self, gpu: &Gpu, format: TextureFormat, bytes: &[u8]) -> wgpu::TextureView {
+        let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST;
+        let texture = gpu.device.create_texture(&plain_texture("given depth map", self.arrays.size, format, usage));
+        let bytes_per_row = format.block_copy_size(None).map(|texel| texel * self.arrays.size[0]);
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
+        gpu.queue.write_texture(texture.as_image_copy(), bytes, layout, texture.size());
+        view(&texture)
+    }
+}
+
+/// A matrix for positions less `origin` as one for positions relative to the run's origin, and less the point that is
+/// returned. A matrix that is for plain positions takes the run's origin in, in `f64`.
+fn relative(rows: &[[f64; 4]; 4], origin: [f64; 3], run: Origin) -> ([[f64; 4]; 4], [f32; 3]) {
+    if run.is_zero() || origin != [0.0; 3] {
+        return (*rows, run.position(origin));
+    }
+    let [ox, oy, oz] = run.to_array();
+    (rows.map(|[x, y, z, shift]| [x, y, z, shift + x * ox + y * oy + z * oz]), [0.0; 3])
+}
+
+/// Refuses lights that are not the map's.
+pub(super) fn check_lights(
+    map: &GivenMap,
+    lights: &[ShadedLight],
+    stage: &SceneBounds,
+    origin: Origin,
+) -> Result<(), UsageError> {
+    /// How far a light may be off, as a share of its distance or of the extent of the models.
+    const MOST: f64 = 1e-3;
+    /// Extents that count as any distance beyond them, and as a light at infinity.
+    const FAR: f64 = 1e9;
+    let [shaded] = lights else { return Err(UsageError::DepthLights { count: lights.len() }) };
+    let centre = Vec3::from(stage.centre).as_dvec3();
+    // In extents from the middle of the models.
+    let place = |light: &Light| {
+        let towards = Vec3::from(light.xyz).as_dvec3() - f64::from(light.w) * centre;
+        let distance = if light.w == 0.0 { FAR } else { towards.length() / f64::from(light.w * stage.extent) };
+        towards.normalize_or_zero() * distance.min(FAR)
+    };
+    let (map, given) = (map.cameras.light(), shaded.light);
+    let is_near = (place(&map) - place(&given)).length() <= MOST * place(&given).length().max(1.0);
+    if !is_near {
+        return Err(UsageError::DepthLightApart { given: spec(&given, origin), map: spec(&map, origin) });
+    }
+    Ok(())
+}
+
+/// A light as it is given on the command line.
+fn spec(light: &Light, origin: Origin) -> String {
+    let at = |w: f32| coordinates::point(light.xyz, Origin::new(origin.to_array().map(|c| f64::from(w) * c)));
+    match light.w {
+        0.0 => format!("dir:{}", at(0.0)),
+        1.0 => format!("point:{}", at(1.0)),
+        w => format!("hom:{},{w}", at(w)),
+    }
 }
 
 #[cfg(test)]

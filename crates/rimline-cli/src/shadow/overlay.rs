@@ -4,13 +4,12 @@ use rimline::gpu::{include_wgsl, results_bind_group_layout};
 use rimline::wgpu;
 use wgpu::{BlendState, CompareFunction, DepthBiasState, PrimitiveTopology, StencilFaceState};
 
+use super::casters::DrawInputs;
 use super::depth::depth_format;
-use super::receiver_pipelines::{Target, depth_state};
-use super::render_resources::{DrawInputs, RenderResources};
-use super::shown_maps::ShownDepths;
-use crate::device::Gpu;
+use super::light_maps::ShownDepths;
+use super::render_resources::{RenderResources, Target};
 use crate::gpu_error::GpuError;
-use crate::render::pipeline_factory::{Pass, READ_ONLY, UNIFORM, read_texture};
+use crate::render::pipeline_factory::{Pass, READ_ONLY, UNIFORM, depth_state, read_texture};
 
 /// Draws what bounds the shadows.
 pub(super) struct Overlay {
@@ -20,21 +19,20 @@ pub(super) struct Overlay {
 }
 
 impl Overlay {
-    pub(super) fn new(gpu: &Gpu, resources: &RenderResources<'_>, target: Target, of_maps: bool) -> Self {
-        let (source, layout) = if of_maps {
+    pub(super) fn new(resources: &RenderResources<'_>, target: Target, of_maps: bool) -> Self {
+        let RenderResources { factory, shaded, .. } = resources;
+        let device = &factory.gpu.device;
+        let layout = if of_maps {
             let types = [UNIFORM, READ_ONLY, read_texture(wgpu::TextureViewDimension::D2, false)];
-            let layout = resources.factory.layout_for(wgpu::ShaderStages::VERTEX, &types);
-            (include_str!("depth_volumes.wgsl").to_owned(), layout)
+            factory.gpu.layout(wgpu::ShaderStages::VERTEX, &types)
         } else {
-            let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
-            (format!("{}\n{}", include_wgsl(2), include_str!("volumes.wgsl")), layout)
+            results_bind_group_layout(device, wgpu::ShaderStages::VERTEX)
         };
-        let source = format!("{}\n{source}", include_str!("glass.wgsl"));
-        let groups = [&resources.layouts.shaded, &layout];
+        let source = format!("{}\n{}", include_wgsl(2), include_str!("overlay.wgsl"));
+        let groups = [shaded, &layout];
         let pipeline = |name, vertex, topology, bias| {
-            let depth =
-                depth_state(depth_format(&gpu.device), false, CompareFunction::Greater, StencilFaceState::IGNORE);
-            resources.factory.pipeline(&Pass {
+            let depth = depth_state(depth_format(device), false, CompareFunction::Greater, StencilFaceState::IGNORE);
+            factory.pipeline(&Pass {
                 vertex,
                 topology,
                 blend: Some(BlendState::ALPHA_BLENDING),
@@ -56,12 +54,8 @@ impl Overlay {
         Self { layout, passes }
     }
 
-    pub(super) fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        resources: &RenderResources<'_>,
-        subject: &DrawInputs<'_>,
-    ) -> Result<(), GpuError> {
+    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, subject: &DrawInputs<'_>) -> Result<(), GpuError> {
+        let resources = subject.casters.resources;
         for light in 0..subject.samples {
             for extraction in subject.casters.shown(light) {
                 let group = extraction.bind_group(&self.layout, light / 32)?;

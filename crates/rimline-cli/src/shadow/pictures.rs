@@ -1,17 +1,21 @@
-//! The passes of a picture with shadows, and of masks: whether a light reaches the surface at each pixel centre.
+//! The passes of a picture with shadows, and of masks: whether a light reaches the surface at each pixel centre. And the
+//! pipelines that draw bodies and ground.
 
 use rimline::wgpu;
-use wgpu::{ColorWrites, CompareFunction, LoadOp, StencilFaceState, TextureFormat, TextureUsages};
+use wgpu::{
+    BlendState, ColorWrites, CompareFunction, StencilFaceState, StencilOperation, TextureFormat, TextureUsages,
+};
 
+use super::casters::{Casters, DrawInputs};
 use super::depth::depth_format;
 use super::frame::{PARTS, Part};
 use super::overlay::Overlay;
-use super::receiver_pipelines::{ADD, MULTIPLY, Onto, ReceiverPipelines, Target, depth_state};
-use super::render_resources::{Attachments, DrawInputs, RenderResources};
+use super::render_resources::{Attachments, RenderResources, Target};
 use super::shadows::{ShadowMethod, VolumePipelines};
-use crate::device::Gpu;
 use crate::gpu_error::GpuError;
-use crate::render::pipeline_factory::{Pass, color_pass, plain_texture, read_texture, view};
+use crate::render::pipeline_factory::{
+    ADD, MULTIPLY, Pass, color_pass, depth_state, plain_texture, read_texture, view,
+};
 use crate::shadow::args::ModeArg;
 
 /// Linear light, before it is exposed.
@@ -37,7 +41,6 @@ pub(crate) struct Pictures {
 
 impl Pictures {
     pub(crate) fn new(
-        gpu: &Gpu,
         resources: &RenderResources<'_>,
         method: &ShadowMethod,
         mode: ModeArg,
@@ -47,43 +50,43 @@ impl Pictures {
         let factory = &resources.factory;
         let linear = if in_parts { PART } else { LINEAR };
         let (attachments, light) = if in_parts { parts(resources) } else { whole(resources) };
-        let load = if in_parts { include_str!("parts.wgsl") } else { include_str!("whole.wgsl") };
         let dimension = if in_parts { wgpu::TextureViewDimension::D2Array } else { wgpu::TextureViewDimension::D2 };
+        let source = include_str!("picture.wgsl");
         let layout = factory.layout(&[read_texture(dimension, false)]);
         let behind =
-            depth_state(depth_format(factory.device), false, CompareFunction::Always, StencilFaceState::IGNORE);
+            depth_state(depth_format(&factory.gpu.device), false, CompareFunction::Always, StencilFaceState::IGNORE);
         let backdrop = factory.pipeline(&Pass {
             samples: linear.samples,
             depth: Some(behind),
-            ..Pass::new("backdrop", include_str!("backdrop.wgsl"), &[], linear.format)
+            ..Pass::over("backdrop", source, &[], linear.format)
         });
         let format = TextureFormat::Rgba8UnormSrgb;
-        let source = format!("{load}\n{}", include_str!("tone.wgsl"));
-        let tone = factory.pipeline(&Pass::new("tone", &source, &[&layout], format));
+        let name = if in_parts { "tone_parts" } else { "tone" };
+        let tone = factory.pipeline(&Pass::over(name, source, &[&layout], format));
         let group = factory.group(&layout, &[wgpu::BindingResource::TextureView(&light)]);
         let all = ColorWrites::ALL;
         let shade = match mode {
             ModeArg::Additive => None,
             ModeArg::Ambient => Some(("ambient", None)),
             ModeArg::Black => Some(("black", None)),
-            ModeArg::Composited => Some(("dim", MULTIPLY)),
+            ModeArg::Composited => Some(("dim", Some(MULTIPLY))),
         };
         Ok(Self {
-            pipelines: RenderResources::pipelines(gpu, linear, method)?,
+            pipelines: resources.pipelines(linear, method)?,
             attachments,
             finished: factory.target("picture", resources.size, format, 1, TextureUsages::COPY_SRC),
             backdrop,
-            ambient: resources.receivers(linear, "ambient", Onto::Nearest, (None, all)),
-            lit: resources.receivers(linear, "lit", Onto::Lit, (ADD, all)),
+            ambient: ReceiverPipelines::new(resources, linear, ("ambient", Onto::Nearest), (None, all)),
+            lit: ReceiverPipelines::new(resources, linear, ("lit", Onto::Lit), (Some(ADD), all)),
             shade: shade.map(|(fragment, blend)| {
                 [
-                    resources.receivers(linear, "averted", Onto::Lit, (None, ColorWrites::empty())),
-                    resources.receivers(linear, fragment, Onto::Shadowed, (blend, all)),
+                    ReceiverPipelines::new(resources, linear, ("averted", Onto::Lit), (None, ColorWrites::empty())),
+                    ReceiverPipelines::new(resources, linear, (fragment, Onto::Shadowed), (blend, all)),
                 ]
             }),
             tone: (tone, group),
             resolved: (!in_parts).then_some(light),
-            overlay: volumes.then(|| Overlay::new(gpu, resources, linear, method.from_depth.is_some())),
+            overlay: volumes.then(|| Overlay::new(resources, linear, method.from_depth.is_some())),
         })
     }
 
@@ -91,54 +94,40 @@ impl Pictures {
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        resources: &RenderResources<'_>,
         subject: &DrawInputs<'_>,
         part: usize,
     ) -> Result<(), GpuError> {
-        let DrawInputs { casters, has_ground, samples, .. } = *subject;
-        let Self { pipelines, .. } = self;
+        let shadows = &subject.casters.shadows;
         let attachments = &self.attachments[part];
-        {
-            let mut pass = subject.begin(attachments.pass(encoder, "ambient", Some(wgpu::Color::BLACK), None));
-            resources.select(&mut pass, 0);
-            pass.set_pipeline(&self.backdrop);
-            pass.draw(0..3, 0..1);
-            self.ambient.paint(&mut pass, casters, 0, has_ground);
-        }
-        for light in 0..samples {
+        let mut pass = subject.begin(attachments.pass(encoder, "ambient", Some(wgpu::Color::BLACK), None));
+        subject.casters.resources.factory.draw(&mut pass, &self.backdrop, &[], 3);
+        self.ambient.paint(&mut pass, subject, 0);
+        drop(pass);
+        for light in 0..subject.samples {
             let mut pass = subject.begin(attachments.pass(encoder, "light", None, None));
             if self.shade.is_none() {
-                casters.shadows.draw(&mut pass, pipelines, light)?;
+                shadows.draw(&mut pass, &self.pipelines, light)?;
             }
-            resources.select(&mut pass, light);
-            self.lit.paint(&mut pass, casters, light, has_ground);
+            self.lit.paint(&mut pass, subject, light);
         }
-        if let Some(shade) = &self.shade {
-            for light in 0..samples {
-                let mut pass = subject.begin(attachments.pass(encoder, "shade", None, None));
-                casters.shadows.draw(&mut pass, pipelines, light)?;
-                resources.select(&mut pass, light);
-                for receivers in shade {
-                    receivers.paint(&mut pass, casters, light, has_ground);
-                }
+        for (light, shade) in (0..subject.samples).flat_map(|light| self.shade.iter().map(move |shade| (light, shade)))
+        {
+            let mut pass = subject.begin(attachments.pass(encoder, "shade", None, None));
+            shadows.draw(&mut pass, &self.pipelines, light)?;
+            for receivers in shade {
+                receivers.paint(&mut pass, subject, light);
             }
         }
         let mut pass = subject.begin(attachments.pass(encoder, "resolve", None, self.resolved.as_ref()));
-        self.overlay.as_ref().map_or(Ok(()), |overlay| overlay.draw(&mut pass, resources, subject))
+        self.overlay.as_ref().map_or(Ok(()), |overlay| overlay.draw(&mut pass, subject))
     }
 
     /// Records how the light becomes a picture, and returns its texture.
-    pub(crate) fn develop(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        resources: &RenderResources<'_>,
-    ) -> &wgpu::Texture {
-        let clear = LoadOp::Clear(wgpu::Color::BLACK);
-        let mut pass = color_pass(encoder, "tone", &view(&self.finished), None, clear, None);
-        pass.set_bind_group(0, &resources.factory.frame_group, &[]);
-        pass.set_bind_group(1, &self.tone.1, &[]);
-        pass.set_pipeline(&self.tone.0);
-        pass.draw(0..3, 0..1);
+    pub(crate) fn develop(&self, encoder: &mut wgpu::CommandEncoder, casters: &Casters<'_>) -> &wgpu::Texture {
+        let (target, black) = (view(&self.finished), Some(wgpu::Color::BLACK));
+        let mut pass = color_pass(encoder, "tone", (&target, None), black, None);
+        casters.resources.factory.draw(&mut pass, &self.tone.0, &[&self.tone.1], 3);
+        drop(pass);
         &self.finished
     }
 }
@@ -146,18 +135,19 @@ impl Pictures {
 /// The attachments of a whole picture and the texture of its light.
 fn whole(resources: &RenderResources<'_>) -> (Vec<Attachments>, wgpu::TextureView) {
     let light = resources.target("light", LINEAR.format, 1, TextureUsages::TEXTURE_BINDING);
-    (vec![Attachments::new(resources, LINEAR)], light)
+    let color = resources.target("color", LINEAR.format, LINEAR.samples, TextureUsages::COPY_SRC);
+    (vec![Attachments { color, depth: resources.depth(LINEAR) }], light)
 }
 
 /// The attachments of a picture's parts and the layers of their light.
 fn parts(resources: &RenderResources<'_>) -> (Vec<Attachments>, wgpu::TextureView) {
     let size = Part::size(resources.size);
     let factory = &resources.factory;
-    let depth = view(&factory.target("depth", size, depth_format(factory.device), 1, TextureUsages::empty()));
+    let depth = view(&factory.target("depth", size, depth_format(&factory.gpu.device), 1, TextureUsages::empty()));
     let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT;
     let plain = plain_texture("light", size, PART.format, usage);
     let size = wgpu::Extent3d { depth_or_array_layers: PARTS as u32, ..plain.size };
-    let layers = factory.device.create_texture(&wgpu::TextureDescriptor { size, ..plain });
+    let layers = factory.gpu.device.create_texture(&wgpu::TextureDescriptor { size, ..plain });
     let attachments = (0..PARTS as u32).map(|layer| {
         let color = layers.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(wgpu::TextureViewDimension::D2),
@@ -183,15 +173,14 @@ pub(crate) struct Masks {
 }
 
 impl Masks {
-    pub(crate) fn new(gpu: &Gpu, resources: &RenderResources<'_>, method: &ShadowMethod) -> Result<Self, GpuError> {
+    pub(crate) fn new(resources: &RenderResources<'_>, method: &ShadowMethod) -> Result<Self, GpuError> {
         let finished = resources.factory.target("mask", resources.size, MASK.format, 1, TextureUsages::COPY_SRC);
         let (color, all) = (view(&finished), ColorWrites::ALL);
-        let depth = resources.target("depth", depth_format(&gpu.device), MASK.samples, TextureUsages::empty());
         Ok(Self {
-            pipelines: RenderResources::pipelines(gpu, MASK, method)?,
-            attachments: Attachments { color, depth },
-            dark: resources.receivers(MASK, "dark", Onto::Nearest, (None, all)),
-            lit: resources.receivers(MASK, "mask", Onto::Lit, (None, all)),
+            pipelines: resources.pipelines(MASK, method)?,
+            attachments: Attachments { color, depth: resources.depth(MASK) },
+            dark: ReceiverPipelines::new(resources, MASK, ("dark", Onto::Nearest), (None, all)),
+            lit: ReceiverPipelines::new(resources, MASK, ("mask", Onto::Lit), (None, all)),
             finished,
         })
     }
@@ -200,19 +189,86 @@ impl Masks {
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        resources: &RenderResources<'_>,
         subject: &DrawInputs<'_>,
         light: usize,
     ) -> Result<&wgpu::Texture, GpuError> {
-        let DrawInputs { casters, has_ground, .. } = *subject;
         let grey = 128.0 / 255.0;
         let nothing = wgpu::Color { r: grey, g: grey, b: grey, a: 1.0 };
         let mut pass = subject.begin(self.attachments.pass(encoder, "mask", Some(nothing), None));
-        resources.select(&mut pass, light);
-        self.dark.paint(&mut pass, casters, light, has_ground);
-        casters.shadows.draw(&mut pass, &self.pipelines, light)?;
-        resources.select(&mut pass, light);
-        self.lit.paint(&mut pass, casters, light, has_ground);
+        self.dark.paint(&mut pass, subject, light);
+        subject.casters.shadows.draw(&mut pass, &self.pipelines, light)?;
+        self.lit.paint(&mut pass, subject, light);
         Ok(&self.finished)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Onto {
+    /// The nearest surface, which this pass finds.
+    Nearest,
+    /// The nearest again, where the stencil is still 0; which it is no more afterwards, so that faces that coincide add
+    /// their light once.
+    Lit,
+    /// The nearest again, where the stencil is not 0; which it is afterwards.
+    Shadowed,
+}
+
+/// Draws bodies and ground with fragment shaders of one name.
+pub(super) struct ReceiverPipelines {
+    surface: wgpu::RenderPipeline,
+    ground: wgpu::RenderPipeline,
+}
+
+impl ReceiverPipelines {
+    pub(super) fn new(
+        RenderResources { factory, shaded, geometry, .. }: &RenderResources<'_>,
+        target: Target,
+        (fragment, onto): (&'static str, Onto),
+        (blend, write): (Option<BlendState>, ColorWrites),
+    ) -> Self {
+        let pipeline = |vertex, source, groups: &[&wgpu::BindGroupLayout]| {
+            factory.pipeline(&Pass {
+                vertex,
+                blend,
+                samples: target.samples,
+                write,
+                depth: Some(onto.state(depth_format(&factory.gpu.device))),
+                ..Pass::new(fragment, source, groups, target.format)
+            })
+        };
+        Self {
+            surface: pipeline("surface", include_str!("surface.wgsl"), &[shaded, geometry]),
+            ground: pipeline("ground", include_str!("ground.wgsl"), &[shaded]),
+        }
+    }
+
+    /// Draws everything for one light.
+    pub(super) fn paint(&self, pass: &mut wgpu::RenderPass<'_>, subject: &DrawInputs<'_>, light: usize) {
+        subject.casters.resources.select(pass, light);
+        pass.set_pipeline(&self.surface);
+        for receiver in &subject.casters.receivers {
+            receiver.draw(pass, light);
+        }
+        if subject.has_ground {
+            pass.set_pipeline(&self.ground);
+            pass.draw(0..12, 0..1);
+        }
+    }
+}
+
+impl Onto {
+    pub(crate) fn state(self, format: TextureFormat) -> wgpu::DepthStencilState {
+        let (compare, stencil, pass_op) = match self {
+            Self::Nearest => (CompareFunction::Greater, CompareFunction::Always, StencilOperation::Keep),
+            Self::Lit => (CompareFunction::Equal, CompareFunction::Equal, StencilOperation::IncrementClamp),
+            Self::Shadowed => (CompareFunction::Equal, CompareFunction::NotEqual, StencilOperation::Zero),
+        };
+        let face = wgpu::StencilFaceState {
+            compare: stencil,
+            fail_op: StencilOperation::Keep,
+            depth_fail_op: StencilOperation::Keep,
+            pass_op,
+        };
+        depth_state(format, self == Self::Nearest, compare, face)
     }
 }

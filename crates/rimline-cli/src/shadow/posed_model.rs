@@ -8,7 +8,7 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
 use crate::input::{Input, Shape};
-use crate::positions::Positions;
+use crate::posed_input::Positions;
 
 /// The faces of an instance: those of a geometry, turned if its pose mirrors it. Instances of the same topology share a
 /// mesh.
@@ -96,6 +96,14 @@ impl<'a> PosedModel<'a> {
         mesh.map_err(|error| Failure::input(&self.input.file)(error.into()))
     }
 
+    /// A mesh of some faces over so many vertices, or none of none.
+    pub(super) fn part(&self, vertices: usize, faces: Vec<[u32; 3]>) -> Result<Option<Mesh>, Failure> {
+        match Mesh::from_faces(vertices, faces) {
+            Err(MeshError::NoFaces) => Ok(None),
+            mesh => mesh.map(Some).map_err(|error| Failure::input(&self.input.file)(error.into())),
+        }
+    }
+
     /// The mesh that all instances make together.
     pub(crate) fn mesh(&self) -> Result<Mesh, Failure> {
         self.input.mesh(&self.shape)
@@ -108,9 +116,7 @@ impl<'a> PosedModel<'a> {
 
     /// The triangles of polygons, as a mesh over the same vertices.
     pub(crate) fn triangles(&self) -> Result<Option<Mesh>, Failure> {
-        let mesh = || Mesh::from_faces(self.world.len(), self.faces.clone());
-        let triangles = self.has_polygons().then(mesh).transpose();
-        triangles.map_err(|error| Failure::input(&self.input.file)(error.into()))
+        if self.has_polygons() { self.part(self.world.len(), self.faces.clone()) } else { Ok(None) }
     }
 
     /// The vertices of the faces that are drawn, those with finite positions; each once.

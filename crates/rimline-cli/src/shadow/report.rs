@@ -1,27 +1,32 @@
-//! Output of `rimline shadow`.
+//! Output of `rimline shadow`: what it says, and the files that it writes: a picture, and for each light a mask and its depth
+//! maps.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use rimline::Origin;
 use rimline::cpu::{HiddenFaces, HiddenStatistics};
 use rimline::reference::layout::ShadowStatistics;
 use serde_json::{Value, json};
 
+use super::args::ShadowArgs;
 use super::casters::Casters;
-use super::covered::CoveredFaces;
-use super::depth::{self, CountBound};
+use super::casting::CoveredFaces;
+use super::depth;
 use super::from_depth::{DepthFound, DepthsFound};
 use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
 use super::shadows::Found;
 use crate::coordinates;
 use crate::device::{Gpu, describe};
-use crate::gpu_error::GpuError;
-use crate::report::{self, Lines};
+use crate::failure::{Failure, UsageError};
+use crate::gpu_error::{GpuError, On as _};
+use crate::image::Picture;
+use crate::output::Output;
+use crate::report::{self, Lines, Times};
 use crate::shadow::args::{ShadowSceneArgs, value_name};
 use crate::shown::Line;
-use crate::times::Times;
+use crate::target::{Inputs, check_ending, is_same_file};
 
 struct File {
     name: String,
@@ -33,7 +38,7 @@ pub(super) struct Report {
     adapter: String,
     files: Vec<File>,
     /// Statistics of all files together.
-    all: ShadowStatistics,
+    pub(super) all: ShadowStatistics,
     origin: Origin,
     /// Each light as JSON, in the files' coordinates, with its range and its colour.
     lights: Vec<(Value, f32, [f32; 3])>,
@@ -61,23 +66,22 @@ fn covered_json(covered: &HiddenStatistics) -> Value {
 impl Report {
     /// Waits for the device.
     pub(super) fn read(
-        gpu: &Gpu,
         set: &ShadowScene<'_>,
-        casters: &Casters,
+        casters: &Casters<'_>,
         covered: Option<&CoveredFaces>,
     ) -> Result<Self, GpuError> {
         let (samples, origin) = (set.samples(), set.bodies.first().map_or(Origin::ZERO, |body| body.input.origin));
-        let found = casters.shadows.found(gpu)?;
+        let found = casters.shadows.found()?;
         let file = |(body, found): (&PosedModel<'_>, Found)| File {
             name: body.input.file.display().to_string(),
             faces: body.faces.len(),
             found,
         };
         Ok(Self {
-            adapter: describe(&gpu.info),
+            adapter: describe(&casters.gpu().info),
             origin,
             files: set.bodies.iter().zip(found).map(file).collect(),
-            all: casters.shadows.statistics(gpu)?,
+            all: casters.shadows.statistics()?,
             lights: set
                 .shaded_lights
                 .iter()
@@ -86,7 +90,7 @@ impl Report {
             samples: samples / set.shaded_lights.len().max(1),
             covered: covered.map(|covered| covered.found.iter().map(HiddenFaces::statistics).collect()),
             left_out: casters.shadows.left_out(),
-            depth: casters.shadows.depths_found(gpu)?,
+            depth: casters.shadows.depths_found()?,
         })
     }
 
@@ -177,11 +181,6 @@ impl Report {
         report::json(report, self.origin, times)
     }
 
-    /// A bound on all counts.
-    pub(super) fn bound(&self) -> CountBound {
-        self.all.into()
-    }
-
     /// `pictures` of this size and `archives` were written.
     pub(super) fn text(&self, [pictures, archives]: &[Vec<PathBuf>; 2], size: [u32; 2], times: &Times) -> String {
         let mut lines = Lines::default();
@@ -225,5 +224,101 @@ impl Report {
         let archives = archives.iter().map(|file| format!("wrote {}", Line(file.display())));
         let wrote: String = pictures.chain(archives).map(|line| line + "\n").collect();
         lines.0 + &wrote
+    }
+}
+
+/// Files in the making. A file that is dropped before it is finished leaves nothing.
+pub(super) struct ResultFiles {
+    picture: Option<Output>,
+    masks: Vec<Output>,
+    maps: Vec<Output>,
+    /// Names of picture and masks, and names of maps.
+    pub(super) names: [Vec<PathBuf>; 2],
+}
+
+impl ResultFiles {
+    /// Refuses a picture that is named as another format.
+    pub(super) fn check(args: &ShadowArgs) -> Result<(), UsageError> {
+        args.out.as_deref().map_or(Ok(()), |out| check_ending(out, "png"))
+    }
+
+    /// Begins those whose names are known from the command line, so that an unwritable place is known at once.
+    pub(super) fn begin(args: &ShadowArgs, inputs: &Inputs) -> Result<Self, Failure> {
+        args.out.as_deref().map_or(Ok(()), |out| inputs.spare(out))?;
+        // There is a first light in any case; how many there are is known later.
+        for first in of_lights(args, 1).into_iter().flatten() {
+            inputs.spare(&first)?;
+            drop(Output::create(&first)?);
+        }
+        let picture = args.out.as_deref().map(Output::create).transpose()?;
+        let names = [args.out.iter().cloned().collect(), Vec::new()];
+        Ok(Self { picture, masks: Vec::new(), maps: Vec::new(), names })
+    }
+
+    /// Begins those of all lights.
+    pub(super) fn begin_lights(&mut self, args: &ShadowArgs, inputs: &Inputs, lights: usize) -> Result<(), Failure> {
+        let files = of_lights(args, lights);
+        let is_any = |out: &&Path| files.iter().flatten().any(|file| is_same_file(out, file));
+        if let Some(out) = args.out.as_deref().filter(is_any) {
+            return Err(UsageError::SameOutput { file: out.to_owned() }.into());
+        }
+        files.iter().flatten().try_for_each(|file| inputs.spare(file))?;
+        for ((outputs, names), files) in [&mut self.masks, &mut self.maps].into_iter().zip(&mut self.names).zip(files) {
+            *outputs = files.iter().map(|file| Output::create(file)).collect::<Result<_, _>>()?;
+            names.extend(files);
+        }
+        Ok(())
+    }
+
+    pub(super) fn finish_picture(&mut self, gpu: &Gpu, picture: &Picture) -> Result<(), Failure> {
+        gpu.check()?;
+        self.picture.take().map_or(Ok(()), |output| output.finish(|file| picture.write_png(file)))
+    }
+
+    /// Writes the masks that `draw` draws for each light.
+    pub(super) fn finish_masks(
+        &mut self,
+        gpu: &Gpu,
+        mut draw: impl FnMut(usize) -> Result<Picture, Failure>,
+    ) -> Result<(), Failure> {
+        for (light, output) in std::mem::take(&mut self.masks).into_iter().enumerate() {
+            let mask = draw(light)?;
+            gpu.check()?;
+            output.finish(|file| mask.write_png(file))?;
+        }
+        Ok(())
+    }
+
+    /// Writes the depth maps of each light as they were drawn.
+    pub(super) fn finish_maps(&mut self, gpu: &Gpu, casters: &Casters<'_>, origin: Origin) -> Result<(), Failure> {
+        for (light, output) in std::mem::take(&mut self.maps).into_iter().enumerate() {
+            let maps = casters.shadows.saved_maps(light, origin).on(gpu)?;
+            gpu.check()?;
+            maps.map_or(Ok(()), |maps| output.finish(|file| maps.write(file)))?;
+        }
+        Ok(())
+    }
+}
+
+/// The names of masks and of maps.
+fn of_lights(args: &ShadowArgs, lights: usize) -> [Vec<PathBuf>; 2] {
+    [(&args.mask, "png"), (&args.save_depth, "npz")].map(|(prefix, ending)| {
+        prefix.iter().flat_map(|prefix| (0..lights).map(|light| numbered(prefix, light, ending))).collect()
+    })
+}
+
+/// `PREFIX.<light>.<ending>`.
+fn numbered(prefix: &Path, light: usize, ending: &str) -> PathBuf {
+    let mut name = prefix.as_os_str().to_owned();
+    name.push(format!(".{light}.{ending}"));
+    name.into()
+}
+
+#[cfg(test)]
+mod tests {
+
+    #[test]
+    fn masks_are_numbered_after_their_prefix() {
+        assert_eq!(super::numbered("a/b.x".as_ref(), 3, "png"), super::Path::new("a/b.x.3.png"));
     }
 }

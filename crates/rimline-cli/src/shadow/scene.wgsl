@@ -125,19 +125,9 @@ fn in_picture(pixel: vec2<f32>) -> vec2<f32> {
   return frame.pitch * (pixel - 0.5) + frame.first;
 }
 
-// A triangle that covers the target.
-fn cover(vertex: u32) -> vec4<f32> {
-  return vec4<f32>(f32(vertex & 1u) * 4.0 - 1.0, f32(vertex >> 1u) * 4.0 - 1.0, 0.0, 1.0);
-}
-
 // The paper behind everything, a little lighter behind its middle.
 fn backdrop(pixel: vec2<f32>) -> vec3<f32> {
   let p = (in_picture(pixel) - 0.5 * frame.size) / frame.size.y;
   let glow = exp(-1.3 * dot(p, p));
   return frame.backdrop * mix(0.8, 1.0, glow);
-}
-
-// Noise with little energy in low frequencies, from 0 to 1.
-fn dither(pixel: vec2<f32>) -> f32 {
-  return fract(52.9829189 * fract(dot(pixel, vec2<f32>(0.06711056, 0.00583715))));
 }

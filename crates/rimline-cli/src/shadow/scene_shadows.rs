@@ -13,10 +13,8 @@ use rimline::reference::cpu::{CHOICE_WORDS, SceneTable};
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::{Counting, Light, wgpu};
 
-use super::casting::{CastInputs, FacingMasks, set_lights};
-use super::covered::{CoveredFaces, VERSION};
+use super::casting::{CastInputs, CoveredFaces, Extracted, FacingMasks, VERSION, set_lights};
 use super::depth;
-use super::extracted::Extracted;
 use super::layers::Layers;
 use super::posed_model::{PosedModel, Topology};
 use super::shadows::{Choice, Found, Shadows, VolumePipelines, scene_options};
@@ -25,7 +23,8 @@ use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
 
 /// The scene, and what of it is whose.
-pub(super) struct SceneShadows {
+pub(super) struct SceneShadows<'a> {
+    gpu: &'a Gpu,
     scene: Scene,
     counting: Counting,
     /// Each light has the bit of its number.
@@ -49,10 +48,10 @@ struct File {
     surface: Option<Extracted>,
 }
 
-impl SceneShadows {
-    pub(super) fn new(gpu: &Gpu, counting: Counting, max_lights: usize) -> Result<Self, GpuError> {
+impl<'a> SceneShadows<'a> {
+    pub(super) fn new(gpu: &'a Gpu, counting: Counting, max_lights: usize) -> Result<Self, GpuError> {
         let scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions { max_lights, ..scene_options(counting) })?;
-        Ok(Self { scene, counting, lights: Vec::new(), files: Vec::new(), frame: None, max_lights, layers: None })
+        Ok(Self { gpu, scene, counting, lights: Vec::new(), files: Vec::new(), frame: None, max_lights, layers: None })
     }
 
     fn frame(&self) -> Result<&SceneFrame, ShadowError> {
@@ -65,11 +64,11 @@ fn place(frame: &SceneFrame, caster: CasterHandle) -> Result<(u32, usize), Shado
     frame.place(caster).ok_or(ShadowError::Removed { what: "caster" })
 }
 
-impl Shadows for SceneShadows {
+impl Shadows for SceneShadows<'_> {
     /// An instance that is mirrored anew has other faces, so another caster takes its place.
-    fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+    fn place(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         self.layers = None;
-        let Self { scene, files, max_lights, .. } = self;
+        let Self { gpu, scene, files, max_lights, .. } = self;
         files.resize_with(bodies.len(), File::default);
         for (File { meshes, casters, surface }, body) in files.iter_mut().zip(bodies) {
             if surface.is_none() {
@@ -121,7 +120,7 @@ impl Shadows for SceneShadows {
     }
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &VolumePipelines, light: usize) -> Result<(), GpuError> {
-        let VolumePipelines::Scene(own, batches) = pipelines else { return Err(pipelines.refuse(self.counting)) };
+        let VolumePipelines::Scene(own, batches) = pipelines else { return Ok(()) };
         if let Some(layers) = &self.layers
             && layers.draw(pass, batches, light)?
         {
@@ -131,10 +130,10 @@ impl Shadows for SceneShadows {
         Ok(self.frame()?.draw(pass, own, 0, handle)?)
     }
 
-    fn facing(&self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
+    fn facing(&self, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
         let frame = self.frame()?;
         let results = frame.results()?;
-        let table: Vec<[u32; 4]> = gpu.read(results.table)?;
+        let table: Vec<[u32; 4]> = self.gpu.read(results.table)?;
         let buffers = |group: usize| -> Vec<wgpu::Buffer> {
             results.groups.iter().filter(|of| of.group == group).map(|of| of.facing.clone()).collect()
         };
@@ -166,14 +165,14 @@ impl Shadows for SceneShadows {
         self.files.iter().zip(bodies).map(of_file).collect()
     }
 
-    fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, GpuError> {
+    fn found(&self) -> Result<Vec<Found>, GpuError> {
         let frame = self.frame()?;
         let results = frame.results()?;
         // For each batch of lights those of all casters. A bit stands for something that costs more, or for faces that
         // cast: so casters together have the bits of any.
-        let chosen: Vec<u32> = results.choices.map_or(Ok(Vec::new()), |choices| gpu.read(choices))?;
+        let chosen: Vec<u32> = results.choices.map_or(Ok(Vec::new()), |choices| self.gpu.read(choices))?;
         let casters: usize = self.files.iter().map(|file| file.casters.len()).sum();
-        let (all, lights) = (self.statistics(gpu)?, self.lights.len());
+        let (all, lights) = (self.statistics()?, self.lights.len());
         let of_file = |file: &File| {
             let mut groups = BTreeSet::new();
             let mut words = vec![0; CHOICE_WORDS * frame.batches()];
@@ -189,8 +188,8 @@ impl Shadows for SceneShadows {
             let mut extraction: ExtractionStatistics = bytemuck::Zeroable::zeroed();
             for group in results.groups.iter().filter(|of| groups.contains(&of.group)) {
                 let counted = silhouettes.iter_mut().skip(32 * group.batch);
-                counted.zip(first_words(gpu, group.lists, 32)?).for_each(|(sum, count)| *sum += count);
-                let record = first_words(gpu, group.record, size_of::<ExtractionStatistics>() as u64 / 4)?;
+                counted.zip(first_words(self.gpu, group.lists, 32)?).for_each(|(sum, count)| *sum += count);
+                let record = first_words(self.gpu, group.record, size_of::<ExtractionStatistics>() as u64 / 4)?;
                 extraction = depth::sum(extraction, bytemuck::pod_read_unaligned(bytemuck::cast_slice(&record)));
             }
             let lights = Choice::all(self.counting, &words, lights);
@@ -204,27 +203,26 @@ impl Shadows for SceneShadows {
         self.files.iter().map(of_file).collect()
     }
 
-    fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, GpuError> {
+    fn statistics(&self) -> Result<ShadowStatistics, GpuError> {
         let buffer = self.frame().ok().and_then(SceneFrame::shadow_statistics);
         let mut found: ShadowStatistics =
-            buffer.map_or(Ok(bytemuck::Zeroable::zeroed()), |buffer| gpu.read_first(buffer))?;
-        if let Some(Layers::Few(most)) = self.layers {
-            found.count_bound = found.count_bound.min(most);
-        }
-        if let Some(Layers::Few(_) | Layers::Batched(_)) = self.layers {
+            buffer.map_or(Ok(bytemuck::Zeroable::zeroed()), |buffer| self.gpu.read_first(buffer))?;
+        if let Some(layers) = &self.layers {
+            found.count_bound = found.count_bound.min(layers.most.unwrap_or(u32::MAX));
             found.may_wrap = 0;
         }
         Ok(found)
     }
 
     fn count_layers(&mut self, inputs: CastInputs<'_>, all: &[Light]) -> Result<(), Failure> {
-        let CastInputs { gpu, bodies, .. } = inputs;
+        let CastInputs { bodies, .. } = inputs;
+        let gpu = self.gpu;
         self.layers = None;
         let is_counted = self.counting != Counting::ZpPlus2005 && !bodies.iter().any(PosedModel::has_polygons);
-        if !is_counted || self.statistics(gpu).on(gpu)?.may_wrap == 0 {
+        if !is_counted || self.statistics().on(gpu)?.may_wrap == 0 {
             return Ok(());
         }
-        let mut layers = Layers::new(gpu, bodies, self.counting, self.max_lights, all)?;
+        let Some(mut layers) = Layers::new(gpu, bodies, self.counting, self.max_lights, all)? else { return Ok(()) };
         let mut encoder = gpu.encoder("batches");
         layers.encode(&mut encoder, &inputs).on(gpu)?;
         gpu.submit(encoder);

@@ -12,7 +12,7 @@ use crate::input::ChosenLight;
 use crate::input_args::PlacedView;
 use crate::render::camera::{AZIMUTH, Camera};
 use crate::shadow::args::ShadowSceneArgs;
-use crate::spec::{AreaKind, AreaSpec, ShadedLightSpec, SpecError};
+use crate::spec::{AreaSpec, LightSpec, ShadedLightSpec, SpecError};
 
 use super::posed_model::PosedModel;
 
@@ -80,16 +80,8 @@ impl ShadedLight {
             chosen.iter().map(|(spec, chosen)| Self::new(spec, chosen, brightest, stage)).collect();
         if shaded_lights.is_empty() {
             let light = own.unwrap_or_else(|| default_light(&args.view.relative_to(first.input.origin), stage));
-            shaded_lights.push(Self {
-                light,
-                color: DEFAULT_COLOR,
-                range: f32::INFINITY,
-                begin: 0.0,
-                exponent: 1.0,
-                cone: None,
-                samples: vec![light],
-                area: None,
-            });
+            let spec = ShadedLightSpec { color: Some(DEFAULT_COLOR), ..ShadedLightSpec::new(LightSpec::All) };
+            shaded_lights.push(Self::new(&spec, &ChosenLight { light, own: None }, 0.0, stage));
         }
         // Once for every way to cast: depth maps and areas would take such a light for another.
         let lights: Vec<Light> = shaded_lights.iter().map(|shaded| shaded.light).collect();
@@ -127,12 +119,14 @@ impl ShadedLight {
         let distance = normal.length().max(1e-3 * f64::from(stage.extent));
         let shape = match area {
             AreaSpec::Given(shape) => shape,
-            AreaSpec::Chosen(kind) => {
-                let radius = (AREA_RADIUS * if self.light.w == 0.0 { 1.0 } else { distance }) as f32;
-                match kind {
-                    AreaKind::Rectangle => AreaShape::Rectangle { width: 2.2 * radius, height: 1.4 * radius },
-                    AreaKind::Disc => AreaShape::Disc { radius },
-                    AreaKind::Sphere => AreaShape::Sphere { radius },
+            AreaSpec::Chosen(shape) => {
+                let by = (AREA_RADIUS * if self.light.w == 0.0 { 1.0 } else { distance }) as f32;
+                match shape {
+                    AreaShape::Rectangle { width, height } => {
+                        AreaShape::Rectangle { width: width * by, height: height * by }
+                    }
+                    AreaShape::Disc { radius } => AreaShape::Disc { radius: radius * by },
+                    AreaShape::Sphere { radius } => AreaShape::Sphere { radius: radius * by },
                 }
             }
         };

@@ -5,24 +5,21 @@ use std::path::Path;
 use glam::Vec3;
 use rimline::gpu::StageTimer;
 use rimline::mesh::Bounds;
-use rimline::{Displacement, Light, MAX_LIGHTS, Origin, wgpu};
+use rimline::{Displacement, Light, MAX_LIGHTS, wgpu};
 
-use super::casters::Casters;
+use super::casters::{Casters, DrawInputs};
 use super::casting::CastInputs;
-use super::depth::{Seen, depth_format};
+use super::depth::{depth_format, too_coarse};
 use super::frame::{Frame, PARTS, Part, part_camera, unit};
 use super::posed_model::PosedModel;
-use super::render_resources::{DrawInputs, RenderResources};
 use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
 use crate::device::{self, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::{Input, Source};
-use crate::origin;
 use crate::output::note;
 use crate::posed_input::{self, animations};
-use crate::render::camera::{Camera, elevation};
-use crate::render::support::outermost;
+use crate::render::camera::{Camera, elevation, outermost};
 use crate::render::{centre, check_bounds, check_size, extent, too_large};
 use crate::shadow::args::{ModeArg, ShadowSceneArgs, value_name};
 use crate::shown::{animation_name, listed_animations};
@@ -50,11 +47,6 @@ impl ShadowInputs {
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let animations = animations(&inputs, &args.posed.pose)?;
         Ok(Self { inputs, animations, displacement })
-    }
-
-    /// Moves all files to one origin, with the animations that are chosen by now. It does not move in time.
-    pub(crate) fn settle(&mut self, time_s: f32) -> Result<Origin, Failure> {
-        origin::settle(&mut self.inputs, &self.animations, time_s)
     }
 
     /// The files that were read, and those that models name.
@@ -158,12 +150,10 @@ impl<'a> ShadowScene<'a> {
     /// Tells the user where depth is too coarse for the shadows that are seen.
     pub(crate) fn warn_of_depth(&self, gpu: &Gpu) {
         let farthest = farthest(&self.camera, &self.stage);
-        let seen = Seen { near: self.camera.near, farthest, pixel: self.pixel() };
-        seen.warn(depth_format(&gpu.device));
-    }
-
-    fn pixel(&self) -> f32 {
-        2.0 / (self.camera.scale[1] * self.args.view.size[1] as f32)
+        let pixel = 2.0 / (self.camera.scale[1] * self.args.view.size[1] as f32);
+        if let Some(warning) = too_coarse(depth_format(&gpu.device), self.camera.near, farthest, pixel) {
+            note(&format!("warning: {warning}"));
+        }
     }
 
     pub(crate) fn ranged(&self) -> Vec<Light> {
@@ -197,13 +187,12 @@ impl<'a> ShadowScene<'a> {
         data
     }
 
-    pub(crate) fn subject(&'a self, casters: &'a Casters) -> DrawInputs<'a> {
-        let has_ground = self.frame().sees_ground();
-        DrawInputs { casters, samples: self.samples(), has_ground, is_trial: false }
+    pub(crate) fn subject<'b>(&self, casters: &'b Casters<'b>) -> DrawInputs<'b> {
+        DrawInputs { casters, samples: self.samples(), has_ground: self.frame().sees_ground(), is_trial: false }
     }
 
     /// The same with one pixel of one light.
-    pub(crate) fn trial(&'a self, casters: &'a Casters) -> DrawInputs<'a> {
+    pub(crate) fn trial<'b>(&self, casters: &'b Casters<'b>) -> DrawInputs<'b> {
         DrawInputs { samples: self.samples().min(1), is_trial: true, ..self.subject(casters) }
     }
 
@@ -220,24 +209,19 @@ impl<'a> ShadowScene<'a> {
     }
 
     /// Finds what the casters need for the posed at hand, and makes them ready to be drawn.
-    pub(crate) fn cast(
-        &self,
-        gpu: &Gpu,
-        resources: &RenderResources<'_>,
-        casters: &mut Casters,
-        mut timer: Option<&mut StageTimer>,
-    ) -> Result<(), GpuError> {
+    pub(crate) fn cast(&self, casters: &mut Casters<'_>, mut timer: Option<&mut StageTimer>) -> Result<(), GpuError> {
+        let gpu = casters.gpu();
         let mut encoder = gpu.encoder("cast");
-        self.encode_lights(gpu, &mut encoder, resources, casters, timer.as_deref_mut())?;
+        self.encode_lights(&mut encoder, casters, timer.as_deref_mut())?;
         if let Some(timer) = timer {
             timer.resolve(&mut encoder);
         }
         gpu.submit(encoder);
-        casters.bind(gpu, &resources.factory, resources.geometry_layout(), &self.bodies, self.camera.eye)
+        casters.bind(&self.bodies, self.camera.eye)
     }
 
     /// Sees to it that what lies over each other is counted, after [`Self::cast`]. Waits for the device.
-    pub(crate) fn count_layers(&mut self, gpu: &Gpu, casters: &mut Casters) -> Result<(), Failure> {
+    pub(crate) fn count_layers(&mut self, casters: &mut Casters<'_>) -> Result<(), Failure> {
         let mut all = self.ranged();
         if self.is_in_parts() {
             for part in 0..PARTS {
@@ -246,24 +230,23 @@ impl<'a> ShadowScene<'a> {
             }
             self.take_part(None);
         }
-        let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
-        let (bodies, seen) = (&self.bodies[..], &self.bodies[..]);
-        casters.shadows.count_layers(CastInputs { gpu, bodies, seen, camera: &camera, lights: &lights }, &all)
+        self.with_inputs(|inputs| casters.shadows.count_layers(inputs, &all))
     }
 
     /// Records the same for bodies that are where they were.
     pub(crate) fn encode_lights(
         &self,
-        gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        resources: &RenderResources<'_>,
-        casters: &mut Casters,
+        casters: &mut Casters<'_>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        resources.set(gpu, &self.frame(), &self.shaded_light_data());
+        casters.resources.set(&self.frame(), &self.shaded_light_data());
+        self.with_inputs(|inputs| casters.encode(encoder, inputs, timer))
+    }
+
+    fn with_inputs<T>(&self, run: impl FnOnce(CastInputs<'_>) -> T) -> T {
         let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
-        let (bodies, seen) = (&self.bodies[..], &self.bodies[..]);
-        casters.encode(encoder, CastInputs { gpu, bodies, seen, camera: &camera, lights: &lights }, timer)
+        run(CastInputs { bodies: &self.bodies, seen: &self.bodies, camera: &camera, lights: &lights })
     }
 }
 

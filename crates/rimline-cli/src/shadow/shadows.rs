@@ -4,17 +4,16 @@ use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
 use rimline::gpu::depth_map::DepthMapPipelines;
-use rimline::gpu::{SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, StageTimer, StencilCounts, Use};
+use rimline::gpu::{SceneOptions, ShadowFormat, ShadowPipelines, StageTimer, StencilCounts, Use};
 use rimline::reference::cpu::CHOICE_WORDS;
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::{Counting, Light, Origin, wgpu};
 
-use super::casting::{CastInputs, FacingMasks};
-use super::covered::CoveredFaces;
+use super::casting::{CastInputs, CoveredFaces, FacingMasks};
 use super::from_depth::{DepthsFound, FromDepth};
 use super::layers::BatchPipelines;
+use super::light_maps::ShownDepths;
 use super::posed_model::PosedModel;
-use super::shown_maps::ShownDepths;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
@@ -22,7 +21,7 @@ use crate::npz::DepthMapArrays;
 
 pub(crate) trait Shadows {
     /// Takes the bodies with their current faces. Bodies that are there already stay.
-    fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure>;
+    fn place(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure>;
 
     /// Records extraction and choice for all lights. There are as many as before.
     fn encode(
@@ -36,13 +35,13 @@ pub(crate) trait Shadows {
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &VolumePipelines, light: usize) -> Result<(), GpuError>;
 
     /// Buffers of the facing masks of each file. Encoded commands must have been submitted. Waits for the device.
-    fn facing(&self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError>;
+    fn facing(&self, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError>;
 
     /// Results and choices for each file. Waits for the device.
-    fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, GpuError>;
+    fn found(&self) -> Result<Vec<Found>, GpuError>;
 
     /// The statistics of all files together. Waits for the device.
-    fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, GpuError>;
+    fn statistics(&self) -> Result<ShadowStatistics, GpuError>;
 
     /// Where more may lie over each other than the stencil counts, as was encoded and submitted, looks at it for `all`
     /// lights that are drawn before bodies are placed anew. Waits for the device.
@@ -61,7 +60,7 @@ pub(crate) trait Shadows {
     }
 
     /// Results in maps of the lights, if they cast. Waits for the device.
-    fn depths_found(&self, _gpu: &Gpu) -> Result<Option<DepthsFound>, GpuError> {
+    fn depths_found(&self) -> Result<Option<DepthsFound>, GpuError> {
         Ok(None)
     }
 
@@ -71,7 +70,7 @@ pub(crate) trait Shadows {
     }
 
     /// The maps of a light as they were drawn, if they cast. Waits for the device.
-    fn saved_maps(&self, _gpu: &Gpu, _light: usize, _origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
+    fn saved_maps(&self, _light: usize, _origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
         Ok(None)
     }
 }
@@ -178,14 +177,5 @@ impl VolumePipelines {
         }
         let batches = BatchPipelines::new(shared, format, counting);
         Ok(Self::Scene(Arc::new(ShadowPipelines::new(shared, format, counting)?), batches))
-    }
-
-    /// Why casters cannot be drawn with these, as they count otherwise.
-    pub(super) fn refuse(&self, volumes: Counting) -> GpuError {
-        let pipelines = match self {
-            Self::Scene(pipelines, _) => pipelines.counting(),
-            Self::Depth(..) => Counting::Auto,
-        };
-        ShadowError::OtherCounting { volumes, pipelines }.into()
     }
 }

@@ -29,23 +29,8 @@ struct Surface {
   @location(3) @interpolate(flat) is_turned: u32,
 }
 
-fn unfold(word: u32) -> vec3<f32> {
-  let e = unpack2x16snorm(word);
-  var n = vec3<f32>(e, 1.0 - abs(e.x) - abs(e.y));
-  let t = saturate(-n.z);
-  n.x += select(t, -t, n.x >= 0.0);
-  n.y += select(t, -t, n.y >= 0.0);
-  return normalize(n);
-}
-
 fn position(vertex: u32) -> vec3<f32> {
   return bitcast<vec3<f32>>(vec3<u32>(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]));
-}
-
-// Decided on the bits: WGSL lets an implementation assume that floats are finite.
-fn is_finite(p: vec3<f32>) -> bool {
-  let exponents = bitcast<vec3<u32>>(p) & vec3<u32>(0x7f800000u);
-  return all(exponents != vec3<u32>(0x7f800000u));
 }
 
 @vertex fn surface_vertex(@builtin(vertex_index) corner: u32) -> Surface {

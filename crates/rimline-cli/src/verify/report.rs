@@ -1,16 +1,23 @@
-//! Output of `verify`.
+//! Checks of one file on each device, and the output of `verify`.
 
 use std::fmt::Write as _;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
+use rimline::gltf::LoadOptions;
+use rimline::reference::light::check_lights;
+use rimline::{Light, MAX_LIGHTS, Mesh};
 use serde_json::{Value, json};
 
-use super::check::Checked;
 use crate::device::Device;
-use crate::failure::{Failure, NoDevice};
-use crate::npz::Difference;
+use crate::extract::{arrays, extract_exactly};
+use crate::failure::{Failure, InputError, NoDevice};
+use crate::input::{Scene, Shape};
+use crate::npz::{self, Arrays, Difference};
 use crate::shown::Line;
+use crate::source;
 
+#[derive(Default)]
 pub(super) struct Report {
     folder: PathBuf,
     devices: Vec<String>,
@@ -46,13 +53,7 @@ impl Report {
             clips_wrongly: devices.iter().filter(|device| device.clips_wrongly()).map(Device::name).collect(),
             unusable: unusable.iter().map(ToString::to_string).collect(),
             name_width: files.iter().map(|file| name_cell(&name(file)).chars().count()).max().unwrap_or(0).max(4),
-            files: Vec::new(),
-            faces: 0,
-            facing_bits: 0,
-            checks: 0,
-            different: 0,
-            failed: 0,
-            first_failure: None,
+            ..Self::default()
         }
     }
 
@@ -191,4 +192,48 @@ fn to_json(difference: &Difference) -> Value {
         "found": first.map(|first| first.expected),
         "message": difference.to_string(),
     })
+}
+
+/// Contents of a file, and results of each device for it.
+pub(super) struct Checked {
+    pub(super) faces: usize,
+    pub(super) edges: usize,
+    pub(super) lights: usize,
+    /// One a device; empty where its bytes are the file's.
+    pub(super) results: Vec<Result<Vec<Difference>, Failure>>,
+}
+
+/// Finds everything again from positions, faces and lights, on each device, and compares the archives.
+pub(super) fn file(file: &Path, devices: &[Device]) -> Result<Checked, Failure> {
+    let failed = Failure::input(file);
+    let given = source::read(file).map_err(|error| failed(error.into()))?;
+    let (arrays, lights) = read(&given).map_err(&failed)?;
+    let Arrays { positions, faces, polygons: _, origin } = arrays;
+    let mesh = Mesh::from_faces(positions.len(), faces).map_err(|error| failed(error.into()))?;
+    let scene = Scene { mesh, shape: Shape::World(&positions) };
+    let (faces, edges) = (scene.mesh.faces().len(), scene.mesh.edges().len());
+    let mut results = Vec::with_capacity(devices.len());
+    for device in devices {
+        let found = extract_exactly(device, &scene, &lights);
+        let written = found.and_then(|found| {
+            let mut bytes = Vec::with_capacity(given.len());
+            let target = file.to_owned();
+            arrays::write(Cursor::new(&mut bytes), &scene.mesh, &lights, &found, origin)
+                .map_err(|source| Failure::Output { file: target, source })?;
+            Ok(bytes)
+        });
+        results.push(match written {
+            // An array that cannot be read is the file's fault on every device.
+            Ok(written) => Ok(npz::compare(&given, &written).map_err(|error| failed(error.into()))?),
+            Err(failure) => Err(failure),
+        });
+    }
+    Ok(Checked { faces, edges, lights: lights.len(), results })
+}
+
+fn read(archive: &[u8]) -> Result<(Arrays, Vec<Light>), InputError> {
+    let (arrays, lights) = npz::read_with_lights(Cursor::new(archive), LoadOptions::DEFAULT_MEMORY_LIMIT)?;
+    let lights: Vec<Light> = lights.into_iter().map(Light::homogeneous).collect();
+    check_lights(&lights, MAX_LIGHTS).map_err(InputError::Lights)?;
+    Ok((arrays, lights))
 }

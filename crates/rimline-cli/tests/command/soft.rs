@@ -60,7 +60,7 @@ fn list(v: DVec3) -> String {
     format!("{},{},{}", v.x, v.y, v.z)
 }
 
-/// Colour of the ground in so much light of strength 1, by the formulas of `scene.wgsl`, `ground.wgsl` and `tone.wgsl`.
+/// Colour of the ground in so much light of strength 1, by the formulas of `scene.wgsl`, `ground.wgsl` and `picture.wgsl`.
 fn shade(light: f64) -> [f64; 3] {
     let (albedo, around) = ([0.80, 0.79, 0.77], [0.86, 0.95, 1.08]);
     std::array::from_fn(|c| {

@@ -1,13 +1,16 @@
 //! Casters whose faces lie over each other more often than the stencil counts: they are drawn in batches of few layers, each of
 //! which darkens what it covers before the next is counted.
 
-mod batch_pipelines;
 mod batches;
 mod deepest;
-mod rays;
 
-use rimline::gpu::{Caster, FrameInputs, LightHandle, Scene, SceneFrame, SceneOptions, ShadowError, StencilCounts};
-use rimline::{Counting, Light, Mesh, MeshError, ShadowCamera, wgpu};
+use std::sync::{Arc, OnceLock};
+
+use rimline::gpu::{
+    Caster, FrameInputs, LightHandle, Pipelines, Scene, SceneFrame, SceneOptions, ShadowError, ShadowFormat,
+    ShadowPipelines, StencilCounts,
+};
+use rimline::{Counting, Light, ShadowCamera, wgpu};
 
 use super::casting::{CastInputs, set_lights};
 use super::depth::MOST;
@@ -15,17 +18,14 @@ use super::posed_model::PosedModel;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
-pub(crate) use batch_pipelines::BatchPipelines;
-use batch_pipelines::{COUNT_BITS, MOST_OF_BATCH};
+use crate::render::pipeline_factory::{COMMON, Pass, depth_state};
 
-/// The layers of all models, as far as they are known.
-pub(super) enum Layers {
-    /// At most so many faces lie over each other, and the stencil counts them.
-    Few(u32),
+/// The layers of all models.
+pub(super) struct Layers {
+    /// At most so many faces lie over each other, if the stencil counts them.
+    pub(super) most: Option<u32>,
     /// More may lie over each other, so they are drawn in batches.
-    Batched(Vec<Batch>),
-    /// More may lie over each other, and no reasonable number of batches would do.
-    Many,
+    batches: Vec<Batch>,
 }
 
 /// A scene of some faces of all models.
@@ -37,14 +37,14 @@ pub(super) struct Batch {
 
 impl Layers {
     /// Counts what lies over each other for these lights, and makes batches for up to `max_lights` at a time where the stencil would
-    /// not do. They are to be encoded before they are drawn.
+    /// not do. They are to be encoded before they are drawn. `None` if no reasonable number of batches would do.
     pub(super) fn new(
         gpu: &Gpu,
         bodies: &[PosedModel<'_>],
         counting: Counting,
         max_lights: usize,
         lights: &[Light],
-    ) -> Result<Self, Failure> {
+    ) -> Result<Option<Self>, Failure> {
         let mut positions: Vec<[f32; 3]> = Vec::new();
         let mut faces: Vec<[u32; 3]> = Vec::new();
         for body in bodies {
@@ -63,12 +63,12 @@ impl Layers {
             })
             .collect();
         if deep.is_empty() {
-            return Ok(Self::Few(most));
+            return Ok(Some(Self { most: Some(most), batches: Vec::new() }));
         }
         // The others are counted in the same batches.
-        let Some(found) = batches::batches(&deep, &positions, &faces, MOST_OF_BATCH) else { return Ok(Self::Many) };
+        let Some(found) = batches::batches(&deep, &positions, &faces, MOST_OF_BATCH) else { return Ok(None) };
         let batch = |of: &Vec<u32>| Batch::new(gpu, bodies, counting, max_lights, of);
-        Ok(Self::Batched(found.iter().map(batch).collect::<Result<_, _>>()?))
+        Ok(Some(Self { most: None, batches: found.iter().map(batch).collect::<Result<_, _>>()? }))
     }
 
     pub(super) fn encode(
@@ -76,10 +76,7 @@ impl Layers {
         encoder: &mut wgpu::CommandEncoder,
         CastInputs { camera, lights, .. }: &CastInputs<'_>,
     ) -> Result<(), GpuError> {
-        match self {
-            Self::Batched(batches) => batches.iter_mut().try_for_each(|batch| batch.encode(encoder, camera, lights)),
-            Self::Few(_) | Self::Many => Ok(()),
-        }
+        self.batches.iter_mut().try_for_each(|batch| batch.encode(encoder, camera, lights))
     }
 
     /// Draws the batches of a light, if there are any. Returns whether there are.
@@ -89,9 +86,11 @@ impl Layers {
         pipelines: &BatchPipelines,
         light: usize,
     ) -> Result<bool, GpuError> {
-        let Self::Batched(batches) = self else { return Ok(false) };
+        if self.batches.is_empty() {
+            return Ok(false);
+        }
         let made = pipelines.get()?;
-        for (number, batch) in batches.iter().enumerate() {
+        for (number, batch) in self.batches.iter().enumerate() {
             if number > 0 {
                 made.resolve(pass);
             }
@@ -129,11 +128,7 @@ impl Batch {
                 let (own, others) = of.split_at(of.partition_point(|&face| face < end));
                 of = others;
                 let corners = |&face: &u32| body.faces[(face - first_face) as usize].map(|v| v - first_vertex);
-                let mesh = match Mesh::from_faces(rest.len(), own.iter().map(corners).collect()) {
-                    Ok(mesh) => Some(mesh),
-                    Err(MeshError::NoFaces) => None,
-                    Err(error) => return Err(Failure::input(&body.input.file)(error.into())),
-                };
+                let mesh = body.part(rest.len(), own.iter().map(corners).collect())?;
                 first_vertex += rest.len() as u32;
                 let (Some(mesh), Some(positions)) = (mesh, body.positions.of_instance(instance)) else { continue };
                 let mesh = scene.add_mesh(&mesh, rest).on(gpu)?;
@@ -154,4 +149,71 @@ impl Batch {
         self.frame = Some(self.scene.encode(encoder, FrameInputs::new(&[(*camera).into()]))?);
         Ok(())
     }
+}
+
+/// The bits that count.
+pub(super) const COUNT_BITS: u32 = 7;
+/// The most that they count to.
+pub(super) const MOST_OF_BATCH: u32 = (1 << COUNT_BITS) - 1;
+
+/// Made when they are first needed, as most pictures do without.
+#[derive(Clone)]
+pub(crate) struct BatchPipelines {
+    pipelines: Pipelines,
+    format: ShadowFormat,
+    counting: Counting,
+    made: Arc<OnceLock<Made>>,
+}
+
+pub(super) struct Made {
+    pub(super) counting: ShadowPipelines,
+    resolve: wgpu::RenderPipeline,
+}
+
+impl BatchPipelines {
+    pub(crate) fn new(pipelines: &Pipelines, format: &ShadowFormat, counting: Counting) -> Self {
+        let format = ShadowFormat { count_bits: COUNT_BITS, ..format.clone() };
+        Self { pipelines: pipelines.clone(), format, counting, made: Arc::default() }
+    }
+
+    pub(super) fn get(&self) -> Result<&Made, GpuError> {
+        if let Some(made) = self.made.get() {
+            return Ok(made);
+        }
+        let counting = ShadowPipelines::new(&self.pipelines, &self.format, self.counting)?;
+        let resolve = resolve(self.pipelines.device(), &self.format);
+        Ok(self.made.get_or_init(|| Made { counting, resolve }))
+    }
+}
+
+impl Made {
+    /// Where a count is not 0, sets the bit of darkness and the count to 0.
+    pub(super) fn resolve(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_pipeline(&self.resolve);
+        pass.set_stencil_reference(MOST_OF_BATCH + 1);
+        pass.draw(0..3, 0..1);
+        pass.set_stencil_reference(0);
+    }
+}
+
+fn resolve(device: &wgpu::Device, format: &ShadowFormat) -> wgpu::RenderPipeline {
+    // The reference has no bit of the count, so the comparison is with 0.
+    let face = wgpu::StencilFaceState {
+        compare: wgpu::CompareFunction::NotEqual,
+        fail_op: wgpu::StencilOperation::Keep,
+        depth_fail_op: wgpu::StencilOperation::Keep,
+        pass_op: wgpu::StencilOperation::Replace,
+    };
+    let depth = depth_state(format.depth_stencil, false, wgpu::CompareFunction::Always, face);
+    let color = format.colors.iter().flatten().next().copied().unwrap_or(wgpu::TextureFormat::Rgba8Unorm);
+    let pass = Pass {
+        samples: format.samples,
+        write: wgpu::ColorWrites::empty(),
+        depth: Some(wgpu::DepthStencilState {
+            stencil: wgpu::StencilState { read_mask: MOST_OF_BATCH, ..depth.stencil.clone() },
+            ..depth
+        }),
+        ..Pass::over("resolve", "@fragment fn resolve_fragment() {}", &[], color)
+    };
+    pass.pipeline(device, COMMON, None)
 }

@@ -1,11 +1,26 @@
-// Ambient occlusion: creases and hollows get less light. After McGuire, Osman, Bukowski and Hennessy, "The Alchemy
-// Screen-Space Ambient Obscurance Algorithm", HPG 2011.
+// Passes over the whole target: the blur of the contact shadow, ambient occlusion, and how it darkens the picture.
+
+@group(1) @binding(0) var sharp: texture_2d<f32>;
+@group(1) @binding(1) var linear: sampler;
+// From a sample to the next, in pixels.
+@group(1) @binding(2) var<uniform> pitch: vec2<f32>;
+
+// One direction of a Gaussian blur.
+@fragment fn blur_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+  let size = vec2<f32>(textureDimensions(sharp));
+  var sum = 0.0;
+  var weights = 0.0;
+  for (var i = -12; i <= 12; i++) {
+    let offset = f32(i) / 6.0;
+    let weight = exp(-0.5 * offset * offset);
+    sum += weight * textureSampleLevel(sharp, linear, (at.xy + f32(i) * pitch) / size, 0.0).r;
+    weights += weight;
+  }
+  return vec4<f32>(sum / weights);
+}
 
 @group(1) @binding(0) var seen: texture_2d<u32>;
-
-@vertex fn occlusion_vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
-  return cover(vertex);
-}
+@group(1) @binding(1) var occlusion: texture_2d<f32>;
 
 fn depth_at(pixel: vec2<i32>) -> f32 {
   let inside = clamp(pixel, vec2<i32>(0), vec2<i32>(frame.size) - 1);
@@ -23,6 +38,8 @@ fn shorter(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
   return select(b, a, abs(a.z) < abs(b.z));
 }
 
+// Ambient occlusion: creases and hollows get less light. After McGuire, Osman, Bukowski and Hennessy, "The Alchemy
+// Screen-Space Ambient Obscurance Algorithm", HPG 2011.
 @fragment fn occlusion_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
   const SAMPLES = 20u;
   let pixel = vec2<i32>(at.xy);
@@ -53,4 +70,28 @@ fn shorter(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     sum += falloff * max(0.0, dot(to, normal) - 0.004 * radius - 0.0008 * here.z) / (sqrt(squared) + 1e-3 * radius);
   }
   return vec4<f32>(saturate(1.0 - 2.2 * sum / f32(SAMPLES)));
+}
+
+// Multiplies the occlusion into the picture, smoothed over neighbours on the same surface.
+@fragment fn darken_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+  let pixel = vec2<i32>(at.xy);
+  let here = depth_of(textureLoad(seen, frame.places * pixel, 0));
+  if (here == 0.0) {
+    return vec4<f32>(1.0);
+  }
+  let last = vec2<i32>(frame.size) - 1;
+  var sum = 0.0;
+  var weights = 0.0;
+  for (var y = -3; y <= 3; y++) {
+    for (var x = -3; x <= 3; x++) {
+      let other = clamp(pixel + vec2<i32>(x, y), vec2<i32>(0), last);
+      let there = depth_of(textureLoad(seen, frame.places * other, 0));
+      let weight = exp(-f32(x * x + y * y) / 8.0) * saturate(1.0 - abs(there / here - 1.0) * 60.0);
+      sum += weight * textureLoad(occlusion, other, 0).r;
+      weights += weight;
+    }
+  }
+  let light = sum / max(weights, 1e-6);
+  // Occluded clay is warmer: light that gets there has met more clay.
+  return vec4<f32>(mix(vec3<f32>(0.26, 0.27, 0.32), vec3<f32>(1.0), light), 1.0);
 }
