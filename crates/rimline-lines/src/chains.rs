@@ -15,7 +15,12 @@ const NONE: End = u32::MAX;
 const BY_ANGLE: usize = 16;
 
 /// The spans of all pieces in the order of their chains.
-pub(crate) fn chains(world: &World<'_>, lines: &[Line], parts: &[Option<Part>], pieces: &[Piece]) -> (Vec<Span>, Vec<Chain>) {
+pub(crate) fn chains(
+    world: &World<'_>,
+    lines: &[Line],
+    parts: &[Option<Part>],
+    pieces: &[Piece],
+) -> (Vec<Span>, Vec<Chain>) {
     let lots = Lots { world, lines, parts, pieces };
     let next = lots.joined();
     let mut order: Vec<End> = (0..pieces.len() as u32).collect();

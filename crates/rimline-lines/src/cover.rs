@@ -58,8 +58,7 @@ impl<'a> Segment<'a> {
         let mut part = [0.0, 1.0];
         for (i, j) in [(0, 1), (1, 2), (2, 0)] {
             // Both faces of an edge compute the same numbers, so that one's part ends exactly where the other's begins.
-            let (i, j, turn) =
-                if triangle.corners[i] < triangle.corners[j] { (i, j, 1) } else { (j, i, -1) };
+            let (i, j, turn) = if triangle.corners[i] < triangle.corners[j] { (i, j, 1) } else { (j, i, -1) };
             let (from, to) = (corners[i], corners[j]);
             let is_on = |end: usize| [triangle.corners[i], triangle.corners[j]].contains(&self.vertices[end]);
             let plane = || Plane::of_edge(from, to, self.eye);
@@ -92,7 +91,8 @@ impl<'a> Segment<'a> {
         if signs == [1, 1] {
             return Some(());
         }
-        let value = |end: usize| if is_on(end) { Value::ZERO } else { heights[end].certain().unwrap_or_else(|| exact(end)) };
+        let value =
+            |end: usize| if is_on(end) { Value::ZERO } else { heights[end].certain().unwrap_or_else(|| exact(end)) };
         let mut values = [value(0), value(1)];
         let signs = values.map(|value| value.sign() * wanted);
         if signs[0].max(signs[1]) <= 0 {

@@ -47,7 +47,8 @@ pub(crate) fn lines(
         let masks = extract(&object.positions, &object.mesh, &[world.view.eye()], Predicate::Exact, options.threads)?;
         let shared = shared_edges(&object.mesh);
         let marked = Marked::new(placed, left_out);
-        let asked = Asked { placed, number, options, crease: Crease::new(options.crease_degrees), masks, shared, marked };
+        let asked =
+            Asked { placed, number, options, crease: Crease::new(options.crease_degrees), masks, shared, marked };
         let found = ranges(options.threads, object.mesh.edges().len(), RUN, |range| {
             range.filter_map(|record| asked.line(record as u32)).collect::<Vec<_>>()
         });
@@ -182,12 +183,18 @@ fn once(lines: Vec<Line>, world: &World<'_>) -> Vec<Line> {
     order.sort_unstable();
     let mut is_drawn = vec![true; lines.len()];
     for run in order.chunk_by(|one, other| one.0 == other.0).filter(|run| run.len() > 1) {
-        let mut run: Vec<_> = run.iter().map(|&(_, at)| (key(&lines[at as usize]), lines[at as usize].class, at)).collect();
+        let mut run: Vec<_> =
+            run.iter().map(|&(_, at)| (key(&lines[at as usize]), lines[at as usize].class, at)).collect();
         run.sort_unstable();
         for same in run.chunk_by(|one, other| one.0 == other.0) {
             same[1..].iter().for_each(|&(.., at)| is_drawn[at as usize] = false);
         }
     }
-    let kept = lines.into_iter().zip(is_drawn).filter(|(line, is_drawn)| *is_drawn && { let [a, b] = ends(line); a != b });
+    let kept = lines.into_iter().zip(is_drawn).filter(|(line, is_drawn)| {
+        *is_drawn && {
+            let [a, b] = ends(line);
+            a != b
+        }
+    });
     kept.map(|(line, _)| line).collect()
 }

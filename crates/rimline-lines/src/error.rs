@@ -7,7 +7,9 @@ use rimline::{ModelError, cpu::CpuError};
 #[non_exhaustive]
 pub enum LinesError {
     /// The eye or its axes are no view.
-    #[error("the eye sees no page: eye, target and up must be finite, the target apart from the eye, and up not along the line of sight")]
+    #[error(
+        "the eye sees no page: eye, target and up must be finite, the target apart from the eye, and up not along the line of sight"
+    )]
     View,
     /// The crease angle is no angle.
     #[error("the crease angle is {degrees}; give 0 to 180 degrees")]
@@ -30,7 +32,9 @@ pub enum LinesError {
         high: [f64; 2],
     },
     /// The drawing needs more memory than the limit allows.
-    #[error("the drawing needs about {needed} bytes, and the limit is {limit}; raise it, or draw fewer objects or classes")]
+    #[error(
+        "the drawing needs about {needed} bytes, and the limit is {limit}; raise it, or draw fewer objects or classes"
+    )]
     Memory {
         /// Bytes needed.
         needed: u64,

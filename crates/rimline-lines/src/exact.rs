@@ -203,7 +203,8 @@ fn decode(value: f32) -> (i64, i32) {
 /// The exponents of the lowest bit, and of the one above the highest, of numbers that are not all 0.
 pub(crate) fn window(numbers: &[f32]) -> (i32, i32) {
     let decoded = numbers.iter().map(|&number| decode(number)).filter(|&(mantissa, _)| mantissa != 0);
-    let ends = decoded.map(|(mantissa, exponent)| (exponent, exponent + 64 - mantissa.unsigned_abs().leading_zeros() as i32));
+    let ends =
+        decoded.map(|(mantissa, exponent)| (exponent, exponent + 64 - mantissa.unsigned_abs().leading_zeros() as i32));
     ends.reduce(|one, other| (one.0.min(other.0), one.1.max(other.1))).unwrap_or((0, 0))
 }
 

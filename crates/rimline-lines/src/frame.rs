@@ -70,9 +70,17 @@ pub(crate) fn point_at([a, b]: [[f64; 3]; 2], at: f64) -> [f64; 3] {
 
 impl Frame {
     /// Finds the part of each line that is on the page, and the frame around all. Lines that are nowhere on it have `None`.
-    pub(crate) fn new(world: &World<'_>, lines: &[Line], options: &LineOptions) -> Result<(Self, Vec<Option<Part>>), LinesError> {
+    pub(crate) fn new(
+        world: &World<'_>,
+        lines: &[Line],
+        options: &LineOptions,
+    ) -> Result<(Self, Vec<Option<Part>>), LinesError> {
         let view = world.view;
-        let largest = world.positions.iter().flatten().fold(0.0_f32, |largest, c| if c.is_finite() { largest.max(c.abs()) } else { largest });
+        let largest = world
+            .positions
+            .iter()
+            .flatten()
+            .fold(0.0_f32, |largest, c| if c.is_finite() { largest.max(c.abs()) } else { largest });
         let eye = if view.is_perspective() { view.eye().xyz } else { [0.0; 3] };
         let reach = eye.into_iter().fold(f64::from(largest), |reach, c| reach.max(f64::from(c.abs())));
         let ends = |line: &Line| line.vertices.map(|vertex| world.positions[vertex as usize].map(f64::from));
@@ -85,7 +93,8 @@ impl Frame {
         let (low, size, depth_low, depth_size) = ([0.0; 2], 1.0, 0.0, 1.0);
         let mut frame = Self { view, near, window, low, size, depth_low, depth_size, error };
         let parts: Vec<_> = lines.iter().map(|line| frame.part(ends(line))).collect();
-        let (mut low, mut high, mut depths) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2], [f64::INFINITY, f64::NEG_INFINITY]);
+        let (mut low, mut high, mut depths) =
+            ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2], [f64::INFINITY, f64::NEG_INFINITY]);
         for part in parts.iter().flatten() {
             for (page, depth) in part.page.into_iter().zip(part.depths) {
                 low = [0, 1].map(|axis| low[axis].min(page[axis]));
@@ -113,7 +122,8 @@ impl Frame {
             let weights = |at: f64| if self.view.is_perspective() { self.view.depth(point_at(ends, at)) } else { 1.0 };
             let from = part;
             for axis in 0..2 {
-                let inside = |at: f64| [on_page(at)[axis] - low[axis], high[axis] - on_page(at)[axis]].map(|d| d * weights(at));
+                let inside =
+                    |at: f64| [on_page(at)[axis] - low[axis], high[axis] - on_page(at)[axis]].map(|d| d * weights(at));
                 let [first, last] = from.map(inside);
                 for side in 0..2 {
                     let mut own = [0.0, 1.0];

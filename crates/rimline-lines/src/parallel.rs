@@ -31,7 +31,8 @@ pub(crate) fn blocks<R: Send>(
     let mut results = std::thread::scope(|scope| {
         let others = threads.count().min(count).saturating_sub(1);
         let own = &own;
-        let workers: Vec<_> = (0..others).map(|_| scope.spawn(move || own(&mut |_| ControlFlow::Continue(())))).collect();
+        let workers: Vec<_> =
+            (0..others).map(|_| scope.spawn(move || own(&mut |_| ControlFlow::Continue(())))).collect();
         let mut results = own(tick);
         for worker in workers {
             results.extend(worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));

@@ -49,7 +49,8 @@ impl<'a> World<'a> {
         let positions = match &*placed {
             [only] => Cow::Borrowed(&only.object.positions[..vertices]),
             _ => {
-                let own = placed.iter().map(|placed| &placed.object.positions[..placed.object.mesh.vertex_count() as usize]);
+                let own =
+                    placed.iter().map(|placed| &placed.object.positions[..placed.object.mesh.vertex_count() as usize]);
                 Cow::Owned(own.collect::<Vec<_>>().concat())
             }
         };
