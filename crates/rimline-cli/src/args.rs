@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::bench_args::BenchArgs;
 use crate::help::verbatim;
 use crate::input_args::{ModelArgs, MomentArgs, ViewArgs, drawing_device};
+use crate::lines::args::LinesArgs;
 use crate::load_args::LoadArgs;
 use crate::query::args::QueryArgs;
 use crate::shadow::args::{FilmArgs, ShadowArgs};
@@ -44,6 +45,8 @@ Ctrl-C.";
 pub(crate) enum Command {
     /// Draw a model with its outline, as a PNG
     Draw(DrawArgs),
+    /// Draw models as lines without what is hidden, as SVG, PDF, DXF, JSON or PNG
+    Lines(LinesArgs),
     /// Draw models with their shadows, as a PNG, and masks of what each light reaches
     Shadow(ShadowArgs),
     /// Draw an animation with its shadows, as numbered PNG files

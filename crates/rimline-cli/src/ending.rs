@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::failure::UsageError;
 
 /// Endings that stand for a format. One that is none of these is a part of the name.
-const FORMATS: &str = "png apng jpg jpeg jpe jfif gif bmp tif tiff webp avif heic jxl svg pdf eps ps exr hdr tga ppm \
+const FORMATS: &str = "png apng jpg jpeg jpe jfif gif bmp tif tiff webp avif heic jxl svg pdf dxf eps ps exr hdr tga ppm \
     pgm pnm psd ico mp4 m4v mov avi mkv webm mpg mpeg ogv npz npy mat h5 gltf glb bin obj mtl ply stl off fbx dae 3ds \
     usd usda usdc usdz blend zip gz tar csv tsv json txt md html wgsl";
 
@@ -14,8 +14,10 @@ const FORMATS: &str = "png apng jpg jpeg jpe jfif gif bmp tif tiff webp avif hei
 pub(crate) enum Written {
     Png,
     Npz,
-    #[cfg(feature = "bench")]
     Json,
+    Svg,
+    Pdf,
+    Dxf,
 }
 
 impl Written {
@@ -24,8 +26,10 @@ impl Written {
         match self {
             Self::Png => ("a PNG picture", "png"),
             Self::Npz => ("a NumPy archive", "npz"),
-            #[cfg(feature = "bench")]
             Self::Json => ("JSON", "json"),
+            Self::Svg => ("an SVG drawing", "svg"),
+            Self::Pdf => ("a PDF", "pdf"),
+            Self::Dxf => ("a DXF drawing", "dxf"),
         }
     }
 }
