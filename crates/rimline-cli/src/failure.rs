@@ -97,6 +97,8 @@ pub(crate) enum InputError {
     Mesh(#[from] MeshError),
     #[error(transparent)]
     Lines(rimline_lines::LinesError),
+    #[error("nothing of it can be drawn; the warnings say why")]
+    NothingToDraw,
     #[error("{problem}")]
     Style { problem: String },
     #[error("its lights cannot be used: {0}")]

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 use rimline::cpu::Threads;
 use rimline::{Mesh, Origin};
-use rimline_lines::{Drawing, LineOptions, LinesError, Object, draw, objects_of_model};
+use rimline_lines::{Drawing, Fault, LineOptions, LinesError, Object, draw, objects_of_model};
 
 use crate::failure::{Failure, InputError};
 use crate::input::{Input, Shape};
@@ -68,11 +68,25 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
     for left_out in &drawing.left_out {
         note(&format!("warning: `{}`: {}", left_out.name, left_out.fault));
     }
+    let is_left_out = |object: usize| {
+        drawing
+            .left_out
+            .iter()
+            .any(|left_out| left_out.object == object && !matches!(left_out.fault, Fault::NoSuchEdge { .. }))
+    };
+    if (0..objects.len()).all(is_left_out) {
+        return Err(Failure::input(&args.files[0])(InputError::NothingToDraw));
+    }
+    if drawing.spans.is_empty() {
+        note("warning: the eye sees no line of these classes");
+    }
     let sheet = Sheet::new(args, &style, &drawing, eye.view.is_perspective())?;
     progress.step("writing");
-    output.finish(|file| format.write(file, &Picture { args, eye: &eye, objects: &objects, drawing: &drawing, sheet: &sheet, origin }))?;
+    output.finish(|file| {
+        format.write(file, &Picture { args, eye: &eye, objects: &objects, drawing: &drawing, sheet: &sheet, origin })
+    })?;
     drop(progress);
-    print(&sheet.said(args, &drawing))
+    print(&sheet.said(args))
 }
 
 /// A drawing, and all that the formats say of it.
@@ -111,7 +125,12 @@ fn read(args: &LinesArgs) -> Result<Vec<Input>, Failure> {
 }
 
 /// The objects of a file. Where there are several files, their names begin with the file's.
-fn objects_of(input: &Input, playing: &[usize], time_s: f32, is_prefixed: bool) -> Result<Vec<Object<'static>>, Failure> {
+fn objects_of(
+    input: &Input,
+    playing: &[usize],
+    time_s: f32,
+    is_prefixed: bool,
+) -> Result<Vec<Object<'static>>, Failure> {
     let shape = input.shape(playing, time_s, false)?;
     let mut objects = match &shape {
         Shape::Posed { model, pose } => {

@@ -14,7 +14,9 @@ pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()
     section(to, "HEADER")?;
     pair(to, 9, "$ACADVER")?;
     pair(to, 1, "AC1009")?;
-    for (name, x, y) in [("$LIMMIN", 0.0, 0.0), ("$LIMMAX", width, height), ("$EXTMIN", 0.0, 0.0), ("$EXTMAX", width, height)] {
+    for (name, x, y) in
+        [("$LIMMIN", 0.0, 0.0), ("$LIMMAX", width, height), ("$EXTMIN", 0.0, 0.0), ("$EXTMAX", width, height)]
+    {
         pair(to, 9, name)?;
         pair(to, 10, x)?;
         pair(to, 20, y)?;

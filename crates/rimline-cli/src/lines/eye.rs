@@ -48,7 +48,8 @@ impl Eye {
             };
             objects.iter().flat_map(of_object).filter(|corner| corner.iter().all(|c| c.is_finite()))
         };
-        let bounds = Bounds::of(corners().collect::<Vec<_>>().iter()).ok_or(EyeError::Input(InputError::NoFiniteFace))?;
+        let bounds =
+            Bounds::of(corners().collect::<Vec<_>>().iter()).ok_or(EyeError::Input(InputError::NoFiniteFace))?;
         let middle = [0, 1, 2].map(|axis| f64::from(bounds.min[axis]) / 2.0 + f64::from(bounds.max[axis]) / 2.0);
         let nearest = |point: [f64; 3]| point.map(|c| c as f32);
         if let Some(eye) = args.eye {
@@ -87,7 +88,9 @@ impl Eye {
         match (args.eye, args.view) {
             (Some(_), _) => format!("{how} view of an eye at {:?}", self.view.eye().xyz),
             (None, Side::Named(name, _)) => format!("{how} view, {name}"),
-            (None, Side::Angles(azimuth, elevation)) => format!("{how} view, azimuth {azimuth}°, elevation {elevation}°"),
+            (None, Side::Angles(azimuth, elevation)) => {
+                format!("{how} view, azimuth {azimuth}°, elevation {elevation}°")
+            }
         }
     }
 }

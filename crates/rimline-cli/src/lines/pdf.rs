@@ -83,9 +83,17 @@ fn contents(layers: &[Layer]) -> Vec<u8> {
 fn path(content: &mut Content, line: &Polyline) {
     for (number, point) in line.points.iter().enumerate() {
         let [x, y] = point.map(|micrometres| (micrometres as f64 / 1000.0 * POINTS_PER_MM) as f32);
-        if number == 0 { content.move_to(x, y) } else { content.line_to(x, y) };
+        if number == 0 {
+            content.move_to(x, y)
+        } else {
+            content.line_to(x, y)
+        };
     }
-    if line.is_closed { content.close_and_stroke() } else { content.stroke() };
+    if line.is_closed {
+        content.close_and_stroke()
+    } else {
+        content.stroke()
+    };
 }
 
 fn compressed(bytes: &[u8]) -> io::Result<Vec<u8>> {

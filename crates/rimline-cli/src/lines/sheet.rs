@@ -48,7 +48,12 @@ impl Layer {
 }
 
 impl Sheet {
-    pub(crate) fn new(args: &LinesArgs, style: &Style, drawing: &Drawing, is_perspective: bool) -> Result<Self, UsageError> {
+    pub(crate) fn new(
+        args: &LinesArgs,
+        style: &Style,
+        drawing: &Drawing,
+        is_perspective: bool,
+    ) -> Result<Self, UsageError> {
         let most = if args.hidden == Hidden::None { 0 } else { u32::MAX };
         // A drawing without lines has the origin in its middle.
         let nothing = PageBox { low: [0.0; 2], high: [0.0; 2] };
@@ -71,16 +76,18 @@ impl Sheet {
             } else if needed[0] > size_mm[0] || needed[1] > size_mm[1] {
                 let [width, height] = size_mm;
                 let [wide, high] = needed.map(libm::ceil);
-                note(&format!("warning: the drawing takes {wide}x{high} mm, more than the page of {width}x{height} mm; give a smaller --scale or a larger --page"));
+                note(&format!(
+                    "warning: the drawing takes {wide}x{high} mm, more than the page of {width}x{height} mm; give a smaller --scale or a larger --page"
+                ));
             }
         }
         if size_mm.into_iter().any(|side| !(side <= LARGEST_MM)) {
             let [width, height] = size_mm;
             return Err(UsageError::PageTooLarge { width, height });
         }
-        let corner = [0, 1].map(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis]) - 0.5 * size_mm[axis] / mm_per_unit);
-        let mut sheet =
-            Self { size_mm, mm_per_unit, corner, layers: Vec::new(), is_perspective, scale: args.scale };
+        let corner =
+            [0, 1].map(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis]) - 0.5 * size_mm[axis] / mm_per_unit);
+        let mut sheet = Self { size_mm, mm_per_unit, corner, layers: Vec::new(), is_perspective, scale: args.scale };
         for is_hidden in [true, false] {
             for class in LineClass::ALL.into_iter().rev().filter(|_| !is_hidden || args.hidden != Hidden::None) {
                 let chains = drawing.chains.iter().filter(|chain| (chain.class, chain.is_hidden) == (class, is_hidden));
@@ -121,16 +128,17 @@ impl Sheet {
     }
 
     /// What was drawn, in a line for the user.
-    pub(crate) fn said(&self, args: &LinesArgs, drawing: &Drawing) -> String {
-        let visible = drawing.spans.iter().filter(|span| span.faces_in_front == 0).count();
-        let [width, height] = self.size_mm;
-        let (paths, s) = match self.layers.iter().map(|layer| layer.lines.len()).sum::<usize>() {
-            1 => (1, ""),
-            count => (count, "s"),
+    pub(crate) fn said(&self, args: &LinesArgs) -> String {
+        let count = |is_hidden: bool| {
+            let layers = self.layers.iter().filter(|layer| layer.is_hidden == is_hidden);
+            layers.map(|layer| layer.lines.len()).sum::<usize>()
         };
-        let scale = self.scale_said();
-        let out = args.out.display();
-        format!("wrote {out}: {paths} line{s} of {visible} visible spans, on {width}x{height} mm; {scale}\n")
+        let hidden =
+            if args.hidden == Hidden::None { String::new() } else { format!(" and {} hidden ones", count(true)) };
+        let (visible, [width, height]) = (count(false), self.size_mm);
+        let s = if visible == 1 { "" } else { "s" };
+        let (out, scale) = (args.out.display(), self.scale_said());
+        format!("wrote {out}: {visible} line{s}{hidden} on {width}x{height} mm, {scale}\n")
     }
 }
 

@@ -73,7 +73,10 @@ pub(crate) fn read(file: &Path) -> Result<Style, Failure> {
 }
 
 fn parse(text: &str) -> Result<Style, String> {
-    let table: Table = text.parse().map_err(|error: toml::de::Error| error.to_string().trim_end().to_owned())?;
+    let table: Table = text.parse().map_err(|error: toml::de::Error| {
+        let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+        format!("line {}: {}", before.matches('\n').count() + 1, error.message().trim_end())
+    })?;
     let mut style = Style::default();
     for (key, value) in &table {
         let place = format!("[{key}]");
@@ -121,7 +124,8 @@ fn strokes(table: &Table, place: &str) -> Result<Strokes, String> {
             }
             "dash" => {
                 let lengths: Option<Vec<f64>> = value.as_array().and_then(|all| all.iter().map(length).collect());
-                let lengths = lengths.filter(|all| all.len() <= 16 && (all.is_empty() || all.iter().sum::<f64>() > 0.0));
+                let lengths =
+                    lengths.filter(|all| all.len() <= 16 && (all.is_empty() || all.iter().sum::<f64>() > 0.0));
                 strokes.dash_mm = Some(lengths.ok_or_else(|| {
                     wrong("give lengths of dashes and gaps in millimetres, such as [1.5, 0.8], at most 16; [] is a whole line")
                 })?);
@@ -168,7 +172,7 @@ mod tests {
             ("[hidden]\ndash = [0, 0]", "[hidden] dash: give lengths"),
             ("[hidden.crease]\nwide = 1", "[hidden.crease] wide: keys are"),
             ("crease = 1", "[crease] is no table"),
-            ("[crease", "TOML parse error at line 1"),
+            ("[crease", "line 1: "),
         ] {
             let error = parse(text).expect_err(text);
             assert!(error.starts_with(expected), "{text}: {error}");
