@@ -1,11 +1,10 @@
 //! Chains: pieces of one class, visible or hidden, joined at their ends.
 
-use crate::count::Piece;
+use crate::count::Drawn;
 use crate::drawing::{Chain, Span};
 use crate::edges::Line;
-use crate::frame::{Part, point_at};
+use crate::frame::point_at;
 use crate::options::LineClass;
-use crate::world::World;
 
 /// An end of a piece: twice the piece, and 1 for where it ends.
 type End = u32;
@@ -15,39 +14,34 @@ const NONE: End = u32::MAX;
 const BY_ANGLE: usize = 16;
 
 /// The spans of all pieces in the order of their chains.
-pub(crate) fn chains(
-    world: &World<'_>,
-    lines: &[Line],
-    parts: &[Option<Part>],
-    pieces: &[Piece],
-) -> (Vec<Span>, Vec<Chain>) {
-    let lots = Lots { world, lines, parts, pieces };
-    let next = lots.joined();
+pub(crate) fn chains(drawn: &Drawn<'_>) -> (Vec<Span>, Vec<Chain>) {
+    let pieces = drawn.pieces;
+    let next = drawn.joined();
     let mut order: Vec<End> = (0..pieces.len() as u32).collect();
-    order.sort_by_key(|&piece| lots.kind(piece));
+    order.sort_by_key(|&piece| drawn.kind(piece));
     let (mut spans, mut chains) = (Vec::with_capacity(pieces.len()), Vec::new());
     let mut is_taken = vec![false; pieces.len()];
     let mut walk = |begin: End, spans: &mut Vec<Span>| {
         let first = spans.len();
         let mut end = begin;
         while !std::mem::replace(&mut is_taken[end as usize / 2], true) {
-            spans.push(lots.span(end));
+            spans.push(drawn.span(end));
             end = next[(end ^ 1) as usize];
             if end == NONE {
                 break;
             }
         }
         if spans.len() > first {
-            let (class, is_hidden) = lots.kind(begin / 2);
+            let (class, is_hidden) = drawn.kind(begin / 2);
             let is_closed = end == begin;
             chains.push(Chain { class, is_hidden, spans: first..spans.len(), is_closed });
         }
     };
-    for pieces in order.chunk_by(|&one, &other| lots.kind(one) == lots.kind(other)) {
+    for pieces in order.chunk_by(|&one, &other| drawn.kind(one) == drawn.kind(other)) {
         // Open chains from the end where they begin, then closed ones.
         for &piece in pieces {
             for end in [2 * piece, 2 * piece + 1] {
-                let is_own_begin = end % 2 == 0 || !is_directed(lots.kind(piece).0);
+                let is_own_begin = end % 2 == 0 || !is_directed(drawn.kind(piece).0);
                 if next[end as usize] == NONE && is_own_begin {
                     walk(end, &mut spans);
                 }
@@ -63,14 +57,7 @@ fn is_directed(class: LineClass) -> bool {
     matches!(class, LineClass::Silhouette | LineClass::Boundary)
 }
 
-struct Lots<'a> {
-    world: &'a World<'a>,
-    lines: &'a [Line],
-    parts: &'a [Option<Part>],
-    pieces: &'a [Piece],
-}
-
-impl Lots<'_> {
+impl Drawn<'_> {
     fn line(&self, piece: u32) -> &Line {
         &self.lines[self.pieces[piece as usize].line as usize]
     }

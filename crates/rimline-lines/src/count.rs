@@ -16,6 +16,14 @@ pub(crate) struct Piece {
     pub(crate) ends: [f64; 2],
 }
 
+/// All lines of a drawing, with their pieces in order.
+pub(crate) struct Drawn<'a> {
+    pub(crate) world: &'a World<'a>,
+    pub(crate) lines: &'a [Line],
+    pub(crate) parts: &'a [Option<Part>],
+    pub(crate) pieces: &'a [Piece],
+}
+
 /// Changes nearer to each other than this share of the line's page are one cut.
 const TOLERANCE: f64 = 1.0 / (1 << 26) as f64;
 
@@ -32,7 +40,7 @@ pub(crate) struct Scratch {
 pub(crate) fn count(
     world: &World<'_>,
     frame: &Frame,
-    tree: &Tree,
+    tree: &Tree<Triangle>,
     (number, line, part): (u32, &Line, &Part),
     scratch: &mut Scratch,
     pieces: &mut Vec<Piece>,

@@ -3,7 +3,8 @@
 use std::ops::ControlFlow;
 
 use crate::chains::chains;
-use crate::count::{Piece, Scratch, count};
+use crate::count::{Drawn, Piece, Scratch, count};
+use crate::cover::Triangle;
 use crate::drawing::{Drawing, Span};
 use crate::edges::{Line, lines};
 use crate::error::LinesError;
@@ -42,10 +43,11 @@ pub fn draw(
         return Err(LinesError::Cancelled);
     }
     let (frame, parts) = Frame::new(&world, &lines, options)?;
-    let tree = Tree::new(&world, &frame, &Cells::new(&frame, &parts), options.threads);
+    let tree = Tree::of_triangles(&world, &frame, &Cells::new(&frame, &parts), options.threads);
     let pieces = pieces(&world, &frame, &tree, &lines, &parts, options, &mut progress)?;
     drop(tree);
-    let (spans, chains) = chains(&world, &lines, &parts, &pieces);
+    let pieces = Drawn { world: &world, lines: &lines, parts: &parts, pieces: &pieces }.once(&frame, options.threads);
+    let (spans, chains) = chains(&Drawn { world: &world, lines: &lines, parts: &parts, pieces: &pieces });
     left_out.sort_by_key(|left_out| left_out.object);
     Ok(Drawing { spans, chains, left_out })
 }
@@ -53,7 +55,7 @@ pub fn draw(
 fn pieces(
     world: &World<'_>,
     frame: &Frame,
-    tree: &Tree,
+    tree: &Tree<Triangle>,
     lines: &[Line],
     parts: &[Option<Part>],
     options: &LineOptions,
@@ -98,7 +100,7 @@ fn check_memory(world: &World<'_>, lines: usize, options: &LineOptions) -> Resul
     let own_positions = if world.placed.len() == 1 { 0 } else { 12 * vertices };
     // Masks and buckets of edges; then boxes and nodes of faces, and lines with their parts, pieces and spans.
     let finding = 4 * vertices + 4 * faces + 16 * edges;
-    let hiding = (size_of::<Item>() + 10) * faces;
+    let hiding = (size_of::<Item<Triangle>>() + 10) * faces;
     let drawing =
         (size_of::<Line>() + size_of::<Option<Part>>() + 2 * size_of::<Piece>() + 2 * size_of::<Span>() + 32) * lines;
     let needed = (own_positions + finding.max(hiding) + drawing) as u64;

@@ -106,30 +106,28 @@ impl Asked<'_> {
 /// Records of edges that have several, in order, each with the first one of its edge.
 fn shared_edges(mesh: &Mesh) -> Vec<[u32; 2]> {
     let records = mesh.edges().vertices();
-    let mut starts = vec![0_u32; mesh.vertex_count() as usize + 1];
-    for &[a, b] in records {
-        starts[a.min(b) as usize] += 1;
+    // Most edges are alone with their bit of a hash; only the others are sorted.
+    let bits = (32 * records.len() as u64).next_power_of_two().max(64);
+    let (mut met, mut met_twice) = (vec![0_u64; bits as usize / 64], vec![0_u64; bits as usize / 64]);
+    let bit = |edge: [u32; 2]| {
+        let [low, high] = sorted(edge).map(u64::from);
+        let hash = (high << 32 | low).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> (64 - bits.trailing_zeros());
+        (hash as usize / 64, 1_u64 << (hash % 64))
+    };
+    for &edge in records {
+        let (word, bit) = bit(edge);
+        met_twice[word] |= met[word] & bit;
+        met[word] |= bit;
     }
-    let mut sum = 0;
-    for start in &mut starts {
-        sum += *start;
-        *start = sum;
-    }
-    // Filled from the end, so that each bucket ends up in order, and its start where it begins.
-    let mut entries = vec![[0_u32; 2]; records.len()];
-    for (record, &[a, b]) in (0..records.len() as u32).zip(records).rev() {
-        let start = &mut starts[a.min(b) as usize];
-        *start -= 1;
-        entries[*start as usize] = [a.max(b), record];
-    }
-    let mut shared = Vec::new();
-    for ends in starts.windows(2) {
-        let bucket = &mut entries[ends[0] as usize..ends[1] as usize];
-        bucket.sort_unstable();
-        for run in bucket.chunk_by(|one, other| one[0] == other[0]).filter(|run| run.len() > 1) {
-            shared.extend(run.iter().map(|&[_, record]| [record, run[0][1]]));
-        }
-    }
+    let is_doubtful = |&(_, edge): &(u32, &[u32; 2])| {
+        let (word, bit) = bit(*edge);
+        met_twice[word] & bit != 0
+    };
+    let doubtful = (0..).zip(records).filter(is_doubtful);
+    let mut doubtful: Vec<_> = doubtful.map(|(record, &edge)| (sorted(edge), record)).collect();
+    doubtful.sort_unstable();
+    let runs = doubtful.chunk_by(|one, other| one.0 == other.0).filter(|run| run.len() > 1);
+    let mut shared: Vec<_> = runs.flat_map(|run| run.iter().map(|&(_, record)| [record, run[0].1])).collect();
     shared.sort_unstable();
     shared
 }

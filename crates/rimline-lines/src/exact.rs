@@ -116,6 +116,12 @@ pub(crate) fn edge_value(a: [f32; 3], b: [f32; 3], p: [f32; 3], eye: Eye) -> Val
     value(a, b, p, eye, true)
 }
 
+/// Whether a point lies in the plane through a line and the eye.
+pub(crate) fn is_in_plane(a: [f32; 3], b: [f32; 3], p: [f32; 3], eye: Eye) -> bool {
+    let height = Plane::of_edge(a, b, eye).height(p.map(f64::from));
+    height.certain_sign() == 0 && value(a, b, p, eye, false).sign() == 0
+}
+
 /// `det[b − a, c − a, p − a]`, rounded once.
 pub(crate) fn face_value(a: [f32; 3], b: [f32; 3], c: [f32; 3], p: [f32; 3]) -> Value {
     value(a, b, c, [p[0], p[1], p[2], 1.0], false)

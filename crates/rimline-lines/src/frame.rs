@@ -29,9 +29,6 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    const EMPTY: Self =
-        Self { low: [f32::INFINITY; 2], high: [f32::NEG_INFINITY; 2], near: f32::INFINITY, far: f32::NEG_INFINITY };
-
     pub(crate) fn join(self, other: Self) -> Self {
         Self {
             low: [0, 1].map(|axis| self.low[axis].min(other.low[axis])),
@@ -61,6 +58,18 @@ impl Part {
         }
         let [near, far] = [(1.0 - along) * self.depths[0], along * self.depths[1]];
         far / (near + far)
+    }
+
+    /// The other way round.
+    pub(crate) fn at(&self, along: f64, is_perspective: bool) -> f64 {
+        let [from, to] = self.ends;
+        let share = if is_perspective {
+            let [near, far] = [(1.0 - along) * self.depths[1], along * self.depths[0]];
+            far / (near + far)
+        } else {
+            along
+        };
+        from + share * (to - from)
     }
 }
 
@@ -145,23 +154,17 @@ impl Frame {
         ends[0].join(ends[1])
     }
 
-    /// The box around a triangle. `None` if it is behind the eye.
-    pub(crate) fn bounds_of_triangle(&self, corners: [[f32; 3]; 3]) -> Option<Bounds> {
-        let corners = corners.map(|corner| corner.map(f64::from));
-        let depths = corners.map(|corner| self.view.depth(corner));
-        if self.view.is_perspective() {
-            let nearest = depths[0].min(depths[1]).min(depths[2]);
-            if depths.into_iter().all(|depth| depth < -self.error) {
-                return None;
-            }
-            if nearest < 0.5 * self.near {
-                // It may be anywhere on the page.
-                let (low, high) = ([f32::NEG_INFINITY; 2], [f32::INFINITY; 2]);
-                return Some(Bounds { low, high, near: f32::NEG_INFINITY, far: f32::INFINITY });
-            }
+    /// The box around a vertex, and around all of a face with it. That of a vertex behind the eye is behind all.
+    pub(crate) fn bounds_of_vertex(&self, position: [f32; 3]) -> Bounds {
+        let point = position.map(f64::from);
+        let depth = self.view.depth(point);
+        if self.view.is_perspective() && depth < 0.5 * self.near {
+            // A face with such a corner may be anywhere on the page. One with no other corners hides nothing.
+            let (low, high) = ([f32::NEG_INFINITY; 2], [f32::INFINITY; 2]);
+            let far = if depth < -self.error { f32::NEG_INFINITY } else { f32::INFINITY };
+            return Bounds { low, high, near: f32::NEG_INFINITY, far };
         }
-        let around = |at: usize| self.bounds(self.view.page(corners[at]), depths[at]);
-        Some((0..3).map(around).fold(Bounds::EMPTY, Bounds::join))
+        self.bounds(self.view.page(point), depth)
     }
 
     /// A point of the page without its offset and size.

@@ -21,6 +21,7 @@
 #![forbid(unsafe_code)]
 
 mod chains;
+mod coincide;
 mod count;
 mod cover;
 mod crease;

@@ -1,4 +1,4 @@
-//! A tree of boxes around the triangles that may hide a line.
+//! Trees of boxes around the triangles that may hide a line, or around lines.
 
 use rimline::cpu::Threads;
 
@@ -7,13 +7,13 @@ use crate::frame::{Bounds, Frame, Part};
 use crate::parallel::ranges;
 use crate::world::World;
 
-/// A triangle, and where it may hide something.
+/// A triangle or line, and where it may hide something.
 #[derive(Clone, Copy)]
-pub(crate) struct Item {
+pub(crate) struct Item<T> {
     low: [f32; 2],
     high: [f32; 2],
     near: f32,
-    triangle: Triangle,
+    what: T,
 }
 
 /// A box around the items of a node, or of a leaf.
@@ -26,9 +26,9 @@ struct Node {
 
 /// Nodes lie in the order of a walk that takes the left child first, so a node with n leaves has its right child 2·⌊n/2⌋ nodes
 /// later. Each leaf has [`LEAF`] items, the last one may have fewer.
-pub(crate) struct Tree {
+pub(crate) struct Tree<T> {
     nodes: Vec<Node>,
-    items: Vec<Item>,
+    items: Vec<Item<T>>,
 }
 
 const LEAF: usize = 4;
@@ -37,28 +37,51 @@ const LEAST: usize = 1 << 14;
 /// Faces at a time.
 const RUN: usize = 1 << 14;
 
-impl Tree {
-    pub(crate) fn new(world: &World<'_>, frame: &Frame, lines: &Cells, threads: Threads) -> Self {
+impl Tree<Triangle> {
+    /// Of the triangles that may hide a point of the lines in these cells.
+    pub(crate) fn of_triangles(world: &World<'_>, frame: &Frame, lines: &Cells, threads: Threads) -> Self {
         let mut items = Vec::new();
+        let around = ranges(threads, world.positions.len(), RUN, |range| {
+            world.positions[range].iter().map(|&position| frame.bounds_of_vertex(position)).collect::<Vec<_>>()
+        });
+        let around = around.concat();
         for placed in &world.placed {
             let mesh = &*placed.object.mesh;
             let polygons = mesh.polygons().map(rimline::mesh::Polygons::triangle_polygons);
             let found = ranges(threads, mesh.faces().len(), RUN, |range| {
                 let item = |face: usize| {
                     let corners = mesh.faces()[face].map(|vertex| vertex + placed.first_vertex);
-                    let positions = corners.map(|vertex| world.positions[vertex as usize]);
-                    let Bounds { low, high, near, .. } = frame.bounds_of_triangle(positions)?;
-                    if !lines.may_be_behind(low, high, near) || is_degenerate(corners) {
+                    let [a, b, c] = corners.map(|vertex| around[vertex as usize]);
+                    let Bounds { low, high, near, far } = a.join(b).join(c);
+                    if far == f32::NEG_INFINITY || !lines.may_be_behind(low, high, near) || is_degenerate(corners) {
                         return None;
                     }
+                    let positions = corners.map(|vertex| world.positions[vertex as usize]);
                     let polygon = polygons.as_ref().map_or(Triangle::ALONE, |of| placed.first_face + of[face]);
                     let side = world.facing(positions);
-                    (side != 0).then(|| Item { low, high, near, triangle: Triangle::new(corners, polygon, side > 0) })
+                    (side != 0).then(|| Item { low, high, near, what: Triangle::new(corners, polygon, side > 0) })
                 };
                 range.filter_map(item).collect::<Vec<_>>()
             });
             items.extend(found.into_iter().flatten());
         }
+        Self::new(items, threads)
+    }
+}
+
+impl Tree<u32> {
+    /// Of the parts of lines, by their numbers.
+    pub(crate) fn of_parts(frame: &Frame, parts: &[Option<Part>], threads: Threads) -> Self {
+        let item = |(what, part): (u32, &Option<Part>)| {
+            let Bounds { low, high, near, .. } = frame.bounds_of_part(part.as_ref()?);
+            Some(Item { low, high, near, what })
+        };
+        Self::new((0..).zip(parts).filter_map(item).collect(), threads)
+    }
+}
+
+impl<T: Copy + Send + Sync> Tree<T> {
+    fn new(mut items: Vec<Item<T>>, threads: Threads) -> Self {
         let leaves = items.len().div_ceil(LEAF);
         let mut nodes = vec![Node { low: [0.0; 2], high: [0.0; 2], near: 0.0 }; (2 * leaves).saturating_sub(1)];
         if leaves > 0 {
@@ -67,8 +90,8 @@ impl Tree {
         Self { nodes, items }
     }
 
-    /// Calls `found` for each triangle that may hide a point of a line.
-    pub(crate) fn visit(&self, line: &Reach, mut found: impl FnMut(Triangle)) {
+    /// Calls `found` for each triangle that may hide a point of a line, or each line that may coincide with it.
+    pub(crate) fn visit(&self, line: &Reach, mut found: impl FnMut(T)) {
         if self.nodes.is_empty() {
             return;
         }
@@ -85,7 +108,7 @@ impl Tree {
             if leaves == 1 {
                 let items = &self.items[LEAF * first..(LEAF * (first + 1)).min(self.items.len())];
                 let met = items.iter().filter(|item| line.meets(item.low, item.high, item.near));
-                met.for_each(|item| found(item.triangle));
+                met.for_each(|item| found(item.what));
                 continue;
             }
             let left = leaves / 2;
@@ -101,8 +124,8 @@ fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
 }
 
 /// Orders the items and fills the nodes above them.
-fn build(items: &mut [Item], nodes: &mut [Node], threads: usize) {
-    let around = |items: &[Item]| {
+fn build<T: Copy + Send + Sync>(items: &mut [Item<T>], nodes: &mut [Node], threads: usize) {
+    let around = |items: &[Item<T>]| {
         let start = Node { low: [f32::INFINITY; 2], high: [f32::NEG_INFINITY; 2], near: f32::INFINITY };
         items.iter().fold(start, |node, item| Node {
             low: [0, 1].map(|axis| node.low[axis].min(item.low[axis])),
@@ -115,7 +138,7 @@ fn build(items: &mut [Item], nodes: &mut [Node], threads: usize) {
     if leaves == 1 {
         return;
     }
-    let middle = |item: &Item, axis: usize| item.low[axis] + item.high[axis];
+    let middle = |item: &Item<T>, axis: usize| item.low[axis] + item.high[axis];
     let spread = |axis: usize| {
         let finite = items.iter().map(|item| middle(item, axis)).filter(|c| c.is_finite());
         let [low, high] = finite.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], c| [low.min(c), high.max(c)]);

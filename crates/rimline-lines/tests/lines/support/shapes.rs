@@ -50,6 +50,28 @@ pub(crate) fn bumpy_torus(rings: u32, segments: u32, bump: f32) -> Shape {
     polygons(positions, &quads.iter().map(|quad| quad.to_vec()).collect::<Vec<_>>())
 }
 
+/// A ball of meridians and parallels.
+pub(crate) fn ball(meridians: u32, parallels: u32) -> Shape {
+    let angle = |at: u32, of: u32| at as f32 / of as f32 * std::f32::consts::PI;
+    let mut positions = vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+    let mut faces = Vec::new();
+    for (around, down) in (0..meridians).flat_map(|around| (1..parallels).map(move |down| (around, down))) {
+        let (u, v) = (angle(2 * around, meridians), angle(down, parallels));
+        positions.push([v.sin() * u.cos(), v.sin() * u.sin(), v.cos()]);
+    }
+    let vertex = |around: u32, down: u32| match down {
+        0 => 0,
+        _ if down == parallels => 1,
+        _ => 2 + around % meridians * (parallels - 1) + down - 1,
+    };
+    for (around, down) in (0..meridians).flat_map(|around| (0..parallels).map(move |down| (around, down))) {
+        let [a, b] = [around, around + 1].map(|around| vertex(around, down));
+        let [c, d] = [around, around + 1].map(|around| vertex(around, down + 1));
+        faces.extend([[a, c, d], [a, d, b]].into_iter().filter(|&[a, b, c]| a != b && b != c && c != a));
+    }
+    shape(positions, &faces)
+}
+
 /// A mesh that takes each polygon as one face.
 pub(crate) fn polygons(positions: Vec<[f32; 3]>, loops: &[Vec<u32>]) -> Shape {
     let (sizes, corners): (Vec<u32>, _) = (loops.iter().map(|one| one.len() as u32).collect(), loops.concat());
