@@ -1,4 +1,4 @@
-//! Draws a glTF file, or a torus, and says how long it took: `draw FILE.glb|torus:FACES [OUT.svg] [AZIMUTH,ELEVATION] [ortho|persp]
+//! Draws a glTF file, or a torus, and says how long it took: `draw FILE.glb|torus:FACES [OUT.svg] [AZIMUTH,ELEVATION] [persp] [thrice] [meet]
 //! [hidden] [threads=N]`.
 
 use std::borrow::Cow;
@@ -10,7 +10,7 @@ use std::time::Instant;
 use rimline::cpu::Threads;
 use rimline::mesh::Weld;
 use rimline::{Mesh, gltf::Asset, gltf::LoadOptions};
-use rimline_lines::{Drawing, LineOptions, Object, View, draw, objects_of_model};
+use rimline_lines::{Classes, Drawing, LineClass, LineOptions, Object, View, draw, objects_of_model};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -33,7 +33,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let view = view(&objects, azimuth.to_radians(), elevation.to_radians(), is_given("persp"))?;
     let threads = arguments.iter().find_map(|argument| argument.strip_prefix("threads="));
     let threads = threads.map(str::parse).transpose()?.map_or(Threads::all(), Threads::new);
-    let options = LineOptions { threads, ..LineOptions::default() };
+    let classes = if is_given("meet") { Classes::ALL } else { Classes::ALL.without(LineClass::Intersection) };
+    let options = LineOptions { threads, classes, ..LineOptions::default() };
     let mut drawing = Drawing::default();
     for _ in 0..if is_given("thrice") { 3 } else { 1 } {
         let begin = Instant::now();

@@ -70,7 +70,7 @@ impl Drawn<'_> {
     fn span(&self, end: End) -> Span {
         let piece = &self.pieces[end as usize / 2];
         let line = self.line(end / 2);
-        let points = line.vertices.map(|vertex| self.world.positions[vertex as usize].map(f64::from));
+        let points = line.vertices.map(|vertex| self.world.point(vertex));
         let mut ends = piece.ends.map(|at| point_at(points, at));
         if end % 2 == 1 {
             ends.reverse();
@@ -79,7 +79,7 @@ impl Drawn<'_> {
             class: line.class,
             faces_in_front: piece.faces_in_front,
             object: self.world.placed[line.placed as usize].number,
-            edge: Some(line.record),
+            edge: (line.class != LineClass::Intersection).then_some(line.record),
             faces: line.faces(self.world),
             ends,
             page: ends.map(|end| self.world.view.page(end)),

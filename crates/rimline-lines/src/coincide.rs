@@ -55,10 +55,17 @@ impl Drawn<'_> {
             return false;
         }
         let [from, to] = overlap(part, other_part.page);
-        let position = |vertex: u32| self.world.positions[vertex as usize];
-        let [a, b] = self.lines[line].vertices.map(position);
-        let mut ends = self.lines[other].vertices.map(position).into_iter();
-        to - from > LEAST && ends.all(|end| is_in_plane(a, b, end, self.world.eye))
+        if to - from <= LEAST {
+            return false;
+        }
+        let vertices = [line, other].map(|line| self.lines[line].vertices);
+        if vertices.as_flattened().iter().any(|&vertex| vertex as usize >= self.world.positions.len()) {
+            // Points where faces meet are rounded.
+            let across = other_part.page.map(|[x, y]| (x - part.page[0][0]) * py - (y - part.page[0][1]) * px);
+            return across.into_iter().all(|across| across.abs() < LEAST * (px * px + py * py));
+        }
+        let [[a, b], ends] = vertices.map(|ends| ends.map(|vertex| self.world.positions[vertex as usize]));
+        ends.into_iter().all(|end| is_in_plane(a, b, end, self.world.eye))
     }
 
     /// What is kept of the pieces of one line, with the lines that coincide with it.
@@ -71,9 +78,7 @@ impl Drawn<'_> {
         for &[_, other] in pairs {
             let first = self.pieces.partition_point(|piece| piece.line < other);
             for piece in self.pieces[first..].iter().take_while(|piece| piece.line == other) {
-                let points = self.lines[other as usize]
-                    .vertices
-                    .map(|vertex| self.world.positions[vertex as usize].map(f64::from));
+                let points = self.lines[other as usize].vertices.map(|vertex| self.world.point(vertex));
                 let page = piece.ends.map(|at| self.world.view.page(crate::frame::point_at(points, at)));
                 let [from, to] = overlap(part, page);
                 if to - from > LEAST {

@@ -46,8 +46,7 @@ impl Crease {
         second: impl Iterator<Item = Corners> + Clone,
         is_turned: bool,
     ) -> bool {
-        let all: Vec<f32> = first.clone().chain(second.clone()).flatten().flatten().collect();
-        let (low, _) = window(&all);
+        let (low, _) = window(first.clone().chain(second.clone()).flatten().flatten());
         let (n, m) = (exact_normal(first, low), exact_normal(second, low));
         let d = exact_dot(&n, &m) * if is_turned { -1 } else { 1 };
         let lengths = exact_dot(&n, &n) * exact_dot(&m, &m);
@@ -76,7 +75,7 @@ fn exact_normal(triangles: impl Iterator<Item = Corners>, low: i32) -> [BigInt; 
     triangles.fold([const { BigInt::ZERO }; 3], |sum, corners| {
         let [a, b, c] = corners.map(|corner| corner.map(|c| big(c, low)));
         let minus = |p: &[BigInt; 3]| [0, 1, 2].map(|axis| &p[axis] - &a[axis]);
-        let n = integer_cross(minus(&b), minus(&c));
+        let n = integer_cross(&minus(&b), &minus(&c));
         [0, 1, 2].map(|axis| &sum[axis] + &n[axis])
     })
 }

@@ -9,8 +9,9 @@ use crate::drawing::{Drawing, Span};
 use crate::edges::{Line, lines};
 use crate::error::LinesError;
 use crate::frame::{Frame, Part};
+use crate::meet::meet;
 use crate::object::Object;
-use crate::options::{LineOptions, PageBox};
+use crate::options::{LineClass, LineOptions, PageBox};
 use crate::parallel::blocks;
 use crate::tree::{Cells, Item, Tree};
 use crate::view::View;
@@ -35,9 +36,13 @@ pub fn draw(
 ) -> Result<Drawing, LinesError> {
     check(options)?;
     let mut left_out = Vec::new();
-    let world = World::new(objects, *view, &mut left_out)?;
+    let mut world = World::new(objects, *view, &mut left_out)?;
     check_memory(&world, 0, options)?;
-    let lines = lines(&world, options, &mut left_out)?;
+    let mut lines = lines(&world, options, &mut left_out)?;
+    if options.classes.contains(LineClass::Intersection) {
+        let (frame, _) = Frame::new(&world, &lines, options)?;
+        meet(&mut world, &frame, options.threads, &mut lines);
+    }
     check_memory(&world, lines.len(), options)?;
     if progress(0, lines.len()).is_break() {
         return Err(LinesError::Cancelled);

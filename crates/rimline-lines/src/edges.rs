@@ -14,17 +14,21 @@ use crate::world::{Placed, World};
 /// A line that is drawn, from one vertex to another.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line {
-    /// Vertices among those of all objects.
+    /// Vertices among those of all objects; then points where edges pierce faces.
     pub(crate) vertices: [u32; 2],
     pub(crate) class: LineClass,
     /// The index among the objects that are drawn.
     pub(crate) placed: u32,
+    /// The edge record, or the number of the faces that meet for an intersection.
     pub(crate) record: u32,
 }
 
 impl Line {
     /// The faces that meet there.
     pub(crate) fn faces(&self, world: &World<'_>) -> [Option<FaceId>; 2] {
+        if self.class == LineClass::Intersection {
+            return world.meetings[self.record as usize].map(Some);
+        }
         let placed = &world.placed[self.placed as usize];
         let edge = placed.object.mesh.edges().get(self.record as usize);
         let face = |face| FaceId { object: placed.number, face };

@@ -32,6 +32,11 @@ impl Value {
         i32::from(self.value > 0.0) - i32::from(self.value < 0.0)
     }
 
+    /// The value of its order.
+    pub(crate) fn number(self) -> f64 {
+        self.value
+    }
+
     /// Where between this end (0) and the other (1) a linear function with opposite signs there is 0.
     pub(crate) fn crossing(self, other: Self) -> f64 {
         match self.order.cmp(&other.order) {
@@ -68,6 +73,10 @@ impl Plane {
         Self { at, normal: cross(u, v), size: RELATIVE * sum_of_sizes(u) * sum_of_sizes(v) }
     }
 
+    pub(crate) fn normal(&self) -> [f64; 3] {
+        self.normal
+    }
+
     /// The determinant at `p`, and a bound of its error.
     pub(crate) fn height(&self, p: [f64; 3]) -> Height {
         self.along(difference(p, self.at))
@@ -87,6 +96,13 @@ pub(crate) struct Height {
 }
 
 impl Height {
+    /// At the mean of two points, with weights that are off by a few units in the last place.
+    pub(crate) fn mean(heights: [Self; 2], weights: [f64; 2]) -> Self {
+        let [p, q] = [0, 1].map(|at| weights[at] * heights[at].value);
+        let errors = weights[0] * heights[0].error + weights[1] * heights[1].error;
+        Self { value: p + q, error: errors * (1.0 + 8.0 * RELATIVE) + 2.0 * RELATIVE * (p.abs() + q.abs()) }
+    }
+
     /// Its sign, or 0 if it is not certain.
     pub(crate) fn certain_sign(self) -> i32 {
         i32::from(self.value > self.error) - i32::from(self.value < -self.error)
@@ -133,24 +149,77 @@ pub(crate) fn facing(a: [f32; 3], b: [f32; 3], c: [f32; 3], eye: Eye) -> i32 {
 }
 
 fn value(a: [f32; 3], b: [f32; 3], c: [f32; 3], eye: Eye, is_moved: bool) -> Value {
-    let [x, y, z, w] = eye;
-    let near: [f32; 12] = from_fn(|at| if at < 9 { [a, b, c][at / 3][at % 3] } else { [x, y, z][at % 3] });
-    if w == 0.0 {
-        let (low, high) = window(&near[..9]);
-        let (far_low, far_high) = window(&near[9..]);
-        return if high - low <= WINDOW && far_high - far_low <= WINDOW {
-            let all = from_fn(|at| i128::from(fixed(near[at], if at < 9 { low } else { far_low })));
-            of_integers(all, false, [low, far_low], is_moved)
-        } else {
-            let all = from_fn(|at| big(near[at], if at < 9 { low } else { far_low }));
-            of_integers(all, false, [low, far_low], is_moved)
-        };
-    }
-    let (low, high) = window(&near);
-    if high - low <= WINDOW {
-        of_integers(near.map(|c| i128::from(fixed(c, low))), true, [low; 2], is_moved)
+    let is_point = eye[3] != 0.0;
+    let units = Units::new(&[a, b, c], eye);
+    if units.bits <= WINDOW {
+        let fixed = |number: f32, low: i32| i128::from(fixed(number, low));
+        first_of(&determinants(units.all([a, b, c], eye, fixed), is_point), is_moved, &units, None)
     } else {
-        of_integers(near.map(|c| big(c, low)), true, [low; 2], is_moved)
+        first_of(&determinants(units.all([a, b, c], eye, big), is_point), is_moved, &units, None)
+    }
+}
+
+/// The ends of an edge and the corners of a face that it pierces.
+pub(crate) struct PiercePositions {
+    pub(crate) edge: [[f32; 3]; 2],
+    pub(crate) face: [[f32; 3]; 3],
+}
+
+impl PiercePositions {
+    /// [`edge_value`] where the edge pierces the face.
+    pub(crate) fn edge_value(&self, a: [f32; 3], b: [f32; 3], eye: Eye) -> Value {
+        let units = self.units([a, b, a], eye);
+        let at_end = |p| determinants(units.all([a, b, p], eye, big), eye[3] != 0.0);
+        self.mean(self.edge.map(at_end), true, &units)
+    }
+
+    /// [`face_value`] where the edge pierces the face.
+    pub(crate) fn face_value(&self, a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Value {
+        let units = self.units([a, b, c], [0.0, 0.0, 0.0, 1.0]);
+        let at_end = |[x, y, z]: [f32; 3]| determinants(units.all([a, b, c], [x, y, z, 1.0], big), true);
+        self.mean(self.edge.map(at_end), false, &units)
+    }
+
+    fn units(&self, [a, b, c]: [[f32; 3]; 3], eye: Eye) -> Units {
+        let ([p, q], [d, e, f]) = (self.edge, self.face);
+        Units::new(&[a, b, c, p, q, d, e, f], eye)
+    }
+
+    /// The mean of the values at the edge's ends, weighted with how far they are from the face's plane.
+    fn mean(&self, at_ends: [[BigInt; 4]; 2], is_moved: bool, units: &Units) -> Value {
+        let heights = self.edge.map(|[x, y, z]| {
+            let all = Units { far_low: units.low, ..*units }.all(self.face, [x, y, z, 1.0], big);
+            let [height, ..] = determinants(all, true);
+            BigInt::from(height.into_parts().1)
+        });
+        let sums = from_fn(|order| &at_ends[0][order] * &heights[1] + &at_ends[1][order] * &heights[0]);
+        first_of(&sums, is_moved, units, Some(&heights[0] + &heights[1]))
+    }
+}
+
+/// The powers of two that coordinates and those of the eye are multiples of.
+struct Units {
+    low: i32,
+    far_low: i32,
+    /// The most bits of a coordinate.
+    bits: i32,
+}
+
+impl Units {
+    fn new(points: &[[f32; 3]], [x, y, z, w]: Eye) -> Self {
+        let far = [[x, y, z]];
+        let near = points.as_flattened().iter().copied();
+        if w == 0.0 {
+            let ((low, high), (far_low, far_high)) = (window(near), window(far.into_iter().flatten()));
+            return Self { low, far_low, bits: (high - low).max(far_high - far_low) };
+        }
+        let (low, high) = window(near.chain(far.into_iter().flatten()));
+        Self { low, far_low: low, bits: high - low }
+    }
+
+    fn all<T>(&self, [a, b, c]: [[f32; 3]; 3], [x, y, z, _]: Eye, integer: impl Fn(f32, i32) -> T) -> [T; 12] {
+        let all = [a, b, c, [x, y, z]];
+        from_fn(|at| integer(all[at / 3][at % 3], if at < 9 { self.low } else { self.far_low }))
     }
 }
 
@@ -173,25 +242,31 @@ impl Integer for BigInt {
     }
 }
 
-/// `all` are a, b, c and l. `exponents` are those of the units of points and of l.
-fn of_integers<T: Integer>(all: [T; 12], is_point: bool, exponents: [i32; 2], is_moved: bool) -> Value {
+/// `det[b − a, c − a, l − w·a]`, and for the axes in the place of the third vector. `all` are a, b, c and l.
+fn determinants<T: Integer>(all: [T; 12], is_point: bool) -> [T; 4] {
     let minus = |at: usize| -> [T; 3] { from_fn(|axis| all[at + axis].clone() - all[axis].clone()) };
-    let (u, v) = (minus(3), minus(6));
     let towards = if is_point { minus(9) } else { from_fn(|axis| all[9 + axis].clone()) };
-    let normal = integer_cross(u, v);
-    let [x, y, z] = from_fn(|axis| normal[axis].clone() * towards[axis].clone());
-    let value = (x + y + z).rounded(2 * exponents[0] + exponents[1]);
-    if value != 0.0 {
-        return Value { order: 0, value };
-    }
-    if is_moved {
-        let axes = (1..).zip(&normal).map(|(order, n)| Value { order, value: n.rounded(2 * exponents[0]) });
-        return axes.into_iter().find(|found| found.value != 0.0).unwrap_or(Value::ZERO);
+    let [nx, ny, nz] = integer_cross(&minus(3), &minus(6));
+    let [x, y, z] = towards;
+    [nx.clone() * x + ny.clone() * y + nz.clone() * z, nx, ny, nz]
+}
+
+/// The first that is not 0, divided by a number of height units.
+fn first_of<T: Integer>(values: &[T; 4], is_moved: bool, units: &Units, divisor: Option<T>) -> Value {
+    // Heights over a face have the unit of three coordinates.
+    let (above, divisor) = divisor.map_or((0, 1.0), |divisor| (3 * units.low, divisor.rounded(3 * units.low)));
+    let orders = if is_moved { 4 } else { 1 };
+    for (order, value) in (0..).zip(&values[..orders]) {
+        let exponent = above + 2 * units.low + if order == 0 { units.far_low } else { 0 };
+        let value = value.rounded(exponent) / divisor;
+        if value != 0.0 {
+            return Value { order, value };
+        }
     }
     Value::ZERO
 }
 
-pub(crate) fn integer_cross<T: Integer>(u: [T; 3], v: [T; 3]) -> [T; 3] {
+pub(crate) fn integer_cross<T: Integer>(u: &[T; 3], v: &[T; 3]) -> [T; 3] {
     let product = |i: usize, j: usize| u[i].clone() * v[j].clone();
     [product(1, 2) - product(2, 1), product(2, 0) - product(0, 2), product(0, 1) - product(1, 0)]
 }
@@ -207,8 +282,8 @@ fn decode(value: f32) -> (i64, i32) {
 }
 
 /// The exponents of the lowest bit, and of the one above the highest, of numbers that are not all 0.
-pub(crate) fn window(numbers: &[f32]) -> (i32, i32) {
-    let decoded = numbers.iter().map(|&number| decode(number)).filter(|&(mantissa, _)| mantissa != 0);
+pub(crate) fn window(numbers: impl Iterator<Item = f32>) -> (i32, i32) {
+    let decoded = numbers.map(decode).filter(|&(mantissa, _)| mantissa != 0);
     let ends =
         decoded.map(|(mantissa, exponent)| (exponent, exponent + 64 - mantissa.unsigned_abs().leading_zeros() as i32));
     ends.reduce(|one, other| (one.0.min(other.0), one.1.max(other.1))).unwrap_or((0, 0))

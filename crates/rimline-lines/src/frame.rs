@@ -29,6 +29,11 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
+    /// Whether no point of it is ahead of the eye.
+    pub(crate) fn is_behind_eye(&self) -> bool {
+        self.far == f32::NEG_INFINITY
+    }
+
     pub(crate) fn join(self, other: Self) -> Self {
         Self {
             low: [0, 1].map(|axis| self.low[axis].min(other.low[axis])),
@@ -92,7 +97,7 @@ impl Frame {
             .fold(0.0_f32, |largest, c| if c.is_finite() { largest.max(c.abs()) } else { largest });
         let eye = if view.is_perspective() { view.eye().xyz } else { [0.0; 3] };
         let reach = eye.into_iter().fold(f64::from(largest), |reach, c| reach.max(f64::from(c.abs())));
-        let ends = |line: &Line| line.vertices.map(|vertex| world.positions[vertex as usize].map(f64::from));
+        let ends = |line: &Line| line.vertices.map(|vertex| world.point(vertex));
         let near = match options.near {
             Some(near) if near.is_finite() && near > 0.0 => near,
             Some(near) => return Err(LinesError::Near { near }),
@@ -165,6 +170,12 @@ impl Frame {
             return Bounds { low, high, near: f32::NEG_INFINITY, far };
         }
         self.bounds(self.view.page(point), depth)
+    }
+
+    /// The box around a triangle.
+    pub(crate) fn bounds_of_triangle(&self, corners: [[f32; 3]; 3]) -> Bounds {
+        let [a, b, c] = corners.map(|corner| self.bounds_of_vertex(corner));
+        a.join(b).join(c)
     }
 
     /// A point of the page without its offset and size.

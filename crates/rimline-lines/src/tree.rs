@@ -12,8 +12,14 @@ use crate::world::World;
 pub(crate) struct Item<T> {
     low: [f32; 2],
     high: [f32; 2],
-    near: f32,
+    depths: [f32; 2],
     what: T,
+}
+
+impl<T> Item<T> {
+    fn new(Bounds { low, high, near, far }: Bounds, what: T) -> Self {
+        Self { low, high, depths: [near, far], what }
+    }
 }
 
 /// A box around the items of a node, or of a leaf.
@@ -21,7 +27,8 @@ pub(crate) struct Item<T> {
 struct Node {
     low: [f32; 2],
     high: [f32; 2],
-    near: f32,
+    /// The nearest and the farthest.
+    depths: [f32; 2],
 }
 
 /// Nodes lie in the order of a walk that takes the left child first, so a node with n leaves has its right child 2·⌊n/2⌋ nodes
@@ -52,14 +59,14 @@ impl Tree<Triangle> {
                 let item = |face: usize| {
                     let corners = mesh.faces()[face].map(|vertex| vertex + placed.first_vertex);
                     let [a, b, c] = corners.map(|vertex| around[vertex as usize]);
-                    let Bounds { low, high, near, far } = a.join(b).join(c);
-                    if far == f32::NEG_INFINITY || !lines.may_be_behind(low, high, near) || is_degenerate(corners) {
+                    let around = a.join(b).join(c);
+                    if around.is_behind_eye() || !lines.may_be_behind(&around) || is_degenerate(corners) {
                         return None;
                     }
                     let positions = corners.map(|vertex| world.positions[vertex as usize]);
                     let polygon = polygons.as_ref().map_or(Triangle::ALONE, |of| placed.first_face + of[face]);
                     let side = world.facing(positions);
-                    (side != 0).then(|| Item { low, high, near, what: Triangle::new(corners, polygon, side > 0) })
+                    (side != 0).then(|| Item::new(around, Triangle::new(corners, polygon, side > 0)))
                 };
                 range.filter_map(item).collect::<Vec<_>>()
             });
@@ -72,18 +79,32 @@ impl Tree<Triangle> {
 impl Tree<u32> {
     /// Of the parts of lines, by their numbers.
     pub(crate) fn of_parts(frame: &Frame, parts: &[Option<Part>], threads: Threads) -> Self {
-        let item = |(what, part): (u32, &Option<Part>)| {
-            let Bounds { low, high, near, .. } = frame.bounds_of_part(part.as_ref()?);
-            Some(Item { low, high, near, what })
-        };
+        let item = |(what, part): (u32, &Option<Part>)| Some(Item::new(frame.bounds_of_part(part.as_ref()?), what));
         Self::new((0..).zip(parts).filter_map(item).collect(), threads)
+    }
+
+    /// Of triangles, by their numbers below `count`.
+    pub(crate) fn of_boxes(
+        frame: &Frame,
+        count: u32,
+        threads: Threads,
+        triangle: impl Fn(u32) -> [[f32; 3]; 3] + Sync,
+    ) -> Self {
+        let found = ranges(threads, count as usize, RUN, |range| {
+            let item = |what: usize| {
+                let around = frame.bounds_of_triangle(triangle(what as u32));
+                (!around.is_behind_eye()).then(|| Item::new(around, what as u32))
+            };
+            range.filter_map(item).collect::<Vec<_>>()
+        });
+        Self::new(found.concat(), threads)
     }
 }
 
 impl<T: Copy + Send + Sync> Tree<T> {
     fn new(mut items: Vec<Item<T>>, threads: Threads) -> Self {
         let leaves = items.len().div_ceil(LEAF);
-        let mut nodes = vec![Node { low: [0.0; 2], high: [0.0; 2], near: 0.0 }; (2 * leaves).saturating_sub(1)];
+        let mut nodes = vec![Node { low: [0.0; 2], high: [0.0; 2], depths: [0.0; 2] }; (2 * leaves).saturating_sub(1)];
         if leaves > 0 {
             build(&mut items, &mut nodes, threads.count());
         }
@@ -101,13 +122,13 @@ impl<T: Copy + Send + Sync> Tree<T> {
         while count > 0 {
             count -= 1;
             let (node, first, leaves) = stack[count];
-            let Node { low, high, near } = self.nodes[node];
-            if !line.meets(low, high, near) {
+            let Node { low, high, depths } = self.nodes[node];
+            if !line.meets(low, high, depths) {
                 continue;
             }
             if leaves == 1 {
                 let items = &self.items[LEAF * first..(LEAF * (first + 1)).min(self.items.len())];
-                let met = items.iter().filter(|item| line.meets(item.low, item.high, item.near));
+                let met = items.iter().filter(|item| line.meets(item.low, item.high, item.depths));
                 met.for_each(|item| found(item.what));
                 continue;
             }
@@ -126,11 +147,12 @@ fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
 /// Orders the items and fills the nodes above them.
 fn build<T: Copy + Send + Sync>(items: &mut [Item<T>], nodes: &mut [Node], threads: usize) {
     let around = |items: &[Item<T>]| {
-        let start = Node { low: [f32::INFINITY; 2], high: [f32::NEG_INFINITY; 2], near: f32::INFINITY };
+        let start =
+            Node { low: [f32::INFINITY; 2], high: [f32::NEG_INFINITY; 2], depths: [f32::INFINITY, f32::NEG_INFINITY] };
         items.iter().fold(start, |node, item| Node {
             low: [0, 1].map(|axis| node.low[axis].min(item.low[axis])),
             high: [0, 1].map(|axis| node.high[axis].max(item.high[axis])),
-            near: node.near.min(item.near),
+            depths: [node.depths[0].min(item.depths[0]), node.depths[1].max(item.depths[1])],
         })
     };
     nodes[0] = around(items);
@@ -160,7 +182,7 @@ fn build<T: Copy + Send + Sync>(items: &mut [Item<T>], nodes: &mut [Node], threa
     }
 }
 
-/// What boxes a line meets on the page, not behind it.
+/// What boxes a line or a triangle may meet.
 pub(crate) struct Reach {
     bounds: Bounds,
     /// A unit vector across the line, and a point of it.
@@ -173,13 +195,21 @@ impl Reach {
         let [a, b] = part.page;
         let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
         let length = (dx * dx + dy * dy).sqrt();
-        let bounds = frame.bounds_of_part(part);
+        let bounds = Bounds { near: f32::NEG_INFINITY, ..frame.bounds_of_part(part) };
         Self { bounds, across: [(-dy / length) as f32, (dx / length) as f32], at: frame.on_page(a) }
     }
 
-    fn meets(&self, low: [f32; 2], high: [f32; 2], near: f32) -> bool {
+    /// All that a triangle may meet.
+    pub(crate) fn of_triangle(frame: &Frame, corners: [[f32; 3]; 3]) -> Self {
+        Self { bounds: frame.bounds_of_triangle(corners), across: [0.0; 2], at: [0.0; 2] }
+    }
+
+    fn meets(&self, low: [f32; 2], high: [f32; 2], [near, far]: [f32; 2]) -> bool {
         let own = &self.bounds;
-        if near > own.far || (0..2).any(|axis| low[axis] > own.high[axis] || high[axis] < own.low[axis]) {
+        if near > own.far
+            || far < own.near
+            || (0..2).any(|axis| low[axis] > own.high[axis] || high[axis] < own.low[axis])
+        {
             return false;
         }
         let half = [0, 1].map(|axis| 0.5 * (high[axis] - low[axis]));
@@ -220,7 +250,7 @@ impl Cells {
         Self { far }
     }
 
-    fn may_be_behind(&self, low: [f32; 2], high: [f32; 2], near: f32) -> bool {
+    fn may_be_behind(&self, &Bounds { low, high, near, .. }: &Bounds) -> bool {
         if (0..2).any(|axis| high[axis] < -1e-3 || low[axis] > 1.001) {
             return false;
         }

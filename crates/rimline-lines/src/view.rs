@@ -58,12 +58,12 @@ impl View {
 
     /// How far ahead of the eye a point is; for an eye at infinity, ahead of the origin.
     pub fn depth(&self, point: [f64; 3]) -> f64 {
-        dot(self.ahead, self.from_eye(point))
+        dot(self.ahead, self.seen(point))
     }
 
     /// Where a point is on the page. A perspective eye needs a depth above 0; else the result means nothing.
     pub fn page(&self, point: [f64; 3]) -> [f64; 2] {
-        let from_eye = self.from_eye(point);
+        let from_eye = self.seen(point);
         let [x, y] = [dot(self.right, from_eye), dot(self.up, from_eye)];
         if self.is_perspective() {
             let depth = dot(self.ahead, from_eye);
@@ -73,7 +73,7 @@ impl View {
         }
     }
 
-    fn from_eye(&self, point: [f64; 3]) -> [f64; 3] {
+    fn seen(&self, point: [f64; 3]) -> [f64; 3] {
         if self.is_perspective() { [0, 1, 2].map(|axis| point[axis] - f64::from(self.eye.xyz[axis])) } else { point }
     }
 }

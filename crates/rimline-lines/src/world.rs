@@ -4,8 +4,9 @@ use std::borrow::Cow;
 
 use rimline::mesh::MAX_FACES;
 
+use crate::drawing::FaceId;
 use crate::error::{Fault, LeftOut, LinesError};
-use crate::exact::{Eye, Plane, facing};
+use crate::exact::{Eye, Plane, face_value, facing};
 use crate::object::Object;
 use crate::view::View;
 
@@ -25,6 +26,31 @@ pub(crate) struct World<'a> {
     pub(crate) positions: Cow<'a, [[f32; 3]]>,
     pub(crate) view: View,
     pub(crate) eye: Eye,
+    /// Points that lines name after all vertices.
+    pub(crate) pierces: Vec<Pierce>,
+    /// The faces that pass through each other, for lines that name them.
+    pub(crate) meetings: Vec<[FaceId; 2]>,
+}
+
+/// The point where an edge pierces the plane of a face: a mean of the edge's ends.
+pub(crate) struct Pierce {
+    /// Vertices, the lower one first.
+    pub(crate) edge: [u32; 2],
+    pub(crate) face: [u32; 3],
+    /// Of the edge's ends.
+    pub(crate) weights: [f64; 2],
+    pub(crate) point: [f64; 3],
+}
+
+impl Pierce {
+    pub(crate) fn new(positions: &[[f32; 3]], edge: [u32; 2], face: [u32; 3]) -> Self {
+        let [a, b, c] = face.map(|vertex| positions[vertex as usize]);
+        let [p, q] = edge.map(|vertex| positions[vertex as usize]);
+        let [from_p, from_q] = [p, q].map(|p| face_value(a, b, c, p).number().abs());
+        let weights = [from_q, from_p].map(|height| height / (from_p + from_q));
+        let point = [0, 1, 2].map(|axis| weights[0] * f64::from(p[axis]) + weights[1] * f64::from(q[axis]));
+        Self { edge, face, weights, point }
+    }
 }
 
 impl<'a> World<'a> {
@@ -54,7 +80,15 @@ impl<'a> World<'a> {
                 Cow::Owned(own.collect::<Vec<_>>().concat())
             }
         };
-        Ok(Self { placed, positions, view, eye: view.eye().to_array() })
+        Ok(Self { placed, positions, view, eye: view.eye().to_array(), pierces: Vec::new(), meetings: Vec::new() })
+    }
+
+    /// Where a vertex or the end of a line is.
+    pub(crate) fn point(&self, vertex: u32) -> [f64; 3] {
+        match self.positions.get(vertex as usize) {
+            Some(position) => position.map(f64::from),
+            None => self.pierces[vertex as usize - self.positions.len()].point,
+        }
     }
 
     /// The exact sign of the side of a triangle that the eye sees.

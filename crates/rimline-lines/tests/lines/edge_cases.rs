@@ -189,6 +189,37 @@ fn silhouettes_close() {
     assert!(matches!(&*drawing.chains, [only] if only.is_closed && !only.is_hidden), "{:?}", drawing.chains);
 }
 
+/// Two surfaces that pass through each other meet in closed lines, also where corners lie on edges; surfaces that touch do not.
+#[test]
+fn surfaces_meet() {
+    let meetings = |shapes: &[Shape]| {
+        let options = LineOptions { classes: Classes::NONE.with(LineClass::Intersection), ..LineOptions::default() };
+        draw(&objects(shapes), &aside(), &options, go_on).expect("drawn")
+    };
+    let length = |drawing: &Drawing| -> f64 {
+        let length = |[a, b]: [[f64; 3]; 2]| (0..3).map(|axis| (b[axis] - a[axis]).powi(2)).sum::<f64>().sqrt();
+        drawing.spans.iter().map(|span| length(span.ends)).sum()
+    };
+    let column = |low: f32, high: f32| [cuboid([0.0; 3], [1.0; 3]), cuboid([low, low, -1.0], [high, high, 2.0])];
+    // The diagonals of the box pass the column's corners, or do not.
+    for (low, high) in [(0.25, 0.75), (0.25, 0.625)] {
+        let drawing = meetings(&column(low, high));
+        assert!((length(&drawing) - 8.0 * f64::from(high - low)).abs() < 1e-9, "{}", length(&drawing));
+        assert!(drawing.spans.iter().all(|span| span.faces.iter().all(Option::is_some) && span.edge.is_none()));
+    }
+    // A box on another one.
+    assert!(meetings(&[cuboid([0.0; 3], [1.0; 3]), cuboid([0.25, 0.25, 1.0], [0.75, 0.75, 2.0])]).spans.is_empty());
+    assert!(meetings(&[torus(24, 14)]).spans.is_empty());
+    let rings = [torus(60, 40), moved(&torus(60, 40), |[x, y, z]| [x + 0.5, z, y])];
+    let drawing = meetings(&rings);
+    assert!(
+        drawing.chains.len() < 20 && drawing.spans.len() > 100,
+        "{} chains, {} spans",
+        drawing.chains.len(),
+        drawing.spans.len()
+    );
+}
+
 /// Lines end at the window and at the near plane.
 #[test]
 fn windows_cut_lines() {

@@ -23,10 +23,59 @@ fn sign(value: &BigInt) -> i32 {
     }
 }
 
-/// A point `(xyz, w)`.
-struct Point {
+/// A point `(xyz, w)`, w positive, or a direction with w 0. Coordinates are multiplied by [`SCALE`]'s power of two.
+pub(crate) struct Point {
     xyz: Vector,
     w: BigInt,
+}
+
+/// All finite numbers are multiples of 2⁻¹⁴⁹.
+const SCALE: i32 = 149;
+/// Shares of a line are multiples of 2⁻⁴⁰.
+pub(crate) const SHARES: i64 = 1 << 40;
+
+impl Point {
+    /// A vertex.
+    fn new(position: [f32; 3]) -> Self {
+        Self { xyz: position.map(|c| scaled(c, SCALE)), w: BigInt::from(1) }
+    }
+
+    /// At a share of the way from one point to another.
+    pub(crate) fn between(from: &Self, to: &Self, share: i64) -> Self {
+        let (before, beyond) = (&from.w * share, &to.w * (SHARES - share));
+        let xyz = std::array::from_fn(|axis| &from.xyz[axis] * &beyond + &to.xyz[axis] * &before);
+        Self { xyz, w: &from.w * &to.w * SHARES }
+    }
+
+    /// At a share of the way from one vertex to another.
+    pub(crate) fn on_edge([a, b]: [[f32; 3]; 2], share: i64) -> Self {
+        Self::between(&Self::new(a), &Self::new(b), share)
+    }
+
+    /// The two points where the edges of a triangle cross the plane of another one; none if they do not.
+    pub(crate) fn crossings(face: [[f32; 3]; 3], plane: [[f32; 3]; 3]) -> Vec<Self> {
+        let plane = Face::new(plane, 0).expect("it has a normal");
+        let corners = face.map(Self::new);
+        let heights = [0, 1, 2].map(|at| plane.height(&corners[at]));
+        let pairs =
+            [(0, 1), (1, 2), (2, 0)].into_iter().filter(|&(i, j)| (sign(&heights[i]) < 0) != (sign(&heights[j]) < 0));
+        let found = pairs.map(|(i, j)| {
+            let [p, q] = [&heights[j], &heights[i]].map(|height| BigInt::from(height.magnitude().clone()));
+            let xyz = std::array::from_fn(|axis| &corners[i].xyz[axis] * &p + &corners[j].xyz[axis] * &q);
+            Self { xyz, w: p + q }
+        });
+        found.collect()
+    }
+
+    /// Rounded.
+    pub(crate) fn double(&self) -> [f64; 3] {
+        let unit = BigInt::from(1) << (SCALE + 60);
+        self.xyz.clone().map(|c| {
+            // Sixty bits behind the point are enough for models of about unit size.
+            let value: BigInt = (c << 120_u32) / (&self.w * &unit);
+            i128::try_from(value).map_or(f64::NAN, |value| value as f64 / (1_u64 << 60) as f64)
+        })
+    }
 }
 
 struct Face {
@@ -38,6 +87,19 @@ struct Face {
 }
 
 impl Face {
+    /// `None` for a triangle that is a line.
+    fn new(positions: [[f32; 3]; 3], polygon: usize) -> Option<Self> {
+        let corners = positions.map(|position| Point::new(position).xyz);
+        let minus = |at: usize| -> Vector { std::array::from_fn(|axis| &corners[at][axis] - &corners[0][axis]) };
+        let (u, v) = (minus(1), minus(2));
+        let normal: Vector = std::array::from_fn(|axis| {
+            let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
+            &u[y] * &v[z] - &u[z] * &v[y]
+        });
+        let doubles = positions.map(|position| position.map(f64::from));
+        normal.iter().any(|n| sign(n) != 0).then_some(Self { corners, normal, doubles, polygon })
+    }
+
     fn height(&self, point: &Point) -> BigInt {
         (0..3).map(|axis| &self.normal[axis] * (&point.xyz[axis] - &point.w * &self.corners[0][axis])).sum()
     }
@@ -57,7 +119,6 @@ impl Face {
 
 /// Faces, and an eye that looks at them.
 pub(crate) struct Oracle {
-    scale: i32,
     faces: Vec<Face>,
     eye: Point,
     moved: Point,
@@ -67,45 +128,28 @@ pub(crate) struct Oracle {
 impl Oracle {
     /// `polygons` names the polygon of each face. The eye is `(l, w)`, w 0 or 1.
     pub(crate) fn new(positions: &[[f32; 3]], faces: &[([u32; 3], usize)], eye: [f32; 4]) -> Self {
-        let scale = 149;
-        let integers = |p: [f32; 3]| p.map(|c| scaled(c, scale));
-        let minus = |p: &Vector, q: &Vector| -> Vector { std::array::from_fn(|axis| &p[axis] - &q[axis]) };
-        let made = faces.iter().filter_map(|&(face, polygon)| {
-            let corners = face.map(|vertex| integers(positions[vertex as usize]));
-            let [u, v] = [minus(&corners[1], &corners[0]), minus(&corners[2], &corners[0])];
-            let normal: Vector = std::array::from_fn(|axis| {
-                let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
-                &u[y] * &v[z] - &u[z] * &v[y]
-            });
-            let doubles = face.map(|vertex| positions[vertex as usize].map(f64::from));
-            normal.iter().any(|n| sign(n) != 0).then_some(Face { corners, normal, doubles, polygon })
-        });
-        let faces: Vec<Face> = made.collect();
+        let made = |&(face, polygon): &([u32; 3], usize)| Face::new(face.map(|v| positions[v as usize]), polygon);
+        let faces: Vec<Face> = faces.iter().filter_map(made).collect();
         let [x, y, z, w] = eye;
-        let eye = Point { xyz: integers([x, y, z]), w: BigInt::from(u8::from(w != 0.0)) };
-        // A polynomial of these numbers, of a fourth degree and with points of 64 more bits, has no root below this power.
+        let eye = Point { w: BigInt::from(u8::from(w != 0.0)), ..Point::new([x, y, z]) };
+        // A polynomial of a fourth degree in these numbers, and in a point whose numbers have seven times as many bits, has no root
+        // below this power.
         let most = faces.iter().flat_map(|face| face.corners.as_flattened()).chain(&eye.xyz).map(BigInt::bits).max();
-        let epsilon = 4 * (most.unwrap_or(0) + 64) + 64;
+        let epsilon = 16 * (most.unwrap_or(0) + 64);
         let mut moved = Point { xyz: eye.xyz.clone().map(|c| c << (3 * epsilon)), w: eye.w.clone() << (3 * epsilon) };
         for (axis, c) in moved.xyz.iter_mut().enumerate() {
             *c += BigInt::from(1) << ((2 - axis as u64) * epsilon);
         }
-        Self { scale, faces, eye, moved, doubles: [x, y, z, w].map(f64::from) }
+        Self { faces, eye, moved, doubles: [x, y, z, w].map(f64::from) }
     }
 
-    /// The number of faces, or polygons, strictly between the eye and the point `m / 2^40` along a line. With `is_quick`, `f64` may
-    /// decide what is far from doubt.
-    pub(crate) fn count(&self, [a, b]: [[f32; 3]; 2], m: u64, is_quick: bool) -> u32 {
-        let whole = 1_u64 << 40;
-        let ends = [a, b].map(|p| p.map(|c| scaled(c, self.scale)));
-        let xyz = std::array::from_fn(|axis| &ends[0][axis] * (whole - m) + &ends[1][axis] * m);
-        let point = Point { xyz, w: BigInt::from(whole) };
-        let at = m as f64 / whole as f64;
-        let double = [0, 1, 2].map(|axis| f64::from(a[axis]) * (1.0 - at) + f64::from(b[axis]) * at);
+    /// The number of faces, or polygons, strictly between the eye and a point. With its place in `f64`, this may decide what is far
+    /// from doubt.
+    pub(crate) fn count(&self, point: &Point, quick: Option<[f64; 3]>) -> u32 {
         let mut odd = std::collections::BTreeMap::new();
         for face in &self.faces {
-            let quick = if is_quick { self.quick(face, double) } else { None };
-            if quick.unwrap_or_else(|| self.is_between(face, &point)) {
+            let quick = quick.and_then(|place| self.quick(face, place));
+            if quick.unwrap_or_else(|| self.is_between(face, point)) {
                 *odd.entry(face.polygon).or_insert(0) += 1;
             }
         }
