@@ -124,7 +124,7 @@ const REMARKS: &str = "\
 Whether a line is hidden is decided exactly, by faces that lie strictly in front of it; both sides of a face hide. Equal input gives \
 equal files, on every machine. No GPU is needed.
 
-Layers of .svg, .pdf and .dxf: one a class for visible lines, and one for hidden lines if they are drawn. Keys of .json: rimline, \
+Layers of .svg, .pdf and .dxf: one a class for visible lines, and one for hidden lines if they are drawn. Keys of --format json: rimline, \
 title, view (eye, perspective), page_mm, mm_per_unit (null with perspective), objects (names), left_out (object, why), spans and \
 chains. A span has class, faces_in_front, object, edge (null for an intersection), faces (object and face of each), world (its two \
 ends) and page (the same in millimetres from the lower left corner); a chain has class, hidden, closed, first and count (of its \
