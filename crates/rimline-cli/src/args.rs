@@ -6,8 +6,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 #[cfg(feature = "bench")]
 use crate::bench_args::BenchArgs;
-use crate::input_args::LoadArgs;
-use crate::input_args::{ModelArgs, MomentArgs, ViewArgs, drawing_device, verbatim};
+use crate::input_args::{LoadArgs, ModelArgs, MomentArgs, ViewArgs, drawing_device, verbatim};
+use crate::lines::args::LinesArgs;
 use crate::query::args::QueryArgs;
 use crate::shadow::args::{FilmArgs, ShadowArgs};
 use crate::spec::{self, LightSpec};
@@ -44,6 +44,8 @@ Ctrl-C.";
 pub(crate) enum Command {
     /// Draw a model with its outline, as a PNG
     Draw(DrawArgs),
+    /// Draw models as lines without what is hidden, as SVG, PDF, DXF, JSON or PNG
+    Lines(LinesArgs),
     /// Draw models with their shadows, as a PNG, and masks of what each light reaches
     Shadow(ShadowArgs),
     /// Draw an animation with its shadows, as numbered PNG files

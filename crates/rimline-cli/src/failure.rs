@@ -95,6 +95,12 @@ pub(crate) enum InputError {
     DepthMapTimes { what: String },
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    #[error(transparent)]
+    Lines(rimline_lines::LinesError),
+    #[error("nothing of it can be drawn; the warnings say why")]
+    NothingToDraw,
+    #[error("{problem}")]
+    Style { problem: String },
     #[error("its lights cannot be used: {0}")]
     Lights(LightError),
     #[error(
@@ -241,6 +247,12 @@ pub(crate) enum UsageError {
     DepthLights { count: usize },
     #[error("--light is {given}, but the map of --depth was seen from {map}; give this light, or leave --light out")]
     DepthLightApart { given: String, map: String },
+    #[error("{}: no format is known by this name; end it in .svg, .pdf, .dxf, .json or .png, or give --format", .out.display())]
+    LinesFormat { out: PathBuf },
+    #[error("--scale needs an orthographic view; leave out --fov, or give --ortho with --eye")]
+    ScaleOfPerspective,
+    #[error("the page would be {width}x{height} mm, more than 100 m; give a smaller --scale")]
+    PageTooLarge { width: f64, height: f64 },
     #[error("--eye and --target are the same point; move one")]
     EyeAtTarget,
     #[error("--size {width}x{height} is too large: {adapter} can draw at most {limit} pixels in each direction")]

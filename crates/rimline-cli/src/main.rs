@@ -18,6 +18,7 @@ mod image;
 mod info;
 mod input;
 mod input_args;
+mod lines;
 mod origin;
 mod output;
 mod parse;
@@ -116,6 +117,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Extract(args) => extract::run(args),
         Command::Info(args) => info::run(args),
         Command::Draw(args) => draw::run(args),
+        Command::Lines(args) => lines::run(args),
         Command::Shadow(args) => shadow::run(args),
         Command::Film(args) => film::run(args),
         Command::Query(args) => query::run(args),

@@ -99,6 +99,8 @@ pub(crate) enum SpecError {
     SampleCount { given: u32, limit: u32 },
     #[error("the angle must lie between 0 and 180 degrees, both left out")]
     Angle,
+    #[error("the angle must lie between 0 and 180 degrees")]
+    Crease,
 }
 
 /// A light from its SPEC. Components are rounded once, from the decimal digits to the nearest `f32`, unless there is an
@@ -334,6 +336,12 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], SpecError> {
 pub(crate) fn field_of_view(text: &str) -> Result<f32, SpecError> {
     let [degrees] = numbers(text)?;
     if degrees > 0.0 && degrees < 180.0 { Ok(degrees) } else { Err(SpecError::Angle) }
+}
+
+/// The angle of creases in degrees.
+pub(crate) fn crease(text: &str) -> Result<f64, SpecError> {
+    let [degrees] = numbers(text)?;
+    if (0.0..=180.0).contains(&degrees) { Ok(degrees.into()) } else { Err(SpecError::Crease) }
 }
 
 pub(crate) fn seconds(text: &str) -> Result<f32, SpecError> {

@@ -176,7 +176,7 @@ pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
 }
 
 /// Endings that stand for a format. One that is none of these is a part of the name.
-const FORMATS: &str = "png apng jpg jpeg jpe jfif gif bmp tif tiff webp avif heic jxl svg pdf eps ps exr hdr tga ppm \
+const FORMATS: &str = "png apng jpg jpeg jpe jfif gif bmp tif tiff webp avif heic jxl svg pdf dxf eps ps exr hdr tga ppm \
     pgm pnm psd ico mp4 m4v mov avi mkv webm mpg mpeg ogv npz npy mat h5 gltf glb bin obj mtl ply stl off fbx dae 3ds \
     usd usda usdc usdz blend zip gz tar csv tsv json txt md html wgsl";
 
@@ -185,6 +185,9 @@ pub(crate) fn check_ending(out: &Path, own: &'static str) -> Result<(), UsageErr
     let what = match own {
         "png" => "a PNG picture",
         "npz" => "a NumPy archive",
+        "svg" => "an SVG drawing",
+        "pdf" => "a PDF",
+        "dxf" => "a DXF drawing",
         _ => "JSON",
     };
     match format_of(out) {

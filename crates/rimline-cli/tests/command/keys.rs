@@ -64,7 +64,9 @@ fn described() -> Outcome {
     let extract = ["extract", &model, light[0], light[1], "--out", &out];
     let query = ["query", &model, "--points", &at("points.npz"), light[0], light[1], "--out", &out];
     let shadow = ["shadow", &model, size[0], size[1], "--mask", &at("mask"), "--out", &png];
-    let lines: [(&[&str], &[&str]); 13] = [
+    let drawing = ["lines", &model, "--hidden", "thin", "--out", "-"];
+    let lines: [(&[&str], &[&str]); 14] = [
+        (&drawing, &["--format", "json"]),
         (&extract, &["--device", "gpu"]),
         (&extract, &["--device", "gpu", "--method", "per-edge"]),
         (&extract, &["--device", "cpu"]),
@@ -80,16 +82,19 @@ fn described() -> Outcome {
         (&["devices"], &[]),
     ];
     for (line, options) in lines {
-        let run = rimline(line.iter().chain(options).chain(&["--json"]));
+        // A drawing is JSON itself.
+        let option = if line[0] == "lines" { "--format json" } else { "--json" };
+        let run = rimline(line.iter().chain(options).chain(if line[0] == "lines" { &[][..] } else { &["--json"] }));
         ensure!([0, 5].contains(&run.code), "{line:?}: {}", run.stderr);
         let json: Value = serde_json::from_str(&run.stdout).map_err(|error| format!("{line:?}: {error}"))?;
         let (mut found, mut stages) = (BTreeSet::new(), BTreeSet::new());
         keys(&json, &mut found, &mut stages);
         ensure!(found.len() > 8, "{line:?} has only {found:?}");
         let help = rimline([line[0], "--help"]).stdout;
-        let (_, listed) = help.rsplit_once("Keys of --json: ").ok_or(format!("{} lists no keys", line[0]))?;
+        let (_, listed) =
+            help.rsplit_once(&format!("Keys of {option}: ")).ok_or(format!("{} lists no keys", line[0]))?;
         let listed: BTreeSet<&str> = listed.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
-        let (own, times) = (section(&format!("`{} --json`", line[0]))?, section("Times")?);
+        let (own, times) = (section(&format!("`{} {option}`", line[0]))?, section("Times")?);
         for key in &found {
             ensure!(listed.contains(key.as_str()), "the help of {} lacks {key}", line[0]);
             let word = format!("`{key}`");

@@ -14,7 +14,8 @@ pub(crate) const TESTS: &[Test] = &[
     ("words::set_up_and_work_are_timed_apart", times),
 ];
 
-const COMMANDS: [&str; 9] = ["draw", "shadow", "film", "extract", "query", "info", "devices", "verify", "bench"];
+const COMMANDS: [&str; 10] =
+    ["draw", "lines", "shadow", "film", "extract", "query", "info", "devices", "verify", "bench"];
 
 /// The command without a desktop session, by a shell that runs `script`.
 #[cfg(unix)]

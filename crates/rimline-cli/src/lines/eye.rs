@@ -1,0 +1,113 @@
+//! The eye of a drawing.
+
+use std::path::Path;
+
+use rimline::Origin;
+use rimline::mesh::Bounds;
+use rimline_lines::{LinesError, Object, View};
+
+use super::args::{LinesArgs, Side};
+use crate::coordinates::relative;
+use crate::failure::{Failure, InputError, UsageError};
+
+/// A view, and the angle that the page shows of it.
+pub(crate) struct Eye {
+    pub(crate) view: View,
+}
+
+/// Why there is no eye.
+pub(crate) enum EyeError {
+    Usage(UsageError),
+    Input(InputError),
+}
+
+impl EyeError {
+    pub(crate) fn on(self, file: &Path) -> Failure {
+        match self {
+            Self::Usage(error) => error.into(),
+            Self::Input(error) => Failure::input(file)(error),
+        }
+    }
+}
+
+impl From<LinesError> for EyeError {
+    fn from(error: LinesError) -> Self {
+        Self::Input(InputError::Lines(error))
+    }
+}
+
+const UP: [f32; 3] = [0.0, 1.0, 0.0];
+
+impl Eye {
+    /// The eye that the options ask for, or that sees all objects.
+    pub(crate) fn new(args: &LinesArgs, origin: Origin, objects: &[Object<'_>]) -> Result<Self, EyeError> {
+        let corners = || {
+            let of_object = |object: &'_ Object<'_>| {
+                let faces = object.mesh.faces().iter().flatten();
+                faces.filter_map(|&vertex| object.positions.get(vertex as usize).copied()).collect::<Vec<_>>()
+            };
+            objects.iter().flat_map(of_object).filter(|corner| corner.iter().all(|c| c.is_finite()))
+        };
+        let bounds =
+            Bounds::of(corners().collect::<Vec<_>>().iter()).ok_or(EyeError::Input(InputError::NoFiniteFace))?;
+        let middle = [0, 1, 2].map(|axis| f64::from(bounds.min[axis]) / 2.0 + f64::from(bounds.max[axis]) / 2.0);
+        let nearest = |point: [f64; 3]| point.map(|c| c as f32);
+        if let Some(eye) = args.eye {
+            let eye = relative(eye, origin);
+            let target = args.target.map_or(nearest(middle), |target| relative(target, origin));
+            if eye == target {
+                return Err(EyeError::Usage(UsageError::EyeAtTarget));
+            }
+            let up = up_of([0, 1, 2].map(|axis| f64::from(eye[axis]) - f64::from(target[axis])));
+            let view = if args.ortho {
+                View::orthographic([0, 1, 2].map(|axis| eye[axis] - target[axis]), up)?
+            } else {
+                View::perspective(eye, target, up)?
+            };
+            return Ok(Self { view });
+        }
+        let (towards_eye, up) = match args.view {
+            Side::Named(_, side) => (side.map(f64::from), up_of(side.map(f64::from))),
+            Side::Angles(azimuth, elevation) => of_angles(azimuth, elevation),
+        };
+        let Some(degrees) = args.fov else {
+            return Ok(Self { view: View::orthographic(nearest(towards_eye), up)? });
+        };
+        // A ball around all fits into the field of view.
+        let length = |v: [f64; 3]| libm::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        let radius = corners().map(|corner| length([0, 1, 2].map(|axis| f64::from(corner[axis]) - middle[axis])));
+        let distance = radius.fold(f64::MIN_POSITIVE, f64::max) / libm::sin(f64::from(degrees).to_radians() / 2.0);
+        let size = length(towards_eye);
+        let eye = [0, 1, 2].map(|axis| middle[axis] + distance / size * towards_eye[axis]);
+        Ok(Self { view: View::perspective(nearest(eye), nearest(middle), up)? })
+    }
+
+    /// From where it looks, in words.
+    pub(crate) fn said(&self, args: &LinesArgs) -> String {
+        let how = if self.view.is_perspective() { "perspective" } else { "orthographic" };
+        match (args.eye, args.view) {
+            (Some(_), _) => format!("{how} view of an eye at {:?}", self.view.eye().xyz),
+            (None, Side::Named(name, _)) => format!("{how} view, {name}"),
+            (None, Side::Angles(azimuth, elevation)) => {
+                format!("{how} view, azimuth {azimuth}°, elevation {elevation}°")
+            }
+        }
+    }
+}
+
+/// What is up on the page: +Y, or for an eye above or below -Z or +Z.
+fn up_of([x, y, z]: [f64; 3]) -> [f32; 3] {
+    if libm::sqrt(x * x + z * z) > 1e-6 * y.abs() { UP } else { [0.0, 0.0, if y < 0.0 { 1.0 } else { -1.0 }] }
+}
+
+/// The direction towards an eye at these angles in degrees, and what is up on the page.
+fn of_angles(azimuth: f64, elevation: f64) -> ([f64; 3], [f32; 3]) {
+    let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
+    let (sine, cosine) = (libm::sin(azimuth), libm::cos(azimuth));
+    let level = libm::cos(elevation);
+    let towards_eye = [sine * level, libm::sin(elevation), cosine * level];
+    // Straight from above or below the azimuth still turns the page.
+    let up = if level > 1e-6 { UP } else { [-sine, 0.0, -cosine].map(|c| (c * towards_eye[1]) as f32) };
+    let towards_eye = if level > 1e-6 { towards_eye } else { [0.0, towards_eye[1], 0.0] };
+    (towards_eye, up)
+}

@@ -1,0 +1,181 @@
+//! Pens: widths, colours and dashes of lines.
+
+use std::path::Path;
+
+use rimline_lines::LineClass;
+use toml::{Table, Value};
+
+use super::args::Hidden;
+use crate::failure::{Failure, InputError};
+use crate::source;
+
+/// How a line is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Pen {
+    pub(crate) width_mm: f64,
+    /// Red, green and blue, as in sRGB.
+    pub(crate) color: [u8; 3],
+    /// Lengths of dashes and gaps in turn, in millimetres; none for a whole line.
+    pub(crate) dash_mm: Vec<f64>,
+}
+
+/// What a style file says; what it leaves out has a default.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Style {
+    visible: Vec<(LineClass, Strokes)>,
+    hidden: Strokes,
+    hidden_classes: Vec<(LineClass, Strokes)>,
+}
+
+/// A table of a style file.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Strokes {
+    width_mm: Option<f64>,
+    color: Option<[u8; 3]>,
+    dash_mm: Option<Vec<f64>>,
+}
+
+impl Strokes {
+    fn onto(&self, pen: Pen) -> Pen {
+        Pen {
+            width_mm: self.width_mm.unwrap_or(pen.width_mm),
+            color: self.color.unwrap_or(pen.color),
+            dash_mm: self.dash_mm.clone().unwrap_or(pen.dash_mm),
+        }
+    }
+}
+
+impl Style {
+    pub(crate) fn pen(&self, class: LineClass, is_hidden: bool, hidden: Hidden) -> Pen {
+        let width_mm = match (is_hidden, hidden, class) {
+            (true, Hidden::Thin, _) => 0.09,
+            (true, ..) => 0.18,
+            (false, _, LineClass::Silhouette | LineClass::Boundary) => 0.5,
+            (false, _, LineClass::NonManifold | LineClass::Marked) => 0.35,
+            (false, ..) => 0.25,
+        };
+        let is_dashed = is_hidden && hidden == Hidden::Dashed;
+        let pen = Pen { width_mm, color: [0; 3], dash_mm: if is_dashed { vec![1.5, 0.8] } else { Vec::new() } };
+        let of_class = |strokes: &[(LineClass, Strokes)]| {
+            strokes.iter().find(|(given, _)| *given == class).map(|(_, strokes)| strokes.clone()).unwrap_or_default()
+        };
+        if is_hidden {
+            return of_class(&self.hidden_classes).onto(self.hidden.onto(pen));
+        }
+        of_class(&self.visible).onto(pen)
+    }
+}
+
+/// Reads a style file.
+pub(crate) fn read(file: &Path) -> Result<Style, Failure> {
+    let text = source::read_text(file).map_err(|error| Failure::input(file)(error.into()))?;
+    parse(&text).map_err(|problem| Failure::input(file)(InputError::Style { problem }))
+}
+
+fn parse(text: &str) -> Result<Style, String> {
+    let table: Table = text.parse().map_err(|error: toml::de::Error| {
+        let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+        format!("line {}: {}", before.matches('\n').count() + 1, error.message().trim_end())
+    })?;
+    let mut style = Style::default();
+    for (key, value) in &table {
+        let place = format!("[{key}]");
+        if key != "hidden" {
+            style.visible.push((class(key, &place)?, strokes(as_table(value, &place)?, &place)?));
+            continue;
+        }
+        let mut all = Table::new();
+        for (key, value) in as_table(value, &place)? {
+            if let Value::Table(table) = value {
+                let place = format!("[hidden.{key}]");
+                style.hidden_classes.push((class(key, &place)?, strokes(table, &place)?));
+            } else {
+                all.insert(key.clone(), value.clone());
+            }
+        }
+        style.hidden = strokes(&all, &place)?;
+    }
+    Ok(style)
+}
+
+fn as_table<'a>(value: &'a Value, place: &str) -> Result<&'a Table, String> {
+    value.as_table().ok_or_else(|| format!("{place} is no table; write it in a line of its own and keys below it"))
+}
+
+fn class(key: &str, place: &str) -> Result<LineClass, String> {
+    LineClass::ALL.into_iter().find(|class| class.name() == key).ok_or_else(|| {
+        let names: Vec<_> = LineClass::ALL.into_iter().map(LineClass::name).collect();
+        format!("{place} is no class of lines; tables are {}, hidden, or hidden.CLASS", names.join(", "))
+    })
+}
+
+fn strokes(table: &Table, place: &str) -> Result<Strokes, String> {
+    let mut strokes = Strokes::default();
+    for (key, value) in table {
+        let wrong = |what: &str| format!("{place} {key}: {what}");
+        match key.as_str() {
+            "width" => {
+                let width = length(value).filter(|&width| width > 0.0);
+                strokes.width_mm = Some(width.ok_or_else(|| wrong("give millimetres above 0, at most 100"))?);
+            }
+            "color" => {
+                let color = value.as_str().and_then(color);
+                strokes.color = Some(color.ok_or_else(|| wrong("give a colour as \"#RRGGBB\""))?);
+            }
+            "dash" => {
+                let lengths: Option<Vec<f64>> = value.as_array().and_then(|all| all.iter().map(length).collect());
+                let lengths =
+                    lengths.filter(|all| all.len() <= 16 && (all.is_empty() || all.iter().sum::<f64>() > 0.0));
+                strokes.dash_mm = Some(lengths.ok_or_else(|| {
+                    wrong("give lengths of dashes and gaps in millimetres, such as [1.5, 0.8], at most 16; [] is a whole line")
+                })?);
+            }
+            _ => return Err(wrong("keys are width, color and dash")),
+        }
+    }
+    Ok(strokes)
+}
+
+/// A length in millimetres.
+fn length(value: &Value) -> Option<f64> {
+    let length = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))?;
+    (0.0..=100.0).contains(&length).then_some(length)
+}
+
+fn color(text: &str) -> Option<[u8; 3]> {
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
+    let part = |at: usize| u8::from_str_radix(digits.get(at..at + 2)?, 16).ok();
+    Some([part(0)?, part(2)?, part(4)?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn styles_change_what_they_name() {
+        let style = "[silhouette]\nwidth = 1\n[hidden]\ndash = []\n[hidden.crease]\ncolor = \"#80ff00\"";
+        let style = parse(style).expect("it is a style");
+        assert_eq!(style.pen(LineClass::Silhouette, false, Hidden::None).width_mm, 1.0);
+        assert_eq!(style.pen(LineClass::Boundary, false, Hidden::None).width_mm, 0.5);
+        let crease = style.pen(LineClass::Crease, true, Hidden::Dashed);
+        assert_eq!(crease, Pen { width_mm: 0.18, color: [128, 255, 0], dash_mm: Vec::new() });
+        assert_eq!(style.pen(LineClass::Boundary, true, Hidden::Dashed).color, [0; 3]);
+    }
+
+    #[test]
+    fn wrong_styles_say_where() {
+        for (text, expected) in [
+            ("[outline]\nwidth = 1", "[outline] is no class"),
+            ("[crease]\nwidth = 0", "[crease] width: give millimetres"),
+            ("[crease]\ncolor = \"red\"", "[crease] color: give a colour"),
+            ("[hidden]\ndash = [0, 0]", "[hidden] dash: give lengths"),
+            ("[hidden.crease]\nwide = 1", "[hidden.crease] wide: keys are"),
+            ("crease = 1", "[crease] is no table"),
+            ("[crease", "line 1: "),
+        ] {
+            let error = parse(text).expect_err(text);
+            assert!(error.starts_with(expected), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Which edges are drawn, and as what.
+
+use rimline::cpu::{Extraction, extract};
+use rimline::mesh::{Edge, EdgeKind};
+use rimline::{Mesh, Predicate};
+
+use crate::crease::Crease;
+use crate::drawing::FaceId;
+use crate::error::{Fault, LeftOut, LinesError};
+use crate::options::{LineClass, LineOptions};
+use crate::parallel::ranges;
+use crate::world::{Placed, World};
+
+/// A line that is drawn, from one vertex to another.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line {
+    /// Vertices among those of all objects; then points where edges pierce faces.
+    pub(crate) vertices: [u32; 2],
+    pub(crate) class: LineClass,
+    /// The index among the objects that are drawn.
+    pub(crate) placed: u32,
+    /// The edge record, or the number of the faces that meet for an intersection.
+    pub(crate) record: u32,
+}
+
+impl Line {
+    /// The faces that meet there.
+    pub(crate) fn faces(&self, world: &World<'_>) -> [Option<FaceId>; 2] {
+        if self.class == LineClass::Intersection {
+            return world.meetings[self.record as usize].map(Some);
+        }
+        let placed = &world.placed[self.placed as usize];
+        let edge = placed.object.mesh.edges().get(self.record as usize);
+        let face = |face| FaceId { object: placed.number, face };
+        [edge.map(|edge| face(edge.face_0)), edge.and_then(|edge| edge.face_1).map(face)]
+    }
+}
+
+/// Edge records at a time.
+const RUN: usize = 1 << 14;
+
+/// The lines of all objects.
+pub(crate) fn lines(
+    world: &World<'_>,
+    options: &LineOptions,
+    left_out: &mut Vec<LeftOut>,
+) -> Result<Vec<Line>, LinesError> {
+    let mut lines = Vec::new();
+    for (number, placed) in (0..).zip(&world.placed) {
+        let object = placed.object;
+        let masks = extract(&object.positions, &object.mesh, &[world.view.eye()], Predicate::Exact, options.threads)?;
+        let shared = shared_edges(&object.mesh);
+        let marked = Marked::new(placed, left_out);
+        let asked =
+            Asked { placed, number, options, crease: Crease::new(options.crease_degrees), masks, shared, marked };
+        let found = ranges(options.threads, object.mesh.edges().len(), RUN, |range| {
+            range.filter_map(|record| asked.line(record as u32)).collect::<Vec<_>>()
+        });
+        lines.extend(found.into_iter().flatten());
+    }
+    Ok(once(lines, world))
+}
+
+/// An object whose edges are asked.
+struct Asked<'a> {
+    placed: &'a Placed<'a>,
+    number: u32,
+    options: &'a LineOptions,
+    crease: Crease,
+    masks: Extraction,
+    /// Records of edges that have several, and the first of each edge.
+    shared: Vec<[u32; 2]>,
+    marked: Marked,
+}
+
+impl Asked<'_> {
+    fn line(&self, record: u32) -> Option<Line> {
+        let edge = self.placed.object.mesh.edges().get(record as usize)?;
+        let masks = self.masks.masks[record as usize];
+        let is_silhouette = masks.silhouette & 1 != 0;
+        let first = self.shared.binary_search_by_key(&record, |&[shared, _]| shared).map(|at| self.shared[at][1]);
+        let is = |class: LineClass| match class {
+            LineClass::Silhouette => is_silhouette && edge.kind != EdgeKind::Boundary,
+            LineClass::Boundary => edge.kind == EdgeKind::Boundary && first.is_err(),
+            LineClass::NonManifold => first.is_ok(),
+            LineClass::Crease => self.is_crease(&edge),
+            LineClass::Intersection => false,
+            LineClass::Marked => self.marked.contains(edge.vertices),
+        };
+        let class = LineClass::ALL.into_iter().find(|&class| self.options.classes.contains(class) && is(class))?;
+        let is_forward = masks.winding & 1 != 0;
+        let [a, b] = edge.vertices.map(|vertex| vertex + self.placed.first_vertex);
+        let vertices = if is_forward { [a, b] } else { [b, a] };
+        Some(Line { vertices, class, placed: self.number, record: first.unwrap_or(record) })
+    }
+
+    fn is_crease(&self, edge: &Edge) -> bool {
+        let Some(face_1) = edge.face_1 else { return false };
+        let object = self.placed.object;
+        let triangles = |face: u32| {
+            let face = face as usize;
+            let triangles = object.mesh.polygons().map_or(face..face + 1, |polygons| polygons.triangles(face));
+            let corners = object.mesh.faces()[triangles].iter();
+            corners.map(|corners| corners.map(|vertex| object.positions[vertex as usize]))
+        };
+        self.crease.is_between(triangles(edge.face_0), triangles(face_1), edge.kind == EdgeKind::Inconsistent)
+    }
+}
+
+/// Records of edges that have several, in order, each with the first one of its edge.
+fn shared_edges(mesh: &Mesh) -> Vec<[u32; 2]> {
+    let records = mesh.edges().vertices();
+    // Most edges are alone with their bit of a hash; only the others are sorted.
+    let bits = (32 * records.len() as u64).next_power_of_two().max(64);
+    let (mut met, mut met_twice) = (vec![0_u64; bits as usize / 64], vec![0_u64; bits as usize / 64]);
+    let bit = |edge: [u32; 2]| {
+        let [low, high] = sorted(edge).map(u64::from);
+        let hash = (high << 32 | low).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> (64 - bits.trailing_zeros());
+        (hash as usize / 64, 1_u64 << (hash % 64))
+    };
+    for &edge in records {
+        let (word, bit) = bit(edge);
+        met_twice[word] |= met[word] & bit;
+        met[word] |= bit;
+    }
+    let is_doubtful = |&(_, edge): &(u32, &[u32; 2])| {
+        let (word, bit) = bit(*edge);
+        met_twice[word] & bit != 0
+    };
+    let doubtful = (0..).zip(records).filter(is_doubtful);
+    let mut doubtful: Vec<_> = doubtful.map(|(record, &edge)| (sorted(edge), record)).collect();
+    doubtful.sort_unstable();
+    let runs = doubtful.chunk_by(|one, other| one.0 == other.0).filter(|run| run.len() > 1);
+    let mut shared: Vec<_> = runs.flat_map(|run| run.iter().map(|&(_, record)| [record, run[0].1])).collect();
+    shared.sort_unstable();
+    shared
+}
+
+/// Marked edges, in order.
+struct Marked(Vec<[u32; 2]>);
+
+fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+impl Marked {
+    /// Names those that are no edges.
+    fn new(placed: &Placed<'_>, left_out: &mut Vec<LeftOut>) -> Self {
+        let object = placed.object;
+        let mut all: Vec<_> = object.marked.iter().copied().map(sorted).collect();
+        all.sort_unstable();
+        let mut is_edge = vec![false; all.len()];
+        if !all.is_empty() {
+            for &edge in object.mesh.edges().vertices() {
+                if let Ok(at) = all.binary_search(&sorted(edge)) {
+                    is_edge[at] = true;
+                }
+            }
+        }
+        for (vertices, _) in all.iter().zip(is_edge).filter(|&(_, is_edge)| !is_edge) {
+            let (object, name) = (placed.number as usize, object.name.clone());
+            left_out.push(LeftOut { object, name, fault: Fault::NoSuchEdge { vertices: *vertices } });
+        }
+        Self(all)
+    }
+
+    fn contains(&self, vertices: [u32; 2]) -> bool {
+        !self.0.is_empty() && self.0.binary_search(&sorted(vertices)).is_ok()
+    }
+}
+
+/// Each line once where several have the same ends: the highest class, then the first. Lines without a length are left out.
+fn once(lines: Vec<Line>, world: &World<'_>) -> Vec<Line> {
+    let ends = |line: &Line| line.vertices.map(|vertex| world.positions[vertex as usize].map(|c| (c + 0.0).to_bits()));
+    let key = |line: &Line| {
+        let [a, b] = ends(line);
+        [a.min(b), a.max(b)]
+    };
+    // A product of sums scatters well enough; lines with one hash are compared.
+    let hash = |line: &Line| {
+        let mix = |sum: u64, bits: &u32| (sum ^ u64::from(*bits)).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(23);
+        key(line).as_flattened().iter().fold(0, mix)
+    };
+    let mut order: Vec<(u64, u32)> = (0..).zip(&lines).map(|(at, line)| (hash(line), at)).collect();
+    order.sort_unstable();
+    let mut is_drawn = vec![true; lines.len()];
+    for run in order.chunk_by(|one, other| one.0 == other.0).filter(|run| run.len() > 1) {
+        let mut run: Vec<_> =
+            run.iter().map(|&(_, at)| (key(&lines[at as usize]), lines[at as usize].class, at)).collect();
+        run.sort_unstable();
+        for same in run.chunk_by(|one, other| one.0 == other.0) {
+            same[1..].iter().for_each(|&(.., at)| is_drawn[at as usize] = false);
+        }
+    }
+    let kept = lines.into_iter().zip(is_drawn).filter(|(line, is_drawn)| {
+        *is_drawn && {
+            let [a, b] = ends(line);
+            a != b
+        }
+    });
+    kept.map(|(line, _)| line).collect()
+}

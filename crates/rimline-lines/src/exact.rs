@@ -1,0 +1,301 @@
+//! Signs and values of `det[b − a, p − a, l − w·a]`, and what `f64` leaves undecided of them.
+
+use std::array::from_fn;
+use std::ops::{Add, Mul, Sub};
+
+use num_bigint::BigInt;
+
+use crate::view::{cross, dot};
+
+/// More than 8 · 2⁻⁵³: the error of the determinant in `f64` relative to the product of the three vectors' sums of sizes.
+const RELATIVE: f64 = 1e-15;
+/// A value that is so many times its error has 30 bits.
+const ACCURATE: f64 = (1_u64 << 30) as f64;
+/// From the lowest to the highest bit of coordinates whose determinants fit an `i128`.
+const WINDOW: i32 = 40;
+
+/// The eye as `(l, w)`; `w` is 0 or 1.
+pub(crate) type Eye = [f32; 4];
+
+/// A determinant for the eye moved by `(ε, ε², ε³)`: the value of the first order in ε that is not 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Value {
+    /// 0 for the eye as given, 1 to 3 for an axis, 4 if all are 0.
+    order: u8,
+    value: f64,
+}
+
+impl Value {
+    pub(crate) const ZERO: Self = Self { order: 4, value: 0.0 };
+
+    pub(crate) fn sign(self) -> i32 {
+        i32::from(self.value > 0.0) - i32::from(self.value < 0.0)
+    }
+
+    /// The value of its order.
+    pub(crate) fn number(self) -> f64 {
+        self.value
+    }
+
+    /// Where between this end (0) and the other (1) a linear function with opposite signs there is 0.
+    pub(crate) fn crossing(self, other: Self) -> f64 {
+        match self.order.cmp(&other.order) {
+            std::cmp::Ordering::Less => 1.0,
+            std::cmp::Ordering::Greater => 0.0,
+            std::cmp::Ordering::Equal => self.value.abs() / (self.value.abs() + other.value.abs()),
+        }
+    }
+}
+
+/// The plane through an edge and the eye, or that of a face, with the error of what `f64` finds.
+pub(crate) struct Plane {
+    at: [f64; 3],
+    normal: [f64; 3],
+    size: f64,
+}
+
+impl Plane {
+    /// For `det[to − from, p − from, l − w·from]`.
+    pub(crate) fn of_edge(from: [f32; 3], to: [f32; 3], [x, y, z, w]: Eye) -> Self {
+        let at = from.map(f64::from);
+        let towards = [x, y, z].map(f64::from);
+        let towards = from_fn(|axis| towards[axis] - f64::from(w) * at[axis]);
+        Self::new(at, towards, difference(to.map(f64::from), at))
+    }
+
+    /// For `det[b − a, c − a, p − a]`.
+    pub(crate) fn of_face(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Self {
+        let at = a.map(f64::from);
+        Self::new(at, difference(b.map(f64::from), at), difference(c.map(f64::from), at))
+    }
+
+    fn new(at: [f64; 3], u: [f64; 3], v: [f64; 3]) -> Self {
+        Self { at, normal: cross(u, v), size: RELATIVE * sum_of_sizes(u) * sum_of_sizes(v) }
+    }
+
+    pub(crate) fn normal(&self) -> [f64; 3] {
+        self.normal
+    }
+
+    /// The determinant at `p`, and a bound of its error.
+    pub(crate) fn height(&self, p: [f64; 3]) -> Height {
+        self.along(difference(p, self.at))
+    }
+
+    /// The determinant with a direction in the place of `p − a`.
+    pub(crate) fn along(&self, direction: [f64; 3]) -> Height {
+        Height { value: dot(self.normal, direction), error: self.size * sum_of_sizes(direction) }
+    }
+}
+
+/// A determinant in `f64`.
+#[derive(Clone, Copy)]
+pub(crate) struct Height {
+    value: f64,
+    error: f64,
+}
+
+impl Height {
+    /// At the mean of two points, with weights that are off by a few units in the last place.
+    pub(crate) fn mean(heights: [Self; 2], weights: [f64; 2]) -> Self {
+        let [p, q] = [0, 1].map(|at| weights[at] * heights[at].value);
+        let errors = weights[0] * heights[0].error + weights[1] * heights[1].error;
+        Self { value: p + q, error: errors * (1.0 + 8.0 * RELATIVE) + 2.0 * RELATIVE * (p.abs() + q.abs()) }
+    }
+
+    /// Its sign, or 0 if it is not certain.
+    pub(crate) fn certain_sign(self) -> i32 {
+        i32::from(self.value > self.error) - i32::from(self.value < -self.error)
+    }
+
+    /// The value if it has 30 bits.
+    pub(crate) fn accurate(self) -> Option<Value> {
+        (self.value.abs() > ACCURATE * self.error).then_some(Value { order: 0, value: self.value })
+    }
+
+    /// The value if its sign is certain.
+    pub(crate) fn certain(self) -> Option<Value> {
+        (self.value.abs() > self.error).then_some(Value { order: 0, value: self.value })
+    }
+}
+
+fn difference(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
+    from_fn(|axis| p[axis] - q[axis])
+}
+
+fn sum_of_sizes(v: [f64; 3]) -> f64 {
+    v[0].abs() + v[1].abs() + v[2].abs()
+}
+
+/// `det[b − a, p − a, l − w·a]`, rounded once; a 0 is broken by the moved eye.
+pub(crate) fn edge_value(a: [f32; 3], b: [f32; 3], p: [f32; 3], eye: Eye) -> Value {
+    value(a, b, p, eye, true)
+}
+
+/// Whether a point lies in the plane through a line and the eye.
+pub(crate) fn is_in_plane(a: [f32; 3], b: [f32; 3], p: [f32; 3], eye: Eye) -> bool {
+    let height = Plane::of_edge(a, b, eye).height(p.map(f64::from));
+    height.certain_sign() == 0 && value(a, b, p, eye, false).sign() == 0
+}
+
+/// `det[b − a, c − a, p − a]`, rounded once.
+pub(crate) fn face_value(a: [f32; 3], b: [f32; 3], c: [f32; 3], p: [f32; 3]) -> Value {
+    value(a, b, c, [p[0], p[1], p[2], 1.0], false)
+}
+
+/// The sign of `det[b − a, c − a, l − w·a]`.
+pub(crate) fn facing(a: [f32; 3], b: [f32; 3], c: [f32; 3], eye: Eye) -> i32 {
+    value(a, b, c, eye, false).sign()
+}
+
+fn value(a: [f32; 3], b: [f32; 3], c: [f32; 3], eye: Eye, is_moved: bool) -> Value {
+    let is_point = eye[3] != 0.0;
+    let units = Units::new(&[a, b, c], eye);
+    if units.bits <= WINDOW {
+        let fixed = |number: f32, low: i32| i128::from(fixed(number, low));
+        first_of(&determinants(units.all([a, b, c], eye, fixed), is_point), is_moved, &units, None)
+    } else {
+        first_of(&determinants(units.all([a, b, c], eye, big), is_point), is_moved, &units, None)
+    }
+}
+
+/// The ends of an edge and the corners of a face that it pierces.
+pub(crate) struct PiercePositions {
+    pub(crate) edge: [[f32; 3]; 2],
+    pub(crate) face: [[f32; 3]; 3],
+}
+
+impl PiercePositions {
+    /// [`edge_value`] where the edge pierces the face.
+    pub(crate) fn edge_value(&self, a: [f32; 3], b: [f32; 3], eye: Eye) -> Value {
+        let units = self.units([a, b, a], eye);
+        let at_end = |p| determinants(units.all([a, b, p], eye, big), eye[3] != 0.0);
+        self.mean(self.edge.map(at_end), true, &units)
+    }
+
+    /// [`face_value`] where the edge pierces the face.
+    pub(crate) fn face_value(&self, a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Value {
+        let units = self.units([a, b, c], [0.0, 0.0, 0.0, 1.0]);
+        let at_end = |[x, y, z]: [f32; 3]| determinants(units.all([a, b, c], [x, y, z, 1.0], big), true);
+        self.mean(self.edge.map(at_end), false, &units)
+    }
+
+    fn units(&self, [a, b, c]: [[f32; 3]; 3], eye: Eye) -> Units {
+        let ([p, q], [d, e, f]) = (self.edge, self.face);
+        Units::new(&[a, b, c, p, q, d, e, f], eye)
+    }
+
+    /// The mean of the values at the edge's ends, weighted with how far they are from the face's plane.
+    fn mean(&self, at_ends: [[BigInt; 4]; 2], is_moved: bool, units: &Units) -> Value {
+        let heights = self.edge.map(|[x, y, z]| {
+            let all = Units { far_low: units.low, ..*units }.all(self.face, [x, y, z, 1.0], big);
+            let [height, ..] = determinants(all, true);
+            BigInt::from(height.into_parts().1)
+        });
+        let sums = from_fn(|order| &at_ends[0][order] * &heights[1] + &at_ends[1][order] * &heights[0]);
+        first_of(&sums, is_moved, units, Some(&heights[0] + &heights[1]))
+    }
+}
+
+/// The powers of two that coordinates and those of the eye are multiples of.
+struct Units {
+    low: i32,
+    far_low: i32,
+    /// The most bits of a coordinate.
+    bits: i32,
+}
+
+impl Units {
+    fn new(points: &[[f32; 3]], [x, y, z, w]: Eye) -> Self {
+        let far = [[x, y, z]];
+        let near = points.as_flattened().iter().copied();
+        if w == 0.0 {
+            let ((low, high), (far_low, far_high)) = (window(near), window(far.into_iter().flatten()));
+            return Self { low, far_low, bits: (high - low).max(far_high - far_low) };
+        }
+        let (low, high) = window(near.chain(far.into_iter().flatten()));
+        Self { low, far_low: low, bits: high - low }
+    }
+
+    fn all<T>(&self, [a, b, c]: [[f32; 3]; 3], [x, y, z, _]: Eye, integer: impl Fn(f32, i32) -> T) -> [T; 12] {
+        let all = [a, b, c, [x, y, z]];
+        from_fn(|at| integer(all[at / 3][at % 3], if at < 9 { self.low } else { self.far_low }))
+    }
+}
+
+/// Integers in which determinants are exact.
+pub(crate) trait Integer: Clone + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+    /// The value times `2^exponent`, rounded; 0 only if it is.
+    fn rounded(&self, exponent: i32) -> f64;
+}
+
+impl Integer for i128 {
+    fn rounded(&self, exponent: i32) -> f64 {
+        *self as f64 * 2_f64.powi(exponent)
+    }
+}
+
+impl Integer for BigInt {
+    fn rounded(&self, exponent: i32) -> f64 {
+        let above = self.bits().saturating_sub(100) as i32;
+        i128::try_from(self >> above).unwrap_or(0) as f64 * 2_f64.powi(exponent + above)
+    }
+}
+
+/// `det[b − a, c − a, l − w·a]`, and for the axes in the place of the third vector. `all` are a, b, c and l.
+fn determinants<T: Integer>(all: [T; 12], is_point: bool) -> [T; 4] {
+    let minus = |at: usize| -> [T; 3] { from_fn(|axis| all[at + axis].clone() - all[axis].clone()) };
+    let towards = if is_point { minus(9) } else { from_fn(|axis| all[9 + axis].clone()) };
+    let [nx, ny, nz] = integer_cross(&minus(3), &minus(6));
+    let [x, y, z] = towards;
+    [nx.clone() * x + ny.clone() * y + nz.clone() * z, nx, ny, nz]
+}
+
+/// The first that is not 0, divided by a number of height units.
+fn first_of<T: Integer>(values: &[T; 4], is_moved: bool, units: &Units, divisor: Option<T>) -> Value {
+    // Heights over a face have the unit of three coordinates.
+    let (above, divisor) = divisor.map_or((0, 1.0), |divisor| (3 * units.low, divisor.rounded(3 * units.low)));
+    let orders = if is_moved { 4 } else { 1 };
+    for (order, value) in (0..).zip(&values[..orders]) {
+        let exponent = above + 2 * units.low + if order == 0 { units.far_low } else { 0 };
+        let value = value.rounded(exponent) / divisor;
+        if value != 0.0 {
+            return Value { order, value };
+        }
+    }
+    Value::ZERO
+}
+
+pub(crate) fn integer_cross<T: Integer>(u: &[T; 3], v: &[T; 3]) -> [T; 3] {
+    let product = |i: usize, j: usize| u[i].clone() * v[j].clone();
+    [product(1, 2) - product(2, 1), product(2, 0) - product(0, 2), product(0, 1) - product(1, 0)]
+}
+
+/// A finite float as an odd number or 0, times a power of two.
+fn decode(value: f32) -> (i64, i32) {
+    let bits = value.to_bits();
+    let exponent = (bits >> 23 & 0xff) as i32;
+    let mantissa = i64::from(bits & 0x007f_ffff | if exponent == 0 { 0 } else { 0x0080_0000 });
+    let zeros = mantissa.trailing_zeros().min(23) as i32;
+    let size = mantissa >> zeros;
+    (if value < 0.0 { -size } else { size }, exponent.max(1) - 150 + zeros)
+}
+
+/// The exponents of the lowest bit, and of the one above the highest, of numbers that are not all 0.
+pub(crate) fn window(numbers: impl Iterator<Item = f32>) -> (i32, i32) {
+    let decoded = numbers.map(decode).filter(|&(mantissa, _)| mantissa != 0);
+    let ends =
+        decoded.map(|(mantissa, exponent)| (exponent, exponent + 64 - mantissa.unsigned_abs().leading_zeros() as i32));
+    ends.reduce(|one, other| (one.0.min(other.0), one.1.max(other.1))).unwrap_or((0, 0))
+}
+
+/// The number as a multiple of `2^low`, which its window begins with.
+fn fixed(number: f32, low: i32) -> i64 {
+    let (mantissa, exponent) = decode(number);
+    mantissa << (exponent - low).clamp(0, WINDOW)
+}
+
+pub(crate) fn big(number: f32, low: i32) -> BigInt {
+    let (mantissa, exponent) = decode(number);
+    BigInt::from(mantissa) << (exponent - low).max(0)
+}

@@ -1,0 +1,220 @@
+//! Boxes of the page and of depths, in `f32` that are rounded outwards. Only searches use them; no sign depends on them.
+
+use crate::edges::Line;
+use crate::error::LinesError;
+use crate::options::{LineOptions, PageBox};
+use crate::view::View;
+use crate::world::World;
+
+/// Where points are in a drawing: the page without its offset and size, and depths likewise.
+pub(crate) struct Frame {
+    view: View,
+    pub(crate) near: f64,
+    window: Option<PageBox>,
+    low: [f64; 2],
+    size: f64,
+    depth_low: f64,
+    depth_size: f64,
+    /// A bound of the rounding errors of a depth or a product with an axis of the page.
+    error: f64,
+}
+
+/// A box of the page, and its nearest and farthest depths.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    pub(crate) low: [f32; 2],
+    pub(crate) high: [f32; 2],
+    pub(crate) near: f32,
+    pub(crate) far: f32,
+}
+
+impl Bounds {
+    /// Whether no point of it is ahead of the eye.
+    pub(crate) fn is_behind_eye(&self) -> bool {
+        self.far == f32::NEG_INFINITY
+    }
+
+    pub(crate) fn join(self, other: Self) -> Self {
+        Self {
+            low: [0, 1].map(|axis| self.low[axis].min(other.low[axis])),
+            high: [0, 1].map(|axis| self.high[axis].max(other.high[axis])),
+            near: self.near.min(other.near),
+            far: self.far.max(other.far),
+        }
+    }
+}
+
+/// The part of a line that is drawn.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part {
+    /// From 0 to 1.
+    pub(crate) ends: [f64; 2],
+    pub(crate) depths: [f64; 2],
+    pub(crate) page: [[f64; 2]; 2],
+}
+
+impl Part {
+    /// How far along the part's page a parameter of the line is, 0 to 1.
+    pub(crate) fn along(&self, at: f64, is_perspective: bool) -> f64 {
+        let [from, to] = self.ends;
+        let along = (at - from) / (to - from);
+        if !is_perspective {
+            return along;
+        }
+        let [near, far] = [(1.0 - along) * self.depths[0], along * self.depths[1]];
+        far / (near + far)
+    }
+
+    /// The other way round.
+    pub(crate) fn at(&self, along: f64, is_perspective: bool) -> f64 {
+        let [from, to] = self.ends;
+        let share = if is_perspective {
+            let [near, far] = [(1.0 - along) * self.depths[1], along * self.depths[0]];
+            far / (near + far)
+        } else {
+            along
+        };
+        from + share * (to - from)
+    }
+}
+
+pub(crate) fn point_at([a, b]: [[f64; 3]; 2], at: f64) -> [f64; 3] {
+    if at == 1.0 { b } else { [0, 1, 2].map(|axis| a[axis] + at * (b[axis] - a[axis])) }
+}
+
+impl Frame {
+    /// Finds the part of each line that is on the page, and the frame around all. Lines that are nowhere on it have `None`.
+    pub(crate) fn new(
+        world: &World<'_>,
+        lines: &[Line],
+        options: &LineOptions,
+    ) -> Result<(Self, Vec<Option<Part>>), LinesError> {
+        let view = world.view;
+        let largest = world
+            .positions
+            .iter()
+            .flatten()
+            .fold(0.0_f32, |largest, c| if c.is_finite() { largest.max(c.abs()) } else { largest });
+        let eye = if view.is_perspective() { view.eye().xyz } else { [0.0; 3] };
+        let reach = eye.into_iter().fold(f64::from(largest), |reach, c| reach.max(f64::from(c.abs())));
+        let ends = |line: &Line| line.vertices.map(|vertex| world.point(vertex));
+        let near = match options.near {
+            Some(near) if near.is_finite() && near > 0.0 => near,
+            Some(near) => return Err(LinesError::Near { near }),
+            None => lines.iter().flat_map(ends).map(|end| view.depth(end)).fold(f64::MIN_POSITIVE, f64::max) * 1e-3,
+        };
+        let (window, error) = (options.window, 1e-14 * reach);
+        let (low, size, depth_low, depth_size) = ([0.0; 2], 1.0, 0.0, 1.0);
+        let mut frame = Self { view, near, window, low, size, depth_low, depth_size, error };
+        let parts: Vec<_> = lines.iter().map(|line| frame.part(ends(line))).collect();
+        let (mut low, mut high, mut depths) =
+            ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2], [f64::INFINITY, f64::NEG_INFINITY]);
+        for part in parts.iter().flatten() {
+            for (page, depth) in part.page.into_iter().zip(part.depths) {
+                low = [0, 1].map(|axis| low[axis].min(page[axis]));
+                high = [0, 1].map(|axis| high[axis].max(page[axis]));
+                depths = [depths[0].min(depth), depths[1].max(depth)];
+            }
+        }
+        let positive = |size: f64| if size > 0.0 && size.is_finite() { size } else { 1.0 };
+        frame.low = low.map(|c| if c.is_finite() { c } else { 0.0 });
+        frame.size = positive((high[0] - low[0]).max(high[1] - low[1]));
+        (frame.depth_low, frame.depth_size) = (depths[0].min(f64::MAX), positive(depths[1] - depths[0]));
+        Ok((frame, parts))
+    }
+
+    /// What of a line is ahead of the near plane and in the window.
+    fn part(&self, ends: [[f64; 3]; 2]) -> Option<Part> {
+        let depths = ends.map(|end| self.view.depth(end));
+        let mut part = [0.0, 1.0];
+        if self.view.is_perspective() {
+            clip(&mut part, depths.map(|depth| depth - self.near))?;
+        }
+        if let Some(PageBox { low, high }) = self.window {
+            // Beyond the near plane, the inside of the window's four sides is where linear functions are positive.
+            let on_page = |at: f64| self.view.page(point_at(ends, at));
+            let weights = |at: f64| if self.view.is_perspective() { self.view.depth(point_at(ends, at)) } else { 1.0 };
+            let from = part;
+            for axis in 0..2 {
+                let inside =
+                    |at: f64| [on_page(at)[axis] - low[axis], high[axis] - on_page(at)[axis]].map(|d| d * weights(at));
+                let [first, last] = from.map(inside);
+                for side in 0..2 {
+                    let mut own = [0.0, 1.0];
+                    clip(&mut own, [first[side], last[side]])?;
+                    let own = own.map(|at| if at == 1.0 { from[1] } else { from[0] + at * (from[1] - from[0]) });
+                    part = [part[0].max(own[0]), part[1].min(own[1])];
+                }
+            }
+        }
+        let points = part.map(|at| point_at(ends, at));
+        let (depths, page) = (points.map(|point| self.view.depth(point)), points.map(|point| self.view.page(point)));
+        let is_finite = page.as_flattened().iter().all(|c| c.is_finite());
+        (part[0] < part[1] && page[0] != page[1] && is_finite).then_some(Part { ends: part, depths, page })
+    }
+
+    /// The box around a part of a line.
+    pub(crate) fn bounds_of_part(&self, part: &Part) -> Bounds {
+        let ends = [0, 1].map(|end| self.bounds(part.page[end], part.depths[end]));
+        ends[0].join(ends[1])
+    }
+
+    /// The box around a vertex, and around all of a face with it. That of a vertex behind the eye is behind all.
+    pub(crate) fn bounds_of_vertex(&self, position: [f32; 3]) -> Bounds {
+        let point = position.map(f64::from);
+        let depth = self.view.depth(point);
+        if self.view.is_perspective() && depth < 0.5 * self.near {
+            // A face with such a corner may be anywhere on the page. One with no other corners hides nothing.
+            let (low, high) = ([f32::NEG_INFINITY; 2], [f32::INFINITY; 2]);
+            let far = if depth < -self.error { f32::NEG_INFINITY } else { f32::INFINITY };
+            return Bounds { low, high, near: f32::NEG_INFINITY, far };
+        }
+        self.bounds(self.view.page(point), depth)
+    }
+
+    /// The box around a triangle.
+    pub(crate) fn bounds_of_triangle(&self, corners: [[f32; 3]; 3]) -> Bounds {
+        let [a, b, c] = corners.map(|corner| self.bounds_of_vertex(corner));
+        a.join(b).join(c)
+    }
+
+    /// A point of the page without its offset and size.
+    pub(crate) fn on_page(&self, page: [f64; 2]) -> [f32; 2] {
+        [0, 1].map(|axis| ((page[axis] - self.low[axis]) / self.size) as f32)
+    }
+
+    fn bounds(&self, page: [f64; 2], depth: f64) -> Bounds {
+        let scale = if self.view.is_perspective() { (1.0 + page[0].abs() + page[1].abs()) / depth } else { 1.0 };
+        let error = self.error * scale;
+        let at = |axis: usize, error: f64| (page[axis] + error - self.low[axis]) / self.size;
+        let deep = |error: f64| (depth + error - self.depth_low) / self.depth_size;
+        Bounds {
+            low: [0, 1].map(|axis| below(at(axis, -error))),
+            high: [0, 1].map(|axis| above(at(axis, error))),
+            near: below(deep(-self.error)),
+            far: above(deep(self.error)),
+        }
+    }
+}
+
+/// Clips an interval to where a function that is linear in it, with these values at 0 and 1, is not negative.
+fn clip(part: &mut [f64; 2], [first, last]: [f64; 2]) -> Option<()> {
+    if first < 0.0 && last < 0.0 {
+        return None;
+    }
+    if first < 0.0 {
+        part[0] = part[0].max(first / (first - last));
+    }
+    if last < 0.0 {
+        part[1] = part[1].min(first / (first - last));
+    }
+    (part[0] < part[1]).then_some(())
+}
+
+fn below(value: f64) -> f32 {
+    (value as f32).next_down()
+}
+
+fn above(value: f64) -> f32 {
+    (value as f32).next_up()
+}

@@ -1,0 +1,169 @@
+//! Where faces pass through each other.
+
+use std::collections::HashMap;
+
+use rimline::cpu::Threads;
+
+use crate::drawing::FaceId;
+use crate::edges::Line;
+use crate::exact::{Plane, face_value};
+use crate::frame::Frame;
+use crate::options::LineClass;
+use crate::parallel::ranges;
+use crate::tree::{Reach, Tree};
+use crate::world::{Pierce, World};
+
+/// Faces at a time.
+const RUN: usize = 1024;
+
+/// An end of a line where two faces meet.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum End {
+    Vertex(u32),
+    /// Where an edge, the lower vertex first, pierces a face.
+    Pierce([u32; 2], [u32; 3]),
+}
+
+/// A triangle of an object.
+#[derive(Clone, Copy)]
+struct Face {
+    placed: u32,
+    /// The face that edge records name: the triangle or its polygon.
+    face: u32,
+    corners: [u32; 3],
+    positions: [[f32; 3]; 3],
+}
+
+/// Adds the lines where faces pass through each other, and what they are made of to the world.
+///
+/// A vertex in the plane of another face counts as in front of it, so surfaces that touch from there meet nowhere.
+pub(crate) fn meet(world: &mut World<'_>, frame: &Frame, threads: Threads, lines: &mut Vec<Line>) {
+    let faces = Faces::new(world);
+    let tree = Tree::of_boxes(frame, faces.count, threads, |number| faces.get(number).positions);
+    let found = ranges(threads, faces.count as usize, RUN, |range| {
+        let (mut found, mut near) = (Vec::new(), Vec::new());
+        for number in range {
+            let number = number as u32;
+            let face = faces.get(number);
+            near.clear();
+            tree.visit(&Reach::of_triangle(frame, face.positions), |other: u32| {
+                near.extend((other > number).then_some(other))
+            });
+            near.sort_unstable();
+            let met = near.iter().filter_map(|&other| {
+                let other = faces.get(other);
+                meeting(&face, &other).map(|ends| (ends, [face, other].map(|face| (face.placed, face.face))))
+            });
+            found.extend(met);
+        }
+        found
+    });
+    let (mut numbers, vertices) = (HashMap::new(), world.positions.len() as u32);
+    for (ends, of) in found.into_iter().flatten() {
+        let vertices = ends.map(|end| match end {
+            End::Vertex(vertex) => vertex,
+            End::Pierce(edge, face) => {
+                let next = vertices + numbers.len() as u32;
+                *numbers.entry(end).or_insert_with(|| {
+                    world.pierces.push(Pierce::new(&world.positions, edge, face));
+                    next
+                })
+            }
+        });
+        let record = world.meetings.len() as u32;
+        world.meetings.push(of.map(|(placed, face)| FaceId { object: world.placed[placed as usize].number, face }));
+        lines.push(Line { vertices, class: LineClass::Intersection, placed: of[0].0, record });
+    }
+}
+
+/// The triangles of all objects, by one number.
+struct Faces<'a> {
+    world: &'a World<'a>,
+    /// The first triangle of each object.
+    first: Vec<u32>,
+    polygons: Vec<Option<Vec<u32>>>,
+    count: u32,
+}
+
+impl<'a> Faces<'a> {
+    fn new(world: &'a World<'a>) -> Self {
+        let mut count = 0;
+        let first = world.placed.iter().map(|placed| {
+            count += placed.object.mesh.faces().len() as u32;
+            count - placed.object.mesh.faces().len() as u32
+        });
+        let first = first.collect();
+        let polygons = world.placed.iter().map(|placed| placed.object.mesh.polygons().map(|of| of.triangle_polygons()));
+        Self { world, first, polygons: polygons.collect(), count }
+    }
+
+    fn get(&self, number: u32) -> Face {
+        let at = self.first.partition_point(|&first| first <= number) - 1;
+        let (placed, triangle) = (&self.world.placed[at], (number - self.first[at]) as usize);
+        let corners = placed.object.mesh.faces()[triangle].map(|vertex| vertex + placed.first_vertex);
+        let face = self.polygons[at].as_ref().map_or(triangle as u32, |of| of[triangle]);
+        let positions = corners.map(|vertex| self.world.positions[vertex as usize]);
+        Face { placed: at as u32, face, corners, positions }
+    }
+}
+
+/// The ends of the line where two faces pass through each other.
+fn meeting(one: &Face, other: &Face) -> Option<[End; 2]> {
+    let shared = one.corners.iter().filter(|vertex| other.corners.contains(vertex)).count();
+    if shared >= 2 || (one.placed, one.face) == (other.placed, other.face) {
+        return None;
+    }
+    let crossings = [crossings(one, other)?, crossings(other, one)?];
+    // All four are in line, along the axis where they are farthest apart.
+    let points = crossings.map(|ends| ends.map(|(_, point)| point));
+    let extent = |axis: usize| {
+        let all = || points.as_flattened().iter().map(|point| point[axis]);
+        all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
+    };
+    let axis = (1..3).fold(0, |best, axis| if extent(axis) > extent(best) { axis } else { best });
+    let [[a, b], [c, d]] = crossings.map(|[from, to]| if from.1[axis] <= to.1[axis] { [from, to] } else { [to, from] });
+    let from = if a.1[axis] >= c.1[axis] { a } else { c };
+    let to = if b.1[axis] <= d.1[axis] { b } else { d };
+    // One direction for all faces of two surfaces that meet: across the normals of both.
+    let [n, m] =
+        [one, other].map(|face| Plane::of_face(face.positions[0], face.positions[1], face.positions[2]).normal());
+    let is_forward = crate::view::cross(n, m)[axis] > 0.0;
+    (from.1[axis] < to.1[axis]).then_some(if is_forward { [from.0, to.0] } else { [to.0, from.0] })
+}
+
+/// Where the edges of a face cross the plane of another one: two points, or none.
+fn crossings(face: &Face, other: &Face) -> Option<[(End, [f64; 3]); 2]> {
+    let [a, b, c] = other.positions;
+    let plane = Plane::of_face(a, b, c);
+    let heights = face.positions.map(|p| plane.height(p.map(f64::from)));
+    let quick = heights.map(|height| height.certain_sign());
+    if quick == [1; 3] || quick == [-1; 3] {
+        return None;
+    }
+    let is_shared = |at: usize| other.corners.contains(&face.corners[at]);
+    let value = |at: usize| {
+        if is_shared(at) {
+            0.0
+        } else {
+            heights[at].accurate().unwrap_or_else(|| face_value(a, b, c, face.positions[at])).number()
+        }
+    };
+    let values = [0, 1, 2].map(value);
+    let is_behind = values.map(|value| value < 0.0);
+    let alone =
+        (0..3).find(|&at| is_behind[at] != is_behind[(at + 1) % 3] && is_behind[at] != is_behind[(at + 2) % 3])?;
+    Some([1, 2].map(|step| {
+        let other_end = (alone + step) % 3;
+        for at in [alone, other_end] {
+            if values[at] == 0.0 {
+                return (End::Vertex(face.corners[at]), face.positions[at].map(f64::from));
+            }
+        }
+        let [i, j] =
+            if face.corners[alone] < face.corners[other_end] { [alone, other_end] } else { [other_end, alone] };
+        let share = values[i].abs() / (values[i].abs() + values[j].abs());
+        let [p, q] = [i, j].map(|at| face.positions[at].map(f64::from));
+        let point = [0, 1, 2].map(|axis| p[axis] + share * (q[axis] - p[axis]));
+        (End::Pierce([face.corners[i], face.corners[j]], other.corners), point)
+    }))
+}

@@ -1,0 +1,239 @@
+//! Inputs at the border of what can be drawn, options, chains.
+
+use std::ops::ControlFlow;
+
+use rimline::cpu::Threads;
+use rimline::mesh::Weld;
+use rimline::{Light, Mesh, Predicate};
+use rimline_lines::{Classes, Drawing, Fault, LineClass, LineOptions, LinesError, Object, PageBox, View, draw};
+
+use crate::support::Random;
+use crate::support::shapes::{Shape, ball, cuboid, moved, shape, soup, torus};
+
+fn go_on(_: usize, _: usize) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn objects(shapes: &[Shape]) -> Vec<Object<'_>> {
+    shapes.iter().map(|shape| Object::new(&shape.mesh, &shape.positions)).collect()
+}
+
+fn drawn(shapes: &[Shape], view: &View) -> Drawing {
+    draw(&objects(shapes), view, &LineOptions::default(), go_on).expect("drawn")
+}
+
+fn aside() -> View {
+    View::orthographic([3.0, 2.0, 1.0], [0.0, 0.0, 1.0]).expect("a view")
+}
+
+fn visible(drawing: &Drawing) -> usize {
+    drawing.spans.iter().filter(|span| span.faces_in_front == 0).count()
+}
+
+/// A box shows nine of its edges: six around, three within.
+#[test]
+fn box_has_nine_visible_edges() {
+    let drawing = drawn(&[cuboid([0.0; 3], [1.0; 3])], &aside());
+    assert_eq!((drawing.spans.len(), visible(&drawing)), (12, 9));
+    let outline = &drawing.chains[0];
+    assert_eq!((outline.class, outline.is_closed, outline.spans.len()), (LineClass::Silhouette, true, 6));
+    // From the front its outline is a square, each side of which is drawn once.
+    let front = View::orthographic([0.0, -1.0, 0.0], [0.0, 0.0, 1.0]).expect("a view");
+    let drawing = drawn(&[cuboid([0.0; 3], [1.0; 3])], &front);
+    assert_eq!((drawing.spans.len(), visible(&drawing), drawing.chains.len()), (4, 4, 1));
+}
+
+/// Nothing to draw is an empty drawing.
+#[test]
+fn empty_models_are_empty_drawings() {
+    assert_eq!(drawn(&[], &aside()), Drawing::default());
+    let point = shape(vec![[1.0; 3]; 3], &[[0, 1, 2]]);
+    let drawing = drawn(&[point], &aside());
+    assert!(drawing.spans.is_empty() && drawing.left_out[0].fault == Fault::NoFaces, "{drawing:?}");
+    // Three vertices at one point that are not welded.
+    let positions = vec![[1.0; 3]; 3];
+    let mesh = Mesh::new(&positions, &[[0, 1, 2]], Weld::Keep).expect("a mesh");
+    let drawing = drawn(&[Shape { positions, mesh }], &aside());
+    assert!(drawing.spans.is_empty() && drawing.left_out.is_empty(), "{drawing:?}");
+    // Behind the eye.
+    let behind = View::perspective([5.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 0.0, 1.0]).expect("a view");
+    assert!(drawn(&[torus(8, 6)], &behind).spans.is_empty());
+}
+
+/// A face has three edges from both sides, and from its own plane the ones that are not behind others.
+#[test]
+fn single_face() {
+    let face = || [shape(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])];
+    for eye in [[0.2, 0.3, 1.0], [0.2, 0.3, -1.0]] {
+        let drawing = drawn(&face(), &View::orthographic(eye, [0.0, 1.0, 0.0]).expect("a view"));
+        assert_eq!((drawing.spans.len(), visible(&drawing), drawing.chains[0].is_closed), (3, 3, true));
+    }
+    let in_plane = View::orthographic([1.0, 1.0, 0.0], [0.0, 0.0, 1.0]).expect("a view");
+    let drawing = drawn(&face(), &in_plane);
+    let bounds = drawing.bounds(0).expect("lines");
+    let length: f64 = drawing.spans.iter().map(|span| (span.page[1][0] - span.page[0][0]).abs()).sum();
+    assert!((length - (bounds.high[0] - bounds.low[0])).abs() < 1e-9, "drawn once: {drawing:?}");
+}
+
+/// A faulty object is named and left out, and the rest is drawn.
+#[test]
+fn faulty_objects_are_named() {
+    let good = cuboid([0.0; 3], [1.0; 3]);
+    let mut bad = cuboid([2.0; 3], [3.0; 3]);
+    bad.positions[5][1] = f32::NAN;
+    let short = Shape { positions: vec![[0.0; 3]], mesh: good.mesh.clone() };
+    let shapes = [bad, good.clone(), short];
+    let mut objects = objects(&shapes);
+    objects[0].name = "bad".to_owned();
+    objects[1].marked = vec![[0, 7]];
+    let drawing = draw(&objects, &aside(), &LineOptions::default(), go_on).expect("drawn");
+    let faults: Vec<_> =
+        drawing.left_out.iter().map(|left_out| (left_out.object, &*left_out.name, left_out.fault)).collect();
+    assert_eq!(faults[0], (0, "bad", Fault::NotFinite { vertex: 5 }));
+    assert_eq!(faults[1], (1, "", Fault::NoSuchEdge { vertices: [0, 7] }));
+    assert_eq!(faults[2], (2, "", Fault::TooFewPositions { given: 1, needed: 8 }));
+    assert!(drawing.spans.iter().all(|span| span.object == 1) && drawing.spans.len() == 12);
+}
+
+/// Options out of range are refused, and a caller may end the drawing.
+#[test]
+fn refusals() {
+    let shapes = [torus(24, 14)];
+    let refused = |options: &LineOptions| draw(&objects(&shapes), &aside(), options, go_on).expect_err("refused");
+    let all = LineOptions::default();
+    assert!(matches!(refused(&LineOptions { crease_degrees: f64::NAN, ..all }), LinesError::Crease { .. }));
+    assert!(matches!(refused(&LineOptions { crease_degrees: 181.0, ..all }), LinesError::Crease { .. }));
+    assert!(matches!(refused(&LineOptions { near: Some(0.0), ..all }), LinesError::Near { .. }));
+    let window = Some(PageBox { low: [0.0; 2], high: [1.0, 0.0] });
+    assert!(matches!(refused(&LineOptions { window, ..all }), LinesError::Window { .. }));
+    assert!(matches!(
+        refused(&LineOptions { memory_limit: Some(1000), ..all }),
+        LinesError::Memory { limit: 1000, .. }
+    ));
+    let cancelled = draw(&objects(&shapes), &aside(), &all, |_, _| ControlFlow::Break(()));
+    assert_eq!(cancelled, Err(LinesError::Cancelled));
+    assert_eq!(View::orthographic([0.0; 3], [0.0, 0.0, 1.0]), Err(LinesError::View));
+    assert_eq!(View::orthographic([0.0, 0.0, 1.0], [0.0, 0.0, 2.0]), Err(LinesError::View));
+    assert_eq!(View::perspective([1.0; 3], [1.0; 3], [0.0, 0.0, 1.0]), Err(LinesError::View));
+}
+
+/// The same drawing with any number of threads.
+#[test]
+fn threads_change_nothing() {
+    let shapes =
+        [torus(120, 80), moved(&torus(60, 40), |[x, y, z]| [x + 1.0, z, y]), soup(&mut Random::new(3), 40, 200)];
+    let view = View::perspective([3.0, 4.0, 2.0], [0.0; 3], [0.0, 0.0, 1.0]).expect("a view");
+    let with = |count| {
+        let options = LineOptions { threads: Threads::new(count), crease_degrees: 5.0, ..LineOptions::default() };
+        draw(&objects(&shapes), &view, &options, go_on).expect("drawn")
+    };
+    let one = with(1);
+    assert!(one.spans.len() > 2000);
+    assert!([2, 3, 8].into_iter().all(|count| with(count) == one));
+}
+
+/// Each class is drawn alone, and a class that is off leaves its lines to lower ones.
+#[test]
+fn classes() {
+    let shapes = [cuboid([0.0; 3], [1.0; 3])];
+    let with = |classes: Classes, degrees: f64, marked: &[[u32; 2]]| {
+        let mut objects = objects(&shapes);
+        objects[0].marked = marked.to_vec();
+        let options = LineOptions { classes, crease_degrees: degrees, ..LineOptions::default() };
+        draw(&objects, &aside(), &options, go_on).expect("drawn").spans.len()
+    };
+    let only = |class| Classes::NONE.with(class);
+    assert_eq!(with(only(LineClass::Silhouette), 30.0, &[]), 6);
+    // A box has right angles, exactly.
+    assert_eq!(with(only(LineClass::Crease), 90.0, &[]), 12);
+    assert_eq!(with(only(LineClass::Crease), 90.0_f64.next_up(), &[]), 0);
+    assert_eq!(with(only(LineClass::Crease), 0.0, &[]), 18);
+    assert_eq!(with(only(LineClass::Boundary), 30.0, &[]), 0);
+    assert_eq!(with(only(LineClass::Marked), 30.0, &[[3, 0]]), 1);
+    assert_eq!(with(Classes::NONE, 30.0, &[]), 0);
+    // Three faces at one edge.
+    let sheets = [shape(
+        vec![[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]],
+        &[[0, 1, 2], [0, 1, 3], [0, 1, 4]],
+    )];
+    let drawing = drawn(&sheets, &aside());
+    let non_manifold: Vec<_> = drawing.spans.iter().filter(|span| span.class == LineClass::NonManifold).collect();
+    assert!(non_manifold.len() <= 1 && drawing.spans.iter().any(|span| span.edge == Some(0)), "{drawing:?}");
+}
+
+/// Silhouettes are those of the core, and close; a chain begins where the one before ends.
+#[test]
+fn silhouettes_close() {
+    let shape = torus(60, 40);
+    for view in [aside(), View::perspective([2.0, 1.0, 0.5], [0.0; 3], [0.0, 0.0, 1.0]).expect("a view")] {
+        let shapes = [shape.clone()];
+        let drawing = drawn(&shapes, &view);
+        let eye: Light = view.eye();
+        let found = rimline::cpu::extract(&shape.positions, &shape.mesh, &[eye], Predicate::Exact, Threads::ONE);
+        let silhouette = found.expect("extracted").silhouette(&shape.mesh, 0);
+        let mut own: Vec<u32> = drawing.spans.iter().filter_map(|span| span.edge).collect();
+        own.sort_unstable();
+        own.dedup();
+        assert_eq!(own, silhouette.edges().iter().map(|edge| edge.record).collect::<Vec<_>>());
+        for chain in &drawing.chains {
+            let spans = &drawing.spans[chain.spans.clone()];
+            assert!(
+                spans.windows(2).all(|pair| pair[0].page[1] == pair[1].page[0] && pair[0].ends[1] == pair[1].ends[0])
+            );
+            assert_eq!(chain.is_closed, spans[0].ends[0] == spans[spans.len() - 1].ends[1]);
+            assert!(spans.iter().all(|span| (span.faces_in_front > 0) == chain.is_hidden && span.class == chain.class));
+        }
+    }
+    // All of a ball's outline is visible: one closed chain.
+    let drawing = drawn(&[ball(40, 20)], &aside());
+    assert!(matches!(&*drawing.chains, [only] if only.is_closed && !only.is_hidden), "{:?}", drawing.chains);
+}
+
+/// Two surfaces that pass through each other meet in closed lines, also where corners lie on edges; surfaces that touch do not.
+#[test]
+fn surfaces_meet() {
+    let meetings = |shapes: &[Shape]| {
+        let options = LineOptions { classes: Classes::NONE.with(LineClass::Intersection), ..LineOptions::default() };
+        draw(&objects(shapes), &aside(), &options, go_on).expect("drawn")
+    };
+    let length = |drawing: &Drawing| -> f64 {
+        let length = |[a, b]: [[f64; 3]; 2]| (0..3).map(|axis| (b[axis] - a[axis]).powi(2)).sum::<f64>().sqrt();
+        drawing.spans.iter().map(|span| length(span.ends)).sum()
+    };
+    let column = |low: f32, high: f32| [cuboid([0.0; 3], [1.0; 3]), cuboid([low, low, -1.0], [high, high, 2.0])];
+    // The diagonals of the box pass the column's corners, or do not.
+    for (low, high) in [(0.25, 0.75), (0.25, 0.625)] {
+        let drawing = meetings(&column(low, high));
+        assert!((length(&drawing) - 8.0 * f64::from(high - low)).abs() < 1e-9, "{}", length(&drawing));
+        assert!(drawing.spans.iter().all(|span| span.faces.iter().all(Option::is_some) && span.edge.is_none()));
+    }
+    // A box on another one.
+    assert!(meetings(&[cuboid([0.0; 3], [1.0; 3]), cuboid([0.25, 0.25, 1.0], [0.75, 0.75, 2.0])]).spans.is_empty());
+    assert!(meetings(&[torus(24, 14)]).spans.is_empty());
+    let rings = [torus(60, 40), moved(&torus(60, 40), |[x, y, z]| [x + 0.5, z, y])];
+    let drawing = meetings(&rings);
+    assert!(
+        drawing.chains.len() < 20 && drawing.spans.len() > 100,
+        "{} chains, {} spans",
+        drawing.chains.len(),
+        drawing.spans.len()
+    );
+}
+
+/// Lines end at the window and at the near plane.
+#[test]
+fn windows_cut_lines() {
+    let shapes = [torus(24, 14)];
+    let window = PageBox { low: [-0.5, -0.25], high: [1.0, 0.5] };
+    for view in [aside(), View::perspective([0.5, 0.1, 0.2], [1.0, 0.0, 1.0], [0.0, 0.0, 1.0]).expect("a view")] {
+        let options = LineOptions { window: Some(window), crease_degrees: 1.0, ..LineOptions::default() };
+        let drawing = draw(&objects(&shapes), &view, &options, go_on).expect("drawn");
+        let bounds = drawing.bounds(u32::MAX).expect("lines");
+        for axis in 0..2 {
+            assert!(
+                bounds.low[axis] > window.low[axis] - 1e-9 && bounds.high[axis] < window.high[axis] + 1e-9,
+                "{bounds:?}"
+            );
+        }
+    }
+}

@@ -1,0 +1,5 @@
+//! Tests of drawings.
+
+mod counts;
+mod edge_cases;
+mod support;
