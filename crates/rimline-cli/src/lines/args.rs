@@ -102,7 +102,7 @@ const EXAMPLES: &str = "\
 Examples:
   rimline lines house.obj --out house.svg
   rimline lines house.obj --view front --scale 1:50 --hidden dashed --out front.pdf
-  rimline lines fox.glb --animation Run --time 0.4 --view 30,15 --classes silhouette,boundary --out fox.svg
+  rimline lines fox.glb --animation Run --view 30,15 --out fox.svg
   rimline lines part.glb --view top --page A3 --out part.dxf
 
 A style, with the defaults of some lines; widths and dashes in millimetres:
