@@ -2,8 +2,8 @@
 //! pieces are compared with the twin's. docs/numerics/loops.md and docs/numerics/twisted-polygons.md.
 
 use rimline::gpu::MAX_OUTLINE_EDGES;
+use rimline::internals::cpu::{Outline, Piece, PieceEnd, cut_edges};
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{Outline, Piece, PieceEnd, cut_edges};
 use rimline::{Light, Mesh};
 
 use rimline_testkit::device::Gpu;

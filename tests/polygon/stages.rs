@@ -1,10 +1,10 @@
-//! The stages of polygons against their twins.
+//! The stages of polygons against their twins. That of `cut_edges` also has the pieces of `cut_quads`.
 
 use std::collections::BTreeMap;
 
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, PositionBuffer};
+use rimline::internals::cpu::{self, Outline, Piece, PieceEnd, PolygonMasks, Seen, Threads, cut_edges};
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{self, Outline, Piece, PieceEnd, PolygonMasks, Seen, Threads, cut_edges};
 use rimline::{Light, Mesh, Predicate};
 
 use rimline_testkit::device::Gpu;

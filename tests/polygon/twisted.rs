@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use rimline::Light;
+use rimline::internals::cpu::{Outline, Piece, PieceEnd, Seen, cut_edges};
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{Outline, Piece, PieceEnd, Seen, cut_edges};
 use rimline_testkit::polygons::{PolygonSet, edge_on_polygon, folded_polygon, outline_in_planes, random_polygon};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, polygon_oracle, shadow_oracle};

@@ -74,7 +74,7 @@ fn given_light(place: u32) -> vec4<u32> { return table[lights.first + 2u * min(p
 fn scaled_bits(place: u32) -> vec4<u32> { return table[lights.first + 2u * min(place, light_places() - 1u) + 1u]; }
 fn scaled_light(place: u32) -> vec4<f32> { return bitcast<vec4<f32>>(scaled_bits(place)); }
 
-// The same value as `LightBatch::new` in src/layout.rs has for it.
+// The same value as `LightBatch::new` in src/light_batch.rs has for it.
 fn inexact_w(place: u32) -> f32 {
   let w = scaled_bits(place).w & 0x7fffffffu;
   let is_zero = (given_light(place).w & 0x7fffffffu) == 0u;

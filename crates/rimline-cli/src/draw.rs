@@ -8,9 +8,9 @@ mod survey;
 use std::borrow::Cow;
 use std::thread::ScopedJoinHandle;
 
+use crate::render::bounds::Bounds;
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
-use rimline::mesh::Bounds;
-use rimline::reference::cpu::is_finite;
+use rimline::internals::cpu::is_finite;
 use rimline::{Light, Mesh, MeshError, wgpu};
 
 use crate::args::DrawArgs;

@@ -1,6 +1,6 @@
 //! The run's origin: one for all files, near the models, where coordinates are too large for `f32`.
 
-use rimline::reference::origin::bounds;
+use rimline::internals::origin::bounds;
 use rimline::{Geometry, GeometryOptions, Instance, Model, ModelError, Origin};
 
 use crate::failure::Failure;

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use num_bigint::BigInt;
 use rimline::Light;
-use rimline::reference::cpu::Seen;
+use rimline::internals::cpu::Seen;
 
 use super::shadow_oracle::{Vector, least, minus, scaled, sign};
 

@@ -57,7 +57,6 @@ pub(crate) struct Structure {
     /// For each group and batch the masks of faces that callers exclude, if there are any.
     pub(crate) given: Vec<Option<wgpu::Buffer>>,
     /// The clusters of the page of each group.
-    #[cfg(feature = "reference")]
     pub(crate) clusters: Vec<wgpu::Buffer>,
 }
 
@@ -134,7 +133,6 @@ impl Structure {
         let filled = |masks: Vec<u32>| filled(device, "excluded by callers", bytemuck::cast_slice(&masks), usage);
         let given =
             guarded(device, given_bytes, || given.into_iter().map(|masks| masks.map(filled)).collect::<Vec<_>>())?;
-        #[cfg(feature = "reference")]
         let clusters = {
             let page = |group: &Group| Some(making.pages.get(making.sources.get(group.source)?.page)?.clusters.clone());
             layout.groups.iter().filter_map(page).collect()
@@ -151,7 +149,6 @@ impl Structure {
             uniforms,
             shapes,
             given,
-            #[cfg(feature = "reference")]
             clusters,
         })
     }

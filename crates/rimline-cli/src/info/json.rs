@@ -1,7 +1,8 @@
 //! The report for programs. Keys are stable: they are only ever added to.
 
+use crate::render::bounds::Bounds;
 use rimline::Origin;
-use rimline::mesh::{Bounds, EdgeCounts, WeldCounts};
+use rimline::mesh::{EdgeCounts, WeldCounts};
 use serde_json::{Value, json};
 
 use super::report::{MeshReport, kind_name};

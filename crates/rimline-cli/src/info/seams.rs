@@ -1,6 +1,7 @@
 //! Boundary edges that nearly meet others, as rounding leaves them, and T-junctions.
 
-use rimline::mesh::{Bounds, Edge, EdgeKind, Weld, WeldDistance};
+use crate::render::bounds::Bounds;
+use rimline::mesh::{Edge, EdgeKind, Weld, WeldDistance};
 use rimline::{Geometry, Mesh};
 use serde_json::{Value, json};
 

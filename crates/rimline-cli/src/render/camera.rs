@@ -1,7 +1,7 @@
 //! Where the picture is taken from.
 
+use crate::render::bounds::Bounds;
 use glam::{DVec3, Vec3};
-use rimline::mesh::Bounds;
 
 use crate::failure::UsageError;
 use crate::input_args::PlacedView;

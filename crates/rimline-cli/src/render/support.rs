@@ -45,7 +45,7 @@ fn directions() -> impl Iterator<Item = DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rimline::mesh::Bounds;
+    use crate::render::bounds::Bounds;
 
     #[test]
     fn few_points_hold_the_rest() {

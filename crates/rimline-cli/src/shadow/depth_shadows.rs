@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rimline::gpu::StageTimer;
 use rimline::gpu::depth_map::{DepthMapPipelines, MeshDepth};
-use rimline::reference::layout::ShadowStatistics;
+use rimline::internals::layout::ShadowStatistics;
 use rimline::{Counting, DepthDirection, Origin, ShadowCamera, wgpu};
 
 use super::casting::{CastInputs, FacingMasks, put};

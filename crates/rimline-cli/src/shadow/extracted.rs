@@ -1,7 +1,7 @@
 //! A mesh of a file by itself: its silhouettes, and which of its faces face the lights.
 
 use rimline::gpu::{Extraction, Extractor, ExtractorOptions, StageTimer};
-use rimline::reference::layout::ExtractionStatistics;
+use rimline::internals::layout::ExtractionStatistics;
 use rimline::{Light, Mesh, wgpu};
 
 use super::casting::FacingMasks;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use rimline::Origin;
 use rimline::cpu::{HiddenFaces, HiddenStatistics};
-use rimline::reference::layout::ShadowStatistics;
+use rimline::internals::layout::ShadowStatistics;
 use serde_json::{Value, json};
 
 use super::casters::Casters;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use rimline::MAX_LIGHTS;
 use rimline::gltf::LoadOptions;
-use rimline::reference::light::check_lights;
+use rimline::internals::light::check_lights;
 use rimline::{Light, Mesh};
 
 use crate::device::Device;

@@ -87,7 +87,7 @@ impl Chance {
 mod tests {
     use super::*;
     use rimline::MAX_LIGHTS;
-    use rimline::reference::light::check_lights;
+    use rimline::internals::light::check_lights;
 
     #[test]
     fn they_are_lights_whatever_the_mesh() {

@@ -8,7 +8,7 @@
 //! their number. A bound for 8 bits of stencil: docs/numerics/receivers.md, "Bound on counts".
 
 use rimline::Light;
-use rimline::reference::cpu::is_finite;
+use rimline::internals::cpu::is_finite;
 
 use super::rays::{Cell, Rays, Side, may_meet};
 
