@@ -199,7 +199,6 @@ pub mod cpu {
     pub use crate::cpu::extract::extraction::extract_by;
     pub use crate::cpu::extract::facing::{facing, facing_into};
     pub use crate::cpu::extract::per_edge::per_edge;
-    pub use crate::cpu::polygon::cut_edges::{Piece, PieceEnd, cut_edges};
     pub use crate::cpu::polygon::edge_pair::edge_pair;
     pub use crate::cpu::polygon::half_space::fits_half_space;
     pub use crate::cpu::polygon::outline::Outline;
