@@ -105,10 +105,6 @@
 //! the package.
 
 #![forbid(unsafe_code)]
-#![cfg_attr(
-    not(feature = "reference"),
-    allow(dead_code, unreachable_pub, reason = "CPU references and layouts that the feature `reference` shows")
-)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod area;
@@ -121,15 +117,16 @@ pub mod displace;
 pub mod gltf;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+#[doc(hidden)]
+pub mod internals;
 mod layout;
 mod lift;
 mod light;
+mod light_batch;
 pub mod mesh;
 mod method;
 pub mod model;
 mod origin;
-#[cfg(feature = "reference")]
-pub mod reference;
 mod shadow;
 #[cfg(feature = "gpu")]
 mod stages;

@@ -1,7 +1,7 @@
 //! Models, poses and their parts are checked when they are made, and each refusal names the place.
 
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::model::{influence_range, most_per_vertex};
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::model::{influence_range, most_per_vertex};
 use rimline::{
     Geometry, GeometryOptions, Influences, Instance, InstancePose, Mesh, MeshError, Model, ModelError, Pose,
 };

@@ -6,7 +6,7 @@ use rimline::model::{
     Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelError, Pose,
 };
 
-use rimline::reference::model::influence_range;
+use rimline::internals::model::influence_range;
 
 use crate::{Outcome, ensure, test};
 

@@ -3,9 +3,9 @@
 use std::ops::ControlFlow;
 
 use rimline::cpu::{self, HiddenCaster, HiddenFaces, HiddenOptions, HiddenStatistics, Threads};
+use rimline::internals::clusters::Clusters;
 use rimline::mesh::{MeshDiagnostics, MeshError, PolygonLoops, Weld, WeldDistance};
 use rimline::model::ModelBounds;
-use rimline::reference::clusters::Clusters;
 use rimline::{
     AreaLight, AreaShape, Cone, Displacement, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light,
     LightError, Mesh, Model, Origin, Pose, Predicate, falloff,

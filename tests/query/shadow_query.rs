@@ -6,9 +6,9 @@ use rimline::gpu::{
     DeviceError, Extractor, ExtractorError, ExtractorOptions, PositionBuffer, QueryError, ShadowQuery,
     ShadowQueryOptions,
 };
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::{FaceCluster, FaceRange, LightBatch, PointChunk};
-use rimline::reference::stages::EXACT_SHADOW_DEPTH;
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::layout::{FaceCluster, FaceRange, LightBatch, PointChunk};
+use rimline::internals::stages::EXACT_SHADOW_DEPTH;
 use rimline::{Light, LightError, Mesh};
 use rimline_testkit::shapes::{self, Shape};
 

@@ -6,7 +6,7 @@ use rimline::gpu::{
     Capacities, Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, Measuring, Scene,
     SceneFrame, SceneOptions, ShadowStatistics,
 };
-use rimline::reference::layout::ShadowDraws;
+use rimline::internals::layout::ShadowDraws;
 use rimline::{Counting, DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

@@ -7,7 +7,7 @@ use rimline::gpu::{
     Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, MeshHandle, Scene, SceneFrame,
     SceneOptions,
 };
-use rimline::reference::cpu::{self, Threads};
+use rimline::internals::cpu::{self, Threads};
 use rimline::{Light, Matrix3x4, Mesh, Predicate};
 use rimline_testkit::cases::{Case, case, random_soup, topologies};
 use rimline_testkit::device::Gpu;

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use rimline::gpu::{Capacities, SceneFrame, SceneOptions};
-use rimline::reference::cpu::{self, SceneTable};
+use rimline::internals::cpu;
+use rimline::internals::scene::SceneTable;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{limited, text};

@@ -5,10 +5,10 @@ use rimline::gpu::{
     Capacities, Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, Measuring, Receivers,
     Scene, SceneFrame, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, StencilCounts, View,
 };
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::layout::{ShadowLight, ShadowStatistics};
+use rimline::internals::shadow::CAST_AVERTED;
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::{ShadowLight, ShadowStatistics};
-use rimline::reference::shadow::CAST_AVERTED;
 use rimline::{Counting, Light, Matrix3x4, Mesh, Predicate, ShadowCamera};
 use rimline_testkit::OneCasterOptions;
 

@@ -4,8 +4,8 @@
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions};
+use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{self, Threads};
 use rimline::{
     Counting, DepthDirection, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Model, Pose,
 };

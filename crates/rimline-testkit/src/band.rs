@@ -1,6 +1,6 @@
 //! The error bounds of docs/numerics, with its constants. Evaluated in f64, whose own error the last digits cover.
 
-use rimline::reference::model::influence_range;
+use rimline::internals::model::influence_range;
 use rimline::{Geometry, InstancePose, Light};
 
 use super::oracle::ExactFace;

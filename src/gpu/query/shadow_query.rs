@@ -327,7 +327,7 @@ impl ShadowQuery {
 
     /// The faces of the mesh in clusters, with the boxes of the last encode: one `FaceCluster` for each cluster. The
     /// usages are those of [`Self::depths`].
-    #[cfg(feature = "reference")]
+    #[doc(hidden)]
     pub fn clusters(&self) -> &wgpu::Buffer {
         &self.buffers.clusters
     }

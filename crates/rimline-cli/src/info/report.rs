@@ -1,7 +1,8 @@
 //! Report on a mesh, gathered once for text and JSON.
 
-use rimline::mesh::{Bounds, Edge, EdgeCounts, EdgeKind, MeshDiagnostics, WeldCounts};
-use rimline::reference::model::most_per_vertex;
+use crate::render::bounds::Bounds;
+use rimline::internals::model::most_per_vertex;
+use rimline::mesh::{Edge, EdgeCounts, EdgeKind, MeshDiagnostics, WeldCounts};
 use rimline::{Geometry, Mesh, MeshError, Origin};
 use serde_json::{Value, json};
 

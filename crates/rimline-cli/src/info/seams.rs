@@ -1,7 +1,8 @@
 //! Boundary edges that nearly meet others, as rounding leaves them, and T-junctions.
 
+use crate::render::bounds::Bounds;
 use glam::DVec3;
-use rimline::mesh::{Bounds, Edge, EdgeKind, Weld, WeldDistance};
+use rimline::mesh::{Edge, EdgeKind, Weld, WeldDistance};
 use rimline::{Geometry, Mesh};
 use serde_json::{Value, json};
 

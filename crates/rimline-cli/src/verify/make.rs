@@ -3,7 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use rimline::mesh::{Bounds, Weld};
+use crate::render::bounds::Bounds;
+use rimline::mesh::Weld;
 use rimline::{Geometry, GeometryOptions, Light, Mesh, Origin};
 use rimline_bench::random::Random;
 use rimline_bench::stress;
@@ -194,7 +195,7 @@ fn extent(positions: &[[f32; 3]]) -> ([f32; 3], f32) {
 #[cfg(test)]
 mod tests {
     use rimline::MAX_LIGHTS;
-    use rimline::reference::light::check_lights;
+    use rimline::internals::light::check_lights;
 
     use super::*;
 
