@@ -90,7 +90,7 @@ fn way(args: &ExtractArgs) -> Result<(Method, Predicate, PredicateArg), UsageErr
     Ok((method, predicate, named))
 }
 
-/// What to extract, and how.
+/// An extraction, and how it is computed.
 #[derive(Clone, Copy)]
 struct Job<'a, 's> {
     scene: &'a Scene<'s>,
