@@ -14,7 +14,10 @@ use crate::layout::OutlineView;
 use crate::shadow::{CameraError, DepthDirection, ShadowCamera};
 use crate::stages::{OUTLINE_EDGES, OUTLINE_SAMPLES};
 
-/// The attachments that an [`OutlinePipeline`] draws into, and the depth that it reads.
+/// The attachments that an [`OutlinePipeline`] draws into, and the depth that it reads. [`Self::of_pass`] takes them from the
+/// descriptor of a pass.
+///
+/// wgpu panics, or reports a validation error, where a pipeline draws into a pass of other attachments.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutlineFormat {
     /// The format of the colour attachment. It is one that blends.
@@ -25,6 +28,25 @@ pub struct OutlineFormat {
     pub samples: u32,
     /// Whether the depth that hides lines is in a multisampled texture. Sample 0 of each pixel is read.
     pub is_depth_multisampled: bool,
+}
+
+impl OutlineFormat {
+    /// The format for passes like this one, with this depth for [`OutlineInputs::depth`].
+    ///
+    /// Formats are those of the textures. For a view that was made with another format, as an sRGB view of a linear texture is,
+    /// set [`Self::color`].
+    ///
+    /// # Errors
+    /// [`OutlineError::Colors`] if the pass has not exactly one colour attachment.
+    pub fn of_pass(pass: &wgpu::RenderPassDescriptor<'_>, depth: &wgpu::TextureView) -> Result<Self, OutlineError> {
+        let [Some(color)] = pass.color_attachments else {
+            return Err(OutlineError::Colors { given: pass.color_attachments.iter().flatten().count() });
+        };
+        let color = color.view.texture();
+        let depth_stencil = pass.depth_stencil_attachment.as_ref().map(|attachment| attachment.view.texture().format());
+        let is_depth_multisampled = depth.texture().sample_count() > 1;
+        Ok(Self { color: color.format(), depth_stencil, samples: color.sample_count(), is_depth_multisampled })
+    }
 }
 
 impl Default for OutlineFormat {
@@ -111,6 +133,14 @@ pub enum OutlineError {
     /// The extraction has no such light, is out of date, or lacks what outlines read.
     #[error(transparent)]
     Extraction(ExtractorError),
+    /// The pass has no colour attachment, or several, and outlines are drawn into one.
+    #[error(
+        "the pass has {given} colour attachments, and outlines are drawn into one; draw them in a pass of their own"
+    )]
+    Colors {
+        /// Colour attachments of the pass.
+        given: usize,
+    },
     /// The extractor's draws have too few vertices.
     #[error(
         "the extractor draws {given} vertices for each edge, and outlines need 4; set `ListOptions::topology` to a triangle strip"
@@ -182,6 +212,7 @@ impl From<ExtractorError> for OutlineError {
 /// # use rimline::{ShadowCamera, wgpu};
 /// # fn outlines(pipeline: &OutlinePipeline, encoder: &mut wgpu::CommandEncoder, extraction: &Extraction, camera: &ShadowCamera,
 /// #     depth: &wgpu::TextureView, pass: &wgpu::RenderPassDescriptor<'_>) -> Result<(), OutlineError> {
+/// // Once: let pipeline = OutlinePipeline::new(device, &OutlineFormat::of_pass(pass, depth)?)?;
 /// let style = OutlineStyle { width: 3.0, crease: Some([0.3, 0.3, 0.3, 1.0]), ..OutlineStyle::default() };
 /// let outline = pipeline.prepare(&OutlineInputs { extraction, light: 0, camera, depth, style, marked: None })?;
 /// outline.draw(&mut encoder.begin_render_pass(pass))?;
@@ -212,7 +243,7 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// Draws the outline into a pass with the attachments of the pipeline's format. It sets pipelines and bind groups 0 and 1.
+    /// Draws the outline into a pass with the attachments of the pipeline's format, from [`OutlineFormat::of_pass`]. It sets pipelines and bind groups 0 and 1.
     ///
     /// # Errors
     /// [`ExtractorError::Stale`] if the extractor was encoded again. Nothing is drawn then.
@@ -299,7 +330,8 @@ impl OutlinePipeline {
             let resources = [whole(&view), texture(depth), whole(&shared.buffers.faces), whole(marks)];
             group(device, "outline", &self.layouts[1], &resources)
         });
-        let own = own.map_err(|message| OutlineError::Refused { message })?;
+        let hint = "give a depth view of the depth aspect alone, of one layer";
+        let own = own.map_err(|message| OutlineError::Refused { message: format!("{message}; {hint}") })?;
         Ok(Outline { extraction: extraction.clone(), groups: [results, own], silhouettes, features })
     }
 
