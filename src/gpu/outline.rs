@@ -330,8 +330,8 @@ impl OutlinePipeline {
             let resources = [whole(&view), texture(depth), whole(&shared.buffers.faces), whole(marks)];
             group(device, "outline", &self.layouts[1], &resources)
         });
-        let hint = "give a depth view of the depth aspect alone, of one layer";
-        let own = own.map_err(|message| OutlineError::Refused { message: format!("{message}; {hint}") })?;
+        let hint = "is `depth` a view of the depth aspect alone, of one layer, and has `marked` usage STORAGE?";
+        let own = own.map_err(|message| OutlineError::Refused { message: format!("{hint} {message}") })?;
         Ok(Outline { extraction: extraction.clone(), groups: [results, own], silhouettes, features })
     }
 

@@ -73,7 +73,7 @@ pub(crate) fn pose(model: &Model, pose: &Pose) -> Outcome {
             .flat_map(|matrix| matrix.rows())
             .flatten()
             .chain(pose.morph_weights().iter().copied());
-        ensure(values.all(|v| v.is_finite()), || format!("instance {i}: not finite"))?;
+        ensure(values.all(f32::is_finite), || format!("instance {i}: not finite"))?;
     }
     Ok(())
 }

@@ -44,7 +44,7 @@ fn of_pass() -> Result<(), String> {
             let is_depth_multisampled = read.texture().sample_count() > 1;
             let expected = OutlineFormat { color: format, depth_stencil, samples, is_depth_multisampled };
             let found = OutlineFormat::of_pass(&pass, read).map_err(text)?;
-            same("the format", &[found.clone()], &[expected])?;
+            same("the format", &[&found], &[&expected])?;
             OutlinePipeline::new(&gpu.pipelines, &found).map_err(text)?;
         }
         for (colors, given) in [(vec![], 0), (vec![None], 0), (vec![attach(&color), attach(&color)], 2)] {
