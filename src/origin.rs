@@ -32,7 +32,7 @@ const SHARE: f64 = 1e-3;
 /// # Ok::<(), rimline::MeshError>(())
 /// ```
 ///
-/// A [`Model`](crate::Model) takes it in its poses: [`Self::matrix`] makes the matrices of an
+/// A [`Model`](crate::Model) takes it in its poses: [`Self::transform`] makes the matrices of an
 /// [`InstancePose`](crate::InstancePose). A [`Scene`](crate::gpu::Scene) takes it in the positions or matrices of its
 /// casters, its lights and its cameras. A glTF file does it by itself: `gltf::Asset::set_origin`.
 ///

@@ -136,7 +136,11 @@ impl ShadowMasks {
             (
                 depth.clone(),
                 made.map_err(|message| {
-                    refused(device, "the depth, which is to be a view of the depth aspect alone, of one layer", message)
+                    refused(
+                        device,
+                        "the depth",
+                        format!("is it a view of the depth aspect alone, of one layer? {message}"),
+                    )
                 })?,
             )
         };
