@@ -17,7 +17,7 @@
 //! #     camera: &ShadowCamera, depth: &wgpu::TextureView, pass: &wgpu::RenderPassDescriptor<'_>,
 //! # ) -> Result<(), Box<dyn std::error::Error>> {
 //! // Once:
-//! let outlines = OutlinePipeline::new(device, &OutlineFormat::default())?;
+//! let outlines = OutlinePipeline::new(device, &OutlineFormat::of_pass(pass, depth)?)?;
 //! let mut extractor = Extractor::new(device, mesh, ExtractorOptions::default())?;
 //! // Every frame, after your depth pass:
 //! let extraction = &extractor.encode(encoder, vertices, &[Light::point(eye)])?;
@@ -80,12 +80,12 @@
 //! ```no_run
 //! # use rimline::{gpu::*, *};
 //! # fn f(device: &wgpu::Device, queue: &wgpu::Queue, mesh: &Mesh, vertices: PositionBuffer<'_>, points: PositionBuffer<'_>)
-//! #     -> Result<Vec<u32>, Box<dyn std::error::Error>> {
+//! #     -> Result<Vec<i32>, Box<dyn std::error::Error>> {
 //! let mut query = ShadowQuery::new(device, mesh, ShadowQueryOptions::default())?;
 //! let mut encoder = device.create_command_encoder(&Default::default());
 //! query.encode_at(&mut encoder, vertices, points, 1000, &[Light::point([0.0, 5.0, 2.0])])?;
 //! queue.submit([encoder.finish()]);
-//! Ok(read_back_vec(device, queue, query.depths())?)
+//! Ok(query.read_depths(queue)?)
 //! # }
 //! ```
 //!

@@ -129,7 +129,7 @@ fn fresh(
     let lights: Vec<(LightHandle, LightHandle)> = lights.collect::<Result<_, String>>()?;
     for own in &content.casters {
         let positions = match &own.placed {
-            Placed::Rigid(rows) => CasterPositions::Rigid(*rows),
+            Placed::Rigid(rows) => CasterPositions::Rigid((*rows).into()),
             Placed::World(world) => CasterPositions::Buffer { buffer: gpu.storage(world), offset: 0, stride: 12 },
         };
         let allowed = lights.iter().filter(|(old, _)| own.lights.contains(*old)).map(|(_, new)| *new);

@@ -454,7 +454,7 @@ fn zeros() -> Result<(), String> {
     let cube = scene.content.meshes.iter().position(|(case, _)| case.0 == "cube");
     let mesh = cube.unwrap_or(0);
     let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    scene.insert_as(mesh, Placed::Rigid(rows), CasterPositions::Rigid(rows))?;
+    scene.insert_as(mesh, Placed::Rigid(rows), CasterPositions::Rigid(rows.into()))?;
     // A corner of a face lies in its plane.
     let (_, corner, shape) = &*scene.content.meshes[mesh].0.clone();
     let at = corner[shape.faces()[0][0] as usize];

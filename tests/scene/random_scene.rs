@@ -184,7 +184,7 @@ impl RandomScene {
 
     pub(crate) fn insert_rigid_of(&mut self, mesh: usize) -> Result<(), String> {
         let transform = self.transform();
-        self.insert_as(mesh, Placed::Rigid(transform), CasterPositions::Rigid(transform)).map(drop)
+        self.insert_as(mesh, Placed::Rigid(transform), CasterPositions::Rigid(transform.into())).map(drop)
     }
 
     pub(crate) fn insert_as(

@@ -134,8 +134,8 @@ impl SceneFrame {
     /// Draws the shadow volumes of all casters for a light, as the camera with number `view` sees them, into a pass with
     /// the attachments of `pipelines`. Views are the cameras of the encode, counted from 0. It counts up from the current
     /// content of the bits of the stencil that counts own, which must be 0 if casters are counted in batches. The other bits stay
-    /// as they are. Other state of the pass does not matter. It changes the pipeline and bind groups 0 and 1, and sets the
-    /// stencil reference to 0 if casters are counted in batches.
+    /// as they are. Other state of the pass does not matter. It changes the pipeline and bind groups 0 and 1, and sets
+    /// the stencil reference to 0, with which pipelines that add light compare.
     ///
     /// Each light has a pass of its own. The pass loads the depths of the depth pass and clears the stencil to 0. After
     /// this draw, the same pass adds the light where the stencil is still 0: with a pipeline of
@@ -161,6 +161,7 @@ impl SceneFrame {
             return Err(ShadowError::CountBatches { count_batches: self.count_batches });
         }
         self.record(pass, pipelines, view, light);
+        pass.set_stencil_reference(0);
         Ok(())
     }
 

@@ -39,7 +39,7 @@ impl MeshReport {
             let name = geometry.name().map(str::to_owned);
             return Ok(Self { name, vertices, ..Self::default() });
         }
-        let mesh = Mesh::from_faces(geometry.positions().len(), geometry.faces().to_vec())?;
+        let mesh = geometry.mesh()?;
         Ok(Self {
             name: geometry.name().map(str::to_owned),
             vertices,

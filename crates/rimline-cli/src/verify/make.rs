@@ -113,7 +113,7 @@ impl Maker<'_> {
         let refused = |error: InputError| Failure::input(&target(self.folder, &name))(error);
         let geometry = Geometry::new(positions, faces, GeometryOptions::default());
         let (geometry, _) = geometry.map_err(|error| refused(error.into()))?.welded(Weld::Position);
-        let mesh = Mesh::from_faces(geometry.positions().len(), geometry.faces().to_vec());
+        let mesh = geometry.mesh();
         let mesh = mesh.map_err(|error| refused(error.into()))?;
         self.write(&name, geometry.positions(), mesh, &lights, Origin::ZERO)
     }
