@@ -3,7 +3,8 @@
 use crate::cover::{Segment, Triangle};
 use crate::edges::Line;
 use crate::frame::{Frame, Part};
-use crate::tree::{Reach, Tree};
+use crate::hiders::Reach;
+use crate::tree::Tree;
 use crate::world::World;
 
 /// A part of a line with one number of faces in front.
@@ -50,14 +51,18 @@ pub(crate) fn count(
     let segment = Segment::new(world, line.vertices, is_long);
     scratch.changes.clear();
     scratch.toggles.clear();
-    tree.visit(&Reach::new(frame, part), |triangle| {
-        let Some(covered) = segment.covered_by(triangle) else { return };
-        if triangle.polygon() == Triangle::ALONE {
-            scratch.changes.extend([(covered[0], 1), (covered[1], -1)]);
-        } else {
-            scratch.toggles.extend(covered.map(|at| (triangle.polygon(), at)));
-        }
-    });
+    let reach = Reach::new(frame, part);
+    tree.visit(
+        |around| reach.meets(around),
+        |triangle| {
+            let Some(covered) = segment.covered_by(triangle) else { return };
+            if triangle.polygon() == Triangle::ALONE {
+                scratch.changes.extend([(covered[0], 1), (covered[1], -1)]);
+            } else {
+                scratch.toggles.extend(covered.map(|at| (triangle.polygon(), at)));
+            }
+        },
+    );
     scratch.count_polygons();
     let Scratch { changes, .. } = scratch;
     changes.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));

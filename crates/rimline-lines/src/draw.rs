@@ -9,11 +9,12 @@ use crate::drawing::{Drawing, Span};
 use crate::edges::{Line, lines};
 use crate::error::LinesError;
 use crate::frame::{Frame, Part};
+use crate::hiders::hiders;
 use crate::meet::meet;
 use crate::object::Object;
 use crate::options::{LineClass, LineOptions, PageBox};
 use crate::parallel::blocks;
-use crate::tree::{Cells, Item, Tree};
+use crate::tree::{Box3, Tree};
 use crate::view::View;
 use crate::world::World;
 
@@ -40,15 +41,14 @@ pub fn draw(
     check_memory(&world, 0, options)?;
     let mut lines = lines(&world, options, &mut left_out)?;
     if options.classes.contains(LineClass::Intersection) {
-        let (frame, _) = Frame::new(&world, &lines, options)?;
-        meet(&mut world, &frame, options.threads, &mut lines);
+        meet(&mut world, options.threads, &mut lines);
     }
     check_memory(&world, lines.len(), options)?;
     if progress(0, lines.len()).is_break() {
         return Err(LinesError::Cancelled);
     }
     let (frame, parts) = Frame::new(&world, &lines, options)?;
-    let tree = Tree::of_triangles(&world, &frame, &Cells::new(&frame, &parts), options.threads);
+    let tree = hiders(&world, &frame, &parts, options.threads);
     let pieces = pieces(&world, &frame, &tree, &lines, &parts, options, &mut progress)?;
     drop(tree);
     let pieces = Drawn { world: &world, lines: &lines, parts: &parts, pieces: &pieces }.once(&frame, options.threads);
@@ -105,7 +105,7 @@ fn check_memory(world: &World<'_>, lines: usize, options: &LineOptions) -> Resul
     let own_positions = if world.placed.len() == 1 { 0 } else { 12 * vertices };
     // Masks and buckets of edges; then boxes and nodes of faces, and lines with their parts, pieces and spans.
     let finding = 4 * vertices + 4 * faces + 16 * edges;
-    let hiding = (size_of::<Item<Triangle>>() + 10) * faces;
+    let hiding = (size_of::<(Box3, Triangle)>() + 16) * faces;
     let drawing =
         (size_of::<Line>() + size_of::<Option<Part>>() + 2 * size_of::<Piece>() + 2 * size_of::<Span>() + 32) * lines;
     let needed = (own_positions + finding.max(hiding) + drawing) as u64;

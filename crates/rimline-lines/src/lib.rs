@@ -31,6 +31,7 @@ mod edges;
 mod error;
 mod exact;
 mod frame;
+mod hiders;
 mod meet;
 mod object;
 mod options;

@@ -6,15 +6,14 @@ use rimline::cpu::Threads;
 
 use crate::drawing::FaceId;
 use crate::edges::Line;
-use crate::exact::{Plane, face_value};
-use crate::frame::Frame;
+use crate::exact::{Height, Plane, face_value};
 use crate::options::LineClass;
 use crate::parallel::ranges;
-use crate::tree::{Reach, Tree};
+use crate::tree::{Box3, Tree};
 use crate::world::{Pierce, World};
 
 /// Faces at a time.
-const RUN: usize = 1024;
+const RUN: usize = 1 << 14;
 
 /// An end of a line where two faces meet.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -29,7 +28,7 @@ enum End {
 struct Face {
     placed: u32,
     /// The face that edge records name: the triangle or its polygon.
-    face: u32,
+    number: u32,
     corners: [u32; 3],
     positions: [[f32; 3]; 3],
 }
@@ -37,29 +36,23 @@ struct Face {
 /// Adds the lines where faces pass through each other, and what they are made of to the world.
 ///
 /// A vertex in the plane of another face counts as in front of it, so surfaces that touch from there meet nowhere.
-pub(crate) fn meet(world: &mut World<'_>, frame: &Frame, threads: Threads, lines: &mut Vec<Line>) {
+pub(crate) fn meet(world: &mut World<'_>, threads: Threads, lines: &mut Vec<Line>) {
     let faces = Faces::new(world);
-    let tree = Tree::of_boxes(frame, faces.count, threads, |number| faces.get(number).positions);
-    let found = ranges(threads, faces.count as usize, RUN, |range| {
-        let (mut found, mut near) = (Vec::new(), Vec::new());
-        for number in range {
-            let number = number as u32;
-            let face = faces.get(number);
-            near.clear();
-            tree.visit(&Reach::of_triangle(frame, face.positions), |other: u32| {
-                near.extend((other > number).then_some(other))
-            });
-            near.sort_unstable();
-            let met = near.iter().filter_map(|&other| {
-                let other = faces.get(other);
-                meeting(&face, &other).map(|ends| (ends, [face, other].map(|face| (face.placed, face.face))))
-            });
-            found.extend(met);
-        }
-        found
+    let boxes = ranges(threads, faces.count as usize, RUN, |range| {
+        range.map(|number| (Box3::around(faces.get(number as u32).positions), number as u32)).collect::<Vec<_>>()
     });
+    let tree = Tree::new(boxes.concat(), 3, threads);
+    let found = tree.pairs(threads, |found, one: u32, other: u32| {
+        let numbers = [one.min(other), one.max(other)];
+        let [one, other] = numbers.map(|number| faces.get(number));
+        if let Some(ends) = meeting(&one, &other) {
+            found.push((numbers, ends, [one, other].map(|face| (face.placed, face.number))));
+        }
+    });
+    let mut found = found.concat();
+    found.sort_unstable_by_key(|&(numbers, ..)| numbers);
     let (mut numbers, vertices) = (HashMap::new(), world.positions.len() as u32);
-    for (ends, of) in found.into_iter().flatten() {
+    for (_, ends, of) in found {
         let vertices = ends.map(|end| match end {
             End::Vertex(vertex) => vertex,
             End::Pierce(edge, face) => {
@@ -93,7 +86,10 @@ impl<'a> Faces<'a> {
             count - placed.object.mesh.faces().len() as u32
         });
         let first = first.collect();
-        let polygons = world.placed.iter().map(|placed| placed.object.mesh.polygons().map(|of| of.triangle_polygons()));
+        let polygons = world
+            .placed
+            .iter()
+            .map(|placed| placed.object.mesh.polygons().map(rimline::mesh::Polygons::triangle_polygons));
         Self { world, first, polygons: polygons.collect(), count }
     }
 
@@ -101,16 +97,16 @@ impl<'a> Faces<'a> {
         let at = self.first.partition_point(|&first| first <= number) - 1;
         let (placed, triangle) = (&self.world.placed[at], (number - self.first[at]) as usize);
         let corners = placed.object.mesh.faces()[triangle].map(|vertex| vertex + placed.first_vertex);
-        let face = self.polygons[at].as_ref().map_or(triangle as u32, |of| of[triangle]);
+        let number = self.polygons[at].as_ref().map_or(triangle as u32, |of| of[triangle]);
         let positions = corners.map(|vertex| self.world.positions[vertex as usize]);
-        Face { placed: at as u32, face, corners, positions }
+        Face { placed: at as u32, number, corners, positions }
     }
 }
 
 /// The ends of the line where two faces pass through each other.
 fn meeting(one: &Face, other: &Face) -> Option<[End; 2]> {
     let shared = one.corners.iter().filter(|vertex| other.corners.contains(vertex)).count();
-    if shared >= 2 || (one.placed, one.face) == (other.placed, other.face) {
+    if shared >= 2 || (one.placed, one.number) == (other.placed, other.number) {
         return None;
     }
     let crossings = [crossings(one, other)?, crossings(other, one)?];
@@ -136,7 +132,7 @@ fn crossings(face: &Face, other: &Face) -> Option<[(End, [f64; 3]); 2]> {
     let [a, b, c] = other.positions;
     let plane = Plane::of_face(a, b, c);
     let heights = face.positions.map(|p| plane.height(p.map(f64::from)));
-    let quick = heights.map(|height| height.certain_sign());
+    let quick = heights.map(Height::certain_sign);
     if quick == [1; 3] || quick == [-1; 3] {
         return None;
     }

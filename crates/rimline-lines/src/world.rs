@@ -72,13 +72,11 @@ impl<'a> World<'a> {
                 }
             }
         }
-        let positions = match &*placed {
-            [only] => Cow::Borrowed(&only.object.positions[..vertices]),
-            _ => {
-                let own =
-                    placed.iter().map(|placed| &placed.object.positions[..placed.object.mesh.vertex_count() as usize]);
-                Cow::Owned(own.collect::<Vec<_>>().concat())
-            }
+        let own = |placed: &Placed<'a>| &placed.object.positions[..placed.object.mesh.vertex_count() as usize];
+        let positions = if let [only] = &*placed {
+            Cow::Borrowed(own(only))
+        } else {
+            Cow::Owned(placed.iter().map(own).collect::<Vec<_>>().concat())
         };
         Ok(Self { placed, positions, view, eye: view.eye().to_array(), pierces: Vec::new(), meetings: Vec::new() })
     }
