@@ -6,7 +6,7 @@ use rimline::cpu::Threads;
 
 use crate::drawing::FaceId;
 use crate::edges::Line;
-use crate::exact::{Height, Plane, face_value};
+use crate::exact::{Plane, face_value};
 use crate::options::LineClass;
 use crate::parallel::ranges;
 use crate::tree::{Box3, Tree};
@@ -131,14 +131,15 @@ fn meeting(one: &Face, other: &Face) -> Option<[End; 2]> {
 fn crossings(face: &Face, other: &Face) -> Option<[(End, [f64; 3]); 2]> {
     let [a, b, c] = other.positions;
     let plane = Plane::of_face(a, b, c);
+    let is_shared = face.corners.map(|vertex| other.corners.contains(&vertex));
     let heights = face.positions.map(|p| plane.height(p.map(f64::from)));
-    let quick = heights.map(Height::certain_sign);
-    if quick == [1; 3] || quick == [-1; 3] {
+    // A shared corner is in the plane. With all others on one side, that is all that is.
+    let others = || (0..3).filter(|&at| !is_shared[at]).map(|at| heights[at].certain_sign());
+    if others().all(|sign| sign > 0) || others().all(|sign| sign < 0) {
         return None;
     }
-    let is_shared = |at: usize| other.corners.contains(&face.corners[at]);
     let value = |at: usize| {
-        if is_shared(at) {
+        if is_shared[at] {
             0.0
         } else {
             heights[at].accurate().unwrap_or_else(|| face_value(a, b, c, face.positions[at])).number()
