@@ -94,6 +94,9 @@ pub enum Fault {
     /// It is left out: it has no faces, or each of them names a vertex twice.
     #[error("there is no face of three different vertices; the object is left out")]
     NoFaces,
+    /// It has no outline: it reaches behind the eye, or nearer than lines are drawn.
+    #[error("the object reaches behind the eye or too near to it; it has no outline")]
+    TooNear,
     /// It is drawn, but an edge that the caller marks is not there.
     #[error("the marked edge from vertex {} to {} is no edge of the mesh; the rest is drawn", vertices[0], vertices[1])]
     NoSuchEdge {

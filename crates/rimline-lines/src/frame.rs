@@ -74,11 +74,7 @@ impl Frame {
         let eye = if view.is_perspective() { view.eye().xyz } else { [0.0; 3] };
         let reach = eye.into_iter().fold(f64::from(largest), |reach, c| reach.max(f64::from(c.abs())));
         let ends = |line: &Line| line.vertices.map(|vertex| world.point(vertex));
-        let near = match options.near {
-            Some(near) if near.is_finite() && near > 0.0 => near,
-            Some(near) => return Err(LinesError::Near { near }),
-            None => lines.iter().flat_map(ends).map(|end| view.depth(end)).fold(f64::MIN_POSITIVE, f64::max) * 1e-3,
-        };
+        let near = near_of(&view, options, || lines.iter().flat_map(ends))?;
         let (window, error) = (options.window, 1e-14 * reach);
         let (low, size, depth_low, depth_size) = ([0.0; 2], 1.0, 0.0, 1.0);
         let mut frame = Self { view, near, window, low, size, depth_low, depth_size, error };
@@ -161,6 +157,19 @@ impl Frame {
             low: [below(at(0, -error)), below(at(1, -error)), below(deep(-self.error))],
             high: [above(at(0, error)), above(at(1, error)), above(deep(self.error))],
         }
+    }
+}
+
+/// The depth from which on lines are drawn.
+pub(crate) fn near_of<I: Iterator<Item = [f64; 3]>>(
+    view: &View,
+    options: &LineOptions,
+    points: impl FnOnce() -> I,
+) -> Result<f64, LinesError> {
+    match options.near {
+        Some(near) if near.is_finite() && near > 0.0 => Ok(near),
+        Some(near) => Err(LinesError::Near { near }),
+        None => Ok(1e-3 * points().map(|point| view.depth(point)).fold(f64::MIN_POSITIVE, f64::max)),
     }
 }
 
