@@ -47,7 +47,7 @@ pub(crate) fn count(
     pieces: &mut Vec<Piece>,
 ) {
     let is_perspective = world.view.is_perspective();
-    let is_long = is_perspective && part.ends != [0.0, 1.0];
+    let is_long = part.ends != [0.0, 1.0];
     let segment = Segment::new(world, line.vertices, is_long);
     scratch.changes.clear();
     scratch.toggles.clear();
