@@ -41,10 +41,10 @@ pub enum LinesError {
         /// The limit.
         limit: u64,
     },
-    /// There are more vertices or faces than 32 bits can number.
-    #[error("the objects have {count} {what} together, and at most {most} can be drawn; draw fewer objects at a time")]
+    /// There are more vertices, faces or pieces of lines than 32 bits can number.
+    #[error("there are {count} {what}, and at most {most} can be drawn; draw fewer objects or classes at a time")]
     TooMany {
-        /// `vertices` or `faces`.
+        /// What there are too many of.
         what: &'static str,
         /// How many there are.
         count: usize,
@@ -60,6 +60,11 @@ pub enum LinesError {
     /// The caller ended it.
     #[error("the drawing was cancelled")]
     Cancelled,
+}
+
+/// Refuses more than can be numbered.
+pub(crate) fn check_count(what: &'static str, count: usize, most: usize) -> Result<(), LinesError> {
+    if count > most { Err(LinesError::TooMany { what, count, most }) } else { Ok(()) }
 }
 
 /// An object that is not drawn, or not as asked.

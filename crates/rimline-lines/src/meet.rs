@@ -1,11 +1,13 @@
 //! Where faces pass through each other.
 
 use std::collections::HashMap;
+use std::ops::ControlFlow;
 
 use rimline::cpu::Threads;
 
 use crate::drawing::FaceId;
 use crate::edges::Line;
+use crate::error::{LinesError, check_count};
 use crate::exact::{Plane, face_value};
 use crate::options::LineClass;
 use crate::parallel::ranges;
@@ -36,21 +38,34 @@ struct Face {
 /// Adds the lines where faces pass through each other, and what they are made of to the world.
 ///
 /// A vertex in the plane of another face counts as in front of it, so surfaces that touch from there meet nowhere.
-pub(crate) fn meet(world: &mut World<'_>, threads: Threads, lines: &mut Vec<Line>) {
+pub(crate) fn meet(
+    world: &mut World<'_>,
+    lines: &mut Vec<Line>,
+    threads: Threads,
+    tick: &mut dyn FnMut(usize) -> ControlFlow<()>,
+) -> Result<(), LinesError> {
     let faces = Faces::new(world);
     let boxes = ranges(threads, faces.count as usize, RUN, |range| {
-        range.map(|number| (Box3::around(faces.get(number as u32).positions), number as u32)).collect::<Vec<_>>()
+        range
+            .map(|number| (Box3::around(faces.positions(faces.corners(number as u32))), number as u32))
+            .collect::<Vec<_>>()
     });
     let tree = Tree::new(boxes.concat(), 3, threads);
-    let found = tree.pairs(threads, |found, one: u32, other: u32| {
+    let found = tree.pairs(threads, tick, |found, one: u32, other: u32| {
         let numbers = [one.min(other), one.max(other)];
-        let [one, other] = numbers.map(|number| faces.get(number));
-        if let Some(ends) = meeting(&one, &other) {
-            found.push((numbers, ends, [one, other].map(|face| (face.placed, face.number))));
+        let [corners, others] = numbers.map(|number| faces.corners(number));
+        // Faces of an edge meet there.
+        if corners.iter().filter(|vertex| others.contains(vertex)).count() < 2 {
+            let [one, other] = numbers.map(|number| faces.get(number));
+            if let Some(ends) = meeting(&one, &other) {
+                found.push((numbers, ends, [one, other].map(|face| (face.placed, face.number))));
+            }
         }
     });
+    let Some(found) = found else { return Err(LinesError::Cancelled) };
     let mut found = found.concat();
     found.sort_unstable_by_key(|&(numbers, ..)| numbers);
+    check_count("points where faces meet", world.positions.len() + 2 * found.len(), u32::MAX as usize)?;
     let (mut numbers, vertices) = (HashMap::new(), world.positions.len() as u32);
     for (_, ends, of) in found {
         let vertices = ends.map(|end| match end {
@@ -67,6 +82,7 @@ pub(crate) fn meet(world: &mut World<'_>, threads: Threads, lines: &mut Vec<Line
         world.meetings.push(of.map(|(placed, face)| FaceId { object: world.placed[placed as usize].number, face }));
         lines.push(Line { vertices, class: LineClass::Intersection, placed: of[0].0, record });
     }
+    Ok(())
 }
 
 /// The triangles of all objects, by one number.
@@ -93,20 +109,33 @@ impl<'a> Faces<'a> {
         Self { world, first, polygons: polygons.collect(), count }
     }
 
+    /// The object of a triangle, and its number there.
+    fn place(&self, number: u32) -> (usize, usize) {
+        let placed = if self.first.len() == 1 { 0 } else { self.first.partition_point(|&first| first <= number) - 1 };
+        (placed, (number - self.first[placed]) as usize)
+    }
+
+    fn corners(&self, number: u32) -> [u32; 3] {
+        let (placed, triangle) = self.place(number);
+        let placed = &self.world.placed[placed];
+        placed.object.mesh.faces()[triangle].map(|vertex| vertex + placed.first_vertex)
+    }
+
+    fn positions(&self, corners: [u32; 3]) -> [[f32; 3]; 3] {
+        corners.map(|vertex| self.world.positions[vertex as usize])
+    }
+
     fn get(&self, number: u32) -> Face {
-        let at = self.first.partition_point(|&first| first <= number) - 1;
-        let (placed, triangle) = (&self.world.placed[at], (number - self.first[at]) as usize);
-        let corners = placed.object.mesh.faces()[triangle].map(|vertex| vertex + placed.first_vertex);
-        let number = self.polygons[at].as_ref().map_or(triangle as u32, |of| of[triangle]);
-        let positions = corners.map(|vertex| self.world.positions[vertex as usize]);
-        Face { placed: at as u32, number, corners, positions }
+        let (placed, triangle) = self.place(number);
+        let corners = self.corners(number);
+        let number = self.polygons[placed].as_ref().map_or(triangle as u32, |of| of[triangle]);
+        Face { placed: placed as u32, number, corners, positions: self.positions(corners) }
     }
 }
 
 /// The ends of the line where two faces pass through each other.
 fn meeting(one: &Face, other: &Face) -> Option<[End; 2]> {
-    let shared = one.corners.iter().filter(|vertex| other.corners.contains(vertex)).count();
-    if shared >= 2 || (one.placed, one.number) == (other.placed, other.number) {
+    if (one.placed, one.number) == (other.placed, other.number) {
         return None;
     }
     let crossings = [crossings(one, other)?, crossings(other, one)?];
@@ -134,8 +163,8 @@ fn crossings(face: &Face, other: &Face) -> Option<[(End, [f64; 3]); 2]> {
     let is_shared = face.corners.map(|vertex| other.corners.contains(&vertex));
     let heights = face.positions.map(|p| plane.height(p.map(f64::from)));
     // A shared corner is in the plane. With all others on one side, that is all that is.
-    let others = || (0..3).filter(|&at| !is_shared[at]).map(|at| heights[at].certain_sign());
-    if others().all(|sign| sign > 0) || others().all(|sign| sign < 0) {
+    let is_on = |side: i32| (0..3).all(|at| is_shared[at] || heights[at].certain_sign() == side);
+    if is_on(1) || is_on(-1) {
         return None;
     }
     let value = |at: usize| {

@@ -53,7 +53,8 @@ pub struct Outlines {
 pub fn outlines(objects: &[Object<'_>], view: &View, options: &LineOptions) -> Result<Outlines, LinesError> {
     let mut left_out = Vec::new();
     let world = World::new(objects, *view, &mut left_out)?;
-    let near = near_of(view, options, || world.positions.iter().map(|position| position.map(f64::from)))?;
+    let points = || world.positions.iter().filter(|p| p.iter().all(|c| c.is_finite())).map(|p| p.map(f64::from));
+    let near = near_of(view, options, points)?;
     let mut found = vec![Outline::default(); objects.len()];
     let mut all = Vec::new();
     for placed in &world.placed {

@@ -1,8 +1,10 @@
 //! Trees of boxes.
 
+use std::ops::ControlFlow;
+
 use rimline::cpu::Threads;
 
-use crate::parallel::ranges;
+use crate::parallel::blocks;
 
 /// A box along three axes. On the page the third is the depth.
 #[derive(Clone, Copy, Debug)]
@@ -100,8 +102,13 @@ impl<T: Copy + Send + Sync> Tree<T> {
         }
     }
 
-    /// What `found` adds for all pairs of items whose boxes meet, in any order.
-    pub(crate) fn pairs<R: Send>(&self, threads: Threads, found: impl Fn(&mut Vec<R>, T, T) + Sync) -> Vec<Vec<R>> {
+    /// What `found` adds for all pairs of items whose boxes meet, in any order. `None` if `tick` ends it.
+    pub(crate) fn pairs<R: Send>(
+        &self,
+        threads: Threads,
+        tick: &mut dyn FnMut(usize) -> ControlFlow<()>,
+        found: impl Fn(&mut Vec<R>, T, T) + Sync,
+    ) -> Option<Vec<Vec<R>>> {
         let mut pairs = if self.nodes.is_empty() { Vec::new() } else { vec![[self.root(); 2]] };
         // The same pairs of nodes with any number of threads.
         while (1..SHARED).contains(&pairs.len()) && pairs.iter().any(|pair| pair[0].leaves + pair[1].leaves > 2) {
@@ -111,9 +118,9 @@ impl<T: Copy + Send + Sync> Tree<T> {
             }
             pairs = next;
         }
-        ranges(threads, pairs.len(), 1, |range| {
+        let work = |number: usize| {
             let mut results = Vec::new();
-            let mut stack = pairs[range].to_vec();
+            let mut stack = vec![pairs[number]];
             while let Some(pair) = stack.pop() {
                 if pair[0].leaves + pair[1].leaves > 2 {
                     self.split(pair, |pair| stack.push(pair));
@@ -131,7 +138,8 @@ impl<T: Copy + Send + Sync> Tree<T> {
                 }
             }
             results
-        })
+        };
+        blocks(threads, pairs.len(), work, tick)
     }
 
     /// The pairs of nodes below a pair of nodes whose boxes meet. Pairs of leaves stay.
