@@ -2,4 +2,5 @@
 
 mod counts;
 mod edge_cases;
+mod outlines;
 mod support;
