@@ -8,7 +8,7 @@ pub mod layout {
     pub use crate::layout::*;
 }
 
-/// What an invocation takes in turn at most.
+/// Most items that an invocation takes in turn.
 #[cfg(feature = "gpu")]
 pub mod turns {
     pub use crate::turns::*;

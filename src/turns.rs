@@ -1,4 +1,4 @@
-//! What an invocation takes in turn at most, so that its loops end. llvmpipe silently ends all loops of an invocation after 65,535
+//! Most items that an invocation takes in turn, so that its loops end. llvmpipe silently ends all loops of an invocation after 65,535
 //! turns together, and drivers stop what runs long. docs/numerics/loops.md says how turns count. A comment above each loop says
 //! how many it has, and a test adds them up: a new loop without one, or one above the bound, fails it.
 

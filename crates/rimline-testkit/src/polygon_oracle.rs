@@ -37,7 +37,7 @@ fn is_zero(v: &Vector) -> bool {
 
 /// An outline and a light, in integers of one scale.
 struct Scaled {
-    /// Those that have a length.
+    /// Edges that have a length.
     edges: Vec<[Vector; 2]>,
     light: Vector,
     w: BigInt,

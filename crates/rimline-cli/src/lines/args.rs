@@ -68,7 +68,7 @@ pub(crate) struct LinesArgs {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "all")]
     classes: Vec<ClassArg>,
 
-    /// What becomes of lines behind faces
+    /// How lines behind faces are drawn
     #[arg(long, value_enum, default_value_t = Hidden::None)]
     pub(crate) hidden: Hidden,
 
@@ -167,7 +167,7 @@ impl FromStr for ClassArg {
     }
 }
 
-/// What becomes of hidden lines.
+/// How hidden lines are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Hidden {
     /// They are not drawn
