@@ -236,7 +236,7 @@ fn models(random: &mut Random) -> Vec<(&'static str, Vec<Shape>)> {
 #[test]
 fn counts_are_exact() {
     let mut random = Random::new(1);
-    let points = if is_long() { 9_000 } else { 600 };
+    let points = if is_long() { 10_500 } else { 600 };
     let mut total = Found::default();
     for (name, shapes) in models(&mut random) {
         let [least, most] = corners(&shapes);

@@ -3,4 +3,5 @@
 mod counts;
 mod edge_cases;
 mod outlines;
+mod pictures;
 mod support;
