@@ -72,7 +72,7 @@ pub(crate) fn run() -> Result<(), String> {
         remove_old(&out)?;
         let mut draw = program("rimline");
         draw.arg(picture.command).arg(demo.join(picture.model)).args(picture.view.split(' '));
-        if !picture.file.ends_with(".svg") {
+        if picture.command != "lines" {
             draw.args(["--size", "960x1200"]);
         }
         process::run(draw.arg("--out").arg(&out))?;
