@@ -247,3 +247,22 @@ fn windows_cut_lines() {
         }
     }
 }
+
+/// A line that an edge crosses at next to no angle is cut where integers say: numbers in `f64` lose all but a few digits there.
+#[test]
+fn cuts_at_small_angles() {
+    // Neighbours among Fibonacci's numbers make determinants of 1.
+    let eye = [1_048_573.0, 1_048_571.0, 1_048_561.0];
+    let above = |[x, y]: [f32; 2]| [x + eye[0], y + eye[1], eye[2]];
+    let roof = [[0.0; 2], [2_178_309.0, 1_346_269.0], [-1_346_269.0, 2_178_309.0]].map(above);
+    let [a, b] = [[1_347_256.0, 832_650.0, 0.0], [1_343_308.0, 830_210.0, 0.0_f32]];
+    let below = vec![a, b, [a[0], a[1], -1e6]];
+    let shapes = [shape(roof.to_vec(), &[[0, 1, 2]]), shape(below, &[[0, 1, 2]])];
+    let drawing = drawn(&shapes, &View::orthographic(eye, [0.0, 0.0, 1.0]).expect("a view"));
+    let edge = drawing.spans.iter().filter(|span| (span.object, span.edge) == (1, Some(0)));
+    let hidden: Vec<_> = edge.filter(|span| span.faces_in_front == 1).collect();
+    let [only] = &*hidden else { panic!("{drawing:?}") };
+    let shares = only.ends.map(|end| (end[0] - f64::from(a[0])) / f64::from(b[0] - a[0]));
+    let cut = shares[0].max(shares[1]);
+    assert!((cut - 986.0 / 3948.0).abs() < 1e-8 && shares[0].min(shares[1]) == 0.0, "{shares:?}");
+}
